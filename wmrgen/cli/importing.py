@@ -21,12 +21,13 @@ def import_robot(
     arguments: Sequence[str] | None,
     out: Path | None,
     base: str | None,
+    forward: str | None,
     package: Sequence[str] | None,
     as_json: bool,
 ) -> int:
     """Write or print the robot file; say what is open."""
     try:
-        robot = import_wheels(description_of(file, arguments or (), package or ()), base)
+        robot = import_wheels(description_of(file, arguments or (), package or ()), base, forward)
     except RobotFileError as error:
         name = printable(file.name)
         if name in error.what:

@@ -74,12 +74,14 @@ class Candidate:
 
 
 class Robot:
-    """A description seen from its base frame."""
+    """A description seen from its base frame, of which the direction ``forward`` is taken for x."""
 
-    def __init__(self, description: Description, base: str) -> None:
+    def __init__(self, description: Description, base: str, forward: tuple[int, int] = (1, 0)) -> None:
         self.description, self.base = description, base
         self.above = parents(description.joints)
-        self._to_base = inverse(pose(base, self.above))
+        c, s = map(Fraction, forward)
+        turn = Frame(((c, s, Z[0]), (-s, c, Z[0]), Z), (Z[0], Z[0], Z[0]))
+        self._to_base = composed(turn, inverse(pose(base, self.above)))
         self._trunk = {joint.child for joint in ancestors(base, self.above)}
         self._root = self._root_of(base)
         self._below: dict[str, list[Joint]] = {}
@@ -133,6 +135,13 @@ class Robot:
                 if shape.radius:
                     yield shape.kind, shape.role, shape.radius, composed(self.frame(each), shape.frame)
 
+    def balls(self, link: str) -> Iterator[tuple[Vector, Fraction]]:
+        """Centre and lowest height of the cylinders and spheres of a link itself."""
+        for shape in self.description.shapes.get(link, ()):
+            if shape.radius:
+                centre = composed(self.frame(link), shape.frame).origin
+                yield centre, centre[2] - shape.radius
+
     def round_shape(self, link: str, origin: Vector, axis: Vector) -> Round | None:
         """The largest coaxial cylinder or sphere, of the collision before the visual."""
         shapes = []
@@ -154,11 +163,28 @@ def candidates(robot: Robot) -> list[Candidate]:
     joints = [j for j in robot.description.joints if robot.reaches(j.child)]
     spins = [c for joint in joints if (c := _spin(robot, joint) or _steer_only(robot, joint))]
     rollers = {roller.child for c in spins for roller in c.rollers}
-    wheels = _on_ground([c for c in spins if c.joint.child not in rollers])
-    if len(wheels) < 2:
-        fixed = [c for joint in joints if not joint.moves and (c := _fixed(robot, joint))]
-        wheels = _on_ground([c for c in spins if c.joint.child not in rollers] + fixed)
-    return wheels
+    spins = [c for c in spins if c.joint.child not in rollers and not _shown_only(robot, c)]
+    wheels = _on_ground(spins)
+    return wheels if len(wheels) > 1 else _on_ground(spins + _all_fixed(robot))
+
+
+def rigid_wheels(robot: Robot, wheels: Sequence[Candidate]) -> list[Candidate]:
+    """What stands on the ground beside the wheels and looks like one, on joints that are all fixed."""
+    others = [c for c in _all_fixed(robot) if all(c.joint is not w.joint for w in wheels)]
+    standing = _on_ground([*wheels, *others])
+    return [c for c in others if c in standing]
+
+
+def _all_fixed(robot: Robot) -> list[Candidate]:
+    joints = (j for j in robot.description.joints if not j.moves and robot.reaches(j.child))
+    return [c for joint in joints if (c := _fixed(robot, joint))]
+
+
+def _shown_only(robot: Robot, c: Candidate) -> bool:
+    """A wheel that is drawn and touches nothing, and that others mimic: a controller's, not the robot's."""
+    leaders = {joint.mimic[0] for joint in robot.description.joints if joint.mimic}
+    roles = {role for _, role, _, _ in robot.shapes(c.joint.child)}
+    return roles == {"visual"} and bool(leaders & {c.joint.name, c.steer.name if c.steer else ""})
 
 
 def _spin(robot: Robot, joint: Joint) -> Candidate | None:
@@ -184,9 +210,10 @@ def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
     joint = candidate.joint
     others = [turned(w.rotation, Z) for kind, _, _, w in robot.shapes(joint.child) if kind == "cylinder"]
     if joint.axis is None and candidate.shape is None and others:
-        shape = robot.round_shape(joint.child, candidate.origin, unit(others[0]))
+        axis = _forward(unit(others[0]))
+        shape = robot.round_shape(joint.child, candidate.origin, axis)
         why = "it has no <axis>, so 1 0 0, which is not that of its cylinder"
-        return replace(candidate, shape=shape, doubt=why, unsure=True)
+        return replace(candidate, axis=axis, shape=shape, doubt=why, unsure=True)
     if candidate.steer is None:
         silent = [j for j in candidate.via if j.turns and j.axis is None]
         if silent:
@@ -213,7 +240,11 @@ def _level_cylinder(robot: Robot, link: str) -> Vector | None:
     along = [turned(w.rotation, Z) for kind, _, _, w in robot.shapes(link) if kind == "cylinder"]
     if not along or abs(along[0][2]) > LEVEL:
         return None
-    axis = unit(along[0])
+    return _forward(unit(along[0]))
+
+
+def _forward(axis: Vector) -> Vector:
+    """The sense of an axle in which the wheel rolls forward, or to the right."""
     forward = axis[1] > 0 or (axis[1] == 0 and axis[0] < 0)
     return axis if forward else (-axis[0], -axis[1], -axis[2])
 

@@ -98,18 +98,22 @@ def unit(vector: Vector) -> Vector:
     return _tamed((x / root, y / root, z / root))
 
 
-def tree(joints: Sequence[Joint], links: Collection[str], notes: list[str]) -> tuple[Joint, ...]:
-    """The joints, without a link's second parent, which is noted. RobotFileError for links that are not there, and
-    for joints in a circle."""
+def tree(
+    joints: Sequence[Joint], links: Collection[str], notes: list[str]
+) -> tuple[tuple[Joint, ...], tuple[Joint, ...]]:
+    """The joints of the tree, and those that give a link a second parent, which are noted. RobotFileError for links
+    that are not there, and for joints in a circle."""
     if len(joints) > MAX_JOINTS:
         raise RobotFileError(f"more than {MAX_JOINTS} joints")
     above: dict[str, Joint] = {}
+    closing = []
     for joint in joints:
         what = f"joint {quoted(joint.name)}"
         if unknown := [link for link in (joint.parent, joint.child) if link not in links]:
             raise RobotFileError(f"{what}: there is no link {quoted(unknown[0])}")
         if joint.child in above:
             notes.append(f"{what}: {quoted(joint.child)} has a parent already; this one is not read")
+            closing.append(joint)
         else:
             above[joint.child] = joint
     for start in above:
@@ -123,7 +127,7 @@ def tree(joints: Sequence[Joint], links: Collection[str], notes: list[str]) -> t
                     f"more than {MAX_CHAIN} joints one behind the other, down to {quoted(start)}"
                 )
             seen.add(link)
-    return tuple(above.values())
+    return tuple(above.values()), tuple(closing)
 
 
 def parents(joints: tuple[Joint, ...]) -> Mapping[str, Joint]:

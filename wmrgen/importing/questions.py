@@ -1,25 +1,27 @@
-"""What must be asked of an imported robot, because its file does not say it or says two things."""
+"""What must be asked of a wheel, because the file does not say it or says two things."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from fractions import Fraction
 
 from wmrgen.importing.candidates import Candidate, Robot
-from wmrgen.importing.records import Question, Vector, Wheel
+from wmrgen.importing.frames import composed, dot, plus
+from wmrgen.importing.meshes import Reach, reach
+from wmrgen.importing.records import Question, Vector
 from wmrgen.spec.text import quoted
-from wmrgen.wheels.types import FIXED, STEERED
+from wmrgen.wheels.types import CASTOR, STEERED
 
 CONFLICT = Fraction(1, 100)  # part of a radius by which two sources may differ
+TRAIL = Fraction(1, 1000)  # [m] what trails less is no castor
+_OFF = 2e-3  # [m] how far a mesh may stand off its joint along the axle
 _GROUND = ("base_footprint",)
 
 
 def doubt(c: Candidate, name: str) -> Question:
-    return Question(
-        name,
-        "heading" if c.unsure else "type",
-        f"joint {quoted(c.joint.name)}: {c.doubt}. Is it a wheel that stands so?",
-    )
+    hints = ("0, if the axle lies along y where the steering angle is 0",) if c.unsure else ()
+    text = f"joint {quoted(c.joint.name)}: {c.doubt}. Is it a wheel that stands so?"
+    return Question(name, "heading" if c.unsure else "type", text, hints)
 
 
 def tilted(name: str, foot: Vector, tilt: float) -> Question:
@@ -37,42 +39,84 @@ def rollers_asked(name: str, why: str) -> Question:
     return Question(name, "gamma", text, tuple(filter(None, hints)))
 
 
-def trail_asked(name: str, d: Fraction) -> Question:
-    text = f"the contact lies {float(d):.6g} m off the steering axis along the rolling direction: meant, or drawn so?"
-    return Question(name, "type", text, ("steered (then it is 0)", f"castor, with d: {float(d):.6g}"))
+def swivel_doubts(
+    name: str, kind: str, d: Fraction, actuated: tuple[str, ...] | None, rolling: str
+) -> Iterator[Question]:
+    """What may be otherwise of a wheel on a steering axis, from which its contact lies ``d`` off."""
+    if rolling:
+        text = f"{rolling}, and here the wheel swivels: does the robot have this swivel?"
+        yield Question(name, "type", text, ("swedish, where it has not",))
+    elif kind == STEERED.name and abs(d) > TRAIL:
+        text = f"the contact lies {float(d):.6g} m off the steering axis along the rolling direction: is that meant?"
+        yield Question(name, "type", text, ("steered (then it is 0)", f"castor, with d: {float(d):.6g}"))
+    elif kind == CASTOR.name and "steer" in (actuated or ()):
+        text = "the file gives the swivel commands: does a motor turn it, or does it follow?"
+        rest = ", ".join(key for key in actuated or () if key != "steer")
+        yield Question(name, "actuated", text, (f"[{rest}]", f"[{', '.join(actuated or ())}]"))
 
 
-def radius_asked(robot: Robot, c: Candidate, name: str) -> Question:
+def _height_above_ground(robot: Robot, c: Candidate) -> tuple[str, Fraction] | None:
+    links = robot.description.links
+    ground = next((link for link in _GROUND if link in links and robot.reaches(link)), None)
+    return None if ground is None else (ground, c.centre[2] - robot.frame(ground).origin[2])
+
+
+def size_asked(robot: Robot, c: Candidate, name: str, lateral: Fraction | None) -> Iterator[Question]:
+    """The radius; and the wheel's plane along the axle, where its meshes do not stand about the joint, or are not at
+    hand and look as if they did not. ``lateral``: the joint's, left of the steering axis."""
+    meshes = [] if c.unsure else list(_meshes(robot, c))
+    seen = [(words, bounds) for words, _, bounds in meshes if bounds]
     text = "no cylinder or sphere about the axle gives the radius: measure it, ground to axle under load"
+    hints = [f"{bounds.radius:.6g} by the {words}" for words, bounds in seen]
+    if above := _height_above_ground(robot, c):
+        hints.append(f"the axle is {float(above[1]):.6g} m above {above[0]}, which may be the ground")
+    yield Question(name, "r", text, tuple(dict.fromkeys((*hints, *_radii_told(robot)))))
+    middles = {words: (bounds.low + bounds.high) / 2 for words, bounds in seen}
+    off = middles or {f"origin of the {words}": shift for words, shift, _ in meshes}
+    if all(abs(shift) < _OFF for shift in off.values()) and (middles or not lateral or not meshes):
+        return
+    text = "the wheel is a mesh: where along its axle does it touch the ground? The joint need not be in its middle"
+    across = 0 if abs(c.axis[0]) > abs(c.axis[1]) else 1
+    key, at, share = "xy"[across], float(c.centre[across]), float(c.axis[across])
+    if lateral is not None:
+        key, at, share = "offset_y", float(lateral), 1.0
     hints = [
-        f"the axle is {float(c.centre[2] - robot.frame(link).origin[2]):.6g} m above {link}, which may be the ground"
-        for link in _GROUND
-        if link in robot.description.links and robot.reaches(link)
+        f"{at + share * shift:.6g} at the {'middle of the ' * bool(middles)}{words}"
+        for words, shift in off.items()
     ]
-    return Question(name, "r", text, tuple(hints))
+    yield Question(name, key, text, (f"{at:.6g} at the joint", *hints))
+
+
+def _meshes(robot: Robot, c: Candidate) -> Iterator[tuple[str, float, Reach | None]]:
+    """The meshes of a wheel's body in words, how far their origins are off the joint along the axle, and how far they
+    reach where their file is at hand."""
+    link = c.joint.child
+    for each in (link, *(joint.child for joint in robot.under(link, rigid=True))):
+        for shape in robot.description.shapes.get(each, ()):
+            if shape.uri:
+                data = robot.description.file_of(shape.uri)
+                where = composed(robot.frame(each), shape.frame)
+                words = f"{shape.role} mesh {quoted(shape.uri.rsplit('/', 1)[-1])}"
+                bounds = reach(data, shape.uri, shape.scale, where, c.origin, c.axis) if data else None
+                yield words, float(dot(plus(where.origin, c.origin, -1), c.axis)), bounds
+
+
+def _radii_told(robot: Robot) -> list[str]:
+    """What drive plugins say of radii."""
+    told = [item for each in robot.description.controllers for item in each.lengths.items()]
+    return [f"{float(said.value):.6g} by {quoted(said.key)}" for key, said in told if "radius" in key]
 
 
 def other_height(robot: Robot, c: Candidate) -> Fraction | None:
     """The height of an axle above the frame that seems to be the ground, where it is near the radius, but not that."""
-    ground = (link for link in _GROUND if link in robot.description.links and robot.reaches(link))
-    link = next(ground, robot.base)
-    height = c.centre[2] - robot.frame(link).origin[2]
+    above = _height_above_ground(robot, c)
+    height = above[1] if above else c.centre[2]
     near = Fraction(1, 2) < height / c.radius < Fraction(3, 2)
     return height if near and abs(height / c.radius - 1) > CONFLICT else None
 
 
-def radius_doubted(c: Candidate, name: str, height: Fraction) -> Question:
+def radius_doubted(robot: Robot, c: Candidate, name: str, height: Fraction) -> Question:
     """A sphere is seldom drawn as large as the wheel; a cylinder is believed."""
     text = "the radius that is drawn is not the height of the axle above what seems the ground: which is it?"
-    return Question(
-        name, "r", text, (f"{float(c.radius):.6g} as drawn", f"{float(height):.6g} above the ground")
-    )
-
-
-def motors_unknown(wheels: Sequence[Wheel]) -> list[Question]:
-    """Where the file drives nothing, and some wheels steer and others not: by default all would be driven."""
-    steering = [w for w in wheels if w.type == STEERED.name]
-    if any(w.actuated is not None for w in wheels) or not any(w.type == FIXED.name for w in wheels):
-        return []
-    text = "the file does not say which joints are driven"
-    return [Question(w.name, "actuated", text, ("[steer]", "[spin, steer]")) for w in steering]
+    hints = (f"{float(c.radius):.6g} as drawn", f"{float(height):.6g} above the ground", *_radii_told(robot))
+    return Question(name, "r", text, tuple(dict.fromkeys(hints)))

@@ -21,6 +21,7 @@ MAX_DEPTH = 64
 _NUMBER = re.compile(r"([+-]?)(\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE]([+-]?\d{1,4}))?")
 _ENDLESS = re.compile(r"([+-]?)(?:inf(?:inity)?|[\d.]{1,40}e\+?(?:[3-9]\d|\d{3,4}))", re.IGNORECASE)
 _LARGEST, _SMALLEST = 30, -30  # exponents; below is zero
+ONES: Vector = (Fraction(1), Fraction(1), Fraction(1))
 ZERO: Vector = (Fraction(0), Fraction(0), Fraction(0))
 
 
@@ -28,15 +29,15 @@ def refuse(what: str, why: str = "", instead: str = "") -> RobotFileError:
     return RobotFileError(what, None, why, instead)
 
 
-def parse(text: bytes, file: str) -> Element:
+def parse(text: bytes, file: str, most: int = MAX_BYTES) -> Element:
     """The root element. RobotFileError for what is no XML, has a document type or is too large."""
     try:
         from defusedxml.common import DefusedXmlException
         from defusedxml.ElementTree import fromstring
     except ImportError:
         raise EnvironmentFailure("import reads XML by defusedxml: pip install 'wmrgen[import]'") from None
-    if len(text) > MAX_BYTES:
-        raise refuse(f"{file}: larger than {MAX_BYTES // 1024 // 1024} MiB")
+    if len(text) > most:
+        raise refuse(f"{file}: larger than {most // 1024 // 1024} MiB")
     try:
         root: Element = fromstring(text, forbid_dtd=True)
     except DefusedXmlException:

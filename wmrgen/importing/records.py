@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -10,6 +10,7 @@ from wmrgen.errors import Mark
 
 KINDS = "continuous revolute prismatic floating planar fixed".split()  # of joints
 RIGID = KINDS[-1]
+SUPPORT = "support"  # what carries a robot beside the wheels that were found
 MODEL = "__model__"  # the frame of an SDF model, as if it were a link
 Vector = tuple[Fraction, Fraction, Fraction]
 Matrix = tuple[Vector, Vector, Vector]  # by rows
@@ -93,11 +94,14 @@ class Description:
     words: tuple[str, ...]
     notes: tuple[str, ...]
     controllers: tuple[Controller, ...] = ()
+    closing: tuple[Joint, ...] = ()
+    file_of: Callable[[str], bytes | None] = field(default=lambda uri: None)
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What the file does not say; ``key`` is that of the robot file, ``hints`` are not taken."""
+    """What the file does not say; ``key`` is that of the robot file, ``hints`` are not taken. ``wheel`` may be
+    `SUPPORT`, which is none yet."""
 
     wheel: str
     key: str
@@ -121,18 +125,19 @@ class Wheel:
     offset_y: Fraction | None
     gamma: float | None
     actuated: tuple[str, ...] | None
+    steer_limits: tuple[Fraction, Fraction] | None
     remarks: dict[str, str]
 
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """What was read of a file; ``couplings`` are pairs of steering joints, as `<wheel>.steer`."""
+    """What was read of a file; ``couplings`` are joints that turn alike, as `<wheel>.steer`."""
 
     name: str
     base: str
     wheels: tuple[Wheel, ...]
     questions: tuple[Question, ...]
-    couplings: tuple[tuple[str, str], ...]
+    couplings: tuple[tuple[str, ...], ...]
     notes: tuple[str, ...]
 
 

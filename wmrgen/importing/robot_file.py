@@ -10,7 +10,7 @@ from fractions import Fraction
 from typing import Any
 
 from wmrgen.errors import Mark, RobotFileError
-from wmrgen.importing.records import Imported, Question, Wheel
+from wmrgen.importing.records import MODEL, SUPPORT, Imported, Question, Wheel
 from wmrgen.spec.questions import OPEN
 from wmrgen.spec.tables import robot_name
 from wmrgen.spec.text import Scalar, quoted
@@ -53,8 +53,9 @@ def _wheel_json(wheel: Wheel) -> dict[str, Any]:
 
 def text(robot: Imported, source: str) -> str:
     """The robot file; ``source`` is the name of the file that was read."""
+    frame = "that of the model" if robot.base == MODEL else f"link {quoted(robot.base)}"
     lines = [
-        *_comment(f"Imported from {quoted(source)}. Frame: link {quoted(robot.base)}, x forward."),
+        *_comment(f"Imported from {quoted(source)}. Frame: {frame}, x forward."),
         *(line for note in robot.notes for line in _comment(f"note: {note}")),
     ]
     if robot.questions:
@@ -64,9 +65,16 @@ def text(robot: Imported, source: str) -> str:
         )
     lines += ["wmrgen: 1", f"name: {_robot_name(robot.name)}", "wheels:"]
     for wheel in robot.wheels:
-        lines += _wheel(wheel, [q for q in robot.questions if q.wheel == wheel.name])
-    if robot.couplings:
-        lines += ["couplings:", *(f"  - {{equal: [{a}, {b}]}}   # mimic" for a, b in robot.couplings)]
+        lines += _wheel(wheel, [q for q in robot.questions if q.wheel == wheel.name and q.key != "equal"])
+    lines += _support([q for q in robot.questions if q.wheel == SUPPORT])
+    doubts = [q for q in robot.questions if q.key == "equal"]
+    if robot.couplings or doubts:
+        lines += [
+            "couplings:",
+            *(f"  - {{equal: [{', '.join(each)}]}}   # mimic" for each in robot.couplings),
+        ]
+    for question in doubts:
+        lines += [*_asked(question, "  "), f"  - {{equal: {OPEN}}}"]
     return "\n".join(lines) + "\n"
 
 
@@ -84,19 +92,31 @@ def _robot_name(name: str) -> str:
 
 def _wheel(wheel: Wheel, questions: Sequence[Question]) -> Iterator[str]:
     values = dict(_values(wheel))
-    asked = {q.key: q for q in questions}
-    for key in asked:
-        values.setdefault(key, OPEN)
+    asked = {q.key for q in questions}
+    for key in asked - set(values):
+        values[key] = OPEN
     for position, (key, value) in enumerate(values.items()):
         indent = "  - " if position == 0 else "    "
-        question = asked.get(key)
-        if question:
-            yield from _comment(f"? {question.text}", "    ")
-            for hint in question.hints:
-                yield from _comment(f"  hint: {hint}", "    ")
+        for question in questions:
+            if question.key == key:
+                yield from _asked(question, "    ")
         remark = wheel.remarks.get(key, "")
-        shown = OPEN if question else value
+        shown = OPEN if key in asked else value
         yield f"{indent}{key}: {shown}" + (f"   # {remark}" if remark else "")
+
+
+def _asked(question: Question, indent: str) -> Iterator[str]:
+    yield from _comment(f"? {question.text}", indent)
+    for hint in question.hints:
+        yield from _comment(f"  hint: {hint}", indent)
+
+
+def _support(questions: Sequence[Question]) -> Iterator[str]:
+    """A wheel that nothing describes but a question."""
+    for question in questions:
+        yield f"  - name: {SUPPORT}   # ? delete the lines down to y where it is none"
+        yield from _asked(question, "    ")
+        yield from (f"    {key}: {OPEN}" for key in ("type", "x", "y"))
 
 
 def _values(wheel: Wheel) -> Iterator[tuple[str, str]]:
@@ -118,6 +138,8 @@ def _values(wheel: Wheel) -> Iterator[tuple[str, str]]:
         yield "gamma", _angle(wheel.gamma)
     if wheel.actuated is not None and wheel.actuated != kind.actuated:
         yield "actuated", f"[{', '.join(wheel.actuated)}]"
+    if wheel.steer_limits:
+        yield "limits", "{steer: [" + ", ".join(map(_length, wheel.steer_limits)) + "]}"
 
 
 def _rounded(value: Fraction) -> Fraction:

@@ -143,7 +143,7 @@ class _Reader:
     def description(self, name: str) -> Description:
         joints = [joint for full in self.joints if self._carries(full) for joint in self._joint(full)]
         links = (MODEL, *self.links, *(j.child for j in joints if j.child not in self.links))
-        carried = tree(joints, links, self.notes)
+        carried, closing = tree(joints, links, self.notes)
         free = set(self.links) - {joint.child for joint in carried}
         held = [
             Joint(link, RIGID, MODEL, link, self.frames.pose(link), None, None, None)
@@ -163,6 +163,7 @@ class _Reader:
             driven=driven,
             words=tuple(self.words),
             notes=tuple(self.notes),
+            closing=closing,
         )
 
     def _carries(self, full: str) -> bool:
@@ -229,7 +230,8 @@ class _Reader:
                 geometry = child(part, "geometry")
                 for form in [] if geometry is None else list(geometry):
                     radius = _text(form, "radius") if form.tag in ("cylinder", "sphere", "capsule") else ""
-                    uri, scale = _text(form, "uri"), vector(_text(form, "scale") or "1 1 1", f"{what}: scale")
+                    uri = "" if child(form, "submesh") is not None else _text(form, "uri")
+                    scale = vector(_text(form, "scale") or "1 1 1", f"{what}: scale")
                     value = number(radius, f"{what} radius") if radius else None
                     shapes.append(
                         Shape(str(form.tag), role, self._in_link(part, full, scope), value, uri, scale)

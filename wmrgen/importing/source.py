@@ -8,7 +8,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from wmrgen.errors import RobotFileError, UsageError
-from wmrgen.importing import sdf, urdf
+from wmrgen.importing import meshes, sdf, urdf
 from wmrgen.importing.controllers import plugin_controllers
 from wmrgen.importing.read import MAX_BYTES, below, children, local, parse, refuse
 from wmrgen.importing.records import Description
@@ -29,14 +29,16 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
         root = parse(resolve(file, values, folders), name)
     if local(root) == "sdf":
         description = sdf.describe(root, name, lambda uri: _model(located(uri, file, folders)))
-        return replace(description, controllers=plugin_controllers(root))
-    if substituted and not children(root, "link") and (defined := macros(file)):
+    elif substituted and not children(root, "link") and (defined := macros(file)):
         raise refuse(
             f"{name}: only defines macros ({printable(', '.join(defined))[:200]}) and uses none",
             "A macro is no robot.",
             "Give the file that includes it, or write one that calls the macro.",
         )
-    return replace(urdf.describe(root, name), controllers=plugin_controllers(root))
+    else:
+        description = urdf.describe(root, name)
+    seen = plugin_controllers(root)
+    return replace(description, controllers=seen, file_of=lambda uri: _mesh(located(uri, file, folders)))
 
 
 def located(uri: str, file: Path, packages: Mapping[str, Path]) -> Path | None:
@@ -67,11 +69,23 @@ def _model(path: Path | None) -> Element | None:
     return None if path is None else parse(_bytes(path), printable(path.name))
 
 
+def _mesh(path: Path | None) -> bytes | None:
+    try:
+        return None if path is None else read_at_most(path, meshes.MAX_BYTES + 1)
+    except (OSError, ValueError):
+        return None
+
+
 def _own_package(file: Path) -> dict[str, Path]:
-    """The package or model in which a file stands: the nearest folder above that is one, by its name."""
+    """The package or model in which a file stands: the nearest folder above that is one, by its
+    name and that of its folder."""
     for folder in file.resolve().parents:
-        if (folder / "package.xml").is_file() or (folder / "model.config").is_file():
+        if (folder / "model.config").is_file():
             return {folder.name: folder}
+        if (folder / "package.xml").is_file():
+            title = next(below(parse(_bytes(folder / "package.xml"), "package.xml"), "name"), None)
+            name = "" if title is None else (title.text or "").strip()
+            return {folder.name: folder, name or folder.name: folder}
     return {}
 
 

@@ -9,6 +9,7 @@ from wmrgen.errors import RobotFileError
 from wmrgen.importing.frames import MAX_JOINTS, frame, tree
 from wmrgen.importing.gazebo import driven_by_control, driven_by_plugins, friction, words
 from wmrgen.importing.read import (
+    ONES,
     ZERO,
     bound,
     child,
@@ -48,7 +49,7 @@ def describe(root: Element, file: str) -> Description:
     links = tuple(dict.fromkeys(name_of(link, "link") for link in children(root, "link")))
     if not links:
         raise refuse(f"{file}: has no link", "", "Give a file that describes a robot, not only parts of one.")
-    joints = _joints(root, set(links), notes)
+    joints, closing = _joints(root, set(links), notes)
     return Description(
         name=root.get("name", ""),
         links=links,
@@ -58,10 +59,11 @@ def describe(root: Element, file: str) -> Description:
         driven=_driven(root, {joint.name for joint in joints}),
         words=tuple(words(root)),
         notes=tuple(notes),
+        closing=closing,
     )
 
 
-def _joints(root: Element, links: set[str], notes: list[str]) -> tuple[Joint, ...]:
+def _joints(root: Element, links: set[str], notes: list[str]) -> tuple[tuple[Joint, ...], tuple[Joint, ...]]:
     elements = [each for each in children(root, "joint") if child(each, "parent") is not None]
     joints = [_joint(element, notes) for element in elements[: MAX_JOINTS + 1]]
     for name, count in Counter(joint.name for joint in joints).items():
@@ -111,7 +113,9 @@ def _shapes(link: Element, notes: list[str]) -> tuple[Shape, ...]:
             for form in [] if geometry is None else list(geometry):
                 radius = form.get("radius") if local(form) in ("cylinder", "sphere") else None
                 value = number(radius, f"{what} radius") if radius else None
-                shapes.append(Shape(local(form), role, _origin(part, what, notes), value))
+                scale = vector(form.get("scale"), f"{what} scale", ONES)
+                where, uri = _origin(part, what, notes), form.get("filename", "")
+                shapes.append(Shape(local(form), role, where, value, uri, scale))
     return tuple(shapes)
 
 

@@ -8,50 +8,77 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from wmrgen.errors import Mark, RobotFileError
-from wmrgen.importing.candidates import Candidate, Robot, X, base_link, candidates
+from wmrgen.importing.candidates import LEVEL, Candidate, Robot, X, base_link, candidates
+from wmrgen.importing.couplings import couplings
 from wmrgen.importing.frames import ancestors, dot, plus, turned, unit
 from wmrgen.importing.questions import (
+    TRAIL,
     doubt,
-    motors_unknown,
     other_height,
-    radius_asked,
     radius_doubted,
     rollers_asked,
+    size_asked,
+    swivel_doubts,
     tilted,
-    trail_asked,
 )
 from wmrgen.importing.read import refuse
-from wmrgen.importing.records import Description, Imported, Question, Vector, Wheel
+from wmrgen.importing.records import Description, Imported, Joint, Question, Vector, Wheel
+from wmrgen.importing.robot_questions import (
+    DIRECTIONS,
+    articulated,
+    front_doubted,
+    motors_unknown,
+    support_asked,
+)
 from wmrgen.spec.tables import wheel_name
 from wmrgen.spec.text import Scalar, quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
 
-TRAIL = Fraction(1, 1000)  # [m] what trails less is no castor
+_TURN = Fraction(6)  # [rad] a range of steering angles beyond which it is not one
 UNSAID = "not in the file"
 _SAYS_ROLLERS = re.compile("mecanum|omni|planar_?move", re.IGNORECASE)
 
 
-def import_wheels(description: Description, base: str | None) -> Imported:
-    """The wheels of a description in the frame of its link ``base``. RobotFileError where there are fewer than two."""
-    robot = Robot(description, base_link(description, base))
+def import_wheels(description: Description, base: str | None = None, forward: str | None = None) -> Imported:
+    """The wheels of a description in the frame of its link ``base``, turned so that its direction ``forward`` is x.
+
+    RobotFileError where there are fewer than two.
+    """
+    robot = Robot(description, base_link(description, base), DIRECTIONS[forward or "x"])
     wheels = candidates(robot)
     if len(wheels) < 2:
         raise refuse(
             f"{len(wheels)} joints are wheels",
-            "A wheel's joint turns without end about a level axis and is the lowest of all.",
+            " ".join(
+                (
+                    "A wheel's joint turns without end about a level axis and is the lowest of all.",
+                    *(f"Note: {note}." for note in description.notes[:3]),
+                )
+            ),
             "Give the link that is the base frame with --base, or write the robot file by hand.",
         )
     names = _names(wheels)
     rolling = _rollers_said(robot, wheels)
     read = [_wheel(robot, c, name, rolling) for c, name in zip(wheels, names, strict=True)]
     result = [wheel for wheel, _ in read]
-    questions = [question for _, asked in read for question in asked]
-    questions += motors_unknown(result)
-    couplings, notes = _couplings(description, result)
+    coupled, doubts, notes = couplings(description, result)
+    questions = [
+        *(question for _, asked in read for question in asked),
+        *motors_unknown(result),
+        *articulated(result),
+        *([] if forward else front_doubted(robot, result, wheels)),
+        *doubts,
+    ]
+    support = support_asked(robot, result, wheels)
+    if questions or any(question.hints for question in support):
+        questions += support
+    notes += [question.text for question in support if question not in questions]
     passed = sorted({j.name for c in wheels for j in c.via})
     notes += [f"joint {quoted(name)} moves above wheels and is taken at zero" for name in passed]
+    if forward not in (None, "x"):
+        notes.append(f"x is the direction {forward} of {quoted(robot.base)}")
     return Imported(
-        description.name, robot.base, tuple(result), tuple(questions), couplings, (*description.notes, *notes)
+        description.name, robot.base, tuple(result), tuple(questions), coupled, (*description.notes, *notes)
     )
 
 
@@ -80,29 +107,45 @@ def _angle(direction: Vector) -> float:
 
 def _rollers_said(robot: Robot, wheels: Sequence[Candidate]) -> str:
     """What says, of the whole robot, that its wheels have rollers; empty where nothing does."""
-    if any(wheel.steer for wheel in wheels):
-        return ""
     for word in robot.description.words:
         if _SAYS_ROLLERS.search(word):
             return f"the file says {quoted(word)}"
+    if any(wheel.steer for wheel in wheels):
+        return ""
     axles = [_angle(_heading(w.axis)) for w in wheels if not w.unsure]
     if len(axles) > 2 and any(abs(math.sin(a - b)) > 0.2 for a in axles for b in axles):
         return "plain wheels on axles that are not parallel could not roll"
-    return ""
+    return _mirrored(robot, wheels)
+
+
+def _mirrored(robot: Robot, wheels: Sequence[Candidate]) -> str:
+    """What four meshes say of which the diagonals are alike, and the sides are not."""
+    at: dict[tuple[bool, bool], tuple[str, bool]] = {}
+    middle = [sum((w.centre[k] for w in wheels), Fraction(0)) / len(wheels) for k in (0, 1)]
+    for wheel in wheels:
+        mesh = next((s for s in robot.description.shapes.get(wheel.joint.child, ()) if s.uri), None)
+        if mesh:
+            sx, sy, sz = mesh.scale
+            at[wheel.centre[0] > middle[0], wheel.centre[1] > middle[1]] = mesh.uri, sx * sy * sz < 0
+    corners = [at.get(place) for place in ((True, True), (False, False), (True, False), (False, True))]
+    if len(wheels) != 4 or None in corners:
+        return ""
+    a, b, c, d = corners
+    return (
+        "meshes are alike on the diagonals and not on the sides, as of mecanum wheels"
+        if a == b != c == d
+        else ""
+    )
 
 
 def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, list[Question]]:
     joint, steer = c.joint, c.steer
     questions = [] if not c.doubt else [doubt(c, name)]
-    e = X if c.unsure else _heading(c.axis)
+    e = X if abs(c.axis[2]) > LEVEL else _heading(c.axis)
     x, y, _ = c.centre
     d = offset = None
     where = f"joint {quoted(joint.name)}" if joint.moves else f"link {quoted(joint.child)}"
-    place = (
-        f"centre of the {c.shape.words} of {where}"
-        if c.shape
-        else f"{where}; a mesh, whose middle may lie off it"
-    )
+    place = f"centre of the {c.shape.words} of {where}" if c.shape else where
     remarks = {"x": place, "heading": f"axis of {where}"}
     if steer is not None:
         foot, tilt = _pivot(robot.origin(steer), robot.axis(steer), c.centre)
@@ -116,23 +159,16 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, 
             questions.append(tilted(name, foot, tilt))
     actuated = _actuated(robot, c)
     gamma, source = _gamma(robot, c, e)
-    kind, why = _type(c, d, actuated, rolling if source == UNSAID else source)
+    kind, why = _type(c, d, actuated, rolling if source == UNSAID and not steer else source)
     if why:
         remarks["type"] = "; ".join(filter(None, [remarks.get("type", ""), why]))
     if kind == SWEDISH.name:
         remarks["gamma"] = source
         if gamma is None:
             questions.append(rollers_asked(name, why))
-    elif kind == STEERED.name and d and abs(d) > TRAIL:
-        questions.append(trail_asked(name, d))
-    if c.shape:
-        remarks["r"] = f"{c.shape.words} of {where}"
-        if height := other_height(robot, c):
-            remarks["r"] += f"; the axle is {float(height):.6g} m above what seems the ground"
-            if c.doubt or not c.shape.cylinder:
-                questions.append(radius_doubted(c, name, height))
-    else:
-        questions.append(radius_asked(robot, c, name))
+    elif steer:
+        questions += swivel_doubts(name, kind, d or Fraction(0), actuated, rolling)
+    questions += _size_doubts(robot, c, name, offset, remarks)
     wheel = Wheel(
         name,
         joint.name if joint.moves else None,
@@ -140,15 +176,40 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, 
         kind,
         x,
         y,
-        None if c.unsure else _angle(e),
+        _angle(e),
         c.shape.radius if c.shape else None,
         d,
         offset,
         gamma if kind == SWEDISH.name else None,
         actuated,
+        _steer_limits(robot, steer),
         remarks,
     )
     return wheel, questions
+
+
+def _size_doubts(
+    robot: Robot, c: Candidate, name: str, lateral: Fraction | None, remarks: dict[str, str]
+) -> list[Question]:
+    """What is asked of the radius and of the wheel's plane; what is not is remarked."""
+    if not c.shape:
+        return list(size_asked(robot, c, name, lateral))
+    remarks["r"] = f"{c.shape.words} of {remarks['heading'].removeprefix('axis of ')}"
+    height = other_height(robot, c)
+    if not height:
+        return []
+    remarks["r"] += f"; the axle is {float(height):.6g} m above what seems the ground"
+    return [radius_doubted(robot, c, name, height)] if c.doubt or not c.shape.cylinder else []
+
+
+def _steer_limits(robot: Robot, steer: Joint | None) -> tuple[Fraction, Fraction] | None:
+    """The steering angles that the file allows, where it limits them to less than a turn to either side."""
+    if steer is None or steer.spins or not steer.limits:
+        return None
+    low, high = steer.limits
+    if not (low <= 0 <= high and low < high and high - low < _TURN):
+        return None
+    return (low, high) if robot.axis(steer)[2] > 0 else (-high, -low)
 
 
 def _pivot(point: Vector, axis: Vector, centre: Vector) -> tuple[Vector, float]:
@@ -224,23 +285,3 @@ def _modulo(angle: float) -> float:
     if abs(turned_back) < 1e-12:
         return 0.0
     return turned_back if turned_back > -math.pi / 2 + 1e-12 else math.pi / 2
-
-
-def _couplings(
-    description: Description, wheels: Sequence[Wheel]
-) -> tuple[tuple[tuple[str, str], ...], list[str]]:
-    """Joints of wheels that mimic another's one to one; notes on those that do otherwise."""
-    roles = {w.joint: f"{w.name}.spin" for w in wheels if w.joint}
-    roles |= {w.steer_joint: f"{w.name}.steer" for w in wheels if w.steer_joint}
-    pairs, notes = [], []
-    for joint in description.joints:
-        if joint.mimic and joint.name in roles:
-            leader, factor, offset = joint.mimic
-            same = leader in roles and roles[leader].split(".")[1] == roles[joint.name].split(".")[1]
-            if same and factor == 1 and not offset:
-                pairs.append((roles[leader], roles[joint.name]))
-            else:
-                notes.append(
-                    f"joint {quoted(joint.name)} mimics {quoted(leader)} in a way that is not taken over"
-                )
-    return tuple(pairs), notes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -42,9 +42,9 @@ def new(
     """
 
 
-@verb("importing", "Make a robot file of a URDF or xacro.", "import")
+@verb("importing", "Make a robot file of a URDF, xacro or SDF.", "import")
 def import_robot(
-    file: Annotated[Path, argument("FILE", "A robot description: URDF or xacro.")],
+    file: Annotated[Path, argument("FILE", "A robot description: URDF, xacro or SDF.")],
     arguments: Annotated[Words, argument("[NAME:=VALUE]...", "Arguments of a xacro file.")] = None,
     out: Annotated[
         Path | None,
@@ -53,6 +53,9 @@ def import_robot(
         ),
     ] = None,
     base: Annotated[str | None, option("The link that is the robot's frame.", "LINK")] = None,
+    forward: Annotated[
+        Literal["x", "y", "-x", "-y"] | None, option("The direction of that frame that is forward.")
+    ] = None,
     package: Annotated[
         list[str] | None, option("The folder of a package that the file finds.", "NAME=DIR")
     ] = None,

@@ -1,0 +1,137 @@
+"""Meshes of wheels: their reach about the axle is a hint, in every format alike."""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.conftest import Outcome
+from tests.importing.urdf import joint, robot
+
+Cli = Callable[..., Outcome]
+RADIUS, LOW, HIGH = 0.08, -0.01, 0.03
+TURN = 0.4  # [rad] of the mesh in its file, about x
+
+
+def tube(unit: float = 1.0) -> Any:
+    """Points of a tube of radius 0.08 about y, from -0.01 to 0.03 m, turned about x: as a mesh may lie in its file."""
+    angles = np.arange(12) * math.pi / 6
+    rings = [np.column_stack([np.cos(angles), 0 * angles + y / RADIUS, np.sin(angles)]) for y in (LOW, HIGH)]
+    c, s = math.cos(TURN), math.sin(TURN)
+    return RADIUS / unit * np.concatenate(rings) @ np.array([[1, 0, 0], [0, c, s], [0, -s, c]])
+
+
+def triangles(points: Any) -> Any:
+    return points[np.array([[k, (k + 1) % 24, (k + 2) % 24] for k in range(24)])]
+
+
+def binary_stl(unit: float) -> bytes:
+    faces = triangles(tube(unit))
+    body = b"".join(struct.pack("<12f2x", 0, 0, 0, *face.ravel()) for face in faces)
+    return b"solid is no sign of text".ljust(80) + struct.pack("<I", len(faces)) + body
+
+
+def text_stl(unit: float) -> bytes:
+    vertices = "\n".join(
+        f"  vertex {x:.9e} {y:.9e} {z:.9e}" for x, y, z in triangles(tube(unit)).reshape(-1, 3)
+    )
+    return f"solid wheel\nfacet normal 0 0 1\n outer loop\n{vertices}\n endloop\nendfacet\n".encode()
+
+
+def obj(unit: float) -> bytes:
+    vertices = "\n".join(f"v {x:.9f} {y:.9f} {z:.9f}" for x, y, z in tube(unit))
+    return f"# a wheel\n{vertices}\nvn 9 9 9\nvt 9 9\nf 1 2 3\n".encode()
+
+
+def dae(unit: float) -> bytes:
+    """Its own unit is a centimetre; a node turns, another below it moves the points away and back."""
+    degrees = math.degrees(TURN)
+    c, s = math.cos(TURN), math.sin(TURN)
+    flat = tube(0.01 * unit) @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]]) + [5, 0, 0]
+    numbers = " ".join(f"{v:.9g}" for v in flat.ravel())
+    return (
+        '<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit name="cm" '
+        'meter="0.01"/><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id="g"><mesh><source id="s">'
+        f'<float_array id="a" count="{flat.size}">{numbers}</float_array></source><source id="n"><float_array>9 9 9'
+        '</float_array></source><vertices id="v"><input semantic="POSITION" source="#s"/><input semantic="NORMAL" '
+        'source="#n"/></vertices></mesh></geometry></library_geometries><library_nodes><node id="inner">'
+        '<matrix>1 0 0 -5 0 1 0 0 0 0 1 0 0 0 0 1</matrix><instance_geometry url="#g"/></node></library_nodes>'
+        f'<library_visual_scenes><visual_scene id="x"><node><rotate>1 0 0 {degrees:.12f}</rotate><scale>1 1 1</scale>'
+        '<instance_node url="#inner"/></node></visual_scene></library_visual_scenes></COLLADA>'
+    ).encode()
+
+
+@pytest.fixture
+def hints(wmrgen_cli: Cli, tmp_path: Path) -> Callable[..., dict[str, list[str]]]:
+    """Hints by wheel and key of a robot whose wheels are the mesh, turned upright again by its origin."""
+    package = tmp_path / "parts"
+    package.mkdir()
+
+    def call(name: str, data: bytes | None, scale: str = "1 1 1") -> dict[str, list[str]]:
+        if data is not None:
+            (package / name).write_bytes(data)
+        mesh = f'<visual><origin rpy="{-TURN} 0 0"/><geometry><mesh filename="package://parts/{name}" scale="{scale}"/>'
+        wheels = "".join(
+            f'<link name="{n}">{mesh}</geometry></visual></link>' + joint(n, "base_link", n, f"0 {y} 0.1")
+            for n, y in (("left", 0.2), ("right", -0.2))
+        )
+        (tmp_path / "urdf").mkdir(exist_ok=True)
+        (tmp_path / "urdf" / "probe.urdf").write_text(robot(wheels), encoding="utf-8")
+        done = wmrgen_cli(
+            "import", tmp_path / "urdf" / "probe.urdf", "--package", f"parts={package}", "--json"
+        )
+        assert done.code == 0, done.err
+        said = json.loads(done.out)
+        assert {w["r"] for w in said["wheels"]} == {None}
+        return {f"{q['wheel']}.{q['key']}": q["hints"] for q in said["questions"]}
+
+    return call
+
+
+@pytest.mark.parametrize("unit", [1.0, 0.001])
+@pytest.mark.parametrize(
+    ("name", "write"), [("a.stl", binary_stl), ("b.STL", text_stl), ("c.obj", obj), ("d.dae", dae)]
+)
+def test_every_format_reaches_as_far(
+    hints: Callable[..., dict[str, list[str]]], name: str, write: Callable[[float], bytes], unit: float
+) -> None:
+    """The middle is 0.01 m along the axle, to the left on both sides."""
+    asked = hints(name, write(unit), f"{unit} {unit} {unit}")
+    assert asked["left.r"] == asked["right.r"] == [f"0.08 by the visual mesh '{name}'"]
+    assert asked["left.y"] == ["0.2 at the joint", f"0.21 at the middle of the visual mesh '{name}'"]
+    assert asked["right.y"] == ["-0.2 at the joint", f"-0.19 at the middle of the visual mesh '{name}'"]
+
+
+BOMB = b'<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><COLLADA>&b;</COLLADA>'
+CIRCLE = (
+    b'<COLLADA><node id="n"><instance_node url="#n"/></node><visual_scene><node><instance_node url="#n"/></node>'
+    b"</visual_scene></COLLADA>"
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("none.stl", None),
+        ("short.stl", binary_stl(1.0)[:-7]),
+        ("empty.obj", b""),
+        ("inf.stl", binary_stl(1.0)[:96] + struct.pack("<f", math.inf) + binary_stl(1.0)[100:]),
+        ("wide.obj", b"v 1e400 0 0\nv 0 0 0\n"),
+        ("what.fbx", b"Kaydara"),
+        ("bomb.dae", BOMB),
+        ("circle.dae", CIRCLE),
+        ("odd.dae", b"<COLLADA><visual_scene><node><matrix>1 2</matrix></node></visual_scene></COLLADA>"),
+        ("../outside.stl", binary_stl(1.0)),
+    ],
+)
+def test_what_is_no_mesh_gives_no_hint(
+    hints: Callable[..., dict[str, list[str]]], name: str, data: bytes | None
+) -> None:
+    assert hints(name, data)["left.r"] == []

@@ -1,0 +1,228 @@
+"""What is asked of a robot: what a file leaves open, and what in it looks as if it were not meant so."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.conftest import Outcome
+from tests.importing.urdf import cylinder, joint, link, pair, robot, wheel
+
+Cli = Callable[..., Outcome]
+Import = Callable[..., dict[str, Any]]
+BALL = '<sphere radius="0.03"/>'
+CORNERS = {"fl": (0.3, 0.25), "fr": (0.3, -0.25), "rl": (-0.3, 0.25), "rr": (-0.3, -0.25)}
+
+
+@pytest.fixture
+def read(wmrgen_cli: Cli, tmp_path: Path) -> Import:
+    """What `wmrgen import --json` says of a text, and its robot file; what is asked as wheel and key."""
+
+    def call(text: str, *options: str) -> dict[str, Any]:
+        (tmp_path / "probe.urdf").write_text(text, encoding="utf-8")
+        out = tmp_path / "probe.yaml"
+        done = wmrgen_cli("import", tmp_path / "probe.urdf", "-o", out, "--json", *options)
+        assert done.code == 0, done.err
+        said = json.loads(done.out)
+        asked = [(q["wheel"], q["key"]) for q in said["questions"]]
+        wheels = {w["name"]: w for w in said["wheels"]}
+        return {
+            **said,
+            "wheels": wheels,
+            "asked": asked,
+            "notes": done.err,
+            "text": out.read_text(encoding="utf-8"),
+        }
+
+    return call
+
+
+def four(names: dict[str, str] | None = None, **of_wheel: str) -> str:
+    names = names or {}
+    return "".join(wheel(names.get(n, n), f"{x} {y} 0.1", **of_wheel) for n, (x, y) in CORNERS.items())
+
+
+def control(*joints: str) -> str:
+    commanded = "".join(f'<joint name="{j}"><command_interface name="velocity"/></joint>' for j in joints)
+    return f"<ros2_control>{commanded}</ros2_control>"
+
+
+def test_several_axles_without_a_controller(read: Import) -> None:
+    assert read(robot(four()))["asked"] == [(n, "actuated") for n in CORNERS]
+    assert read(robot(four(), control("fl_joint")))["asked"] == []
+    assert read(robot(pair()))["asked"] == []
+
+
+def test_what_moves_the_body_names_no_motors(read: Import) -> None:
+    moves = '<gazebo><plugin filename="libgazebo_ros_planar_move.so"/></gazebo>'
+    said = read(robot(four(), moves))
+    assert {w["actuated"] == [] for w in said["wheels"].values()} == {True}
+    assert [k for _, k in said["asked"]].count("actuated") == 4
+
+
+def test_a_castor_that_gets_commands(read: Import) -> None:
+    fork = link("fork") + joint("swivel", "base_link", "fork", "-0.3 0 0.2", axis="0 0 1")
+    parts = (pair(), fork, wheel("tail", "-0.04 0 -0.1", parent="fork"))
+    assert read(robot(*parts, control("left_joint", "tail_joint")))["asked"] == []
+    said = read(robot(*parts, control("left_joint", "tail_joint", "swivel")))
+    assert said["asked"] == [("tail", "actuated")] and "hint: [spin]" in said["text"]
+
+
+LABELS = {"fl": "front_left", "fr": "front_right", "rl": "rear_left", "rr": "rear_right"}
+TURNED = {"fl": "rear_left", "fr": "front_left", "rl": "rear_right", "rr": "front_right"}  # forward is -y
+MIRRORED = {"fl": "front_right", "fr": "front_left", "rl": "rear_right", "rr": "rear_left"}
+
+
+@pytest.mark.parametrize(
+    ("names", "forward"), [(LABELS, None), (TURNED, "--forward -y"), (MIRRORED, "x is forward")]
+)
+def test_names_that_contradict_the_places(read: Import, names: dict[str, str], forward: str | None) -> None:
+    said = read(robot(four(names), control("x_joint", *(f"{n}_joint" for n in names.values()))))
+    assert said["asked"] == ([] if forward is None else [(names["fl"], "heading")])
+    assert forward is None or forward in " ".join(said["text"].split())
+
+
+@pytest.mark.parametrize(("axis", "forward"), [("1 0 0", "-y"), ("-1 0 0", "y")])
+def test_wheels_that_roll_along_y(read: Import, axis: str, forward: str) -> None:
+    """Whoever says what is forward has the frame turned, and is not asked again."""
+    sideways = "".join(
+        wheel(n, f"{x} 0 0.1", geometry='<sphere radius="0.1"/>', axis=axis)
+        for n, x in (("a", 0.2), ("b", -0.2))
+    )
+    said = read(robot(sideways))
+    assert ("a", "heading") in said["asked"] and f"--forward {forward}" in " ".join(said["text"].split())
+    turned = read(robot(sideways), f"--forward={forward}")
+    assert turned["asked"] == [] and {w["heading"] for w in turned["wheels"].values()} == {0.0}
+    sign = 1 if forward == "y" else -1
+    assert [(w["x"], w["y"]) for w in turned["wheels"].values()] == [(0.0, -sign * 0.2), (0.0, sign * 0.2)]
+    assert read(robot(sideways), "--forward=x")["wheels"]["a"]["heading"] == pytest.approx(sign * math.pi / 2)
+
+
+def test_a_castor_of_fixed_joints(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """Pivot at x = -0.3, wheel 0.04 behind; as a castor it can be derived."""
+    hub = link("hub") + joint("swivel", "base_link", "hub", "-0.3 0 0.2", "fixed", axis="0 0 1")
+    tail = link("tail", cylinder("0.05")) + joint(
+        "roll", "hub", "tail", "-0.04 0 -0.15", "fixed", axis="0 1 0"
+    )
+    said = read(robot(pair(), hub, tail))
+    assert said["asked"] == [("support", "type")]
+    hint = said["questions"][0]["hints"][0]
+    assert hint == "castor, with x: -0.3, y: 0, d: -0.04, r: 0.05"
+    assert wmrgen_cli("derive", tmp_path / "probe.yaml", "-o", tmp_path / "out").code == 2
+    lines = said["text"].split("  - name: support")
+    values = "\n    type: castor\n    x: -0.3\n    y: 0\n    d: -0.04\n    r: 0.05\n"
+    (tmp_path / "probe.yaml").write_text(f"{lines[0]}  - name: support{values}", encoding="utf-8")
+    assert wmrgen_cli("derive", tmp_path / "probe.yaml", "-o", tmp_path / "out").code == 0
+    plain = tail.replace('<axis xyz="0 1 0"/>', "")
+    assert read(robot(pair(), hub, plain))["asked"] == []
+
+
+def test_what_carries_a_pair_of_wheels(read: Import) -> None:
+    """A ball of its own body does; one of the base is asked about; that nothing does is told."""
+    own = link("third", BALL, xyz="0 0 0.03") + joint("third", "base_link", "third", "-0.2 0 0", "fixed")
+    said = read(robot(pair(), own))
+    assert said["asked"] == [] and "what carries the rest" not in said["notes"]
+    box = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
+    ball = f'<collision><origin xyz="-0.2 0 0.03"/><geometry>{BALL}</geometry></collision>'
+    said = read(robot(pair()).replace('<link name="base_link">', f'<link name="base_link">{box}{ball}'))
+    assert said["asked"] == [("support", "type")]
+    assert said["questions"][0]["hints"] == ["a ball of 'base_link' at x = -0.2, y = 0: spherical"]
+    alone = read(robot(pair()))
+    assert alone["asked"] == [] and "what carries the rest" in alone["notes"]
+
+
+def test_wheels_of_a_controller_are_none_of_the_robot(read: Import) -> None:
+    """Drawn, touching nothing, and mimicked: one joint drives both wheels."""
+    shown = wheel("shown", "0.05 0 0.1").replace("collision>", "visual>")
+    both = pair(more='<mimic joint="shown_joint"/>')
+    said = read(robot(shown, both, control("shown_joint")))
+    assert list(said["wheels"]) == ["left", "right"]
+    assert [w["actuated"] for w in said["wheels"].values()] == [["spin"], ["spin"]]
+    assert said["asked"] == [("right", "equal")]
+    assert "hint: [left.spin, right.spin]" in said["text"] and "  - {equal: TODO}" in said["text"]
+    touching = read(robot(wheel("shown", "0.05 0 0.1"), both))
+    assert list(touching["wheels"]) == ["shown", "left", "right"]
+
+
+def arm(name: str, y: float, mimic: str = "", limits: str = "-0.6 0.5", axis: str = "0 0 1") -> str:
+    low, high = limits.split()
+    more = f'<limit lower="{low}" upper="{high}"/>' + mimic
+    turn = joint(f"{name}_turn", "base_link", f"{name}_arm", f"1 {y} 0.1", "revolute", axis, more=more)
+    return link(f"{name}_arm") + turn + wheel(name, "0 0 0", parent=f"{name}_arm")
+
+
+def test_steering_that_mimics(read: Import) -> None:
+    """Equal angles beside fixed wheels skid, and are asked about; alone they are those of a synchro drive."""
+    mimic = '<mimic joint="a_turn"/>'
+    arms = arm("a", 0.2) + arm("b", -0.2, mimic)
+    driven = control("a_joint", "a_turn", "left_joint")
+    assert ("b", "equal") in read(robot(pair(), arms, driven))["asked"]
+    said = read(robot(arms, driven))
+    assert said["asked"] == [] and "  - {equal: [a.steer, b.steer]}   # mimic" in said["text"]
+    half = read(robot(arm("a", 0.2) + arm("b", -0.2, '<mimic joint="a_turn" multiplier="0.5"/>'), driven))
+    assert "0.5 times 'a_turn'" in half["notes"] and "couplings" not in half["text"]
+
+
+@pytest.mark.parametrize(
+    ("limits", "axis", "shown"),
+    [
+        ("-0.6 0.5", "0 0 1", "    limits: {steer: [-0.6, 0.5]}"),
+        ("-0.6 0.5", "0 0 -1", "    limits: {steer: [-0.5, 0.6]}"),
+        ("-1e16 1e16", "0 0 1", None),
+        ("-3.5 3.5", "0 0 1", None),
+        ("0 0", "0 0 1", None),
+        ("0.2 0.5", "0 0 1", None),
+    ],
+)
+def test_steering_limits_are_kept_where_they_are_some(
+    read: Import, wmrgen_cli: Cli, tmp_path: Path, limits: str, axis: str, shown: str | None
+) -> None:
+    driven = control("left_joint", "a_turn", "b_turn")
+    arms = "".join(arm(n, y, limits=limits, axis=axis) for n, y in (("a", 0.2), ("b", -0.2)))
+    said = read(robot(pair(), arms, driven))
+    lines = [line for line in said["text"].splitlines() if "limits" in line]
+    assert lines == ([shown, shown] if shown else [])
+    done = wmrgen_cli("derive", tmp_path / "probe.yaml", "-o", tmp_path / "out", "--json")
+    assert done.code == 0 and json.loads(done.out)["robot_type"] == [1, 1]
+
+
+def test_two_wheels_joined_by_a_joint(read: Import) -> None:
+    between = joint("differential", "left_link", "right_link", "0 -0.5 0")
+    assert ("right", "equal") in read(robot(pair(), between))["asked"]
+
+
+def test_an_articulated_body_looks_like_steering(read: Import) -> None:
+    front = link("front") + joint("waist", "base_link", "front", "0.5 0 0.1", "revolute", "0 0 1",
+                                  more='<limit lower="-0.7" upper="0.7"/>')  # fmt: skip
+    wheels = "".join(wheel(n, f"0 {y} 0", parent="front") for n, y in (("a", 0.4), ("b", -0.4)))
+    said = read(robot(pair(), front, wheels, control("left_joint", "a_joint")))
+    assert said["asked"] == [("a", "type"), ("b", "type")]
+    twin = wheels.replace("0 0.4 0", "0 0.05 0").replace("0 -0.4 0", "0 -0.05 0")
+    assert read(robot(pair(), front, twin, control("left_joint", "a_joint")))["asked"] == []
+
+
+@pytest.mark.parametrize(("mirrored", "type_"), [(("fl", "rr"), "swedish"), (("fl", "rl"), "fixed")])
+def test_a_mesh_mirrored_on_the_diagonals_has_rollers(
+    read: Import, mirrored: tuple[str, str], type_: str
+) -> None:
+    shapes = {
+        n: f'<mesh filename="package://p/wheel.dae" scale="{-1 if n in mirrored else 1} 1 1"/>'
+        for n in CORNERS
+    }
+    wheels = "".join(wheel(n, f"{x} {y} 0.1", shapes[n]) for n, (x, y) in CORNERS.items())
+    said = read(robot(wheels))
+    assert {w["type"] for w in said["wheels"].values()} == {type_}
+    assert (("fl", "gamma") in said["asked"]) == (type_ == "swedish")
+
+
+def test_swivels_of_a_robot_that_says_mecanum(read: Import) -> None:
+    arms = "".join(arm(n, y) for n, y in (("a", 0.2), ("b", -0.2)))
+    words = '<gazebo><plugin filename="libmecanum_drive.so" name="x"/></gazebo>'
+    said = read(robot(arms, words))
+    assert [w["type"] for w in said["wheels"].values()] == ["steered", "steered"]
+    assert said["asked"][:2] == [("a", "type"), ("b", "type")]

@@ -1,0 +1,139 @@
+"""What must be asked of a robot as a whole: its motors, its front, what else carries it."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from fractions import Fraction
+
+from wmrgen.importing.candidates import UNSEEN, UPRIGHT, Candidate, Robot, rigid_wheels
+from wmrgen.importing.controllers import role
+from wmrgen.importing.frames import ancestors, plus
+from wmrgen.importing.records import MODEL, SUPPORT, Question, Wheel
+from wmrgen.spec.text import quoted
+from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
+
+DIRECTIONS = {"x": (1, 0), "y": (0, 1), "-x": (-1, 0), "-y": (0, -1)}
+_ALONG = math.cos(math.radians(20))
+_CHASSIS = re.compile("(base(_link|_footprint)?|chassis|body)$")
+_CARRIES = re.compile("cast[eo]r|ball|skid|support|slider|wheel|omni", re.IGNORECASE)
+_STRAIGHT = Fraction(1, 10**6)  # [m^2]
+_LOW = Fraction(15, 1000)  # [m] above the ground, what still carries
+
+
+def motors_unknown(wheels: Sequence[Wheel]) -> list[Question]:
+    """Where the file drives no wheel, and not all need be driven; or where it moves the body as a whole."""
+    steering = [w for w in wheels if w.type == STEERED.name]
+    fixed = [w for w in wheels if w.type == FIXED.name]
+    if all(w.actuated == () for w in wheels):
+        text = "the file moves the body as a whole, and no joint: which have motors?"
+        return [Question(w.name, "actuated", text, ("[spin]", "[]")) for w in wheels if w.type != CASTOR.name]
+    if any(w.actuated is not None for w in wheels) or not fixed:
+        return []
+    text = "the file does not say which joints are driven"
+    if steering:
+        return [Question(w.name, "actuated", text, ("[steer]", "[spin, steer]")) for w in steering]
+    return [Question(w.name, "actuated", text, ("[spin]", "[]")) for w in fixed if len(fixed) > 2]
+
+
+def front_doubted(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
+    """Where the wheels roll along y, their names contradict their places, or nothing tells where x points."""
+    first = wheels[0]
+    headings = [w.heading for w in wheels if w.heading is not None and w.type != CASTOR.name]
+    labels = [
+        "" if w.type == CASTOR.name or _companions(w, wheels) else role(c.joint.name, c.joint.child)
+        for w, c in zip(wheels, seen, strict=True)
+    ]
+    misses = {name: _misses(wheels, labels, turn) for name, turn in DIRECTIONS.items()}
+    best = min(misses, key=lambda name: misses[name])
+    if headings and all(abs(math.sin(h)) > _ALONG for h in headings):
+        why = "the wheels roll along y"
+        side = "y" if sum(map(math.sin, headings)) > 0 else "-y"
+        best = best if best in ("y", "-y") and misses[best] < misses["x"] else side
+    elif misses["x"]:
+        why = "the names of wheels say front, rear, left or right where they do not stand so"
+    elif _any_way(wheels) and not _CHASSIS.search(robot.base) and robot.base != MODEL:
+        why = f"the frame {quoted(robot.base)} is not called that of a robot, and the wheels do not tell"
+    else:
+        return []
+    turned = "" if best == "x" else f"; --forward {best}: its {best} is, as it seems to be"
+    shown = "" if first.heading is None else f" {first.heading:.6g}"
+    hint = (
+        f"import again with --forward x: x is forward, and the heading is{shown} as the file has it{turned}"
+    )
+    return [Question(first.name, "heading", f"which way is forward? In {quoted(robot.base)} {why}", (hint,))]
+
+
+def articulated(wheels: Sequence[Wheel]) -> list[Question]:
+    """A joint that steers wheels far from it: it may turn a part of the body."""
+    text = "its steering axis carries several wheels far from it: is the robot articulated there?"
+    hints = ("keep it if it steers", "a robot file has no articulated bodies")
+    return [
+        Question(w.name, "type", text, hints)
+        for w in wheels
+        if w.offset_y and abs(w.offset_y) > 2 * (w.r or UNSEEN) and _companions(w, wheels)
+    ]
+
+
+def _companions(wheel: Wheel, wheels: Sequence[Wheel]) -> bool:
+    """Other wheels stand on its steering axis."""
+    return wheel.steer_joint is not None and sum(w.steer_joint == wheel.steer_joint for w in wheels) > 1
+
+
+def _any_way(wheels: Sequence[Wheel]) -> bool:
+    """Rollers on axles that are not parallel: the robot drives any way alike."""
+    headings = [w.heading for w in wheels if w.heading is not None and w.type == SWEDISH.name]
+    return any(abs(math.sin(a - b)) > 0.2 for a in headings for b in headings)
+
+
+def _misses(wheels: Sequence[Wheel], labels: Sequence[str], forward: tuple[int, int]) -> int:
+    """How many labels contradict the places, seen with ``forward`` to the front."""
+    fx, fy = forward
+    places = [(float(fx * w.x + fy * w.y), float(fx * w.y - fy * w.x)) for w in wheels]
+    count = 0
+    for axis, (high, low) in enumerate((("front", "rear"), ("left", "right"))):
+        values = [place[axis] for place in places]
+        middle, reach = (max(values) + min(values)) / 2, (max(values) - min(values)) / 20
+        for value, label in zip(values, labels, strict=True):
+            sign = (high in label.split()) - (low in label.split())
+            count += sign * (value - middle) < -reach
+    return count
+
+
+def support_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
+    """A castor whose joints are fixed; or what carries wheels that all stand on one line, where no body does."""
+    for rigid in (c for c in rigid_wheels(robot, seen) if c.joint.axis and c.shape and c.shape.cylinder):
+        return [Question(SUPPORT, "type", *_castor(robot, rigid))]
+    own = {link for c in seen for link in (c.joint.child, *(j.child for j in robot.under(c.joint.child)))}
+    others = [link for link in robot.description.links if link not in own and robot.reaches(link)]
+    if any(w.type == CASTOR.name for w in wheels) or not _on_a_line([(w.x, w.y) for w in wheels]):
+        return []
+    ground = min(c.lowest if c.shape else c.lowest - c.radius for c in seen)
+    low = [(link, *ball) for link in others for ball in robot.balls(link) if ball[1] - ground < _LOW]
+    bodies = robot.description.shapes
+    if any(_CARRIES.search(link) for link in others) or any(len(bodies[link]) == 1 for link, _, _ in low):
+        return []
+    text = "the wheels stand on one line, and no other body of the file stands on the ground: what carries the rest?"
+    hints = dict.fromkeys(
+        f"a ball of {quoted(link)} at x = {float(x):.6g}, y = {float(y):.6g}: spherical"
+        for link, (x, y, _), _ in low
+    )
+    return [Question(SUPPORT, "type", text, tuple(hints))]
+
+
+def _castor(robot: Robot, c: Candidate) -> tuple[str, tuple[str, ...]]:
+    text = f"is {quoted(c.joint.child)} a castor? Its joints are fixed in the file, though they have axes"
+    swivels = [
+        j for j in ancestors(c.joint.parent, robot.above) if j.axis and abs(robot.axis(j)[2]) >= UPRIGHT
+    ]
+    if not swivels:
+        return text, ("castor, with d and r", "spherical where it slides, or delete it")
+    (x, y, _), d = robot.origin(swivels[0]), plus(c.centre, robot.origin(swivels[0]), -1)[:2]
+    at = f"x: {float(x):.6g}, y: {float(y):.6g}, d: {-math.hypot(*d):.6g}, r: {float(c.radius):.6g}"
+    return text, (f"castor, with {at}", "spherical where it slides, or delete it")
+
+
+def _on_a_line(places: Sequence[tuple[Fraction, Fraction]]) -> bool:
+    (x0, y0), (x1, y1), *rest = places
+    return all(abs((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) < _STRAIGHT for x, y in rest)

@@ -39,11 +39,18 @@ def _names(text: str) -> Iterator[str]:
 
 
 def driven_by_control(root: Element) -> set[str]:
-    """The joints to which ros2_control or a transmission gives commands."""
-    named = {j.get("name", "") for each in children(root, "transmission") for j in children(each, "joint")}
-    for control in children(root, "ros2_control"):
-        named |= {j.get("name", "") for j in children(control, "joint") if children(j, "command_interface")}
-    return named
+    """The joints to which ros2_control gives commands."""
+    controls = children(root, "ros2_control")
+    return {
+        j.get("name", "") for c in controls for j in children(c, "joint") if children(j, "command_interface")
+    }
+
+
+def transmitted(root: Element, commanded: bool = False) -> set[str]:
+    """The joints of transmissions; with ``commanded`` only of those that take positions or velocities."""
+    joints = [joint for each in children(root, "transmission") for joint in children(each, "joint")]
+    says = {j.get("name", ""): "".join(e.text or "" for e in below(j, "hardwareInterface")) for j in joints}
+    return {name for name, text in says.items() if not commanded or "Position" in text or "Velocity" in text}
 
 
 def friction(element: Element, link: str) -> Friction | None:

@@ -40,17 +40,18 @@ def rollers_asked(name: str, why: str) -> Question:
 
 
 def swivel_doubts(
-    name: str, kind: str, d: Fraction, actuated: tuple[str, ...] | None, rolling: str
+    name: str, kind: str, d: Fraction, actuated: tuple[str, ...] | None, transmitted: bool, rolling: str
 ) -> Iterator[Question]:
-    """What may be otherwise of a wheel on a steering axis, from which its contact lies ``d`` off."""
+    """What may be otherwise of a wheel on a steering axis, from which its contact lies ``d`` off. ``transmitted``: only
+    a transmission says that a motor steers it."""
     if rolling:
         text = f"{rolling}, and here the wheel swivels: does the robot have this swivel?"
         yield Question(name, "type", text, ("swedish, where it has not",))
     elif kind == STEERED.name and abs(d) > TRAIL:
         text = f"the contact lies {float(d):.6g} m off the steering axis along the rolling direction: is that meant?"
         yield Question(name, "type", text, ("steered (then it is 0)", f"castor, with d: {float(d):.6g}"))
-    elif kind == CASTOR.name and "steer" in (actuated or ()):
-        text = "the file gives the swivel commands: does a motor turn it, or does it follow?"
+    elif kind == CASTOR.name and transmitted:
+        text = "the swivel has a transmission: does a motor turn it, or does it follow?"
         rest = ", ".join(key for key in actuated or () if key != "steer")
         yield Question(name, "actuated", text, (f"[{rest}]", f"[{', '.join(actuated or ())}]"))
 

@@ -83,7 +83,8 @@ class Friction:
 class Description:
     """``driven``: joints that ros2_control, a transmission or a plugin names, None where the file has none of these.
     ``words``: names of plugins, meshes and the robot, which may say that wheels have rollers. ``controllers``: what
-    drive plugins are told."""
+    drive plugins are told. ``closing``: joints that would give a link a second parent. ``transmitted``: driven joints
+    that only a transmission for efforts names, which is no proof of a motor."""
 
     name: str
     links: tuple[str, ...]
@@ -95,6 +96,7 @@ class Description:
     notes: tuple[str, ...]
     controllers: tuple[Controller, ...] = ()
     closing: tuple[Joint, ...] = ()
+    transmitted: frozenset[str] = frozenset()
     file_of: Callable[[str], bytes | None] = field(default=lambda uri: None)
 
 
@@ -137,7 +139,7 @@ class Imported:
     base: str
     wheels: tuple[Wheel, ...]
     questions: tuple[Question, ...]
-    couplings: tuple[tuple[str, ...], ...]
+    couplings: tuple[tuple[str, str], ...]
     notes: tuple[str, ...]
 
 

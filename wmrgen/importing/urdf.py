@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element
 
 from wmrgen.errors import RobotFileError
 from wmrgen.importing.frames import MAX_JOINTS, frame, tree
-from wmrgen.importing.gazebo import driven_by_control, driven_by_plugins, friction, words
+from wmrgen.importing.gazebo import driven_by_control, driven_by_plugins, friction, transmitted, words
 from wmrgen.importing.read import (
     ONES,
     ZERO,
@@ -60,6 +60,9 @@ def describe(root: Element, file: str) -> Description:
         words=tuple(words(root)),
         notes=tuple(notes),
         closing=closing,
+        transmitted=frozenset(
+            transmitted(root) - transmitted(root, commanded=True) - driven_by_control(root)
+        ),
     )
 
 
@@ -136,5 +139,5 @@ def _driven(root: Element, joints: set[str]) -> frozenset[str] | None:
     """The joints that something of the file drives; None where nothing drives any."""
     plugins = (plugin for gazebo in children(root, "gazebo") for plugin in children(gazebo, "plugin"))
     by_plugins = driven_by_plugins(plugins, joints)
-    by_control = frozenset(driven_by_control(root) & joints)
+    by_control = frozenset((driven_by_control(root) | transmitted(root)) & joints)
     return by_control | (by_plugins or frozenset()) if by_control else by_plugins

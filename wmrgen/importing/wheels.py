@@ -167,7 +167,8 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, 
         if gamma is None:
             questions.append(rollers_asked(name, why))
     elif steer:
-        questions += swivel_doubts(name, kind, d or Fraction(0), actuated, rolling)
+        transmitted = steer.name in robot.description.transmitted
+        questions += swivel_doubts(name, kind, d or Fraction(0), actuated, transmitted, rolling)
     questions += _size_doubts(robot, c, name, offset, remarks)
     wheel = Wheel(
         name,

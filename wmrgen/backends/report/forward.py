@@ -265,7 +265,7 @@ def _posture(d: Derivation) -> list[str]:
         "null space" + (" and the steering rates" if steering else "") + " as inputs:",
         *math(r"\frac{d}{dt}\begin{bmatrix} x \\ y \\ \theta \end{bmatrix} = R(\theta)^T N\,\eta"
               + (r", \qquad \frac{d}{dt}\psi_i = \dot{\psi}_i" if steering else "")),
-        "Here, with the values of section 1 put in,",
+        "With the values of section 1, each column scaled as in `dynamics` so that its first coefficient is 1:",
         *aligned(f"{notation.port(n)} &= {broken(p)}" for n, p in zip(TWIST_NAMES, rates, strict=True)),
     ]  # fmt: skip
     if not steering:

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.report.latex import Term, summands, terms, wrapped
+from wmrgen.backends.report.angles import equation, roots
+from wmrgen.backends.report.latex import summands, terms, wrapped
 from wmrgen.backends.report.markdown import (
     CAP,
     aligned,
@@ -21,7 +22,7 @@ from wmrgen.backends.report.markdown import (
 )  # fmt: skip
 from wmrgen.constraints import TWIST, constrain, nominal_view
 from wmrgen.exact.evaluate import fix
-from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.mobility.ranks import decide
 from wmrgen.mobility.records import TOLERANCE
@@ -220,7 +221,10 @@ def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
 
 
 def _conditions(conditions: Sequence[Poly | Row]) -> list[str]:
-    """Each condition as a sum that is 0; a single term without its number, which does not matter."""
-    sums = [terms(c if isinstance(c, Poly) else dot(c, TWIST)) for c in conditions]
-    bare = [[Term(ONE, s[0].factors)] if len(s) == 1 else s for s in sums]
-    return aligned(f"{wrapped(summands(s))} &= 0" for s in bare)
+    """Each condition as a sum that is 0, without a common number, and the steering angles where that is so."""
+    lines = []
+    for c in conditions:
+        p = equation(c if isinstance(c, Poly) else dot(c, TWIST))
+        at = roots(p)
+        lines.append(f"{wrapped(summands(terms(p)))} &= 0" + (f", & {at}" if at else ""))
+    return aligned(lines)

@@ -44,8 +44,8 @@ def opening(d: Derivation) -> list[str]:
         f"This robot has {conjoined([_count(n, noun) for noun, n in wheels.items()])}. It is {kind} "
         f"({m.degree_of_mobility}, {m.degree_of_steerability}): at any instant it moves with "
         f"{_count(m.degree_of_mobility, 'degree')} of freedom, and steering adds "
-        f"{_word(m.degree_of_steerability)}. This page derives that, and every formula of the generated code, "
-        "from the layout alone.",
+        f"{_word(m.degree_of_steerability) if m.degree_of_steerability else 'none'}. This page derives that, and "
+        "every formula of the generated code, from the layout alone.",
         "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to "
         "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left, "
         "angles counter-clockwise; ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in that frame, the "

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
+from wmrgen.backends.report.angles import readable, whole
 from wmrgen.backends.report.latex import WIDE, broken, latex, matrix, pieces, terms, width, wrapped
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, items, listed, math
 from wmrgen.constraints import (
@@ -198,7 +199,7 @@ def _pfaffian(d: Derivation) -> list[str]:
 
 def null_space(d: Derivation) -> list[str]:
     """Section 4."""
-    columns = d.mobility.null_space_symbolic
+    columns = [whole(c) for c in d.mobility.null_space_symbolic]
     blocks = ["## 4 The null space: the motions that are left"]
     if not columns:
         return [*blocks, "C₁ has rank 3: no twist but ξ = 0 keeps every wheel from sliding."]
@@ -207,24 +208,29 @@ def null_space(d: Derivation) -> list[str]:
         return [*blocks, *_meaning(columns)]
     blocks += [
         "A motion is admissible when C₁ ξ = 0. The columns of N span these motions, cleared of common factors:",
-        *math(f"N = {matrix(zip(*columns, strict=True))}"),
+        *math(f"N = {matrix(zip(*map(_entries, columns), strict=True))}"),
     ]
     return [*blocks, *_check(d, columns), *_meaning(columns)]
+
+
+def _entries(column: Row) -> list[str]:
+    return [readable(p) for p in column]
 
 
 def _check(d: Derivation, columns: Sequence[Row]) -> list[str]:
     """C1 N = 0, with independent rows of C1."""
     rows, every = _independent(d)
     if any(dot(r, c) for r in rows for c in columns):
-        rows, columns = list(d.mobility.basis_rows), d.mobility.null_space
+        rows, columns = list(d.mobility.basis_rows), [whole(c) for c in d.mobility.null_space]
     words = "Check"
     if not every:
         steered = any(w.kind.steers for w in d.robot.wheels)
         words += ", with rows of C₁ that are independent" + (
             " at a generic admissible steering" if steered else ""
         )
-    basis = [*zip(*columns, strict=True)]
-    if sum(max(sum(width(latex(p)) for p in row) for row in m) for m in (rows, basis)) > _CHECK:
+    basis = [*zip(*map(_entries, columns), strict=True)]
+    printed = [[latex(p) for p in row] for row in rows]
+    if sum(max(sum(map(width, row)) for row in m) for m in (printed, basis)) > _CHECK:
         products = [rf"C_{{1,{i}}}\,N &= 0, & C_{{1,{i}}} &= {matrix([r])}" for i, r in enumerate(rows, 1)]
         return [f"{words}: each of them times N vanishes identically.", *aligned(products)]
     zeros = matrix([["0"] * len(columns)] * len(rows))
@@ -247,7 +253,7 @@ def _meaning(columns: Sequence[Row]) -> list[str]:
     blocks = items(f"{head} {_motion(c)}" for head, c in zip(heads, columns, strict=True))
     vx, vy, w = columns[0]
     if len(columns) == 1 and w and any(p.constant is None for p in columns[0]):
-        x, y = (rf"\frac{{{latex(a)}}}{{{latex(w)}}}" if a else "0" for a in (-vy, vx))
+        x, y = (rf"\frac{{{readable(a)}}}{{{readable(w)}}}" if a else "0" for a in (-vy, vx))
         blocks += ["The ICR lies at (−N₂/N₃, N₁/N₃):", *aligned([f"x_{{ICR}} &= {x}", f"y_{{ICR}} &= {y}"])]
     return [*blocks, "Every admissible twist is ξ = N η, with one number η per column."]
 

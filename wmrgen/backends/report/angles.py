@@ -1,0 +1,107 @@
+"""Sines and cosines as a reader writes them: addition theorems, no fractions in a column of N, angles in degrees."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import atan2, lcm, pi
+
+from wmrgen import notation
+from wmrgen.backends.report.latex import Factor, Term, terms, total
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.poly import Gen, Poly, Row
+
+_MOST = 100  # a common denominator above this makes numbers longer, not shorter
+
+
+def whole(column: Row) -> Row:
+    """The column times the least number that leaves no fraction, where that is small: columns of N have no scale."""
+    common = lcm(*(c.den for p in column for c in p.terms.values()))
+    x, y, z = (p.scale(common if common <= _MOST else 1) for p in column)
+    return x, y, z
+
+
+def readable(p: Poly) -> str:
+    """A polynomial with sums of angles."""
+    return total(gathered(terms(p)))
+
+
+def gathered(summed: Sequence[Term]) -> list[Term]:
+    """The sum with sin a cos b +- cos a sin b and cos a cos b +- sin a sin b as one sine or cosine."""
+    left = list(summed)
+    done: list[Term] = []
+    while left:
+        first = left.pop(0)
+        for other in left:
+            joined = _joined(first, other)
+            if joined is not None:
+                left.remove(other)
+                first = joined
+                break
+        done.append(first)
+    return done
+
+
+def _joined(s: Term, t: Term) -> Term | None:
+    """n (f a g b) +- n (f' a g' b), each function and its co-function, as one term."""
+    if abs(s.number) != abs(t.number):
+        return None
+    own = [f for f in s.factors if f not in t.factors]
+    others = [f for f in t.factors if f not in s.factors]
+    if len(own) != 2 or len(others) != 2 or any(f.power != 1 or f.rank != 1 for f in (*own, *others)):
+        return None
+    heads, angles = zip(*((f.base[:4], f.base[4:]) for f in own), strict=True)
+    if angles[0] == angles[1] or {f.base for f in others} != {
+        _other(h) + a for h, a in zip(heads, angles, strict=True)
+    }:
+        return None
+    rest = tuple(f for f in s.factors if f not in own)
+    alike = s.number == t.number
+    if heads[0] == heads[1]:  # cos a cos b + sin a sin b = cos(a - b)
+        number = s.number if heads[0] == r"\cos" or alike else -s.number
+        return Term(number, (*rest, _of_two(own[0], r"\cos", angles, "-" if alike else "+")))
+    if alike:
+        return Term(s.number, (*rest, _of_two(own[0], r"\sin", angles, "+")))
+    if heads[0] == r"\cos":  # sin b cos a - cos b sin a = sin(b - a)
+        angles = angles[::-1]
+    if s.number.sign < 0:
+        return Term(-s.number, (*rest, _of_two(own[0], r"\sin", angles[::-1], "-")))
+    return Term(s.number, (*rest, _of_two(own[0], r"\sin", angles, "-")))
+
+
+def _other(head: str) -> str:
+    return r"\sin" if head == r"\cos" else r"\cos"
+
+
+def _of_two(like: Factor, head: str, angles: Sequence[str], sign: str) -> Factor:
+    return replace(like, base=rf"{head}\left({angles[0]}{sign}{angles[1]}\right)")
+
+
+def equation(p: Poly) -> Poly:
+    """The left-hand side of ``p = 0`` without a common number; with the sign of most of its terms."""
+    numbers = list(p.terms.values())
+    size = abs(numbers[0]) if all(abs(c) == abs(numbers[0]) for c in numbers) else Exact(1)
+    negative = sum(c.sign for c in numbers) < 0 or (numbers[0].sign < 0 and sum(c.sign for c in numbers) == 0)
+    return p.scale((-size if negative else size).inverse())
+
+
+def roots(p: Poly) -> str:
+    """Where a cos psi + b sin psi = 0, in degrees, as LaTeX; "" for what is not of that form."""
+    found: dict[Gen, float] = {}
+    for monomial, c in p.terms.items():
+        if len(monomial) != 1 or monomial[0][0].kind not in ("cos", "sin") or monomial[0][1] != 1:
+            return ""
+        found[monomial[0][0]] = float(c)
+    joints = {g.name for g in found}
+    if len(joints) != 1:
+        return ""
+    (joint,) = joints
+    a, b = (found.get(Gen(kind, joint), float(ZERO)) for kind in ("cos", "sin"))
+    angle = atan2(-a, b) * 180 / pi
+    low, high = sorted((angle % 180 - 180, angle % 180)) if angle % 180 else (0.0, 180.0)
+    psi = notation.port(f"{joint}.steer")
+    return rf"{psi} = {_degrees(low)}\;\mathrm{{or}}\;{_degrees(high)}"
+
+
+def _degrees(angle: float) -> str:
+    return rf"{round(angle, 4) + 0.0:.6g}^{{\circ}}"

@@ -279,7 +279,7 @@ def test_gazebo_turns_no_tighter_than_the_steering_limits(tmp_path: Path) -> Non
 
 
 def constants(text: str) -> dict[str, str]:
-    return dict(re.findall(r"static final \w+ (\w+) = (.*);", text))
+    return dict(re.findall(r"static final \w+ (\w+) =\s+(.*);", text))
 
 
 @pytest.mark.parametrize("kind", ["differential", "mecanum", "swerve"])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import wmrgen
@@ -14,9 +13,8 @@ from wmrgen.exporting.ros2_control import ros2_control
 from wmrgen.exporting.sdf import sdf
 from wmrgen.exporting.urdf import urdf
 from wmrgen.exporting.wpilib import wpilib
-from wmrgen.layout.records import Robot
 
-_KINDS: dict[str, Callable[[Robot], dict[str, str]]] = {
+_KINDS = {
     "urdf": lambda robot: {f"{robot.name}.urdf": urdf(robot)},
     "sdf": lambda robot: {f"{robot.name}.sdf": sdf(robot)},
     "ros2_control": ros2_control,
@@ -25,14 +23,13 @@ _KINDS: dict[str, Callable[[Robot], dict[str, str]]] = {
 
 
 def export(robot: Path, to: str, out: Path | None, as_json: bool) -> int:
-    """Write or print the files of one kind."""
+    """Write or print the files of one kind. ``out`` is a file where it ends as the one file of a kind."""
     loaded = noted(wmrgen.load(robot))
-    files = _KINDS[to](loaded)
-    places = {name: out / name for name in files} if out else {}
-    if out and out.suffix and not out.is_dir():
-        if len(files) > 1:
-            raise UsageError(f"{to} is {len(files)} files: {', '.join(files)}. Give a folder: -o DIR.")
-        places = dict.fromkeys(files, out)
+    files: dict[str, str] = _KINDS[to](loaded)
+    is_file = out is not None and out.suffix in {".xml", *(Path(name).suffix for name in files)}
+    if is_file and len(files) > 1:
+        raise UsageError(f"{to} is {len(files)} files: {', '.join(files)}. Give a folder: -o DIR.")
+    places = {name: out if is_file else out / name for name in files} if out else {}
     for name, place in places.items():
         try:
             write_file(place, files[name].encode())
@@ -42,10 +39,7 @@ def export(robot: Path, to: str, out: Path | None, as_json: bool) -> int:
         console.data({"robot": loaded.name, "to": to, "files": files})
         return 0
     for name, text in files.items():
-        if name in places:
-            console.result(str(places[name]))
-            continue
-        if len(files) > 1:
+        if len(files) > 1 and not places:
             console.result(f"==> {name} <==")
-        console.result(text.rstrip("\n"))
+        console.result(str(places[name]) if places else text.rstrip("\n"))
     return 0

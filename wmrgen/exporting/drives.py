@@ -263,4 +263,4 @@ def _car(robot: Robot, fixed: Sequence[Wheel], steered: Sequence[Wheel]) -> Driv
         terms |= {"steer.low": low, "steer.high": high}
         if 0 < (inner := min(-low, high)) < pi / 2:  # Gazebo turns at wheelbase / sin(this) or more
             terms["least_turn"] = asin(min(1.0, base / (base / tan(inner) + tracks[1] / 2)))
-    return Drive(kind, tuple(sorted((*driven, *steered), key=_y)), terms, notes=_of_axle(axle[0]))
+    return Drive(kind, tuple(driven), terms, notes=_of_axle(axle[0]))

@@ -1,7 +1,8 @@
 """SDFormat, as Gazebo reads it (http://sdformat.org/spec): the model of the URDF in the words of SDFormat.
 
 Gazebo has a system for differential, Ackermann and mecanum drives; a robot that is one of them gets it, the joints of
-others are commanded one by one.
+others are commanded one by one. SDFormat has <mimic> from 1.11: readers of that convert a file of 1.8 first, older ones
+pass over it.
 """
 
 from __future__ import annotations
@@ -60,8 +61,7 @@ def sdf(robot: Robot) -> str:
         notes = (f"No system of Gazebo drives it: {error}. Its joints are commanded one by one.",)
     model = _model(links)
     model.extend(plugins)
-    mimics = model.find("joint/axis/mimic") is not None
-    root = element("sdf", model, version="1.11" if mimics else "1.8")
+    root = element("sdf", model, version="1.8")
     root.set("xmlns:gz", GAZEBO)
     frame = f"The model frame and {BASE} are the frame of the robot file: P, on the ground, x forward."
     return document([*banner(robot), frame, PLACEHOLDERS, *notes], root)
@@ -87,6 +87,10 @@ def _plugin(name: str, file: str, values: Mapping[str, float | tuple[str, ...]])
 def _model(robot: Element) -> Element:
     """<model> of a <robot>: a joint's <origin> becomes the <pose> of its child link in its parent."""
     links = {link.get("name", ""): _converted(link) for link in robot.iter("link")}
+    for name, link in links.items():
+        for shape in link:
+            if shape.tag in ("visual", "collision"):
+                shape.set("name", f"{name}_{shape.tag}")
     parts: list[Element] = []
     for part in robot:
         if part.tag == "link":

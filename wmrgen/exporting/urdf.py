@@ -2,7 +2,7 @@
 
 What drives the robot stands in <transmission>, which URDF has for it; `wmrgen import` reads it. A wheel with rollers is
 a cylinder that grips along the roller's axis at the ground: <gazebo> with fdir1, seen from base_link, which does not
-turn with the wheel.
+turn with the wheel. Gazebo joins that to a collision without a name of its own.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def _chassis(robot: Robot) -> Iterator[Element]:
     yield element(
         "link",
         _inertial("chassis", moments),
-        element("visual", box, name="chassis_visual"),
+        element("visual", box),
         name="chassis_link",
     )
     yield _carried("chassis", BASE, "chassis_link", centre)
@@ -108,7 +108,7 @@ def _link(body: Body) -> Element:
         else:
             shape = element("sphere", radius=decimal(body.radius))
         along_y = element("origin", xyz="0 0 0", rpy=decimals(pi / 2, 0, 0))
-        link.append(element(role, along_y, element("geometry", shape), name=f"{body.joint}_{role}"))
+        link.append(element(role, along_y, element("geometry", shape)))
     return link
 
 

@@ -10,10 +10,12 @@ points where they have no derivative; there the derivative given is 0.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from wmrgen.backends.registry import Facts
 from wmrgen.ir.calls import complete, defaults, self_contained
@@ -62,6 +64,21 @@ def functions(module: Module) -> dict[str, ca.Function]:
     return {
         f.name: to_casadi(f, ca.Function.fix_name(f"{module.name}_{f.name}")) for f in self_contained(module)
     }
+
+
+def sensitivity(
+    function: Function, outputs: Sequence[str], inputs: Sequence[str], parameters: Sequence[str]
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """``outputs`` of ``function`` and their exact derivatives by ``parameters``, (outputs x (1 + parameters), N) by
+    parameter, of columns of ``inputs`` and ``parameters``, (inputs + parameters, N)."""
+    whole = to_casadi(function, "whole")
+    names = [*inputs, *parameters]
+    symbols = ca.SX.sym("columns", len(names))
+    results = whole(**{name: symbols[i] for i, name in enumerate(names)})
+    values = ca.vertcat(*(results[name] for name in outputs))
+    by = ca.jacobian(values, symbols[len(inputs) :])
+    both = ca.Function("sensitivity", [symbols], [ca.densify(ca.vertcat(values, ca.vec(by)))])
+    return lambda columns: np.asarray(both(columns))
 
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:

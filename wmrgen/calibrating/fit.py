@@ -1,0 +1,285 @@
+"""The parameters under which the paths that joints tell lie nearest to where the robot was.
+
+All poses of a whole drive count: windows of a few seconds are biased where the clocks of log and truth disagree. Each
+drive has a start pose and a clock offset of its own, and all share the place of the tracked point on the robot; these
+are estimated with the parameters. Residuals are metres, headings by way of a lever of 0.15 m; a robust loss (soft L1)
+lets slips count by their size and not by its square. What no drive tells stays near nominal: a weak prior of 10 %.
+
+The sum over drives of cost, gradient and matrix is all that the solver sees, so a drive needs its own
+memory only while it is added.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from wmrgen.calibrating.logs import Drive
+from wmrgen.calibrating.path import Increments, Reals, reckoned
+
+LEVER = 0.15  # [m] a heading's residual is this times its error
+_SPACING = 1.0  # [s] truth that is denser than this counts no more than truth at this spacing
+_MOUNT = 3  # x, y, heading of the tracked point on the robot
+_OWN = 4  # of a drive: x, y, heading of its start; clock offset
+_UNIT_MOUNT = (0.05, 0.05, 0.05)  # [m, m, rad] about what such quantities are, for scaling and the weak prior
+_UNIT_OWN = (0.1, 0.1, 0.1, 0.1)  # [m, m, rad, s]
+_PRIOR_OWN = 0.03  # the same for start poses and clocks
+_DRIVES = 3  # from so many drives on, their spread tells standard deviations
+_PARTS, _MEMORY = 20, 5  # of fewer, that of parts does
+_PRIOR = 0.3  # residuals, in units of the loss's scale, that one unit (10 % of a parameter) away from nominal costs
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """What is estimated from which drives. ``nominal``: values of the parameters; ``scale`` [m]: residuals far above it
+    count by their size."""
+
+    increments: Increments
+    nominal: tuple[float, ...]
+    drives: tuple[Drive, ...]
+    scale: float = 0.01
+
+    @property
+    def units(self) -> Reals:
+        """What one unit of each shared unknown is: 10 % of a parameter (0.1 of one that is nominally 0), the mount's."""
+        return np.array([0.1 * abs(value) or 0.1 for value in self.nominal] + list(_UNIT_MOUNT))
+
+    def shared(self, unknowns: Reals) -> Reals:
+        """Parameters and mount in SI units; ``unknowns`` are in units away from nominal."""
+        count = len(self.nominal) + _MOUNT
+        return np.array([*self.nominal, *([0.0] * _MOUNT)]) + self.units * unknowns[:count]
+
+    def own(self, unknowns: Reals, index: int) -> Reals:
+        """Start x, y [m], heading [rad] and clock offset [s] of a drive."""
+        first = len(self.nominal) + _MOUNT + _OWN * index
+        drive = self.drives[index]
+        return np.array([*drive.start, 0.0]) + np.array(_UNIT_OWN) * unknowns[first : first + _OWN]
+
+
+@dataclass(frozen=True, slots=True)
+class Residuals:
+    """Of one drive: ``values`` (rows,) [m], x, y and headings one after the other; ``by`` (rows, unknowns of the
+    drive): shared ones, then its own, all in their units; ``weights`` (rows,); ``times`` (rows,) [s]; ``turns``
+    (rows,): which are headings."""
+
+    values: Reals
+    by: Reals
+    weights: Reals
+    times: Reals
+    turns: NDArray[np.bool_]
+
+
+def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
+    """Where a drive's path, laid at its start pose, differs from the truth, and the derivatives."""
+    drive, increments = problem.drives[index], problem.increments
+    shared, own = problem.shared(unknowns), problem.own(unknowns, index)
+    count = len(problem.nominal)
+    mount, mount_heading = complex(shared[count], shared[count + 1]), shared[count + 2]
+    path = reckoned(increments(drive.columns, shared[:count]))
+    at = drive.truth.t + own[3]
+    step = np.clip(np.searchsorted(drive.t, at, "right") - 1, 0, len(drive.t) - 2)
+    length = drive.t[step + 1] - drive.t[step]
+    share = np.clip((at - drive.t[step]) / length, 0.0, 1.0)
+    moving = (at >= drive.t[0]) & (at <= drive.t[-1])
+
+    def between(samples: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]  # real or complex, as samples are
+        return samples[..., step] * (1 - share) + samples[..., step + 1] * share
+
+    heading = between(path.heading)
+    start = np.exp(1j * own[2])
+    turned = start * np.exp(1j * heading)
+    reached = start * between(path.position) + turned * mount  # from the start
+    turn_by = between(path.heading_by)
+    place_by = start * between(path.position_by) + 1j * turned * mount * turn_by
+    speed = (path.position[step + 1] - path.position[step]) / length * moving
+    turn = (path.heading[step + 1] - path.heading[step]) / length * moving
+    rows, ones = len(at), np.ones_like(at)
+    place = np.zeros((count + _MOUNT + _OWN, rows), dtype=complex)
+    angle = np.zeros((count + _MOUNT + _OWN, rows))
+    place[:count], angle[:count] = place_by, turn_by
+    place[count], place[count + 1], angle[count + 2] = turned, 1j * turned, ones
+    place[count + 3], place[count + 4], place[count + 5] = ones, 1j * ones, 1j * reached
+    angle[count + 5] = ones
+    place[count + 6], angle[count + 6] = start * speed + 1j * turned * mount * turn, turn
+    units = np.concatenate([problem.units, _UNIT_OWN])[:, None]
+    place, angle = place * units, angle * units
+    off = complex(own[0], own[1]) + reached
+    heading_error = heading + own[2] + mount_heading - drive.truth.theta
+    values = np.concatenate([off.real - drive.truth.x, off.imag - drive.truth.y, LEVER * heading_error])
+    by = np.concatenate([place.real.T, place.imag.T, LEVER * angle.T])
+    measured = np.isfinite(values)
+    weights, times = np.tile(_weights(drive.truth.t), 3), np.tile(drive.truth.t, 3)
+    turns = np.repeat([False, False, True], rows)
+    return Residuals(*(column[measured] for column in (values, by, weights, times, turns)))
+
+
+def _weights(times: Reals) -> Reals:
+    """How much each row counts: as much as it lasts, at most `_SPACING`."""
+    gaps = np.diff(times, append=times[-1] + _SPACING)
+    return np.clip(gaps / _SPACING, 0.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Sums:
+    """Cost, gradient and second derivatives (those of the path left out), of the unknowns of one drive: shared ones, then its own."""
+
+    cost: float
+    gradient: Reals
+    matrix: Reals
+
+
+def sums(problem: Problem, unknowns: Reals, index: int) -> Sums:
+    """A drive's part, with the soft L1 loss sqrt(1 + z^2) - 1 of z, a residual over the scale."""
+    rows = residuals(problem, unknowns, index)
+    z = rows.values / problem.scale
+    root = np.sqrt(1 + z * z)
+    by = rows.by / problem.scale
+    gradient = by.T @ (rows.weights * z / root)
+    return Sums(float(rows.weights @ (root - 1)), gradient, (by.T * (rows.weights / root**3)) @ by)
+
+
+Each = Callable[[Problem, Reals], Sequence[Sums]]
+
+
+def serial(problem: Problem, unknowns: Reals) -> list[Sums]:
+    """The parts of all drives, one after the other."""
+    return [sums(problem, unknowns, index) for index in range(len(problem.drives))]
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """What was estimated: ``values`` of the parameters and ``mount`` (x, y [m], heading [rad] of the tracked point on
+    the robot); ``covariance`` of both, in `Problem.units`; ``information``: the matrix that the drives alone give,
+    own unknowns eliminated; ``rms`` [m] of positions and [rad] of headings; ``offsets`` [s] by drive."""
+
+    problem: Problem
+    unknowns: Reals
+    values: tuple[float, ...]
+    mount: tuple[float, float, float]
+    covariance: Reals
+    information: Reals
+    rms: tuple[float, float]
+    offsets: tuple[float, ...]
+
+
+def fit(problem: Problem, each: Each = serial) -> Fit:
+    """The least robust cost, by scipy's trust region method; once with the scale as it is, and once with the one that
+    the residuals show."""
+    unknowns = _solved(problem, np.zeros(len(problem.nominal) + _MOUNT + _OWN * len(problem.drives)), each)
+    typical = [np.median(np.abs(residuals(problem, unknowns, i).values)) for i in range(len(problem.drives))]
+    problem = replace(problem, scale=float(np.clip(1.5 * np.median(typical), 1e-4, problem.scale)))
+    unknowns = _solved(problem, unknowns, each)
+    count = len(problem.nominal)
+    shared = problem.shared(unknowns)
+    information, covariance = _certainty(problem, unknowns, each(problem, unknowns))
+    every = [residuals(problem, unknowns, index) for index in range(len(problem.drives))]
+    x, y, heading = shared[count:]
+    return Fit(
+        problem,
+        unknowns,
+        tuple(float(v) for v in shared[:count]),
+        (float(x), float(y), float(heading)),
+        covariance,
+        information,
+        _rms(problem, every),
+        tuple(float(problem.own(unknowns, index)[3]) for index in range(len(problem.drives))),
+    )
+
+
+def _prior(problem: Problem) -> Reals:
+    """The diagonal of the weak prior's matrix."""
+    shared = len(problem.nominal) + _MOUNT
+    return np.concatenate([np.full(shared, _PRIOR**2), np.full(_OWN * len(problem.drives), _PRIOR_OWN**2)])
+
+
+def _columns(problem: Problem, index: int) -> NDArray[np.intp]:
+    """Where a drive's unknowns stand among all."""
+    shared = len(problem.nominal) + _MOUNT
+    return np.concatenate([np.arange(shared), shared + _OWN * index + np.arange(_OWN)])
+
+
+def _solved(problem: Problem, start: Reals, each: Each) -> Reals:
+    """The unknowns of least cost from ``start`` on."""
+    prior = _prior(problem)
+    last: dict[bytes, Sums] = {}
+
+    def total(unknowns: Reals) -> Sums:
+        key = unknowns.tobytes()
+        if key not in last:
+            last.clear()
+            gradient, matrix = prior * unknowns, np.diag(prior)
+            cost = 0.5 * float(gradient @ unknowns)
+            for index, part in enumerate(each(problem, unknowns)):
+                columns = _columns(problem, index)
+                cost += part.cost
+                gradient[columns] += part.gradient
+                matrix[np.ix_(columns, columns)] += part.matrix
+            last[key] = Sums(cost, gradient, matrix)
+        return last[key]
+
+    solution = minimize(
+        lambda x: total(x).cost,
+        start,
+        jac=lambda x: total(x).gradient,
+        hess=lambda x: total(x).matrix,
+        method="trust-exact",
+        options={"gtol": 1e-6, "maxiter": 200},
+    )
+    return np.asarray(solution.x)
+
+
+def _certainty(problem: Problem, unknowns: Reals, parts: Sequence[Sums]) -> tuple[Reals, Reals]:
+    """What the drives tell of the shared unknowns, and their covariance: the spread between drives, whose errors are
+    systematic in each; with less than three drives, the spread between parts of them."""
+    shared = len(problem.nominal) + _MOUNT
+    information, spread = np.zeros((shared, shared)), np.zeros((shared, shared))
+    for index, part in enumerate(parts):
+        own = part.matrix[shared:, shared:] + np.eye(_OWN) * _PRIOR_OWN**2
+        through = np.linalg.solve(own, part.matrix[shared:, :shared]).T
+        information += part.matrix[:shared, :shared] - through @ part.matrix[shared:, :shared]
+        if len(parts) >= _DRIVES:
+            scores = (part.gradient[:shared] - through @ part.gradient[shared:])[None]
+        else:
+            scores = _scores(residuals(problem, unknowns, index), problem.scale, through)
+        spread += _correlated(scores)
+    if len(parts) >= _DRIVES:
+        spread *= len(parts) / (len(parts) - 1)
+    prior = np.eye(shared) * _PRIOR**2
+    inverse = np.linalg.inv(information + prior)
+    return information, inverse @ (spread + prior @ prior) @ inverse
+
+
+def _scores(rows: Residuals, scale: float, through: Reals) -> Reals:
+    """What each of `_PARTS` equal times of a drive adds to the gradient by the shared unknowns, its own eliminated."""
+    z = rows.values / scale
+    pull = (rows.weights * z / (np.sqrt(1 + z * z) * scale))[:, None]
+    shared = len(through)
+    each = pull * (rows.by[:, :shared] - rows.by[:, shared:] @ through.T)
+    first, last = rows.times.min(), rows.times.max()
+    part = np.minimum((_PARTS * (rows.times - first) / (last - first or 1.0)).astype(int), _PARTS - 1)
+    scores = np.zeros((_PARTS, shared))
+    np.add.at(scores, part, each)
+    return scores
+
+
+def _correlated(scores: Reals) -> Reals:
+    """The covariance of a sum of scores that are correlated with those at most `_MEMORY` away (Newey and West 1987)."""
+    total = scores.T @ scores
+    for lag in range(1, min(_MEMORY, len(scores))):
+        product = scores[lag:].T @ scores[:-lag]
+        total += (1 - lag / _MEMORY) * (product + product.T)
+    return np.asarray(total)
+
+
+def _rms(problem: Problem, every: Sequence[Residuals]) -> tuple[float, float]:
+    """Of positions [m] and headings [rad], over all drives; nan where none was measured."""
+
+    def mean(turns: bool) -> float:
+        squares = np.concatenate([rows.values[rows.turns == turns] ** 2 for rows in every])
+        return float(np.sqrt((1 if turns else 2) * squares.mean())) if len(squares) else float("nan")
+
+    return mean(False), mean(True) / LEVER

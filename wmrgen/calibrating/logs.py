@@ -1,0 +1,216 @@
+"""Logs of drives: joint readings by time, and where the robot was; CSV files with a header, in SI units and radians."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+import numpy as np
+
+from wmrgen.calibrating.path import Reals
+from wmrgen.errors import UsageError
+
+_GAP = 20.0  # times the median step: during a longer one nobody knows how the robot moved
+_JUMP = 3.0  # [rad] in one step, where ten times less is usual: a reading that wrapped
+_TRUTH = ("x", "y", "theta")
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """Where the tracked point was: ``x``, ``y`` [m] and ``theta`` [rad] at times ``t`` [s]; nan is not measured."""
+
+    t: Reals
+    x: Reals
+    y: Reals
+    theta: Reals
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """One drive. ``t`` [s]: N + 1 times; ``columns``: N increments of each ``<wheel>.spin`` [rad] and, of steered
+    wheels, N angles ``<wheel>.steer`` [rad] and increments ``<wheel>.steer_rate`` [rad]."""
+
+    name: str
+    t: Reals
+    columns: Mapping[str, Reals]
+    truth: Truth
+
+    @property
+    def start(self) -> tuple[float, float, float]:
+        """The first pose that was measured; zeros where none was."""
+        first = [column[np.isfinite(column)][:1] for column in (self.truth.x, self.truth.y, self.truth.theta)]
+        x, y, theta = (float(column[0]) if len(column) else 0.0 for column in first)
+        return x, y, theta
+
+
+def read(log: Path, truth: Path, joints: Sequence[str], turns: Mapping[str, float]) -> Drive:
+    """A log and its truth. ``joints``: the readings that the robot's `forward` takes; ``turns``: counts per turn by
+    joint, of those with an encoder in the robot file. UsageError, with the line, for what is no such log."""
+    table = _table(log, empty=False)
+    t = _times(log, table)
+    columns = {joint: _increments(log, table, joint, turns, t) for joint in joints}
+    _without_gaps(log, t, columns)
+    poses = _table(truth, empty=True)
+    at = _times(truth, poses)
+    if not set(_TRUTH) & set(poses):
+        raise UsageError(f"{truth}: none of the columns x, y and theta is there, only {', '.join(poses)}")
+    _same_clock(log, t, truth, at)
+    missing = np.full(len(at), np.nan)
+    x, y, theta = (poses.get(name, missing) for name in _TRUTH)
+    return Drive(log.stem, t, columns, Truth(at, x, y, _unwrapped(theta)))
+
+
+def _table(path: Path, empty: bool) -> dict[str, Reals]:
+    """Columns by name. ``empty``: a cell may be empty, which is nan."""
+    try:
+        with path.open(encoding="utf-8-sig") as stream:
+            header = [name.strip() for name in next(csv.reader(stream), [])]
+            try:
+                numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
+            except ValueError:
+                numbers = _by_line(path, len(header), empty)
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path}: it cannot be read: {error}") from None
+    if not header or "t" not in header:
+        raise UsageError(f"{path}:1: the header has no column t [s]; it reads {','.join(header)[:200] or 'nothing'}")
+    if len(numbers) < 2 or numbers.shape[1] != len(header):
+        raise UsageError(f"{path}: {len(header)} columns and at least two rows are needed")
+    if len(set(header)) < len(header):
+        raise UsageError(f"{path}:1: a column stands twice in {','.join(header)[:200]}")
+    bad = ~np.isfinite(numbers) if not empty else np.isinf(numbers)
+    if bad.any():
+        row, column = (int(i[0]) for i in np.nonzero(bad))
+        raise UsageError(f"{path}:{row + 2}: {header[column]} is {numbers[row, column]}: delete or mend that row")
+    return dict(zip(header, numbers.T.copy(), strict=True))
+
+
+def _by_line(path: Path, width: int, empty: bool) -> Reals:
+    """Rows one by one, for a file with empty cells, or to find the line that is wrong."""
+    rows = []
+    with path.open(encoding="utf-8-sig", newline="") as stream:
+        reader = csv.reader(stream)
+        next(reader)
+        for cells in reader:
+            if not cells:
+                continue
+            if len(cells) != width:
+                raise UsageError(f"{path}:{reader.line_num}: the row has {len(cells)} cells, the header {width}")
+            try:
+                rows.append([float("nan") if empty and not c.strip() else float(c) for c in cells])
+            except ValueError as error:
+                raise UsageError(f"{path}:{reader.line_num}: {error}") from None
+    return np.array(rows, ndmin=2)
+
+
+def _times(path: Path, table: Mapping[str, Reals]) -> Reals:
+    """The column t, which has to rise, and be in seconds."""
+    t = table["t"]
+    step = np.diff(t)
+    if not np.all(np.isfinite(t)) or not np.all(step > 0):
+        row = int(np.nonzero(~(step > 0))[0][0])
+        raise UsageError(
+            f"{path}:{row + 3}: t does not rise: {t[row + 1]:g} after {t[row]:g}; sort the rows, and leave doubles out"
+        )
+    return t
+
+
+def _increments(path: Path, table: Mapping[str, Reals], joint: str, turns: Mapping[str, float], t: Reals) -> Reals:
+    """What the steps of ``joint`` are, from whichever column tells it."""
+    wheel, quantity = joint.rsplit(".", 1)
+    if quantity == "steer":
+        angle = _column(path, table, (joint,))
+        _no_jump(path, joint, angle, _JUMP)
+        return (angle[1:] + angle[:-1]) / 2
+    if quantity == "steer_rate":
+        return np.diff(_column(path, table, (f"{wheel}.steer",)))
+    names = (f"{wheel}.angle", f"{wheel}.counts", joint)
+    if names[0] in table:
+        _no_jump(path, names[0], table[names[0]], _JUMP)
+        return np.diff(table[names[0]])
+    if names[1] in table:
+        if joint not in turns:
+            raise UsageError(f"{path}: {names[1]} needs counts per turn: write encoder: of {wheel} in the robot file")
+        angle = table[names[1]] * (2 * np.pi / turns[joint])
+        _no_jump(path, names[1], angle, _JUMP)
+        return np.diff(angle)
+    rate = _column(path, table, names)
+    return (rate[1:] + rate[:-1]) / 2 * np.diff(t)
+
+
+def _column(path: Path, table: Mapping[str, Reals], names: Sequence[str]) -> Reals:
+    """The column that has one of ``names``; the message of the refusal tells them."""
+    for name in names:
+        if name in table:
+            return table[name]
+    near = get_close_matches(names[0], list(table), 1)
+    raise UsageError(
+        f"{path}:1: there is no column {' or '.join(names)}; the header has {', '.join(table)}"
+        + (f"; is {near[0]} meant?" if near else "")
+    )
+
+
+def _no_jump(path: Path, name: str, angle: Reals, most: float) -> None:
+    """Refuse a reading that wraps, or restarts at 0."""
+    steps = np.abs(np.diff(angle))
+    at = int(np.argmax(steps))
+    if steps[at] > most and steps[at] > 10 * np.percentile(steps, 99):
+        raise UsageError(
+            f"{path}:{at + 3}: {name} jumps by {angle[at + 1] - angle[at]:.4g} rad in one step, others move by "
+            f"{np.percentile(steps, 99):.2g} at most: readings have to be cumulative, without wrapping or restarts"
+        )
+
+
+def _without_gaps(path: Path, t: Reals, columns: Mapping[str, Reals]) -> None:
+    """Refuse a step so long that nobody knows how the robot moved in it."""
+    step = np.diff(t)
+    usual = float(np.median(step))
+    moves = np.any([np.abs(c) > 0 for name, c in columns.items() if not name.endswith(".steer")], axis=0)
+    long = (step > _GAP * usual) & moves
+    if long.any():
+        row = int(np.nonzero(long)[0][0])
+        raise UsageError(
+            f"{path}:{row + 3}: {step[row]:g} s without a reading, from t = {t[row]:g} on, where {usual:g} s are usual; "
+            "make two logs of it, each with its truth"
+        )
+
+
+def _same_clock(log: Path, t: Reals, truth: Path, at: Reals) -> None:
+    """Refuse times of log and truth that do not overlap, or are in other units."""
+    spans = sorted((float(t[-1] - t[0]), float(at[-1] - at[0])))
+    if spans[1] > 300 * spans[0]:
+        raise UsageError(
+            f"{log} lasts {t[-1] - t[0]:g} and {truth} {at[-1] - at[0]:g}: is one of them in milliseconds? t is in seconds"
+        )
+    if np.median(np.diff(t)) > 5.0:
+        raise UsageError(f"{log}: readings are {np.median(np.diff(t)):g} s apart: is t in milliseconds? It is in seconds")
+    if at[0] > t[-1] or at[-1] < t[0]:
+        raise UsageError(
+            f"{truth} begins at t = {at[0]:g} and ends at {at[-1]:g}, {log} at {t[0]:g} and {t[-1]:g}: they do not "
+            "overlap; both need one clock, up to a second"
+        )
+
+
+def _unwrapped(theta: Reals) -> Reals:
+    """Headings without jumps of a turn; nan where they are nan."""
+    measured = np.isfinite(theta)
+    result = theta.copy()
+    result[measured] = np.unwrap(theta[measured])
+    return result
+
+
+def pairs(files: Sequence[Path], truths: Sequence[Path]) -> list[tuple[Path, Path]]:
+    """Each log with its truth: ``NAME.truth.csv`` beside ``NAME.csv``, else the next of ``truths``."""
+    rest = iter(truths)
+    result = []
+    for log in files:
+        beside = log.with_suffix(".truth.csv")
+        truth = beside if beside.is_file() and not truths else next(rest, None)
+        if truth is None:
+            raise UsageError(f"{log}: no {beside.name} is beside it, and no --truth is left for it")
+        result.append((log, truth))
+    if next(rest, None) is not None:
+        raise UsageError(f"there are {len(truths)} --truth for {len(files)} logs")
+    return result

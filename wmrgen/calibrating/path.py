@@ -1,0 +1,89 @@
+"""The path that a robot's joint readings tell, and how it changes with the robot's parameters.
+
+A position is one complex number, x + iy, and so is a displacement: a step that turns by omega while the robot's point
+moves by u in its own frame takes it, turned with the robot, by u (exp(i omega) - 1) / (i omega): the exponential map of
+SE(2), which `wmrgen.kinematics.odometry` has as a formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmrgen.backends.casadi import sensitivity
+from wmrgen.ir.nodes import Function
+
+Reals = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """Dead reckoning from a pose of zeros: ``position`` [m] and ``heading`` [rad] at N times, and their derivatives by
+    P parameters, (P, N)."""
+
+    position: Complexes
+    heading: Reals
+    position_by: Complexes
+    heading_by: Reals
+
+
+@dataclass(frozen=True, slots=True)
+class Increments:
+    """What a robot's `forward` makes of joint increments: linear in them, so increments of angle give increments of
+    the twist, whatever a step's duration is. ``joints``: its inputs by contract name; ``parameters``: the others."""
+
+    joints: tuple[str, ...]
+    parameters: tuple[str, ...]
+    sensitivity: Callable[[Reals], Reals]  # of columns of all inputs: vx, vy, omega, and these by each parameter
+
+    @staticmethod
+    def of(forward: Function) -> Increments:
+        """``forward``: a robot's function, with its parameters as inputs."""
+        names = [port.name for port in forward.inputs]
+        joints = tuple(name for name in names if "." in name)
+        parameters = tuple(name for name in names if "." not in name)
+        return Increments(joints, parameters, sensitivity(forward, ("vx", "vy", "omega"), joints, parameters))
+
+    def __call__(self, columns: Mapping[str, Reals], values: Sequence[float]) -> Path:
+        """Displacement (vx + i vy) and turn of each step, as a path of single steps."""
+        inputs = np.array([columns[name] for name in self.joints])
+        steered = any(name.endswith(".steer") for name in self.joints)
+        rows = self._of(inputs, values) if steered else self._of(np.eye(len(inputs)), values) @ inputs
+        by = rows[3:].reshape(-1, 3, inputs.shape[1])
+        return Path(rows[0] + 1j * rows[1], rows[2], by[:, 0] + 1j * by[:, 1], by[:, 2])
+
+    def _of(self, inputs: Reals, values: Sequence[float]) -> Reals:
+        constant = np.repeat(np.asarray(values, dtype=float)[:, None], inputs.shape[1], axis=1)
+        return self.sensitivity(np.vstack([inputs, constant]))
+
+
+def _chord(step: Path) -> tuple[Complexes, Complexes]:
+    """The displacement of each step in the frame at its start, and its derivatives: u E(omega) with
+    E = (exp(i omega) - 1) / (i omega), whose derivative is (exp(i omega) - E) / omega; where omega is small both are
+    series, right to 1e-16."""
+    omega = step.heading
+    small = np.abs(omega) < 1e-4
+    divisor = np.where(small, 1.0, omega)
+    mean = np.where(small, 1 + 0.5j * omega - omega**2 / 6, np.expm1(1j * omega) / (1j * divisor))
+    slope = np.where(small, 0.5j - omega / 3, (np.exp(1j * omega) - mean) / divisor)
+    return step.position * mean, step.position_by * mean + step.position * slope * step.heading_by
+
+
+def reckoned(step: Path) -> Path:
+    """Steps, one after the other: N + 1 poses, of which the first is zeros."""
+    chord, chord_by = _chord(step)
+    heading = _sums(step.heading)
+    heading_by = _sums(step.heading_by)
+    turned = np.exp(1j * heading[:-1])
+    position_by = _sums(turned * (chord_by + 1j * chord * heading_by[:, :-1]))
+    return Path(_sums(turned * chord), heading, position_by, heading_by)
+
+
+def _sums(steps: Any) -> Any:
+    """0 and the running sums along the last axis."""
+    return np.concatenate([np.zeros_like(steps[..., :1]), np.cumsum(steps, axis=-1)], axis=-1)

@@ -154,7 +154,8 @@ def serial(problem: Problem, unknowns: Reals) -> list[Sums]:
 class Fit:
     """What was estimated: ``values`` of the parameters and ``mount`` (x, y [m], heading [rad] of the tracked point on
     the robot); ``covariance`` of both, in `Problem.units`; ``information``: the matrix that the drives alone give,
-    own unknowns eliminated; ``rms`` [m] of positions and [rad] of headings; ``offsets`` [s] by drive."""
+    own unknowns eliminated; ``noise``: the mean square of residuals in units of the scale; ``rms`` [m] of positions
+    and [rad] of headings; ``offsets`` [s] by drive."""
 
     problem: Problem
     unknowns: Reals
@@ -162,6 +163,7 @@ class Fit:
     mount: tuple[float, float, float]
     covariance: Reals
     information: Reals
+    noise: float
     rms: tuple[float, float]
     offsets: tuple[float, ...]
 
@@ -169,13 +171,13 @@ class Fit:
 def fit(problem: Problem, each: Each = serial) -> Fit:
     """The least robust cost, by scipy's trust region method; once with the scale as it is, and once with the one that
     the residuals show."""
-    unknowns = _solved(problem, np.zeros(len(problem.nominal) + _MOUNT + _OWN * len(problem.drives)), each)
+    unknowns = _solved(problem, start_of(problem), each)
     typical = [np.median(np.abs(residuals(problem, unknowns, i).values)) for i in range(len(problem.drives))]
     problem = replace(problem, scale=float(np.clip(1.5 * np.median(typical), 1e-4, problem.scale)))
     unknowns = _solved(problem, unknowns, each)
     count = len(problem.nominal)
     shared = problem.shared(unknowns)
-    information, covariance = _certainty(problem, unknowns, each(problem, unknowns))
+    parts = each(problem, unknowns)
     every = [residuals(problem, unknowns, index) for index in range(len(problem.drives))]
     x, y, heading = shared[count:]
     return Fit(
@@ -183,9 +185,10 @@ def fit(problem: Problem, each: Each = serial) -> Fit:
         unknowns,
         tuple(float(v) for v in shared[:count]),
         (float(x), float(y), float(heading)),
-        covariance,
-        information,
-        _rms(problem, every),
+        _covariance(problem, unknowns, parts),
+        information(problem, parts),
+        float(np.concatenate([rows.values**2 for rows in every]).mean()) / problem.scale**2,
+        _rms(every),
         tuple(float(problem.own(unknowns, index)[3]) for index in range(len(problem.drives))),
     )
 
@@ -232,15 +235,37 @@ def _solved(problem: Problem, start: Reals, each: Each) -> Reals:
     return np.asarray(solution.x)
 
 
-def _certainty(problem: Problem, unknowns: Reals, parts: Sequence[Sums]) -> tuple[Reals, Reals]:
-    """What the drives tell of the shared unknowns, and their covariance: the spread between drives, whose errors are
-    systematic in each; with less than three drives, the spread between parts of them."""
+def start_of(problem: Problem) -> Reals:
+    """Nominal parameters, the tracked point in the robot's own, drives from their first poses."""
+    return np.zeros(len(problem.nominal) + _MOUNT + _OWN * len(problem.drives))
+
+
+def prior_of_shared(problem: Problem) -> Reals:
+    """The matrix of the weak prior of the shared unknowns."""
+    return np.eye(len(problem.nominal) + _MOUNT) * _PRIOR**2
+
+
+def _through(problem: Problem, part: Sums) -> Reals:
+    """How a drive's own unknowns follow the shared ones (shared, own)."""
     shared = len(problem.nominal) + _MOUNT
-    information, spread = np.zeros((shared, shared)), np.zeros((shared, shared))
+    own = part.matrix[shared:, shared:] + np.eye(_OWN) * _PRIOR_OWN**2
+    return np.asarray(np.linalg.solve(own, part.matrix[shared:, :shared]).T)
+
+
+def information(problem: Problem, parts: Sequence[Sums]) -> Reals:
+    """What the drives tell of the shared unknowns, their own ones eliminated (a Schur complement)."""
+    shared = len(problem.nominal) + _MOUNT
+    each = (p.matrix[:shared, :shared] - _through(problem, p) @ p.matrix[shared:, :shared] for p in parts)
+    return np.asarray(sum(each))
+
+
+def _covariance(problem: Problem, unknowns: Reals, parts: Sequence[Sums]) -> Reals:
+    """Of the shared unknowns: from the spread between drives, whose errors are systematic in each; with less than
+    three drives, from the spread between parts of them."""
+    shared = len(problem.nominal) + _MOUNT
+    spread = np.zeros((shared, shared))
     for index, part in enumerate(parts):
-        own = part.matrix[shared:, shared:] + np.eye(_OWN) * _PRIOR_OWN**2
-        through = np.linalg.solve(own, part.matrix[shared:, :shared]).T
-        information += part.matrix[:shared, :shared] - through @ part.matrix[shared:, :shared]
+        through = _through(problem, part)
         if len(parts) >= _DRIVES:
             scores = (part.gradient[:shared] - through @ part.gradient[shared:])[None]
         else:
@@ -248,9 +273,9 @@ def _certainty(problem: Problem, unknowns: Reals, parts: Sequence[Sums]) -> tupl
         spread += _correlated(scores)
     if len(parts) >= _DRIVES:
         spread *= len(parts) / (len(parts) - 1)
-    prior = np.eye(shared) * _PRIOR**2
-    inverse = np.linalg.inv(information + prior)
-    return information, inverse @ (spread + prior @ prior) @ inverse
+    prior = prior_of_shared(problem)
+    inverse = np.linalg.inv(information(problem, parts) + prior)
+    return np.asarray(inverse @ (spread + prior @ prior) @ inverse)
 
 
 def _scores(rows: Residuals, scale: float, through: Reals) -> Reals:
@@ -275,7 +300,7 @@ def _correlated(scores: Reals) -> Reals:
     return np.asarray(total)
 
 
-def _rms(problem: Problem, every: Sequence[Residuals]) -> tuple[float, float]:
+def _rms(every: Sequence[Residuals]) -> tuple[float, float]:
     """Of positions [m] and headings [rad], over all drives; nan where none was measured."""
 
     def mean(turns: bool) -> float:

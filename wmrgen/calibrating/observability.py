@@ -1,0 +1,165 @@
+"""What drives tell of the parameters, what they cannot, and which further drive would."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from math import pi
+
+import numpy as np
+
+from wmrgen.calibrating.fit import Fit, Problem, information, prior_of_shared, serial, start_of
+from wmrgen.calibrating.logs import Drive, Truth
+from wmrgen.calibrating.path import Path, Reals, reckoned
+from wmrgen.robot import Derivation
+
+WEAK = 0.02  # a direction of the parameters that is less certain than this, relative to nominal, is not observable
+_TOGETHER = 0.25  # of a direction's largest part: what is smaller does not belong to it
+_RATE = 20.0  # [1/s] of the readings of a planned drive
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A constant twist (vx [m/s], vy [m/s], omega [rad/s]) for ``seconds``."""
+
+    twist: tuple[float, float, float]
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """A drive to propose: ``text`` says it."""
+
+    text: str
+    segments: tuple[Segment, ...]
+
+    @property
+    def seconds(self) -> float:
+        """How long it lasts."""
+        return sum(segment.seconds for segment in self.segments)
+
+
+def deviations(problem: Problem, told: Reals, noise: float) -> tuple[Reals, Reals]:
+    """Standard deviations, relative to nominal, of the directions of the parameters, worst first, and these
+    directions as columns. ``told``: the information of drives on the shared unknowns; ``noise``: the mean square of
+    residuals in units of the loss's scale."""
+    count = len(problem.nominal)
+    covariance = np.linalg.inv(told + prior_of_shared(problem))[:count, :count] * max(noise, 1e-6)
+    variances, directions = np.linalg.eigh(covariance)
+    return 0.1 * np.sqrt(variances[::-1]), directions[:, ::-1]
+
+
+def unobservable(fit: Fit) -> list[tuple[str, ...]]:
+    """Each direction that the drives do not tell, as the parameters that scale together in it, largest part first."""
+    uncertain, directions = deviations(fit.problem, fit.information, fit.noise)
+    return [
+        _names(fit.problem, direction)
+        for deviation, direction in zip(uncertain, directions.T, strict=True)
+        if deviation > WEAK
+    ]
+
+
+def _names(problem: Problem, direction: Reals) -> tuple[str, ...]:
+    size = np.abs(direction)
+    order = [i for i in np.argsort(-size) if size[i] > _TOGETHER * size.max()]
+    return tuple(problem.increments.parameters[i] for i in order)
+
+
+def courses(derivation: Derivation) -> list[Course]:
+    """Straight, turn, square and figure of eight at half of the robot's limits, at most 0.5 m/s and 1 rad/s, for a
+    robot of its size: the ones that its wheels allow."""
+    robot = derivation.robot
+    size = max([0.1, *(max(abs(float(w.nominal.x)), abs(float(w.nominal.y))) for w in robot.wheels)])
+    speed = _half(robot.limits.get("vx"), 0.5)
+    spin = min(_half(robot.limits.get("omega"), 1.0), speed / size)
+    side, radius = 20 * size, 5 * size
+    ahead, turn = Segment((speed, 0, 0), side / speed), Segment((0, 0, spin), pi / 2 / spin)
+    back = Segment((0, 0, -spin), pi / 2 / spin)
+    bend = speed / radius
+    circle = 2 * pi / bend
+    every = [
+        Course(f"a straight line of {side:.2g} m and back", (ahead, replace(ahead, twist=(-speed, 0, 0)))),
+        Course(f"a line of {side:.2g} m to the left and back", (
+            Segment((0, speed, 0), side / speed), Segment((0, -speed, 0), side / speed))),
+        Course("four turns on the spot, two each way", (replace(turn, seconds=8 * turn.seconds), replace(back, seconds=8 * back.seconds))),
+        Course(f"a square of {side:.2g} m, once in each direction (UMBmark)", (ahead, turn) * 4 + (ahead, back) * 4),
+        Course(f"a figure of eight of two circles of {radius:.2g} m radius, twice", (
+            Segment((speed, 0, bend), circle), Segment((speed, 0, -bend), circle)) * 2),
+    ]  # fmt: skip
+    return sorted((c for c in every if _allowed(derivation, c)), key=lambda course: course.seconds)
+
+
+def _half(limit: object, most: float) -> float:
+    high = getattr(limit, "high", None)
+    return most if high is None else min(most, 0.5 * float(high))
+
+
+def _allowed(derivation: Derivation, course: Course) -> bool:
+    joints = [_joints(derivation, segment) for segment in course.segments]
+    return all(float(values["slip"]) < 1e-9 for values in joints)
+
+
+def _joints(derivation: Derivation, segment: Segment) -> dict[str, float]:
+    """What `inverse` makes of a segment's twist, with steering angles of 0 before it."""
+    inverse = derivation.numpy().inverse
+    present = {p.name: 0.0 for p in derivation.program.formula("inverse").inputs if p.name.endswith(".steer")}
+    vx, vy, omega = segment.twist
+    return {name: float(v) for name, v in inverse(vx=vx, vy=vy, omega=omega, **present).items()}
+
+
+def planned(problem: Problem, derivation: Derivation, course: Course) -> Drive:
+    """The log that a course would give, and its truth: the pose at every reading."""
+    parts: dict[str, list[Reals]] = {joint: [] for joint in problem.increments.joints}
+    for segment in course.segments:
+        steps = max(2, round(segment.seconds * _RATE))
+        values = _joints(derivation, segment)
+        for joint, columns in parts.items():
+            rate = values.get(joint, 0.0)
+            columns.append(np.full(steps, rate if joint.endswith(".steer") else rate * segment.seconds / steps))
+    columns = {joint: np.concatenate(arrays) for joint, arrays in parts.items()}
+    path: Path = reckoned(problem.increments(columns, problem.nominal))
+    t = np.arange(len(path.heading)) / _RATE
+    truth = Truth(t, path.position.real.copy(), path.position.imag.copy(), path.heading)
+    return Drive(course.text, t, columns, truth)
+
+
+def plan(
+    problem: Problem, derivation: Derivation, precision: float, told: Reals | None = None
+) -> tuple[Course, ...] | None:
+    """The shortest courses after which every parameter is certain to ``precision``, relative to nominal; None where
+    none of them tells all. ``told``: the information of drives that there are already. A pose is taken to be off by
+    `Problem.scale`, once a second."""
+    choices = courses(derivation)
+    tells = []
+    for course in choices:
+        one = replace(problem, drives=(planned(problem, derivation, course),))
+        zero = start_of(one)
+        tells.append(information(one, serial(one, zero)))
+    before = np.zeros_like(prior_of_shared(problem)) if told is None else told
+    for chosen in _by_duration(choices):
+        uncertain, _ = deviations(problem, before + sum(tells[i] for i in chosen), 1.0)
+        if uncertain[0] <= precision:
+            return tuple(choices[i] for i in chosen)
+    return None
+
+
+def _by_duration(choices: Sequence[Course]) -> Iterator[tuple[int, ...]]:
+    """Sets of courses, the shortest in all first."""
+    numbers = range(len(choices))
+    sets = [chosen for size in range(1, len(choices) + 1) for chosen in combinations(numbers, size)]
+    yield from sorted(sets, key=lambda chosen: sum(choices[i].seconds for i in chosen))
+
+
+def blind(problem: Problem, derivation: Derivation) -> list[tuple[str, ...]]:
+    """Directions that no drive on the floor tells, whatever it is: those that all courses together leave open."""
+    told = np.zeros_like(prior_of_shared(problem))
+    for course in courses(derivation):
+        one = replace(problem, drives=(planned(problem, derivation, course),))
+        told = told + information(one, serial(one, start_of(one)))
+    uncertain, directions = deviations(problem, told, 1.0)
+    return [
+        _names(problem, direction)
+        for deviation, direction in zip(uncertain, directions.T, strict=True)
+        if deviation > WEAK
+    ]

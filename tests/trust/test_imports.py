@@ -26,7 +26,7 @@ ROOMS = (
     " backends/rust backends/packages wheels spec layout importing constraints symbolic printing mobility kinematics"
     " functions functions/models functions/trailers functions/motion"
     " functions/control functions/space"
-    " lower program bounds model_json robot __init__ lint exporting comparing"
+    " lower program bounds model_json robot __init__ lint exporting comparing calibrating"
     " backends/drawing backends/report emit cli __main__"
 ).split()
 HEAVY = {"sympy", "numpy", "casadi", "jinja2", "mpmath"}

@@ -13,24 +13,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from wmrgen.calibrating.logs import Drive
-from wmrgen.calibrating.path import Increments, Reals, reckoned
+from wmrgen.calibrating.path import Complexes, Increments, Reals, reckoned
 
+Samples = TypeVar("Samples", Reals, Complexes)
 LEVER = 0.15  # [m] a heading's residual is this times its error
 _SPACING = 1.0  # [s] truth that is denser than this counts no more than truth at this spacing
 _MOUNT = 3  # x, y, heading of the tracked point on the robot
 _OWN = 4  # of a drive: x, y, heading of its start; clock offset
 _UNIT_MOUNT = (0.05, 0.05, 0.05)  # [m, m, rad] about what such quantities are, for scaling and the weak prior
 _UNIT_OWN = (0.1, 0.1, 0.1, 0.1)  # [m, m, rad, s]
-_PRIOR_OWN = 0.03  # the same for start poses and clocks
+_PRIOR_OWN = 0.01  # the same for start poses and clocks
 _DRIVES = 3  # from so many drives on, their spread tells standard deviations
+_MOST_STEPS = 40  # of the solver; where residuals are small it needs ten
 _PARTS, _MEMORY = 20, 5  # of fewer, that of parts does
-_PRIOR = 0.3  # residuals, in units of the loss's scale, that one unit (10 % of a parameter) away from nominal costs
+_PRIOR = 0.1  # residuals, in units of the loss's scale, that one unit (10 % of a parameter) away from nominal costs
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +48,7 @@ class Problem:
 
     @property
     def units(self) -> Reals:
-        """What one unit of each shared unknown is: 10 % of a parameter (0.1 of one that is nominally 0), the mount's."""
+        """One unit of each shared unknown: 10 % of a parameter (0.1 of one that is nominally 0), and the mount's."""
         return np.array([0.1 * abs(value) or 0.1 for value in self.nominal] + list(_UNIT_MOUNT))
 
     def shared(self, unknowns: Reals) -> Reals:
@@ -81,12 +84,10 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     mount, mount_heading = complex(shared[count], shared[count + 1]), shared[count + 2]
     path = reckoned(increments(drive.columns, shared[:count]))
     at = drive.truth.t + own[3]
-    step = np.clip(np.searchsorted(drive.t, at, "right") - 1, 0, len(drive.t) - 2)
-    length = drive.t[step + 1] - drive.t[step]
-    share = np.clip((at - drive.t[step]) / length, 0.0, 1.0)
+    step, length, share = _place(drive.t, at)
     moving = (at >= drive.t[0]) & (at <= drive.t[-1])
 
-    def between(samples: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]  # real or complex, as samples are
+    def between(samples: Samples) -> Samples:
         return samples[..., step] * (1 - share) + samples[..., step + 1] * share
 
     heading = between(path.heading)
@@ -109,12 +110,38 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     place, angle = place * units, angle * units
     off = complex(own[0], own[1]) + reached
     heading_error = heading + own[2] + mount_heading - drive.truth.theta
+    weights, times = np.tile(_weights(drive.truth.t), 3), np.tile(drive.truth.t, 3)
+    turns = np.repeat([False, False, True], rows)
     values = np.concatenate([off.real - drive.truth.x, off.imag - drive.truth.y, LEVER * heading_error])
     by = np.concatenate([place.real.T, place.imag.T, LEVER * angle.T])
     measured = np.isfinite(values)
-    weights, times = np.tile(_weights(drive.truth.t), 3), np.tile(drive.truth.t, 3)
-    turns = np.repeat([False, False, True], rows)
     return Residuals(*(column[measured] for column in (values, by, weights, times, turns)))
+
+
+def _place(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
+    """The step of ``t`` that each time ``at`` falls into, how long it is, and what share of it is over."""
+    step = np.clip(np.searchsorted(t, at, "right") - 1, 0, len(t) - 2)
+    length = t[step + 1] - t[step]
+    return step, length, np.clip((at - t[step]) / length, 0.0, 1.0)
+
+
+def drawn(problem: Problem, shared: Reals, offset: float, index: int) -> tuple[Reals, Reals]:
+    """How far odometry, drawn from a drive's first measured pose with ``shared`` parameters and mount, is from the
+    truth, whose clock is off by ``offset`` [s]: distances [m] and headings [rad] where both are measured."""
+    drive, count = problem.drives[index], len(problem.nominal)
+    path = reckoned(problem.increments(drive.columns, shared[:count]))
+    step, _, share = _place(drive.t, drive.truth.t + offset)
+    heading = path.heading[step] * (1 - share) + path.heading[step + 1] * share
+    place = path.position[step] * (1 - share) + path.position[step + 1] * share
+    place = place + np.exp(1j * heading) * complex(shared[count], shared[count + 1])
+    true, true_heading = drive.truth.x + 1j * drive.truth.y, drive.truth.theta
+    measured = np.isfinite(true) & np.isfinite(true_heading)
+    if not measured.any():
+        return np.empty(0), np.empty(0)
+    first = int(np.argmax(measured))
+    turn = true_heading[first] - heading[first]
+    off = true[first] + np.exp(1j * turn) * (place - place[first]) - true
+    return np.abs(off[measured]), (heading + turn - true_heading)[measured]
 
 
 def _weights(times: Reals) -> Reals:
@@ -125,7 +152,8 @@ def _weights(times: Reals) -> Reals:
 
 @dataclass(frozen=True, slots=True)
 class Sums:
-    """Cost, gradient and second derivatives (those of the path left out), of the unknowns of one drive: shared ones, then its own."""
+    """Of one drive, by its unknowns, shared ones and then its own: cost, gradient, and second derivatives without those
+    of the path."""
 
     cost: float
     gradient: Reals
@@ -169,12 +197,12 @@ class Fit:
 
 
 def fit(problem: Problem, each: Each = serial) -> Fit:
-    """The least robust cost, by scipy's trust region method; once with the scale as it is, and once with the one that
-    the residuals show."""
-    unknowns = _solved(problem, start_of(problem), each)
-    typical = [np.median(np.abs(residuals(problem, unknowns, i).values)) for i in range(len(problem.drives))]
-    problem = replace(problem, scale=float(np.clip(1.5 * np.median(typical), 1e-4, problem.scale)))
-    unknowns = _solved(problem, unknowns, each)
+    """The least robust cost, by scipy's trust region method: from a scale at which nominal parameters are good, in two
+    steps to one that the residuals show."""
+    unknowns = start_of(problem)
+    for most in (np.inf, problem.scale, problem.scale):
+        problem = replace(problem, scale=float(np.clip(1.5 * _typical(problem, unknowns), 1e-4, most)))
+        unknowns = _solved(problem, unknowns, each)
     count = len(problem.nominal)
     shared = problem.shared(unknowns)
     parts = each(problem, unknowns)
@@ -230,9 +258,15 @@ def _solved(problem: Problem, start: Reals, each: Each) -> Reals:
         jac=lambda x: total(x).gradient,
         hess=lambda x: total(x).matrix,
         method="trust-exact",
-        options={"gtol": 1e-6, "maxiter": 200},
+        options={"gtol": 1e-6, "maxiter": _MOST_STEPS},
     )
     return np.asarray(solution.x)
+
+
+def _typical(problem: Problem, unknowns: Reals) -> float:
+    """The median of residuals [m]."""
+    every = [np.median(np.abs(residuals(problem, unknowns, i).values)) for i in range(len(problem.drives))]
+    return float(np.median(every))
 
 
 def start_of(problem: Problem) -> Reals:

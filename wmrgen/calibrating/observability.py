@@ -11,7 +11,7 @@ import numpy as np
 
 from wmrgen.calibrating.fit import Fit, Problem, information, prior_of_shared, serial, start_of
 from wmrgen.calibrating.logs import Drive, Truth
-from wmrgen.calibrating.path import Path, Reals, reckoned
+from wmrgen.calibrating.path import Reals, reckoned
 from wmrgen.robot import Derivation
 
 WEAK = 0.02  # a direction of the parameters that is less certain than this, relative to nominal, is not observable
@@ -43,9 +43,9 @@ class Course:
 def deviations(problem: Problem, told: Reals, noise: float) -> tuple[Reals, Reals]:
     """Standard deviations, relative to nominal, of the directions of the parameters, worst first, and these
     directions as columns. ``told``: the information of drives on the shared unknowns; ``noise``: the mean square of
-    residuals in units of the loss's scale."""
+    residuals in units of the loss's scale, taken to be 1 at least."""
     count = len(problem.nominal)
-    covariance = np.linalg.inv(told + prior_of_shared(problem))[:count, :count] * max(noise, 1e-6)
+    covariance = np.linalg.inv(told + prior_of_shared(problem))[:count, :count] * max(noise, 1.0)
     variances, directions = np.linalg.eigh(covariance)
     return 0.1 * np.sqrt(variances[::-1]), directions[:, ::-1]
 
@@ -66,7 +66,7 @@ def _names(problem: Problem, direction: Reals) -> tuple[str, ...]:
     return tuple(problem.increments.parameters[i] for i in order)
 
 
-def courses(derivation: Derivation) -> list[Course]:
+def courses(problem: Problem, derivation: Derivation) -> list[Course]:
     """Straight, turn, square and figure of eight at half of the robot's limits, at most 0.5 m/s and 1 rad/s, for a
     robot of its size: the ones that its wheels allow."""
     robot = derivation.robot
@@ -82,12 +82,12 @@ def courses(derivation: Derivation) -> list[Course]:
         Course(f"a straight line of {side:.2g} m and back", (ahead, replace(ahead, twist=(-speed, 0, 0)))),
         Course(f"a line of {side:.2g} m to the left and back", (
             Segment((0, speed, 0), side / speed), Segment((0, -speed, 0), side / speed))),
-        Course("four turns on the spot, two each way", (replace(turn, seconds=8 * turn.seconds), replace(back, seconds=8 * back.seconds))),
+        Course("four turns on the spot, two each way", (turn,) * 8 + (back,) * 8),
         Course(f"a square of {side:.2g} m, once in each direction (UMBmark)", (ahead, turn) * 4 + (ahead, back) * 4),
         Course(f"a figure of eight of two circles of {radius:.2g} m radius, twice", (
             Segment((speed, 0, bend), circle), Segment((speed, 0, -bend), circle)) * 2),
     ]  # fmt: skip
-    return sorted((c for c in every if _allowed(derivation, c)), key=lambda course: course.seconds)
+    return sorted((c for c in every if _allowed(problem, derivation, c)), key=lambda course: course.seconds)
 
 
 def _half(limit: object, most: float) -> float:
@@ -95,9 +95,22 @@ def _half(limit: object, most: float) -> float:
     return most if high is None else min(most, 0.5 * float(high))
 
 
-def _allowed(derivation: Derivation, course: Course) -> bool:
-    joints = [_joints(derivation, segment) for segment in course.segments]
-    return all(float(values["slip"]) < 1e-9 for values in joints)
+def _allowed(problem: Problem, derivation: Derivation, course: Course) -> bool:
+    """Whether the wheels let the robot move so. A point that is off an axle slides along where the robot turns: the
+    nearest twist that the wheels allow will do, as long as it advances and turns as it should."""
+    for segment in course.segments:
+        joints = _joints(derivation, segment)
+        columns = {joint: np.array([joints.get(joint, 0.0)]) for joint in problem.increments.joints}
+        step = problem.increments(columns, problem.nominal)
+        vx, vy, omega = segment.twist
+        off = (
+            abs(step.position.real[0] - vx)
+            + abs(step.heading[0] - omega)
+            + abs(step.position.imag[0] - vy) * (vy != 0)
+        )
+        if off > 0.1 * (abs(vx) + abs(vy) + abs(omega)):
+            return False
+    return True
 
 
 def _joints(derivation: Derivation, segment: Segment) -> dict[str, float]:
@@ -114,11 +127,13 @@ def planned(problem: Problem, derivation: Derivation, course: Course) -> Drive:
     for segment in course.segments:
         steps = max(2, round(segment.seconds * _RATE))
         values = _joints(derivation, segment)
-        for joint, columns in parts.items():
+        for joint, arrays in parts.items():
             rate = values.get(joint, 0.0)
-            columns.append(np.full(steps, rate if joint.endswith(".steer") else rate * segment.seconds / steps))
+            arrays.append(
+                np.full(steps, rate if joint.endswith(".steer") else rate * segment.seconds / steps)
+            )
     columns = {joint: np.concatenate(arrays) for joint, arrays in parts.items()}
-    path: Path = reckoned(problem.increments(columns, problem.nominal))
+    path = reckoned(problem.increments(columns, problem.nominal))
     t = np.arange(len(path.heading)) / _RATE
     truth = Truth(t, path.position.real.copy(), path.position.imag.copy(), path.heading)
     return Drive(course.text, t, columns, truth)
@@ -127,36 +142,39 @@ def planned(problem: Problem, derivation: Derivation, course: Course) -> Drive:
 def plan(
     problem: Problem, derivation: Derivation, precision: float, told: Reals | None = None
 ) -> tuple[Course, ...] | None:
-    """The shortest courses after which every parameter is certain to ``precision``, relative to nominal; None where
-    none of them tells all. ``told``: the information of drives that there are already. A pose is taken to be off by
-    `Problem.scale`, once a second."""
-    choices = courses(derivation)
-    tells = []
-    for course in choices:
-        one = replace(problem, drives=(planned(problem, derivation, course),))
-        zero = start_of(one)
-        tells.append(information(one, serial(one, zero)))
+    """The shortest courses after which every direction that is not `blind` is certain to ``precision``, relative to
+    nominal; None where they do not do. ``told``: the information of drives that there are already. A pose is taken to
+    be off by `Problem.scale`, once a second."""
+    choices = courses(problem, derivation)
+    tells = [_told(problem, derivation, course) for course in choices]
     before = np.zeros_like(prior_of_shared(problem)) if told is None else told
+    never = len(blind(problem, derivation))
     for chosen in _by_duration(choices):
         uncertain, _ = deviations(problem, before + sum(tells[i] for i in chosen), 1.0)
-        if uncertain[0] <= precision:
+        if len(uncertain) == never or uncertain[never] <= precision:
             return tuple(choices[i] for i in chosen)
     return None
+
+
+def _told(problem: Problem, derivation: Derivation, course: Course) -> Reals:
+    """The information that a course would give."""
+    one = replace(problem, drives=(planned(problem, derivation, course),))
+    return information(one, serial(one, start_of(one)))
 
 
 def _by_duration(choices: Sequence[Course]) -> Iterator[tuple[int, ...]]:
     """Sets of courses, the shortest in all first."""
     numbers = range(len(choices))
-    sets = [chosen for size in range(1, len(choices) + 1) for chosen in combinations(numbers, size)]
+    sets = [chosen for size in range(len(choices) + 1) for chosen in combinations(numbers, size)]
     yield from sorted(sets, key=lambda chosen: sum(choices[i].seconds for i in chosen))
 
 
 def blind(problem: Problem, derivation: Derivation) -> list[tuple[str, ...]]:
     """Directions that no drive on the floor tells, whatever it is: those that all courses together leave open."""
-    told = np.zeros_like(prior_of_shared(problem))
-    for course in courses(derivation):
-        one = replace(problem, drives=(planned(problem, derivation, course),))
-        told = told + information(one, serial(one, start_of(one)))
+    told = sum(
+        (_told(problem, derivation, c) for c in courses(problem, derivation)),
+        np.zeros_like(prior_of_shared(problem)),
+    )
     uncertain, directions = deviations(problem, told, 1.0)
     return [
         _names(problem, direction)

@@ -22,7 +22,7 @@ Complexes = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True)
-class Path:
+class Reckoning:
     """Dead reckoning from a pose of zeros: ``position`` [m] and ``heading`` [rad] at N times, and their derivatives by
     P parameters, (P, N)."""
 
@@ -39,7 +39,9 @@ class Increments:
 
     joints: tuple[str, ...]
     parameters: tuple[str, ...]
-    sensitivity: Callable[[Reals], Reals]  # of columns of all inputs: vx, vy, omega, and these by each parameter
+    sensitivity: Callable[
+        [Reals], Reals
+    ]  # of columns of all inputs: vx, vy, omega, and these by each parameter
 
     @staticmethod
     def of(forward: Function) -> Increments:
@@ -49,20 +51,20 @@ class Increments:
         parameters = tuple(name for name in names if "." not in name)
         return Increments(joints, parameters, sensitivity(forward, ("vx", "vy", "omega"), joints, parameters))
 
-    def __call__(self, columns: Mapping[str, Reals], values: Sequence[float]) -> Path:
+    def __call__(self, columns: Mapping[str, Reals], values: Reals | Sequence[float]) -> Reckoning:
         """Displacement (vx + i vy) and turn of each step, as a path of single steps."""
         inputs = np.array([columns[name] for name in self.joints])
         steered = any(name.endswith(".steer") for name in self.joints)
         rows = self._of(inputs, values) if steered else self._of(np.eye(len(inputs)), values) @ inputs
         by = rows[3:].reshape(-1, 3, inputs.shape[1])
-        return Path(rows[0] + 1j * rows[1], rows[2], by[:, 0] + 1j * by[:, 1], by[:, 2])
+        return Reckoning(rows[0] + 1j * rows[1], rows[2], by[:, 0] + 1j * by[:, 1], by[:, 2])
 
-    def _of(self, inputs: Reals, values: Sequence[float]) -> Reals:
+    def _of(self, inputs: Reals, values: Reals | Sequence[float]) -> Reals:
         constant = np.repeat(np.asarray(values, dtype=float)[:, None], inputs.shape[1], axis=1)
         return self.sensitivity(np.vstack([inputs, constant]))
 
 
-def _chord(step: Path) -> tuple[Complexes, Complexes]:
+def _chord(step: Reckoning) -> tuple[Complexes, Complexes]:
     """The displacement of each step in the frame at its start, and its derivatives: u E(omega) with
     E = (exp(i omega) - 1) / (i omega), whose derivative is (exp(i omega) - E) / omega; where omega is small both are
     series, right to 1e-16."""
@@ -74,14 +76,14 @@ def _chord(step: Path) -> tuple[Complexes, Complexes]:
     return step.position * mean, step.position_by * mean + step.position * slope * step.heading_by
 
 
-def reckoned(step: Path) -> Path:
+def reckoned(step: Reckoning) -> Reckoning:
     """Steps, one after the other: N + 1 poses, of which the first is zeros."""
     chord, chord_by = _chord(step)
     heading = _sums(step.heading)
     heading_by = _sums(step.heading_by)
     turned = np.exp(1j * heading[:-1])
     position_by = _sums(turned * (chord_by + 1j * chord * heading_by[:, :-1]))
-    return Path(_sums(turned * chord), heading, position_by, heading_by)
+    return Reckoning(_sums(turned * chord), heading, position_by, heading_by)
 
 
 def _sums(steps: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
@@ -127,4 +128,30 @@ def gains(
 
     Judge gains of the polar feedback law of goto_pose: stable near the goal, and from how far, with the conditions
     violated and the eigenvalues (Siegwart (3.60)-(3.65), corrected). Decided exactly.
+    """
+
+
+@verb("calibrate", "Estimate a robot's parameters from logs of drives.")
+def calibrate(
+    robot: Robot,
+    logs: Annotated[
+        list[Path] | None,
+        argument("[LOG.csv]...", "Columns t [s] and <wheel>.angle, .counts or .spin, <wheel>.steer."),
+    ] = None,
+    truth: Annotated[
+        list[Path] | None,
+        option("Where the robot was: columns t, x, y, theta; once per log, else LOG.truth.csv.", "POSES.csv"),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", metavar="ROBOT.yaml", help="Write the robot file with the new values."),
+    ] = None,
+    plan: Annotated[bool, typer.Option("--plan", help="Say which drives would tell the parameters.")] = False,
+    precision: Annotated[float, option("What --plan aims at, relative to nominal.", "0.01")] = 0.01,
+    as_json: Json = False,
+) -> None:
+    """Example:  wmrgen calibrate robot.yaml run-1.csv run-2.csv
+
+    Estimate the parameters that are tunable, with standard deviations, from joint readings and from where the robot
+    was; say which of them the drives do not tell, and what would.
     """

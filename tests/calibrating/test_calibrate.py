@@ -1,0 +1,259 @@
+"""`wmrgen calibrate`: real drives within their recorded tolerances, simulated robots exactly, bad logs in words."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import wmrgen
+from tests.calibrating.simulated import LAYOUTS, Layout, csv, drive
+from tests.conftest import Outcome
+from wmrgen.calibrating.calibrate import Calibration, calibrate, problem_of
+from wmrgen.calibrating.observability import blind, courses, plan
+from wmrgen.calibrating.path import reckoned
+from wmrgen.calibrating.written import with_values
+from wmrgen.errors import UsageError
+
+LOGS = Path(__file__).parent / "logs"
+REAL = sorted(path.name for path in LOGS.iterdir() if path.is_dir())
+
+
+def derivation_of(tmp_path: Path, layout: Layout) -> wmrgen.Derivation:
+    path = tmp_path / "robot.yaml"
+    path.write_text(layout.text, encoding="utf-8")
+    return wmrgen.derive(wmrgen.load(path))
+
+
+def written(tmp_path: Path, layout: Layout, **options: Any) -> list[Path]:
+    """Logs of all drives of a layout, each with its truth beside it."""
+    paths = []
+    for index, twist in enumerate(layout.drives):
+        recorded = drive(layout, twist, seed=index, **options)
+        path = tmp_path / f"run-{index}.csv"
+        path.write_text(csv(recorded.log), encoding="utf-8")
+        path.with_suffix(".truth.csv").write_text(csv(recorded.truth), encoding="utf-8")
+        paths.append(path)
+    return paths
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_drives_give_the_recorded_parameters(name: str) -> None:
+    """OptiOdom's robot: within the tolerances of a reference that shares no code; weak directions named."""
+    folder = LOGS / name
+    expected = json.loads((folder / "expected.json").read_text(encoding="utf-8"))
+    derivation = wmrgen.derive(wmrgen.load(folder / "robot.yaml"))
+    result = calibrate(derivation, [folder / f"{run}.csv" for run in expected["runs"]], [])
+    for parameter, tolerance in expected["tolerance"].items():
+        if tolerance is not None:
+            estimate = result.parameters[parameter]
+            assert abs(estimate.value - expected["reference"][parameter]) < tolerance
+            assert estimate.observable
+    assert {n for group in result.unobservable for n in group} == set(expected["not_demanded"])
+    assert result.after.position < 0.75 * result.before.position
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_clean_drives_give_the_true_parameters(tmp_path: Path, name: str) -> None:
+    """Unequal wheels, a tracked point beside the robot's own, a clock that is off: each is told from the others."""
+    layout = LAYOUTS[name]
+    derivation = derivation_of(tmp_path, layout)
+    result = calibrate(derivation, written(tmp_path, layout, mount=0.04 - 0.07j, late=0.13), [])
+    for parameter, value in layout.true.items():
+        assert result.parameters[parameter].value == pytest.approx(value, rel=3e-4, abs=2e-4)
+        assert result.parameters[parameter].observable
+    assert not result.unobservable
+    assert result.fit.mount == pytest.approx((0.04, -0.07, 0.0), abs=2e-3)
+    assert result.fit.offsets == pytest.approx([0.13] * 3, abs=3e-3)
+    assert result.held_out is not None and result.held_out.position < 0.01
+
+
+def test_derivatives_are_those_of_the_path(tmp_path: Path) -> None:
+    """Against differences, of every layout, at parameters that are not nominal."""
+    for name, layout in LAYOUTS.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        increments = problem_of(derivation_of(folder, layout)).increments
+        random = np.random.default_rng(3)
+        columns = {joint: 0.1 * random.standard_normal(200) for joint in increments.joints}
+        values = np.array([layout.true[parameter] for parameter in increments.parameters])
+        path = reckoned(increments(columns, values))
+        for index in range(len(values)):
+            step = 1e-6 * np.eye(len(values))[index]
+            high = reckoned(increments(columns, values + step))
+            low = reckoned(increments(columns, values - step))
+            assert np.allclose((high.position - low.position) / 2e-6, path.position_by[index], atol=1e-6)
+            assert np.allclose((high.heading - low.heading) / 2e-6, path.heading_by[index], atol=1e-6)
+
+
+def test_what_only_appears_as_a_sum_is_named(tmp_path: Path) -> None:
+    """Half length and half width of mecanum wheels: no drive tells them apart."""
+    text = LAYOUTS["mecanum"].text.replace("x: 0.25", "x: half_length").replace("x: -0.25", "x: -half_length")
+    text = text.replace("parameters:\n", "parameters:\n  half_length: {value: 0.25, tunable: true}\n")
+    text = text.replace("  tilt: {value: 0.7, tunable: true}\n", "  tilt: pi/4\n")
+    truth = LAYOUTS["mecanum"]
+    layout = Layout(text, truth.wheels, {**truth.true, "tilt": np.pi / 4}, truth.drives)
+    derivation = derivation_of(tmp_path, layout)
+    result = calibrate(derivation, written(tmp_path, layout), [])
+    assert [set(group) for group in result.unobservable] == [{"half_length", "half_width"}]
+    assert result.parameters["r"].value == pytest.approx(truth.true["r"], rel=1e-4)
+    assert sum(result.parameters[n].value for n in ("half_length", "half_width")) == pytest.approx(
+        0.25 + truth.true["half_width"], rel=1e-3
+    )
+    assert [set(group) for group in blind(problem_of(derivation), derivation)] == [
+        {"half_length", "half_width"}
+    ]
+
+
+def test_straight_lines_do_not_tell_a_track(tmp_path: Path) -> None:
+    """And the drive that is added for it is one with turns."""
+    layout = LAYOUTS["differential"]
+    same = Layout(layout.text, layout.wheels, {**layout.true, "r_left": 0.1, "r_right": 0.1},
+                  (lambda t: (0.3, 0.0, 0.0), lambda t: (-0.2 + 0.1 * np.sin(t), 0.0, 0.0)))  # fmt: skip
+    derivation = derivation_of(tmp_path, same)
+    result = calibrate(derivation, written(tmp_path, same), [])
+    assert ("half_track",) in result.unobservable
+    assert result.parameters["half_track"].value == pytest.approx(0.2, rel=0.01)
+    assert result.parameters["r_left"].observable and result.parameters["r_right"].observable
+    added = plan(result.fit.problem, derivation, 0.01, result.fit.information)
+    assert added is not None and any(s.twist[2] for course in added for s in course.segments)
+
+
+def test_plans_hold_what_they_promise(tmp_path: Path) -> None:
+    """The proposed courses, and no shorter set of them, make every parameter certain to the precision asked for."""
+    for name, layout in LAYOUTS.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        derivation = derivation_of(folder, layout)
+        chosen = plan(problem_of(derivation), derivation, 0.01)
+        assert chosen, name
+        finer = plan(problem_of(derivation), derivation, 0.001)
+        assert finer is None or sum(c.seconds for c in finer) >= sum(c.seconds for c in chosen)
+        assert all(course in courses(problem_of(derivation), derivation) for course in chosen)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["r_right: {value: 0.05, tunable: true}   # mm\r\n", 'r_right:\n    value: "50 mm"\n    tunable: true\n'],
+)
+def test_the_robot_file_keeps_every_other_character(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "r.yaml"
+    wheel = "{name: w, type: fixed, x: a, y: 0.05, heading: 0, r: r_right}"
+    whole = f"wmrgen: 1\nname: r\nparameters:\n  {text}  a: 0.05\nwheels:\n  - {wheel}\n"
+    path.write_bytes(whole.encode())
+    new = with_values(path, {"r_right": 0.0512345})
+    assert new == whole.replace("50 mm", "0.0512345").replace("value: 0.05,", "value: 0.0512345,")
+
+
+BAD: dict[str, tuple[Callable[[str], str], str]] = {
+    "nan": (lambda s: s.replace("\n1,", "\nnan,", 1), "t"),
+    "no number": (lambda s: s.replace("\n1,", "\nabc,", 1), ":27:"),
+    "too few cells": (lambda s: s.replace("\n1,", "\n", 1), "cells"),
+    "unsorted": (lambda s: s.replace("\n1,", "\n0.5,", 1), "t does not rise"),
+    "no column t": (lambda s: s.replace("t,", "time,", 1), "no column t"),
+    "no such joint": (lambda s: s.replace("left.angle", "lft.angle", 1), "lft.angle meant"),
+    "milliseconds": (lambda s: _scaled(s, 1000), "milliseconds"),
+    "another clock": (lambda s: _shifted(s, 1e6), "do not overlap"),
+    "a gap": (lambda s: "\n".join(s.split("\n")[:200] + s.split("\n")[500:]), "without a reading"),
+    "a wrap": (lambda s: _wrapped(s), "jumps by"),
+    "a wheel that counts the other way": (lambda s: _turned(s), "left.spin counted the other way"),
+    "empty": (lambda s: "", "no column t"),
+}
+
+
+def _rows(text: str) -> tuple[str, np.ndarray]:
+    header, *rows = text.strip().split("\n")
+    return header, np.array([[float(cell) for cell in row.split(",")] for row in rows])
+
+
+def _text(header: str, rows: np.ndarray) -> str:
+    return csv(dict(zip(header.split(","), rows.T, strict=True)))
+
+
+def _scaled(text: str, factor: float) -> str:
+    header, rows = _rows(text)
+    rows[:, 0] *= factor
+    return _text(header, rows)
+
+
+def _shifted(text: str, by: float) -> str:
+    header, rows = _rows(text)
+    rows[:, 0] += by
+    return _text(header, rows)
+
+
+def _turned(text: str) -> str:
+    header, rows = _rows(text)
+    rows[:, 1] *= -1
+    return _text(header, rows)
+
+
+def _wrapped(text: str) -> str:
+    header, rows = _rows(text)
+    rows[:, 1] %= 2 * np.pi
+    return _text(header, rows)
+
+
+@pytest.mark.parametrize("mistake", BAD)
+def test_a_bad_log_is_refused_in_one_message(tmp_path: Path, mistake: str) -> None:
+    """It names the file and what is wrong; nothing is estimated."""
+    layout = LAYOUTS["differential"]
+    derivation = derivation_of(tmp_path, layout)
+    paths = written(tmp_path, layout)
+    change, said = BAD[mistake]
+    for path in paths if "other way" in mistake else paths[:1]:
+        before = path.read_text(encoding="utf-8")
+        assert change(before) != before
+        path.write_text(change(before), encoding="utf-8")
+    with pytest.raises(UsageError, match=said.replace(".", r"\.")) as refusal:
+        calibrate(derivation, paths, [])
+    assert "other way" in mistake or "run-0" in str(refusal.value)
+
+
+def test_exchanged_columns_are_named(tmp_path: Path) -> None:
+    layout = LAYOUTS["mecanum"]
+    paths = written(tmp_path, layout)
+    for path in paths:
+        path.write_text(path.read_text(encoding="utf-8").replace("fl.angle,fr.angle", "fr.angle,fl.angle"))
+    with pytest.raises(UsageError, match=r"fl\.spin and fr\.spin exchanged"):
+        calibrate(derivation_of(tmp_path, layout), paths, [])
+
+
+def test_partial_truth(tmp_path: Path) -> None:
+    """Start and end alone, with the heading at the start alone: two drives of it tell a radius."""
+    layout = LAYOUTS["differential"]
+    derivation = derivation_of(tmp_path, layout)
+    paths = written(tmp_path, layout)
+    for path in paths:
+        header, *rows = path.with_suffix(".truth.csv").read_text(encoding="utf-8").strip().split("\n")
+        last = rows[-1].split(",")
+        kept = [header, rows[0], f"{last[0]},{last[1]},{last[2]},"]
+        path.with_suffix(".truth.csv").write_text("\n".join(kept) + "\n", encoding="utf-8")
+    result: Calibration = calibrate(derivation, paths, [])
+    assert np.isfinite(result.fit.rms[0])
+    assert result.fit.rms[0] < 0.05
+
+
+def test_the_command(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
+    """What design fixes of `--json`, and the new robot file."""
+    layout = LAYOUTS["differential"]
+    (tmp_path / "robot.yaml").write_text(layout.text, encoding="utf-8")
+    paths = [str(path) for path in written(tmp_path, layout)]
+    new = tmp_path / "new.yaml"
+    outcome = wmrgen_cli("calibrate", str(tmp_path / "robot.yaml"), *paths, "--json", "-o", str(new))
+    assert outcome.code == 0, outcome.err
+    data = json.loads(outcome.out)
+    assert set(data["parameters"]) == set(layout.true)
+    assert all({"value", "sigma", "observable"} <= set(entry) for entry in data["parameters"].values())
+    assert data["unobservable"] == [] and data["rms"] < 0.001
+    tuned = {p.name: float(p.nominal) for p in wmrgen.load(new).tunable}
+    assert tuned == pytest.approx(layout.true, rel=3e-4)
+    told = wmrgen_cli("calibrate", str(tmp_path / "robot.yaml"), *paths)
+    assert "half_track = 0.207" in told.out and told.code == 0
+    planned = wmrgen_cli("calibrate", str(tmp_path / "robot.yaml"), "--plan")
+    assert planned.code == 0 and "m" in planned.out
+    assert wmrgen_cli("calibrate", str(tmp_path / "robot.yaml")).code == 2

@@ -1,0 +1,152 @@
+"""``wmrgen calibrate``: the tunable parameters of a robot file from logs of drives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from math import degrees
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wmrgen.artifacts import write_file
+from wmrgen.cli import console
+from wmrgen.cli.loading import derived
+from wmrgen.errors import UsageError
+
+if TYPE_CHECKING:
+    from wmrgen.calibrating.calibrate import Calibration
+    from wmrgen.robot import Derivation
+
+
+def calibrate(
+    robot: Path,
+    logs: Sequence[Path] | None,
+    truth: Sequence[Path] | None,
+    out: Path | None,
+    plan: bool,
+    precision: float,
+    as_json: bool,
+) -> int:
+    """Print what the logs tell of the parameters, and which drives would tell more."""
+    from wmrgen.calibrating import calibrate as work
+    from wmrgen.calibrating.written import with_values
+
+    with derived(robot) as derivation:
+        pass
+    if not logs:
+        if not plan:
+            raise UsageError(
+                "no log is given: wmrgen calibrate ROBOT.yaml LOG.csv…, or --plan for drives to make"
+            )
+        return _planned(derivation, precision, as_json)
+    result = work.calibrate(derivation, logs, truth or ())
+    if out is not None:
+        values = {name: e.value for name, e in result.parameters.items() if e.observable}
+        write_file(out, with_values(robot, values).encode())
+    if as_json:
+        console.data(_as_data(result))
+        return 0
+    _tell(derivation, result)
+    if plan:
+        return _planned(derivation, precision, as_json, result)
+    return 0
+
+
+def _as_data(result: Calibration) -> dict[str, Any]:
+    estimates = {
+        name: {"value": e.value, "sigma": e.sigma, "observable": e.observable, "nominal": e.nominal}
+        for name, e in result.parameters.items()
+    }
+    return {
+        "parameters": estimates,
+        "unobservable": [list(group) for group in result.unobservable],
+        "rms": result.fit.rms[0],
+        "rms_heading": result.fit.rms[1],
+        "mount": dict(zip(("x", "y", "theta"), result.fit.mount, strict=True)),
+        "clock_offsets": {
+            d.name: o for d, o in zip(result.fit.problem.drives, result.fit.offsets, strict=True)
+        },
+        "errors": {
+            name: None if errors is None else asdict(errors)
+            for name, errors in (
+                ("before", result.before),
+                ("after", result.after),
+                ("held_out", result.held_out),
+            )
+        },
+    }
+
+
+def _tell(derivation: Derivation, result: Calibration) -> None:
+    from wmrgen.calibrating.observability import blind
+
+    drives = result.fit.problem.drives
+    seconds = sum(float(d.t[-1] - d.t[0]) for d in drives)
+    console.result(f"{derivation.robot.name}: {len(drives)} drive{'s' * (len(drives) > 1)}, {seconds:.0f} s")
+    width = max(map(len, result.parameters))
+    for name, e in result.parameters.items():
+        change = f" ({100 * (e.value / e.nominal - 1):+.2f} %)" if e.nominal else ""
+        weak = "" if e.observable else "  not observable"
+        console.result(
+            f"  {name:<{width}} = {e.value:.6g} +- {e.sigma:.1g}   nominal {e.nominal:g}{change}{weak}"
+        )
+    x, y, theta = result.fit.mount
+    console.result(
+        f"  tracked point at x = {x:.4f}, y = {y:.4f} m of the robot, turned by {degrees(theta):.2f} deg"
+    )
+    rows = [("before", result.before), ("after", result.after), ("of drives left out", result.held_out)]
+    for title, errors in rows:
+        if errors is not None:
+            console.result(
+                f"  odometry {title}: {1000 * errors.position:.1f} mm and {degrees(errors.heading):.2f} deg (rms)"
+            )
+    for drive, offset in zip(drives, result.fit.offsets, strict=True):
+        if abs(offset) > 0.02:
+            console.note(f"{drive.name}: the truth's clock is {offset:+.3f} s off")
+    never = blind(result.fit.problem, derivation)
+    for group in result.unobservable:
+        console.note(f"{_together(group)}: {_remedy(derivation, result, group, never)}")
+
+
+def _together(group: Sequence[str]) -> str:
+    if len(group) == 1:
+        return f"these drives do not tell {group[0]}"
+    return f"{', '.join(group[:-1])} and {group[-1]} scale together on these drives"
+
+
+def _remedy(
+    derivation: Derivation, result: Calibration, group: Sequence[str], never: Sequence[Sequence[str]]
+) -> str:
+    """What would tell the parameters of ``group`` apart."""
+    from wmrgen.calibrating.observability import WEAK, plan
+
+    if any(set(group) & set(other) for other in never):
+        return "no drive tells; measure one of them, and delete its tunable: true"
+    courses = plan(result.fit.problem, derivation, WEAK, result.fit.information)
+    return f"add {' and '.join(course.text for course in courses)}" if courses else "measure one of them"
+
+
+def _planned(
+    derivation: Derivation, precision: float, as_json: bool, result: Calibration | None = None
+) -> int:
+    """Print the drives that make every parameter certain to ``precision``."""
+    from wmrgen.calibrating.calibrate import problem_of
+    from wmrgen.calibrating.observability import blind, plan
+
+    problem = problem_of(derivation) if result is None else result.fit.problem
+    courses = plan(problem, derivation, precision, None if result is None else result.fit.information)
+    never = blind(problem, derivation)
+    if as_json:
+        told = None if courses is None else [{"drive": c.text, "seconds": c.seconds} for c in courses]
+        console.data({"plan": told, "unobservable": [list(group) for group in never]})
+        return 0
+    for group in never:
+        console.note(f"no drive tells {' and '.join(group)} apart: measure one of them")
+    if courses is None:
+        console.result(f"none of the drives makes every parameter certain to {100 * precision:g} %")
+    else:
+        for course in courses:
+            console.result(f"{course.text}: {course.seconds:.0f} s")
+        if not courses:
+            console.result(f"the drives make every parameter certain to {100 * precision:g} % already")
+    return 0

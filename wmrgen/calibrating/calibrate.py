@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from wmrgen.calibrating.fit import Each, Fit, Problem, drawn, fit, serial
+from wmrgen.calibrating.certainty import Fit, fit
+from wmrgen.calibrating.fit import Each, Problem, drawn, serial
 from wmrgen.calibrating.logs import Drive, pairs, read
 from wmrgen.calibrating.observability import unobservable
 from wmrgen.calibrating.path import Increments, Reals
@@ -20,6 +21,7 @@ from wmrgen.layout.records import Robot
 from wmrgen.robot import Derivation
 
 _FOLDS = 5  # parts that drives are left out in, one after the other
+_FEWEST = 3  # parts whose spread is a standard deviation
 _FAR = 0.1  # of the truth's extent: where residuals stay so large, joints and truth do not belong together
 _BETTER = 0.25  # of the residual: what another reading of the columns has to come to, to be proposed
 
@@ -86,10 +88,11 @@ def calibrate(
     problem = replace(problem, drives=tuple(drives))
     best = fit(problem, each)
     _refuse_strangers(best, each)
+    without = _without_each(best.problem, each)
     return Calibration(
-        _estimates(derivation.robot, best), _unobservable(derivation.robot, best), best,
+        _estimates(derivation.robot, best, _deviations(best, without)), _unobservable(derivation.robot, best), best,
         _errors(best, best.problem.shared(0 * best.unknowns)), _errors(best, best.problem.shared(best.unknowns)),
-        _held_out(problem, best, each),
+        _held_out(best, without),
     )  # fmt: skip
 
 
@@ -99,10 +102,9 @@ def _unobservable(robot: Robot, best: Fit) -> tuple[tuple[str, ...], ...]:
     return (*unobservable(best), *((name,) for name in absent))
 
 
-def _estimates(robot: Robot, best: Fit) -> dict[str, Estimate]:
+def _estimates(robot: Robot, best: Fit, sigma: Reals) -> dict[str, Estimate]:
     weak = {name for group in _unobservable(robot, best) for name in group}
-    sigma = np.sqrt(np.diag(best.covariance)) * best.problem.units
-    fitted = dict(zip(best.problem.increments.parameters, zip(best.values, sigma, strict=False), strict=True))
+    fitted = dict(zip(best.problem.increments.parameters, zip(best.values, sigma, strict=True), strict=True))
     result = {}
     for p in robot.tunable:
         nominal = float(p.nominal)
@@ -125,20 +127,33 @@ def _mean(parts: Sequence[tuple[Reals, Reals]]) -> Errors:
     return Errors(rms([position for position, _ in parts]), rms([heading for _, heading in parts]))
 
 
-def _held_out(problem: Problem, best: Fit, each: Each) -> Errors | None:
-    """Every drive's errors with the parameters that the others give; its clock is that of the ``best`` fit."""
+def _without_each(problem: Problem, each: Each) -> list[Fit]:
+    """The fits without every `_FOLDS`-th drive in turn, of two drives at least."""
     count = len(problem.drives)
-    if count < 2:
-        return None
+    folds = range(min(count, _FOLDS)) if count > 1 else ()
+    others = [tuple(d for i, d in enumerate(problem.drives) if i % _FOLDS != fold) for fold in folds]
+    return [fit(replace(problem, drives=rest), each) for rest in others]
+
+
+def _held_out(best: Fit, without: Sequence[Fit]) -> Errors | None:
+    """Every drive's errors with the parameters that the others give; its clock is that of the ``best`` fit."""
     parts = []
-    for fold in range(min(count, _FOLDS)):
-        rest = fit(
-            replace(problem, drives=tuple(d for i, d in enumerate(problem.drives) if i % _FOLDS != fold)),
-            each,
-        )
+    for fold, rest in enumerate(without):
         shared = rest.problem.shared(rest.unknowns)
-        parts += [drawn(problem, shared, best.offsets[index], index) for index in range(fold, count, _FOLDS)]
-    return _mean(parts)
+        drives = range(fold, len(best.offsets), _FOLDS)
+        parts += [drawn(best.problem, shared, best.offsets[index], index) for index in drives]
+    return _mean(parts) if parts else None
+
+
+def _deviations(best: Fit, without: Sequence[Fit]) -> Reals:
+    """Standard deviations of the parameters: what slips and noise in the drives make, or, where it is more, what the
+    drives differ by (the jackknife, of three parts at least)."""
+    inside = (np.sqrt(np.diag(best.covariance)) * best.problem.units)[: len(best.values)]
+    if len(without) < _FEWEST:
+        return np.asarray(inside)
+    values = np.array([rest.values for rest in without])
+    between = np.sqrt((len(without) - 1) * np.mean((values - values.mean(axis=0)) ** 2, axis=0))
+    return np.asarray(np.maximum(inside, between))
 
 
 def _refuse_strangers(best: Fit, each: Each) -> None:

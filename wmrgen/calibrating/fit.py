@@ -30,9 +30,7 @@ _OWN = 4  # of a drive: x, y, heading of its start; clock offset
 _UNIT_MOUNT = (0.05, 0.05, 0.05)  # [m, m, rad] about what such quantities are, for scaling and the weak prior
 _UNIT_OWN = (0.1, 0.1, 0.1, 0.1)  # [m, m, rad, s]
 _PRIOR_OWN = 0.01  # the same for start poses and clocks
-_DRIVES = 3  # from so many drives on, their spread tells standard deviations
 _MOST_STEPS = 40  # of the solver; where residuals are small it needs ten
-_PARTS, _MEMORY = 20, 5  # of fewer, that of parts does
 _PRIOR = 0.1  # residuals, in units of the loss's scale, that one unit (10 % of a parameter) away from nominal costs
 
 
@@ -65,15 +63,14 @@ class Problem:
 
 @dataclass(frozen=True, slots=True)
 class Residuals:
-    """Of one drive: ``values`` (rows,) [m], x, y and headings one after the other; ``by`` (rows, unknowns of the
-    drive): shared ones, then its own, all in their units; ``weights`` (rows,); ``times`` (rows,) [s]; ``turns``
-    (rows,): which are headings."""
+    """Of one drive at n times: ``values`` (3, n) [m] of x, y and heading, and ``by`` (3, n, unknowns of the drive):
+    shared ones, then its own, all in their units; ``weights`` (3, n), 0 of what was not measured; ``place`` (n,): where
+    the tracked point is, as a complex number."""
 
     values: Reals
     by: Reals
     weights: Reals
-    times: Reals
-    turns: NDArray[np.bool_]
+    place: Complexes
 
 
 def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
@@ -110,12 +107,10 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     place, angle = place * units, angle * units
     off = complex(own[0], own[1]) + reached
     heading_error = heading + own[2] + mount_heading - drive.truth.theta
-    weights, times = np.tile(_weights(drive.truth.t), 3), np.tile(drive.truth.t, 3)
-    turns = np.repeat([False, False, True], rows)
-    values = np.concatenate([off.real - drive.truth.x, off.imag - drive.truth.y, LEVER * heading_error])
-    by = np.concatenate([place.real.T, place.imag.T, LEVER * angle.T])
+    values = np.array([off.real - drive.truth.x, off.imag - drive.truth.y, LEVER * heading_error])
+    by = np.array([place.real.T, place.imag.T, LEVER * angle.T])
     measured = np.isfinite(values)
-    return Residuals(*(column[measured] for column in (values, by, weights, times, turns)))
+    return Residuals(np.where(measured, values, 0.0), by, measured * _weights(drive.truth.t), off)
 
 
 def _place(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
@@ -163,11 +158,10 @@ class Sums:
 def sums(problem: Problem, unknowns: Reals, index: int) -> Sums:
     """A drive's part, with the soft L1 loss sqrt(1 + z^2) - 1 of z, a residual over the scale."""
     rows = residuals(problem, unknowns, index)
-    z = rows.values / problem.scale
+    z, weights = rows.values.reshape(-1) / problem.scale, rows.weights.reshape(-1)
     root = np.sqrt(1 + z * z)
-    by = rows.by / problem.scale
-    gradient = by.T @ (rows.weights * z / root)
-    return Sums(float(rows.weights @ (root - 1)), gradient, (by.T * (rows.weights / root**3)) @ by)
+    by = rows.by.reshape(len(z), -1) / problem.scale
+    return Sums(float(weights @ (root - 1)), by.T @ (weights * z / root), (by.T * (weights / root**3)) @ by)
 
 
 Each = Callable[[Problem, Reals], Sequence[Sums]]
@@ -178,47 +172,44 @@ def serial(problem: Problem, unknowns: Reals) -> list[Sums]:
     return [sums(problem, unknowns, index) for index in range(len(problem.drives))]
 
 
-@dataclass(frozen=True, slots=True)
-class Fit:
-    """What was estimated: ``values`` of the parameters and ``mount`` (x, y [m], heading [rad] of the tracked point on
-    the robot); ``covariance`` of both, in `Problem.units`; ``information``: the matrix that the drives alone give,
-    own unknowns eliminated; ``noise``: the mean square of residuals in units of the scale; ``rms`` [m] of positions
-    and [rad] of headings; ``offsets`` [s] by drive."""
-
-    problem: Problem
-    unknowns: Reals
-    values: tuple[float, ...]
-    mount: tuple[float, float, float]
-    covariance: Reals
-    information: Reals
-    noise: float
-    rms: tuple[float, float]
-    offsets: tuple[float, ...]
-
-
-def fit(problem: Problem, each: Each = serial) -> Fit:
-    """The least robust cost, by scipy's trust region method: from a scale at which nominal parameters are good, in two
-    steps to one that the residuals show."""
+def solved(problem: Problem, each: Each = serial) -> tuple[Problem, Reals]:
+    """The unknowns of the least robust cost, by scipy's trust region method: from a scale at which nominal parameters
+    are good, in two steps to one that the residuals show; and the problem with that scale."""
     unknowns = start_of(problem)
     for most in (np.inf, problem.scale, problem.scale):
         problem = replace(problem, scale=float(np.clip(1.5 * _typical(problem, unknowns), 1e-4, most)))
         unknowns = _solved(problem, unknowns, each)
-    count = len(problem.nominal)
-    shared = problem.shared(unknowns)
-    parts = each(problem, unknowns)
+    return problem, unknowns
+
+
+def _typical(problem: Problem, unknowns: Reals) -> float:
+    """The median of residuals [m]."""
     every = [residuals(problem, unknowns, index) for index in range(len(problem.drives))]
-    x, y, heading = shared[count:]
-    return Fit(
-        problem,
-        unknowns,
-        tuple(float(v) for v in shared[:count]),
-        (float(x), float(y), float(heading)),
-        _covariance(problem, unknowns, parts),
-        information(problem, parts),
-        float(np.concatenate([rows.values**2 for rows in every]).mean()) / problem.scale**2,
-        _rms(every),
-        tuple(float(problem.own(unknowns, index)[3]) for index in range(len(problem.drives))),
-    )
+    return float(np.median([np.median(np.abs(rows.values[rows.weights > 0])) for rows in every]))
+
+
+def start_of(problem: Problem) -> Reals:
+    """Nominal parameters, the tracked point in the robot's own, drives from their first poses."""
+    return np.zeros(len(problem.nominal) + _MOUNT + _OWN * len(problem.drives))
+
+
+def prior_of_shared(problem: Problem) -> Reals:
+    """The matrix of the weak prior of the shared unknowns."""
+    return np.eye(len(problem.nominal) + _MOUNT) * _PRIOR**2
+
+
+def through(problem: Problem, part: Sums) -> Reals:
+    """How a drive's own unknowns follow the shared ones (shared, own)."""
+    shared = len(problem.nominal) + _MOUNT
+    own = part.matrix[shared:, shared:] + np.eye(_OWN) * _PRIOR_OWN**2
+    return np.asarray(np.linalg.solve(own, part.matrix[shared:, :shared]).T)
+
+
+def information(problem: Problem, parts: Sequence[Sums]) -> Reals:
+    """What the drives tell of the shared unknowns, their own ones eliminated (a Schur complement)."""
+    shared = len(problem.nominal) + _MOUNT
+    each = (p.matrix[:shared, :shared] - through(problem, p) @ p.matrix[shared:, :shared] for p in parts)
+    return np.asarray(sum(each))
 
 
 def _prior(problem: Problem) -> Reals:
@@ -261,84 +252,3 @@ def _solved(problem: Problem, start: Reals, each: Each) -> Reals:
         options={"gtol": 1e-6, "maxiter": _MOST_STEPS},
     )
     return np.asarray(solution.x)
-
-
-def _typical(problem: Problem, unknowns: Reals) -> float:
-    """The median of residuals [m]."""
-    every = [np.median(np.abs(residuals(problem, unknowns, i).values)) for i in range(len(problem.drives))]
-    return float(np.median(every))
-
-
-def start_of(problem: Problem) -> Reals:
-    """Nominal parameters, the tracked point in the robot's own, drives from their first poses."""
-    return np.zeros(len(problem.nominal) + _MOUNT + _OWN * len(problem.drives))
-
-
-def prior_of_shared(problem: Problem) -> Reals:
-    """The matrix of the weak prior of the shared unknowns."""
-    return np.eye(len(problem.nominal) + _MOUNT) * _PRIOR**2
-
-
-def _through(problem: Problem, part: Sums) -> Reals:
-    """How a drive's own unknowns follow the shared ones (shared, own)."""
-    shared = len(problem.nominal) + _MOUNT
-    own = part.matrix[shared:, shared:] + np.eye(_OWN) * _PRIOR_OWN**2
-    return np.asarray(np.linalg.solve(own, part.matrix[shared:, :shared]).T)
-
-
-def information(problem: Problem, parts: Sequence[Sums]) -> Reals:
-    """What the drives tell of the shared unknowns, their own ones eliminated (a Schur complement)."""
-    shared = len(problem.nominal) + _MOUNT
-    each = (p.matrix[:shared, :shared] - _through(problem, p) @ p.matrix[shared:, :shared] for p in parts)
-    return np.asarray(sum(each))
-
-
-def _covariance(problem: Problem, unknowns: Reals, parts: Sequence[Sums]) -> Reals:
-    """Of the shared unknowns: from the spread between drives, whose errors are systematic in each; with less than
-    three drives, from the spread between parts of them."""
-    shared = len(problem.nominal) + _MOUNT
-    spread = np.zeros((shared, shared))
-    for index, part in enumerate(parts):
-        through = _through(problem, part)
-        if len(parts) >= _DRIVES:
-            scores = (part.gradient[:shared] - through @ part.gradient[shared:])[None]
-        else:
-            scores = _scores(residuals(problem, unknowns, index), problem.scale, through)
-        spread += _correlated(scores)
-    if len(parts) >= _DRIVES:
-        spread *= len(parts) / (len(parts) - 1)
-    prior = prior_of_shared(problem)
-    inverse = np.linalg.inv(information(problem, parts) + prior)
-    return np.asarray(inverse @ (spread + prior @ prior) @ inverse)
-
-
-def _scores(rows: Residuals, scale: float, through: Reals) -> Reals:
-    """What each of `_PARTS` equal times of a drive adds to the gradient by the shared unknowns, its own eliminated."""
-    z = rows.values / scale
-    pull = (rows.weights * z / (np.sqrt(1 + z * z) * scale))[:, None]
-    shared = len(through)
-    each = pull * (rows.by[:, :shared] - rows.by[:, shared:] @ through.T)
-    first, last = rows.times.min(), rows.times.max()
-    part = np.minimum((_PARTS * (rows.times - first) / (last - first or 1.0)).astype(int), _PARTS - 1)
-    scores = np.zeros((_PARTS, shared))
-    np.add.at(scores, part, each)
-    return scores
-
-
-def _correlated(scores: Reals) -> Reals:
-    """The covariance of a sum of scores that are correlated with those at most `_MEMORY` away (Newey and West 1987)."""
-    total = scores.T @ scores
-    for lag in range(1, min(_MEMORY, len(scores))):
-        product = scores[lag:].T @ scores[:-lag]
-        total += (1 - lag / _MEMORY) * (product + product.T)
-    return np.asarray(total)
-
-
-def _rms(every: Sequence[Residuals]) -> tuple[float, float]:
-    """Of positions [m] and headings [rad], over all drives; nan where none was measured."""
-
-    def mean(turns: bool) -> float:
-        squares = np.concatenate([rows.values[rows.turns == turns] ** 2 for rows in every])
-        return float(np.sqrt((1 if turns else 2) * squares.mean())) if len(squares) else float("nan")
-
-    return mean(False), mean(True) / LEVER

@@ -9,7 +9,8 @@ from math import pi
 
 import numpy as np
 
-from wmrgen.calibrating.fit import Fit, Problem, information, prior_of_shared, serial, start_of
+from wmrgen.calibrating.certainty import Fit
+from wmrgen.calibrating.fit import Problem, information, prior_of_shared, serial, start_of
 from wmrgen.calibrating.logs import Drive, Truth
 from wmrgen.calibrating.path import Reals, reckoned
 from wmrgen.robot import Derivation

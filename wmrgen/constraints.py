@@ -24,7 +24,7 @@ from wmrgen.ports import TWIST_NAMES
 
 T = TypeVar("T", Poly, Exact)
 View = Callable[[Wheel], Geometry[Poly]]
-TWIST: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input", "omega"))  # xi, commanded
+XI: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input", "omega"))  # commanded
 
 
 @dataclass(frozen=True, slots=True)

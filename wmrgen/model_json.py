@@ -9,7 +9,7 @@ from typing import Any
 
 from wmrgen.bounds.robot import Bounds
 from wmrgen.bounds.robot import data as bounds_data
-from wmrgen.constraints import TWIST, constrain, pfaffian, pfaffian_rates, working_view
+from wmrgen.constraints import XI, constrain, pfaffian, pfaffian_rates, working_view
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import has_system, system_builder
@@ -104,7 +104,7 @@ def _mobility(m: Mobility) -> dict[str, Any]:
 
 
 def _singularity(s: Singularity) -> dict[str, Any]:
-    conditions = [c if isinstance(c, Poly) else dot(c, TWIST) for c in s.conditions]
+    conditions = [c if isinstance(c, Poly) else dot(c, XI) for c in s.conditions]
     return {
         "kind": s.kind,
         "wheels": list(s.wheels),

@@ -221,6 +221,11 @@ def root(a: Expr) -> Expr:
     return sympy.Pow(a, sympy.S.Half, evaluate=False)
 
 
+def norm(*components: Expr) -> Expr:
+    """The length of a vector as it stands."""
+    return root(add(*(square(c) for c in components)))
+
+
 def square(a: Expr) -> Expr:
     """a**2 as it stands."""
     return sympy.Pow(a, 2, evaluate=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
@@ -72,6 +72,12 @@ def cofactor(m: Matrix, i: int, j: int) -> Poly:
     """(-1)^(i + j) times the determinant of ``m`` without row i and column j."""
     minor = determinant([[*row[:j], *row[j + 1 :]] for k, row in enumerate(m) if k != i])
     return -minor if (i + j) % 2 else minor
+
+
+def symmetric(entry: Callable[[int, int], Poly], size: int = 3) -> list[list[Poly]]:
+    """The symmetric matrix whose upper triangle ``entry`` gives, asked once for each, row by row."""
+    upper = {(i, j): entry(i, j) for i in range(size) for j in range(i, size)}
+    return [[upper[min(i, j), max(i, j)] for j in range(size)] for i in range(size)]
 
 
 def adjugate(m: Matrix) -> list[list[Poly]]:

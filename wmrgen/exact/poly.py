@@ -7,7 +7,7 @@ sqrt(p)**2 = p. Exponents may be negative, so a monomial can be divided by.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -246,8 +246,8 @@ def has_angles(row: Row) -> bool:
     return any(g.kind in ("cos", "sin") for p in row for g in p.generators)
 
 
-def dot(a: Row, b: Row) -> Poly:
-    """a . b"""
+def dot(a: Sequence[Poly], b: Sequence[Poly]) -> Poly:
+    """a . b of vectors of three."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 

@@ -10,24 +10,23 @@ from fractions import Fraction
 
 import sympy
 
-from wmrgen.constraints import along, rolling_direction, working_view
+from wmrgen.constraints import XI, along, rolling_direction, working_view
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.records import Formula, Locals, signal_poly, tunable_ports
+from wmrgen.exact.poly import dot
+from wmrgen.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.kinematics.steer import pivot
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import TWIST, Port, Role
 from wmrgen.symbolic import (
     Expr,
     absolute,
-    add,
     angle_of,
     at_least,
     expression,
+    norm,
     number,
-    root,
     select,
     signal,
-    square,
     times,
 )
 
@@ -41,42 +40,38 @@ def contacts(robot: Robot) -> Formula | None:
     Rollers need ``r_sw`` in the robot file, spheres ``r``.
     """
     names = Locals()
-    twist: Row = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
     outputs: Outputs = []
     for w in robot.wheels:
         if w.kind.rollers and w.nominal.r_sw:
-            outputs.append(_roller(w, twist))
+            outputs.append(_roller(w))
         if not w.kind.directed and w.nominal.r:
-            outputs += _sphere(w, twist, names)
+            outputs += _sphere(w, names)
     if not outputs:
         return None
     text = "twist of P in the robot frame to roller rates and the rolling of spheres"
     return names.formula("contacts", (*TWIST, *tunable_ports(robot)), outputs, text)
 
 
-def _roller(w: Wheel, twist: Row) -> tuple[Port, Expr]:
+def _roller(w: Wheel) -> tuple[Port, Expr]:
     """(n_g . v_A + tan gamma e_g . v_A) / r_sw, e_g the rolling direction turned by gamma."""
     g = working_view(w)
     e = rolling_direction(w, g)
-    across = dot(along((-e[1], e[0]), g), twist)
-    drive = dot(along(e, g), twist) * g.sg * g.cg.inverse()
+    across = dot(along((-e[1], e[0]), g), XI)
+    drive = dot(along(e, g), XI) * g.sg * g.cg.inverse()
     text = "roller rate, positive moves the hub along the roller's own rolling direction n_gamma"
     port = Port(f"{w.name}.roller", Role.COMMAND, "rad/s", text)
     return port, expression((across + drive) * g.r_sw.inverse())
 
 
-def _sphere(w: Wheel, twist: Row, names: Locals) -> Outputs:
+def _sphere(w: Wheel, names: Locals) -> Outputs:
     """Direction of the contact's velocity [rad, robot frame] and the roll rate along it [rad/s]."""
     g = working_view(w)
-    one, zero = Poly.of(1), Poly({})
-    a = names.define(f"{w.name}_x", dot(along((one, zero), g), twist))
-    b = names.define(f"{w.name}_y", dot(along((zero, one), g), twist))
-    speed = root(add(square(a), square(b)))
+    a, b = (names.define(f"{w.name}_{axis}", part) for axis, part in zip("xy", pivot(w, XI), strict=True))
     return [
         (Port(f"{w.name}.direction", Role.COMMAND, "rad", "direction of rolling, from x"), angle_of(b, a)),
         (
             Port(f"{w.name}.roll", Role.COMMAND, "rad/s", "rate of rolling"),
-            times(expression(g.r.inverse()), speed),
+            times(expression(g.r.inverse()), norm(a, b)),
         ),
     ]
 

@@ -14,6 +14,7 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.exact.evaluate import fix
+from wmrgen.exact.linalg import symmetric
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Matrix, norm, pseudo_inverse
@@ -67,7 +68,7 @@ def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist,
         return _step_by_step(rows, rank, names)
     twist = _solved(*normal_equations(rows), rank)
     if len(rows) <= FEW_ROWS:
-        direct = [z - dot(r, (twist[0], twist[1], twist[2])) for r, z, _ in rows]
+        direct = [z - dot(r, twist) for r, z, _ in rows]
         if all(_negligible(p) for p in direct):
             return _three(twist), sympy.S.Zero
         if _one_relation(direct):
@@ -105,14 +106,13 @@ def normal_equations(rows: list[Measured]) -> tuple[Matrix, list[Poly]]:
 
 def _solved(normal: Matrix, moment: list[Poly], rank: NominalRank) -> list[Poly]:
     """(H^T W H)^+ H^T W z."""
-    inverse = pseudo_inverse(normal, rank.normal)
-    return [dot((row[0], row[1], row[2]), (moment[0], moment[1], moment[2])) for row in inverse]
+    return [dot(row, moment) for row in pseudo_inverse(normal, rank.normal)]
 
 
 def _fitted(rows: list[Measured], twist: list[Poly], names: Locals) -> tuple[Twist, Expr]:
     """The twist, named, and the norm of what it leaves of the rows."""
     fits = [names.poly(n, p) for n, p in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
-    errors = [z - dot(r, (fits[0], fits[1], fits[2])) for r, z, _ in rows]
+    errors = [z - dot(r, fits) for r, z, _ in rows]
     return _three(fits), norm(errors, weights=[weight for _, _, weight in rows])
 
 
@@ -137,9 +137,8 @@ def _step_by_step(rows: list[Measured], rank: NominalRank, names: Locals) -> tup
         for i, (r, z, weight) in enumerate(rows)
     ]
     normal, moment = normal_equations(named)
-    upper = {(i, j): short(f"n{i}{j}", normal[i][j]) for i in range(3) for j in range(i, 3)}
-    symmetric = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
-    twist = _solved(symmetric, [short(f"b{i}", p) for i, p in enumerate(moment)], rank)
+    entries = symmetric(lambda i, j: short(f"n{i}{j}", normal[i][j]))
+    twist = _solved(entries, [short(f"b{i}", p) for i, p in enumerate(moment)], rank)
     fits, slip = _fitted(named, twist, names)
     return fits, sympy.S.Zero if rank.value == len(rows) else slip
 
@@ -161,4 +160,5 @@ def _one_relation(residuals: list[Poly]) -> bool:
 
 
 def _three(values: list[Poly]) -> Twist:
-    return expression(values[0]), expression(values[1]), expression(values[2])
+    vx, vy, omega = map(expression, values)
+    return vx, vy, omega

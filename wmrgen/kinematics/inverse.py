@@ -18,10 +18,10 @@ from dataclasses import dataclass
 
 import sympy
 
-from wmrgen.constraints import rolling_row, steer_gens, working_view
+from wmrgen.constraints import XI, rolling_row, steer_gens, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, norm, project
-from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, slip_port, tunable_ports
+from wmrgen.kinematics.records import Formula, Locals, joint_port, slip_port, tunable_ports
 from wmrgen.kinematics.steer import Target, hysteresis, pivot, turned_by
 from wmrgen.kinematics.steer_groups import nearest_steering
 from wmrgen.layout.records import Robot, Wheel
@@ -87,12 +87,11 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
 
 def _named_twist(projection: Projection, names: Locals) -> Row:
     """The twist to be driven; components that the projection changed get names."""
-    plain = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
-    parts = [
+    vx, vy, omega = (
         p if p == q or not p else names.poly(f"{n}_driven", p)
-        for p, q, n in zip(projection.twist, plain, TWIST_NAMES, strict=True)
-    ]
-    return parts[0], parts[1], parts[2]
+        for p, q, n in zip(projection.twist, XI, TWIST_NAMES, strict=True)
+    )
+    return vx, vy, omega
 
 
 def _held(targets: dict[int, Target]) -> str:

@@ -19,12 +19,11 @@ from fractions import Fraction
 
 import sympy
 
-from wmrgen.constraints import rolling_row, sliding_row, working_view
+from wmrgen.constraints import XI, rolling_row, sliding_row, working_view
 from wmrgen.exact.evaluate import fix, sqrt_poly
 from wmrgen.exact.linalg import inverse
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot, has_angles
-from wmrgen.kinematics.records import signal_poly
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import independent, numeric_rank, to_array
 from wmrgen.mobility.records import Mobility
@@ -132,23 +131,22 @@ class Projection:
 
 def project(robot: Robot, mobility: Mobility) -> Projection:
     """The driven twist of a commanded one, and the residuals of the difference."""
-    twist: Row = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     picked = mobility.admissible
     if len(picked.chosen) == 1 and mobility.rank_C1f.value == 1:
         nx, ny, k = sliding_row(fixed[0], working_view(fixed[0])).row
-        lateral = dot((nx, ny, k), twist)
-        return Projection((twist[0] - nx * lateral, twist[1] - ny * lateral, twist[2]), (lateral,), ONE)
+        lateral = dot((nx, ny, k), XI)
+        return Projection((XI[0] - nx * lateral, XI[1] - ny * lateral, XI[2]), (lateral,), ONE)
     if picked.normal is not None and not picked.normal[0] and not picked.normal[1]:
-        return _translate(robot, twist)
+        return _translate(robot)
     if len(picked.chosen) == 1 and not mobility.degenerate and not has_angles(mobility.basis_rows[0]):
-        return _nearest(robot, mobility.basis_rows[0], twist)
-    residuals = [dot(sliding_row(w, working_view(w)).row, twist) for w in fixed]
-    residuals += _spin_residuals(robot, twist)
-    return Projection(twist, tuple(residuals), ONE / max(len(fixed), 1))
+        return _nearest(robot, mobility.basis_rows[0])
+    residuals = [dot(sliding_row(w, working_view(w)).row, XI) for w in fixed]
+    residuals += _spin_residuals(robot)
+    return Projection(XI, tuple(residuals), ONE / max(len(fixed), 1))
 
 
-def _nearest(robot: Robot, row: Row, twist: Row) -> Projection:
+def _nearest(robot: Robot, row: Row) -> Projection:
     """The nearest twist with row . xi = 0, measured by the mean square velocity of all wheel pivots.
 
     xi - M^-1 row^T (row . xi) / (row M^-1 row^T), M the mean of [1 0 -y; 0 1 x]^T [1 0 -y; 0 1 x].
@@ -159,29 +157,29 @@ def _nearest(robot: Robot, row: Row, twist: Row) -> Projection:
     gx, gy = Poly.sum(g.x for g in wheels).scale(share), Poly.sum(g.y for g in wheels).scale(share)
     spread = Poly.sum(g.x * g.x + g.y * g.y for g in wheels).scale(share)
     inverse = pseudo_inverse([[one, zero, -gy], [zero, one, gx], [-gy, gx, spread]], None)
-    direction = [dot((r[0], r[1], r[2]), row) for r in inverse]
-    size = dot((direction[0], direction[1], direction[2]), row)
-    violation = dot(row, twist)
+    direction = [dot(r, row) for r in inverse]
+    size = dot(direction, row)
+    violation = dot(row, XI)
     factor = violation * size.inverse()
-    parts = [t - d * factor for t, d in zip(twist, direction, strict=True)]
-    return Projection((parts[0], parts[1], parts[2]), (violation * fix(sqrt_poly(size.inverse()), {}),), ONE)
+    vx, vy, omega = (t - d * factor for t, d in zip(XI, direction, strict=True))
+    return Projection((vx, vy, omega), (violation * fix(sqrt_poly(size.inverse()), {}),), ONE)
 
 
-def _spin_residuals(robot: Robot, twist: Row) -> list[Poly]:
+def _spin_residuals(robot: Robot) -> list[Poly]:
     """Rim-speed differences that equal spins cannot follow, of groups in which no wheel turns."""
     residuals: list[Poly] = []
     for members in robot.together("spin", (w for w in robot.wheels if w.has_spin)):
         if len(members) == 1 or any(w.turns for w in members):
             continue
         radii = [working_view(w).rolling_radius for w in members]
-        rims = [dot(rolling_row(w, working_view(w)).row, twist) for w in members]
+        rims = [dot(rolling_row(w, working_view(w)).row, XI) for w in members]
         total = Poly.sum(r * r for r in radii).inverse()
         speed = Poly.sum(r * z for r, z in zip(radii, rims, strict=True)) * total
         residuals += [z - r * speed for r, z in zip(radii, rims, strict=True)]
     return residuals
 
 
-def _translate(robot: Robot, twist: Row) -> Projection:
+def _translate(robot: Robot) -> Projection:
     """Rotation taken away about the centroid of the steered wheels."""
     wheels = [working_view(w) for w in robot.wheels if w.kind.steers]
     share = Fraction(1, len(wheels))
@@ -189,5 +187,5 @@ def _translate(robot: Robot, twist: Row) -> Projection:
     gy = Poly.sum(g.y for g in wheels).scale(share)
     spread = Poly.sum((g.x - gx) ** 2 + (g.y - gy) ** 2 for g in wheels).scale(share)
     root = fix(sqrt_poly(spread), {})
-    omega = twist[2]
-    return Projection((twist[0] - omega * gy, twist[1] + omega * gx, Poly({})), (omega * root,), ONE)
+    omega = XI[2]
+    return Projection((XI[0] - omega * gy, XI[1] + omega * gx, Poly({})), (omega * root,), ONE)

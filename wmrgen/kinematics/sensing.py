@@ -29,7 +29,7 @@ import numpy as np
 
 from wmrgen.constraints import heading, rolling_row, sliding_row, working_view
 from wmrgen.exact.evaluate import circle, fix
-from wmrgen.exact.linalg import cofactor
+from wmrgen.exact.linalg import cofactor, symmetric
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, Row, dot, has_angles
 from wmrgen.kinematics.records import Locals, signal_poly
@@ -186,20 +186,17 @@ def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
     is taken. The rank that the rows have in general decides at derivation time which formulas are needed.
     """
     rows = _named_rows(measured, names)
-    upper = {
-        (i, j): names.poly(f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, _, weight in rows))
-        for i in range(3)
-        for j in range(i, 3)
-    }
-    n = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
+    n = symmetric(
+        lambda i, j: names.poly(f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, _, weight in rows))
+    )
     b = [names.poly(f"b{i}", Poly.sum((r[i] * z).scale(weight) for r, z, weight in rows)) for i in range(3)]
     system = System(n, b, generic_rank(measured), reach_of(measured.wheels))
     twist = smallest_twist(system, lower_bound(measured), names)
     fitted = [names.poly(k, e) for k, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
-    xi: Row = (fitted[0], fitted[1], fitted[2])
-    errors = [(names.poly(f"error_{i}", z - dot(r, xi)), weight) for i, (r, z, weight) in enumerate(rows)]
+    errors = [(names.poly(f"error_{i}", z - dot(r, fitted)), weight) for i, (r, z, weight) in enumerate(rows)]
     slip = root(add(*(times(number(weight), square(expression(e))) for e, weight in errors)))
-    return (expression(xi[0]), expression(xi[1]), expression(xi[2])), slip
+    vx, vy, omega = map(expression, fitted)
+    return (vx, vy, omega), slip
 
 
 def named_contacts(contacts: Sequence[Contact], names: Locals) -> list[tuple[Poly, Poly, Poly, Poly]]:
@@ -283,7 +280,7 @@ def smallest_twist(system: System, bound: float, names: Locals) -> list[Expr]:
     low = [times(expression(v), _over(c1, names, "c1")) for v in b]
     if system.rank == 1:
         return low
-    adj = _adjugate(n, names)
+    adj = symmetric(lambda i, j: names.poly(f"adj{i}{j}", cofactor(n, i, j)))
     projected = [names.define(f"p{i}", Poly.sum(adj[i][j] * b[j] for j in range(3))) for i in range(3)]
     det = names.define("det", n[0][0] * adj[0][0] + n[0][1] * adj[0][1] + n[0][2] * adj[0][2])
     if bound > 0:
@@ -310,13 +307,3 @@ def smallest_twist(system: System, bound: float, names: Locals) -> list[Expr]:
 
 def _over(value: Expr, names: Locals, name: str) -> Expr:
     return names.define(f"over_{name}", 1 / maximum(value, number(FLOOR)))
-
-
-def _adjugate(n: list[list[Poly]], names: Locals) -> list[list[Poly]]:
-    """The adjugate of a symmetric matrix, entries named."""
-
-    def minor(i: int, j: int) -> Poly:
-        return names.poly(f"adj{i}{j}", cofactor(n, i, j))
-
-    upper = {(i, j): minor(i, j) for i in range(3) for j in range(i, 3)}
-    return [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]

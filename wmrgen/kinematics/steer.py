@@ -37,8 +37,8 @@ from wmrgen.symbolic import (
     kept_between,
     maximum,
     nearest,
+    norm,
     number,
-    root,
     select,
     signal,
     square,
@@ -81,7 +81,7 @@ class Line:
 
 def line(a: Expr, b: Expr, zero: Expr, names: Locals, name: str) -> Line:
     """The line of the velocity (a, b) [m/s] in a frame at the angle ``zero`` [rad] short of the joint's zero."""
-    size = names.define(f"{name}size", root(add(square(a), square(b))))
+    size = names.define(f"{name}size", norm(a, b))
     kept = names.define(f"{name}kept", maximum(number(STILL), size))
     slope = names.define(f"{name}slope", b / add(kept, absolute(a)))
     heading = times(with_sign_of(sympy.Integer(2), a), arctangent(slope))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from wmrgen import notation
 from wmrgen.backends.report.latex import broken, latex
 from wmrgen.backends.report.markdown import CAP, aligned, cut_note, grouped, in_degrees, listed, math
-from wmrgen.constraints import TWIST, along, driving_row, seen, sliding_row, symbolic_view, working_view
+from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.steer import NARROW, turning_points
@@ -65,16 +65,16 @@ def _driven(projection: Projection) -> Row:
     """The twist that is driven; components that the projection changed carry a star."""
     vx, vy, omega = (
         p if p == q or not p else Poly.gen("input", f"{n}_driven")
-        for p, q, n in zip(projection.twist, TWIST, TWIST_NAMES, strict=True)
+        for p, q, n in zip(projection.twist, XI, TWIST_NAMES, strict=True)
     )
     return vx, vy, omega
 
 
 def _projection(projection: Projection) -> list[str]:
     """The nearest admissible twist, where it is not the commanded one."""
-    if projection.twist == TWIST:
+    if projection.twist == XI:
         return []
-    parts = zip(projection.twist, TWIST, TWIST_NAMES, strict=True)
+    parts = zip(projection.twist, XI, TWIST_NAMES, strict=True)
     return [
         "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the rest is driven:",
         *aligned(f"{notation.port(n)}^{{*}} &= {broken(p)}" for p, q, n in parts if p != q),
@@ -273,7 +273,7 @@ def _forbidden(projection: Projection, coupled: bool, steered: bool, held: bool)
     if not forms:
         return [_admissible(steered, held)]
     words = "`slip` is the sideways speed [m/s] that the commanded twist would force on the contact points"
-    if projection.twist == TWIST:
+    if projection.twist == XI:
         words += "; nothing is projected away here, the wheels follow as well as they can"
     if len(forms) == 1:
         return [f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]

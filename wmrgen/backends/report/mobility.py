@@ -20,7 +20,7 @@ from wmrgen.backends.report.markdown import (
     some,
     table,
 )  # fmt: skip
-from wmrgen.constraints import TWIST, constrain, nominal_view
+from wmrgen.constraints import XI, constrain, nominal_view
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
@@ -224,7 +224,7 @@ def _conditions(conditions: Sequence[Poly | Row]) -> list[str]:
     """Each condition as a sum that is 0, without a common number, and the steering angles where that is so."""
     lines = []
     for c in conditions:
-        p = equation(c if isinstance(c, Poly) else dot(c, TWIST))
+        p = equation(c if isinstance(c, Poly) else dot(c, XI))
         at = roots(p)
         lines.append(f"{wrapped(summands(terms(p)))} &= 0" + (f", & {at}" if at else ""))
     return aligned(lines)

@@ -10,7 +10,7 @@ from wmrgen.backends.report.angles import readable, whole
 from wmrgen.backends.report.latex import WIDE, broken, latex, matrix, pieces, terms, width, wrapped
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, items, listed, math
 from wmrgen.constraints import (
-    TWIST,
+    XI,
     ConstraintRow,
     along,
     constrain,
@@ -118,7 +118,7 @@ def _sides(c: ConstraintRow) -> tuple[list[str], str]:
     """``v_x - l omega`` and ``r phi``; a sliding row's own rate stays on the left."""
     ports = {"spin": f"{c.wheel.name}.spin", "steer": f"{c.wheel.name}.steer_rate"}
     rates = Poly.sum(k * Poly.gen("input", ports[joint]) for (_, joint), k in c.rates)
-    left = pieces(terms(dot(c.row, TWIST)))
+    left = pieces(terms(dot(c.row, XI)))
     if c.kind == "rolling":
         return left, latex(-rates)
     return ([*left, *pieces(terms(rates))] if rates else left), "0"
@@ -128,7 +128,7 @@ def _rollers(w: Wheel) -> list[str]:
     """(3.20) of one wheel."""
     g = symbolic_view(w)
     c, s = rolling_direction(w, g)
-    across = dot(along((-s, c), g), TWIST) + g.r * g.sg * Poly.gen("input", f"{w.name}.spin")
+    across = dot(along((-s, c), g), XI) + g.r * g.sg * Poly.gen("input", f"{w.name}.spin")
     rate = rf"\dot{{\varphi}}_{{sw,{notation.wheel(w.name)}}}"
     radius = latex(g.r_sw) if g.r_sw else "r_{sw}"
     return aligned([rf"{radius}\,{rate} &= {broken(across)}"])

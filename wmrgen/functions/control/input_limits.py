@@ -35,6 +35,7 @@ from wmrgen.symbolic import (
     expression,
     maximum,
     minimum,
+    norm,
     number,
     root,
     select,
@@ -87,7 +88,7 @@ def input_limits(robot: Robot, mobility: Mobility) -> Formula:
     over_base = names.define("over_base", 1 / car.base)
     bounds = (v_max, times(over_base, slope), times(over_base, minimum(slope, rest)))
     nearest = _nearest(car, (a, b), slope, v_max, over_base, names)
-    exact = minimum(subtract(car.top, root(add(square(v), square(turn)))), subtract(slope, b))
+    exact = minimum(subtract(car.top, norm(v, turn)), subtract(slope, b))
     inner = minimum(subtract(v_max, a), subtract(slope, b))
     return names.formula(
         "input_limits",
@@ -109,7 +110,7 @@ def _nearest(
     ray = names.define("ray", add(times(a, car.cos), times(b, car.sin)))
     wedge_v = names.define("wedge_v", select(slope, b, times(ray, car.cos), a))
     wedge_turn = names.define("wedge_turn", select(slope, b, times(ray, car.sin), b))
-    speed = names.define("wedge_speed", root(add(square(wedge_v), square(wedge_turn))))
+    speed = names.define("wedge_speed", norm(wedge_v, wedge_turn))
     divisor = names.define("speed_divisor", maximum(speed, car.top))
     shrink = names.define("shrink", times(car.top, 1 / divisor))
     clipped_v = names.define("clipped_v", minimum(wedge_v, v_max))

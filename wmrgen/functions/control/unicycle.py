@@ -34,8 +34,8 @@ from wmrgen.symbolic import (
     add,
     angle_of,
     expression,
+    norm,
     number,
-    root,
     rotated,
     rotated_back,
     select,
@@ -197,7 +197,7 @@ def _polar(ref: Reference, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
     px, py = ref.turned(x, y, names, "axle")
     ahead = names.define("goal_ahead", times(-1, add(times(c, px), times(s, py))))
     left = names.define("goal_left", subtract(times(s, px), times(c, py)))
-    rho = names.define("rho_value", root(add(square(px), square(py))))
+    rho = names.define("rho_value", norm(px, py))
     way = names.define("direction_value", _direction(ahead, rho))
     raw = (names.define("alpha_raw", angle_of(times(way, left), times(way, ahead))),
            names.define("beta_raw", angle_of(times(way, py), times(-1, way, px))))  # fmt: skip

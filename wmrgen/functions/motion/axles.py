@@ -20,7 +20,7 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.constraints import along, heading, working_view
-from wmrgen.exact.linalg import adjugate
+from wmrgen.exact.linalg import adjugate, symmetric
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.functions.motion.icr import centre_ports
 from wmrgen.functions.motion.paths import path, sign
@@ -38,6 +38,7 @@ from wmrgen.symbolic import (
     expression,
     kept_between,
     maximum,
+    norm,
     over,
     root,
     select,
@@ -196,12 +197,13 @@ def smallest_eigenvector(rows: Sequence[Sequence[Poly]], fallback: Twist, names:
     """The unit vector v with the least sum of (row . v)**2; ``fallback`` where the rows are all parallel."""
     share = sympy.Rational(1, len(rows))
     sums = [[expression(Poly.sum(r[i] * r[j] for r in rows)) for j in range(3)] for i in range(3)]
-    gram = _symmetric([[times(share, entry) for entry in row] for row in sums], "g", names)
+    gram = symmetric(lambda i, j: names.poly(f"g{i}{j}", times(share, sums[i][j])))
     eigenvalue = _smallest_eigenvalue(gram, names)
     for i in range(3):
         gram[i][i] = names.poly(f"m{i}{i}", subtract(expression(gram[i][i]), eigenvalue))
-    column = _largest_column(_symmetric(adjugate(gram), "k", names), names)
-    size = names.define("vector_size", root(add(*(square(v) for v in column))))
+    square_of = adjugate(gram)
+    column = _largest_column(symmetric(lambda i, j: names.poly(f"k{i}{j}", square_of[i][j])), names)
+    size = names.define("vector_size", norm(*column))
     kept = names.define("vector_kept", maximum(size, FLOOR))
     a, b, c = (
         names.define(f"vector{i}", select(FLOOR, size, over(v, kept), f))
@@ -210,18 +212,13 @@ def smallest_eigenvector(rows: Sequence[Sequence[Poly]], fallback: Twist, names:
     return a, b, c
 
 
-def _symmetric(m: Sequence[Sequence[Expr | Poly]], name: str, names: Locals) -> list[list[Poly]]:
-    """A symmetric 3 x 3 matrix, the entries of its upper half named."""
-    upper = {(i, j): names.poly(f"{name}{i}{j}", m[i][j]) for i in range(3) for j in range(i, 3)}
-    return [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
-
-
 def _smallest_eigenvalue(gram: list[list[Poly]], names: Locals) -> Expr:
     """The smallest eigenvalue, between 0 and a third of the trace."""
-    adj = _symmetric(adjugate(gram), "adj", names)
+    minors = adjugate(gram)
+    adj = symmetric(lambda i, j: names.poly(f"adj{i}{j}", minors[i][j]))
     trace = names.define("trace", gram[0][0] + gram[1][1] + gram[2][2])
     second = names.define("second", adj[0][0] + adj[1][1] + adj[2][2])
-    third = names.define("third", Poly.sum(p * q for p, q in zip(gram[0], adj[0], strict=True)))
+    third = names.define("third", dot(gram[0], adj[0]))
     mean = names.define("mean", times(sympy.Rational(1, 3), trace))
     value = kept_between(sympy.S.Zero, _cosine_root(trace, second, third, mean, names), mean)
     value = names.define("eigenvalue0", value)

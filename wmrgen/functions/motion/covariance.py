@@ -30,7 +30,8 @@ from dataclasses import dataclass
 
 import sympy
 
-from wmrgen.exact.linalg import cofactor
+from wmrgen.constraints import XI
+from wmrgen.exact.linalg import cofactor, symmetric
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row, by_angle, derivative, dot
 from wmrgen.functions.registry import function, underivable
@@ -130,8 +131,7 @@ def _block(measured: Contact | Component, robot: Robot, names: Locals) -> _Block
         rows = contact_rows(measured.bx, measured.by, measured.wx, measured.wy, measured.weight)
     else:
         rows = [(measured.row, measured.value, measured.weight)]
-    twist: Row = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
-    errors = [dot(row, twist) - value for row, value, _ in rows]
+    errors = [dot(row, XI) - value for row, value, _ in rows]
     size = range(len(rows))
     noise = [[Poly({}) for _ in size] for _ in size]
     for joint in sensed_joints(w):
@@ -143,12 +143,8 @@ def _block(measured: Contact | Component, robot: Robot, names: Locals) -> _Block
         for i in size:
             for j in size:
                 noise[i][j] = noise[i][j] + moved[i] * moved[j] * variance
-    named = {(i, j): names.short(f"{w.name}_c{i}{j}", noise[i][j]) for i in size for j in range(i, len(rows))}
-    return _Block(
-        [row for row, _, _ in rows],
-        measured.weight,
-        [[named[min(i, j), max(i, j)] for j in size] for i in size],
-    )
+    named = symmetric(lambda i, j: names.short(f"{w.name}_c{i}{j}", noise[i][j]), len(rows))
+    return _Block([row for row, _, _ in rows], measured.weight, named)
 
 
 def _by_joint(value: Poly, w: Wheel, joint: str) -> Poly:
@@ -168,30 +164,24 @@ def _variance(w: Wheel, joint: str, noise: Noise, names: Locals) -> Poly:
 def _constant_inverse(measured: Measurements, names: Locals) -> Matrix:
     """N^-1 where no joint moves it; entries that depend on tunable parameters have names."""
     normal, _ = normal_equations(measured.rows)
-    named = _symmetric({(i, j): names.short(f"n{i}{j}", normal[i][j]) for i, j in _PAIRS})
-    inverse = pseudo_inverse(named, None)
-    return _symmetric({(i, j): names.short(f"inverse{i}{j}", inverse[i][j]) for i, j in _PAIRS})
+    inverse = pseudo_inverse(symmetric(lambda i, j: names.short(f"n{i}{j}", normal[i][j])), None)
+    return symmetric(lambda i, j: names.short(f"inverse{i}{j}", inverse[i][j]))
 
 
 def _moving_inverse(blocks: Sequence[_Block], measured: Measurements, names: Locals) -> Matrix:
     """N^-1 by cofactors; where `forward` takes a smaller rank, the determinant is kept at the edge of that."""
     rows = [(row, block.weight) for block in blocks for row in block.rows]
-    n = _symmetric({
-        (i, j): names.poly(f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, weight in rows))
-        for i, j in _PAIRS
-    })  # fmt: skip
-    adj = {(i, j): names.poly(f"adj{i}{j}", cofactor(n, i, j)) for i, j in _PAIRS}
-    det = names.define("det", n[0][0] * adj[0, 0] + n[0][1] * adj[0, 1] + n[0][2] * adj[0, 2])
+    n = symmetric(
+        lambda i, j: names.poly(f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, weight in rows))
+    )
+    adj = symmetric(lambda i, j: names.poly(f"adj{i}{j}", cofactor(n, i, j)))
+    det = names.define("det", dot(n[0], adj[0]))
     s = reach_of(measured.wheels)
     size1 = names.define("size1", n[0][0] + n[1][1] + n[2][2].scale(s.inverse()))
-    size2 = names.define("size2", (adj[0, 0] + adj[1, 1]).scale(s.inverse()) + adj[2, 2])
+    size2 = names.define("size2", (adj[0][0] + adj[1][1]).scale(s.inverse()) + adj[2][2])
     edge = maximum(times(number(EDGE * s), size1, size2), number(FLOOR))
     over = names.poly("over_det", 1 / maximum(det, edge))
-    return _symmetric({pair: names.poly(f"inverse{pair[0]}{pair[1]}", a * over) for pair, a in adj.items()})
-
-
-def _symmetric(upper: dict[tuple[int, int], Poly]) -> Matrix:
-    return [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
+    return symmetric(lambda i, j: names.poly(f"inverse{i}{j}", adj[i][j] * over))
 
 
 def _propagated(blocks: Sequence[_Block], inverse: Matrix, names: Locals) -> Matrix:
@@ -202,7 +192,7 @@ def _propagated(blocks: Sequence[_Block], inverse: Matrix, names: Locals) -> Mat
             [
                 names.short(
                     f"gain{k}{i}{a}",
-                    dot((inverse[i][0], inverse[i][1], inverse[i][2]), row).scale(block.weight),
+                    dot(inverse[i], row).scale(block.weight),
                 )
                 for a, row in enumerate(block.rows)
             ]
@@ -213,7 +203,7 @@ def _propagated(blocks: Sequence[_Block], inverse: Matrix, names: Locals) -> Mat
             total[i, j] = total[i, j] + Poly.sum(
                 gains[i][a] * gains[j][b] * block.noise[a][b] for a in size for b in size
             )
-    return _symmetric(total)
+    return symmetric(lambda i, j: total[i, j])
 
 
 def _excess(blocks: Sequence[_Block], inverse: Matrix, rows: int, names: Locals) -> Expr:

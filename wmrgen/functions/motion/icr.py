@@ -27,7 +27,7 @@ from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank, unit_rows
 from wmrgen.mobility.records import Array, Mobility
 from wmrgen.ports import TWIST, TWIST_NAMES, Port, Role, output
-from wmrgen.symbolic import absolute, add, maximum, over, root, signal, square, subtract, times
+from wmrgen.symbolic import absolute, add, maximum, norm, over, signal, subtract, times
 
 POINT = (
     Port("point.x", Role.COMMAND, "m", "a point of the body, robot frame"),
@@ -56,7 +56,7 @@ def icr(_: Robot, __: Mobility) -> Formula:
     a = names.define("point_x_rate", subtract(vx, omega * signal("point.y")))
     b = names.define("point_y_rate", add(vy, omega * signal("point.x")))
     rate = names.define("rate", maximum(absolute(omega), SLOWEST))
-    speed = names.define("point_speed", root(add(square(a), square(b))))
+    speed = names.define("point_speed", norm(a, b))
     turning = names.define("point_turning", maximum(rate, over(speed, FARTHEST)))
     outputs = (
         *zip(centre_ports(), (times(-1, vy), vx, omega), strict=True),

@@ -43,12 +43,11 @@ from wmrgen.symbolic import (
     angle_of,
     local,
     maximum,
+    norm,
     over,
-    root,
     rotated_back,
     select,
     signal,
-    square,
     times,
 )
 
@@ -130,7 +129,7 @@ def circle(robot: Robot, _: Mobility) -> Formula:
 def path(twist: tuple[Expr, Expr, Expr], names: Locals) -> dict[str, Expr]:
     """turns, radius, curvature, period, speed and direction of a twist."""
     vx, vy, omega = twist
-    speed = names.define("speed_of_path", root(add(square(vx), square(vy))))
+    speed = names.define("speed_of_path", norm(vx, vy))
     rate = names.define("rate_of_path", absolute(omega))
     straight = maximum(over(speed, FARTHEST), SLOWEST)
     turning = names.define("turning", maximum(rate, straight))

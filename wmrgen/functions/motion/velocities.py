@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from wmrgen.constraints import View, arm, heading, rolling_row, sliding_row, symbolic_view, working_view
+from wmrgen.constraints import XI, View, arm, heading, rolling_row, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.functions.motion.paths import named
 from wmrgen.functions.registry import function
@@ -117,11 +117,10 @@ def steering_matrix(robot: Robot) -> sympy.Matrix:
 
 def velocities(points: tuple[ContactPoint, ...], names: Locals) -> list[tuple[Poly, Poly]]:
     """(x, y) velocity of every contact in the robot frame, named."""
-    twist: Row = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
     result = []
     for p in points:
         rate = signal_poly(f"{p.wheel.name}.steer_rate") if p.swings else ZERO
-        a, b = (dot(row, twist) + k * rate for row, k in zip(p.rows, p.swing, strict=True))
+        a, b = (dot(row, XI) + k * rate for row, k in zip(p.rows, p.swing, strict=True))
         result.append((names.poly(f"{p.wheel.name}_x", a), names.poly(f"{p.wheel.name}_y", b)))
     return result
 
@@ -202,7 +201,6 @@ def slip_inverse(robot: Robot, _: Mobility) -> Formula:
 
     The twist is not projected: what the wheels do not roll they slip.
     """
-    twist: Row = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
     inputs = [*TWIST]
     inputs += [joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns]
     inputs += [joint_port(w, "steer_rate", Role.COMMAND) for w in robot.wheels if _swings(w)]
@@ -212,11 +210,11 @@ def slip_inverse(robot: Robot, _: Mobility) -> Formula:
         rate = signal_poly(f"{w.name}.steer_rate") if _swings(w) else Poly({})
         if w.has_spin:
             inputs.append(_slip_port(w, "slip_x"))
-            rim = dot(rolling_row(w, g).row, twist) - g.o * rate + signal_poly(f"{w.name}.slip_x")
+            rim = dot(rolling_row(w, g).row, XI) - g.o * rate + signal_poly(f"{w.name}.slip_x")
             spin = expression(rim * g.rolling_radius.inverse())
             outputs.append((joint_port(w, "spin", Role.COMMAND), spin))
         if w.kind.sliding_row:
-            lateral = dot(sliding_row(w, g).row, twist) + g.d * rate
+            lateral = dot(sliding_row(w, g).row, XI) + g.d * rate
             outputs.append((_slip_port(w, "slip_y"), expression(lateral)))
     return Formula(
         "slip_inverse", (*inputs, *tunable_ports(robot)), (), tuple(outputs),

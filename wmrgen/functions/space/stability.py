@@ -50,10 +50,9 @@ from wmrgen.symbolic import (
     expression,
     maximum,
     minimum,
-    root,
+    norm,
     select,
     signal,
-    square,
     subtract,
     times,
 )
@@ -225,7 +224,7 @@ def _plane(e: Edge, c: Vector, names: Locals) -> _Plane:
 
 
 def _margin(f: Vector, m: Vector) -> Expr:
-    return angle_of(times(-1, dot(f, m)), root(add(*(square(entry) for entry in cross(f, m)))))
+    return angle_of(times(-1, dot(f, m)), norm(*cross(f, m)))
 
 
 def _range(axis: int, f: Vector, planes: list[_Plane], names: Locals) -> list[tuple[Port, Expr]]:

@@ -24,7 +24,7 @@ from wmrgen.symbolic import (
     add,
     angle_of,
     expression,
-    root,
+    norm,
     rotated,
     rotated_back,
     signal,
@@ -118,7 +118,7 @@ def _pose(robot: Robot) -> Formula:
 def _axle(robot: Robot, t: Train, claim: Flatness) -> Formula:
     names, axle = Locals(), t.axle
     dx, dy, ax, ay = (signal(n) for n in ("x_rate", "y_rate", "x_accel", "y_accel"))
-    v = names.define("speed", root(add(square(dx), square(dy))))
+    v = names.define("speed", norm(dx, dy))
     over = Gate(v, STANDSTILL).inverse(names, v, "speed_kept", "over_speed")
     cross = names.define("turning", subtract(times(dx, ay), times(dy, ax)))
     omega = names.define("yaw_rate", times(cross, over, over))

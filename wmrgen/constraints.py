@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly, Row
+from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.layout.records import Geometry, Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
 
@@ -132,6 +132,11 @@ def sliding_row(wheel: Wheel, g: Geometry[Poly]) -> ConstraintRow:
     c, s = heading(wheel, g)
     rates = (((wheel.index, "steer"), g.d),) if wheel.kind.swivels else ()
     return ConstraintRow(wheel, "sliding", _plus(along((-s, c), g), g.d), rates)
+
+
+def castor_rate(wheel: Wheel, g: Geometry[Poly], twist: Row) -> Poly:
+    """Steering rate of a castor at which its contact does not slide: -(sliding row . xi) / d (Siegwart (3.18))."""
+    return -(dot(sliding_row(wheel, g).row, twist) * g.d.inverse())
 
 
 def driving_row(wheel: Wheel, g: Geometry[Poly]) -> Row:

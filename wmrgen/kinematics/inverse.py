@@ -13,7 +13,7 @@ the twist and castors that stand in a row share its parts (a, b); turned by the 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import sympy
@@ -128,11 +128,16 @@ def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Pol
             continue
         slides = [seen[w.index].sliding for w in members]
         offsets = [working_view(w).d for w in members]
-        total = Poly.sum(d * d for d in offsets).inverse()
-        shared = -(Poly.sum(d * s for d, s in zip(offsets, slides, strict=True)) * total)
+        shared = common_rate(offsets, slides)
         rates.update({w.index: shared for w in members})
         left_over.append([expression(s + d * shared) for d, s in zip(offsets, slides, strict=True)])
     return rates, left_over
+
+
+def common_rate(offsets: Sequence[Poly], slides: Sequence[Poly]) -> Poly:
+    """The steering rate that leaves least of d rate + slide over castors of these offsets d (Siegwart (3.18))."""
+    total = Poly.sum(d * d for d in offsets).inverse()
+    return -(Poly.sum(d * s for d, s in zip(offsets, slides, strict=True)) * total)
 
 
 def _joints(

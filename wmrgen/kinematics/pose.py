@@ -17,8 +17,8 @@ from __future__ import annotations
 
 import sympy
 
-from wmrgen.constraints import sliding_row, working_view
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.constraints import castor_rate, working_view
+from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
@@ -53,10 +53,11 @@ def dynamics(robot: Robot, mobility: Mobility) -> Formula:
     velocity = names.turned("velocity", (expression(vx), expression(vy)), signal("theta"))
     steered = [joint_port(w, "steer_rate", Role.COMMAND) for w in wheels]
     swivels = _swivelling(robot, columns)
+    swings = (expression(castor_rate(w, working_view(w), (vx, vy, omega))) for w in swivels)
     outputs = (
         *zip(RATES, (*velocity, expression(omega)), strict=True),
         *((p, signal(p.name)) for p in steered),
-        *((joint_port(w, "steer_rate", Role.COMMAND), _swivel_rate(w, (vx, vy, omega))) for w in swivels),
+        *zip((joint_port(w, "steer_rate", Role.COMMAND) for w in swivels), swings, strict=True),
     )
     steers = [joint_port(w, "steer", Role.STATE) for w in (*wheels, *swivels)]
     inputs = (*POSE, *steers, *etas, *steered, *tunable_ports(robot))
@@ -67,12 +68,6 @@ def _swivelling(robot: Robot, columns: tuple[Row, ...]) -> list[Wheel]:
     """Castors whose angle the null space depends on (coupled ones): states that the motion turns."""
     seen = {g.name for column in columns for p in column for g in p.generators if g.kind in ("cos", "sin")}
     return [w for w in robot.wheels if w.kind.swivels and w.name in seen]
-
-
-def _swivel_rate(w: Wheel, twist: Row) -> Expr:
-    """-(sliding row . xi) / d (Siegwart (3.18))."""
-    g = working_view(w)
-    return expression(-(dot(sliding_row(w, g).row, twist) * g.d.inverse()))
 
 
 def _nested(q: Expr) -> Expr:

@@ -9,7 +9,8 @@ import pytest
 
 from tests.functions.common import call, derived, write
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.control.unicycle import Reference, reference
+from wmrgen.functions.control.unicycle import reference
+from wmrgen.functions.models.axle import Axle
 
 
 def pair(heading: str, x: float = 0.3, y: float = -0.1, turned: str = "0") -> str:
@@ -23,13 +24,13 @@ def pair(heading: str, x: float = 0.3, y: float = -0.1, turned: str = "0") -> st
     )
 
 
-def of(path: Path) -> Reference:
+def of(path: Path) -> Axle:
     d = derived(path)
     return reference(d.robot, d.mobility, "pursuit")
 
 
-def numbers(ref: Reference) -> list[float]:
-    return [float(p.constant or 0) for p in (ref.x, ref.y, ref.c, ref.s)]
+def numbers(ref: Axle) -> list[float]:
+    return [float(p.constant or 0) for p in (ref.x, ref.y, ref.ex, ref.ey)]
 
 
 @pytest.mark.parametrize("turned", ["0", "pi"])

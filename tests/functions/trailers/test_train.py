@@ -9,7 +9,7 @@ import pytest
 
 from tests.functions.models.robots import CAR_REAR, DIFFERENTIAL, TRICYCLE, UNICYCLE, derived, on_axle, s
 from wmrgen.exact.poly import Poly
-from wmrgen.functions.trailers.trailer import Axle
+from wmrgen.functions.models.axle import Axle
 from wmrgen.functions.trailers.train import train
 from wmrgen.robot import Derivation
 from wmrgen.symbolic import expression

@@ -22,7 +22,8 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import circle_point
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
-from wmrgen.functions.control.unicycle import Reference, reference, wheelbase
+from wmrgen.functions.control.unicycle import reference, wheelbase
+from wmrgen.functions.models.axle import Axle
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Interval, Robot, Wheel
@@ -127,7 +128,7 @@ def _nearest(
     )
 
 
-def _car(robot: Robot, ref: Reference, names: Locals) -> _Car:
+def _car(robot: Robot, ref: Axle, names: Locals) -> _Car:
     """What the limits of the file allow a wheel on the centre line."""
     base = wheelbase(robot, ref)
     steered = [w for w in robot.wheels if w.kind.steers]
@@ -150,7 +151,7 @@ def _refusal(robot: Robot, why: str) -> NotDerivableError:
     return underivable(robot, "input_limits", why)
 
 
-def _sharpest(robot: Robot, w: Wheel, ref: Reference) -> Expr:
+def _sharpest(robot: Robot, w: Wheel, ref: Axle) -> Expr:
     """The largest curvature [1/m] that the steering limit of one wheel allows to both sides.
 
     A wheel at (x, y) from the axle centre points along (1 - k y, k x) on the circle of curvature k.
@@ -158,7 +159,7 @@ def _sharpest(robot: Robot, w: Wheel, ref: Reference) -> Expr:
     limit = robot.limit(w, "steer")
     if limit is None:
         raise _refusal(robot, f"{w.name} has no limits: {{steer: ...}}; write its largest steering angle")
-    if ref.s.scale(w.nominal.ch) - ref.c.scale(w.nominal.sh):
+    if ref.ey.scale(w.nominal.ch) - ref.ex.scale(w.nominal.sh):
         raise _refusal(
             robot, f"{w.name} does not stand straight ahead at zero steering, where its limits are"
         )
@@ -174,14 +175,14 @@ def _sharpest(robot: Robot, w: Wheel, ref: Reference) -> Expr:
     return times(tan, 1 / add(absolute(x), times(tan, absolute(y))))
 
 
-def _place(w: Wheel, ref: Reference) -> tuple[Expr, Expr]:
+def _place(w: Wheel, ref: Axle) -> tuple[Expr, Expr]:
     """The pivot from the axle centre, along and across the heading."""
     g = working_view(w)
     x, y = g.x - ref.x, g.y - ref.y
-    return expression(x * ref.c + y * ref.s), expression(y * ref.c - x * ref.s)
+    return expression(x * ref.ex + y * ref.ey), expression(y * ref.ex - x * ref.ey)
 
 
-def _tops(robot: Robot, steered: list[Wheel], ref: Reference, bend: Expr) -> list[Expr]:
+def _tops(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> list[Expr]:
     """Bounds of u1: `vx` of the robot, and r spin of each steered wheel.
 
     A wheel beside the centre line runs up to 1 + |y| bend times as fast as one on it.

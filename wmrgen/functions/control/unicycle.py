@@ -12,9 +12,6 @@ goal at distance L in direction epsilon, its lateral offset d = L sin epsilon, t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from fractions import Fraction
-
 import numpy as np
 import sympy
 
@@ -23,12 +20,13 @@ from wmrgen.exact.evaluate import number as nominal_number
 from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.control.gains import TEXTBOOK, judge, nominal_gains, shown
+from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, axle_of
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import inverse
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, Port, Role, output
+from wmrgen.ports import POSE, TWIST_NAMES, Port, Role, output
 from wmrgen.symbolic import (
     Expr,
     add,
@@ -50,29 +48,14 @@ AT_GOAL = sympy.Rational(1, 10**9)  # [m]: nearer counts as there: directions me
 BORDER = sympy.Rational(1, 10**6)  # [rad]: so near a border of the angles counts as on it
 
 
-@dataclass(frozen=True, slots=True)
-class Reference:
-    """The point Q = (x, y) that drives (v, 0, omega) along the unit vector (c, s), robot frame."""
-
-    x: Poly
-    y: Poly
-    c: Poly
-    s: Poly
-
-    def turned(self, dx: Expr, dy: Expr, names: Locals, prefix: str) -> tuple[Expr, Expr]:
-        """A vector of the robot frame in components along and across the direction of Q."""
-        along, across = rotated_back(expression(self.c), expression(self.s), dx, dy)
-        return names.define(f"{prefix}_ahead", along), names.define(f"{prefix}_left", across)
-
-
-def reference(robot: Robot, mobility: Mobility, name: str) -> Reference:
+def reference(robot: Robot, mobility: Mobility, name: str) -> Axle:
     """The centre of the fixed axle and its rolling direction, P and x where no wheel is fixed.
 
     A skid-steer robot slides as it turns; its reference is the centre of its fixed wheels. NotDerivableError
     where the robot cannot drive (v, 0, omega), as the function ``name`` has to.
     """
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
-    ref = _centre(fixed) if fixed else Reference(Poly({}), Poly({}), Poly.of(1), Poly({}))
+    ref = axle_of(fixed, working_view) if fixed else THROUGH_P
     if _drives(robot, mobility, ref) or _skids(robot, mobility, fixed):
         return ref
     why = "the axles of its wheels do not let it turn and drive straight at will"
@@ -81,23 +64,13 @@ def reference(robot: Robot, mobility: Mobility, name: str) -> Reference:
     raise underivable(robot, name, f"it would need to drive (v, 0, omega), but {why}")
 
 
-def _centre(fixed: list[Wheel]) -> Reference:
-    """The mean of the fixed wheels; their direction, taken forward (exactly sideways: to the left)."""
-    share = Fraction(1, len(fixed))
-    views = [working_view(w) for w in fixed]
-    x, y = (Poly.sum(p).scale(share) for p in ([g.x for g in views], [g.y for g in views]))
-    c, s = fixed[0].nominal.ch, fixed[0].nominal.sh
-    way = -1 if c.sign < 0 or (not c and s.sign < 0) else 1
-    return Reference(x, y, views[0].ch.scale(way), views[0].sh.scale(way))
-
-
-def _drives(robot: Robot, mobility: Mobility, ref: Reference) -> bool:
+def _drives(robot: Robot, mobility: Mobility, ref: Axle) -> bool:
     """True when both unit motions of Q lie in the (linear) set of admissible twists."""
     admissible = mobility.admissible
     if not admissible.linear or not len(admissible.basis):
         return False
     nominal = {p.name: Poly.of(p.nominal) for p in robot.parameters}
-    x, y, c, s = (float(nominal_number(p, nominal)) for p in (ref.x, ref.y, ref.c, ref.s))
+    x, y, c, s = (float(nominal_number(p, nominal)) for p in (ref.x, ref.y, ref.ex, ref.ey))
     wanted = np.array([[c, s, 0.0], [y, -x, 1.0]])
     basis = np.linalg.qr(np.asarray(admissible.basis, float).T)[0]
     return bool(np.abs(wanted.T - basis @ (basis.T @ wanted.T)).max() < _SMALL * max(1.0, abs(x), abs(y)))
@@ -115,18 +88,11 @@ def _skids(robot: Robot, mobility: Mobility, fixed: list[Wheel]) -> bool:
 
 
 def commands(
-    robot: Robot, mobility: Mobility, ref: Reference, v: Expr, omega: Expr, names: Locals
+    robot: Robot, mobility: Mobility, ref: Axle, v: Expr, omega: Expr, names: Locals
 ) -> tuple[tuple[Port, ...], list[tuple[Port, Expr]]]:
-    """`inverse` of (v, 0, omega) at Q: its inputs beyond the twist, and its outputs.
-
-    The twist of P is v e - omega z x (Q - P).
-    """
+    """`inverse` of (v, 0, omega) at Q: its inputs beyond the twist, and its outputs."""
     f = inverse(robot, mobility)
-    twist = {
-        "vx": add(times(expression(ref.c), v), times(expression(ref.y), omega)),
-        "vy": subtract(times(expression(ref.s), v), times(expression(ref.x), omega)),
-        "omega": omega,
-    }
+    twist = dict(zip(TWIST_NAMES, (*ref.velocity_of_p(v, omega), omega), strict=True))
     values = names.adopt(f, {name: names.define(f"{name}_driving", value) for name, value in twist.items()})
     outputs = [(port, values[port.name]) for port, _ in f.outputs]
     return tuple(p for p in f.inputs if p.name not in twist), outputs
@@ -183,7 +149,7 @@ def _gain(robot: Robot, name: str) -> Expr:
     return expression(robot.gains[name].working) if name in robot.gains else number(TEXTBOOK[name])
 
 
-def _polar(ref: Reference, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
+def _polar(ref: Axle, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
     """rho, alpha, beta (Siegwart (3.50)-(3.52)) and the direction of driving.
 
     Bearings come from the goal seen in the robot frame, so nothing needs wrapping; a bearing of -pi is given as pi.
@@ -191,10 +157,10 @@ def _polar(ref: Reference, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
     x, y, theta = (signal(p.name) for p in POSE)
     c, s = names.define("theta_cos", sympy.cos(theta)), names.define("theta_sin", sympy.sin(theta))
     if ref.x or ref.y:
-        qx, qy = expression(ref.x), expression(ref.y)
+        qx, qy = ref.centre
         dx, dy = rotated(c, s, qx, qy)
         x, y = add(x, dx, times(-1, qx)), add(y, dy, times(-1, qy))
-    px, py = ref.turned(x, y, names, "axle")
+    px, py = _seen_along(ref, (x, y), names, "axle")
     ahead = names.define("goal_ahead", times(-1, add(times(c, px), times(s, py))))
     left = names.define("goal_left", subtract(times(s, px), times(c, py)))
     rho = names.define("rho_value", norm(px, py))
@@ -206,6 +172,12 @@ def _polar(ref: Reference, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
         for name, angle in zip(("alpha_value", "beta_value"), raw, strict=True)
     )
     return rho, alpha, beta, way
+
+
+def _seen_along(ref: Axle, vector: Vector, names: Locals, prefix: str) -> Vector:
+    """A vector of the robot frame in components along and across the direction of Q."""
+    along, across = rotated_back(*ref.direction, *vector)
+    return names.define(f"{prefix}_ahead", along), names.define(f"{prefix}_left", across)
 
 
 def _half_open(angle: Expr) -> Expr:
@@ -233,7 +205,7 @@ def pursuit(robot: Robot, mobility: Mobility) -> Formula:
     ref = reference(robot, mobility, "pursuit")
     names = Locals()
     dx, dy = (subtract(signal(n), expression(p)) for n, p in (("goal_x", ref.x), ("goal_y", ref.y)))
-    gx, gy = ref.turned(dx, dy, names, "goal")
+    gx, gy = _seen_along(ref, (dx, dy), names, "goal")
     square_l = names.define("distance_squared", add(square(gx), square(gy)))
     far = times(AT_GOAL, AT_GOAL)
     divisor = names.define("divisor", select(far, square_l, square_l, sympy.S.One))
@@ -256,10 +228,10 @@ def pursuit(robot: Robot, mobility: Mobility) -> Formula:
     )
 
 
-def wheelbase(robot: Robot, ref: Reference) -> Poly | None:
+def wheelbase(robot: Robot, ref: Axle) -> Poly | None:
     """D [m], from the fixed axle to the steered wheels along the heading; None unless all have the same."""
     if not any(w.kind.fixed_axle for w in robot.wheels):
         return None
     views = [working_view(w) for w in robot.wheels if w.kind.steers]
-    bases = {(g.x - ref.x) * ref.c + (g.y - ref.y) * ref.s for g in views}
+    bases = {(g.x - ref.x) * ref.ex + (g.y - ref.y) * ref.ey for g in views}
     return bases.pop() if len(bases) == 1 else None

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from wmrgen.constraints import (
     View,
     along,
+    castor_rate,
     driving_row,
     sliding_row,
     steer_gens,
@@ -175,10 +176,9 @@ def steering_rates(frame: Frame, wheel: Wheel) -> dict[str, Poly]:
     return {name: rate for name, rate in rates.items() if rate}
 
 
-def castor_rate(frame: Frame, wheel: Wheel, twist: Row) -> Poly:
-    """-(sliding row . xi) / d (Siegwart (3.18))."""
-    g = frame.view(wheel)
-    return -(dot(sliding_row(wheel, g).row, twist) * g.d.inverse())
+def castor_row(frame: Frame, wheel: Wheel) -> tuple[Poly, ...]:
+    """Steering rate of a castor [rad/s] per unit of each eta."""
+    return tuple(castor_rate(wheel, frame.view(wheel), column) for column in frame.columns)
 
 
 def steering_direction(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:

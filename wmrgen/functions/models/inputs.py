@@ -17,7 +17,7 @@ from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.models.frame import (
     ZERO,
     Frame,
-    castor_rate,
+    castor_row,
     frame,
     has_coordinate,
     rim_row,
@@ -197,8 +197,7 @@ def _spin(frame: Frame, w: Wheel) -> Drive:
 
 
 def _swivel(frame: Frame, w: Wheel) -> Drive:
-    row = tuple(castor_rate(frame, w, column) for column in frame.columns)
-    return Drive(joint_port(w, "steer_rate", Role.COMMAND), row, Poly.of(1), {})
+    return Drive(joint_port(w, "steer_rate", Role.COMMAND), castor_row(frame, w), Poly.of(1), {})
 
 
 def _virtual(frame: Frame, w: Wheel) -> Drive:

@@ -28,7 +28,7 @@ from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.models.frame import (
     ZERO,
     Frame,
-    castor_rate,
+    castor_row,
     has_coordinate,
     in_coordinates,
     rim_row,
@@ -134,7 +134,7 @@ def system_of(
     fields = []
     for k, port in enumerate(motion.inputs):
         steers = (Poly.of(int(port.name == f"{w.name}.steer_rate")) for w in coordinates)
-        swivels = (_castor_rate(motion, w, k) for w in castors)
+        swivels = (_per_input(motion, castor_row(motion.frame, w), k) for w in castors)
         spins = (_wheel_rate(motion, w, k) for w in rolling)
         joints = (expression(p) for p in (*steers, *swivels, *spins))
         fields.append((*_in_world(motion.twists[k]), *joints))
@@ -147,12 +147,6 @@ def _in_world(twist: Row) -> tuple[Expr, Expr, Expr]:
     theta = signal("theta")
     vx, vy, omega = (expression(p) for p in twist)
     return *rotated(sympy.cos(theta), sympy.sin(theta), vx, vy), omega
-
-
-def _castor_rate(motion: Motion, w: Wheel, k: int) -> Poly:
-    return _per_input(
-        motion, tuple(castor_rate(motion.frame, w, column) for column in motion.frame.columns), k
-    )
 
 
 def _wheel_rate(motion: Motion, w: Wheel, k: int) -> Poly:

@@ -14,18 +14,16 @@ polygon; VAF is its extent in a direction, largest in a corner and smallest acro
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 from itertools import combinations
 
 import numpy as np
 import sympy
 
 from wmrgen.constraints import View, driving_row, nominal_view, rolling_row, symbolic_view, working_view
-from wmrgen.exact.evaluate import circle
-from wmrgen.exact.evaluate import number as nominal_number
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly, dot
+from wmrgen.exact.poly import Poly, dot
+from wmrgen.functions.models.polynomials import generic, nominal_at
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -70,7 +68,7 @@ def relations(robot: Robot, mobility: Mobility, view: View = working_view) -> li
         return []
     rims = [tuple(dot(driving_row(w, view(w)), column) for column in columns) for w in driven]
     numbers = np.zeros((len(driven), 3))
-    numbers[:, : len(columns)] = [[_float(robot, p) for p in row] for row in rims]
+    numbers[:, : len(columns)] = [[nominal_at(p, robot, generic(robot)) for p in row] for row in rims]
     rank, _ = numeric_rank(unit_rows(numbers))
     rows = independent(numbers, rank)
     keep = independent(np.pad(numbers[rows].T, ((0, 0), (0, 3 - rank))), rank) if rank else []
@@ -87,20 +85,6 @@ def relations(robot: Robot, mobility: Mobility, view: View = working_view) -> li
 def relation_matrix(robot: Robot, mobility: Mobility) -> sympy.Matrix:
     """The rows w, one column per driven wheel, every named parameter a symbol."""
     return matrix(relations(robot, mobility, symbolic_view), len(_driven(robot)))
-
-
-def _float(robot: Robot, poly: Poly) -> float:
-    """The value at nominal parameters and steering angles without meaning."""
-
-    def value(gen: Gen) -> Poly | None:
-        if gen.kind not in ("cos", "sin"):
-            return None
-        index = robot.wheel(gen.name).index
-        return Poly.of(circle(Fraction(2 + index, 7 + index * index))[gen.kind == "sin"])
-
-    return float(
-        nominal_number(poly.substitute(value), {p.name: Poly.of(p.nominal) for p in robot.parameters})
-    )
 
 
 def _relation(basis: Sequence[tuple[Poly, ...]], other: tuple[Poly, ...], keep: Sequence[int]) -> list[Poly]:

@@ -22,7 +22,7 @@ from wmrgen.constraints import heading, rolling_row, working_view
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.registry import function
 from wmrgen.functions.space.wheel_motion import rolling_direction_at
-from wmrgen.kinematics.inverse import Joints, inverse, spins
+from wmrgen.kinematics.inverse import Joints, common_rate, inverse, spins
 from wmrgen.kinematics.least_squares import project
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.steer import Velocity, pivot
@@ -240,16 +240,10 @@ def castor_turns(robot: Robot, motion: Motion, names: Locals) -> dict[int, Turn]
         then = [speeds_at(w, motion.rate, e) for w, e in zip(members, headings, strict=True)]
         # n . vA + d omega and its derivative, in which n turns with the rate
         slides = [v + d * motion.twist[2] for (_, v), d in zip(now, offsets, strict=True)]
-        rate = names.poly(f"{members[0].name}_rate", _shared(offsets, slides))
+        rate = names.poly(f"{members[0].name}_rate", common_rate(offsets, slides))
         changes = [
             v1 + d * motion.rate[2] - u * rate for (u, _), (_, v1), d in zip(now, then, offsets, strict=True)
         ]
-        bent = names.define(f"{members[0].name}_bent", _shared(offsets, changes))
+        bent = names.define(f"{members[0].name}_bent", common_rate(offsets, changes))
         result |= {w.index: Turn(expression(rate), bent) for w in members}
     return result
-
-
-def _shared(offsets: list[Poly], slides: list[Poly]) -> Poly:
-    """The rate that leaves least of d rate + slide over all castors (Siegwart (3.18))."""
-    total = Poly.sum(d * d for d in offsets).inverse()
-    return -(Poly.sum(d * s for d, s in zip(offsets, slides, strict=True)) * total)

@@ -13,15 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
 import sympy
 
-from wmrgen.constraints import View
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly
+from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, fixed_axle
 from wmrgen.functions.models.inputs import Motion, best_motion
-from wmrgen.functions.models.polynomials import clean
 from wmrgen.functions.models.posture import posture_rates, system_of
 from wmrgen.functions.registry import function, system
 from wmrgen.functions.system import Domain, System, rate_port
@@ -30,58 +28,6 @@ from wmrgen.layout.records import Length, Robot, Trailer
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, rotated, signal, subtract, times
-
-Vector = tuple[Expr, Expr]
-
-
-@dataclass(frozen=True, slots=True)
-class Axle:
-    """What the body turns about. ``ex, ey``: unit direction of travel e. ``x, y`` [m]: Q on it. Robot frame."""
-
-    ex: Poly
-    ey: Poly
-    x: Poly
-    y: Poly
-
-    @property
-    def direction(self) -> Vector:
-        """e as expressions."""
-        return expression(self.ex), expression(self.ey)
-
-    @property
-    def centre(self) -> Vector:
-        """Q as expressions."""
-        return expression(self.x), expression(self.y)
-
-    def coupling(self, hitch: Poly) -> Vector:
-        """The point that lies ``hitch`` behind Q."""
-        return expression(self.x - self.ex * hitch), expression(self.y - self.ey * hitch)
-
-    def turned(self, c: Expr, s: Expr) -> Vector:
-        """Cosine and sine of the axle's heading, from those of the robot's."""
-        return rotated(c, s, *self.direction)
-
-    def velocity_of_p(self, v: Expr, omega: Expr) -> Vector:
-        """vx, vy of P for the speed of Q along e and the yaw rate."""
-        (ex, ey), (x, y) = self.direction, self.centre
-        return add(times(ex, v), times(y, omega)), subtract(times(ey, v), times(x, omega))
-
-
-THROUGH_P = Axle(Poly.of(1), Poly({}), Poly({}), Poly({}))  # what tows where no wheels are fixed
-
-
-def fixed_axle(robot: Robot, mobility: Mobility, view: View) -> Axle | None:
-    """The axle of the fixed wheels, Q their centre; None where they have no common one."""
-    wheels = [w for w in robot.wheels if w.kind.fixed_axle]
-    if not wheels or mobility.rank_C1f.value != 1:
-        return None
-    g = [view(w) for w in wheels]
-    share = Fraction(1, len(g))
-    x, y = (clean(Poly.sum(getattr(w, k) for w in g).scale(share)) for k in "xy")
-    lead = wheels[0].nominal
-    ahead = lead.ch if abs(float(lead.ch)) > 1e-9 else lead.sh
-    sign = 1 if float(ahead) > 0 else -1
-    return Axle(g[0].ch.scale(sign), g[0].sh.scale(sign), x, y)
 
 
 def check_trailers(robot: Robot, mobility: Mobility) -> None:

@@ -17,8 +17,9 @@ import sympy
 
 from wmrgen.constraints import working_view
 from wmrgen.exact.poly import Poly
+from wmrgen.functions.models.axle import THROUGH_P, Vector, fixed_axle
 from wmrgen.functions.registry import function, underivable
-from wmrgen.functions.trailers.trailer import THROUGH_P, Vector, fixed_axle, require_trailers, state_ports
+from wmrgen.functions.trailers.trailer import require_trailers, state_ports
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility

@@ -19,12 +19,13 @@ from wmrgen.constraints import symbolic_view, working_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.poly import Poly, Row, has_angles
+from wmrgen.functions.models.axle import Axle, Vector, fixed_axle
 from wmrgen.functions.models.frame import constant_rows
 from wmrgen.functions.models.polynomials import nominal_at, straight
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.system import Gate
 from wmrgen.functions.trailers.series import NARROW, Link, Path, path
-from wmrgen.functions.trailers.trailer import Axle, Vector, check_trailers, fixed_axle, in_view, state_ports
+from wmrgen.functions.trailers.trailer import check_trailers, in_view, state_ports
 from wmrgen.functions.trailers.trailer_geometry import behind
 from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Robot

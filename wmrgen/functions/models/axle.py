@@ -1,0 +1,69 @@
+"""The axle of a robot's fixed wheels: what drives (v, 0, omega), leads trailers and is steered onto a path."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from wmrgen.constraints import View
+from wmrgen.exact.poly import Poly
+from wmrgen.functions.models.polynomials import clean
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.records import Mobility
+from wmrgen.symbolic import Expr, add, expression, rotated, subtract, times
+
+Vector = tuple[Expr, Expr]
+
+
+@dataclass(frozen=True, slots=True)
+class Axle:
+    """What the body turns about. ``ex, ey``: unit direction of travel e. ``x, y`` [m]: Q on it. Robot frame."""
+
+    ex: Poly
+    ey: Poly
+    x: Poly
+    y: Poly
+
+    @property
+    def direction(self) -> Vector:
+        """e as expressions."""
+        return expression(self.ex), expression(self.ey)
+
+    @property
+    def centre(self) -> Vector:
+        """Q as expressions."""
+        return expression(self.x), expression(self.y)
+
+    def coupling(self, hitch: Poly) -> Vector:
+        """The point that lies ``hitch`` behind Q."""
+        return expression(self.x - self.ex * hitch), expression(self.y - self.ey * hitch)
+
+    def turned(self, c: Expr, s: Expr) -> Vector:
+        """Cosine and sine of the axle's heading, from those of the robot's."""
+        return rotated(c, s, *self.direction)
+
+    def velocity_of_p(self, v: Expr, omega: Expr) -> Vector:
+        """vx, vy of P for the speed of Q along e and the yaw rate: v e - omega z x Q."""
+        (ex, ey), (x, y) = self.direction, self.centre
+        return add(times(ex, v), times(y, omega)), subtract(times(ey, v), times(x, omega))
+
+
+THROUGH_P = Axle(Poly.of(1), Poly({}), Poly({}), Poly({}))  # where no wheels are fixed
+
+
+def axle_of(fixed: Sequence[Wheel], view: View) -> Axle:
+    """The mean of fixed wheels; their direction, taken forward (exactly sideways: to the left)."""
+    views = [view(w) for w in fixed]
+    share = Fraction(1, len(views))
+    x, y = (clean(Poly.sum(getattr(g, k) for g in views).scale(share)) for k in "xy")
+    lead = fixed[0].nominal
+    ahead = lead.ch if abs(float(lead.ch)) > 1e-9 else lead.sh
+    sign = 1 if float(ahead) > 0 else -1
+    return Axle(views[0].ch.scale(sign), views[0].sh.scale(sign), x, y)
+
+
+def fixed_axle(robot: Robot, mobility: Mobility, view: View) -> Axle | None:
+    """The axle of the fixed wheels, Q their centre; None where they have no common one."""
+    fixed = [w for w in robot.wheels if w.kind.fixed_axle]
+    return axle_of(fixed, view) if fixed and mobility.rank_C1f.value == 1 else None

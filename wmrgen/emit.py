@@ -105,7 +105,7 @@ def site(derivation: Derivation) -> Site:
             limit = robot.limit(wheel, joint)
             if limit is not None:
                 limits[f"{wheel.name}.{joint}"] = limit
-    pivots = tuple((w.name, float(w.nominal.x), float(w.nominal.y)) for w in robot.wheels)
+    pivots = tuple((w.name, w.pivot.real, w.pivot.imag) for w in robot.wheels)
     numbers = {name: (float(v.low), float(v.high)) for name, v in limits.items()}
     for v in robot.virtual:
         angles = [f"{name}.steer" for name in v.wheels]

@@ -163,7 +163,7 @@ def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:
 
 def text(poly: Poly) -> str:
     """A polynomial in plain Python syntax over parameter names, ``<wheel>_steer`` and sqrt sin cos."""
-    ordered = sorted(poly.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])
+    ordered = poly.ordered
     terms = (
         _term(coefficient, "*".join(_power(g, e) for g, e in monomial)) for monomial, coefficient in ordered
     )

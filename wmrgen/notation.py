@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from fractions import Fraction
 
 from wmrgen.exact.number import Exact
@@ -18,6 +19,11 @@ _COMPONENT = re.compile(r"([a-z])([xyz])")  # vx
 _ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")
 _READABLE = (2, 3, 4, 6, 7, 8, 9, 11, 12)  # denominators
 _NUMBERED = re.compile(r"([a-z]+)(\d+)")  # eta1, m12
+
+
+def listed(parts: Sequence[str]) -> str:
+    """a, b and c"""
+    return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
 def escape(name: str) -> str:

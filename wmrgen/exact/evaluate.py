@@ -98,9 +98,7 @@ def cos_sin(angle: Poly) -> CosSin:
     number, turns = Fraction(0), Fraction(0)
     rest = Poly({})
     result: CosSin = (Poly.of(1), Poly.of(0))
-    for monomial, coefficient in sorted(
-        angle.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]]
-    ):
+    for monomial, coefficient in angle.ordered:
         gen = monomial[0][0] if len(monomial) == 1 and monomial[0][1] == 1 else None
         times = coefficient.parts[0] if coefficient.is_rational else None
         if all(g.kind == "pi" for g, _ in monomial):

@@ -98,6 +98,11 @@ class Poly:
         return self.terms.get(()) if len(self.terms) == 1 else None
 
     @property
+    def ordered(self) -> list[tuple[Monomial, Exact]]:
+        """The terms in the order of their generators."""
+        return sorted(self.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])
+
+    @property
     def generators(self) -> tuple[Gen, ...]:
         """The generators that occur, sorted."""
         return tuple(sorted({g for m in self.terms for g, _ in m}))
@@ -234,6 +239,12 @@ def _merge(a: Monomial, b: Monomial) -> tuple[Monomial, Poly | None]:
 
 
 Row = tuple[Poly, Poly, Poly]
+
+
+def each(row: Sequence[Poly], function: Callable[[Poly], Poly]) -> Row:
+    """A row with each entry put through a function."""
+    a, b, c = map(function, row)
+    return a, b, c
 
 
 def cross(a: Row, b: Row) -> Row:

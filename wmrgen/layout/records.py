@@ -121,6 +121,20 @@ class Wheel:
         """Its rolling direction is a joint."""
         return self.kind.turns
 
+    @property
+    def pivot(self) -> complex:
+        """Where it stands at nominal parameters: x + iy [m]."""
+        return complex(float(self.nominal.x), float(self.nominal.y))
+
+    @property
+    def zero_heading(self) -> complex:
+        """The rolling direction at joint angle zero, a point of the unit circle, at nominal parameters."""
+        return complex(float(self.nominal.ch), float(self.nominal.sh))
+
+    def contact(self, heading: complex) -> complex:
+        """Where it touches the ground [m] when it rolls along ``heading``: A + d e + o n, at nominal parameters."""
+        return self.pivot + complex(float(self.nominal.d), float(self.nominal.o)) * heading
+
     def commands(self, joint: str) -> bool:
         """Whether ``joint``, spin or steer, is commanded: it is driven, or its angle is chosen."""
         return joint in self.actuated or (joint == "steer" and self.kind.steers)

@@ -11,10 +11,9 @@ import numpy as np
 from wmrgen.kinematics.sensing import generic_rank, measurements
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
-from wmrgen.mobility.admissible import zero_heading
 from wmrgen.mobility.configure import pivot_velocity
-from wmrgen.mobility.reasons import listed
 from wmrgen.mobility.records import Array
+from wmrgen.notation import listed
 from wmrgen.ports import TWIST_NAMES
 
 NEAR = 2e-3  # a limit written as 1.57 reaches pi/2 [rad]
@@ -148,7 +147,7 @@ def beyond(subject: Subject) -> Iterator[Finding]:
             limit, speed = subject.robot.limit(w, "steer"), pivot_velocity(w, twist)
             if not (limit and w.kind.steers) or abs(speed) < 1e-9 * float(np.abs(twist).max()):
                 continue
-            angle = float(np.angle(speed / zero_heading(w)))
+            angle = float(np.angle(speed / w.zero_heading))
             turned = [angle + k * pi for k in range(-4, 5)]
             if not any(float(limit.low) - NEAR <= a <= float(limit.high) + NEAR for a in turned):
                 own = (v for v in (*spec.limits, *subject.spec.limits) if v.name == "steer")

@@ -8,8 +8,7 @@ from itertools import combinations
 from math import tau
 
 from wmrgen.layout.records import Wheel
-from wmrgen.lint.record import PAIR, Finding, Subject, pivot, rule
-from wmrgen.mobility.admissible import zero_heading
+from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.spec.records import Limit, Quantity
 
 LARGEST, APART = 20.0, 100.0  # of a robot [m]; the largest of its sizes over the smallest
@@ -92,7 +91,7 @@ def limits(subject: Subject) -> Iterator[Finding]:
 
 def _extent(subject: Subject) -> tuple[float, Wheel]:
     """The largest distance of two pivots [m], and the second wheel of them; 0 for a single wheel."""
-    distances = ((abs(pivot(b) - pivot(a)), b) for a, b in combinations(subject.robot.wheels, 2))
+    distances = ((abs(b.pivot - a.pivot), b) for a, b in combinations(subject.robot.wheels, 2))
     return max(distances, key=lambda p: p[0], default=(0.0, subject.robot.wheels[0]))
 
 
@@ -175,7 +174,7 @@ wheels:
 """,
 )
 def full(subject: Subject) -> Iterator[Finding]:
-    places = [*map(pivot, subject.robot.wheels)]
+    places = [*(w.pivot for w in subject.robot.wheels)]
     along = {"x": [p.real for p in places], "y": [p.imag for p in places]}
     for p in subject.spec.parameters:
         size, name = subject.value(p.value), p.name.lower()
@@ -214,9 +213,9 @@ wheels:
 )
 def overlapping(subject: Subject) -> Iterator[Finding]:
     for a, b in combinations([w for w in subject.robot.wheels if w.kind.directed and not w.kind.swivels], 2):
-        back = zero_heading(a).conjugate()
-        apart = back * (pivot(b) - pivot(a))
-        turned = abs((back * zero_heading(b)).imag)
+        back = a.zero_heading.conjugate()
+        apart = back * (b.pivot - a.pivot)
+        turned = abs((back * b.zero_heading).imag)
         ahead, aside = abs(apart.real), abs(apart.imag) + abs(float(a.nominal.o - b.nominal.o))
         room = float(a.nominal.r + b.nominal.r)
         if turned < 1e-3 and aside < 0.05 * room and 0.05 * room < ahead < room:

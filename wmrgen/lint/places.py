@@ -8,8 +8,7 @@ from itertools import combinations
 from math import hypot
 
 from wmrgen.layout.records import Wheel
-from wmrgen.lint.record import PAIR, Finding, Subject, pivot, rule
-from wmrgen.mobility.admissible import zero_heading
+from wmrgen.lint.record import PAIR, Finding, Subject, rule
 
 _WORDS = {
     "front": ("x", 1), "fore": ("x", 1), "rear": ("x", -1), "back": ("x", -1), "hind": ("x", -1),
@@ -24,12 +23,12 @@ _NEAR = 0.05  # of the radii
 def _contact(w: Wheel) -> complex:
     """The contact at zero steering."""
     arm = complex(float(w.nominal.d), float(w.nominal.o))
-    return pivot(w) + zero_heading(w) * arm
+    return w.pivot + w.zero_heading * arm
 
 
 def _middle(wheels: tuple[Wheel, ...]) -> complex:
     """The middle of the rectangle that the pivots fill."""
-    at = [pivot(w) for w in wheels]
+    at = [w.pivot for w in wheels]
     xs, ys = [p.real for p in at], [p.imag for p in at]
     return complex(max(xs) + min(xs), max(ys) + min(ys)) / 2
 
@@ -91,11 +90,11 @@ def labels(subject: Subject) -> Iterator[Finding]:
     middle = _middle(subject.robot.wheels)
     words = {"x": ("behind", "in front of"), "y": ("right of", "left of")}
     for w in subject.robot.wheels:
-        off = pivot(w) - middle
+        off = w.pivot - middle
         for axis, sign, word in _claims(w.name):
             side = off.real if axis == "x" else off.imag
             if side * sign < -_SAME:
-                at = pivot(w)
+                at = w.pivot
                 where = f"({at.real:.4g}, {at.imag:.4g}), {words[axis][side > 0]} the middle of the wheels"
                 yield Finding(
                     subject.mark(w),
@@ -128,7 +127,7 @@ def against(subject: Subject) -> Iterator[Finding]:
     middle = _middle(subject.robot.wheels)
     for b in driven:
         for a in driven[: driven.index(b)]:
-            if abs(zero_heading(a) + zero_heading(b)) < _SAME and not (
+            if abs(a.zero_heading + b.zero_heading) < _SAME and not (
                 _tangential(a, middle) and _tangential(b, middle)
             ):
                 yield Finding(
@@ -141,8 +140,8 @@ def against(subject: Subject) -> Iterator[Finding]:
 
 def _tangential(w: Wheel, middle: complex) -> bool:
     """A wheel with rollers that rolls around the middle."""
-    arm = pivot(w) - middle
-    return w.kind.rollers and abs((zero_heading(w).conjugate() * arm).real) < _SAME + 0.01 * abs(arm)
+    arm = w.pivot - middle
+    return w.kind.rollers and abs((w.zero_heading.conjugate() * arm).real) < _SAME + 0.01 * abs(arm)
 
 
 @rule(
@@ -166,7 +165,7 @@ wheels:
 )
 def leading(subject: Subject) -> Iterator[Finding]:
     for spec, w in subject.wheels:
-        if w.kind.swivels and spec.d and float(w.nominal.d) > 0 and zero_heading(w).real > 0.5:
+        if w.kind.swivels and spec.d and float(w.nominal.d) > 0 and w.zero_heading.real > 0.5:
             yield Finding(
                 spec.d.mark,
                 f"{w.name}: d = {spec.d.text} puts the contact in front of the pivot",
@@ -192,8 +191,8 @@ def origin(subject: Subject) -> Iterator[Finding]:
     if subject.mobility.rank_C1f.value != 1:
         return
     w = fixed[0]
-    off = (zero_heading(w).conjugate() * pivot(w)).real
-    if abs(off) > _SAME * hypot(*(abs(pivot(v)) for v in fixed)):
+    off = (w.zero_heading.conjugate() * w.pivot).real
+    if abs(off) > _SAME * hypot(*(abs(v.pivot) for v in fixed)):
         yield Finding(
             subject.mark(w),
             f"the axle of {w.name} is {abs(off):.4g} m {'in front of' if off > 0 else 'behind'} the origin P",

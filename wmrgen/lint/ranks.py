@@ -8,11 +8,10 @@ import numpy as np
 
 from wmrgen.constraints import nominal_view, rolling_row
 from wmrgen.exact.number import ZERO
-from wmrgen.lint.record import PAIR, Finding, Subject, pivot, rule
-from wmrgen.mobility.admissible import zero_heading
+from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.mobility.ranks import to_array
-from wmrgen.mobility.reasons import listed
 from wmrgen.mobility.records import Singularity
+from wmrgen.notation import listed
 
 NARROW = 1e-2  # the smallest relative singular value that is no accident
 FLAT = 10.0  # the ratio of good ones
@@ -109,12 +108,12 @@ def crossed(subject: Subject) -> Iterator[Finding]:
     rollers = [w for w in subject.robot.wheels if w.kind.rollers and float(w.nominal.sg)]
     if len(rollers) < 3 or _lost(subject):
         return
-    middle = sum(map(pivot, rollers)) / len(rollers)
+    middle = sum(w.pivot for w in rollers) / len(rollers)
     ways = []
     for w in rollers:
-        arm = pivot(w) - middle
+        arm = w.pivot - middle
         gamma = complex(float(w.nominal.cg), float(w.nominal.sg))
-        lever, other = (abs((arm.conjugate() * zero_heading(w) * g).imag) for g in (gamma, gamma.conjugate()))
+        lever, other = (abs((arm.conjugate() * w.zero_heading * g).imag) for g in (gamma, gamma.conjugate()))
         ways.append(lever < other - 1e-9)
     if all(ways):
         what = f"the rollers of {listed([w.name for w in rollers])} form an X at the ground"
@@ -150,7 +149,7 @@ def conditioned(subject: Subject) -> Iterator[Finding]:
         yield Finding(subject.mark(wheels[0]), lost.meaning)
     elif len(wheels) > 2 and subject.mobility.degree_of_mobility == 3:
         rows = to_array([[p.constant or ZERO for p in rolling_row(w, nominal_view(w)).row] for w in wheels])
-        places = np.array([*map(pivot, wheels)])
+        places = np.array([*(w.pivot for w in wheels)])
         middle = places.mean()
         reach = float(np.abs(places - middle).max()) or 1.0
         turning = rows[:, 2] + middle.imag * rows[:, 0] - middle.real * rows[:, 1]

@@ -27,11 +27,6 @@ wheels:
 """
 
 
-def pivot(w: Wheel) -> complex:
-    """Where a wheel stands: x + iy [m]."""
-    return complex(float(w.nominal.x), float(w.nominal.y))
-
-
 @dataclass(frozen=True, slots=True)
 class Subject:
     """A robot: what its file says, its layout, and what that can do."""

@@ -26,15 +26,9 @@ NOISE = 1e-15  # of a unit twist, of rounding alone
 _WEIGHTS = (0.83, -0.41, 0.57)  # of a generic twist
 
 
-def zero_heading(w: Wheel) -> complex:
-    """The rolling direction at joint angle zero, as a point of the unit circle."""
-    return complex(float(w.nominal.ch), float(w.nominal.sh))
-
-
 def along(w: Wheel, direction: complex) -> Array:
     """The row of the pivot's velocity component along ``direction``: [d_x, d_y, x d_y - y d_x]."""
-    x, y = float(w.nominal.x), float(w.nominal.y)
-    return np.array([direction.real, direction.imag, x * direction.imag - y * direction.real])
+    return np.array([direction.real, direction.imag, (w.pivot.conjugate() * direction).imag])
 
 
 def coupled_sets(robot: Robot) -> list[frozenset[int]]:
@@ -134,7 +128,7 @@ def quadrics(robot: Robot) -> list[Array]:
 
 def _pivot(w: Wheel) -> Array:
     """2x3: twist to pivot velocity, in the joint frame at zero steering."""
-    return np.array([along(w, zero_heading(w)), along(w, 1j * zero_heading(w))])
+    return np.array([along(w, w.zero_heading), along(w, 1j * w.zero_heading)])
 
 
 def _speed_form(w: Wheel) -> Array:

@@ -10,13 +10,14 @@ from wmrgen.constraints import heading, nominal_view, rolling_row, symbolic_view
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.exact.poly import Poly, Row, dot, each
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.basis import basis, deciding, null_columns, primitive
 from wmrgen.mobility.configure import Configuration, configuration, in_metres
 from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.reasons import actuation, listed, reasons
+from wmrgen.mobility.reasons import actuation, reasons
 from wmrgen.mobility.records import Mobility, Singularity
+from wmrgen.notation import listed
 
 MOST_WHEELS = 8  # among which minors are written out
 
@@ -43,7 +44,7 @@ def analyse(robot: Robot) -> Mobility:
 
 def fixed(row: Row, robot: Robot) -> Row:
     """A row with the parameters that are not tunable at their values."""
-    return fix(row[0], robot.constants), fix(row[1], robot.constants), fix(row[2], robot.constants)
+    return each(row, lambda p: fix(p, robot.constants))
 
 
 def singularities(
@@ -91,8 +92,9 @@ def _towards(a: Wheel, b: Wheel) -> Poly:
 
 
 def _pivots_in_line(at: Configuration) -> bool:
-    points = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in at.robot.wheels if w.kind.steers])
-    return int(np.linalg.matrix_rank(points - points[0], tol=1e-9)) < 2
+    first, *others = (w.pivot for w in at.robot.wheels if w.kind.steers)
+    points = [[(p - first).real, (p - first).imag] for p in others]
+    return int(np.linalg.matrix_rank(np.array(points), tol=1e-9)) < 2
 
 
 def _drive(at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...]) -> list[Singularity]:
@@ -103,8 +105,7 @@ def _drive(at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...
     rates: list[Poly] = []
     for w in driven:
         rate = dot(rolling_row(w, working_view(w)).row, columns[0])
-        lead = min(rate.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]], default=None)
-        rate = rate if lead is None else rate.scale(lead[1].inverse())
+        rate = rate.scale(rate.ordered[0][1].inverse()) if rate else rate
         if rate and rate not in rates:
             rates.append(rate)
     if len(rates) > len(wheels) or any(r.constant is not None for r in rates):

@@ -15,9 +15,9 @@ import numpy as np
 
 from wmrgen.constraints import View, rolling_row, sliding_row
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, cross
+from wmrgen.exact.poly import Gen, Poly, Row, cross, each
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.admissible import along, geared, zero_heading
+from wmrgen.mobility.admissible import along, geared
 from wmrgen.mobility.configure import Configuration
 from wmrgen.mobility.ranks import independent, singular_values, to_array, unit_rows
 from wmrgen.mobility.records import Array
@@ -95,7 +95,7 @@ def _led(robot: Robot, row: Row) -> Row:
             return None
         return Poly.gen(gen.kind, robot.wheels[robot.steer_group[robot.wheel(gen.name).index]].name)
 
-    return row[0].substitute(value), row[1].substitute(value), row[2].substitute(value)
+    return each(row, lambda p: p.substitute(value))
 
 
 def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> list[int]:
@@ -122,7 +122,7 @@ def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> 
 
 def _apart(constant: Array, wheels: list[Wheel], turned: complex) -> float:
     """The smallest singular value of the rows with every steered wheel at its zero angle, or ``turned`` from it."""
-    axles = [along(w, 1j * turned * zero_heading(w))[None, :] for w in wheels]
+    axles = [along(w, 1j * turned * w.zero_heading)[None, :] for w in wheels]
     return round(singular_values(np.vstack([constant, *axles]))[-1], 6)
 
 
@@ -161,9 +161,7 @@ def primitive(row: Polys) -> Polys:
 
 def _leading(row: tuple[Poly, ...]) -> Exact:
     """The first coefficient of the first entry that is not negligible beside the largest."""
-    ordered = [
-        c for p in row for _, c in sorted(p.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])
-    ]
+    ordered = [c for p in row for _, c in p.ordered]
     largest = max(abs(float(c)) for c in ordered)
     return next(c for c in ordered if abs(float(c)) > NEGLIGIBLE * largest)
 

@@ -18,15 +18,7 @@ from wmrgen.exact.linalg import null_space
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, Row, has_angles
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.admissible import (
-    along,
-    components,
-    constant_rows,
-    coupled_steering,
-    geared,
-    quadrics,
-    zero_heading,
-)
+from wmrgen.mobility.admissible import along, components, constant_rows, coupled_steering, geared, quadrics
 from wmrgen.mobility.ranks import (
     Unit,
     closure,
@@ -170,7 +162,7 @@ def pivot_velocity(w: Wheel, twist: Array) -> complex:
 def steering_for(w: Wheel, twist: Array) -> complex:
     """The heading that lets the wheel roll under ``twist``; its zero heading when it stands still."""
     v = pivot_velocity(w, twist)
-    return v / abs(v) if abs(v) > 1e-12 else zero_heading(w)
+    return v / abs(v) if abs(v) > 1e-12 else w.zero_heading
 
 
 def _rows_at(robot: Robot, twist: Array, constant: Array) -> Array:
@@ -191,9 +183,9 @@ def _steering(robot: Robot, twist: Array) -> dict[int, complex]:
     headings: dict[int, complex] = {}
     for members in robot.together("steer", (w for w in robot.wheels if w.kind.steers)):
         fastest = max(members, key=lambda w: abs(pivot_velocity(w, twist)))
-        joint = steering_for(fastest, twist) / zero_heading(fastest)
+        joint = steering_for(fastest, twist) / fastest.zero_heading
         for w in members:
-            headings[w.index] = steering_for(w, twist) if w is fastest else joint * zero_heading(w)
+            headings[w.index] = steering_for(w, twist) if w is fastest else joint * w.zero_heading
     pairs, lead, settled = geared(robot), robot.steer_group, set[int]()
     while pairs:  # from wheels that do not steer along the chains, so that no set of wheels turns about twice
         i, k = next(
@@ -211,7 +203,7 @@ def _spin_row(robot: Robot, i: int, headings: dict[int, complex]) -> Array:
     """The row that gives the spin [rad/s] of a twist; ``headings``: of steered wheels."""
     w = robot.wheels[i]
     g = w.nominal
-    direction = headings[i] if i in headings else zero_heading(w) * complex(float(g.cg), float(g.sg))
+    direction = headings[i] if i in headings else w.zero_heading * complex(float(g.cg), float(g.sg))
     return along(w, direction) / float(g.rolling_radius)
 
 

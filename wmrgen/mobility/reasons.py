@@ -11,10 +11,11 @@ from wmrgen.constraints import constrain, nominal_view
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Geometry, Wheel
-from wmrgen.mobility.admissible import along, coupled_sets, zero_heading
+from wmrgen.mobility.admissible import along, coupled_sets
 from wmrgen.mobility.configure import Configuration, steering_for
 from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import TOLERANCE, Array
+from wmrgen.notation import listed
 
 SAME = 1e-9
 
@@ -27,14 +28,9 @@ def reasons(at: Configuration, deciding: tuple[Wheel, ...]) -> tuple[str, ...]:
     )  # fmt: skip
 
 
-def listed(names: list[str]) -> str:
-    """a, b and c"""
-    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
-
-
 def _axle(w: Wheel) -> Array:
     """The sliding row of a fixed wheel: its axle line, unit direction."""
-    return along(w, 1j * zero_heading(w))
+    return along(w, 1j * w.zero_heading)
 
 
 def _axle_lines(wheels: list[Wheel]) -> list[list[Wheel]]:
@@ -170,10 +166,10 @@ def _verdict(at: Configuration) -> list[str]:
 
 def _skids(lines: list[list[Wheel]]) -> bool:
     """Parallel axles with wheels side by side: left and right can be driven apart."""
-    axle = zero_heading(lines[0][0]) * 1j
-    if any(abs((zero_heading(line[0]) * 1j * axle.conjugate()).imag) > SAME for line in lines):
+    axle = lines[0][0].zero_heading * 1j
+    if any(abs((line[0].zero_heading * 1j * axle.conjugate()).imag) > SAME for line in lines):
         return False
-    across = [float(w.nominal.x) * axle.real + float(w.nominal.y) * axle.imag for line in lines for w in line]
+    across = [(w.pivot.conjugate() * axle).real for line in lines for w in line]
     return max(across) - min(across) > SAME
 
 
@@ -263,7 +259,7 @@ def _balance(what: str, motors: int, independent: int, need: int) -> str:
 def _driving_row(w: Wheel, at: Configuration) -> Array:
     """Rim speed per twist at the sample configuration, castors at their zero angle: see `constraints.driving_row`."""
     g = w.nominal
-    heading = steering_for(w, at.admissible.sample) if w.kind.steers else zero_heading(w)
+    heading = steering_for(w, at.admissible.sample) if w.kind.steers else w.zero_heading
     row: Array = along(w, heading * complex(float(g.cg), float(g.sg))) - np.array([0.0, 0.0, float(g.o)])
     return row - float(g.o) * _swivelling_row(w) if w.kind.swivels else row
 

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable, Sequence
 from math import degrees
 from typing import TYPE_CHECKING, SupportsFloat
 
+from wmrgen import notation
 from wmrgen.exact.number import Exact
-from wmrgen.notation import terminating
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Wheel
@@ -60,12 +60,7 @@ def code(name: str) -> str:
 
 def listed(names: Sequence[str]) -> str:
     """`a`, `b` and `c`"""
-    return conjoined([code(n) for n in names])
-
-
-def conjoined(parts: Sequence[str]) -> str:
-    """a, b and c"""
-    return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
+    return notation.listed([code(n) for n in names])
 
 
 def some(wheels: Sequence[Wheel]) -> str:
@@ -124,7 +119,7 @@ def plain(value: Exact) -> str:
     sign = "−" if value.sign < 0 else ""
     if value.is_rational:
         f = abs(value.parts[0])
-        exact = str(f.numerator) if f.denominator == 1 and f.numerator < 10**7 else terminating(f)
+        exact = str(f.numerator) if f.denominator == 1 and f.numerator < 10**7 else notation.terminating(f)
         if exact is not None:
             return sign + exact
     return f"{float(value):.6g}".replace("-", "−")

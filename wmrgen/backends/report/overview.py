@@ -8,9 +8,9 @@ from itertools import combinations
 from math import hypot
 from typing import TYPE_CHECKING
 
+from wmrgen import notation
 from wmrgen.backends.report.markdown import (
     code,
-    conjoined,
     escape,
     in_degrees,
     items,
@@ -41,7 +41,7 @@ def opening(d: Derivation) -> list[str]:
     wheels = Counter(w.kind.noun for w in robot.wheels)
     return [
         *blocks,
-        f"This robot has {conjoined([_count(n, noun) for noun, n in wheels.items()])}. It is {kind} "
+        f"This robot has {notation.listed([_count(n, noun) for noun, n in wheels.items()])}. It is {kind} "
         f"({m.degree_of_mobility}, {m.degree_of_steerability}): at any instant it moves with "
         f"{_count(m.degree_of_mobility, 'degree')} of freedom, and steering adds "
         f"{_word(m.degree_of_steerability) if m.degree_of_steerability else 'none'}. This page derives that, and "

@@ -22,7 +22,7 @@ from wmrgen.constraints import (
 )
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import sqrt_poly
-from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.exact.poly import Gen, Poly, Row, dot, each
 from wmrgen.functions.models.polynomials import (
     angles_in,
     by_steering,
@@ -142,7 +142,7 @@ def in_coordinates(frame: Frame, wheel: Wheel, row: Row) -> Row:
     def value(gen: Gen) -> Poly | None:
         return Poly.gen(gen.kind, lead.name) if gen.kind in ("cos", "sin") else None
 
-    return row[0].substitute(value), row[1].substitute(value), row[2].substitute(value)
+    return each(row, lambda p: p.substitute(value))
 
 
 def has_coordinate(frame: Frame, wheel: Wheel) -> bool:

@@ -8,7 +8,7 @@ from math import cos, pi, sin
 
 from wmrgen.exact.evaluate import fix, number
 from wmrgen.exact.number import ONE, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, by_angle
+from wmrgen.exact.poly import Gen, Poly, Row, by_angle, each
 from wmrgen.functions.system import Domain
 from wmrgen.layout.records import Robot
 from wmrgen.symbolic import Expr, expression
@@ -68,11 +68,9 @@ def angles_in(polys: tuple[Poly, ...] | Row) -> set[str]:
 def cleaned(row: Row) -> Row:
     """The row without terms that only rounding of its coefficients has left over."""
     largest = max((abs(float(c)) for p in row for c in p.terms.values()), default=0.0)
-
-    def kept(p: Poly) -> Poly:
-        return Poly({m: c for m, c in p.terms.items() if abs(float(c)) > NEGLIGIBLE * largest})
-
-    return kept(row[0]), kept(row[1]), kept(row[2])
+    return each(
+        row, lambda p: Poly({m: c for m, c in p.terms.items() if abs(float(c)) > NEGLIGIBLE * largest})
+    )
 
 
 def clean(poly: Poly) -> Poly:
@@ -82,8 +80,7 @@ def clean(poly: Poly) -> Poly:
 
 def divided(row: Row, divisor: Poly) -> Row:
     """row / divisor, with what is common cancelled."""
-    row = cleaned(row)
-    return quotient(row[0], divisor), quotient(row[1], divisor), quotient(row[2], divisor)
+    return each(cleaned(row), lambda p: quotient(p, divisor))
 
 
 def quotient(above: Poly, below: Poly) -> Poly:
@@ -99,7 +96,7 @@ def quotient(above: Poly, below: Poly) -> Poly:
 
 def split(poly: Poly) -> tuple[Poly, Poly]:
     """poly = core * factor: the factor is a monomial, the core has no common one and leading coefficient 1."""
-    first, coefficient = min(poly.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])
+    first, coefficient = poly.ordered[0]
     common = {g: e for g, e in first if g.kind != "inv"}
     for m in poly.terms:
         powers = dict(m)

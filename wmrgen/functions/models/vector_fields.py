@@ -74,8 +74,7 @@ def _power(expr: Expr) -> Poly:
 def _circle(angle: Expr) -> tuple[Poly, Poly]:
     """Cosine and sine of a sum of states, its first coefficient positive."""
     poly = to_poly(angle)
-    first = min(poly.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]], default=((), ONE))[1]
-    if first.sign < 0:
+    if poly and poly.ordered[0][1].sign < 0:
         return Poly.gen("cosf", "", -poly), -Poly.gen("sinf", "", -poly)
     return Poly.gen("cosf", "", poly), Poly.gen("sinf", "", poly)
 

@@ -78,7 +78,7 @@ def axles(robot: Robot, mobility: Mobility) -> Formula:
 
 
 def _require_icr(robot: Robot, steered: list[Wheel], rank: int) -> None:
-    places = {(float(w.nominal.x), float(w.nominal.y)) for w in steered}
+    places = {w.pivot for w in steered}
     if rank == 3:
         raise underivable(robot, "axles function", "its fixed wheels allow no motion at all")
     if rank < 2 and len(places) + rank < 2:

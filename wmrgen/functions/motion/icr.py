@@ -24,6 +24,7 @@ from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import inverse
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.admissible import along
 from wmrgen.mobility.ranks import numeric_rank, unit_rows
 from wmrgen.mobility.records import Array, Mobility
 from wmrgen.ports import TWIST, TWIST_NAMES, Port, Role, output
@@ -135,8 +136,7 @@ def axle_distances(robot: Robot, steer: Mapping[str, float], point: tuple[float,
     return distances
 
 
-def _row(w: Wheel, steer: Mapping[str, float]) -> list[float]:
+def _row(w: Wheel, steer: Mapping[str, float]) -> Array:
     """Sliding row of the pivot: [-s, c, x c + y s]."""
     angle = steer.get(w.name, 0.0) if w.kind.steers else 0.0
-    e = complex(w.nominal.ch, w.nominal.sh) * cmath.rect(1, angle)
-    return [-e.imag, e.real, float(w.nominal.x) * e.real + float(w.nominal.y) * e.imag]
+    return along(w, 1j * w.zero_heading * cmath.rect(1, angle))

@@ -251,12 +251,10 @@ def _range(axis: int, f: Vector, planes: list[_Plane], names: Locals) -> list[tu
 
 def polygon(robot: Robot, steer: Mapping[str, float]) -> tuple[str, ...]:
     """The wheels at the corners of the support polygon at given steering angles [rad], counter-clockwise."""
-    points: dict[str, complex] = {}
-    for w in robot.wheels:
-        g, angle = w.nominal, steer.get(w.name, 0.0) if w.turns else 0.0
-        e = complex(g.ch, g.sh) * cmath.rect(1, angle)
-        points[w.name] = complex(g.x, g.y) + complex(g.d, g.o) * e
-    return tuple(_hull(points))
+    angles = {w.name: steer.get(w.name, 0.0) if w.turns else 0.0 for w in robot.wheels}
+    return tuple(
+        _hull({w.name: w.contact(w.zero_heading * cmath.rect(1, angles[w.name])) for w in robot.wheels})
+    )
 
 
 def _hull(points: dict[str, complex]) -> list[str]:

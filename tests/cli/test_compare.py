@@ -51,11 +51,9 @@ def test_json_is_one_object(wmrgen_cli: Cli, urdf: Path, parameters: Path) -> No
     done = wmrgen_cli("compare", parameters, urdf, "--json")  # the robot is the file that has wheels
     told = json.loads(done.out)
     assert (done.code, told["robot"]) == (1, str(urdf))
-    first, second = sorted(told["comparisons"], key=lambda c: c["file"].startswith(str(urdf)))
-    assert (
-        not first["equal"]
-        and first["file"] == f"{parameters}: drive (diff_drive_controller/DiffDriveController)"
-    )
+    first, second = told["comparisons"]
+    assert not first["equal"] and first["file"] == str(parameters)
+    assert first["controller"] == "drive (diff_drive_controller/DiffDriveController)"
     (d,) = first["differences"]
     assert (d["code"], d["quantity"], d["wheel"], d["a"], d["b"]) == ("WMR042", "radius", "", 0.1, 0.12)
     assert d["marks"] == [{"file": str(parameters), "line": 5, "column": 17}]
@@ -115,3 +113,21 @@ def test_lint_holds_other_files_against_the_robot_before_them(
     assert wmrgen_cli("lint", parameters).code == 2
     done = wmrgen_cli("explain", "WMR042", "--json")
     assert done.code == 0 and "---" in json.loads(done.out)["wrong"]
+
+
+def test_lint_of_descriptions(wmrgen_cli: Cli, urdf: Path, tmp_path: Path) -> None:
+    swapped = tmp_path / "swapped.urdf"
+    swapped.write_text(robot(wheel("left", "0 -0.24 0.1"), wheel("right", "0 0.24 0.1")))
+    done = wmrgen_cli("lint", urdf, swapped, "--json")  # each is a robot of its own
+    told = json.loads(done.out)["findings"]
+    assert [(Path(f["file"]).name, f["code"]) for f in told] == [
+        ("robot.urdf", "WMR040"), ("swapped.urdf", "WMR011"), ("swapped.urdf", "WMR011"),
+    ]  # fmt: skip
+    same = tmp_path / "same.yaml"
+    same.write_text(
+        "wmrgen: 1\nname: same\nwheels:\n  - {name: left, type: fixed, x: 0, y: 0.24, heading: 0, r: 0.1}\n"
+        "  - {name: right, type: fixed, x: 0, y: -0.24, heading: 0, r: 0.1}\n"
+    )
+    done = wmrgen_cli("lint", same, swapped, "--json")
+    assert [f["code"] for f in json.loads(done.out)["findings"]] == ["WMR044", "WMR044"]
+    assert "turns the wrong way" in json.loads(done.out)["findings"][0]["instead"]

@@ -10,9 +10,11 @@ from typing import Any
 import pytest
 from defusedxml.ElementTree import fromstring
 
+import wmrgen
+from tests.conftest import GALLERY
 from wmrgen.comparing.differences import compare
 from wmrgen.comparing.record import Layout, Side
-from wmrgen.comparing.sources import of_controller
+from wmrgen.comparing.sources import of_controller, of_robot
 from wmrgen.importing.controllers import plugin_controllers, read_controllers
 from wmrgen.importing.records import Controller
 
@@ -185,3 +187,14 @@ def test_a_controller_for_other_wheels_and_joints_that_are_not_there(tmp_path: P
     ):
         robot = Layout("robot", "description", wheels, joints=joints)
         assert [d.code for d in compare(robot, layout).differences] == codes
+
+
+def test_any_parameters_against_any_robot_of_the_gallery(tmp_path: Path) -> None:
+    """Robots without a driven wheel, with trailers, with rollers: something is said, or nothing, but never a failure."""
+    kinds = ("andino", "clearpath_do100", "rbcar", "neobotix_mpo_700", "jpl_osr", "axebot")
+    given = [c for e in CORPUS["sets"] if e["robot"] in kinds for c in controllers(e, tmp_path)]
+    robots = [of_robot(*wmrgen.read(path), path.stem) for path in GALLERY]
+    results = [compare(robot, of_controller(c, "p")) for robot in robots for c in given]
+    assert all(math.isfinite(e.ratio) for c in results for e in c.effects)
+    chair = [c for c in results if c.a.file == "office_chair"]
+    assert all(c.notes and not c.effects for c in chair)

@@ -31,7 +31,7 @@ def compare(
         raise UsageError(f"{robot.source} has no parameters in it: give a second file")
     results = [compared(robot, layout) for layout in every if layout is not robot]
     if as_json:
-        console.data({"robot": robot.source, "comparisons": [_as_data(c) for c in results]})
+        console.data({"robot": robot.file, "comparisons": [_as_data(c) for c in results]})
     else:
         for result in results:
             console.result("\n".join(_lines(result)))
@@ -39,7 +39,7 @@ def compare(
 
 
 def _lines(c: Comparison) -> Iterable[str]:
-    yield f"{c.a} -> {c.b}: {'' if c.differences else 'equal'}".rstrip()
+    yield f"{c.a.source} -> {c.b.source}: {'' if c.differences else 'equal'}".rstrip()
     for d in c.differences:
         where = f"   {d.marks[0]}" if d.marks else ""
         yield f"  {d.code}  {d.words}{where}"
@@ -55,11 +55,11 @@ def _as_data(c: Comparison) -> dict[str, Any]:
         {**asdict(d), "marks": [{"file": m.file, "line": m.line, "column": m.column} for m in d.marks]}
         for d in c.differences
     ]
-    motion = {e.motion: {"ratio": e.ratio, "words": e.words} for e in c.effects}
     return {
-        "file": c.b,
+        "file": c.b.file,
+        "controller": c.b.title or None,
         "equal": not differences,
         "differences": differences,
-        "motion": motion,
+        "motion": {e.motion: {"ratio": e.ratio, "words": e.words} for e in c.effects},
         "notes": list(c.notes),
     }

@@ -10,11 +10,11 @@ import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.failures import all_as_data, place
 from wmrgen.cli.loading import linted
-from wmrgen.comparing.differences import compare
+from wmrgen.comparing.differences import compare, labelled
 from wmrgen.comparing.differences import findings as between
-from wmrgen.comparing.record import ROBOT_FILE
+from wmrgen.comparing.record import DESCRIPTION, ROBOT_FILE
 from wmrgen.comparing.sources import layouts
-from wmrgen.errors import StaleError, WmrgenError
+from wmrgen.errors import StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
     from wmrgen.comparing.record import Layout
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 
 def lint(robots: Sequence[Path], as_json: bool) -> int:
-    """Print the findings of all robots, and of what other files say of the robot before them. Exit code 1 where there
-    are some, an error's where a file is bad."""
+    """Print the findings of all robots, and what parameters and headers, or a description after a robot file, say
+    otherwise of the robot before them. Exit code 1 where there are some, an error's where a file is bad."""
     findings: list[Finding] = []
     errors: list[WmrgenError] = []
     robot: Layout | None = None
@@ -33,9 +33,15 @@ def lint(robots: Sequence[Path], as_json: bool) -> int:
                 if layout.form == ROBOT_FILE:
                     spec, built = wmrgen.read(path)
                     findings += linted(spec, wmrgen.derive(built))
-                if layout.form == ROBOT_FILE or robot is None:
                     robot = layout
-                if layout.form != ROBOT_FILE and (layout.controller or robot is not layout):
+                elif layout.form == DESCRIPTION and (robot is None or robot.form == DESCRIPTION):
+                    findings += labelled(layout)
+                    robot = layout
+                elif robot is None:
+                    raise UsageError(
+                        f"{layout.source} has no robot before it: give a robot file or description first"
+                    )
+                else:
                     findings += between(compare(robot, layout))
         except WmrgenError as error:
             errors.append(error)

@@ -12,6 +12,7 @@ from wmrgen.comparing.motion import Pairs, effects
 from wmrgen.comparing.quantities import box, controlled, forward, lengths, named, parts, roles, worth
 from wmrgen.comparing.record import SAME, Comparison, Difference, Effect, Layout, Side
 from wmrgen.errors import Mark, UsageError
+from wmrgen.importing.controllers import role
 from wmrgen.importing.records import Controller
 from wmrgen.lint.record import Finding, ignored
 from wmrgen.wheels import WHEEL_TYPES, WheelType
@@ -49,15 +50,32 @@ def compare(a: Layout, b: Layout) -> Comparison:
             notes += [f"wheels taken by number, not by name: {words}" for words in said]
     except _Unknown as why:
         notes.append(f"motion is not computed: {why}")
-    return Comparison(a.source, b.source, tuple(told), moved, tuple(notes))
+    return Comparison(a, b, tuple(told), moved, tuple(notes))
 
 
 def findings(c: Comparison) -> list[Finding]:
-    """The differences as findings, each where the second file says it, and what they do together."""
+    """The differences as findings, each where the second file says it; with the first, what they do together."""
     does = "; ".join(effect.words for effect in c.effects if effect.words)
-    instead = f"Commanded by {c.b}, the robot {does}." if does else ""
-    nowhere = Mark(c.b, 1, 1, "")
-    return [Finding(d.marks[0] if d.marks else nowhere, d.words, instead, d.code) for d in c.differences]
+    instead = f"Commanded by {c.b.title or c.b.file}, the robot {does}." if does else ""
+    nowhere = Mark(c.b.file, 1, 1, "")
+    return [
+        Finding(d.marks[0] if d.marks else nowhere, d.words, "" if position else instead, d.code)
+        for position, d in enumerate(c.differences)
+    ]
+
+
+def labelled(layout: Layout) -> Iterator[Finding]:
+    """Wheels of a description whose names contradict their places: WMR011, as of robot files."""
+    wheels = parts(layout.wheels)
+    opposite = {"front": "rear", "rear": "front", "left": "right", "right": "left"}
+    for w, where in zip(wheels, roles(wheels), strict=True):
+        twin = any(
+            v is not w and abs(v.pivot - w.pivot) < 1e-3 for v in wheels
+        )  # their sides are those of a module
+        for word in role(*w.names).split():
+            if not twin and opposite.get(word) in where.split():
+                what = f"{w.names[-1]} stands at {_shown([w.pivot])}, {where} of the middle of the wheels: not {word}"
+                yield Finding(Mark(layout.file, 1, 1, ""), what, "", "WMR011")
 
 
 def same(a: float, b: float, size: float = 0.0) -> bool:
@@ -70,6 +88,8 @@ def same(a: float, b: float, size: float = 0.0) -> bool:
 
 def _with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, list[str]]:
     wheels = parts(a.wheels)
+    if not wheels:
+        return [], [], []
     kinds = [WHEEL_TYPES[w.type] for w in wheels]
     where, along = roles(wheels), forward(wheels)
     skids = all(k.fixed_axle for k in kinds) and any("front" in word for word in where)

@@ -35,6 +35,8 @@ def box(points: Sequence[complex]) -> tuple[complex, complex]:
 
 def roles(wheels: Sequence[Side]) -> list[str]:
     """Where each wheel is, by its place: "front left", "rear", "left"."""
+    if not wheels:
+        return []
     along = forward(wheels).conjugate()
     points = [along * w.pivot for w in wheels]
     middle, size = box(points)

@@ -10,7 +10,12 @@ from wmrgen.importing.records import Controller
 from wmrgen.wheels import WHEEL_TYPES
 
 Value = float | str | tuple[float, float] | None
-ROBOT_FILE = "robot file"  # a form of files
+ROBOT_FILE, DESCRIPTION, HEADER, CONTROLLER = (
+    "robot file",
+    "description",
+    "header",
+    "controller",
+)  # forms of files
 SAME = 2e-3  # of a length, or rad: what differs less is equal
 
 
@@ -49,15 +54,21 @@ class Side:
 class Layout:
     """The wheels that a file describes, or, with a ``controller``, lengths of wheels that another file describes.
 
-    ``ordered``: programs know the wheels by their order. ``joints``: all that the file has, None where it names none.
+    ``title``: of the controller. ``ordered``: programs know the wheels by their order. ``joints``: all that the file
+    has, None where it names none.
     """
 
-    source: str
+    file: str
     form: str
     wheels: tuple[Side, ...] = ()
     ordered: bool = False
     joints: frozenset[str] | None = None
     controller: Controller | None = None
+    title: str = ""
+
+    @property
+    def source(self) -> str:
+        return f"{self.file}: {self.title}" if self.title else self.file
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +99,8 @@ class Comparison:
     """Without the differences that a comment says to ignore. ``effects``: of the motions that the robot can do, none
     where too little is known."""
 
-    a: str
-    b: str
+    a: Layout
+    b: Layout
     differences: tuple[Difference, ...]
     effects: tuple[Effect, ...]
     notes: tuple[str, ...]

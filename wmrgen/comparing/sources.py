@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import wmrgen
-from wmrgen.comparing.record import ROBOT_FILE, Layout, Side
+from wmrgen.comparing.record import CONTROLLER, DESCRIPTION, HEADER, ROBOT_FILE, Layout, Side
 from wmrgen.errors import RobotFileError
 from wmrgen.importing.controllers import read_controllers
 from wmrgen.importing.records import Controller, Imported, Wheel
@@ -54,7 +54,7 @@ def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
 
 def of_import(robot: Imported, joints: frozenset[str], source: str) -> Layout:
     """The layout of a URDF or SDF, as far as it says."""
-    return Layout(source, "description", tuple(map(_imported, robot.wheels)), joints=joints)
+    return Layout(source, DESCRIPTION, tuple(map(_imported, robot.wheels)), joints=joints)
 
 
 def _imported(wheel: Wheel) -> Side:
@@ -88,13 +88,13 @@ def of_header(text: str, source: str) -> Layout:
         raise RobotFileError(
             f"{source}: no header of wmrgen", None, "", "Give the .h that `wmrgen derive` wrote."
         )
-    return Layout(source, "header", tuple(sides), True)
+    return Layout(source, HEADER, tuple(sides), True)
 
 
 def of_controller(controller: Controller, source: str) -> Layout:
     """The lengths that a controller has, without wheels yet."""
     title = " ".join(filter(None, (controller.name, f"({controller.type})" if controller.type else "")))
-    return Layout(f"{source}: {title}" if title else source, "controller", controller=controller)
+    return Layout(source, CONTROLLER, controller=controller, title=title)
 
 
 def layouts(

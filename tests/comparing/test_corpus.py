@@ -190,7 +190,7 @@ def test_a_controller_for_other_wheels_and_joints_that_are_not_there(tmp_path: P
 
 
 def test_any_parameters_against_any_robot_of_the_gallery(tmp_path: Path) -> None:
-    """Robots without a driven wheel, with trailers, with rollers: something is said, or nothing, but never a failure."""
+    """Robots without a driven wheel, with trailers, with rollers: there is an answer, never a failure."""
     kinds = ("andino", "clearpath_do100", "rbcar", "neobotix_mpo_700", "jpl_osr", "axebot")
     given = [c for e in CORPUS["sets"] if e["robot"] in kinds for c in controllers(e, tmp_path)]
     robots = [of_robot(*wmrgen.read(path), path.stem) for path in GALLERY]

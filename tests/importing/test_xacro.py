@@ -58,6 +58,20 @@ def test_packages_arguments_macros_and_yaml(wmrgen_cli: Cli, tmp_path: Path, pac
     assert [(w["x"], w["y"], w["r"]) for w in wheels] == [(0.07, 0.25, 0.1), (0.07, -0.25, 0.1)]
 
 
+def test_eval_computes_with_arguments(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """By their names, as numbers, truths or texts. The package ends it at the first parenthesis."""
+    computed = "$(eval size * 0.5 if wide and kind == 'a' else 9)"
+    arguments = "".join(
+        f'<xacro:arg name="{n}" default="{v}"/>'
+        for n, v in (("size", "0.3"), ("wide", "true"), ("kind", "a"))
+    )
+    done = wmrgen_cli(
+        "import", write(tmp_path, arguments, pair().replace('"0.1"', f'"{computed}"')), "size:=0.25", "--json"
+    )
+    assert done.code == 0, done.err
+    assert [w["r"] for w in json.loads(done.out)["wheels"]] == [0.125, 0.125]
+
+
 def test_missing_arguments_are_all_named(wmrgen_cli: Cli, tmp_path: Path) -> None:
     path = write(tmp_path, pair().replace('"0.05 0.25', '"$(arg ahead) $(arg side)'))
     done = wmrgen_cli("import", path)
@@ -82,7 +96,10 @@ def test_macros_alone_are_no_robot(wmrgen_cli: Cli, package: Path) -> None:
 @pytest.mark.parametrize(
     ("value", "words"),
     [
-        ("$(eval open('PLACE/evil', 'w').write('x'))", "runs any Python"),
+        ("$(eval open('PLACE/evil', 'w').write('x'))", "not an expression"),
+        ("$(eval [].__class__)", "refused"),
+        ("$(eval 9**9**9)", "power"),
+        ("$(eval unknown + 1)", "unknown"),
         ("${(lambda: ().__class__)()}", "refused"),
         ("${[x.__class__ for x in [1]]}", "refused"),
         ("${(x for x in [1]).gi_frame}", "refused"),

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from wmrgen.cli import console
 from wmrgen.cli.writing import write_robot_file
+from wmrgen.comparing.differences import compare
+from wmrgen.comparing.sources import of_controller, of_import
 from wmrgen.errors import RobotFileError
+from wmrgen.importing.controllers import read_controllers
+from wmrgen.importing.instructions import instructed
+from wmrgen.importing.records import Controller, Description, Imported
 from wmrgen.importing.robot_file import as_json as imported_json
 from wmrgen.importing.robot_file import text
 from wmrgen.importing.source import description_of
@@ -23,16 +29,22 @@ def import_robot(
     base: str | None,
     forward: str | None,
     package: Sequence[str] | None,
+    controller: Sequence[Path] | None,
     as_json: bool,
 ) -> int:
     """Write or print the robot file; say what is open."""
+    given = dict(word.split(":=", 1) for word in arguments or () if ":=" in word)
+    said = {path: read_controllers(path, given) for path in controller or ()}
     try:
-        robot = import_wheels(description_of(file, arguments or (), package or ()), base, forward)
+        description = description_of(file, arguments or (), package or ())
+        description = instructed(description, [c for each in said.values() for c in each])
+        robot = import_wheels(description, base, forward)
     except RobotFileError as error:
         name = printable(file.name)
         if name in error.what:
             raise
         raise RobotFileError(f"{name}: {error.what}", error.mark, error.why, error.instead) from None
+    robot = replace(robot, notes=(*robot.notes, *_contradictions(robot, description, said, file)))
     for note in robot.notes:
         console.note(f"{file.name}: note: {note}")
     written = f"{MODELINE}\n{text(robot, file.name)}"
@@ -47,3 +59,15 @@ def import_robot(
     for question in robot.questions:
         console.note(f"open: {question.wheel}.{question.key}: {question.text}")
     return 0
+
+
+def _contradictions(
+    robot: Imported, description: Description, said: Mapping[Path, Sequence[Controller]], file: Path
+) -> Iterator[str]:
+    """Where controllers have other lengths than the description, which stand in the robot file."""
+    sources = {id(c): path.name for path, controllers in said.items() for c in controllers}
+    seen = of_import(robot, frozenset(joint.name for joint in description.joints), file.name)
+    for each in description.controllers:
+        told = of_controller(each, sources.get(id(each), file.name))
+        for difference in compare(seen, told).differences:
+            yield f"{told.source} differs; the description is taken: {difference.words}"

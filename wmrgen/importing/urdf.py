@@ -124,14 +124,17 @@ def _shapes(link: Element, notes: list[str]) -> tuple[Shape, ...]:
 
 def _frictions(root: Element, notes: list[str]) -> dict[str, Friction]:
     """What <gazebo reference="link"> says of friction, where it has a direction; what cannot be read is noted."""
-    frictions = {}
+    frictions, unread = {}, []
     for gazebo in children(root, "gazebo"):
         link = gazebo.get("reference", "")
         try:
             if says := friction(gazebo, link):
                 frictions[link] = says
         except RobotFileError as error:
-            notes.append(f"{error.what}; this fdir1 is not read")
+            unread.append(error.what)
+    if unread:
+        more = f" It is the first of {len(unread)}." if len(unread) > 1 else ""
+        notes.append(f"{unread[0]}; this fdir1 is not read.{more}")
     return frictions
 
 

@@ -1,7 +1,7 @@
 """Xacro to URDF by the package xacro, kept from what a file of strangers must not do.
 
 The package evaluates Python: `${…}` under a check that nested functions and `vars` pass by, `$(eval …)` under none.
-Here the second is refused, and the first is what `importing/expressions.py` leaves of it; files are read only in the
+Here both are what `importing/expressions.py` leaves of it; files are read only in the
 folders of the packages given and of the file itself, the environment is not read. Macros end after so many elements.
 """
 
@@ -103,14 +103,15 @@ def _kept(xacro: Any, roots: list[Path], packages: Mapping[str, Path]) -> Iterat
     from xacro import substitution_args
 
     evaluate, count = xacro.safe_eval, itertools.count()
+    symbols = offered(xacro.create_global_symbols())
     doors: list[tuple[Any, str, Any]] = [
         (xacro, "open", lambda path, *_: _opened(Path(path), roots)),
         (xacro, "glob", SimpleNamespace(glob=lambda pattern: _globbed(pattern, roots))),
-        (xacro, "_global_symbols", offered(xacro.create_global_symbols())),
+        (xacro, "_global_symbols", symbols),
         (xacro, "safe_eval", lambda text, *scopes: weighed(evaluate(checked(text), *scopes))),
         (xacro, "eval_text", counted(xacro.eval_text, count)),
         (xacro, "handle_macro_call", counted(xacro.handle_macro_call, count)),
-        (substitution_args, "_eval", _no_code),
+        (substitution_args, "_eval", lambda text, context: _evaluated(text, context, symbols)),
         (substitution_args, "_eval_find", lambda name: _package(name, packages)),
         (substitution_args, "_eval_env", _no_environment),
         (substitution_args, "_eval_optenv", lambda name, default="": default),
@@ -128,8 +129,14 @@ def _kept(xacro: Any, roots: list[Path], packages: Mapping[str, Path]) -> Iterat
                 setattr(module, name, original)
 
 
-def _no_code(text: str, _: object) -> str:
-    raise refuse(f"$(eval {quoted(text)[1:-1]}) runs any Python, and is refused", "", "Write ${…}.")
+def _evaluated(text: str, context: Mapping[str, Any], symbols: Mapping[str, Any]) -> str:
+    """What ``$(eval …)`` computes: an expression as ``${…}`` is, in which arguments stand by their names. The package
+    ends it at its first parenthesis, so it calls nothing."""
+    import xacro
+    from xacro.substitution_args import convert_value
+
+    given = {name: convert_value(str(value), "auto") for name, value in context.get("arg", {}).items()}
+    return str(xacro.safe_eval(text, {**symbols, **given}))
 
 
 def _no_environment(name: str) -> str:

@@ -59,6 +59,9 @@ def import_robot(
     package: Annotated[
         list[str] | None, option("The folder of a package that the file finds.", "NAME=DIR")
     ] = None,
+    controller: Annotated[
+        list[Path] | None, option("Parameters of the wheels' controller, too: YAML.", "FILE.yaml")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Example:  wmrgen import my_robot.urdf -o my_robot.yaml

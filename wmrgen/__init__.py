@@ -30,19 +30,30 @@ def load(path: str | PathLike[str]) -> Robot:
 
 def read(path: str | PathLike[str]) -> tuple[RobotSpec, Robot]:
     """What a file says, each value with its place, and the robot that it describes. RobotFileError as `load`."""
+    from wmrgen.errors import Several
     from wmrgen.spec.load import read_robot
 
-    spec = read_robot(os.fspath(path))
-    return spec, robot_of(spec)
+    several = Several()
+    spec = read_robot(os.fspath(path), several)
+    with several:
+        robot = robot_of(spec)
+    several.end()
+    return spec, robot
 
 
 def robot_of(spec: RobotSpec) -> Robot:
     """The robot that a file's content describes. RobotFileError as `load`."""
+    from wmrgen.errors import Several
     from wmrgen.functions.registry import check
     from wmrgen.layout import build
 
-    check(spec.functions)
-    return build(spec)
+    several = Several()
+    with several:
+        check(spec.functions)
+    with several:
+        robot = build(spec)
+    several.end()
+    return robot
 
 
 def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:

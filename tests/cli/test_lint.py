@@ -24,10 +24,11 @@ def swapped(robot_file: Path) -> Path:
 def test_a_finding_has_place_line_caret_and_help(wmrgen_cli: Cli, swapped: Path) -> None:
     done = wmrgen_cli("lint", swapped)
     assert done.code == 1
-    place, line, caret, instead = done.out.splitlines()
-    assert place.startswith(f"{swapped}:7:5: warning[WMR012]: left and right turn against each other")
-    assert line.strip().startswith("- {name: right") and caret.index("^") == line.index("{")
-    assert "beta: pi" in instead
+    what, place, line, caret, instead = done.out.splitlines()
+    assert what.startswith("warning[WMR012]: left and right turn against each other")
+    assert place == f" --> {swapped}:7:5"
+    assert line.startswith("7 |   - {name: right") and caret.index("^") == line.index("{")
+    assert instead.startswith("  = ") and "beta: pi" in instead
     assert "wmrgen explain" in done.err
 
 
@@ -52,7 +53,7 @@ def test_derive_refuses_what_cannot_move_unless_asked(wmrgen_cli: Cli, tmp_path:
     path.write_text("wmrgen: 1\nname: stuck\n" + RULES["WMR030"].wrong)
     done = wmrgen_cli("derive", path, "-o", out)
     assert (done.code, done.out) == (3, "") and not out.exists()
-    assert f"{path}:4:5: " in done.err and "# wmrgen: ignore WMR030" in done.err
+    assert f" --> {path}:4:5\n" in done.err and "# wmrgen: ignore WMR030" in done.err
     path.write_text(path.read_text().replace("0,      r: 0.1}", "0, r: 0.1}  # wmrgen: ignore WMR030", 1))
     done = wmrgen_cli("derive", path, "-o", out)
     assert done.code == 0 and "mobility 0" in done.out
@@ -60,17 +61,18 @@ def test_derive_refuses_what_cannot_move_unless_asked(wmrgen_cli: Cli, tmp_path:
 
 def test_one_json_object_with_findings_and_errors(wmrgen_cli: Cli, swapped: Path, tmp_path: Path) -> None:
     bad = tmp_path / "bad.yaml"
-    bad.write_text("wmrgen: 1\nname: bad\nwheels: []\nwheelz: 3\n")
+    bad.write_text("wmrgen: 1\nname: bad\nwheels: []\nwheelz: 3\nnam: 3\n")
     done = wmrgen_cli("lint", swapped, bad, "--json")
     told = json.loads(done.out)
     assert done.code == 2 and done.err == ""
-    (finding,), (error,) = told["findings"], told["errors"]
+    (finding,), (empty, error, _) = told["findings"], told["errors"]
     assert (finding["code"], finding["file"], finding["line"], finding["column"]) == (
         "WMR012",
         str(swapped),
         7,
         5,
     )
+    assert (empty["line"], empty["column"], empty["what"]) == (3, 9, "the list of wheels is empty")
     assert (error["line"], error["column"], error["exit_code"]) == (4, 1, 2)
     assert "wheelz" in error["what"]
 

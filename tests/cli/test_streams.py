@@ -86,7 +86,7 @@ def test_files_without_an_end(wmrgen_cli: Cli, robot_file: Path) -> None:
     assert "it is a device, not a regular file" in done.err
     code, said = shell(f"wmrgen eval {robot_file} inverse --cases - </dev/zero")
     assert code == 2
-    assert said.startswith("standard input is larger than 16 MiB")
+    assert said.startswith("error: standard input is larger than 16 MiB")
 
 
 def test_a_huge_file_of_cases(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
@@ -101,7 +101,7 @@ def test_a_huge_file_of_cases(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path)
 def test_closed_standard_input(robot_file: Path) -> None:
     assert shell(f"wmrgen eval {robot_file} inverse --cases - <&-") == (
         4,
-        "cannot read standard input: it is closed\n",
+        "error: cannot read standard input: it is closed\n",
     )
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from tests.conftest import ROOT
-from wmrgen.comparing.rules import BETWEEN
-from wmrgen.lint import RULES, Rule
+from wmrgen.cli.lint import explained
+from wmrgen.lint import Rule
+from wmrgen.spec.mistakes import Mistake
 
 INTRO = """# Likely mistakes
 
@@ -25,18 +26,20 @@ Several codes stand one after the other. A finding about the whole robot stands 
 SDF, parameters of wheel controllers, headers that wmrgen wrote. What they say differently has the codes from WMR040 on;
 their examples are two files, parted by `---`. Lengths within 0.2 % and angles within 0.002 rad are equal. A comment
 beside the number in either file keeps it.
+
+Codes from WMR101 on are not findings: they are the kinds of errors for which a robot file is refused, with exit code 2.
+All errors of a file are told in one run, in the order of the file; what only follows from another one is not.
 """
 
 
 def page() -> str:
     """The whole page."""
-    rules = {**RULES, **BETWEEN}
-    rows = [f"| [{code}](#{code.lower()}) | {rule.title} |" for code, rule in rules.items()]
-    sections = map(_section, rules.values())
+    rows = [f"| [{code}](#{code.lower()}) | {rule.title} |" for code, rule in explained().items()]
+    sections = map(_section, explained().values())
     return "\n".join([INTRO, "| code | mistake |", "|---|---|", *rows, *sections])
 
 
-def _section(rule: Rule) -> str:
+def _section(rule: Rule | Mistake) -> str:
     examples = (
         f"{word}:\n\n```yaml\n{text}```\n" for word, text in (("Wrong", rule.wrong), ("Right", rule.right))
     )

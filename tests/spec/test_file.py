@@ -138,9 +138,9 @@ def test_code_in_any_field_is_refused(line: str, attack: str) -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        "Bot", "1bot", "my-bot", "my bot", "é", "a" * 32, "", "double", "class", "template", "lambda",
+        "1bot", "my-bot", "my bot", "é", "a" * 32, "", "double", "class", "template", "lambda",
         "yield", "sin", "printf", "malloc", "pose_t", "a__b", "con", "com1", "nul", "lpt9", "main", "../x",
-        "a.b", "a/b", "y1", "_a",
+        "a.b", "a/b", "y1", "_a", "Double", "CON", "Lpt9", "None", "EOF", "FL__x",
     ],
 )  # fmt: skip
 def test_refused_names_of_robot_wheel_and_parameter(name: str) -> None:
@@ -154,13 +154,32 @@ def test_refused_names_of_robot_wheel_and_parameter(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["left", "right", "front_left", "w1", "a", "a" * 31, "tail", "x", "y", "fl", "no", "on"]
+    "name",
+    [
+        "left",
+        "front_left",
+        "w1",
+        "a",
+        "a" * 31,
+        "x",
+        "y",
+        "no",
+        "on",
+        "FL",
+        "frontLeft",
+        "A",
+        "A" * 31,
+        "R_2",
+        "Bot_",
+    ],
 )
 def test_ordinary_wheel_names(name: str) -> None:
     assert read(robot(wheel(name))).wheels[0].name == name
 
 
-@pytest.mark.parametrize("name", ["math", "numpy", "stdio"])
+@pytest.mark.parametrize(
+    "name", ["math", "numpy", "stdio", "Math", "std", "fork", "rclcpp", "Textbook", "loop"]
+)
 def test_a_robot_must_not_shadow_a_header_or_module(name: str) -> None:
     with pytest.raises(RobotFileError, match="reserved"):
         read(f"wmrgen: 1\nname: {name}\n{WHEELS}")
@@ -215,10 +234,14 @@ def test_every_error_names_file_line_column_and_shows_the_line() -> None:
     with pytest.raises(RobotFileError) as caught:
         read(robot(wheel("a", type="fixd")))
     lines = str(caught.value).split("\n")
-    assert lines[0].startswith("bot.yaml:4:21: unknown wheel type")
-    assert lines[1].strip().startswith("- {name: a")
-    assert lines[2].index("^") - 4 == 20
-    assert lines[-1] == "  Did you mean fixed?"
+    assert lines == [
+        "error[WMR104]: unknown wheel type 'fixd'",
+        " --> bot.yaml:4:21",
+        "4 |   - {name: a, type: fixd, x: 0, y: 0.1, heading: 0, r: 0.05}",
+        "  |                     ^",
+        "  = The types are fixed steered castor swedish spherical.",
+        "  = Did you mean fixed?",
+    ]
 
 
 def test_the_schema_lists_every_type_and_refuses_unknown_keys() -> None:

@@ -148,7 +148,7 @@ def test_the_caret_stands_under_the_culprit() -> None:
         with pytest.raises(RobotFileError) as caught:
             one_wheel(wheel("a", x=f"{quote}half + haff{quote}"), TOP)
         shown = str(caught.value).split("\n")
-        assert shown[1][shown[2].index("^") :].startswith("haff")
+        assert shown[2][shown[3].index("^") :].startswith("haff")
         assert "Did you mean half?" in shown[-1]
 
 
@@ -177,7 +177,7 @@ def test_ordinary_angles_are_not(text: str, tree: str) -> None:
 
 class TestParameters:
     def test_keep_the_order_of_the_file(self) -> None:
-        spec = read(robot(top="parameters: {b: 1, a: {value: b/2, tunable: true}, c: 3 mm}\n"))
+        spec = read(robot(wheel("w"), top="parameters: {b: 1, a: {value: b/2, tunable: true}, c: 3 mm}\n"))
         assert [(p.name, p.tunable, show(p.value.expr)) for p in spec.parameters] == [
             ("b", False, "1"),
             ("a", True, "(b / 2)"),
@@ -185,7 +185,7 @@ class TestParameters:
         ]
 
     def test_stand_after_those_they_use(self) -> None:
-        spec = read(robot(top="parameters: {a: b + c, c: 2*b, b: 1}\n"))
+        spec = read(robot(wheel("w"), top="parameters: {a: b + c, c: 2*b, b: 1}\n"))
         assert [p.name for p in spec.parameters] == ["b", "c", "a"]
 
     @pytest.mark.parametrize(
@@ -195,7 +195,8 @@ class TestParameters:
             ("{a: nope}", "not a declared"), ("[a]", "must be a mapping"), ("{a: [1]}", "one value"),
             ("{a: }", "no value"), ("{a: {tunable: true}}", "no value"),
             ("{a: {value: 1, tunable: yes}}", "not known"),
-            ("{a: {value: 1, tunabel: true}}", "unknown key"), ("{A: 1}", "not a valid"),
+            ("{a: {value: 1, tunabel: true}}", "unknown key"), ("{half-track: 1}", "not a valid"),
+            ("{a: 1, A: 2}", "differ in case alone"), ("{PI: 1}", "reserved"),
             ("{pi: 1}", "reserved"), ("{sqrt: 1}", "reserved"), ("{vx: 1}", "reserved"),
             ("{eta1: 1}", "reserved"), ("{y: 1}", "reserved"), ("{lambda: 1}", "reserved"),
             ("{a__b: 1}", "reserved"), ("{a: 1, a: 2}", "duplicate key"),

@@ -126,7 +126,7 @@ def test_refused_wheels(inside: str, message: str, hint: str) -> None:
 
 
 def test_wheel_names_are_distinct() -> None:
-    with pytest.raises(RobotFileError, match="second wheel has the name 'a'") as caught:
+    with pytest.raises(RobotFileError, match="'a' is the name of a wheel already") as caught:
         read(robot(wheel("a"), wheel("b"), wheel("a")))
     assert caught.value.mark.line == 6
     assert "line 4" in str(caught.value)
@@ -160,6 +160,34 @@ def test_limits_of_acceleration_have_units_of_their_own() -> None:
         with pytest.raises(RobotFileError) as caught:
             read(robot(top=f"limits: {{{wrong}}}\n"))
         assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("key", "hint"),
+    [
+        ("v", "Write vx: for the speed forward"),
+        ("w", "Did you mean omega?"),
+        ("a", "Valid here: vx vy omega"),
+    ],
+)
+def test_a_limit_of_another_name(key: str, hint: str) -> None:
+    with pytest.raises(RobotFileError) as caught:
+        read(robot(top=f"limits: {{{key}: 1}}\n"))
+    assert hint in str(caught.value)
+
+
+def test_a_negated_limit_reads_as_people_write_it() -> None:
+    values = {
+        "-1.2": "1.2",
+        "1.2": "-1.2",
+        "30 deg": "-30 deg",
+        "a": "-a",
+        "a + 1": "-(a + 1)",
+        "-a - 1": "-(-a - 1)",
+    }
+    for value, text in values.items():
+        (limit,) = read(robot(wheel("w"), top=f"parameters: {{a: 1}}\nlimits: {{steer: {value}}}\n")).limits
+        assert limit.low.text == text
 
 
 def test_limits() -> None:

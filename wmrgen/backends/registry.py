@@ -104,9 +104,10 @@ bsearch calloc exit free getenv malloc mblen mbstowcs mbtowc qsort rand realloc 
 strtold strtoll strtoul strtoull system wcstombs wctomb random srandom memchr memcmp memcpy memmove memset
 strcat strchr strcmp strcoll strcpy strcspn strerror strlen strncat strncmp strncpy strpbrk strrchr strspn
 strstr strtok strxfrm index rindex bcmp bcopy bzero asctime clock ctime difftime gmtime localtime mktime
-strftime time signal raise setjmp longjmp
+strftime time signal raise setjmp longjmp bufsiz eof exit_failure exit_success huge_val null seek_cur seek_end
+seek_set
 """,
-    "The C library has a function or variable of that name.",
+    "The C library has a function, variable or macro of that name.",
 )
 PYTHON = reserved(
     """

@@ -58,10 +58,12 @@ def derive(
             derivation = wmrgen.derive(robot)
             for finding in linted(spec, derivation):
                 if finding.stops:
-                    text = (
-                        f"  To derive it all the same write beside the line: # wmrgen: ignore {finding.code}"
+                    ignored = (
+                        f"To derive it all the same write beside the line: # wmrgen: ignore {finding.code}"
                     )
-                    raise NotDerivableError(f"{finding.what}\n{text}", finding.mark)
+                    raise NotDerivableError(
+                        finding.what, finding.mark, finding.instead, ignored, finding.code
+                    )
                 console.note(str(finding))
             results.append((derivation, artifacts(derivation, chosen, fuzz)))
     packages = [

@@ -19,6 +19,7 @@ from wmrgen.errors import StaleError, UsageError, WmrgenError
 if TYPE_CHECKING:
     from wmrgen.comparing.record import Layout
     from wmrgen.lint import Finding, Rule
+    from wmrgen.spec.mistakes import Mistake
 
 
 def lint(robots: Sequence[Path], as_json: bool) -> int:
@@ -44,7 +45,7 @@ def lint(robots: Sequence[Path], as_json: bool) -> int:
                 else:
                     findings += between(compare(robot, layout))
         except WmrgenError as error:
-            errors.append(error)
+            errors += error.parts
     if as_json:
         console.data({"findings": [_as_data(f) for f in findings], **all_as_data(errors)})
     else:
@@ -61,13 +62,21 @@ def lint(robots: Sequence[Path], as_json: bool) -> int:
     return errors[0].exit_code if errors else (StaleError.exit_code if findings else 0)
 
 
+def explained() -> dict[str, Rule | Mistake]:
+    """What `explain` knows by its code: rules, and the mistakes for which a robot file is refused."""
+    from wmrgen.comparing.rules import BETWEEN
+    from wmrgen.lint import RULES
+    from wmrgen.spec.mistakes import MISTAKES
+
+    return {**RULES, **BETWEEN, **MISTAKES}
+
+
 def explain(code: str | None, as_json: bool) -> int:
     """Print a rule with its examples; without a code, all of them in a line each."""
-    from wmrgen.comparing.rules import BETWEEN
-    from wmrgen.lint import RULES, rule_called
+    from wmrgen.lint import rule_called
 
-    table = {**RULES, **BETWEEN}
-    rules = [rule_called(code, table)] if code else list(table.values())
+    known = explained()
+    rules = [rule_called(code, known)] if code else list(known.values())
     if as_json:
         data = [_told(rule) for rule in rules]
         console.data(data[0] if code else {"rules": data})
@@ -79,17 +88,20 @@ def explain(code: str | None, as_json: bool) -> int:
     return 0
 
 
-def _lines(rule: Rule) -> Iterable[str]:
+def _lines(rule: Rule | Mistake) -> Iterable[str]:
     from textwrap import fill, indent
+
+    from wmrgen.lint import Rule
 
     yield f"{rule.code}: {rule.title}"
     yield fill(rule.text, 100)
     for word, example in (("wrong", rule.wrong), ("right", rule.right)):
         yield f"\n{word}:\n{indent(example.rstrip(), '    ')}"
-    yield f"\nTo keep a line as it is, write beside it: # wmrgen: ignore {rule.code}"
+    if isinstance(rule, Rule):
+        yield f"\nTo keep a line as it is, write beside it: # wmrgen: ignore {rule.code}"
 
 
-def _told(rule: Rule) -> dict[str, str]:
+def _told(rule: Rule | Mistake) -> dict[str, str]:
     return {key: getattr(rule, key) for key in ("code", "title", "text", "wrong", "right")}
 
 

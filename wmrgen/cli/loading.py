@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def noted(robot: Robot) -> Robot:
     """The robot, its notes told."""
     for text in robot.notes:
-        console.note(f"{robot.name}: note: {text}")
+        console.note(f"note: {robot.name}: {text}")
     return robot
 
 
@@ -30,7 +30,7 @@ def warn_of_gains(robot: Robot) -> None:
         from wmrgen.functions.control.gains import warnings
 
         for text in warnings(robot):
-            console.note(f"{robot.name}: warning: {text}")
+            console.note(f"warning: {robot.name}: {text}")
 
 
 @contextmanager

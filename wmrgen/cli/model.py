@@ -144,7 +144,7 @@ def _growth(d: Derivation, shown: Shown) -> dict[str, Any]:
     try:
         growth = d.growth
     except NotDerivableError as error:
-        return {"growth_vector": [], "brackets": f"none: {error}", "fields": {}}
+        return {"growth_vector": [], "brackets": f"none: {error.what}", "fields": {}}
     fields = {b.name: list(b.written(shown)) for b in growth.brackets}
     return {"growth_vector": list(growth.vector), "brackets": growth.text, "fields": fields}
 
@@ -168,4 +168,4 @@ def _or_why(fact: Callable[[], str]) -> str:
     try:
         return fact()
     except NotDerivableError as error:
-        return f"none: {error}"
+        return f"none: {error.what}"

@@ -125,7 +125,7 @@ def _renamed(text: str, name: str, description: str) -> str:
 
 def _commented(text: str, name: str, start: str) -> str:
     """``text`` with a head and, above each key, what it and the keys in it mean."""
-    tree, _ = read_tree(text, name)
+    tree = read_tree(text, name)
     above = {
         key.mark.line: list(_meaning(ROBOT.field(key.text), value))
         for key, value in (tree.entries if isinstance(tree, MappingNode) else ())

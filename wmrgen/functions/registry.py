@@ -19,7 +19,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from wmrgen.errors import NotDerivableError, RobotFileError
+from wmrgen.errors import Code, NotDerivableError, RobotFileError, Several
 from wmrgen.ports import Limits
 from wmrgen.spec.text import quoted, suggestion
 
@@ -145,17 +145,20 @@ def optional_names() -> tuple[str, ...]:
 
 
 def check(requests: Iterable[FunctionSpec]) -> None:
-    """RobotFileError for a function that no robot has or that every robot has."""
+    """RobotFileError for functions that no robot has or that every robot has."""
+    several = Several()
     for request in requests:
-        if not has_function(request.name):
-            raise RobotFileError(
-                f"there is no function {quoted(request.name)}", request.mark,
-                instead=suggestion(request.name, optional_names()),
-            )  # fmt: skip
-        if _FUNCTIONS[request.name].kind is Kind.FIRMWARE:
-            raise RobotFileError(
-                f"{request.name} is generated for every robot", request.mark, instead="Leave it out here."
-            )
+        with several:
+            if not has_function(request.name):
+                raise RobotFileError(
+                    f"there is no function {quoted(request.name)}", request.mark,
+                    instead=suggestion(request.name, optional_names()), code=Code.UNDECLARED,
+                )  # fmt: skip
+            if _FUNCTIONS[request.name].kind is Kind.FIRMWARE:
+                raise RobotFileError(
+                    f"{request.name} is generated for every robot", request.mark, instead="Leave it out here."
+                )
+    several.end()
 
 
 def _declared(name: str, table: dict[str, Declaration] | dict[str, SystemBuilder]) -> bool:

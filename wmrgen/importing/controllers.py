@@ -99,7 +99,7 @@ def read_controllers(path: Path, arguments: Mapping[str, str] | None = None) -> 
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise RobotFileError(f"{name}: cannot be read: {printable(reason)}") from None
-    tree, _ = read_tree(decode(data, name), name, aliases=True)
+    tree = read_tree(decode(data, name), name, aliases=True)
     return controllers_of(tree, arguments or {})
 
 

@@ -11,8 +11,8 @@ from typing import Any
 
 from wmrgen.errors import Mark, RobotFileError
 from wmrgen.importing.records import MODEL, SUPPORT, Imported, Question, Wheel
+from wmrgen.spec.names import robot_name
 from wmrgen.spec.questions import OPEN
-from wmrgen.spec.tables import robot_name
 from wmrgen.spec.text import Scalar, quoted
 from wmrgen.wheels import WHEEL_TYPES
 

@@ -30,7 +30,7 @@ from wmrgen.importing.robot_questions import (
     motors_unknown,
     support_asked,
 )
-from wmrgen.spec.tables import wheel_name
+from wmrgen.spec.names import wheel_name
 from wmrgen.spec.text import Scalar, quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from math import atan2, hypot, pi, remainder
+from typing import Any
 
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import RobotFileError, Several
 from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
@@ -40,58 +41,59 @@ HALF_PI = PI.scale(Fraction(1, 2))
 
 
 def build(spec: RobotSpec) -> Robot:
-    """The exact layout of a robot file. RobotFileError where a value makes no sense."""
-    parameters = _parameters(spec)
+    """The exact layout of a robot file. RobotFileError where values make no sense."""
+    several = Several()
+    parameters = _parameters(spec, several)
     scope = Scope(
         {p.name: p.value for p in parameters}, {p.name: p.working for p in parameters if not p.tunable}
     )
     tunable = frozenset(p.name for p in parameters if parameters_in(p.working))
     notes: list[str] = []
-    wheels = tuple(
-        _wheel(i, w, _Angles(w.name, scope, tunable if spec.snap else None, notes))
-        for i, w in enumerate(spec.wheels)
-    )
-    _check_names(spec)
-    cg = spec.cg
+    wheels: list[Wheel] = []
+    for i, w in enumerate(spec.wheels):
+        with several:
+            wheels.append(_wheel(i, w, _Angles(w.name, scope, tunable if spec.snap else None, notes)))
+    _check_names(spec, several)
+    facts: dict[str, Any] = {}
+    for part, laid_out in _PARTS.items():
+        with several:
+            facts[part] = laid_out(spec, scope, wheels)
+    several.end()
     robot = Robot(
         name=spec.name,
         description=spec.description,
         source=spec.source,
         parameters=parameters,
-        wheels=wheels,
+        wheels=tuple(wheels),
         steer_group=groups(spec, "steer"),
         spin_group=groups(spec, "spin"),
         couplings=tuple((c.joint, c.wheels) for c in spec.couplings),
-        limits=_limits(spec.limits, scope),
         notes=tuple(notes),
-        virtual=tuple(_virtual(v, wheels, scope) for v in spec.virtual),
-        trailers=tuple(_trailer(t, scope) for t in spec.trailers),
         slip=spec.slip,
-        cg=None if cg is None else Point(scope.length(cg.x), scope.length(cg.y), scope.length(cg.z)),
-        gains={name: scope.length(quantity) for name, quantity in spec.gains},
-        deadband=ZERO if spec.deadband is None else _deadband(spec.deadband, scope),
         functions=tuple(f.name for f in spec.functions),
-        noise=noise_of(spec.noise, scope),
-        encoders=encoders_of("the robot", spec.encoders, scope),
+        **facts,
     )
     refuse_unmodelled(spec, robot)
     return common_limits(spec, robot)
 
 
-def _parameters(spec: RobotSpec) -> tuple[Parameter, ...]:
+def _parameters(spec: RobotSpec, several: Several) -> tuple[Parameter, ...]:
     """Parameters, each after those it uses."""
     values: dict[str, Poly] = {}
     working: dict[str, Poly] = {}
     parameters = []
     for p in spec.parameters:
-        symbolic = to_poly(p.value, values)
-        values[p.name] = substituted(symbolic, values)
-        working[p.name] = substituted(symbolic, working)
-        if p.tunable:
-            _check_independent(p, working[p.name])
-            working[p.name] = Poly.gen("param", p.name)
-        nominal = number(symbolic, values)
-        parameters.append(Parameter(p.name, symbolic, values[p.name], working[p.name], nominal, p.tunable))
+        with several:
+            symbolic = to_poly(p.value, values)
+            kept = substituted(symbolic, working)
+            if p.tunable:
+                _check_independent(p, kept)
+            working[p.name] = Poly.gen("param", p.name) if p.tunable else kept
+            values[p.name] = substituted(symbolic, values)
+            nominal = number(symbolic, values)
+            parameters.append(
+                Parameter(p.name, symbolic, values[p.name], working[p.name], nominal, p.tunable)
+            )
     return tuple(parameters)
 
 
@@ -163,7 +165,18 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
     lengths = (scope.poly(q) for q in (w.r, w.d, w.offset_y, w.r_sw))
     symbolic = Geometry(px, py, *cos_sin(heading), *cos_sin(gamma), *lengths)
     nominal = symbolic.mapped(scope.number)
-    _check(w, nominal)
+    several = Several()
+    _check(w, nominal, several)
+    facts: dict[str, Any] = {}
+    with several:
+        facts["limits"] = _limits(w.limits, scope)
+    with several:
+        facts["weight"] = ONE if w.weight is None else weight_of(w.name, w.weight, scope)
+    with several:
+        facts["noise"] = noise_of(w.noise, scope)
+    with several:
+        facts["encoders"] = encoders_of(w.name, w.encoders, scope)
+    several.end()
     x, y, shown = float(nominal.x), float(nominal.y), float(scope.number(heading))
     direction = float(scope.number(alpha)) or atan2(y, x)
     return Wheel(
@@ -171,56 +184,65 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
         symbolic=symbolic, working=symbolic.mapped(lambda p: fix(p, scope.constants)), nominal=nominal,
         l=hypot(x, y), alpha=direction, beta=remainder(shown + pi / 2 - direction, 2 * pi),
         gamma=float(scope.number(gamma)), heading=shown,
-        actuated=w.actuated, sensed=w.sensed, limits=_limits(w.limits, scope),
-        weight=ONE if w.weight is None else weight_of(w.name, w.weight, scope),
-        noise=noise_of(w.noise, scope), encoders=encoders_of(w.name, w.encoders, scope),
+        actuated=w.actuated, sensed=w.sensed, **facts,
     )  # fmt: skip
 
 
-def _check(w: WheelSpec, g: Geometry[Exact]) -> None:
+def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
     """What no value may be: r <= 0, d = 0 of a castor, and what the wheel's type refuses."""
     kind = WHEEL_TYPES[w.type]
-    if w.r is not None and "r" in kind.required and g.r.sign <= 0:
-        raise RobotFileError(f"{w.name}: wheel radius r = {w.r.text} is not positive", w.r.mark, "",
-                             "Write r in metres, the radius and not the diameter, larger than 0.")  # fmt: skip
-    if w.d is not None and kind.swivels and not g.d:
-        raise RobotFileError(
-            f"{w.name}: a {kind.noun} with d = 0 is a steered wheel", w.d.mark,
-            "With the contact point under the pivot the wheel cannot follow: it constrains the robot.",
-            "Write type: steered, or give d, the distance from the pivot to the contact along the rolling direction.",
-        )  # fmt: skip
+    what = f"the {kind.name} wheel {w.name}"
+    with several:
+        if w.r is not None and "r" in kind.required and g.r.sign <= 0:
+            raise RobotFileError(f"{what} has r = {w.r.text}, which is not positive", w.r.mark, "",
+                                 "Write r in metres, the radius and not the diameter, larger than 0.")  # fmt: skip
+    with several:
+        if w.d is not None and kind.swivels and not g.d:
+            raise RobotFileError(
+                f"{what}: a {kind.noun} with d = 0 is a steered wheel", w.d.mark,
+                "With the contact point under the pivot the wheel cannot follow: it constrains the robot.",
+                "Write type: steered, or give d, from the pivot to the contact along the rolling direction.",
+            )  # fmt: skip
     for check in kind.checks:
         quantity = getattr(w, check.key)
-        if quantity is not None and check.bad(g):
-            problem = check.problem.format(name=w.name, text=quantity.text)
-            raise RobotFileError(problem, quantity.mark, check.why, check.instead)
+        with several:
+            if quantity is not None and check.bad(g):
+                problem = check.problem.format(what=what, text=quantity.text)
+                raise RobotFileError(problem, quantity.mark, check.why, check.instead)
 
 
-def _check_names(spec: RobotSpec) -> None:
+def _check_names(spec: RobotSpec, several: Several) -> None:
     """A parameter is an input of the generated code, as joints are."""
     parts = (
-        (spec.wheels, ("", "_spin", "_steer", "_steer_rate")),
-        (spec.virtual, ("", "_steer", "_steer_rate", "_speed")),
-        (spec.trailers, ("", "_theta", "_theta_rate", "_x", "_y")),
+        (spec.wheels, ("_spin", "_steer", "_steer_rate")),
+        (spec.virtual, ("_steer", "_steer_rate", "_speed")),
+        (spec.trailers, ("_theta", "_theta_rate", "_x", "_y")),
     )
-    names = {f"{part.name}{ending}" for group, endings in parts for part in group for ending in endings}
+    names = {
+        f"{part.name}{ending}".lower() for group, endings in parts for part in group for ending in endings
+    }
     for p in spec.parameters:
-        if p.name in names:
-            raise RobotFileError(f"parameter {p.name} has the name of a joint or wheel", p.value.mark)
+        with several:
+            if p.name.lower() in names:
+                raise RobotFileError(
+                    f"parameter {p.name} has the name of a joint", p.value.mark, "", "Write another name."
+                )
 
 
 def _limits(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
     """The limits in SI units. RobotFileError where low is above high, and for one that a tunable parameter moves."""
-    intervals = {}
+    several, intervals = Several(), {}
     for limit in limits:
-        high, low = (constant(f"limit {limit.name}", end, scope) for end in (limit.high, limit.low))
-        if low > high:
-            raise RobotFileError(
-                f"limit {limit.name} runs from {limit.low.text} to {limit.high.text}", limit.mark,
-                "The lower end is above the upper end.",
-                f"Write {limit.name}: [low, high]; one positive value v means [-v, v].",
-            )  # fmt: skip
-        intervals[limit.name] = Interval(low, high)
+        with several:
+            high, low = (constant(f"limit {limit.name}", end, scope) for end in (limit.high, limit.low))
+            if low > high:
+                raise RobotFileError(
+                    f"limit {limit.name} runs from {limit.low.text} to {limit.high.text}", limit.mark,
+                    "The lower end is above the upper end.",
+                    f"Write {limit.name}: [low, high]; one positive value v means [-v, v].",
+                )  # fmt: skip
+            intervals[limit.name] = Interval(low, high)
+    several.end()
     return intervals
 
 
@@ -259,3 +281,15 @@ def _trailer(t: TrailerSpec, scope: Scope) -> Trailer:
             "Write the distance from the trailer's coupling back to its axle.",
         )  # fmt: skip
     return Trailer(t.name, length, scope.length(t.hitch), t.mark)
+
+
+_PARTS: dict[str, Callable[[RobotSpec, Scope, list[Wheel]], Any]] = {  # of a Robot
+    "limits": lambda spec, scope, _: _limits(spec.limits, scope),
+    "virtual": lambda spec, scope, wheels: tuple(_virtual(v, wheels, scope) for v in spec.virtual),
+    "trailers": lambda spec, scope, _: tuple(_trailer(t, scope) for t in spec.trailers),
+    "cg": lambda spec, scope, _: spec.cg and Point(*map(scope.length, (spec.cg.x, spec.cg.y, spec.cg.z))),
+    "gains": lambda spec, scope, _: {name: scope.length(quantity) for name, quantity in spec.gains},
+    "deadband": lambda spec, scope, _: ZERO if spec.deadband is None else _deadband(spec.deadband, scope),
+    "noise": lambda spec, scope, _: noise_of(spec.noise, scope),
+    "encoders": lambda spec, scope, _: encoders_of("the robot", spec.encoders, scope),
+}

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from wmrgen.errors import Mark, RobotFileError
+from wmrgen.errors import Code, Mark, RobotFileError
 from wmrgen.exact.evaluate import (
     angle_value,
     cos_sin,
@@ -90,6 +90,8 @@ class _Conversion:
             case Pi():
                 return PI
             case Param(name):
+                if name not in self.values:
+                    raise RobotFileError(f"{name} has no value", self.mark, code=Code.CONSEQUENCE)
                 return Poly.gen("param", name)
             case Neg(arg):
                 return -self.poly(arg)

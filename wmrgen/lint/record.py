@@ -9,10 +9,11 @@ from difflib import get_close_matches
 
 import numpy as np
 
-from wmrgen.errors import Mark, UsageError, placed
+from wmrgen.errors import Mark, UsageError, message
 from wmrgen.layout.expressions import Scope
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility import Mobility
+from wmrgen.spec.mistakes import Mistake
 from wmrgen.spec.records import Quantity, RobotSpec, WheelSpec
 from wmrgen.spec.text import quoted
 
@@ -65,8 +66,7 @@ class Finding:
         return RULES[self.code].stops
 
     def __str__(self) -> str:
-        lines = placed(self.mark, f"warning[{self.code}]: {self.what}")
-        return "\n".join([*lines, *([f"  {self.instead}"] if self.instead else [])])
+        return message("warning", self.code, self.what, self.mark, [self.instead])
 
 
 Check = Callable[[Subject], Iterator[Finding]]
@@ -130,8 +130,8 @@ def ignored(mark: Mark) -> list[str]:
     return re.findall(r"WMR\d+", match[1]) if match else []
 
 
-def rule_called(code: str, rules: Mapping[str, Rule]) -> Rule:
-    """The rule of a code, in any case. UsageError where there is none."""
+def rule_called(code: str, rules: Mapping[str, Rule | Mistake]) -> Rule | Mistake:
+    """What of ``rules`` a code stands for, in any case. UsageError where it stands for nothing."""
     if code.upper() not in rules:
         near = "".join(f" Did you mean {c}?" for c in get_close_matches(code.upper()[:20], rules, 1))
         raise UsageError(f"{quoted(code)} is not the code of a rule.{near} `wmrgen explain` lists them.")

@@ -10,7 +10,7 @@ import re
 from collections.abc import Collection
 from fractions import Fraction
 
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Code, RobotFileError
 from wmrgen.spec.numbers import (
     NUMBER,
     UNITS,
@@ -143,11 +143,12 @@ class _Parser:
             return word
         if word in ARITY:
             raise self._error(f"the function {word} needs its argument", "", f"Write {word}(…).", at)
-        raise self._error(
+        raise self._node.error(
             f"{quoted(word)} is not a declared parameter",
             "Every name in an expression stands under parameters: or is pi.",
             suggestion(word, [*self._names, "pi"]),
             at,
+            Code.UNDECLARED,
         )
 
     def tree(self) -> Expr:

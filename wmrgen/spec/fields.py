@@ -21,7 +21,7 @@ class Version:
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """A new name, see `wmrgen.spec.tables`."""
+    """A new name, see `wmrgen.spec.names`."""
 
 
 @dataclass(frozen=True, slots=True)

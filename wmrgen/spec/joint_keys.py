@@ -9,9 +9,22 @@ LIMITS = Section(
     "limits",
     "limits: {omega: 4.0}",
     (
-        Field("vx", Interval(Kind.SPEED), "speed of P forward"),
+        Field(
+            "vx",
+            Interval(Kind.SPEED),
+            "speed of P forward",
+            aliases=dict.fromkeys(
+                ("v", "speed", "velocity", "linear", "max_speed", "max_velocity"),
+                "Write vx: for the speed forward, vy: to the left, omega: for the yaw rate.",
+            ),
+        ),
         Field("vy", Interval(Kind.SPEED), "speed of P to the left"),
-        Field("omega", Interval(Kind.RATE), "yaw rate"),
+        Field(
+            "omega",
+            Interval(Kind.RATE),
+            "yaw rate",
+            aliases=dict.fromkeys(("w", "wz", "yaw", "yaw_rate", "angular", "turn"), ""),
+        ),
         Field(
             "vx_rate", Interval(Kind.ACCELERATION), "how fast vx may change, which limit_acceleration keeps"
         ),

@@ -3,49 +3,59 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from wmrgen.errors import RobotFileError
-from wmrgen.spec.expressions import parse_value, read_quantity, scalar_of
-from wmrgen.spec.fields import Mapped, Text, Version
-from wmrgen.spec.keys import CG, GAINS, PARAMETER, ROBOT, TRAILER, VIRTUAL
-from wmrgen.spec.numbers import Kind, Scope, facts_of, parameters_in, plain_number
+from wmrgen.errors import Code, RobotFileError, Several
+from wmrgen.spec.expressions import read_quantity, scalar_of
+from wmrgen.spec.fields import Text, Version
+from wmrgen.spec.keys import CG, GAINS, ROBOT, TRAILER, VIRTUAL
+from wmrgen.spec.names import Names, robot_name, wheel_name
+from wmrgen.spec.numbers import Kind, Scope, plain_number
+from wmrgen.spec.parameters import read_parameters
 from wmrgen.spec.questions import refuse_questions
 from wmrgen.spec.reader import read_tree
 from wmrgen.spec.records import (
     FunctionSpec,
-    ParameterSpec,
     PointSpec,
     Quantity,
     RobotSpec,
     TrailerSpec,
     VirtualSpec,
-    WheelSpec,
 )
-from wmrgen.spec.tables import Table, mapping_of, parameter_name, robot_name, table_of, wheel_name
+from wmrgen.spec.tables import Table, table_of
 from wmrgen.spec.text import (
     MAX_BYTES,
     MappingNode,
     Node,
     Scalar,
+    SequenceNode,
+    Source,
     decode,
     printable,
     quoted,
     read_at_most,
-    suggestion,
 )
-from wmrgen.spec.wheels import read_couplings, read_encoders, read_limits, read_noise, read_wheels
-from wmrgen.wheels import WHEEL_TYPES
+from wmrgen.spec.wheels import (
+    declared_types,
+    read_couplings,
+    read_encoders,
+    read_limits,
+    read_noise,
+    read_wheels,
+    wheel_called,
+)
+from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 _DUNDER = re.compile(r"__\w+__")
 _ROLE, _POINT = VIRTUAL.choices
 
 
-def read_robot(path: str | Path) -> RobotSpec:
-    """The robot file at ``path``. RobotFileError for everything that can be wrong with it."""
-    return read_text(text_of(path), str(path))
+def read_robot(path: str | Path, several: Several | None = None) -> RobotSpec:
+    """`read_text` of the file at ``path``."""
+    return read_text(text_of(path), str(path), several)
 
 
 def text_of(path: str | Path) -> str:
@@ -63,41 +73,69 @@ def text_of(path: str | Path) -> str:
     return decode(data, str(path))
 
 
-def read_text(text: str, file_name: str) -> RobotSpec:
-    """A robot file given as text; ``file_name`` stands in messages."""
-    tree, source = read_tree(text, file_name)
+def read_text(text: str, file_name: str, several: Several | None = None) -> RobotSpec:
+    """A robot file given as text; ``file_name`` stands in messages. RobotFileError for everything that can be wrong.
+
+    With ``several``, which takes what is wrong in its parts: what the parts say in which nothing is.
+    """
+    wrong, tree = Several(), None
+    with wrong:
+        tree = read_tree(text, file_name, wrong)
     if tree is None or (isinstance(tree, Scalar) and not tree.text):
-        raise RobotFileError(
-            "the file is empty", source.mark(0, 0), "", f"A robot file begins {ROBOT.example}."
-        )
-    table = table_of(tree, ROBOT)
+        wrong.end()
+        mark, example = Source.of(text, file_name).mark(0, 0), f"A robot file begins {ROBOT.example}."
+        raise RobotFileError("the file is empty", mark, "", example, Code.NOT_YAML)
+    table = table_of(tree, ROBOT, wrong)
     _check_format(table)
     refuse_questions(tree)
-    table.require_all("the robot file")
-    name = robot_name(scalar_of(table.values["name"], "name"))
-    scope = Scope(degrees=table.word("angles"))
-    parameters, scope = _parameters(table.get("parameters"), scope)
-    wheels = read_wheels(table, scope)
-    return RobotSpec(
-        name=name,
-        description=_free_text(table, "description"),
-        source=_free_text(table, "source"),
-        snap=table.word("snap"),
-        parameters=parameters,
-        wheels=wheels,
-        couplings=read_couplings(table, wheels),
-        limits=read_limits(table.get("limits"), "the robot", scope),
-        mark=table.mark,
-        noise=read_noise(table.get("noise"), "the robot", scope),
-        encoders=read_encoders(table.get("encoder"), "the robot", scope),
-        virtual=_virtual(table, wheels, scope),
-        trailers=_trailers(table, wheels, scope),
-        slip=table.word("slip"),
-        cg=_point(table.get("cg"), scope),
-        gains=_gains(table.get("gains"), scope),
-        deadband=table.amount("deadband", "the robot", scope),
-        functions=tuple(FunctionSpec(item.text, item.mark) for item in table.scalars("functions")),
-    )
+    spec = _robot(table, wrong)
+    if _names_in_doubt(table, wrong):
+        wrong.errors = [error for error in wrong.errors if error.code is not Code.UNDECLARED]
+    if several is None or not wrong.errors:
+        wrong.end()
+        return spec
+    several.add(*wrong.errors)
+    return replace(spec, couplings=(), virtual=(), trailers=())
+
+
+def _names_in_doubt(table: Table, wrong: Several) -> bool:
+    """Some name cannot be read, so that where it is used nothing is to be told."""
+    wheels, parameters = table.get("wheels"), table.get("parameters")
+    unnamed = isinstance(wheels, SequenceNode) and len(declared_types(table)) < len(wheels.items)
+    no_mapping = parameters is not None and not isinstance(parameters, MappingNode)
+    return unnamed or no_mapping or any(error.code is Code.NAME for error in wrong.errors)
+
+
+@dataclass(frozen=True, slots=True)
+class _Reading:
+    """What the parts of a robot file are read by: its keys, parameters, names, the types of its wheels, if known, and
+    what takes the mistakes."""
+
+    table: Table
+    scope: Scope
+    names: Names
+    types: Mapping[str, WheelType | None]
+    several: Several
+
+
+def _robot(table: Table, several: Several) -> RobotSpec:
+    """What can be read; ``several`` takes the rest."""
+    table.require_all("the robot file", several)
+    name, scope, names = "", Scope(), Names()
+    facts: dict[str, Any] = {"parameters": (), "wheels": ()}
+    with several:
+        name = robot_name(scalar_of(table.require("name", "the robot file"), "name"))
+    with several:
+        scope = Scope(degrees=table.word("angles"))
+    with several:
+        facts["parameters"], scope = read_parameters(table.get("parameters"), scope, names, several)
+    with several:
+        facts["wheels"] = read_wheels(table, scope, names, several)
+    reading = _Reading(table, scope, names, declared_types(table), several)
+    for part, read in _PARTS.items():
+        with several:
+            facts[part] = read(reading)
+    return RobotSpec(name=name, mark=table.mark, **facts)
 
 
 def _check_format(table: Table) -> None:
@@ -135,113 +173,66 @@ def _free_text(table: Table, key: str) -> str:
     return text
 
 
-def _parameters(node: Node | None, scope: Scope) -> tuple[tuple[ParameterSpec, ...], Scope]:
-    """Parameters, each after those it uses, and the scope that knows them."""
-    if node is None:
-        return (), scope
-    mapping = mapping_of(node, "parameters", "parameters: and lines such as half_track: 0.1655")
-    value = ROBOT.field("parameters").value
-    assert isinstance(value, Mapped)
-    if len(mapping.entries) > value.most:
-        raise mapping.error(f"{len(mapping.entries)} parameters", f"At most {value.most} are read.")
-    names = [parameter_name(key) for key, _ in mapping.entries]
-    nodes: dict[str, Scalar] = {}
-    trees = {}
-    tunable = {}
-    for name, (_, entry) in zip(names, mapping.entries, strict=True):
-        nodes[name], tunable[name] = _entry(name, entry)
-        trees[name] = parse_value(nodes[name], names, Kind.ANY, f"parameter {name}")
-    order = _dependency_order({name: parameters_in(tree) for name, (tree, _) in trees.items()}, nodes)
-    parameters = []
-    for name in order:
-        expr, has_unit = trees[name]
-        facts = facts_of(expr, has_unit, scope, nodes[name])
-        scope = replace(scope, facts={**scope.facts, name: facts})
-        quantity = Quantity(expr, nodes[name].text.strip(), nodes[name].mark)
-        parameters.append(ParameterSpec(name, quantity, tunable[name]))
-    return tuple(parameters), scope
-
-
-def _dependency_order(uses: Mapping[str, set[str]], nodes: Mapping[str, Scalar]) -> list[str]:
-    """Names ordered so that each stands after those it uses, in file order otherwise.
-
-    RobotFileError for a circle. Iterative: a chain of parameters may be long.
-    """
-    order: dict[str, None] = {}
-    for root in uses:
-        path = [root]
-        while path:
-            name = path[-1]
-            missing = [used for used in sorted(uses[name]) if used not in order]
-            if not missing:
-                order[name] = None
-                path.pop()
-            elif missing[0] in path:
-                raise _circle(path[path.index(missing[0]) :], nodes[name])
-            else:
-                path.append(missing[0])
-    return list(order)
-
-
-def _circle(names: list[str], node: Scalar) -> RobotFileError:
-    if len(names) == 1:
-        return node.error(f"parameter {names[0]} refers to itself", "", "Give it a number.")
-    chain = " -> ".join([*names[:6], *(["…"] if len(names) > 6 else []), names[0]])
-    return node.error(
-        f"parameters refer to each other in a circle: {chain}", "", "Give one of them a number."
-    )
-
-
-def _entry(name: str, node: Node) -> tuple[Scalar, bool]:
-    """The value node of a parameter and whether it is tunable."""
-    what = f"parameter {name}"
-    if not isinstance(node, MappingNode):
-        return scalar_of(node, what), False
-    table = table_of(node, PARAMETER, what)
-    return scalar_of(table.require("value", what), what), table.word("tunable")
-
-
-def _trailers(robot: Table, wheels: Sequence[WheelSpec], scope: Scope) -> tuple[TrailerSpec, ...]:
+def _trailers(reading: _Reading) -> tuple[TrailerSpec, ...]:
     """Trailers from the robot backwards; without a name they are trailer1, trailer2, …"""
-    taken = {w.name: "a wheel" for w in wheels}
     trailers = []
-    for number, item in enumerate(robot.items("trailers"), 1):
-        table = table_of(item, TRAILER)
-        name = _own_name(table, f"trailer{number}", taken, "a trailer")
-        table.require_all(f"the trailer {name}")
-        length = table.required_amount("length", name, scope)
-        trailers.append(TrailerSpec(name, length, table.amount("hitch", name, scope), table.mark))
+    for number, item in enumerate(reading.table.items("trailers"), 1):
+        several, name = Several(), f"trailer{number}"
+        with reading.several:
+            table = table_of(item, TRAILER, several)
+            with several:
+                name = _own_name(table, name, reading.names, "a trailer")
+            table.require_all(f"the trailer {name}", several)
+            length, hitch = (_amount(table, key, name, reading.scope, several) for key in ("length", "hitch"))
+            several.end()
+            assert length is not None
+            trailers.append(TrailerSpec(name, length, hitch, table.mark))
     return tuple(trailers)
 
 
-def _virtual(robot: Table, wheels: Sequence[WheelSpec], scope: Scope) -> tuple[VirtualSpec, ...]:
+def _amount(table: Table, key: str, of: str, scope: Scope, several: Several) -> Quantity | None:
+    """A quantity; ``several`` takes what is wrong with it."""
+    with several:
+        return table.amount(key, of, scope)
+    return None
+
+
+def _virtual(reading: _Reading) -> tuple[VirtualSpec, ...]:
     """Virtual wheels: each steers or drives in place of real ones."""
-    taken = {w.name: "a wheel" for w in wheels}
     virtual = []
-    for item in robot.items("virtual"):
-        table = table_of(item, VIRTUAL)
-        table.require_all("the virtual wheel")
-        name = _own_name(table, "", taken, "a virtual wheel")
-        what = f"the virtual wheel {name}"
-        (role,) = table.choose(_ROLE, what)
-        table.choose(_POINT, what)
-        x, y = (table.amount(key, name, scope) for key in ("x", "y"))
-        virtual.append(VirtualSpec(name, role, _members(table, role, wheels), x, y, table.mark))
+    for item in reading.table.items("virtual"):
+        several, name, role = Several(), "", ""
+        wheels: tuple[str, ...] = ()
+        with reading.several:
+            table = table_of(item, VIRTUAL, several)
+            table.require_all("the virtual wheel", several)
+            with several:
+                name = _own_name(table, "", reading.names, "a virtual wheel")
+            what = f"the virtual wheel {name}".rstrip()
+            with several:
+                (role,) = table.choose(_ROLE, what)
+                wheels = _members(table, role, reading.types)
+            with several:
+                table.choose(_POINT, what)
+            x, y = (_amount(table, key, name, reading.scope, several) for key in ("x", "y"))
+            several.end()
+            virtual.append(VirtualSpec(name, role, wheels, x, y, table.mark))
     return tuple(virtual)
 
 
-def _members(table: Table, role: str, wheels: Sequence[WheelSpec]) -> tuple[str, ...]:
-    types = {w.name: w.type for w in wheels}
+def _members(table: Table, role: str, types: Mapping[str, WheelType | None]) -> tuple[str, ...]:
+    several = Several()
     wanted = [k.name for k in WHEEL_TYPES.values() if (k.steers if role == "steers" else k.constrains)]
     scalars = table.scalars(role)
     for scalar in scalars:
-        if scalar.text not in types:
-            raise scalar.error(f"there is no wheel {quoted(scalar.text)}", "", suggestion(scalar.text, types))
-        if types[scalar.text] not in wanted:
-            raise scalar.error(
-                f"{scalar.text} is a {types[scalar.text]} wheel",
-                f"A virtual wheel that {role} stands for {' or '.join(wanted)} wheels.",
-            )
+        with several:
+            kind = wheel_called(scalar.text, scalar, types)
+            if kind is not None and kind.name not in wanted:
+                raise scalar.error(
+                    f"{scalar.text} is a {kind.name} wheel",
+                    f"A virtual wheel that {role} stands for {' or '.join(wanted)} wheels.",
+                )
+    several.end()
     return tuple(scalar.text for scalar in scalars)
 
 
@@ -249,18 +240,24 @@ def _point(node: Node | None, scope: Scope) -> PointSpec | None:
     """``cg``: x, y from P in the robot frame, z above the ground."""
     if node is None:
         return None
-    table = table_of(node, CG)
-    table.require_all("cg")
-    x, y, z = (table.required_amount(key, "cg", scope) for key in ("x", "y", "z"))
-    return PointSpec(x, y, z)
+    several = Several()
+    table = table_of(node, CG, several)
+    table.require_all("cg", several)
+    x, y, z = (_amount(table, key, "cg", scope, several) for key in ("x", "y", "z"))
+    several.end()
+    return PointSpec(x, y, z) if x and y and z else None
 
 
 def _gains(node: Node | None, scope: Scope) -> tuple[tuple[str, Quantity], ...]:
     """Gains of the control laws, as expressions over parameters."""
     if node is None:
         return ()
-    table = table_of(node, GAINS)
-    return tuple((key, _gain(value, key, scope)) for key, value in table.values.items())
+    several, gains = Several(), []
+    for key, value in table_of(node, GAINS, several).values.items():
+        with several:
+            gains.append((key, _gain(value, key, scope)))
+    several.end()
+    return tuple(gains)
 
 
 def _gain(node: Node, key: str, scope: Scope) -> Quantity:
@@ -275,12 +272,28 @@ def _gain(node: Node, key: str, scope: Scope) -> Quantity:
     return read_quantity(scalar, Kind.ANY, key, scope)
 
 
-def _own_name(table: Table, default: str, taken: dict[str, str], what: str) -> str:
-    """The name of an entry, not one that is taken. Entered into ``taken``."""
+def _own_name(table: Table, default: str, names: Names, what: str) -> str:
+    """The name of an entry, entered into ``names``."""
     node = table.get("name")
     name = default if node is None else wheel_name(scalar_of(node, "name"))
-    if name in taken:
-        place = node if isinstance(node, Scalar) else table.node
-        raise place.error(f"{quoted(name)} is the name of {taken[name]} already", "", "Write another name.")
-    taken[name] = what
+    if name:
+        names.add(name, what, node or table.node)
     return name
+
+
+_PARTS: dict[str, Callable[[_Reading], Any]] = {  # of a RobotSpec
+    "description": lambda r: _free_text(r.table, "description"),
+    "source": lambda r: _free_text(r.table, "source"),
+    "snap": lambda r: r.table.word("snap"),
+    "couplings": lambda r: read_couplings(r.table, r.types, r.several),
+    "limits": lambda r: read_limits(r.table.get("limits"), "the robot", r.scope),
+    "noise": lambda r: read_noise(r.table.get("noise"), "the robot", r.scope),
+    "encoders": lambda r: read_encoders(r.table.get("encoder"), "the robot", r.scope),
+    "virtual": _virtual,
+    "trailers": _trailers,
+    "slip": lambda r: r.table.word("slip"),
+    "cg": lambda r: _point(r.table.get("cg"), r.scope),
+    "gains": lambda r: _gains(r.table.get("gains"), r.scope),
+    "deadband": lambda r: r.table.amount("deadband", "the robot", r.scope),
+    "functions": lambda r: tuple(FunctionSpec(item.text, item.mark) for item in r.table.scalars("functions")),
+}

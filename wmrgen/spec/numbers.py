@@ -13,7 +13,7 @@ from enum import StrEnum
 from fractions import Fraction
 from math import ceil
 
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Code, RobotFileError
 from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi
 from wmrgen.spec.text import Scalar, quoted, suggestion
 
@@ -184,10 +184,10 @@ class Facts:
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """Declared parameters with their facts, and whether bare angles are degrees."""
+    """Declared parameters with their facts, None where they cannot be read; and whether bare angles are degrees."""
 
     degrees: bool = False
-    facts: Mapping[str, Facts] = field(default_factory=dict)
+    facts: Mapping[str, Facts | None] = field(default_factory=dict)
 
 
 def children(expr: Expr) -> tuple[Expr, ...]:
@@ -255,7 +255,10 @@ def facts_of(expr: Expr, has_unit: bool, scope: Scope, node: Scalar, angle: bool
     RobotFileError when its exact value would be too large to handle, or when it takes the cosine of what may be
     degrees or radians.
     """
-    facts = _facts(expr, scope.facts)
+    declared = {name: known for name, known in scope.facts.items() if known is not None}
+    if not parameters_in(expr) <= declared.keys():
+        raise node.error("a parameter that cannot be read is used here", code=Code.CONSEQUENCE)
+    facts = _facts(expr, declared)
     if facts.bits > MAX_BITS or facts.terms > MAX_TERMS:
         raise node.error(
             "the expression is too large to be computed exactly",
@@ -269,19 +272,19 @@ def facts_of(expr: Expr, has_unit: bool, scope: Scope, node: Scalar, angle: bool
             "Declare the sum as one parameter with its value.",
         )
     if scope.degrees:
-        _refuse_bare_trigonometry(expr, scope, node)
+        _refuse_bare_trigonometry(expr, declared, node)
     return replace(facts, in_radians=has_unit or facts.in_radians)
 
 
-def _refuse_bare_trigonometry(expr: Expr, scope: Scope, node: Scalar) -> None:
+def _refuse_bare_trigonometry(expr: Expr, declared: Mapping[str, Facts], node: Scalar) -> None:
     """Under ``angles: deg`` refuse cos(30): it cannot be told whether degrees are meant."""
     match expr:
         case Call("sin" | "cos" | "tan" as name, (arg,)):
-            if arg != Num(Fraction(0)) and not _facts(arg, scope.facts).in_radians:
+            if arg != Num(Fraction(0)) and not _facts(arg, declared).in_radians:
                 raise node.error(
                     f"with angles: deg the argument of {name}() is ambiguous",
                     "sin, cos and tan take radians, and bare angles are degrees in this file.",
                     f"Write {name}(30*pi/180), or declare a parameter such as a: 30 deg and write {name}(a).",
                 )
     for child in children(expr):
-        _refuse_bare_trigonometry(child, scope, node)
+        _refuse_bare_trigonometry(child, declared, node)

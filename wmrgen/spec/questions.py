@@ -4,24 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Code, Several
 from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode
 
 OPEN = "TODO"  # what stands in the place of the answer; a plain word, for text may say it in quotes
 
 
 def refuse_questions(tree: Node) -> None:
-    """RobotFileError at the first open question, which says how many there are."""
-    questions = list(_questions(tree, ""))
-    if questions:
-        key, node = questions[0]
-        more = f" It is the first of {len(questions)}." if len(questions) > 1 else ""
-        raise RobotFileError(
-            f"{key or 'this value'} is an open question",
-            node.mark,
-            f"Nothing is derived from a robot that is not known.{more}",
-            f"Write the answer in the place of {OPEN}; the comment beside it says what is asked.",
-        )
+    """RobotFileError for every open question."""
+    several = Several()
+    for key, node in _questions(tree, ""):
+        with several:
+            raise node.error(
+                f"{key or 'this value'} is an open question",
+                "Nothing is derived from a robot that is not known.",
+                f"Write the answer in the place of {OPEN}; the comment beside it says what is asked.",
+                code=Code.OPEN,
+            )
+    several.end()
 
 
 def _questions(node: Node, key: str) -> Iterator[tuple[str, Scalar]]:

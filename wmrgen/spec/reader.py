@@ -15,7 +15,7 @@ from yaml.parser import Parser
 from yaml.reader import Reader
 from yaml.scanner import Scanner
 
-from wmrgen.errors import Mark, RobotFileError
+from wmrgen.errors import Code, Mark, RobotFileError, Several
 from wmrgen.spec.text import (
     MappingNode,
     Node,
@@ -54,15 +54,15 @@ _PLAIN_WORDS = (
 class _Composer(Reader, Scanner, Parser):
     """PyYAML's events to nodes, which are counted; without anchors, aliases, tags, directives and deep nesting."""
 
-    def __init__(self, text: str, source: Source) -> None:
+    def __init__(self, text: str, source: Source, several: Several) -> None:
         Reader.__init__(self, text)
         Scanner.__init__(self)
         Parser.__init__(self)
-        self._source = source
+        self._source, self._several = source, several
         self._nodes = 0
 
     def _refuse(self, what: str, why: str, instead: str) -> NoReturn:
-        raise RobotFileError(what, self.mark_here(), why, instead)
+        raise RobotFileError(what, self.mark_here(), why, instead, Code.NOT_YAML)
 
     def mark_here(self) -> Mark:
         """How far the scanner has come."""
@@ -108,6 +108,7 @@ class _Composer(Reader, Scanner, Parser):
                 self._source.mark(self.peek_event().start_mark.line, 0),
                 "One file describes one robot.",
                 "Use a file per robot.",
+                Code.NOT_YAML,
             )
         return node
 
@@ -116,10 +117,14 @@ class _Composer(Reader, Scanner, Parser):
         mark = self._source.mark(event.start_mark.line, event.start_mark.column)
         self._nodes += 1
         if depth > MAX_DEPTH:
-            raise RobotFileError(_DEPTH[0], mark, *_DEPTH[1:])
+            raise RobotFileError(_DEPTH[0], mark, *_DEPTH[1:], Code.NOT_YAML)
         if self._nodes > MAX_NODES:
             raise RobotFileError(
-                f"more than {MAX_NODES} values in one file", mark, "Larger input is refused."
+                f"more than {MAX_NODES} values in one file",
+                mark,
+                "Larger input is refused.",
+                "",
+                Code.NOT_YAML,
             )
         if isinstance(event, yaml.ScalarEvent):
             return self._scalar(Scalar(mark, event.value, event.style is None))
@@ -131,29 +136,35 @@ class _Composer(Reader, Scanner, Parser):
             return SequenceNode(mark, tuple(items))
         entries: dict[str, tuple[Scalar, Node]] = {}
         while not self.check_event(yaml.MappingEndEvent):
-            key = self._key(depth + 1, entries)
-            entries[key.text] = (key, self._node(depth + 1))
+            key = self._key(depth + 1)
+            value = self._node(depth + 1)
+            if key.text in entries:
+                self._several.add(_duplicate(key, entries[key.text][0]))
+            else:
+                entries[key.text] = (key, value)
         self.get_event()
         return MappingNode(mark, tuple(entries.values()))
 
     def _scalar(self, scalar: Scalar) -> Scalar:
         refused = refused_character(scalar.text)  # escapes in double quotes can make any character
         if refused:
-            raise scalar.error(f"{refused[1]} in a text", refused[2], "Delete it.")
+            raise scalar.error(f"{refused[1]} in a text", refused[2], "Delete it.", code=Code.NOT_YAML)
         return scalar
 
-    def _key(self, depth: int, entries: dict[str, tuple[Scalar, Node]]) -> Scalar:
+    def _key(self, depth: int) -> Scalar:
         key = self._node(depth)
         if not isinstance(key, Scalar) or "\n" in key.text or len(key.text) > _KEY_LIMIT:
-            raise key.error("a key must be a short word", "", "Write key: value.")
-        if key.text in entries:
-            first = entries[key.text][0].mark.line
-            raise key.error(
-                f"duplicate key {quoted(key.text)}",
-                f"It stands on line {first} already, and only one of the two could count.",
-                "Delete one of them.",
-            )
+            raise key.error("a key must be a short word", "", "Write key: value.", code=Code.NOT_YAML)
         return key
+
+
+def _duplicate(key: Scalar, first: Scalar) -> RobotFileError:
+    return key.error(
+        f"duplicate key {quoted(key.text)}",
+        f"It stands on line {first.mark.line} already, and only one of the two could count.",
+        "Delete one of them.",
+        code=Code.TWICE,
+    )
 
 
 class _Aliased(_Composer):
@@ -162,8 +173,8 @@ class _Aliased(_Composer):
     fetch_anchor = Scanner.fetch_anchor
     fetch_alias = Scanner.fetch_alias
 
-    def __init__(self, text: str, source: Source) -> None:
-        super().__init__(text, source)
+    def __init__(self, text: str, source: Source, several: Several) -> None:
+        super().__init__(text, source, several)
         self._anchored: dict[str, tuple[Node, int]] = {}  # with the number of its nodes
 
     def _node(self, depth: int) -> Node:
@@ -188,21 +199,24 @@ def _from_yaml(error: yaml.MarkedYAMLError, source: Source) -> RobotFileError:
     plain.append((f"not YAML: {quoted(problem, 120)}", "Compare with a file under robots/."))
     what, instead = plain[0]
     mark = error.problem_mark or error.context_mark
-    if "never closed" in what and error.context_mark:
+    if error.context_mark and ("never closed" in what or "without ':'" in what):
         mark = error.context_mark
     why = ""
     if error.context_mark and error.context_mark is not mark and "not closed" in what:
         why = f"It was opened on line {error.context_mark.line + 1}."
-    return RobotFileError(what, source.mark(mark.line, mark.column) if mark else None, why, instead)
+    place = source.mark(mark.line, mark.column) if mark else None
+    return RobotFileError(what, place, why, instead, Code.NOT_YAML)
 
 
-def read_tree(text: str, file: str, aliases: bool = False) -> tuple[Node | None, Source]:
-    """The raw tree of ``text`` (None for an empty file), and its lines. ``aliases``: of files of others."""
+def read_tree(text: str, file: str, several: Several | None = None, aliases: bool = False) -> Node | None:
+    """The raw tree of ``text``, None for an empty file; ``several``, where given, takes keys that stand twice.
+    ``aliases``: of files of others."""
     text = normalise(text, file)
     source = Source.of(text, file)
-    composer = (_Aliased if aliases else _Composer)(text, source)
+    wrong = several or Several()
+    composer = (_Aliased if aliases else _Composer)(text, source, wrong)
     try:
-        return composer.document(), source
+        tree = composer.document()
     except yaml.MarkedYAMLError as error:
         raise _from_yaml(error, source) from None
     except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
@@ -212,7 +226,11 @@ def read_tree(text: str, file: str, aliases: bool = False) -> tuple[Node | None,
             composer.mark_here(),
             "",
             "Compare with a file under robots/.",
+            Code.NOT_YAML,
         ) from None
+    if several is None:
+        wrong.end()
+    return tree
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,7 +249,7 @@ class Token:
 
 def tokens(text: str, file: str) -> Iterator[Token]:
     """The words of a robot file that `read_tree` reads, in order; what stands between them is blank or comment."""
-    composer = _Composer(text, Source.of(text, file))
+    composer = _Composer(text, Source.of(text, file), Several())
     while composer.check_token():
         token = composer.get_token()
         start, end = token.start_mark, token.end_mark

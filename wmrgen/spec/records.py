@@ -179,14 +179,14 @@ class RobotSpec:
     """A robot file, read and checked for form. Each parameter stands after those it uses."""
 
     name: str
-    description: str
-    source: str
-    snap: bool
+    mark: Mark
     parameters: tuple[ParameterSpec, ...]
     wheels: tuple[WheelSpec, ...]
-    couplings: tuple[Coupling, ...]
-    limits: tuple[Limit, ...]
-    mark: Mark
+    description: str = ""
+    source: str = ""
+    snap: bool = True
+    couplings: tuple[Coupling, ...] = ()
+    limits: tuple[Limit, ...] = ()
     noise: tuple[NoiseSpec, ...] = ()
     encoders: tuple[EncoderSpec, ...] = ()
     virtual: tuple[VirtualSpec, ...] = ()

@@ -23,8 +23,8 @@ from wmrgen.spec.fields import (
 )
 from wmrgen.spec.joint_keys import ENCODER, LIMITS, NOISE
 from wmrgen.spec.keys import ROBOT, SECTIONS, WHEEL
+from wmrgen.spec.names import NAME_PATTERN
 from wmrgen.spec.numbers import Kind, units_of
-from wmrgen.spec.tables import NAME_PATTERN
 from wmrgen.spec.wheels import keys_of_type, takes
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
@@ -246,7 +246,7 @@ def _in_words(value: Value) -> str:
         case Version(number):
             return f"`{number}`"
         case Name():
-            return "new name: a-z, 0-9 and _, 31 characters at most"
+            return "new name: a-z, A-Z, 0-9 and _, 31 characters at most"
         case Text(longest):
             return f"text, {longest} characters at most"
         case Word(words):

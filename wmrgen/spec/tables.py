@@ -1,29 +1,32 @@
-"""Mappings with known keys: their spelling, what stands behind them, what is missing; and names that a file gives."""
+"""Mappings with known keys: their spelling, what stands behind them, what is missing."""
 
 from __future__ import annotations
 
 import re
 import unicodedata
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from wmrgen.backends.registry import why_reserved
-from wmrgen.errors import Mark, RobotFileError
+from wmrgen.errors import Code, Mark, RobotFileError, Several
 from wmrgen.spec.expressions import read_quantity, scalar_of
-from wmrgen.spec.fields import Amount, Choice, ListOf, Section, Word
+from wmrgen.spec.fields import Amount, Choice, Field, ListOf, Section, Word
 from wmrgen.spec.numbers import Scope, plain_number
 from wmrgen.spec.records import Quantity
-from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, kind_of, quoted, suggestion
+from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, kind_of, nearest, quoted, suggestion
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The entries of a mapping by key, Greek letters spelled out, and the section that says what they are."""
+    """The entries of a mapping by key, Greek letters spelled out, and the section that says what they are.
+
+    ``excused``: keys that something else may stand for, which has been told: nothing is said of them again.
+    """
 
     node: MappingNode
     section: Section
-    keys: dict[str, Scalar]
-    values: dict[str, Node]
+    keys: dict[str, Scalar] = field(default_factory=dict)
+    values: dict[str, Node] = field(default_factory=dict)
+    excused: set[str] = field(default_factory=set)
 
     @property
     def mark(self) -> Mark:
@@ -35,14 +38,21 @@ class Table:
     def require(self, key: str, what: str) -> Node:
         """The value of a key that must be there."""
         if key not in self.values:
-            reason = self.section.field(key).missing or ("", f"Write {key}: and its value.")
-            raise self.node.error(f"{what} has no {key}", *reason)
+            raise self.missing(
+                key, what, *self.section.field(key).missing or ("", f"Write {key}: and its value.")
+            )
         return self.values[key]
 
-    def require_all(self, what: str) -> None:
+    def missing(self, key: str, what: str, why: str, instead: str) -> RobotFileError:
+        """The error for a key that is not there."""
+        code = Code.CONSEQUENCE if key in self.excused else Code.MISSING
+        return self.node.error(f"{what} has no {key}", why, instead, code=code)
+
+    def require_all(self, what: str, several: Several) -> None:
         """Every key that the section requires must be there."""
         for key in self.section.required:
-            self.require(key, what)
+            with several:
+                self.require(key, what)
 
     def word(self, key: str) -> bool:
         """What the word of a key means; its default where the key is not given."""
@@ -76,7 +86,7 @@ class Table:
             raise node.error(what, why, instead)
         if value.most is not None and n > value.most:
             what, why, instead = (text.format(**words) for text in value.many)
-            raise RobotFileError(what, node.items[value.most].mark, why, instead)
+            raise node.items[value.most].error(what, why, instead)
         return node.items
 
     def scalars(self, key: str) -> tuple[Scalar, ...]:
@@ -85,7 +95,8 @@ class Table:
         for item in self.items(key):
             scalar = scalar_of(item, f"an item of {key}")
             if scalar.text in (other.text for other in scalars):
-                raise scalar.error(f"{quoted(scalar.text)} stands twice in {key}", "", "Delete one of them.")
+                what = f"{quoted(scalar.text)} stands twice in {key}"
+                raise scalar.error(what, "", "Delete one of them.", code=Code.TWICE)
             scalars.append(scalar)
         return tuple(scalars)
 
@@ -109,20 +120,24 @@ class Table:
         """The keys of the one alternative that stands, complete; none where there may be none."""
         standing = [tuple(k for k in keys if k in self.keys) for keys in choice.sets]
         chosen = [(keys, every) for keys, every in zip(standing, choice.sets, strict=True) if keys]
+        excused = not self.excused.isdisjoint(key for keys in choice.sets for key in keys)
         if len(chosen) > 1:
             problem, why, instead = choice.several
             later = max((keys[0] for keys, _ in chosen), key=list(self.keys).index)
             both = f"{' and by ' if 'by {keys}' in problem else ' and '}".join(
                 " and ".join(keys) for keys, _ in chosen
             )
-            raise self.keys[later].error(f"{what} {problem.format(keys=both)}", why, instead)
+            code = Code.CONSEQUENCE if excused else Code.TWICE
+            raise self.keys[later].error(f"{what} {problem.format(keys=both)}", why, instead, code=code)
         if not chosen:
             if choice.optional and not required:
                 return ()
             problem, why, instead = choice.none
-            raise self.node.error(f"{what} {problem}", why, instead)
+            code = Code.CONSEQUENCE if excused else Code.MISSING
+            raise self.node.error(f"{what} {problem}", why, instead, code=code)
         for key in chosen[0][1]:
-            self.require(key, what)
+            if not excused:
+                self.require(key, what)
         return chosen[0][1]
 
 
@@ -146,30 +161,51 @@ def mapping_of(node: Node, what: str, example: str) -> MappingNode:
     return node
 
 
-def table_of(node: Node, section: Section, what: str = "", valid: Collection[str] | None = None) -> Table:
-    """The node as a table whose keys are those of ``section``, or of them the ``valid`` ones."""
+def table_of(
+    node: Node, section: Section, several: Several, what: str = "", valid: Collection[str] | None = None
+) -> Table:
+    """The node as a table whose keys are those of ``section``, or of them the ``valid`` ones.
+
+    ``several`` takes what is wrong with keys. A misspelt key stands for the one that is meant.
+    """
     what = what or section.title
-    mapping = mapping_of(node, what, section.example)
-    table = Table(mapping, section, {}, {})
-    for key, value in mapping.entries:
+    table = Table(mapping_of(node, what, section.example), section)
+    fields = [f for f in section.fields if valid is None or f.key in valid]
+    unknown = []
+    for key, value in table.node.entries:
         name = spelled(key.text, section)
-        if name not in (section.keys if valid is None else valid):
-            raise unknown_key(key, value, section, what, valid)
-        if name in table.keys:
-            raise key.error(
-                f"{quoted(key.text)} and {quoted(table.keys[name].text)} are the same key",
-                "Only one of the two could count.",
-                "Delete one of them.",
-            )
-        table.keys[name], table.values[name] = key, value
+        if all(name != f.key for f in fields):
+            unknown.append((key, value))
+        elif name in table.keys:
+            both = f"{quoted(key.text)} and {quoted(table.keys[name].text)} are the same key"
+            why = "Only one of the two could count."
+            several.add(key.error(both, why, "Delete one of them.", code=Code.TWICE))
+        else:
+            table.keys[name], table.values[name] = key, value
+    for key, value in unknown:
+        several.add(unknown_key(key, value, fields, what))
+        meant, certain = _meant(key.text, fields)
+        if meant and meant not in table.keys:
+            table.excused.add(meant)
+            if certain and not (isinstance(value, Scalar) and not value.text):
+                table.keys[meant], table.values[meant] = key, value
     return table
 
 
-def unknown_key(
-    key: Scalar, value: Node, section: Section, what: str, valid: Collection[str] | None
-) -> RobotFileError:
+def _meant(word: str, fields: Collection[Field]) -> tuple[str, bool]:
+    """The key that an unknown word is likely to stand for, and whether its value can be that key's."""
+    for f in fields:
+        if word.lower() in f.aliases:
+            return f.key, not f.aliases[word.lower()]
+    keys = [f.key for f in fields]
+    word = word.partition(" ")[0].partition(":")[0]
+    return nearest(word, keys), bool(nearest(word, keys, 0.75))
+
+
+def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) -> RobotFileError:
     """The error for a key that does not exist, with the nearest one that does."""
     empty = isinstance(value, Scalar) and not value.text
+    valid = {f.key for f in fields}
     if re.fullmatch(r"[0-9]+", key.text) and empty:
         return key.error(
             f"{quoted(key.text)} stands where a key is expected",
@@ -181,6 +217,9 @@ def unknown_key(
         return key.error(
             f"no space after the colon in {quoted(key.text)}", "YAML needs one.", f"Write {word}: {rest}"
         )
+    if key.plain and empty and key.text.partition(" ")[0] in valid:
+        word, _, rest = key.text.partition(" ")
+        return key.error(f"no colon in {quoted(key.text)}", "", f"Write {word}: {rest.strip()}")
     if key.plain and empty and key.text.count(")") > key.text.count("("):
         return key.error(
             f"{quoted(key.text)} stands where a key is expected",
@@ -189,94 +228,6 @@ def unknown_key(
         )
     if key.text == "<<":
         return key.error("'<<' merges mappings in YAML", "Merge keys are refused.", "Write the keys out.")
-    fields = [f for f in section.fields if valid is None or f.key in valid]
     aliases = {alias: text for f in fields for alias, text in f.hints.items()}
-    keys = [f.key for f in fields]
-    return key.error(f"unknown key {quoted(key.text)} in {what}", "", suggestion(key.text, keys, aliases))
-
-
-NAME_PATTERN = "^[a-z][a-z0-9_]{0,30}$"
-_DEVICES = {
-    "con",
-    "prn",
-    "aux",
-    "nul",
-    "clock",
-    *(f"{port}{i}" for port in ("com", "lpt") for i in range(10)),
-}
-_FILE_NAMES = {
-    *"math stdio stdint stdlib stdbool string stddef stdarg float limits tgmath fenv inttypes".split(),
-    *"numpy sympy casadi wmrgen".split(),
-}
-_EXPRESSION_WORDS = {*"pi sqrt sin cos tan atan2 vx vy omega slip x y theta dt".split()}
-
-
-def _reserved(name: str) -> str:
-    """Why no name may be this word; nothing where it may."""
-    if name.endswith("_t"):
-        return "POSIX keeps names that end in _t for types."
-    if "__" in name:
-        return "C++ keeps names with a double underscore for the implementation."
-    return why_reserved(name) or ("Windows keeps that name for a device." if name in _DEVICES else "")
-
-
-def _check(node: Scalar, what: str) -> str:
-    """The name, when it is one; ``what`` says whose: robot, wheel, parameter."""
-    name = node.text
-    if not name:
-        raise node.error(f"the {what} name is empty", "", "Write a name such as front_left.")
-    if not re.fullmatch(NAME_PATTERN, name):
-        raise node.error(
-            f"{quoted(name)} is not a valid {what} name",
-            "Names become identifiers of generated C: [a-z][a-z0-9_]*, at most 31 characters.",
-            f"Write {quoted(_repaired(name))}." if _repaired(name) else "Write a name such as front_left.",
-        )
-    reason = _reserved(name)
-    if reason:
-        raise node.error(
-            f"the {what} name {quoted(name)} is reserved", reason, f"Write {quoted(_free(name))}."
-        )
-    return name
-
-
-def _free(name: str) -> str:
-    """A name near a reserved one that is not reserved."""
-    return re.sub(r"__+", "_", name.removesuffix("_t"))[:28].rstrip("_") + "_1"
-
-
-def _repaired(name: str) -> str:
-    """A valid name near ``name``, or nothing."""
-    near = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")[:31].rstrip("_")
-    return near if re.fullmatch(NAME_PATTERN, near) and not _reserved(near) else ""
-
-
-def robot_name(node: Scalar) -> str:
-    """A robot's name, which also names its files and folder."""
-    if node.text == "textbook":
-        raise node.error(
-            "the robot name 'textbook' is reserved",
-            "Beside the robots' folders, `wmrgen textbook` writes a folder of that name: one would replace the other.",
-            "Write textbook_robot.",
-        )
-    if node.text in _FILE_NAMES:
-        raise node.error(
-            f"the robot name {quoted(node.text)} is reserved",
-            "The generated files would be taken for a standard header or module.",
-            f"Write {node.text}_robot.",
-        )
-    return _check(node, "robot")
-
-
-def wheel_name(node: Scalar) -> str:
-    return _check(node, "wheel")
-
-
-def parameter_name(node: Scalar) -> str:
-    """A parameter's name, which must not be a word of expressions or of the contract either."""
-    if node.text in _EXPRESSION_WORDS or re.fullmatch(r"eta[0-9]+", node.text):
-        raise node.error(
-            f"the parameter name {quoted(node.text)} is reserved",
-            "Expressions or the inputs and outputs of the model use that word already.",
-            f"Write {node.text}_0 or a longer name." if node.text != "pi" else "Use pi as it is.",
-        )
-    return _check(node, "parameter")
+    instead = suggestion(key.text, [f.key for f in fields], aliases)
+    return key.error(f"unknown key {quoted(key.text)} in {what}", "", instead, code=Code.UNKNOWN_KEY)

@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import BinaryIO
 
-from wmrgen.errors import Mark, RobotFileError
+from wmrgen.errors import Code, Mark, RobotFileError
 
 MAX_BYTES = 256 * 1024
 
@@ -102,6 +102,7 @@ def decode(data: bytes, file: str) -> str:
             source.mark_at(before + line, len(before)),
             "Robot files are UTF-8; this one was saved in another encoding or is not text.",
             "Save the file as UTF-8.",
+            Code.NOT_YAML,
         ) from None
 
 
@@ -114,9 +115,20 @@ def normalise(text: str, file: str) -> str:
     if refused:
         index, name, why = refused
         raise RobotFileError(
-            f"{name} in the file", Source.of(text, file).mark_at(text, index), why, "Delete it."
+            f"{name} in the file",
+            Source.of(text, file).mark_at(text, index),
+            why,
+            "Delete it.",
+            Code.NOT_YAML,
         )
     return text
+
+
+def nearest(wrong: str, valid: Iterable[str], likeness: float = 0.5) -> str:
+    """The word that is most like ``wrong``, case aside; nothing where none is, and for a letter that is no word."""
+    words = {word.lower(): word for word in valid}
+    near = get_close_matches(wrong.lower()[:40], words, n=1, cutoff=likeness if len(wrong) > 1 else 1)
+    return words[near[0]] if near else ""
 
 
 def suggestion(wrong: str, valid: Iterable[str], aliases: Mapping[str, str] | None = None) -> str:
@@ -125,9 +137,9 @@ def suggestion(wrong: str, valid: Iterable[str], aliases: Mapping[str, str] | No
     hint = (aliases or {}).get(wrong.lower())
     if hint:
         return hint
-    near = get_close_matches(wrong.lower()[:40], words, n=1, cutoff=0.5)
+    near = nearest(wrong, words)
     if near:
-        return f"Did you mean {near[0]}?"
+        return f"Did you mean {near}?"
     return f"Valid here: {' '.join(words)}." if words else ""
 
 
@@ -141,8 +153,10 @@ class Node:
         """The place of character ``offset``."""
         return self.mark
 
-    def error(self, what: str, why: str = "", instead: str = "", offset: int = 0) -> RobotFileError:
-        return RobotFileError(what, self.mark_at(offset), why, instead)
+    def error(
+        self, what: str, why: str = "", instead: str = "", offset: int = 0, code: Code = Code.FORM
+    ) -> RobotFileError:
+        return RobotFileError(what, self.mark_at(offset), why, instead, code)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,71 +2,112 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Code, RobotFileError, Several
 from wmrgen.spec.expressions import read_quantity, scalar_of
 from wmrgen.spec.fields import Amount, Interval, Section
 from wmrgen.spec.joint_keys import ENCODER, LIMITS, NOISE
 from wmrgen.spec.keys import COUPLING, WHEEL
+from wmrgen.spec.names import Names, wheel_name
 from wmrgen.spec.numbers import Scope
 from wmrgen.spec.records import Coupling, EncoderSpec, Limit, Neg, NoiseSpec, WheelSpec
-from wmrgen.spec.tables import Table, table_of, wheel_name
-from wmrgen.spec.text import Node, Scalar, SequenceNode, quoted, suggestion
+from wmrgen.spec.tables import Table, table_of
+from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, quoted, suggestion
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 _PLACEMENT, _ORIENTATION = WHEEL.choices
 _QUANTITIES = tuple(f.key for f in WHEEL.fields if isinstance(f.value, Amount))
 
 
-def read_wheels(robot: Table, scope: Scope) -> tuple[WheelSpec, ...]:
-    """The list of wheels, names distinct."""
-    wheels: dict[str, WheelSpec] = {}
+def declared_types(robot: Table) -> dict[str, WheelType | None]:
+    """The names that wheels bear, readable or not, each with its type where that is one."""
+    node = robot.get("wheels")
+    types: dict[str, WheelType | None] = {}
+    for item in node.items if isinstance(node, SequenceNode) else ():
+        entries = {key.text: value for key, value in item.entries} if isinstance(item, MappingNode) else {}
+        name, kind = entries.get("name"), entries.get("type")
+        if isinstance(name, Scalar):
+            types[name.text] = WHEEL_TYPES.get(kind.text) if isinstance(kind, Scalar) else None
+    return types
+
+
+def read_wheels(robot: Table, scope: Scope, names: Names, several: Several) -> tuple[WheelSpec, ...]:
+    """The wheels that can be read."""
+    wheels = []
     for item in robot.items("wheels"):
-        table = table_of(item, WHEEL)
-        wheel = _wheel(table, scope)
-        if wheel.name in wheels:
-            raise table.keys["name"].error(
-                f"a second wheel has the name {quoted(wheel.name)}",
-                f"The first stands on line {wheels[wheel.name].mark.line}; joints bear their wheel's name.",
-                "Give each wheel a name of its own.",
-            )
-        wheels[wheel.name] = wheel
-    return tuple(wheels.values())
+        with several:
+            wheels.append(_wheel(item, scope, names))
+    return tuple(wheels)
 
 
-def _wheel(table: Table, scope: Scope) -> WheelSpec:
-    name = wheel_name(scalar_of(table.require("name", "the wheel"), "name"))
-    kind = _type(table, name)
-    what = f"the {kind.name} wheel {name}"
+def _wheel(item: Node, scope: Scope, names: Names) -> WheelSpec:
+    several, name = Several(), ""
+    table = table_of(item, WHEEL, several)
+    with several:
+        node = scalar_of(table.require("name", "the wheel"), "name")
+        name = wheel_name(node)
+        names.add(name, "a wheel", node)
+    kind, what = None, f"the wheel {name}".rstrip()
+    with several:
+        kind = _type(table, what)
+    facts: dict[str, Any] = {}
+    for key in _QUANTITIES:
+        with several:
+            facts[key] = table.amount(key, name or "the wheel", scope)
+    with several:
+        table.choose(_PLACEMENT, what)
+    if kind is not None:
+        what = f"the {kind.name} wheel {name}".rstrip()
+        _check_keys(table, kind, what, several)
+        facts |= _joint_facts(table, kind, what, scope, several)
+    several.end()
+    assert kind is not None
+    return WheelSpec(name=name, type=kind.name, mark=table.mark, **facts)
+
+
+def _check_keys(table: Table, kind: WheelType, what: str, several: Several) -> None:
+    """The keys that the wheel's type asks for and no others."""
     if unknown := {*kind.keys, *kind.required} - {f.key for f in WHEEL.fields}:
         raise ValueError(f"the wheel type {kind.name} has the key {min(unknown)}, which no wheel has")
-    _refuse_misfits(table, what, kind)
-    table.choose(_PLACEMENT, f"the wheel {name}")
-    table.choose(_ORIENTATION, what, kind.oriented)
+    for key, node in table.keys.items():
+        reason = WHEEL.field(key).misfit
+        if reason and not kind.takes(key) and key not in table.excused:
+            why, instead = kind.misfits.get(key, reason)
+            several.add(node.error(f"{what} has the key {key}", why, instead, code=Code.TWICE))
+    with several:
+        table.choose(_ORIENTATION, what, kind.oriented)
     for key in kind.required:
-        table.require(key, what)
-    quantities = {key: table.amount(key, name, scope) for key in _QUANTITIES}
-    actuated = read_joints(table, "actuated", kind, kind.actuated)
-    return WheelSpec(
-        name=name,
-        type=kind.name,
-        mark=table.mark,
-        **quantities,
-        actuated=actuated,
-        sensed=read_joints(table, "sensed", kind, actuated),
-        limits=read_limits(table.get("limits"), what, scope, keys_of_type(LIMITS, kind)),
-        noise=read_noise(table.get("noise"), what, scope, keys_of_type(NOISE, kind)),
-        encoders=read_encoders(table.get("encoder"), what, scope, keys_of_type(ENCODER, kind)),
-    )
+        with several:
+            table.require(key, what)
 
 
-def _type(table: Table, wheel: str) -> WheelType:
+def _joint_facts(
+    table: Table, kind: WheelType, what: str, scope: Scope, several: Several
+) -> dict[str, tuple[Any, ...]]:
+    """Which joints of a wheel are driven and measured, and what is said of them."""
+    facts: dict[str, tuple[Any, ...]] = {"actuated": kind.actuated}
+    for key in ("actuated", "sensed"):
+        with several:
+            facts[key] = read_joints(table, key, kind, facts["actuated"])
+    for key, section, read in (
+        ("limits", LIMITS, read_limits), ("noise", NOISE, read_noise), ("encoder", ENCODER, read_encoders),
+    ):  # fmt: skip
+        with several:
+            facts["encoders" if key == "encoder" else key] = read(
+                table.get(key), what, scope, keys_of_type(section, kind)
+            )
+    return facts
+
+
+def _type(table: Table, what: str) -> WheelType:
     names = " ".join(WHEEL_TYPES)
     if "type" not in table.values:
         why, instead = WHEEL.field("type").missing or ("", "")
-        raise table.node.error(f"the wheel {wheel} has no type", why, instead.format(types=names))
+        raise table.missing("type", what, why, instead.format(types=names))
     node = scalar_of(table.values["type"], "type")
     if node.text not in WHEEL_TYPES:
         raise node.error(
@@ -89,13 +130,6 @@ def _aliases() -> dict[str, str]:
 def takes(kind: WheelType, key: str) -> bool:
     """A wheel of this type has the key."""
     return WHEEL.field(key).misfit is None or kind.takes(key)
-
-
-def _refuse_misfits(table: Table, what: str, kind: WheelType) -> None:
-    for key, node in table.keys.items():
-        reason = WHEEL.field(key).misfit
-        if reason and not kind.takes(key):
-            raise node.error(f"{what} has the key {key}", *kind.misfits.get(key, reason))
 
 
 def read_joints(table: Table, key: str, kind: WheelType, default: tuple[str, ...]) -> tuple[str, ...]:
@@ -129,8 +163,13 @@ def read_limits(
     """Limits in the order of the file, of those that are ``valid``. A single value v means [-v, v]."""
     if node is None:
         return ()
-    table = table_of(node, LIMITS, f"limits of {what}", valid)
-    return tuple(_limit(name, table, scope) for name in table.values)
+    several, limits = Several(), []
+    table = table_of(node, LIMITS, several, f"limits of {what}", valid)
+    for name in table.values:
+        with several:
+            limits.append(_limit(name, table, scope))
+    several.end()
+    return tuple(limits)
 
 
 def _limit(name: str, table: Table, scope: Scope) -> Limit:
@@ -146,8 +185,16 @@ def _limit(name: str, table: Table, scope: Scope) -> Limit:
         low, high = (read_quantity(item, value.kind, what, scope) for item in node.items)
     else:
         high = read_quantity(node, value.kind, what, scope)
-        low = replace(high, expr=Neg(high.expr), text=f"-({high.text})")
+        low = replace(high, expr=Neg(high.expr), text=_negated(high.text))
     return Limit(name, low, high, node.mark)
+
+
+def _negated(text: str) -> str:
+    """The text of the negative of a quantity: -1.2, 30 deg, -(a + b)."""
+    bare = text.removeprefix("-").strip()
+    if not re.fullmatch(r"[\w. ]+", bare):
+        return f"-({text})"
+    return f"-{bare}" if bare == text else bare
 
 
 def read_noise(
@@ -156,12 +203,14 @@ def read_noise(
     """The noise of joints, of those that are ``valid``."""
     if node is None:
         return ()
-    noise = []
-    for joint, of in _by_joint(node, NOISE, "noise", what, valid):
+    several, noise = Several(), []
+    for joint, of in _by_joint(node, NOISE, "noise", what, several, valid):
         name = f"the noise of {joint}"
-        noise.append(
-            NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
-        )
+        with several:
+            noise.append(
+                NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
+            )
+    several.end()
     return tuple(noise)
 
 
@@ -171,67 +220,80 @@ def read_encoders(
     """The encoders of joints, of those that are ``valid``."""
     if node is None:
         return ()
-    encoders = []
-    for joint, of in _by_joint(node, ENCODER, "encoder", what, valid):
+    several, encoders = Several(), []
+    for joint, of in _by_joint(node, ENCODER, "encoder", what, several, valid):
         name = f"the encoder of {joint}"
-        of.require_all(name)
-        counts = of.required_amount("counts", name, scope)
-        gear, bits = (of.amount(key, name, scope) for key in ("gear", "bits"))
-        encoders.append(EncoderSpec(joint, counts, gear, of.word("reversed"), bits))
+        of.require_all(name, several)
+        with several:
+            counts, gear, bits = (of.amount(key, name, scope) for key in ("counts", "gear", "bits"))
+            if counts is not None:
+                encoders.append(EncoderSpec(joint, counts, gear, of.word("reversed"), bits))
+    several.end()
     return tuple(encoders)
 
 
 def _by_joint(
-    node: Node, section: Section, called: str, what: str, valid: tuple[str, ...] | None
+    node: Node, section: Section, called: str, what: str, several: Several, valid: tuple[str, ...] | None
 ) -> Iterator[tuple[str, Table]]:
     """Each joint of a mapping, with the mapping that stands behind it."""
-    for joint, value in table_of(node, section, f"{called} of {what}", valid).values.items():
+    for joint, value in table_of(node, section, several, f"{called} of {what}", valid).values.items():
         of = section.field(joint).value
         assert isinstance(of, Section)
-        yield joint, table_of(value, of, f"{joint} of the {called} of {what}")
+        with several:
+            yield joint, table_of(value, of, several, f"{joint} of the {called} of {what}")
 
 
-def read_couplings(robot: Table, wheels: Iterable[WheelSpec]) -> tuple[Coupling, ...]:
-    """Sets of joints that move alike: each names one joint of at least two wheels."""
-    types = {wheel.name: wheel.type for wheel in wheels}
+def read_couplings(
+    robot: Table, types: Mapping[str, WheelType | None], several: Several
+) -> tuple[Coupling, ...]:
+    """Sets of joints that move alike: each names one joint of at least two wheels. ``types``: of the wheels."""
     couplings: dict[tuple[str, frozenset[str]], Coupling] = {}
     for item in robot.items("couplings"):
-        table = table_of(item, COUPLING)
-        coupling = _coupling(table, types)
-        key = coupling.joint, frozenset(coupling.wheels)
-        if key in couplings:
-            line = couplings[key].mark.line
-            raise table.node.error(f"this coupling stands on line {line} already", "", "Delete one of them.")
-        couplings[key] = coupling
+        with several:
+            table = table_of(item, COUPLING, several)
+            coupling = _coupling(table, types)
+            key = coupling.joint, frozenset(coupling.wheels)
+            if key in couplings:
+                what = f"this coupling stands on line {couplings[key].mark.line} already"
+                raise table.node.error(what, "", "Delete one of them.", code=Code.TWICE)
+            couplings[key] = coupling
     return tuple(couplings.values())
 
 
-def _coupling(table: Table, types: dict[str, str]) -> Coupling:
-    table.require_all("a coupling")
-    joint, names = "", list[str]()
+def _coupling(table: Table, types: Mapping[str, WheelType | None]) -> Coupling:
+    table.require("equal", "a coupling")
+    several, joint, names = Several(), "", list[str]()
     for scalar in table.scalars("equal"):
-        name, this = _joint(scalar, types)
-        if joint and this != joint:
-            raise scalar.error(
-                f"{quoted(scalar.text)} is not a {joint} joint like the first",
-                "A coupling makes angles of one kind equal.",
-                f"Write {name}.{joint}, or a coupling of its own.",
-            )
-        joint = this
-        names.append(name)
+        with several:
+            name, this = _joint(scalar, types)
+            if joint and this != joint:
+                raise scalar.error(
+                    f"{quoted(scalar.text)} is not a {joint} joint like the first",
+                    "A coupling makes angles of one kind equal.",
+                    f"Write {name}.{joint}, or a coupling of its own.",
+                )
+            joint = this
+            names.append(name)
+    several.end()
     return Coupling(joint, tuple(names), table.mark)
 
 
-def _joint(scalar: Scalar, types: dict[str, str]) -> tuple[str, str]:
+def _joint(scalar: Scalar, types: Mapping[str, WheelType | None]) -> tuple[str, str]:
     name, dot, joint = scalar.text.strip().partition(".")
     if not dot:
         raise scalar.error(f"{quoted(scalar.text)} is not a joint", "", "Write wheel.steer or wheel.spin.")
-    if name not in types:
-        raise scalar.error(f"there is no wheel {quoted(name)}", "", suggestion(name, types))
-    kind = WHEEL_TYPES[types[name]]
-    if joint not in kind.joints:
+    kind = wheel_called(name, scalar, types)
+    if kind is not None and joint not in kind.joints:
         what = f"the {kind.name} wheel {name} has no joint {quoted(joint)}"
         if joint == "steer_rate":
             raise scalar.error(what, "Coupled angles have coupled rates.", f"Write {name}.steer.")
         raise _no_joint(scalar, what, joint, kind, "Delete it from the coupling.")
     return name, joint
+
+
+def wheel_called(name: str, scalar: Scalar, types: Mapping[str, WheelType | None]) -> WheelType | None:
+    """The type of a wheel that something names; None where it is not known, which has been told."""
+    if name not in types:
+        what = f"there is no wheel {quoted(name)}"
+        raise scalar.error(what, "", suggestion(name, types), code=Code.UNDECLARED)
+    return types[name]

@@ -15,7 +15,7 @@ from typing import Any
 class Check:
     """What the value of ``key`` must not be. ``bad`` sees the wheel's nominal `Geometry`.
 
-    ``problem`` has the placeholders {name} (of the wheel) and {text} (the value as written).
+    ``problem`` has the placeholders {what} (the wheel) and {text} (the value as written).
     """
 
     key: str

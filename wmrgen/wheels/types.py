@@ -90,11 +90,11 @@ SWEDISH = WheelType(
         ),
     },
     checks=(
-        Check("r_sw", lambda g: g.r_sw.sign <= 0, "{name}: roller radius r_sw = {text} is not positive"),
+        Check("r_sw", lambda g: g.r_sw.sign <= 0, "{what} has r_sw = {text}, which is not positive"),
         Check(
             "gamma",
             lambda g: abs(float(g.cg)) < 1e-9,
-            "{name}: gamma = {text} puts the roller axis across the wheel plane",
+            "{what} has gamma = {text}: the roller axis stands across the wheel plane",
             "The wheel could not drive: its rim speed would turn the rollers only.",
             "gamma is the angle from the wheel plane to the roller axis at the ground: "
             "0 for an omni wheel, 45 deg or -45 deg for a mecanum wheel.",

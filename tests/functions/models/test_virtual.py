@@ -124,5 +124,6 @@ def test_what_the_layout_cannot_have_is_shown_where_it_stands(asked: str) -> Non
     d = derive(loaded(HEAD + "".join(wheels) + asked))
     with pytest.raises(NotDerivableError) as caught:
         _ = d.mobility
-    place, shown, caret, *_ = str(caught.value).splitlines()
-    assert ".yaml:7:5: " in place and shown.strip() == asked.splitlines()[1].strip() and caret.strip() == "^"
+    what, place, shown, caret, *_ = str(caught.value).splitlines()
+    assert what.startswith("error: ") and place.endswith(".yaml:7:5")
+    assert shown == "7 | " + asked.splitlines()[1] and caret == "  |     ^"

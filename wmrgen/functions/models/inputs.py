@@ -127,7 +127,7 @@ def best_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Mot
         return posture_motion(robot, mobility, symbolic)
     except UnderactuatedError as error:
         motion = eta_motion(robot, mobility, symbolic, virtual=True)
-        return replace(motion, text=f"{motion.text}: {error}")
+        return replace(motion, text=f"{motion.text}: {error.what}")
 
 
 def _rate_ports(frame: Frame) -> tuple[Port, ...]:

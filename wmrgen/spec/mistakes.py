@@ -1,0 +1,87 @@
+"""The kinds of mistakes in robot files, as `wmrgen explain` tells them; a message says the rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wmrgen.errors import Code
+
+
+@dataclass(frozen=True, slots=True)
+class Mistake:
+    """``title``: the mistake. ``text``: why it is one. ``wrong``, ``right``: robot files without their first two lines;
+    the first has this mistake and no other, the second none."""
+
+    code: str
+    title: str
+    text: str
+    wrong: str
+    right: str
+
+
+_WHEELS = "wheels:\n  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 50 mm}\n"
+_KEYS = (
+    "The reference of robot files (`wmrgen schema --markdown`) lists the keys and what stands behind each."
+)
+
+MISTAKES = {
+    mistake.code: mistake
+    for mistake in (
+        Mistake(
+            Code.NOT_YAML, "not the YAML of robot files",
+            "A robot file is a page of YAML in UTF-8: lines `key: value`, lists of lines that begin with `- `, or { } "
+            "and [ ] on one line, indented by spaces. Anchors, aliases, tags and characters that cannot be seen are "
+            "refused.",
+            _WHEELS.replace("}", ""), _WHEELS,
+        ),
+        Mistake(
+            Code.UNKNOWN_KEY, "an unknown key",
+            f"A key that nothing reads is a key misspelt: it would have no effect and nobody would see it. {_KEYS}",
+            _WHEELS.replace("r:", "radius:"), _WHEELS,
+        ),
+        Mistake(
+            Code.MISSING, "something that must be said is not",
+            f"Nothing is guessed that changes the motion: place, rolling direction and radius of every wheel. {_KEYS}",
+            _WHEELS.replace(", heading: 0", ""), _WHEELS,
+        ),
+        Mistake(
+            Code.FORM, "a value of another form",
+            "A quantity is a number, a number with a unit of its kind, or an expression of parameters; other keys take "
+            f"a word, a list or keys of their own. {_KEYS}",
+            _WHEELS.replace("50 mm", "50 deg"), _WHEELS,
+        ),
+        Mistake(
+            Code.NAME, "a word that cannot be a name",
+            "Names of robots, wheels and parameters become identifiers of C, C++, Rust and Python, and file names, as "
+            "they are written: letters, digits and _, a letter first, at most 31. Words that one of these languages or "
+            "its library keeps are no names, in whatever case, nor is a robot called as a namespace or library is that "
+            "its packages meet.",
+            _WHEELS.replace("left", "rear-left"), _WHEELS.replace("left", "rearLeft"),
+        ),
+        Mistake(
+            Code.TWICE, "two that exclude each other",
+            "What is said twice could disagree: a key or a name that stands twice, a wheel placed by l, alpha and "
+            "by x, y, a key that contradicts the type of the wheel. Names that differ in case alone count as the same: "
+            "macros are in upper case, and many disks do not tell files apart by case.",
+            _WHEELS.replace("heading: 0", "heading: 0, beta: 0"), _WHEELS,
+        ),
+        Mistake(
+            Code.UNDECLARED, "a name that nothing declares",
+            "Expressions use parameters of the file and pi; couplings, virtual wheels and functions name wheels, "
+            "joints and functions that there are.",
+            _WHEELS.replace("0.2", "track/2"), "parameters: {track: 0.4}\n" + _WHEELS.replace("0.2", "track/2"),
+        ),
+        Mistake(
+            Code.OPEN, "an open question",
+            "`wmrgen import` writes TODO where the description that it read does not say what decides the motion, such "
+            "as the direction of rollers. Nothing is derived until the answer stands there.",
+            _WHEELS.replace("50 mm", "TODO"), _WHEELS,
+        ),
+        Mistake(
+            Code.VALUE, "a value that makes no sense",
+            "The value can be computed, or has a division by zero in it, and no wheel or robot can have it: a radius "
+            "of 0, a castor with d = 0 (it is a steered wheel), limits of which the lower is above the upper.",
+            _WHEELS.replace("50 mm", "0"), _WHEELS,
+        ),
+    )
+}  # fmt: skip

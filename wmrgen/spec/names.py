@@ -1,0 +1,121 @@
+"""Names that a robot file gives: which words may be names, and that no two are the same."""
+
+from __future__ import annotations
+
+import re
+
+from wmrgen.backends.registry import why_reserved
+from wmrgen.errors import Code, RobotFileError
+from wmrgen.spec.text import Node, Scalar, quoted
+
+NAME_PATTERN = "^[A-Za-z][A-Za-z0-9_]{0,30}$"
+_DEVICES = {
+    "con",
+    "prn",
+    "aux",
+    "nul",
+    "clock",
+    *(f"{port}{i}" for port in ("com", "lpt") for i in range(10)),
+}
+_FILE_NAMES = {
+    *"math stdio stdint stdlib stdbool string stddef stdarg float limits tgmath fenv inttypes".split(),
+    *"numpy sympy casadi wmrgen".split(),
+}
+# C++ namespaces, functions of POSIX and Arduino, crates.
+_SCOPES = {
+    *"std boost eigen ros rclcpp rcl rclpy rmw ament tf2 alloc core".split(),
+    *"accept access alarm bind brk chdir chmod chown close connect creat crypt daemon dup execl execv execve fcntl "
+    "fork fsync getpid ioctl kill link listen lockf lseek mkdir mount nice open pause pipe poll pread pwrite read "
+    "readlink reboot recv rmdir sbrk select send sleep socket stat swab symlink sync syscall truncate umask umount "
+    "unlink usleep vfork wait waitpid write delay loop micros millis setup".split(),
+}
+_EXPRESSION_WORDS = {*"pi sqrt sin cos tan atan2".split()}
+_CONTRACT_WORDS = {*"vx vy omega slip x y theta dt".split()}
+
+
+def _reserved(name: str) -> str:
+    """Why no name may be this word, in any case; nothing where it may."""
+    if name.endswith("_t"):
+        return "POSIX keeps names that end in _t for types."
+    if "__" in name:
+        return "C++ keeps names with a double underscore for the implementation."
+    word = name.lower()
+    return why_reserved(word) or ("Windows keeps that name for a device." if word in _DEVICES else "")
+
+
+def _check(node: Scalar, what: str) -> str:
+    """The name, when it is one; ``what`` says whose: robot, wheel, parameter."""
+    name = node.text
+    if not name:
+        raise _no_name(node, f"the {what} name is empty", "", "front_left")
+    if not re.fullmatch(NAME_PATTERN, name):
+        why = "Names become identifiers of generated C: letters a-z and A-Z, digits and _, at most 31, a letter first."
+        raise _no_name(node, f"{quoted(name)} is not a valid {what} name", why, _repaired(name))
+    reason = _reserved(name)
+    if reason:
+        raise _no_name(node, f"the {what} name {quoted(name)} is reserved", reason, _free(name))
+    return name
+
+
+def _no_name(node: Scalar, what: str, why: str, instead: str) -> RobotFileError:
+    return node.error(what, why, f"Write {instead or 'a name such as front_left'}.", code=Code.NAME)
+
+
+def _free(name: str) -> str:
+    """A name near a reserved one that is not reserved."""
+    return re.sub(r"__+", "_", name.removesuffix("_t"))[:28].rstrip("_") + "_1"
+
+
+def _repaired(name: str) -> str:
+    """A valid name near ``name``, or nothing."""
+    near = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:31].rstrip("_")
+    return near if re.fullmatch(NAME_PATTERN, near) and not _reserved(near) else ""
+
+
+def robot_name(node: Scalar) -> str:
+    """A robot's name, which also names its files and folder."""
+    word, what = node.text.lower(), f"the robot name {quoted(node.text)} is reserved"
+    if word == "textbook":
+        why = "Beside the robots' folders, `wmrgen textbook` writes a folder of that name: one would replace the other."
+        raise _no_name(node, what, why, "textbook_robot")
+    if word in _FILE_NAMES:
+        why = "The generated files would be taken for a standard header or module."
+        raise _no_name(node, what, why, f"{node.text}_robot")
+    if word in _SCOPES:
+        why = "The packages name a C++ namespace, a library or a crate after the robot, and one of that name is there."
+        raise _no_name(node, what, why, f"{node.text}_robot")
+    return _check(node, "robot")
+
+
+def wheel_name(node: Scalar) -> str:
+    return _check(node, "wheel")
+
+
+def parameter_name(node: Scalar) -> str:
+    """A parameter's name, which must not be a word of expressions or of the contract either."""
+    name = node.text
+    if name.lower() in _EXPRESSION_WORDS or name in _CONTRACT_WORDS or re.fullmatch(r"eta[0-9]+", name):
+        why = "Expressions or the inputs and outputs of the model use that word already."
+        instead = "pi as it is" if name.lower() == "pi" else f"{name}_0 or a longer name"
+        raise _no_name(node, f"the parameter name {quoted(name)} is reserved", why, instead)
+    return _check(node, "parameter")
+
+
+class Names:
+    """Names that a file gives, of which no two may be the same or differ in case alone."""
+
+    def __init__(self) -> None:
+        self._named: dict[str, tuple[str, str, int]] = {}
+
+    def add(self, name: str, what: str, node: Node) -> None:
+        """Enter the name of ``what``, which stands at ``node``. RobotFileError where it is taken."""
+        if name.lower() not in self._named:
+            self._named[name.lower()] = name, what, node.mark.line
+            return
+        other, whose, line = self._named[name.lower()]
+        if other != name:
+            problem = f"{quoted(name)} and {quoted(other)}, {whose} on line {line}, differ in case alone"
+            why = "Macros in upper case and files on many disks could not tell them apart."
+        else:
+            problem, why = f"{quoted(name)} is the name of {whose} already", f"It stands on line {line}."
+        raise node.error(problem, why, "Write another name.", code=Code.TWICE)

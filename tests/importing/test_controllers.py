@@ -269,7 +269,7 @@ def test_arguments_stand_for_themselves_and_what_is_not_given_is_not_said(tmp_pa
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("base:\n  wheel_radius: big\n", ":2:17: 'wheel_radius' is 'big', which is no number"),
+        ("base:\n  wheel_radius: big\n", ":2:17\n2 |   wheel_radius: big\n"),
         ("base:\n  wheel_radius: 1e999999999\n", "no number"),
         ("base:\n  wheel_radius: .nan\n", "no number"),
         ("base:\n  wheel_radius: *r\n", "nothing above is called '&r'"),

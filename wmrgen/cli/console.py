@@ -227,8 +227,8 @@ def outcome(work: Callable[[], int], as_json: bool = False) -> int:
     except WmrgenError as error:
         return failed(str(error), error.exit_code, as_json, [error])
     except OverflowError:
-        text = "a result is beyond the range of a double. Give smaller values."
-        return failed(text, UsageError.exit_code, as_json)
+        wide = UsageError("a result is beyond the range of a double. Give smaller values.")
+        return failed(str(wide), wide.exit_code, as_json, [wide])
     except KeyboardInterrupt:
         return stopped(Stopped("SIGINT", 2), as_json)
     except Stopped as stop:

@@ -69,6 +69,7 @@ app = typer.Typer(
 
 def _unusable(error: Any, as_json: bool) -> int:
     """Tell what is wrong with the words of a command, below how it is called; the exit code."""
+    from wmrgen.errors import UsageError
     from wmrgen.spec.text import quoted, suggestion
 
     text = str(error.format_message())
@@ -77,9 +78,11 @@ def _unusable(error: Any, as_json: bool) -> int:
         options = [name for p in params for name in p.opts if name[:2] == "--"]
         hint = f" {suggestion(wrong, options)}" if wrong[:2] == "--" else ""
         text = f"there is no option {quoted(wrong)}.{hint}"
-    if error.ctx is not None and not text.startswith("Usage:"):
+    if text.startswith("Usage:"):
+        return console.failed(text, error.exit_code, as_json)
+    if error.ctx is not None:
         console.note(f"{error.ctx.get_usage()}\nTry '{error.ctx.command_path} --help' for help.\n")
-    return console.failed(text, error.exit_code, as_json)
+    return console.failed(str(UsageError(text)), error.exit_code, as_json, [UsageError(text)])
 
 
 def group(title: str) -> Callable[..., Callable[[Declared], Declared]]:

@@ -15,23 +15,28 @@ def place(mark: Mark | None) -> dict[str, Any]:
 
 
 def entry(error: WmrgenError) -> dict[str, Any]:
-    """One error: its place, what is wrong, why, what to write instead, and the exit code."""
-    what = getattr(error, "what", None) or str(error)
-    why, instead = (getattr(error, key, "") for key in ("why", "instead"))
-    return {
-        **place(getattr(error, "mark", None)), "what": what, "why": why, "instead": instead,
-        "exit_code": error.exit_code,
-    }  # fmt: skip
+    """One error: its code and place, what is wrong, why, what to write instead, and where the same is wrong again."""
+    words = {key: getattr(error, key) for key in ("code", "what", "why", "instead", "exit_code")}
+    return {**place(error.mark), **words, "again": [place(mark) for mark in error.again]}
 
 
 def all_as_data(errors: Sequence[WmrgenError]) -> dict[str, Any]:
     """What a command that goes on after an error adds to its result: ``errors`` alone where there are none."""
-    return as_data(str(errors[0]), errors[0].exit_code, errors) if errors else {"errors": []}
+    text = "\n\n".join(map(str, errors))
+    return as_data(text, errors[0].exit_code, errors) if errors else {"errors": []}
 
 
 def as_data(text: str, exit_code: int, errors: Sequence[WmrgenError] = ()) -> dict[str, Any]:
     """``error``: what stderr says. ``errors``: each with its place."""
-    entries = [entry(error) for error in errors] or [
-        {**place(None), "what": text, "why": "", "instead": "", "exit_code": exit_code}
+    entries = [entry(part) for error in errors for part in error.parts] or [
+        {
+            **place(None),
+            "code": "",
+            "what": text,
+            "why": "",
+            "instead": "",
+            "exit_code": exit_code,
+            "again": [],
+        }
     ]
     return {"error": text, "exit_code": exit_code, "errors": entries}

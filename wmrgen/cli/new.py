@@ -17,9 +17,9 @@ from wmrgen.errors import Mark, UsageError
 from wmrgen.spec.fields import Field, ListOf, Section
 from wmrgen.spec.keys import ROBOT
 from wmrgen.spec.load import read_text
+from wmrgen.spec.names import robot_name
 from wmrgen.spec.reader import read_tree
 from wmrgen.spec.schema import MODELINE
-from wmrgen.spec.names import robot_name
 from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, quoted, suggestion
 from wmrgen.spec.typesetting import formatted
 

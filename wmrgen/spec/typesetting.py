@@ -26,12 +26,12 @@ def formatted(text: str, file: str) -> str:
     RobotFileError where it is not what a robot file is made of; names and values may be wrong.
     """
     text = normalise(text, file)
-    before = read_tree(text, file)[0]
+    before = read_tree(text, file)
     layout = _Layout(text)
     for token in tokens(text, file):
         layout.take(token)
     result = layout.finished()
-    return result if _content(read_tree(result, file)[0]) == _content(before) else text
+    return result if _content(read_tree(result, file)) == _content(before) else text
 
 
 def _content(node: Node | None) -> object:

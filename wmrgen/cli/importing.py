@@ -43,10 +43,10 @@ def import_robot(
         name = printable(file.name)
         if name in error.what:
             raise
-        raise RobotFileError(f"{name}: {error.what}", error.mark, error.why, error.instead) from None
+        raise RobotFileError(f"{name}: {error.what}", error.mark, error.why, error.instead, error.code) from None
     robot = replace(robot, notes=(*robot.notes, *_contradictions(robot, description, said, file)))
     for note in robot.notes:
-        console.note(f"{file.name}: note: {note}")
+        console.note(f"note: {file.name}: {note}")
     written = f"{MODELINE}\n{text(robot, file.name)}"
     if out is not None:
         write_robot_file(out, written)

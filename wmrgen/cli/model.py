@@ -62,7 +62,7 @@ def functions(robot: Path, as_json: bool) -> int:
             try:
                 formulas.append(derivation.formula(name))
             except NotDerivableError as error:
-                absent[name] = str(error)
+                absent[name] = error.what
     if as_json:
         console.data(
             {

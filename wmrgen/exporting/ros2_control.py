@@ -90,7 +90,9 @@ def ros2_control(robot: Robot) -> dict[str, str]:
         kind, names = _CONTROLLERS[drive.kind]
         values = drive.named(names, limits_of(robot))
     except NotDerivableError as error:
-        raise NotDerivableError(f"{robot.name}: no controller of ros2_controllers fits: {error}.") from None
+        raise NotDerivableError(
+            f"{robot.name}: no controller of ros2_controllers fits: {error.what}."
+        ) from None
     manager = {
         "update_rate": 100,
         "joint_state_broadcaster": {"type": "joint_state_broadcaster/JointStateBroadcaster"},

@@ -58,7 +58,7 @@ def sdf(robot: Robot) -> str:
             for body in bodies(robot)
             if body.driven
         ]
-        notes = (f"No system of Gazebo drives it: {error}. Its joints are commanded one by one.",)
+        notes = (f"No system of Gazebo drives it: {error.what}. Its joints are commanded one by one.",)
     model = _model(links)
     model.extend(plugins)
     root = element("sdf", model, version="1.8")

@@ -29,7 +29,7 @@ def wpilib(robot: Robot) -> dict[str, str]:
         if drive.kind not in _CLASSES:
             raise NotDerivableError(f"it has none for {drive.kind} drives")
     except NotDerivableError as error:
-        raise NotDerivableError(f"{robot.name}: no kinematics of WPILib fits: {error}.") from None
+        raise NotDerivableError(f"{robot.name}: no kinematics of WPILib fits: {error.what}.") from None
     swerve = drive.kind == "swerve"
     names = {w.name: w.name.upper() for w in drive.wheels}
     tracks = [decimal(v) for v in drive.named({"": "separation"}, {}).values() if isinstance(v, float)]

@@ -43,7 +43,9 @@ def import_robot(
         name = printable(file.name)
         if name in error.what:
             raise
-        raise RobotFileError(f"{name}: {error.what}", error.mark, error.why, error.instead, error.code) from None
+        raise RobotFileError(
+            f"{name}: {error.what}", error.mark, error.why, error.instead, error.code
+        ) from None
     robot = replace(robot, notes=(*robot.notes, *_contradictions(robot, description, said, file)))
     for note in robot.notes:
         console.note(f"note: {file.name}: {note}")

@@ -363,6 +363,27 @@ def test_names_of_the_file_stay_in_their_comments(read: Import, tmp_path: Path) 
     assert "\nevil" not in text and "\u202e" not in text and "\nname: a_b\n" in text
 
 
+@pytest.mark.parametrize(
+    ("joints", "names"),
+    [
+        (("rear-left_joint", "rear/right wheel"), ["rear_left", "rear_right"]),
+        (("frontLeftWheelJoint", "frontRightWheelJoint"), ["frontLeft", "frontRight"]),
+        (("FL_JOINT", "fl_joint"), ["FL", "fl_2"]),
+        (("2_joint", "while_joint"), ["wheel_1", "while_2"]),
+        (("vorne_links_aber_mit_einem_sehr_langen_namen_1", "vorne_links_aber_mit_einem_sehr_langen_namen_2"),
+         ["vorne_links_aber_mit_einem_s", "vorne_links_aber_mit_einem_2"]),
+    ],
+)  # fmt: skip
+def test_names_are_as_near_to_the_files_as_they_may_be(
+    read: Import, joints: tuple[str, str], names: list[str]
+) -> None:
+    """Letters may be lowered where capital ones are no names."""
+    parts = pair().replace('"left_joint"', f'"{joints[0]}"').replace('"right_joint"', f'"{joints[1]}"')
+    said = list(read(robot(parts))["wheels"])
+    assert [n.lower() for n in said] == [n.lower() for n in names]
+    assert said == names or said == [n.lower() for n in names]
+
+
 def test_a_file_that_is_not_there(wmrgen_cli: Cli, tmp_path: Path) -> None:
     assert wmrgen_cli("import", tmp_path / "none.urdf").code == 2
 

@@ -15,7 +15,7 @@ from wmrgen.importing.controllers import read_controllers
 from wmrgen.importing.instructions import instructed
 from wmrgen.importing.records import Controller, Description, Imported
 from wmrgen.importing.robot_file import as_json as imported_json
-from wmrgen.importing.robot_file import text
+from wmrgen.importing.robot_file import counted, text
 from wmrgen.importing.source import description_of
 from wmrgen.importing.wheels import import_wheels
 from wmrgen.spec.schema import MODELINE
@@ -57,7 +57,7 @@ def import_robot(
     elif out is None:
         console.result(written.rstrip("\n"))
     else:
-        console.result(f"{out}: {len(robot.wheels)} wheels, {len(robot.questions)} open questions")
+        console.result(f"{out}: {len(robot.wheels)} wheels, {counted(robot.questions)} open")
     for question in robot.questions:
         console.note(f"open: {question.wheel}.{question.key}: {question.text}")
     return 0

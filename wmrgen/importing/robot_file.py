@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 import textwrap
@@ -60,7 +61,7 @@ def text(robot: Imported, source: str) -> str:
     ]
     if robot.questions:
         lines += _comment(
-            f"{len(robot.questions)} questions are open: put an answer in the place of each {OPEN}, "
+            f"{counted(robot.questions)} open: put an answer in the place of each {OPEN}, "
             "or delete the wheel that is none. wmrgen derive refuses the file until then."
         )
     lines += ["wmrgen: 1", f"name: {_robot_name(robot.name)}", "wheels:"]
@@ -83,11 +84,11 @@ def _comment(words: str, indent: str = "") -> list[str]:
 
 
 def _robot_name(name: str) -> str:
-    near = re.sub("[^a-z0-9]+", "_", name.lower()).strip("_")[:31].strip("_")
-    try:
-        return robot_name(Scalar(Mark("", 0, 0, ""), near, True))
-    except RobotFileError:
-        return "imported_robot"
+    near = re.sub("[^A-Za-z0-9]+", "_", name)[:31].strip("_")
+    for attempt in (near, near.lower()):
+        with contextlib.suppress(RobotFileError):
+            return robot_name(Scalar(Mark("", 0, 0, ""), attempt, True))
+    return "imported_robot"
 
 
 def _wheel(wheel: Wheel, questions: Sequence[Question]) -> Iterator[str]:
@@ -165,3 +166,7 @@ def _angle(value: float) -> str:
         return "0"
     head = {1: "pi", -1: "-pi"}.get(share.numerator, f"{share.numerator}*pi")
     return head if share.denominator == 1 else f"{head}/{share.denominator}"
+
+
+def counted(questions: Sequence[Question]) -> str:
+    return f"{len(questions)} question{'s' * (len(questions) != 1)}"

@@ -34,6 +34,7 @@ from wmrgen.spec.names import wheel_name
 from wmrgen.spec.text import Scalar, quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
 
+_KINDS_OF_JOINT = re.compile("((?i:_(joint|link|wheel|spin|axle|hinge))|Joint|Link|Wheel|Spin|Axle|Hinge)+$")
 _TURN = Fraction(6)  # [rad] a range of steering angles beyond which it is not one
 UNSAID = "not in the file"
 _SAYS_ROLLERS = re.compile("mecanum|omni|planar_?move", re.IGNORECASE)
@@ -83,17 +84,25 @@ def import_wheels(description: Description, base: str | None = None, forward: st
 
 
 def _names(wheels: Sequence[Candidate]) -> list[str]:
-    """Names for robot files, near those of the joints, none twice."""
+    """Names for robot files, as near to those of the joints as they may be, none twice in any case of letters."""
     names: list[str] = []
     for number, wheel in enumerate(wheels, 1):
-        near = re.sub("[^a-z0-9]+", "_", wheel.joint.name.lower()).strip("_")
-        short = re.sub("(_(joint|link|wheel|spin|axle|hinge))+$", "", near)[:28].strip("_")
-        try:
-            name = wheel_name(Scalar(Mark("", 0, 0, ""), short, True))
-        except RobotFileError:
-            name = f"wheel_{number}"
-        names.append(name if name not in names else f"{name[:26]}_{number}")
+        near = re.sub("[^A-Za-z0-9]+", "_", wheel.joint.name).strip("_")
+        short = _KINDS_OF_JOINT.sub("", near)[:28].strip("_")
+        tries = (
+            t for t in (short, short.lower(), f"{short.lower()}_{number}", f"wheel_{number}") if _may_be(t)
+        )
+        name = next(tries)
+        taken = name.lower() in (other.lower() for other in names)
+        names.append(f"{name[:26]}_{number}" if taken else name)
     return names
+
+
+def _may_be(name: str) -> bool:
+    try:
+        return bool(wheel_name(Scalar(Mark("", 0, 0, ""), name, True)))
+    except RobotFileError:
+        return False
 
 
 def _heading(axis: Vector) -> Vector:

@@ -6,7 +6,17 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.latex import broken, latex, matrix, summands, terms, width, wrapped
+from wmrgen.backends.report.latex import (
+    broken,
+    latex,
+    matrix,
+    reduced,
+    summands,
+    terms,
+    width,
+    wrapped,
+)
+from wmrgen.backends.report.letters import approximate, in_letters, in_wheel_speeds, square
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, items, math, some
 from wmrgen.constraints import nominal_view, seen, symbolic_view
 from wmrgen.exact.linalg import determinant
@@ -94,7 +104,6 @@ def _constant(d: Derivation, rows: list[Measured]) -> list[str]:
     measured = measurements(seen(d.robot, nominal_view))
     normal, _ = normal_equations(measured.rows)
     singular = nominal_rank(measured.rows, d.robot).value < 3
-    count = "More rows than unknowns" if len(rows) > 3 else "As many rows as unknowns"
     why = "The matrix does not depend on any joint angle."
     if any(c.wheel.turns for c in measured.contacts):
         why = (
@@ -108,11 +117,14 @@ def _constant(d: Derivation, rows: list[Measured]) -> list[str]:
             *math(r"\xi = (H^T H)^{+} H^T z, \qquad H^T H =", matrix(normal)),
             f"{why} Its Moore-Penrose inverse was computed once, for this page. The result, as the code computes it:",
         ]
+    if len(rows) == 3:
+        return [*square(d, rows), *in_letters(d, rows), "The result, as the code computes it:"]
     return [
-        f"{count}: the least-squares solution is",
+        "More rows than unknowns: the least-squares solution is",
         *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", matrix(normal)),
         f"{why} It was inverted once, for this page.",
         *_condition(rows),
+        *in_letters(d, rows),
         "The result, as the code computes it:",
     ]
 
@@ -122,7 +134,7 @@ def _condition(rows: list[Measured]) -> list[str]:
     words = "The condition is that H has full column rank 3 (Tzafestas (2.8a)), det(HᵀH) ≠ 0"
     normal, _ = normal_equations(rows)
     long = max(len(p.terms) for row in normal for p in row) > _ENTRY
-    det = "" if long else latex(determinant(normal))
+    det = "" if long else latex(reduced(determinant(normal), Poly.of(1)))
     if long or width(det) > _DET:
         return [f"{words}."]
     return [f"{words}:", *math(rf"\det(H^T H) = {det}")]
@@ -138,9 +150,10 @@ def _closed(d: Derivation) -> list[str]:
     fits = {symbol.name.removesuffix("_fit"): e.xreplace(vectors) for symbol, e in formula.locals}
     lines = []
     for name in TWIST_NAMES:
-        parts = summands(terms(fits.get(name, outputs[name]), ports))
+        summed = terms(fits.get(name, outputs[name]), ports)
+        parts = summands(summed)
         shown = [*parts[:_TERMS], r"+\cdots"] if len(parts) > _TERMS else parts
-        lines.append(f"{notation.port(name)} &= {wrapped(shown)}")
+        lines.append(f"{notation.port(name)} &= {wrapped(shown)}{approximate(summed)}")
     slip = latex(outputs["slip"], ports)
     if slip == "0":
         return [*aligned(lines), "The rates can never contradict each other, so the residual `slip` is 0."]
@@ -260,17 +273,17 @@ def _posture(d: Derivation) -> list[str]:
     etas = [Poly.gen("input", f"eta{k}") for k in range(1, len(columns) + 1)]
     rates = [Poly.sum(c[i] * eta for c, eta in zip(columns, etas, strict=True)) for i in range(3)]
     steering = " and ".join(code(n) for n in d.mobility.basis_wheels)
-    blocks = [
-        "The continuous model that a predictive controller integrates takes the coordinates η of the twist in the "
-        "null space" + (" and the steering rates" if steering else "") + " as inputs:",
+    general = [
+        "The continuous model that a predictive controller integrates (`dynamics`) takes the coordinates η of the "
+        "twist in the null space" + (" and the steering rates" if steering else "") + " as inputs:",
         *math(r"\frac{d}{dt}\begin{bmatrix} x \\ y \\ \theta \end{bmatrix} = R(\theta)^T N\,\eta"
               + (r", \qquad \frac{d}{dt}\psi_i = \dot{\psi}_i" if steering else "")),
-        "With the values of section 1, each column scaled as in `dynamics` so that its first coefficient is 1:",
-        *aligned(f"{notation.port(n)} &= {broken(p)}" for n, p in zip(TWIST_NAMES, rates, strict=True)),
     ]  # fmt: skip
-    if not steering:
-        return blocks
-    wheels = (
+    in_eta = [
+        "With the values of section 1, each column scaled as in `dynamics`:",
+        *aligned(f"{notation.port(n)} &= {broken(p)}" for n, p in zip(TWIST_NAMES, rates, strict=True)),
+    ]
+    states = (
         f"where the steering of {steering} is the state; any other steered wheel follows through `inverse`."
     )
-    return [*blocks, wheels]
+    return [*general, *(in_wheel_speeds(d) or in_eta), *([states] if steering else [])]

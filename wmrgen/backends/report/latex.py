@@ -15,7 +15,7 @@ from wmrgen import notation
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly
 from wmrgen.lower import number_of
-from wmrgen.symbolic import Expr, Parameter
+from wmrgen.symbolic import Expr, Parameter, expression
 
 WIDE = 80  # characters of a line before a sum is broken
 Ports = Mapping[str, str]  # name of a symbol -> contract name
@@ -107,8 +107,21 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
         if inner is None:
             summed.append(Term(number, tuple(factors)))
         else:
-            summed += [Term(t.number * number, (*t.factors, *factors)) for t in terms(inner, ports)]
+            summed += [Term(t.number * number, _merged((*t.factors, *factors))) for t in terms(inner, ports)]
     return [t for t in summed if t.number]
+
+
+def _merged(factors: Iterable[Factor]) -> tuple[Factor, ...]:
+    """Powers of one base together."""
+    by_base: dict[str, Factor] = {}
+    for f in factors:
+        by_base[f.base] = replace(f, power=f.power + by_base[f.base].power) if f.base in by_base else f
+    return tuple(f for f in by_base.values() if f.power)
+
+
+def reduced(above: Poly, below: Poly) -> Expr:
+    """above / below in lowest terms, no root below the line, sums that are powers or products as such."""
+    return sympy.factor(sympy.radsimp(expression(above) / expression(below)))
 
 
 def _generator(gen: Gen, power: int) -> Factor:
@@ -188,7 +201,7 @@ def pieces(terms: Sequence[Term]) -> list[str]:
     """The signed summands of a sum, each beginning with + or -."""
     if len(terms) < 2:
         return [_product(t.number, t.factors) for t in terms]
-    number, common, rest = _pulled_out(terms)
+    number, common, rest = pulled_out(terms)
     if common or number != 1:
         return [_product(number, common, total(rest))]
     groups: dict[str, list[Term]] = {}
@@ -214,7 +227,7 @@ def summands(terms: Sequence[Term]) -> list[str]:
     parts = pieces(terms)
     if len(parts) != 1 or len(terms) < 2 or width(parts[0]) <= WIDE:
         return parts
-    number, common, rest = _pulled_out(terms)
+    number, common, rest = pulled_out(terms)
     inside = pieces(rest)
     if len(inside) < 2:
         return parts
@@ -233,7 +246,7 @@ def _key(t: Term) -> tuple[object, ...]:
     return leads or ((9, ""),), plain, tuple((f.rank, *f.order) for f in t.factors)
 
 
-def _pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[Term]]:
+def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[Term]]:
     """The number and the factors that all terms share, and the terms without them."""
     shared = []
     for f in terms[0].factors:

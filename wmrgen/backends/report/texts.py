@@ -10,7 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.report.markdown import listed, plain, table
+from wmrgen import notation
+from wmrgen.backends.report.markdown import aligned, listed, plain, table
 from wmrgen.constraints import nominal_view, rolling_row
 from wmrgen.exact.evaluate import cos_sin
 from wmrgen.exact.number import ONE, ZERO, Exact
@@ -49,12 +50,32 @@ def texts(d: Derivation) -> list[str]:
         rows.append([c.equation, c.what, letters + order])
     if rows:
         head = ["equation", "what it gives", "with"]
-        return [*blocks, "The rows of this robot are those of", *table(head, rows, "l")]
+        return [*blocks, "The rows of this robot are those of", *table(head, rows, "l"), *_ackermann(d.robot)]
     return [
         *blocks,
         "No text among the five that wmrgen reproduces writes this layout out; its rows are those of section "
         "2, with the numbers given there.",
     ]
+
+
+def _ackermann(robot: Robot) -> list[str]:
+    """What two front wheels of a car owe each other."""
+    steered = [w for w in robot.wheels if w.kind.steers]
+    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
+    if len(steered) != 2 or robot.couplings or not _car(robot, wheels):
+        return []
+    right, left = sorted(steered, key=lambda w: float(w.nominal.y))
+    base, track = left.nominal.x, left.nominal.y - right.nominal.y
+    psi_r, psi_l = (notation.port(f"{w.name}.steer") for w in (right, left))
+    ratio = notation.decimal(float(track / base))
+    return [
+        "P turns on a circle of radius R (to the left where R > 0), with v<sub>x</sub> = ω R. The axles of both front "
+        "wheels pass through its centre (Ackermann), and ψ is the angle of the virtual wheel midway:",
+        *aligned([
+            rf"\cot{psi_r} - \cot{psi_l} &= \frac{{\mathrm{{track}}}}{{\mathrm{{wheelbase}}}} = {ratio}",
+            rf"\tan\psi &= \frac{{\omega\,L}}{{v_x}} = \frac{{L}}{{R}}, \qquad L = {plain(base)}",
+        ]),
+    ]  # fmt: skip
 
 
 def citations(robot: Robot) -> list[Citation]:

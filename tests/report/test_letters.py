@@ -1,0 +1,160 @@
+"""Forward kinematics in the named parameters: the least-squares twist of rows written down here."""
+
+from __future__ import annotations
+
+import re
+from math import atan2, cos, pi, sin
+
+import numpy as np
+import pytest
+
+from tests.report.common import ROBOTS, derivation, page_of
+from tests.report.reading import read
+from wmrgen import notation
+
+# Robots whose solution is short, with a parameter that the C has as a number.
+SHORT = (
+    "clearpath_a200", "clearpath_do100", "kuka_youbot", "lekiwi", "locked_bicycle", "mir_100", "neobotix_mp_400",
+    "nexus_4wd", "ssl_parsian", "synchro_drive", "textbook_differential", "textbook_omnidirectional",
+    "textbook_two_steer", "tractor_off_axle", "turtlebot3_burger",
+)  # fmt: skip
+
+
+def letters(name: str) -> str:
+    return page_of(name).partition("In letters it is")[2].partition("The result, as the code")[0]
+
+
+def test_who_has_letters() -> None:
+    assert tuple(n for n in ROBOTS if letters(n)) == SHORT
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_the_twist_in_letters(name: str) -> None:
+    robot = derivation(name).robot
+    rows, rates, values = [], [], {}
+    for k, w in enumerate(robot.wheels):
+        x, y, r = float(w.nominal.x), float(w.nominal.y), float(w.nominal.r)
+        spin, steer = 0.7 - 0.4 * k, 0.3 + 0.2 * k
+        values[notation.port(f"{w.name}.spin")] = spin
+        values[notation.port(f"{w.name}.steer")] = steer
+        turned = (
+            float(w.heading) + (steer if w.kind.steers else 0.0) + (float(w.gamma) if w.kind.rollers else 0.0)
+        )
+        if w.kind.swivels or not w.kind.directed:
+            continue
+        if "spin" in w.sensed:
+            rows.append([cos(turned), sin(turned), x * sin(turned) - y * cos(turned)])
+            rates.append(r * spin * cos(float(w.gamma) if w.kind.rollers else 0.0))
+        if not w.kind.rollers:
+            rows.append([-sin(turned), cos(turned), x * cos(turned) + y * sin(turned)])
+            rates.append(0.0)
+    values |= {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+    twist = np.linalg.lstsq(np.array(rows), np.array(rates), rcond=None)[0]
+    text = letters(name).replace(r"\Bigl", r"\left").replace(r"\Bigr", r"\right")
+    for port, value in zip(("vx", "vy", "omega"), twist, strict=True):
+        shown = re.search(
+            rf"^{re.escape(notation.port(port))} &= (.*?)(?: \\\\$|\n\\end)", text, re.MULTILINE | re.DOTALL
+        )
+        assert shown, port
+        assert read(shown[1], values) == pytest.approx(value, rel=1e-5, abs=1e-9)
+
+
+def test_the_yaw_rate_of_a_mecanum_base() -> None:
+    assert (
+        r"\frac{\mathit{radius}}{4\,\left(\mathit{half\_track}+\mathit{half\_wheelbase}\right)}"
+        in letters("clearpath_do100")
+    )
+    page = page_of("clearpath_do100")
+    assert r"\frac{125}{4954} &\approx 0.0252321" in page
+    assert r"\det(H^T H) = 8\,{\left(\mathit{half\_track}+\mathit{half\_wheelbase}\right)}^{2}" in page
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_decimals_are_those_of_their_fractions(name: str) -> None:
+    for above, below, decimal in re.findall(r"& \\frac\{(\d+)\}\{(\d+)\} &\\approx ([\d.]+)", page_of(name)):
+        assert float(decimal) == pytest.approx(int(above) / int(below), rel=1e-5)
+
+
+def speeds(name: str) -> str:
+    return page_of(name).partition("In the speeds of driven wheels it is")[2].partition(r"\end{aligned}")[0]
+
+
+# Robots whose driven wheels command every freedom, in a formula that is short.
+DRIVEN = (
+    "ackermann_car", "andino", "bicycle", "clearpath_a200", "clearpath_do100", "clearpath_r100", "f1tenth",
+    "kuka_youbot", "locked_bicycle", "mir_100", "neobotix_mp_400", "nexus_4wd", "pioneer3dx", "synchro_drive",
+    "textbook_differential", "textbook_omnidirectional", "textbook_tricycle", "tractor_off_axle",
+    "turtlebot3_burger",
+)  # fmt: skip
+
+
+def test_who_has_a_model_in_wheel_speeds() -> None:
+    """And the car with trailers, whose model has a virtual wheel."""
+    assert {n for n in ROBOTS if speeds(n)} == {*DRIVEN, "car_with_trailers"}
+
+
+@pytest.mark.parametrize("name", DRIVEN)
+def test_the_posture_model_in_wheel_speeds(name: str) -> None:
+    """Wheels turn as an admissible twist wants it; the model gives the velocity of that twist in the world."""
+    robot, theta = derivation(name).robot, 0.6
+    fixed = [w for w in robot.wheels if w.kind.fixed_axle]
+    rows = [[-sin(h), cos(h), float(w.nominal.x) * cos(h) + float(w.nominal.y) * sin(h)]
+            for w in fixed for h in [float(w.heading)]]  # fmt: skip
+    basis = (
+        np.linalg.svd(np.array(rows))[2][np.linalg.matrix_rank(np.array(rows), tol=1e-9) :]
+        if rows
+        else np.eye(3)
+    )
+    twist = np.array([0.8, 0.5, -0.3])[: len(basis)] @ basis
+    if robot.couplings:
+        twist = np.array([0.8, 0.3, 0.0])
+    values = {r"\theta": theta} | {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+    for w in robot.wheels:
+        if not w.kind.directed or not w.has_spin or w.kind.swivels:
+            continue
+        a, b = twist[0] - float(w.nominal.y) * twist[2], twist[1] + float(w.nominal.x) * twist[2]
+        turned, share = float(w.heading), 1.0
+        if w.kind.steers:
+            psi = (atan2(b, a) - turned + pi / 2) % pi - pi / 2  # the heading nearest to its zero
+            values[notation.port(f"{w.name}.steer")], turned = psi, turned + psi
+        if w.kind.rollers:
+            turned, share = turned + float(w.gamma), cos(float(w.gamma))
+        rim = (a * cos(turned) + b * sin(turned)) / share
+        values[notation.port(f"{w.name}.spin")] = rim / float(w.nominal.r)
+    c, s = cos(theta), sin(theta)
+    rates = c * twist[0] - s * twist[1], s * twist[0] + c * twist[1], twist[2]
+    lines = [
+        line.removesuffix(r" \\") for line in speeds(name).splitlines() if line.startswith(r"\frac{d}{dt}")
+    ]
+    for line, rate in zip(lines[:3], rates, strict=True):
+        assert read(line.partition("&= ")[2], values) == pytest.approx(rate, rel=1e-6, abs=1e-12), line
+
+
+def test_ackermann() -> None:
+    """The cotangents of the front wheels on a circle, from their places."""
+    page = page_of("ackermann_car")
+    shown = re.search(r"\\cot\\psi.*front\\_right.* - .*front\\_left.* = ([\d.]+) ", page)
+    assert shown
+    wheels = {w.name: w for w in derivation("ackermann_car").robot.wheels}
+    for radius in (6.0, -4.0, 30.0):
+        cot = {
+            n: (radius - float(w.nominal.y)) / float(w.nominal.x) for n, w in wheels.items() if w.kind.steers
+        }
+        assert cot["front_right"] - cot["front_left"] == pytest.approx(float(shown[1]))
+    assert "Ackermann)" not in page_of("bicycle") and "Ackermann)" not in page_of("wpilib_swervebot")
+
+
+def test_square_systems() -> None:
+    """(3.31) where three rolling rows are all there is; a determinant of those rows."""
+    for name in ("lekiwi", "festo_robotino", "textbook_omnidirectional"):
+        page = page_of(name)
+        assert (
+            r"\xi = H^{-1} z = J_1^{-1} J_2\,\dot{\varphi} \qquad (3.31)" in page
+            and r"(H^T H)^{-1}" not in page
+        )
+        robot = derivation(name).robot
+        rows = [[cos(h), sin(h), float(w.nominal.x) * sin(h) - float(w.nominal.y) * cos(h)]
+                for w in robot.wheels for h in [float(w.heading)]]  # fmt: skip
+        shown = re.search(r"\\det H = (.*)", page)
+        values = {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+        assert shown and read(shown[1], values) == pytest.approx(np.linalg.det(np.array(rows)), rel=1e-5)

@@ -1,0 +1,86 @@
+"""Results in the named parameters, where the code has numbers or other inputs: the least-squares twist, with factors
+such as r / (4 (a + b)), and the posture model in wheel speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from wmrgen import notation
+from wmrgen.backends.report.latex import Term, broken, latex, pulled_out, reduced, width
+from wmrgen.backends.report.markdown import aligned, listed, math
+from wmrgen.exact.linalg import adjugate, determinant
+from wmrgen.exact.number import ONE
+from wmrgen.exact.poly import Poly
+from wmrgen.functions.models.sheet import latex as equations
+from wmrgen.functions.models.sheet import sheet_of
+from wmrgen.kinematics.forward import normal_equations
+from wmrgen.kinematics.sensing import Measured
+from wmrgen.ports import TWIST_NAMES
+from wmrgen.printing import symbol_names
+
+if TYPE_CHECKING:
+    from wmrgen.robot import Derivation
+
+_ENTRY = 12  # terms of an entry of H^T H and H^T z
+_PRODUCTS = 60  # terms of adj(H^T H) H^T z
+_WIDEST = 240  # glyphs of what is printed
+_LINE = 112  # glyphs of a line of a model
+
+
+def square(d: Derivation, rows: list[Measured]) -> list[str]:
+    """Three rows: no least squares; where they are all rolling rows there are, the book's (3.31)."""
+    rolling = d.constraints.rolling
+    own = len(rolling) == 3 and not d.constraints.sliding and all(w.sensed for w in d.robot.wheels)
+    book = r" = J_1^{-1} J_2\,\dot{\varphi} \qquad (3.31)" if own else ""
+    det = latex(reduced(determinant([list(row) for row, _, _ in rows]), Poly.of(1)))
+    shown = math(rf"\det H = {det}") if width(det) <= _LINE else []
+    return [
+        "As many rows as unknowns: the solution is",
+        *math(rf"\xi = H^{{-1}} z{book}"),
+        "The condition is that H has full column rank 3 (Tzafestas (2.7)), det H ≠ 0"
+        + (":" if shown else "."),
+        *shown,
+    ]
+
+
+def in_letters(d: Derivation, rows: list[Measured]) -> list[str]:
+    """The solution in the named parameters, where it is short and the code has numbers for some of them."""
+    normal, moment = normal_equations(rows)
+    entries = [*moment, *(p for row in normal for p in row)]
+    tunable = {p.name for p in d.robot.parameters if p.tunable}
+    named = {g.name for p in entries for g in p.generators if g.kind == "param"}
+    if named <= tunable or max(len(p.terms) for p in entries) > _ENTRY:
+        return []
+    ports = symbol_names(d.program.formula("forward").inputs)
+    adjoint, below = adjugate(normal), determinant(normal)
+    above = [Poly.sum(a * b for a, b in zip(row, moment, strict=True)) for row in adjoint]
+    if sum(len(p.terms) for p in above) > _PRODUCTS:
+        return []
+    texts = [broken(reduced(p, below), ports) for p in above]
+    if width("".join(texts)) > _WIDEST:
+        return []
+    return [
+        "In letters it is",
+        *aligned(f"{notation.port(n)} &= {t}" for n, t in zip(TWIST_NAMES, texts, strict=True)),
+    ]
+
+
+def in_wheel_speeds(d: Derivation) -> list[str]:
+    """The posture model as `wmrgen model` prints it, where wheels drive all of it and it is short."""
+    sheet = sheet_of("posture", d.system("posture", symbolic=True))
+    text = equations(sheet)
+    if any(p.name.startswith("eta") for p in sheet.inputs) or max(map(width, text.split("\n"))) > _LINE:
+        return []
+    _, _, followers = sheet.text.removesuffix(" must follow").partition("; ")
+    follow = f"; {listed(followers.split(', '))} must follow" if followers else ""
+    return [f"In the speeds of driven wheels it is (`wmrgen model`){follow}", *math(text)]
+
+
+def approximate(terms: Sequence[Term]) -> str:
+    """`` , & 125/4954 &= 0.0252321``: the number before a sum as a decimal, where it is a fraction that is no share."""
+    number, _, _ = pulled_out(terms) if len(terms) > 1 else (ONE, (), ())
+    above, below, _ = notation.magnitude(number)
+    if len(below) < 2 or not number.is_rational:
+        return ""
+    return rf", & \frac{{{above or 1}}}{{{below}}} &\approx {notation.decimal(abs(float(number)))}"

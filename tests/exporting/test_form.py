@@ -95,6 +95,7 @@ def test_sdf_keeps_the_rules_of_its_specification(name: str) -> None:
     for link in model.findall("link"):
         inner = [e.get("name") for e in link if e.tag in ("visual", "collision")]
         assert None not in inner and len({*inner}) == len(inner)
+        assert all({e.tag for e in shape} <= {"pose", "geometry"} for shape in link.findall("visual"))
         pose = link.find("pose")
         assert (pose is None) == (link.get("name") == "base_link")
         assert pose is None or (len(str(pose.text).split()) == 6 and pose.get("relative_to") in names)

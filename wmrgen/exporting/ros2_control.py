@@ -8,19 +8,17 @@ no other controller has a sign for a joint.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
-from xml.etree.ElementTree import Element
 
 from wmrgen.errors import NotDerivableError
-from wmrgen.exporting.bodies import BASE, PLACEHOLDERS, Body
+from wmrgen.exporting.bodies import BASE
 from wmrgen.exporting.drives import CORNERS, drive_of, limits_of
-from wmrgen.exporting.text import banner, comment, decimal, document, element
-from wmrgen.exporting.urdf import described
+from wmrgen.exporting.text import banner, decimal
+from wmrgen.exporting.urdf import urdf
 from wmrgen.layout.records import Robot
 
 NAME = "base_controller"
-_COMMANDS = {"spin": "velocity", "steer": "position"}
 _STEERING = {
     "traction_joints_names": "traction", "steering_joints_names": "steering", "wheelbase": "wheelbase",
 }  # fmt: skip
@@ -105,12 +103,10 @@ def ros2_control(robot: Robot) -> dict[str, str]:
         for group in groups:
             place = place.setdefault(group, {})
         place[key] = value if isinstance(value, float) or key.endswith("names") else value[0]
-    about = banner(robot)
-    lines = [*about, "Parameters of ros2_controllers 5 and later. [m], [rad], [s]", *drive.notes]
+    lines = [*banner(robot), "Parameters of ros2_controllers 5 and later. [m], [rad], [s]", *drive.notes]
     tree = {name: {"ros__parameters": v} for name, v in (("controller_manager", manager), (NAME, own))}
-    frame = f"{BASE} is the frame of the robot file: P, on the ground, x forward."
     return {
-        f"{robot.name}.urdf": document([*about, frame, PLACEHOLDERS], described(robot, _hardware)),
+        f"{robot.name}.urdf": urdf(robot, control=True),
         f"{robot.name}_controllers.yaml": "".join(f"# {line}\n" for line in lines) + "".join(_yaml(tree)),
     }
 
@@ -130,16 +126,3 @@ def _yaml(tree: Mapping[str, Any], indent: str = "") -> list[str]:
 def _pointed(value: float) -> str:
     digits, e, exponent = decimal(value).partition("e")
     return digits + ("" if "." in digits else ".0") + e + exponent
-
-
-def _hardware(robot: Robot, links: Sequence[Body]) -> list[Element]:
-    """<ros2_control>: a joint that another leads is measured at most, for it has no motor of its own."""
-    joints = []
-    for body in links:
-        if body.driven or body.part in (*body.wheel.sensed, *body.wheel.actuated):
-            commands = [element("command_interface", name=_COMMANDS[body.part])] if body.driven else []
-            states = [element("state_interface", name=name) for name in ("position", "velocity")]
-            joints.append(element("joint", *commands, *states, name=body.joint))
-    todo = comment("PLACEHOLDER: hardware that does what it is told. Name that of your robot.")
-    hardware = element("hardware", todo, element("plugin", text="mock_components/GenericSystem"))
-    return [element("ros2_control", hardware, *joints, name=f"{robot.name}_base", type="system")]

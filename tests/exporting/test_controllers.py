@@ -332,7 +332,7 @@ def test_wpilib_gets_its_speeds(tmp_path: Path, kind: str, seed: int) -> None:
 
 @pytest.mark.parametrize(
     ("name", "why"),
-    [("ackermann_car", "it has none for ackermann drives"), ("ssl_parsian", "none for omni drives")],
+    [("ackermann_car", "there is none for ackermann drives"), ("ssl_parsian", "none for omni drives")],
 )
 def test_what_wpilib_has_not_is_refused_in_words(name: str, why: str) -> None:
     with pytest.raises(NotDerivableError, match=f"{name}: no kinematics of WPILib fits: .*{why}"):

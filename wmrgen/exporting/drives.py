@@ -6,7 +6,8 @@ wheel speeds of its own inverse kinematics. Castors and balls that nothing drive
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import asin, atan2, cos, degrees, pi, sin, tan
 
@@ -49,9 +50,25 @@ class Drive:
         return values
 
 
-def drive_of(robot: Robot) -> Drive:
+@contextmanager
+def refusing(what: str) -> Iterator[None]:
+    """NotDerivableError in these words, and why."""
+    try:
+        yield
+    except NotDerivableError as error:
+        raise NotDerivableError(f"{what}: {error.what}.") from None
+
+
+def drive_of(robot: Robot, known: Collection[str]) -> Drive:
     """What drives a robot: differential, mecanum, omni, swerve, or one of `KINDS`. NotDerivableError where it is none
-    of these, and why."""
+    of these or not among the ``known``, and why."""
+    drive = _drive_of(robot)
+    if drive.kind not in known:
+        raise NotDerivableError(f"there is none for {drive.kind} drives")
+    return drive
+
+
+def _drive_of(robot: Robot) -> Drive:
     wheels = [w for w in robot.wheels if w.has_spin and (w.actuated or not w.kind.swivels)]
     if not any(w.actuated for w in wheels):
         raise NotDerivableError("no motor drives it")

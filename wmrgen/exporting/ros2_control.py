@@ -11,9 +11,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from wmrgen.errors import NotDerivableError
 from wmrgen.exporting.bodies import BASE
-from wmrgen.exporting.drives import CORNERS, drive_of, limits_of
+from wmrgen.exporting.drives import CORNERS, drive_of, limits_of, refusing
 from wmrgen.exporting.text import banner, decimal
 from wmrgen.exporting.urdf import urdf
 from wmrgen.layout.records import Robot
@@ -81,16 +80,10 @@ _CONTROLLERS = {
 
 def ros2_control(robot: Robot) -> dict[str, str]:
     """``<robot>.urdf`` and ``<robot>_controllers.yaml``. NotDerivableError where no controller fits, and why."""
-    try:
-        drive = drive_of(robot)
-        if drive.kind not in _CONTROLLERS:
-            raise NotDerivableError(f"there is none for {drive.kind} drives")
+    with refusing(f"{robot.name}: no controller of ros2_controllers fits"):
+        drive = drive_of(robot, _CONTROLLERS)
         kind, names = _CONTROLLERS[drive.kind]
         values = drive.named(names, limits_of(robot))
-    except NotDerivableError as error:
-        raise NotDerivableError(
-            f"{robot.name}: no controller of ros2_controllers fits: {error.what}."
-        ) from None
     manager = {
         "update_rate": 100,
         "joint_state_broadcaster": {"type": "joint_state_broadcaster/JointStateBroadcaster"},

@@ -57,9 +57,7 @@ def sdf(robot: Robot) -> str:
 
 def _drive(robot: Robot) -> tuple[Plugin, tuple[str, ...]]:
     """The system of a robot's drive, and what is to say of it. NotDerivableError where Gazebo has none."""
-    drive = drive_of(robot)
-    if drive.kind not in _SYSTEMS:
-        raise NotDerivableError(f"it has none for {drive.kind} drives")
+    drive = drive_of(robot, _SYSTEMS)
     name, file, terms = _SYSTEMS[drive.kind]
     values = drive.named(terms, limits_of(robot))
     texts = {tag: [decimal(value)] if isinstance(value, float) else value for tag, value in values.items()}

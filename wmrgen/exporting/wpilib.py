@@ -9,8 +9,7 @@ from __future__ import annotations
 from textwrap import wrap
 
 from wmrgen.backends.c99.text import comment_text
-from wmrgen.errors import NotDerivableError
-from wmrgen.exporting.drives import drive_of
+from wmrgen.exporting.drives import drive_of, refusing
 from wmrgen.exporting.text import banner, decimal
 from wmrgen.layout.records import Robot
 from wmrgen.render import render
@@ -24,12 +23,8 @@ _YEARS = (
 
 def wpilib(robot: Robot) -> dict[str, str]:
     """A Java class and a C++ header. NotDerivableError where WPILib has no kinematics of the robot, and why."""
-    try:
-        drive = drive_of(robot)
-        if drive.kind not in _CLASSES:
-            raise NotDerivableError(f"it has none for {drive.kind} drives")
-    except NotDerivableError as error:
-        raise NotDerivableError(f"{robot.name}: no kinematics of WPILib fits: {error.what}.") from None
+    with refusing(f"{robot.name}: no kinematics of WPILib fits"):
+        drive = drive_of(robot, _CLASSES)
     swerve = drive.kind == "swerve"
     names = {w.name: w.name.upper() for w in drive.wheels}
     tracks = [decimal(v) for v in drive.named({"": "separation"}, {}).values() if isinstance(v, float)]

@@ -77,7 +77,7 @@ def test_equal_files(wmrgen_cli: Cli, tmp_path: Path) -> None:
     ("files", "said"),
     [
         (["none.yaml"], "no such file"),
-        (["control.yaml"], "no file has wheels"),
+        (["control.yaml"], "give a second file"),
         (["robot.yaml"], "give a second file"),
         (["robot.yaml", "empty.yaml"], "empty"),
         (["robot.yaml", "bad.yaml"], "no number"),

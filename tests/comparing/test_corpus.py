@@ -12,7 +12,7 @@ from defusedxml.ElementTree import fromstring
 
 import wmrgen
 from tests.conftest import GALLERY
-from wmrgen.comparing.differences import compare
+from wmrgen.comparing.compare import compare
 from wmrgen.comparing.record import Layout, Side
 from wmrgen.comparing.sources import of_controller, of_robot
 from wmrgen.importing.controllers import plugin_controllers, read_controllers

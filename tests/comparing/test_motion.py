@@ -10,7 +10,7 @@ import pytest
 
 import wmrgen
 from tests.comparing.test_corpus import bicycle, mecanum, ring, side
-from wmrgen.comparing.differences import compare
+from wmrgen.comparing.compare import compare
 from wmrgen.comparing.record import Comparison, Layout, Side
 from wmrgen.comparing.sources import layouts, of_robot
 from wmrgen.exact.number import Exact
@@ -208,3 +208,67 @@ def test_nothing_in_the_gallery_differs_from_itself_or_its_header() -> None:
             result = compare(of_robot(*robot, "robot"), other)
             assert not result.differences, path
             assert not said(result), path
+
+
+KINDS = {
+    "diff_drive_controller/DiffDriveController": ("wheel_separation", "wheel_radius"),
+    "mecanum_drive_controller/MecanumDriveController": ("wheel_separation_x", "wheel_radius"),
+    "tricycle_controller/TricycleController": ("wheelbase", "wheel_radius"),
+    "bicycle_steering_controller/BicycleSteeringController": ("wheelbase", "rear_wheel_radius"),
+    "ackermann_steering_controller/AckermannSteeringController": ("wheelbase", "rear_wheels_radius"),
+    "omnidirectional_controllers/OmnidirectionalController": ("robot_radius", "wheel_radius"),
+    "swerve_drive_controller/SwerveController": ("chassis_length", "wheel_radius"),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@S
+def test_two_controllers_without_a_robot(kind: str, s: float, tmp_path: Path) -> None:
+    """The first is a robot of its kind; only what both say is compared."""
+    key, radius = KINDS[kind]
+    texts = (
+        f"{key}: 0.6, {radius}: 0.1",
+        f"{key}: {0.6 * s}, {radius}: 0.1, wheel_steering_y_offset: 0.1",
+        f"{radius}: 0.1",
+    )
+    given = []
+    for text in texts:
+        path = tmp_path / "p.yaml"
+        path.write_text(f"drive: {{type: {kind}, {text}}}\n", encoding="utf-8")
+        given += layouts(path)
+    first, second, silent = given
+    assert not compare(first, first).differences
+    assert not compare(first, silent).differences and not compare(silent, first).differences
+    result = compare(first, second)
+    assert len(result.differences) == 1
+    turn = ratios(result)["turn"]
+    if kind.startswith(("swerve", "mecanum")):
+        assert (turn > 1) == (s > 1)
+    else:
+        assert turn == pytest.approx(s, abs=1e-6)
+
+
+def test_a_joint_that_counts_backward_for_a_controller_that_cannot_know(tmp_path: Path) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text(
+        "drive: {type: diff_drive_controller/DiffDriveController, wheel_separation: 0.4}\n", encoding="utf-8"
+    )
+    (controller,) = layouts(path)
+    result = compare(differential(0.4, left=math.pi), controller)
+    assert [(d.code, d.wheel) for d in result.differences] == [("WMR045", "left")]
+    assert said(result)["straight"].startswith("does not drive straight, turns")
+    path.write_text(
+        "driver: {wheel_separation: 0.4}\n", encoding="utf-8"
+    )  # may know how its motors are mounted
+    assert not compare(differential(0.4, left=math.pi), *layouts(path)).differences
+
+
+def test_a_radius_of_one_side(tmp_path: Path) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text(
+        "drive: {wheel_separation: 0.4, wheel_radius: 0.1, left_wheel_radius_multiplier: 0.98}\n",
+        encoding="utf-8",
+    )
+    result = compare(differential(0.4), *layouts(path))
+    assert [(d.code, d.quantity) for d in result.differences] == [("WMR042", "left radius")]
+    assert said(result)["straight"] == "drives 1.0 % too fast, turns while driving straight"

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from wmrgen.comparing.differences import CODES, compare
+from wmrgen.comparing.compare import compare
+from wmrgen.comparing.differences import CODES
 from wmrgen.comparing.record import Comparison
 from wmrgen.comparing.rules import BETWEEN
 from wmrgen.comparing.sources import layouts

@@ -179,7 +179,7 @@ turtle_node:
     "omni wheels on a ring, and the radius of a footprint": (
         """
 omni:
-  ros__parameters: {wheel_names: [a, b, c], robot_radius: 0.1, wheel_radius: 0.05, gamma: 30.0}
+  ros__parameters: {wheel_names: [a, b, c], robot_radius: 0.1, wheelRadius: 0.05, gamma: 30.0}
 local_costmap:
   local_costmap:
     ros__parameters: {robot_radius: 0.22}
@@ -219,7 +219,7 @@ def test_a_family(family: str, tmp_path: Path) -> None:
     for setting in (*c.lengths.values(), *c.multipliers.values()):  # the mark is that of the value
         assert setting.mark
         line = text.split("\n")[setting.mark.line - 1]
-        assert setting.key.rsplit(".", 1)[-1] in line
+        assert setting.key.rsplit(".", 1)[-1].replace("_", "").lower() in line.replace("_", "").lower()
         shown = float(line[setting.mark.column - 1 :].split(",")[0].split("}")[0].split("#")[0])
         assert shown in (float(setting.value), 2 * float(setting.value))
 
@@ -314,9 +314,11 @@ def test_plugins() -> None:
         <front_left_joint>fl</front_left_joint><back_right_joint>br</back_right_joint>
         <wheel_separation>1.25</wheel_separation><wheelbase>1.511</wheelbase><wheel_radius>0.3</wheel_radius><track>wide</track>
       </plugin></gazebo>
+      <ros2_control name="base"><hardware><plugin>diffdrive/Hardware</plugin>
+        <param name="left_wheel_name">l</param><param name="wheelRadius">0.05</param></hardware></ros2_control>
       <gazebo><plugin filename="libgazebo_ros_imu.so" name="imu"><frame_name>imu</frame_name></plugin></gazebo>
     </robot>"""
-    mobile, drive, mecanum = plugin_controllers(fromstring(text))
+    mobile, drive, mecanum, hardware = plugin_controllers(fromstring(text))
     assert [c.kind for c in (mobile, drive, mecanum)] == ["differential", "differential", "mecanum"]
     assert {k: float(s.value) for k, s in mobile.lengths.items()} == {"track": 0.53, "radius": 0.1}
     assert {k: float(s.value) for k, s in drive.lengths.items()} == {"track": 0.158, "radius": 0.06}
@@ -325,6 +327,10 @@ def test_plugins() -> None:
         "wheelbase": 1.511,
         "radius": 0.3,
     }
+    assert ({k: float(s.value) for k, s in hardware.lengths.items()}, told(hardware)) == (
+        {"radius": 0.05},
+        "l: left",
+    )
     assert told(mobile) == "right_wheel: right, left_wheel: left"
     assert told(mecanum) == "fl: front left, br: rear right"
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from wmrgen.cli import console
-from wmrgen.comparing.differences import compare as compared
+from wmrgen.comparing.compare import compare as compared
 from wmrgen.comparing.record import Comparison
 from wmrgen.comparing.sources import layouts
 from wmrgen.errors import StaleError, UsageError
@@ -20,15 +20,14 @@ def compare(
     package: Sequence[str] | None,
     as_json: bool,
 ) -> int:
-    """Print what differs from the first file that has wheels to each other. Exit code 1 where something does."""
+    """Print what differs from the first file that has wheels, else the first controller, to each other. Exit code 1
+    where something does."""
     arguments = [word for word in files if ":=" in word]
     paths = [Path(word) for word in files if ":=" not in word]
     every = [layout for path in paths for layout in layouts(path, arguments, package or (), base)]
-    robot = next((layout for layout in every if not layout.controller), None)
-    if robot is None:
-        raise UsageError("no file has wheels: give a robot file, a description or a header, too")
     if len(every) < 2:
-        raise UsageError(f"{robot.source} has no parameters in it: give a second file")
+        raise UsageError("there is nothing to compare: give a second file")
+    robot = next((layout for layout in every if not layout.controller), every[0])
     results = [compared(robot, layout) for layout in every if layout is not robot]
     if as_json:
         console.data({"robot": robot.file, "comparisons": [_as_data(c) for c in results]})

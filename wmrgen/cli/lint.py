@@ -10,8 +10,8 @@ import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.failures import all_as_data, place
 from wmrgen.cli.loading import linted
-from wmrgen.comparing.differences import compare, labelled
-from wmrgen.comparing.differences import findings as between
+from wmrgen.comparing.compare import compare, labelled
+from wmrgen.comparing.compare import findings as between
 from wmrgen.comparing.record import DESCRIPTION, ROBOT_FILE
 from wmrgen.comparing.sources import layouts
 from wmrgen.errors import StaleError, UsageError, WmrgenError

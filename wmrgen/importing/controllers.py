@@ -31,8 +31,8 @@ from wmrgen.spec.text import (
 
 LENGTHS = {  # what a parameter gives: the words by which it is known
     "track": "wheel_separation wheel_separation_y wheels_separation wheels.separation wheel_seperation track"
-    " wheel_track wheels_track track_width axle_track base_width wheel_distance wheels_distance chassis_width",
-    "front_track": "front_wheel_track steering_track_width",
+    " wheel_track wheels_track track_width axle_track axle_width base_width wheel_distance chassis_width",
+    "front_track": "front_wheel_track steering_track_width kingpin_width",
     "rear_track": "rear_wheel_track traction_track_width",
     "wheelbase": "wheelbase wheel_base wheel_separation_x wheel_separation_h chassis_length",
     "sum": "sum_of_robot_center_projection_on_x_y_axis",
@@ -114,17 +114,21 @@ def controllers_of(tree: Node | None, arguments: Mapping[str, str]) -> tuple[Con
     result = []
     for top in tops:
         if not any(top[: len(other)] == other for other in tops if other != top):
-            own = [replace(l, path=l.path[len(top) :]) for l in leaves if l.path[: len(top)] == top]
+            own = [
+                replace(l, path=tuple(map(_snake, l.path[len(top) :])))
+                for l in leaves
+                if l.path[: len(top)] == top
+            ]
             result.append(_controller(_last(top), types.get(_last(top), ""), own))
     return tuple(c for c in result if c.lengths or c.places or c.kind)
 
 
 def plugin_controllers(root: Element) -> tuple[Controller, ...]:
-    """The controllers that drive plugins in a URDF or SDF are, and what the element <mobile> of rby1 says."""
+    """The controllers that drive plugins and hardware of ros2_control in a URDF or SDF are, and <mobile> of rby1."""
     result = []
     for element in root.iter():
-        if _local(element) == "plugin":
-            leaves = [_element(_snake(_local(e)), e.text or "") for e in element]
+        if _local(element) in ("plugin", "hardware"):
+            leaves = [_element(_snake(e.get("name") or _local(e)), e.text or "") for e in element]
             kind = " ".join(filter(None, (element.get("filename"), element.get("name"))))
             result.append(_controller(element.get("name") or "", kind, leaves))
         elif _local(element) == "mobile" and element.get("type") == "differential":
@@ -198,10 +202,10 @@ def _length(leaf: _Leaf) -> tuple[str, str, Fraction, bool] | None:
     """Words, key of `LENGTHS`, factor and whether it is a multiplier; None of what is no length."""
     for count in (2, 1):
         words = ".".join(leaf.path[-count:])
-        plain = words.removesuffix("_multiplier").lower()
+        plain = _snake(words).removesuffix("_multiplier")
         key = _WORDS.get(plain.replace("diameter", "radius"))
         if key and len(leaf.texts) == 1:
-            return words, key, Fraction(1, 2 if "diameter" in plain else 1), plain != words.lower()
+            return words, key, Fraction(1, 2 if "diameter" in plain else 1), plain != _snake(words)
     return None
 
 

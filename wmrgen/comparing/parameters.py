@@ -1,0 +1,197 @@
+"""Parameters of a controller against a robot: what they say otherwise, and the robot's wheels as they have them."""
+
+from __future__ import annotations
+
+import cmath
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from wmrgen.comparing.differences import KIND, MISSING, SIGN, length, order, places, same
+from wmrgen.comparing.motion import Pairs
+from wmrgen.comparing.quantities import box, forward, lengths, mean, parts, roles
+from wmrgen.comparing.record import CONTROLLER, Difference, Layout, Side
+from wmrgen.importing.records import Controller, Named
+from wmrgen.wheels import WHEEL_TYPES, WheelType
+from wmrgen.wheels.types import FIXED, STEERED, SWEDISH
+
+# Whether a controller of a kind can drive such wheels.
+_FITS: dict[str, Callable[[list[WheelType]], bool]] = {
+    "differential": lambda kinds: not any(k.rollers or k.steers for k in kinds),
+    "mecanum": lambda kinds: all(k.rollers for k in kinds),
+    "omni": lambda kinds: all(k.rollers or k.turns for k in kinds),
+    "swerve": lambda kinds: any(k.turns for k in kinds),
+}
+_FITS |= dict.fromkeys(("ackermann", "bicycle", "tricycle"), _FITS["swerve"])
+# Types whose controllers take every joint to count forward.
+_FORWARD = re.compile("(diff|mecanum|skid)_?(steer_?)?drive", re.IGNORECASE)
+# A robot of each kind: type and place of its wheels.
+_SHAPES: dict[str, dict[str, tuple[complex, ...]]] = {
+    "differential": {FIXED.name: (1j, -1j)},
+    "mecanum": {SWEDISH.name: (1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j)},
+    "omni": {SWEDISH.name: tuple(cmath.rect(1, k * math.pi / 3) for k in (1, 3, 5))},
+    "ackermann": {FIXED.name: (1j, -1j), STEERED.name: (2 + 1j, 2 - 1j)},
+    "tricycle": {FIXED.name: (1j, -1j), STEERED.name: (2,)},
+    "bicycle": {FIXED.name: (0,), STEERED.name: (2,)},
+    "swerve": {STEERED.name: (1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j)},
+}
+
+
+def standing(layout: Layout) -> Layout:
+    """A controller as a robot of its kind, with its lengths."""
+    c = layout.controller
+    if c is None:
+        return layout
+    kind = c.kind or ("swerve" if "wheelbase" in c.lengths else "differential")
+    wheels = [
+        Side(
+            (f"wheel {z.real:.3g} {z.imag:.3g}",),
+            name,
+            {"x": z.real, "y": z.imag, "r": 1.0, **_turn(kind, z)},
+        )
+        for name, points in _SHAPES[kind].items()
+        for z in points
+    ]
+    said = {key: worth(c, key, True) for key in c.lengths}
+    moved = [
+        replace(w, values={**w.values, **m.values})
+        for w, m in zip(wheels, _moved(c, wheels, said), strict=True)
+    ]
+    return Layout(layout.file, CONTROLLER, tuple(moved), controller=c, title=layout.title)
+
+
+def _turn(kind: str, z: complex) -> dict[str, float]:
+    """Heading and rollers of a wheel, as is usual."""
+    if kind == "omni":
+        return {"heading": cmath.phase(1j * z), "gamma": 0.0}
+    rollers = {"gamma": -math.copysign(math.pi / 4, z.real * z.imag)} if kind == "mecanum" else {}
+    return {"heading": 0.0, **rollers}
+
+
+def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, list[str]]:
+    """What a controller says otherwise of a robot, the robot's wheels each as both have it, and notes."""
+    wheels = parts(a.wheels)
+    if not wheels:
+        return [], [], []
+    kinds = [WHEEL_TYPES[w.type] for w in wheels]
+    where, along = roles(wheels), forward(wheels)
+    skids = all(k.fixed_axle for k in kinds) and any("front" in word for word in where)
+    c = _as_meant(c, kinds)
+    mine = {
+        k: v
+        for k, v in lengths(wheels, where, along).items()
+        if not a.controller or k in a.controller.lengths
+    }
+    said = {key: worth(c, key, not skids) for key in c.lengths}
+    differences: list[Difference] = []
+    for key, value in list(said.items()):
+        tracks = [mine[k] for k in ("front_track", "rear_track") if k in mine and key == "track"]
+        if key in mine and any(same(v, value) for v in (mine[key], *tracks)):
+            del said[key]
+        elif key in mine:
+            settings = (c.lengths[key], c.multipliers.get(key))
+            marks = tuple(s.mark for s in settings if s and s.mark)
+            differences.append(length(key, mine[key], value, marks, f" ({settings[0].key})"))
+    pairs = list(zip(wheels, _moved(c, wheels, said), strict=True))
+    if c.places:
+        differences += places(pairs, along)
+    differences += [*_joints(a, c), *_signs(pairs)]
+    if c.kind and not _FITS[c.kind](kinds):
+        has = ", ".join(dict.fromkeys(k.noun for k in kinds))
+        differences.append(
+            Difference(KIND, "kind", "", has, c.kind, f"a {c.kind} drive cannot drive a {has}")
+        )
+    if c.kind == "omni" and a.ordered:
+        differences += order(wheels, [i for j in c.joints for i, w in enumerate(wheels) if _is(w, j.joint)])
+    factors = [f"{f.key} {float(f.value):g}" for f in c.multipliers.values() if skids and f.value != 1]
+    return (
+        differences,
+        pairs,
+        [f"{f} corrects for skidding: it is no length, and does not count" for f in factors],
+    )
+
+
+def worth(c: Controller, key: str, multiplied: bool) -> float:
+    """A length of a controller [m], times its multiplier where that counts."""
+    factor = c.multipliers.get(key) if multiplied else None
+    return float(c.lengths[key].value * (factor.value if factor else 1))
+
+
+def _as_meant(c: Controller, kinds: Iterable[WheelType]) -> Controller:
+    """With the track under its name, which drivers of plain wheels call the wheel base; and a radius for each side
+    that has a multiplier of its own."""
+    said = dict(c.lengths)
+    if "track" not in said and "wheelbase" in said and all(k.fixed_axle for k in kinds):
+        said["track"] = said.pop("wheelbase")
+    if "radius" in said:
+        said |= {key: said["radius"] for key in c.multipliers if key.endswith("_radius") and key not in said}
+    return replace(c, lengths=said)
+
+
+def _is(w: Side, joint: str) -> bool:
+    """The joint is one of the wheel's, but for a prefix, which may be an argument."""
+    return any(own.endswith(joint) for own in w.names)
+
+
+def _joints(a: Layout, c: Controller) -> Iterator[Difference]:
+    for named in c.joints:
+        if a.joints is not None and not any(own.endswith(named.joint) for own in a.joints):
+            marks = (named.mark,) if named.mark else ()
+            yield Difference(
+                MISSING, "joint", "", None, named.joint, f"no joint is called {named.joint}", marks
+            )
+
+
+def _signs(pairs: Pairs) -> Iterator[Difference]:
+    for v, w in pairs:
+        if "heading" in w.values:
+            words = f"{v.name}: its joint counts backward, the controller takes it to count forward"
+            yield Difference(
+                SIGN, "sign", v.name, v.of("heading"), w.of("heading"), words, tuple(v.marks.values())
+            )
+
+
+def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> list[Side]:
+    """What a controller has of the wheels of a robot, in order: places at the lengths ``said`` about the middle of the
+    robot, which it takes to be symmetric, its fixed axle kept."""
+    where, along = roles(wheels), forward(wheels)
+    mine = lengths(wheels, where, along)
+    at = [along.conjugate() * w.pivot for w in wheels]
+    axle = [p.real for p, w in zip(at, wheels, strict=True) if WHEEL_TYPES[w.type].fixed_axle]
+    middle = box(at)[0]
+    centre = complex(mean(axle) if axle else middle.real, middle.imag)
+    result = []
+    for w, p, word in zip(wheels, at, where, strict=True):
+        own = next((j for j in c.joints if _is(w, j.joint)), Named("", "", False))
+        told = own.role or word
+        place = along * (centre + _displaced(p - centre, told, said, mine))
+        values, marks = {"x": place.real, "y": place.imag}, {}
+        given = next((c.places[k] for k in c.places if _is(w, k) or k in (word, f"middle {word}")), None)
+        if given:
+            values = {axis: float(s.value) for axis, s in zip("xy", given, strict=True)}
+            marks = {axis: s.mark for axis, s in zip("xy", given, strict=True) if s.mark}
+        for key in (*(f"{side}_radius" for side in told.split()), "radius"):
+            if key in said:
+                values.setdefault("r", said[key])
+        if "offset" in said and WHEEL_TYPES[w.type].steers:
+            outward = w.of("offset_y") or values["y"] * math.cos(w.of("heading"))
+            values["offset_y"] = math.copysign(said["offset"], outward)
+        if _FORWARD.search(c.type) and not WHEEL_TYPES[w.type].turns:
+            aligned = (along.conjugate() * cmath.rect(1, w.of("heading"))).real
+            values |= {"heading": cmath.phase(along)} if aligned < -0.9 else {}
+        result.append(replace(w, values=values, marks=marks))
+    return result
+
+
+def _displaced(p: complex, told: str, said: Mapping[str, float], mine: Mapping[str, float]) -> complex:
+    """A pivot from the centre of the robot, by the lengths of a controller; ``told``: where the wheel is."""
+    end = told.split(" ")[0]
+    track = said.get(f"{end}_track", said.get("track"))
+    if track is not None and told.endswith(("left", "right")):
+        p = complex(p.real, track / 2 if told.endswith("left") else -track / 2)
+    if "wheelbase" in said and mine.get("wheelbase"):
+        p = complex(p.real * said["wheelbase"] / mine["wheelbase"], p.imag)
+    if "sum" in said and "sum" in mine:
+        p = complex(p.real, math.copysign(abs(p.imag) + said["sum"] - mine["sum"], p.imag))
+    return p * said["ring"] / mine["ring"] if "ring" in said and "ring" in mine else p

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from wmrgen.cli import console
 from wmrgen.cli.writing import write_robot_file
-from wmrgen.comparing.differences import compare
+from wmrgen.comparing.compare import compare
 from wmrgen.comparing.sources import of_controller, of_import
 from wmrgen.errors import RobotFileError
 from wmrgen.importing.controllers import read_controllers

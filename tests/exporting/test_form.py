@@ -106,6 +106,24 @@ def test_sdf_keeps_the_rules_of_its_specification(name: str) -> None:
         assert (joint.find("axis/limit/lower") is None) == (joint.get("type") != "revolute")
 
 
+def test_names_of_wheels_that_are_those_of_links(tmp_path: Path) -> None:
+    """Links and joints share their names in SDFormat; a case or an ending of ours in a wheel's name is no other's."""
+    names = ["base", "chassis", "FL", "frontRight", "a", "a_spin", "a_steer", "a_spin_link", "model"]
+    wheels = [f"name: {n}, type: fixed, x: {k}, y: 1, heading: 0, r: 0.1" for k, n in enumerate(names)]
+    robot = load(
+        tmp_path,
+        *wheels,
+        "name: ball, type: spherical, x: 0, y: 0",
+        "name: a_ball, type: spherical, x: 1, y: 0",
+    )
+    model = root(sdf(robot)).find("model")
+    assert model is not None
+    for described in (root(urdf(robot)), model):
+        found = [str(e.get("name")) for e in described if e.tag in ("link", "joint")]
+        assert len({*found}) == len(found) == 2 * len(names) + 4 + (3 if described is not model else 1)
+        assert {f"{n}_spin" for n in names} <= {*found}
+
+
 def test_limits_and_frames_are_those_of_the_robot_file(tmp_path: Path) -> None:
     robot = load(
         tmp_path, "name: a, type: steered, x: 1, y: 0.5, heading: pi/2, r: 0.2, offset_y: 0.1, "

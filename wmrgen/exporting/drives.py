@@ -227,7 +227,8 @@ def _ring(wheels: Sequence[Wheel]) -> Drive:
     distance = _common(distances, "distances of the wheels from P, positive where they turn it clockwise,")
     if isinstance(distance, float) and distance <= 0:
         distance = NotDerivableError(
-            "its wheels turn it counter-clockwise at positive rates, the formula's clockwise"
+            "its wheels turn it counter-clockwise at positive rates, the formula's clockwise. Turn their joints "
+            "round: headings by pi, and the motors inverted"
         )
     terms: dict[str, Term] = {"ring": _spins(wheels[k] for k in order), "offset": first}
     terms |= {"distance": distance, "radius": _common([_r(w) for w in wheels], "the radii")}

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 from functools import lru_cache
 from typing import Any, ClassVar, TypeAlias
 
 import sympy
-from sympy.functions.elementary.piecewise import ExprCondPair
 
 from wmrgen import notation
 from wmrgen.exact.number import Exact
@@ -136,12 +134,8 @@ def local(name: str) -> Local:
 def number(value: Exact) -> Expr:
     """A field element as a sympy number."""
     roots = (sympy.S.One, sympy.sqrt(2), sympy.sqrt(3), sympy.sqrt(6))
-    terms = [_rational(p) * root for p, root in zip(value.parts, roots, strict=True) if p]
-    return add(*terms)
-
-
-def _rational(f: Fraction) -> Expr:
-    return sympy.Rational(f.numerator, f.denominator)
+    parts = zip(value.parts, roots, strict=True)
+    return add(*(sympy.Rational(p.numerator, p.denominator) * root for p, root in parts if p))
 
 
 @lru_cache(maxsize=65536)
@@ -229,33 +223,6 @@ def norm(*components: Expr) -> Expr:
 def square(a: Expr) -> Expr:
     """a**2 as it stands."""
     return sympy.Pow(a, 2, evaluate=False)
-
-
-_LAZY = (
-    sympy.Add, sympy.Mul, sympy.Pow, sympy.Max, sympy.Min, sympy.Abs, sympy.atan, sympy.atan2, Operation,
-    sympy.StrictLessThan,
-)  # fmt: skip
-
-
-def substituted(expr: Expr, values: dict[Expr, Expr], memo: dict[Expr, Expr]) -> Expr:
-    """``expr`` with ``values`` put in and nothing evaluated: comparing nested maxima would take sympy minutes.
-
-    ``memo`` keeps what shared parts became.
-    """
-    if not expr.args:
-        return values.get(expr, expr)
-    if expr not in memo:
-        args = [substituted(a, values, memo) for a in expr.args]
-        if isinstance(expr, Compensated):
-            memo[expr] = Compensated(*args)
-        elif isinstance(expr, (sympy.Piecewise, ExprCondPair)):
-            # Their constructors fold every piecewise condition, even unevaluated.
-            memo[expr] = sympy.Basic.__new__(type(expr), *args)
-        elif isinstance(expr, _LAZY):
-            memo[expr] = expr.func(*args, evaluate=False)
-        else:
-            memo[expr] = expr.func(*args)
-    return memo[expr]
 
 
 def select(a: Expr, b: Expr, then: Expr, otherwise: Expr) -> Expr:

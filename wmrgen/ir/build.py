@@ -7,6 +7,7 @@ Sums keep constants last, products first; otherwise arguments stand in order of 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import partialmethod
 
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.nodes import Function, Node, Op, Port, prune
@@ -141,26 +142,6 @@ class Builder(Tape):
             raise ValueError("square root of a negative constant")
         return self._plain(Op.SQRT, a)
 
-    def sin(self, a: int) -> int:
-        """sin(a), a in radians."""
-        return self._plain(Op.SIN, a)
-
-    def cos(self, a: int) -> int:
-        """cos(a), a in radians."""
-        return self._plain(Op.COS, a)
-
-    def atan(self, a: int) -> int:
-        """The arctangent of a, in radians."""
-        return self._plain(Op.ATAN, a)
-
-    def atan2(self, y: int, x: int) -> int:
-        """atan2(y, x) in radians; atan2(0, 0) = 0."""
-        return self._plain(Op.ATAN2, y, x)
-
-    def rint(self, a: int) -> int:
-        """The whole number nearest to a, ties to even."""
-        return self._plain(Op.RINT, a)
-
     def flip(self, a: int, n: int) -> int:
         """a where the whole number n is even, else -a."""
         value, inner = self.value(n), self._positive(n)
@@ -179,6 +160,12 @@ class Builder(Tape):
             result = self.apply(op, (inner,))
             return self.neg(result) if op.parity < 0 else result
         return self.put(op, *(sorted(args) if op.commutative else args))
+
+    sin = partialmethod(_plain, Op.SIN)
+    cos = partialmethod(_plain, Op.COS)
+    atan = partialmethod(_plain, Op.ATAN)
+    atan2 = partialmethod(_plain, Op.ATAN2)
+    rint = partialmethod(_plain, Op.RINT)
 
     # ---- helpers
 

@@ -6,11 +6,38 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 
 import sympy
+from sympy.functions.elementary.piecewise import ExprCondPair
 
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import JOINTS, Limits, Port, Role
-from wmrgen.symbolic import Expr, Local, expression, local, rotated, signal, substituted, times
+from wmrgen.symbolic import Compensated, Expr, Local, Operation, expression, local, rotated, signal, times
+
+_LAZY = (
+    sympy.Add, sympy.Mul, sympy.Pow, sympy.Max, sympy.Min, sympy.Abs, sympy.atan, sympy.atan2, Operation,
+    sympy.StrictLessThan,
+)  # fmt: skip
+
+
+def substituted(expr: Expr, values: dict[Expr, Expr], memo: dict[Expr, Expr]) -> Expr:
+    """``expr`` with ``values`` put in and nothing evaluated: comparing nested maxima would take sympy minutes.
+
+    ``memo`` keeps what shared parts became.
+    """
+    if not expr.args:
+        return values.get(expr, expr)
+    if expr not in memo:
+        args = [substituted(a, values, memo) for a in expr.args]
+        if isinstance(expr, Compensated):
+            memo[expr] = Compensated(*args)
+        elif isinstance(expr, (sympy.Piecewise, ExprCondPair)):
+            # Their constructors fold every piecewise condition, even unevaluated.
+            memo[expr] = sympy.Basic.__new__(type(expr), *args)
+        elif isinstance(expr, _LAZY):
+            memo[expr] = expr.func(*args, evaluate=False)
+        else:
+            memo[expr] = expr.func(*args)
+    return memo[expr]
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,6 +55,11 @@ class Contact:
     wy: Poly
     weight: Exact
 
+    @property
+    def rows(self) -> list[Measured]:
+        """A row for each component of the velocity."""
+        return contact_rows(self.bx, self.by, self.wx, self.wy, self.weight)
+
 
 @dataclass(frozen=True, slots=True)
 class Component:
@@ -64,6 +69,11 @@ class Component:
     row: Row
     value: Poly
     weight: Exact
+
+    @property
+    def rows(self) -> list[Measured]:
+        """The one row."""
+        return [(self.row, self.value, self.weight)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +96,7 @@ class Measurements:
     @property
     def rows(self) -> list[Measured]:
         """Every measured row over the twist, with its value [m/s] and its weight."""
-        rows = [row for c in self.contacts for row in contact_rows(c.bx, c.by, c.wx, c.wy, c.weight)]
-        return rows + [(c.row, c.value, c.weight) for c in self.components]
+        return [row for c in self.all for row in c.rows]
 
     @property
     def weighted(self) -> bool:
@@ -169,16 +178,6 @@ def _rolled(w: Wheel, names: Locals) -> tuple[Poly, Poly]:
     return g.ch * u - g.sh * v, g.sh * u + g.ch * v
 
 
-@dataclass(frozen=True, slots=True)
-class System:
-    """N and b with names for their entries; ``rank``: of N in general; ``reach``: a length [m**2] of the contacts."""
-
-    n: list[list[Poly]]
-    b: list[Poly]
-    rank: int
-    reach: Exact
-
-
 def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
     """Any mix of contact velocities and single rows, by cofactors of the 3x3 normal matrix N.
 
@@ -190,8 +189,7 @@ def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
         lambda i, j: names.poly(f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, _, weight in rows))
     )
     b = [names.poly(f"b{i}", Poly.sum((r[i] * z).scale(weight) for r, z, weight in rows)) for i in range(3)]
-    system = System(n, b, generic_rank(measured), reach_of(measured.wheels))
-    twist = smallest_twist(system, lower_bound(measured), names)
+    twist = smallest_twist(n, b, measured, names)
     fitted = [names.poly(k, e) for k, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     errors = [(names.poly(f"error_{i}", z - dot(r, fitted)), weight) for i, (r, z, weight) in enumerate(rows)]
     slip = root(add(*(times(number(weight), square(expression(e))) for e, weight in errors)))
@@ -217,9 +215,7 @@ def _named_rows(measured: Measurements, names: Locals) -> list[Measured]:
     points = zip(named_contacts(measured.contacts, names), measured.contacts, strict=True)
     rows = [row for parts, c in points for row in contact_rows(*parts, c.weight)]
     for c in measured.components:
-        x, y, w = (
-            _named(names, f"{c.wheel.name}_{k}", p) for k, p in zip(("rx", "ry", "rw"), c.row, strict=True)
-        )
+        x, y, w = (_named(names, f"{c.wheel.name}_r{k}", p) for k, p in zip("xyw", c.row, strict=True))
         rows.append(((x, y, w), c.value, c.weight))
     return rows
 
@@ -233,10 +229,8 @@ def reach_of(wheels: Sequence[Wheel]) -> Exact:
 
 def generic_rank(measured: Measurements) -> int:
     """The rank of the measured rows at general joint angles."""
-    points = range(len(_POINTS))
-    return max(
-        _rank([[_at(p, k) for p in row] for row, _, _ in measured.rows], measured.wheels) for k in points
-    )
+    rows = ([[_at(p, k) for p in row] for row, _, _ in measured.rows] for k in range(len(_POINTS)))
+    return max(_rank(numbers, measured.wheels) for numbers in rows)
 
 
 def _at(poly: Poly, point: int) -> float:
@@ -266,23 +260,20 @@ def lower_bound(measured: Measurements) -> float:
     if _rank(rows, measured.wheels) < 3:
         return 0.0
     a, b, c = ([sum(r[i] * r[j] for r in rows) for j in range(3)] for i in range(3))
-    return (
-        a[0] * (b[1] * c[2] - b[2] * c[1])
-        - a[1] * (b[0] * c[2] - b[2] * c[0])
-        + a[2] * (b[0] * c[1] - b[1] * c[0])
-    )
+    return float(sum(x * y for x, y in zip(a, np.cross(b, c), strict=True)))
 
 
-def smallest_twist(system: System, bound: float, names: Locals) -> list[Expr]:
-    """N^+ b. ``bound``: a lower bound of det N when positive; then nothing can be lost."""
-    n, b = system.n, system.b
+def smallest_twist(n: list[list[Poly]], b: list[Poly], measured: Measurements, names: Locals) -> list[Expr]:
+    """N^+ b, entries named. Where det N has a lower bound above 0 nothing can be lost."""
+    rank = generic_rank(measured)
     c1 = names.define("c1", n[0][0] + n[1][1] + n[2][2])
     low = [times(expression(v), _over(c1, names, "c1")) for v in b]
-    if system.rank == 1:
+    if rank == 1:
         return low
     adj = symmetric(lambda i, j: names.poly(f"adj{i}{j}", cofactor(n, i, j)))
     projected = [names.define(f"p{i}", Poly.sum(adj[i][j] * b[j] for j in range(3))) for i in range(3)]
-    det = names.define("det", n[0][0] * adj[0][0] + n[0][1] * adj[0][1] + n[0][2] * adj[0][2])
+    det = names.define("det", dot(n[0], adj[0]))
+    bound = lower_bound(measured)
     if bound > 0:
         below = maximum(det, number(Exact(Fraction(bound / 2).limit_denominator(10**9)) or FLOOR))
         return [times(p, 1 / below) for p in projected]
@@ -293,12 +284,12 @@ def smallest_twist(system: System, bound: float, names: Locals) -> list[Expr]:
         seen = expression(Poly.sum(n[i][j] * b[j] for j in range(3)))
         rest = subtract(expression(b[i]), times(projected[i], over_c2))
         middle.append(times(subtract(times(c1, rest), seen), over_c2))
-    s = system.reach
+    s = reach_of(measured.wheels)
     size1 = names.define("size1", n[0][0] + n[1][1] + n[2][2].scale(s.inverse()))
     size2 = names.define("size2", (adj[0][0] + adj[1][1]).scale(s.inverse()) + adj[2][2])
     edge2 = names.define("edge2", times(number(EDGE), size1, size1))
     high = middle
-    if system.rank == 3:
+    if rank == 3:
         over_det = _over(det, names, "det")
         edge3 = names.define("edge3", times(number(EDGE * s), size1, size2))
         high = [select(edge3, det, times(p, over_det), m) for p, m in zip(projected, middle, strict=True)]

@@ -39,11 +39,11 @@ from wmrgen.functions.models.polynomials import clean, domain_of, essential, quo
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.registry import function, system, underivable
 from wmrgen.functions.system import System, guarded, rate_port
-from wmrgen.kinematics.records import Formula, Locals, joint_port
+from wmrgen.kinematics.records import Formula, Locals, joint_port, substituted
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import POSE, Port, Role, output
-from wmrgen.symbolic import Expr, add, expression, rotated, signal, substituted, subtract, times
+from wmrgen.symbolic import Expr, add, expression, rotated, signal, subtract, times
 
 _COURSE = "course"  # stands for zeta - theta
 ZETA_STATE = (

@@ -45,7 +45,6 @@ from wmrgen.kinematics.sensing import (
     Component,
     Contact,
     Measurements,
-    contact_rows,
     generic_rank,
     measurements,
     reach_of,
@@ -127,10 +126,7 @@ def _inputs(robot: Robot, names: Locals, slips: bool) -> list[Port]:
 
 def _block(measured: Contact | Component, robot: Robot, names: Locals) -> _Block:
     w = measured.wheel
-    if isinstance(measured, Contact):
-        rows = contact_rows(measured.bx, measured.by, measured.wx, measured.wy, measured.weight)
-    else:
-        rows = [(measured.row, measured.value, measured.weight)]
+    rows = measured.rows
     errors = [dot(row, XI) - value for row, value, _ in rows]
     size = range(len(rows))
     noise = [[Poly({}) for _ in size] for _ in size]

@@ -10,6 +10,7 @@ import sympy
 
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
+from wmrgen.kinematics.records import substituted
 from wmrgen.symbolic import (
     AtLeast,
     Clamp,
@@ -28,7 +29,6 @@ from wmrgen.symbolic import (
     rotated_back,
     signal,
     square,
-    substituted,
     subtract,
     times,
 )

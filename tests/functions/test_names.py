@@ -27,6 +27,7 @@ limits: {{vx: 1, vy: 1, omega: 1, spin: 100, steer_rate: 5}}
 cg: {{x: 0, y: 0, z: 0.3}}
 noise: {{spin: {{proportional: 0.1}}, steer: {{constant: 0.01}}, steer_rate: {{constant: 0.2}}}}
 """
+Values = dict[str, Exact]
 PLAIN = ("first_one", "second_one", "third_one")
 # Words that begin the name of some intermediate result of which the rest may follow a wheel's name.
 WORDS = ("half", "over", "point", "point_x", "point_y", "sum", "vector", "mean")
@@ -38,29 +39,38 @@ def derived(folder: Path, names: tuple[str, ...]) -> Derivation:
     return wmrgen.derive(wmrgen.load(path))
 
 
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Values, Values]]:
+    """What every function gives to wheels of unsuspicious names: inputs and outputs."""
+    d = derived(tmp_path_factory.mktemp("plain"), PLAIN)
+    random = np.random.default_rng(3)
+    values = {}
+    for name in functions():
+        try:
+            ports = d.formula(name).inputs
+        except NotDerivableError:
+            continue
+        inputs = {p.name: Exact(Fraction(int(random.integers(-40, 40)), 32)) for p in ports}
+        values[name] = inputs, d.evaluate(name, inputs)
+    assert len(values) > 20
+    return values
+
+
 @pytest.mark.parametrize("word", WORDS)
-def test_a_wheel_with_the_name_of_a_word(word: str, tmp_path: Path) -> None:
+def test_a_wheel_with_the_name_of_a_word(
+    word: str, plain: dict[str, tuple[Values, Values]], tmp_path: Path
+) -> None:
     """Every function gives what it gives to wheels of other names."""
-    plain, model = derived(tmp_path, PLAIN), derived(tmp_path, (word, PLAIN[1], f"{word}_x"))
+    model = derived(tmp_path, (word, PLAIN[1], f"{word}_x"))
 
     def renamed(name: str) -> str:
         return name.replace(PLAIN[0], word).replace(PLAIN[2], f"{word}_x")
 
-    random = np.random.default_rng(3)
-    tried = 0
-    for name in functions():
-        try:
-            ports = plain.formula(name).inputs
-        except NotDerivableError:
-            continue
+    for name, (inputs, outputs) in plain.items():
         symbols = [symbol.name for symbol, _ in model.formula(name).locals]
         assert len(symbols) == len(set(symbols)), name
-        given = {p.name: Exact(Fraction(int(random.integers(-40, 40)), 32)) for p in ports}
-        wanted = plain.evaluate(name, given)
-        found = model.evaluate(name, {renamed(k): v for k, v in given.items()})
-        assert found == {renamed(k): v for k, v in wanted.items()}, name
-        tried += 1
-    assert tried > 20
+        results = model.evaluate(name, {renamed(k): v for k, v in inputs.items()})
+        assert results == {renamed(k): v for k, v in outputs.items()}, name
 
 
 PAIR = """\

@@ -30,7 +30,7 @@ def watch(out: str, tell: Callable[[bool, str, str], None]) -> None:
         at = isinstance(folder, int) and folder >= 0
         base = Path(f"/proc/self/fd/{folder}").readlink() if at else Path.cwd()
         path = os.path.realpath(base / os.fsdecode(path))
-        return path == out or path.startswith(out + os.sep) or "__pycache__" in path
+        return path == out or path.startswith(out.rstrip(os.sep) + os.sep) or "__pycache__" in path
 
     def hook(event: str, args: tuple[Any, ...]) -> None:
         bad, seen = event.startswith(NEVER), False

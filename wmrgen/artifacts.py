@@ -1,8 +1,9 @@
 """Writing files: the only module that does.
 
-A set of files is staged beside its directory, synced, and moved into place one by one, the manifest last.
-Files whose bytes are equal are left alone; files that the old manifest lists and that are no longer
-produced are removed. Nothing follows a symbolic link.
+A set of files is staged beside its directory and synced; what changes is moved out, then the new files are moved in one
+by one, the manifest last: what a killed run leaves lacks files, and never has old and new ones. Files whose bytes are
+equal are left alone; files that the old manifest lists and that are no longer produced are removed. Nothing follows a
+symbolic link.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -24,6 +25,7 @@ from wmrgen.errors import EnvironmentFailure
 MANIFEST = "manifest.json"
 BUDGET = "budget.json"  # what the C of a robot may cost; measured, written and held by `python -m benchmarks budgets`
 _STAGE = ".wmrgen-stage-"
+_MOST_MANIFEST = 1 << 18  # bytes; ours have some thousand
 _PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
 
 
@@ -99,7 +101,7 @@ def write_file(path: Path, content: bytes) -> bool:
                 return False
             with tempfile.TemporaryDirectory(prefix=_STAGE, dir=path.parent) as staging:
                 _stage(Path(staging) / path.name, content)
-                _move(Path(staging) / path.name, path.parent, path.name)
+                (Path(staging) / path.name).replace(path)
             _sync_directory(path.parent)
             return True
     except OSError as error:
@@ -111,7 +113,7 @@ def file_difference(path: Path, content: bytes) -> list[Difference]:
     try:
         if not path.is_symlink() and not path.is_file():
             return [Difference(path, "missing")]
-        same = not path.is_symlink() and path.read_bytes() == content
+        same = not path.is_symlink() and _same(path, content)
     except OSError:
         return [Difference(path, "missing")]
     return [] if same else [Difference(path, "differs")]
@@ -164,27 +166,51 @@ def _replace(directory: Path, wanted: dict[str, bytes]) -> Written:
     for name in wanted:
         _refuse_files(directory, name)
     changed = [name for name, content in wanted.items() if not _holds(directory / name, content)]
+    removed = [name for name in old if name not in wanted and (directory / name).is_file()]
     with tempfile.TemporaryDirectory(prefix=_STAGE, dir=directory.parent) as staging:
+        before, after = Path(staging) / "before", Path(staging) / "after"
         for name in changed:
-            _stage(Path(staging) / name, wanted[name])
+            _stage(after / name, wanted[name])
         directory.mkdir(exist_ok=True)
-        # What stands in sub-folders comes after the folder's own files: where these cannot be replaced, nothing is.
-        for name in sorted(changed, key=lambda name: "/" in name):
-            if name != MANIFEST:
-                _move(Path(staging) / name, directory, name)
-        removed = tuple(name for name in old if name not in wanted and _remove(directory, name))
+        moved = [name for name in changed if name != MANIFEST]
+        _exchange(directory, [*moved, *removed], moved, before, after)
+        for folder in {(directory / name).parent for name in removed}:
+            with contextlib.suppress(OSError):  # the folder stays when something else is in it
+                folder.rmdir()
         if MANIFEST in changed:
-            for folder in sorted({(directory / name).parent for name in changed}):
-                _sync_directory(folder)
-            _move(Path(staging) / MANIFEST, directory, MANIFEST)
+            (after / MANIFEST).replace(directory / MANIFEST)
     _sync_directory(directory)
-    return Written(tuple(changed), tuple(n for n in wanted if n not in changed), removed)
+    return Written(tuple(changed), tuple(n for n in wanted if n not in changed), tuple(removed))
+
+
+def _exchange(directory: Path, old: Sequence[str], new: Sequence[str], before: Path, after: Path) -> None:
+    """Move ``old`` out to ``before``, all of it, then ``new`` in from ``after``: at no moment do both stand there.
+    Where one cannot be moved, all stand as they did."""
+    out = [(directory / name, before / name) for name in old if (directory / name).exists()]
+    done: list[tuple[Path, Path]] = []
+    try:
+        for moves in (out, [(after / name, directory / name) for name in new]):
+            for source, target in moves:
+                target.parent.mkdir(parents=True, exist_ok=True)
+                source.replace(target)
+                done.append((source, target))
+            for folder in {path.parent for move in moves for path in move if path.is_relative_to(directory)}:
+                _sync_directory(folder)
+    except BaseException:
+        for source, target in reversed(done):
+            target.replace(source)
+        raise
 
 
 def _holds(path: Path, content: bytes) -> bool:
     if path.is_dir():
         raise EnvironmentFailure(f"{path} is a directory; wmrgen would write a file of that name")
-    return path.is_file() and path.read_bytes() == content
+    return path.is_file() and _same(path, content)
+
+
+def _same(path: Path, content: bytes) -> bool:
+    """Whether a file holds ``content``; one of another size is not read."""
+    return path.stat().st_size == len(content) and path.read_bytes() == content
 
 
 def _stage(path: Path, content: bytes) -> None:
@@ -193,22 +219,6 @@ def _stage(path: Path, content: bytes) -> None:
         stream.write(content)
         stream.flush()
         os.fsync(stream.fileno())
-
-
-def _move(staged: Path, directory: Path, name: str) -> None:
-    target = directory / name
-    target.parent.mkdir(parents=True, exist_ok=True)
-    staged.replace(target)
-
-
-def _remove(directory: Path, name: str) -> bool:
-    path = directory / name
-    if not path.is_file():
-        return False
-    path.unlink()
-    with contextlib.suppress(OSError):  # the folder stays when something else is in it
-        path.parent.rmdir()
-    return True
 
 
 def _listed(directory: Path) -> list[str]:
@@ -229,7 +239,8 @@ def made_with(directory: Path) -> dict[str, str]:
 def _manifest(directory: Path) -> dict[str, Any]:
     path = directory / MANIFEST
     try:
-        manifest = json.loads(path.read_bytes()) if path.is_file() else {}
+        readable = path.is_file() and path.stat().st_size <= _MOST_MANIFEST
+        manifest = json.loads(path.read_bytes()) if readable else {}
     except (OSError, ValueError, RecursionError):
         return {}
     return manifest if isinstance(manifest, dict) else {}

@@ -66,7 +66,6 @@ class Server:
         runs: int = 1,
         killed_after: float | None = None,
         largest_file: int | None = None,
-        user: int = 0,
     ) -> list[Attempt]:
         """``runs`` processes at once of a command in the folder ``place``, which may change the folder ``allowed``."""
         self._count += 1
@@ -74,7 +73,7 @@ class Server:
         order = {
             "words": [str(word) for word in words], "place": str(place), "allowed": str(allowed or place / "out"),
             "stdin": str(stdin or os.devnull), "log": str(log), "runs": runs, "killed_after": killed_after,
-            "largest_file": largest_file, "user": user,
+            "largest_file": largest_file,
         }  # fmt: skip
         assert self._process.stdin
         self._process.stdin.write(json.dumps(order) + "\n")
@@ -85,7 +84,7 @@ class Server:
 
     def _attempt(self, log: str, code: int, seconds: float) -> Attempt:
         out, err, changes = (Path(f"{log}.{name}").read_bytes() for name in ("out", "err", "changes"))
-        events = tuple(tuple(json.loads(line)) for line in changes.splitlines())
+        events = tuple(tuple(json.loads(line)) for line in changes.split(b"\n")[:-1])
         return Attempt(code, out.decode(), err.decode(), seconds + self._start, events)
 
     def run(self, place: Path, *words: object, **options: Any) -> Attempt:

@@ -16,7 +16,7 @@ from wmrgen.layout.expressions import evaluate
 from wmrgen.ports import Port
 from wmrgen.spec.expressions import read_quantity
 from wmrgen.spec.numbers import Kind, Scope
-from wmrgen.spec.text import Scalar, read_at_most, read_stream, suggestion
+from wmrgen.spec.text import Scalar, quoted, read_at_most, read_stream, suggestion
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
@@ -113,7 +113,7 @@ def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
     members: dict[str, object] = {}
     for name, value in pairs:
         if name in members:
-            raise UsageError(f"{name} is given twice")
+            raise UsageError(f"{name[:60]} is given twice")
         members[name] = value
     return members
 
@@ -123,7 +123,7 @@ def _case(case: Mapping[str, object], place: str, ports: Sequence[Port]) -> Case
     for name, value in case.items():
         port = _port(name, ports, place)
         if not isinstance(value, str):
-            raise UsageError(f"{place}{name} is {json.dumps(value)}, not a number")
+            raise UsageError(f"{place}{name} is {json.dumps(value)[:60]}, not a number")
         result[name] = _number(value, port, place)
     return result
 
@@ -139,8 +139,8 @@ def _port(name: str, ports: Sequence[Port], place: str) -> Port:
     hint = suggestion(name, [port.name for port in ports])
     every = "" if hint.startswith("Valid") else f" Inputs are: {_names(ports)}."
     if not ports:
-        raise UsageError(f"{place}there is no input {name!r}: the function takes none")
-    raise UsageError(f"{place}there is no input {name!r}. {hint}{every}")
+        raise UsageError(f"{place}there is no input {quoted(name)}: the function takes none")
+    raise UsageError(f"{place}there is no input {quoted(name)}. {hint}{every}")
 
 
 def _number(text: str, port: Port, place: str) -> Exact:

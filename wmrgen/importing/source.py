@@ -19,9 +19,10 @@ from wmrgen.spec.text import printable, quoted, read_at_most
 def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]) -> Description:
     """What the file says. RobotFileError for what cannot be read, UsageError for words of a wrong form."""
     values = _pairs(arguments, ":=")
-    folders = _own_package(file) | {name: Path(folder) for name, folder in _pairs(packages, "=").items()}
+    given = {name: Path(folder) for name, folder in _pairs(packages, "=").items()}
     name = printable(file.name)
     root = parse(_bytes(file), name)
+    folders = _own_package(file) | given
     substituted = _is_xacro(root)
     if values and not substituted:
         raise UsageError(f"{name} is no xacro, and takes no {quoted(next(iter(values)))}")

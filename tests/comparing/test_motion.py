@@ -272,3 +272,20 @@ def test_a_radius_of_one_side(tmp_path: Path) -> None:
     result = compare(differential(0.4), *layouts(path))
     assert [(d.code, d.quantity) for d in result.differences] == [("WMR042", "left radius")]
     assert said(result)["straight"] == "drives 1.0 % too fast, turns while driving straight"
+
+
+def test_a_controller_that_swaps_the_sides(tmp_path: Path) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text("drive: {wheel_separation: 0.4, left_wheel: right, right_wheel: left}\n")
+    result = compare(differential(0.4), *layouts(path))
+    assert [(d.code, d.wheel, d.b) for d in result.differences] == [
+        ("WMR044", "left", "right"), ("WMR044", "right", "left"),
+    ]  # fmt: skip
+    assert said(result) == {"turn": "turns the wrong way"}
+    path.write_text("drive: {wheel_separation: 0.5, left_wheel: left, right_wheel: right}\n")
+    assert said(compare(differential(0.4), *layouts(path))) == {"turn": "yaw rate 25.0 % high"}
+    front = "front_left_wheel: rear_left, rear_left_wheel: front_left"
+    path.write_text(f"drive: {{type: mecanum_drive_controller/MecanumDriveController, {front}}}\n")
+    result = compare(mecanum(0.5, 0.3, 0.1), *layouts(path))
+    assert [d.wheel for d in result.differences] == ["front_left", "rear_left"]
+    assert said(result)["strafe"].startswith("does not strafe, wheels work against each other")

@@ -28,21 +28,19 @@ def same(a: float, b: float, size: float = 0.0) -> bool:
 def length(
     key: str, a: float, b: float, marks: tuple[Mark, ...], remark: str = "", wheel: str = ""
 ) -> Difference:
-    base = key.rsplit("_", 1)[-1]
+    """A length that differs; ``remark``: how the second file calls it."""
     title = _TITLES.get(key, key.replace("_", " "))
-    looks = next(
-        (f", {word}" for word, factor in (("twice that", 2), ("half of that", 0.5)) if same(b, factor * a)),
-        "",
-    )
-    words = f"{f'{wheel}: ' if wheel else ''}{title}{remark} {a:.6g} m -> {b:.6g} m"
-    words += f" ({(b - a) / abs(a):+.1%}{looks})".replace("%", " %") if a else ""
-    return Difference(CODES[base], title, wheel, a, b, words, marks)
+    looks = ", twice that" if same(b, 2 * a) else ", half of that" if same(2 * b, a) else ""
+    share = f" ({(b - a) / abs(a):+.1%}{looks})".replace("%", " %") if a else ""
+    words = f"{f'{wheel}: ' if wheel else ''}{title}{remark} {a:.6g} m -> {b:.6g} m{share}"
+    return Difference(CODES[key.rsplit("_", 1)[-1]], title, wheel, a, b, words, marks)
 
 
 # ---- another description, which has wheels
 
 
 def with_layout(a: Layout, b: Layout) -> tuple[list[Difference], Pairs, list[str]]:
+    """What two files that describe wheels say differently, the wheels that move the robot as both have them, notes."""
     every, *alone = matched(a.wheels, b.wheels)
     notes: list[str] = []
     differences: list[Difference] = []
@@ -87,7 +85,8 @@ def _wheel(v: Side, w: Side) -> Iterator[Difference]:
     marks = _marks(v, w, keys=("heading", "beta", "gamma"))
     if v.type != w.type:
         yield Difference(KIND, "type", v.name, v.type, w.type, f"{v.name} is {v.type} -> {w.type}", marks)
-    if parts([v]) and {"heading"} <= v.values.keys() & w.values.keys() and WHEEL_TYPES[v.type].directed:
+    both = v.values.keys() & w.values.keys()
+    if "heading" in both and parts([v]) and WHEEL_TYPES[v.type].directed:
         p, q = v.values["heading"], w.values["heading"]
         apart = abs(math.remainder(q - p, 2 * math.pi))
         if apart > math.pi - SAME:
@@ -95,7 +94,7 @@ def _wheel(v: Side, w: Side) -> Iterator[Difference]:
         elif apart > SAME:
             words = f"{v.name}: heading {math.degrees(p):.4g} deg -> {math.degrees(q):.4g} deg"
             yield Difference(SIGN, "heading", v.name, p, q, words, marks)
-    if "gamma" in v.values and "gamma" in w.values:
+    if "gamma" in both:
         p, q = v.values["gamma"], w.values["gamma"]
         if abs(math.remainder(p - q, math.pi)) > SAME:
             other = ": they lean the other way" if abs(math.remainder(p + q, math.pi)) <= SAME else ""
@@ -130,51 +129,57 @@ def _pointed(
 
 
 def places(pairs: Pairs, along: complex) -> Iterator[Difference]:
-    """Track, wheelbase, the origin, and wheels that stand elsewhere than these make them."""
+    """Track, wheelbase, the origin, and wheels that stand elsewhere than these make them; ``along``: forward."""
     if not pairs:
         return
-    a, b = (
-        [along.conjugate() * complex(w.of("x"), w.of("y")) for w in side] for side in zip(*pairs, strict=True)
-    )
-    where = roles([v for v, _ in pairs])
+    turned = along.conjugate()
+    a, b = ([turned * complex(w.of("x"), w.of("y")) for w in side] for side in zip(*pairs, strict=True))
     (middle, size), (other, _) = box(a), box(b)
-    extent = abs(size)
-    permuted = [min(range(len(a)), key=lambda i: abs(a[i] - q)) for q in b]
-    if (
-        sorted(permuted) == list(range(len(a)))
-        and permuted != list(range(len(a)))
-        and all(same(abs(a[i] - q), 0, extent) for i, q in zip(permuted, b, strict=True))
-    ):
-        for (v, w), i in zip(pairs, permuted, strict=True):
-            if pairs[i][0] is not v:
-                words = f"{v.name} stands where {pairs[i][0].name} is"
-                yield Difference(
-                    PLACE, "place", v.name, v.name, pairs[i][0].name, words, _marks(v, w, keys="xy")
-                )
+    near = SAME * abs(size)
+    if permuted := _permuted(a, b, near):
+        for (v, w), (there, _) in zip(pairs, (pairs[i] for i in permuted), strict=True):
+            if there is not v:
+                words = f"{v.name} stands where {there.name} is"
+                yield Difference(PLACE, "place", v.name, v.name, there.name, words, _marks(v, w, keys="xy"))
         return
-    moved = [replace(w, type=v.type, values={**v.values, **w.values}) for v, w in pairs]
-    mine, its = (lengths(wheels, where, along) for wheels in ([v for v, _ in pairs], moved))
-    changed = {key: its[key] / mine[key] for key in mine.keys() & its.keys() if mine[key]}
-    for key in ("ring",) if "ring" in changed else ("track", "wheelbase", "front_track", "rear_track"):
-        stated = "track" in changed and key.endswith("_track") and same(changed.get(key, 1), changed["track"])
-        if key in changed and not stated and not same(mine[key], its[key]):
-            yield length(key, mine[key], its[key], _marks(*pairs[0], keys=("y", "x", "l")))
+    where = roles([v for v, _ in pairs])
+    changed: dict[str, float] = {}
+    for key, was, now in _sizes(pairs, where, along):
+        changed[key] = now / was
+        alike = key.endswith("_track") and same(changed[key], changed.get("track", 0))
+        if not alike and not same(was, now):
+            yield length(key, was, now, _marks(*pairs[0], keys=("y", "x", "l")))
     for (v, w), p, q, word in zip(pairs, a, b, where, strict=True):
-        ahead = changed.get("ring", changed.get("wheelbase", 1.0))
         aside = changed.get("ring", changed.get(f"{word.split(' ')[0]}_track", changed.get("track", 1.0)))
-        off = p - middle
-        if abs(q - other - complex(off.real * ahead, off.imag * aside)) > SAME * extent:
+        ahead = changed.get("ring", changed.get("wheelbase", 1.0))
+        if abs(q - other - complex((p - middle).real * ahead, (p - middle).imag * aside)) > near:
             points = (v.pivot, complex(w.of("x"), w.of("y")))
             marks = _marks(v, w, keys=("x", "y", "l", "alpha"))
             yield _pointed(PLACE, "place", v.name, points, f"{v.name}: place {shown(points)}", marks)
-    if abs(other - middle) > SAME * extent:
+    if abs(other - middle) > near:
         points = (along * middle, along * other)
         words = f"origin: the middle of the wheels lies at {shown(points)}"
         yield _pointed(PLACE, "origin", "", points, words, _marks(*pairs[0], keys=("x", "y", "l")))
 
 
+def _permuted(a: Sequence[complex], b: Sequence[complex], near: float) -> list[int]:
+    """Where wheels have changed places: for each of ``b`` the one of ``a`` that stands there; else nothing."""
+    indices = [min(range(len(a)), key=lambda i: abs(a[i] - q)) for q in b]
+    close = all(abs(a[i] - q) <= near for i, q in zip(indices, b, strict=True))
+    return indices if close and indices != sorted(indices) and len(set(indices)) == len(a) else []
+
+
+def _sizes(pairs: Pairs, where: Sequence[str], along: complex) -> Iterator[tuple[str, float, float]]:
+    """Of wheels in a ring their distance, of others track and wheelbase, where both have them."""
+    moved = [replace(w, type=v.type, values={**v.values, **w.values}) for v, w in pairs]
+    mine, its = (lengths(wheels, where, along) for wheels in ([v for v, _ in pairs], moved))
+    for key in ("ring",) if "ring" in mine else ("track", "wheelbase", "front_track", "rear_track"):
+        if mine.get(key) and key in its:
+            yield key, mine[key], its[key]
+
+
 def order(wheels: Sequence[Side], indices: Sequence[int]) -> Iterator[Difference]:
-    """``indices``: of the first file's wheels, as the second one has them."""
+    """``indices``: of ``wheels``, which are in the first file's order, as the second file has them."""
     if list(indices) != sorted(indices):
         first, second = (" ".join(wheels[i].name for i in each) for each in (sorted(indices), indices))
         yield Difference(ORDER, "order", "", first, second, f"order of wheels: {first} -> {second}")

@@ -8,10 +8,12 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from wmrgen.comparing.differences import KIND, MISSING, SIGN, length, order, places, same
+from wmrgen.comparing.differences import KIND, MISSING, PLACE, SIGN, length, order, places, same
 from wmrgen.comparing.motion import Pairs
 from wmrgen.comparing.quantities import box, forward, lengths, mean, parts, roles
 from wmrgen.comparing.record import CONTROLLER, Difference, Layout, Side
+from wmrgen.errors import Mark
+from wmrgen.importing.controllers import LENGTHS
 from wmrgen.importing.records import Controller, Named
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 from wmrgen.wheels.types import FIXED, STEERED, SWEDISH
@@ -44,29 +46,20 @@ def standing(layout: Layout) -> Layout:
     if c is None:
         return layout
     kind = c.kind or ("swerve" if "wheelbase" in c.lengths else "differential")
-    wheels = [
-        Side(
-            (f"wheel {z.real:.3g} {z.imag:.3g}",),
-            name,
-            {"x": z.real, "y": z.imag, "r": 1.0, **_turn(kind, z)},
-        )
-        for name, points in _SHAPES[kind].items()
-        for z in points
-    ]
-    said = {key: worth(c, key, True) for key in c.lengths}
-    moved = [
-        replace(w, values={**w.values, **m.values})
-        for w, m in zip(wheels, _moved(c, wheels, said), strict=True)
-    ]
-    return Layout(layout.file, CONTROLLER, tuple(moved), controller=c, title=layout.title)
+    wheels = [_usual(kind, name, z) for name, points in _SHAPES[kind].items() for z in points]
+    moved = _moved(c, wheels, {key: worth(c, key, True) for key in c.lengths})
+    wheels = [replace(w, values={**w.values, **m.values}) for w, m in zip(wheels, moved, strict=True)]
+    return Layout(layout.file, CONTROLLER, tuple(wheels), controller=c, title=layout.title)
 
 
-def _turn(kind: str, z: complex) -> dict[str, float]:
-    """Heading and rollers of a wheel, as is usual."""
+def _usual(kind: str, type_: str, at: complex) -> Side:
+    """A wheel of radius 1 at a place, which turns and has rollers as is usual."""
+    values = {"x": at.real, "y": at.imag, "r": 1.0, "heading": 0.0}
     if kind == "omni":
-        return {"heading": cmath.phase(1j * z), "gamma": 0.0}
-    rollers = {"gamma": -math.copysign(math.pi / 4, z.real * z.imag)} if kind == "mecanum" else {}
-    return {"heading": 0.0, **rollers}
+        values |= {"heading": cmath.phase(1j * at), "gamma": 0.0}
+    elif kind == "mecanum":
+        values |= {"gamma": -math.copysign(math.pi / 4, at.real * at.imag)}
+    return Side((f"wheel at {at:.3g}",), type_, values)
 
 
 def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, list[str]]:
@@ -78,11 +71,8 @@ def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, 
     where, along = roles(wheels), forward(wheels)
     skids = all(k.fixed_axle for k in kinds) and any("front" in word for word in where)
     c = _as_meant(c, kinds)
-    mine = {
-        k: v
-        for k, v in lengths(wheels, where, along).items()
-        if not a.controller or k in a.controller.lengths
-    }
+    only = a.controller.lengths if a.controller else LENGTHS
+    mine = {key: value for key, value in lengths(wheels, where, along).items() if key in only}
     said = {key: worth(c, key, not skids) for key in c.lengths}
     differences: list[Difference] = []
     for key, value in list(said.items()):
@@ -96,20 +86,15 @@ def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, 
     pairs = list(zip(wheels, _moved(c, wheels, said), strict=True))
     if c.places:
         differences += places(pairs, along)
-    differences += [*_joints(a, c), *_signs(pairs)]
+    differences += [*_joints(a, c), *_sides(c, wheels, where), *_signs(pairs)]
     if c.kind and not _FITS[c.kind](kinds):
         has = ", ".join(dict.fromkeys(k.noun for k in kinds))
-        differences.append(
-            Difference(KIND, "kind", "", has, c.kind, f"a {c.kind} drive cannot drive a {has}")
-        )
+        words = f"a {c.kind} drive cannot drive a {has}"
+        differences.append(Difference(KIND, "kind", "", has, c.kind, words))
     if c.kind == "omni" and a.ordered:
         differences += order(wheels, [i for j in c.joints for i, w in enumerate(wheels) if _is(w, j.joint)])
     factors = [f"{f.key} {float(f.value):g}" for f in c.multipliers.values() if skids and f.value != 1]
-    return (
-        differences,
-        pairs,
-        [f"{f} corrects for skidding: it is no length, and does not count" for f in factors],
-    )
+    return differences, pairs, [f"{factor} corrects for skidding, and does not count" for factor in factors]
 
 
 def worth(c: Controller, key: str, multiplied: bool) -> float:
@@ -137,19 +122,36 @@ def _is(w: Side, joint: str) -> bool:
 def _joints(a: Layout, c: Controller) -> Iterator[Difference]:
     for named in c.joints:
         if a.joints is not None and not any(own.endswith(named.joint) for own in a.joints):
-            marks = (named.mark,) if named.mark else ()
-            yield Difference(
-                MISSING, "joint", "", None, named.joint, f"no joint is called {named.joint}", marks
-            )
+            words = f"no joint is called {named.joint}"
+            yield Difference(MISSING, "joint", "", None, named.joint, words, _mark(named))
+
+
+def _mark(named: Named) -> tuple[Mark, ...]:
+    return (named.mark,) if named.mark else ()
+
+
+def _sides(c: Controller, wheels: Sequence[Side], where: Sequence[str]) -> Iterator[Difference]:
+    """Wheels that stand on the other side than the controller has them on; in front or behind where that matters."""
+    for w, word in zip(wheels, where, strict=True):
+        named = next((j for j in c.joints if _is(w, j.joint)), None)
+        if named and _mirror(c, named.role, word):
+            words = f"{w.name} stands {word}, the controller takes it {named.role}"
+            yield Difference(PLACE, "side", w.name, word, named.role, words, _mark(named))
+
+
+def _mirror(c: Controller, told: str, word: str) -> complex:
+    """Signs of x and y, as a complex number, by which a wheel at ``word`` comes to where it is told to be; else 0."""
+    ahead = {told.split(" ")[0], word.split(" ")[0]} == {"front", "rear"} and c.kind != "differential"
+    aside = {told.split(" ")[-1], word.split(" ")[-1]} == {"left", "right"}
+    return complex(-1 if ahead else 1, -1 if aside else 1) if ahead or aside else 0
 
 
 def _signs(pairs: Pairs) -> Iterator[Difference]:
     for v, w in pairs:
         if "heading" in w.values:
+            p, q = v.of("heading"), w.values["heading"]
             words = f"{v.name}: its joint counts backward, the controller takes it to count forward"
-            yield Difference(
-                SIGN, "sign", v.name, v.of("heading"), w.of("heading"), words, tuple(v.marks.values())
-            )
+            yield Difference(SIGN, "sign", v.name, p, q, words, tuple(v.marks.values()))
 
 
 def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> list[Side]:
@@ -164,9 +166,13 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
     result = []
     for w, p, word in zip(wheels, at, where, strict=True):
         own = next((j for j in c.joints if _is(w, j.joint)), Named("", "", False))
-        told = own.role or word
-        place = along * (centre + _displaced(p - centre, told, said, mine))
+        told, off = own.role or word, p - centre
+        if signs := _mirror(c, told, word):
+            off = complex(off.real * signs.real, off.imag * signs.imag)
+        place = along * (centre + _displaced(off, told, said, mine))
         values, marks = {"x": place.real, "y": place.imag}, {}
+        if signs and "gamma" in w.values:
+            values["gamma"] = w.values["gamma"] * signs.real * signs.imag  # the rollers that are usual there
         given = next((c.places[k] for k in c.places if _is(w, k) or k in (word, f"middle {word}")), None)
         if given:
             values = {axis: float(s.value) for axis, s in zip("xy", given, strict=True)}

@@ -221,6 +221,39 @@ def test_a_mesh_mirrored_on_the_diagonals_has_rollers(
     assert (("fl", "gamma") in said["asked"]) == (type_ == "swedish")
 
 
+def test_a_joint_about_the_wheels_own_axle_may_be_meant_to_steer(read: Import) -> None:
+    """A rocker turns about another axle, and is suspension."""
+    more = '<limit lower="0" upper="0"/>'
+    both = "".join(
+        link(f"{n}_arm") + joint(f"{n}_turn", "base_link", f"{n}_arm", f"1 {y} 0.1", "revolute", more=more)
+        + wheel(n, "0.02 0 0", parent=f"{n}_arm") for n, y in (("a", 0.25), ("b", -0.25))
+    )  # fmt: skip
+    driven = control("left_joint", "right_joint")
+    assert read(robot(pair(), both, driven))["asked"] == []
+    centred = both.replace('xyz="0.02 0 0"', 'xyz="0 0 0"')
+    assert read(robot(pair(), centred, driven))["asked"] == [("a", "type"), ("b", "type")]
+
+
+def test_only_what_concerns_wheels_says_rollers(read: Import) -> None:
+    """Not the name of a sensor, or of another link."""
+    others = '<gazebo><plugin filename="libgazebo_ros_ir_sensor.so" name="ir_omni"/></gazebo>' + link(
+        "omni_sensor"
+    )
+    assert {w["type"] for w in read(robot(pair(), others))["wheels"].values()} == {"fixed"}
+    named = pair().replace("left", "left_omni").replace("right", "right_omni")
+    assert {w["type"] for w in read(robot(named))["wheels"].values()} == {"swedish"}
+
+
+def test_a_large_wheel_beside_a_small_castor_is_no_mesh_in_the_air(read: Import) -> None:
+    """Its centre is 0.08 m above the castor's: known by the radius that the controller has."""
+    mesh = '<mesh filename="package://x/wheel.stl"/>'
+    fork = link("fork") + joint("swivel", "base_link", "fork", "-0.3 0 0.2", axis="0 0 1")
+    tail = wheel("tail", "-0.04 0 -0.18", mesh, parent="fork")
+    plugin = '<gazebo><plugin filename="libdiff.so"><wheel_radius>0.1</wheel_radius></plugin></gazebo>'
+    wheels = read(robot(pair(geometry=mesh), fork, tail, plugin))["wheels"]
+    assert list(wheels) == ["left", "right", "tail"]
+
+
 def test_swivels_of_a_robot_that_says_mecanum(read: Import) -> None:
     arms = "".join(arm(n, y) for n, y in (("a", 0.2), ("b", -0.2)))
     words = '<gazebo><plugin filename="libmecanum_drive.so" name="x"/></gazebo>'

@@ -129,9 +129,11 @@ def mecanum(where: str, turn: str = "") -> str:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("space", ["gz", "ignition"])
-def test_gamma_by_the_direction_of_friction(read: Import, space: str) -> None:
-    said = read(sdf(mecanum(f'xmlns:{space}="x" {space}:expressed_in="chassis"')))
+@pytest.mark.parametrize(("space", "declared"), [("gz", True), ("ignition", True), ("gz", False)])
+def test_gamma_by_the_direction_of_friction(read: Import, space: str, declared: bool) -> None:
+    """Simulators do not ask for the declaration of a prefix."""
+    declaration = f'xmlns:{space}="x" ' * declared
+    said = read(sdf(mecanum(f'{declaration}{space}:expressed_in="chassis"')))
     gammas = [said["wheels"][f"{n}_joint"]["gamma"] * 4 / math.pi for n in MECANUM]
     assert gammas == pytest.approx([-1, 1, 1, -1]) and said["questions"] == []
 
@@ -220,7 +222,7 @@ def test_a_model_that_nobody_gave_is_named(read: Import, wmrgen_cli: Cli, tmp_pa
     hold = '<joint name="hold" type="fixed"><parent>chassis</parent><child>sonar::link</child></joint>'
     (tmp_path / "bad.sdf").write_text(sdf(PAIR, include, hold), encoding="utf-8")
     done = wmrgen_cli("import", tmp_path / "bad.sdf")
-    assert done.code == 2 and "sonar::link" in done.err
+    assert done.code == 2 and "sonar::link" in done.err and "--package sonar=DIR" in done.err
 
 
 def test_includes_stay_inside(read: Import, side: Path, tmp_path: Path) -> None:

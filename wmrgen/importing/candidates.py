@@ -164,14 +164,14 @@ def candidates(robot: Robot) -> list[Candidate]:
     spins = [c for joint in joints if (c := _spin(robot, joint) or _steer_only(robot, joint))]
     rollers = {roller.child for c in spins for roller in c.rollers}
     spins = [c for c in spins if c.joint.child not in rollers and not _shown_only(robot, c)]
-    wheels = _on_ground(spins)
-    return wheels if len(wheels) > 1 else _on_ground(spins + _all_fixed(robot))
+    wheels = _on_ground(robot, spins)
+    return wheels if len(wheels) > 1 else _on_ground(robot, spins + _all_fixed(robot))
 
 
 def rigid_wheels(robot: Robot, wheels: Sequence[Candidate]) -> list[Candidate]:
     """What stands on the ground beside the wheels and looks like one, on joints that are all fixed."""
     others = [c for c in _all_fixed(robot) if all(c.joint is not w.joint for w in wheels)]
-    standing = _on_ground([*wheels, *others])
+    standing = _on_ground(robot, [*wheels, *others])
     return [c for c in others if c in standing]
 
 
@@ -219,7 +219,16 @@ def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
         if silent:
             why = f"{quoted(silent[0].name)} has no <axis>, so 1 0 0; it is taken for a steering axis, 0 0 1"
             return replace(candidate, steer=replace(silent[0], axis=Z), doubt=why)
+        if same := [j for j in candidate.via if j.turns and _coaxial(robot, j, candidate)]:
+            return replace(candidate, doubt=f"{quoted(same[0].name)} above it turns about the same axle")
     return candidate
+
+
+def _coaxial(robot: Robot, joint: Joint, c: Candidate) -> bool:
+    """A joint turns about a wheel's own axle."""
+    reach = plus(robot.origin(joint), c.origin, -1)
+    off = plus(reach, c.axis, -dot(reach, c.axis))
+    return dot(off, off) < (UNSEEN / 10) ** 2 and abs(dot(robot.axis(joint), c.axis)) > COAXIAL
 
 
 def _steer_only(robot: Robot, joint: Joint) -> Candidate | None:
@@ -278,19 +287,22 @@ def _candidate(
     return Candidate(joint, origin, axis, shape, steer, tuple(j for j in above if j != steer), rollers)
 
 
-def _on_ground(wheels: list[Candidate]) -> list[Candidate]:
-    """Those whose lowest point is that of all, within 0.35 r + 5 mm; of meshes the centre, within a radius."""
+def _on_ground(robot: Robot, wheels: list[Candidate]) -> list[Candidate]:
+    """Those whose lowest point is that of all, within 0.35 r + 5 mm; of meshes the centre, within a radius, which may
+    be that of a controller."""
+    told = (s.value for c in robot.description.controllers for key, s in c.lengths.items() if "radius" in key)
+    reach = max(UNSEEN, *told, UNSEEN)
     shaped = [w.lowest for w in wheels if w.shape]
     lowest = min(shaped) if shaped else None
     centre = min((w.centre[2] for w in wheels if lowest is None or not w.shape), default=Fraction(0))
     floor = centre if lowest is None else min(centre, lowest + UNSEEN)
-    return [w for w in wheels if _stands(w, lowest, floor)]
+    return [w for w in wheels if _stands(w, lowest, floor, reach)]
 
 
-def _stands(wheel: Candidate, lowest: Fraction | None, floor: Fraction) -> bool:
+def _stands(wheel: Candidate, lowest: Fraction | None, floor: Fraction, reach: Fraction) -> bool:
     if wheel.shape and lowest is not None:
         return wheel.lowest - lowest <= wheel.shape.radius * Fraction(35, 100) + Fraction(5, 1000)
-    return wheel.centre[2] - floor <= UNSEEN
+    return wheel.centre[2] - floor <= reach
 
 
 def base_link(description: Description, wanted: str | None) -> str:

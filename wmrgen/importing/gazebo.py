@@ -6,11 +6,14 @@ import re
 from collections.abc import Iterable, Iterator
 from xml.etree.ElementTree import Element
 
-from wmrgen.importing.read import below, children, number, refuse, vector
+from wmrgen.importing.read import below, children, number, vector
 from wmrgen.importing.records import Friction
 from wmrgen.spec.text import quoted
 
-_WATCHES = re.compile("state[-_]?publisher|sensor|torque|mimic|odometry[-_]?publisher", re.IGNORECASE)
+_WATCHES = re.compile(
+    "state[-_]?publisher|sensor|torque|mimic|odometry[-_]?publisher|_ir_|camera|laser|lidar|imu|opcode",
+    re.IGNORECASE,
+)
 _MOVES_THE_BODY = re.compile("planar[-_]?move|object_controller|velocity-?control-?system", re.IGNORECASE)
 
 
@@ -68,7 +71,7 @@ def friction(element: Element, link: str) -> Friction | None:
     ]
     along = vector(direction.text, f"fdir1 of {quoted(link)}")
     if not any(along):
-        raise refuse(f"fdir1 of {quoted(link)} is no direction")
+        return None
     mu1, mu2 = (
         number(size, f"{key} of {quoted(link)}") for key, size in zip(("mu1", "mu2"), sizes, strict=True)
     )
@@ -76,9 +79,9 @@ def friction(element: Element, link: str) -> Friction | None:
 
 
 def words(root: Element) -> Iterator[str]:
-    """Names of the robot, its plugins and meshes."""
+    """Names of the robot and of its plugins, but of those that watch."""
     yield root.get("name", "")
-    meshes = [mesh.get("filename", "") for mesh in below(root, "mesh")]
-    meshes += [uri.text or "" for mesh in below(root, "mesh") for uri in children(mesh, "uri")]
-    plugins = [plugin.get(key, "") for key in ("filename", "name") for plugin in below(root, "plugin")]
-    yield from (name.strip().rsplit("/", 1)[-1] for name in (*plugins, *meshes))
+    for plugin in below(root, "plugin"):
+        title = [plugin.get(key, "").rsplit("/", 1)[-1] for key in ("filename", "name")]
+        if not _WATCHES.search(" ".join(title)):
+            yield from title

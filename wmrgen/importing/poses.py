@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from fractions import Fraction
 from xml.etree.ElementTree import Element
 
+from wmrgen.errors import RobotFileError
 from wmrgen.importing.frames import IDENTITY, composed, frame
 from wmrgen.importing.read import child, number, refuse
 from wmrgen.importing.records import MODEL, Frame, Vector
-from wmrgen.spec.text import quoted
+from wmrgen.spec.text import printable, quoted
 
 _MOST = 256  # frames of which each is relative to the next
 
@@ -19,6 +20,7 @@ class FrameGraph:
     """The frames of a model by their full names, each in another, and the links that carry them."""
 
     def __init__(self) -> None:
+        self.missing: list[str] = []  # URIs of models that nobody gave
         self._within: dict[str, tuple[str, Frame]] = {}
         self._carriers: dict[str, str] = {}
 
@@ -43,13 +45,21 @@ class FrameGraph:
             result = composed(where, result)
         raise refuse(f"the frame {quoted(name)} is relative to itself")
 
+    def _lacks(self, what: str) -> RobotFileError:
+        if not self.missing:
+            return refuse(what)
+        name = printable(self.missing[0].rpartition("://")[2].partition("/")[0])
+        return refuse(
+            what, f"The model {quoted(self.missing[0])} was not given.", f"Give --package {name}=DIR."
+        )
+
     def carrier(self, name: str) -> str:
         """The link that carries a frame; a link is its own. RobotFileError for a frame that is not there."""
         for _ in range(_MOST):
             if name == MODEL:
                 return name
             if name not in self._carriers:
-                raise refuse(f"there is no link or frame {quoted(name)}")
+                raise self._lacks(f"there is no link or frame {quoted(name)}")
             if self._carriers[name] == name:
                 return name
             name = self._carriers[name]

@@ -18,8 +18,11 @@ _OFF = 2e-3  # [m] how far a mesh may stand off its joint along the axle
 _GROUND = ("base_footprint",)
 
 
-def doubt(c: Candidate, name: str) -> Question:
-    hints = ("0, if the axle lies along y where the steering angle is 0",) if c.unsure else ()
+def doubt(c: Candidate, name: str, heading: float) -> Question:
+    taken = (
+        "by the axis of its cylinder" if c.shape else "if the axle lies along y where the steering angle is 0"
+    )
+    hints = (f"{heading:.6g} {taken}",) if c.unsure else ()
     text = f"joint {quoted(c.joint.name)}: {c.doubt}. Is it a wheel that stands so?"
     return Question(name, "heading" if c.unsure else "type", text, hints)
 

@@ -39,7 +39,12 @@ def parse(text: bytes, file: str, most: int = MAX_BYTES) -> Element:
     if len(text) > most:
         raise refuse(f"{file}: larger than {most // 1024 // 1024} MiB")
     try:
-        root: Element = fromstring(text, forbid_dtd=True)
+        try:
+            root: Element = fromstring(text, forbid_dtd=True)
+        except ParseError as error:
+            if "unbound prefix" not in str(error):
+                raise
+            root = fromstring(_bound(text), forbid_dtd=True)
     except DefusedXmlException:
         raise refuse(
             f"{file}: has a document type or entities", "They are refused.", "Delete them."
@@ -48,6 +53,13 @@ def parse(text: bytes, file: str, most: int = MAX_BYTES) -> Element:
         raise refuse(f"{file}: not XML: {quoted(str(error), 100)}") from None
     _cap(root, file)
     return root
+
+
+def _bound(text: bytes) -> bytes:
+    """The text with every prefix declared at its root, by its own name: simulators do not ask for declarations."""
+    prefixes = sorted(set(re.findall(rb"[<\s]([A-Za-z_][\w.-]{0,30}):[A-Za-z_]", text)) - {b"xml", b"xmlns"})
+    declared = b"".join(b' xmlns:%s="%s"' % (p, p) for p in prefixes if b"xmlns:" + p + b"=" not in text)
+    return re.sub(rb"<([A-Za-z_][\w.-]*)", lambda match: match[0] + declared, text, count=1)
 
 
 def _cap(root: Element, file: str) -> None:
@@ -79,7 +91,8 @@ def below(element: Element, name: str) -> Iterator[Element]:
 def number(text: str, what: str) -> Fraction:
     match = _NUMBER.fullmatch(text.strip())
     if not match:
-        raise refuse(f"{what}: {quoted(text)} is not a number")
+        hint = f"xacro reads ${quoted(text)[1:-1]}." if text.strip().startswith("{") else ""
+        raise refuse(f"{what}: {quoted(text)} is not a number", "", hint)
     sign, digits, exponent = match.groups()
     power = int(exponent or 0)
     if power > _LARGEST:

@@ -72,7 +72,7 @@ def articulated(wheels: Sequence[Wheel]) -> list[Question]:
     return [
         Question(w.name, "type", text, hints)
         for w in wheels
-        if w.offset_y and abs(w.offset_y) > 2 * (w.r or UNSEEN) and _companions(w, wheels)
+        if _companions(w, wheels) and math.hypot(w.d or 0, w.offset_y or 0) > 2 * (w.r or UNSEEN)
     ]
 
 

@@ -118,6 +118,7 @@ class _Reader:
         root = self.include(uri)
         model = None if root is None else child(root, "model")
         if root is None or model is None:
+            self.frames.missing.append(uri)
             self.notes.append(
                 f"the model {quoted(uri)} is not read: its folder was not given (--package NAME=DIR)"
             )

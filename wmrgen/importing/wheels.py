@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from wmrgen.errors import Mark, RobotFileError
@@ -116,7 +116,7 @@ def _angle(direction: Vector) -> float:
 
 def _rollers_said(robot: Robot, wheels: Sequence[Candidate]) -> str:
     """What says, of the whole robot, that its wheels have rollers; empty where nothing does."""
-    for word in robot.description.words:
+    for word in (*robot.description.words, *(word for c in wheels for word in _called(robot, c))):
         if _SAYS_ROLLERS.search(word):
             return f"the file says {quoted(word)}"
     if any(wheel.steer for wheel in wheels):
@@ -125,6 +125,14 @@ def _rollers_said(robot: Robot, wheels: Sequence[Candidate]) -> str:
     if len(axles) > 2 and any(abs(math.sin(a - b)) > 0.2 for a in axles for b in axles):
         return "plain wheels on axles that are not parallel could not roll"
     return _mirrored(robot, wheels)
+
+
+def _called(robot: Robot, c: Candidate) -> Iterator[str]:
+    """The names of a wheel's joint, links and meshes."""
+    yield c.joint.name
+    for link in (c.joint.child, *(joint.child for joint in robot.under(c.joint.child, rigid=True))):
+        yield link
+        yield from (s.uri.rsplit("/", 1)[-1] for s in robot.description.shapes.get(link, ()))
 
 
 def _mirrored(robot: Robot, wheels: Sequence[Candidate]) -> str:
@@ -149,8 +157,8 @@ def _mirrored(robot: Robot, wheels: Sequence[Candidate]) -> str:
 
 def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, list[Question]]:
     joint, steer = c.joint, c.steer
-    questions = [] if not c.doubt else [doubt(c, name)]
     e = X if abs(c.axis[2]) > LEVEL else _heading(c.axis)
+    questions = [] if not c.doubt else [doubt(c, name, _angle(e))]
     x, y, _ = c.centre
     d = offset = None
     where = f"joint {quoted(joint.name)}" if joint.moves else f"link {quoted(joint.child)}"

@@ -71,6 +71,9 @@ def _failed(file: Path, error: Exception) -> RobotFileError:
     for cause in _causes(error):
         if isinstance(cause, RobotFileError):
             return refuse(f"{printable(file.name)}: {cause.what}", cause.why, cause.instead)
+        if isinstance(cause, FileNotFoundError):
+            lost = printable(Path(str(cause.filename)).name)
+            return refuse(f"{printable(file.name)}: it includes {quoted(lost)}, which is not there")
     words = re.sub(r"\s+", " ", str(error) or type(error).__name__)
     return refuse(f"{printable(file.name)}: xacro: {quoted(words, 300)[1:-1]}")
 

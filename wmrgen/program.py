@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 
-from wmrgen.backends.registry import why_reserved
+from wmrgen.backends.registry import VectorForm, why_reserved
 from wmrgen.errors import NotDerivableError
+from wmrgen.functions.models.state_space import StateSpace
 from wmrgen.functions.registry import Kind, declaration
 from wmrgen.functions.registry import standard as standard_functions
-from wmrgen.ir.calls import keep_outputs, select
+from wmrgen.ir.calls import keep_outputs, select, self_contained
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.pipeline import optimise
 from wmrgen.kinematics.records import Formula
@@ -190,3 +191,11 @@ def _with_read_inputs(function: Function, absent: frozenset[str]) -> Function:
     unread = tuple(name for name in absent if name not in read)
     inputs = tuple(port for port in function.inputs if port.name in read or not port.name.startswith(unread))
     return replace(function, inputs=inputs)
+
+
+def vector_form(robot: Robot, space: StateSpace, formula: Formula | None = None) -> VectorForm:
+    """``formula``, the rates unless told otherwise, optimised, as a function of x, u and p."""
+    whole = optimise((lower(formula or space.rates),), robot.name)
+    (function,) = self_contained(whole)
+    sizes = (len(space.system.state), len(space.system.inputs), len(space.system.geometry))
+    return VectorForm(f"{robot.name}_{'ode' if formula is None else formula.name}", function, sizes)

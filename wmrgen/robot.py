@@ -13,6 +13,12 @@ from wmrgen.bounds.assumptions import library
 from wmrgen.bounds.robot import Bounds, bounds
 from wmrgen.constraints import ConstraintRow, Constraints, constrain, pfaffian, pfaffian_rates, symbolic_view
 from wmrgen.exact.number import ZERO, Exact
+from wmrgen.functions.models.state_space import (
+    StateSpace,
+    data,
+    default_state_space,
+    state_space,
+)
 from wmrgen.functions.registry import system_builder
 from wmrgen.ir.calls import select
 from wmrgen.ir.interpret import EXACT, evaluate
@@ -31,6 +37,7 @@ from wmrgen.program import (
     optimised,
     program,
     standard,
+    vector_form,
     with_calls,
     written,
 )  # fmt: skip
@@ -174,6 +181,29 @@ class Derivation:
         """
         return system_builder(name)(self.robot, self.mobility, symbolic)
 
+    def state_space(self, form: str | None = None, discrete: str | None = None, dt: float = 0.0) -> Any:
+        """casadi.Function (x, u, p) -> xdot of a model: posture, twist, eta, configuration, zeta, trailer; else the one
+        of model.json, whose ``state_space`` names the entries. NotDerivableError where there is none.
+
+        ``discrete``: rk4, exact or collocation gives the step of ``dt`` [s], (x, u, p) -> (xnext, A, B, c).
+        """
+        space = state_space(self.robot, self.mobility, form)
+        casadi = BACKENDS["casadi"]
+        model = casadi.offers("ode")(vector_form(self.robot, space))
+        return model if discrete is None else casadi.offers("step")(model, discrete, dt)
+
+    def rolling(self, form: str = "twist") -> Any:
+        """casadi.Function (x, u, p) -> g [m/s], 0 where no steered wheel slides; None without steered wheels."""
+        space = state_space(self.robot, self.mobility, form)
+        if space.constraints is None:
+            return None
+        return BACKENDS["casadi"].offers("ode")(vector_form(self.robot, space, space.constraints), "g")
+
+    @cached_property
+    def default_state_space(self) -> StateSpace | None:
+        """What `state_space` is unless told otherwise; None where the robot has no model of motion."""
+        return default_state_space(self.robot, self.mobility)
+
     def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
         """Any function at exact values. Inputs left out are 0, parameters nominal."""
         if name not in self._lowered:
@@ -248,7 +278,9 @@ class Derivation:
 
     def model(self) -> dict[str, Any]:
         """The content of model.json."""
-        return model(self.robot, self.mobility, self.raw_module, self.c_module, self.bounds)
+        space = self.default_state_space
+        content = model(self.robot, self.mobility, self.raw_module, self.c_module, self.bounds)
+        return content if space is None else {**content, "state_space": data(space)}
 
     def casadi(self) -> dict[str, Any]:
         """Function name -> casadi.Function."""

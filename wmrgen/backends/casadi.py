@@ -17,7 +17,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmrgen.backends.registry import Facts
+from wmrgen.backends.registry import Facts, VectorForm
+from wmrgen.errors import UsageError
 from wmrgen.ir.calls import complete, defaults, self_contained
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import to_float64
@@ -83,9 +84,11 @@ def sensitivity(
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     """``<robot>_<function>.casadi`` for ``casadi.Function.load``; the bytes `Function.save` would write."""
-    del facts  # the format has no place for it
+    every = dict(functions(module))
+    if facts.vector is not None:
+        every["ode"] = ode(facts.vector)
     files = {}
-    for name, function in functions(module).items():
+    for name, function in every.items():
         serializer = ca.StringSerializer()
         serializer.pack(function)
         files[f"{module.name}_{name}.casadi"] = serializer.encode().encode("ascii")
@@ -101,3 +104,68 @@ def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]
         values = call.call([ca.DM(value) for value in complete(wanted, case)])
         results.append({port.name: float(v) for port, v in zip(wanted.outputs, values, strict=True)})
     return results
+
+
+# ---- vectors, for optimisers
+
+
+def ode(vector: VectorForm, result: str = "xdot") -> ca.Function:
+    """``(x, u, p) -> xdot``, of vectors."""
+    x, u, p = (ca.SX.sym(name, size) for name, size in zip("xup", vector.sizes, strict=True))
+    entries = [v[i] for v in (x, u, p) for i in range(v.numel())]
+    rates = to_casadi(vector.function, vector.function.name).call(entries)
+    return ca.Function(
+        ca.Function.fix_name(vector.name), [x, u, p], [ca.densify(ca.vertcat(*rates))], ["x", "u", "p"], [result],
+    )  # fmt: skip
+
+
+STEPS = ("rk4", "exact", "collocation")
+
+
+def step(model: ca.Function, kind: str, dt: float) -> ca.Function:
+    """``(x, u, p) -> (xnext, A, B, c)``: the state after ``dt`` [s] under constant inputs; to first order it is
+    A x + B u + c. ``kind``: rk4, one step of it; exact, the exponential map of SE(2), UsageError where the twist
+    changes with the state; collocation, one step of Radau's with three points."""
+    x, u, p = (ca.SX.sym(name, model.size1_in(i)) for i, name in enumerate("xup"))
+    if kind == "exact":
+        return _step_function(model, kind, [x, u, p], _exponential(model, x, u, p, dt))
+    if kind == "rk4":
+        return _step_function(model, kind, [x, u, p], _stepped(model, ca.simpleRK, (1, 4), dt)(x, u, p))
+    variables = [ca.MX.sym(name, model.size1_in(i)) for i, name in enumerate("xup")]
+    solved = _stepped(
+        model, ca.simpleIRK, (1, 3, "radau", "newton"), dt
+    )  # its derivatives: implicit function theorem
+    return _step_function(model, kind, variables, solved(*variables))
+
+
+def _stepped(model: ca.Function, scheme: Any, options: tuple[Any, ...], dt: float) -> Any:
+    """A scheme of CasADi's over ``dt``, as a function of x, u and p."""
+    x, u, p = (ca.SX.sym(name, model.size1_in(i)) for i, name in enumerate("xup"))
+    ode = ca.Function("ode", [x, ca.vertcat(u, p)], [model(x, u, p)], ["x", "p"], ["ode"])
+    integrator = scheme(ode, *options)
+    return lambda x, u, p: integrator(x, ca.vertcat(u, p), dt)
+
+
+def _step_function(model: ca.Function, kind: str, inputs: list[Any], after: Any) -> ca.Function:
+    a, b = ca.jacobian(after, inputs[0]), ca.jacobian(after, inputs[1])
+    affine = after - ca.mtimes(a, inputs[0]) - ca.mtimes(b, inputs[1])
+    return ca.Function(
+        f"{model.name()}_{kind}", inputs, [after, ca.densify(a), ca.densify(b), affine], ["x", "u", "p"],
+        ["xnext", "A", "B", "c"],
+    )  # fmt: skip
+
+
+def _exponential(model: ca.Function, x: ca.SX, u: ca.SX, p: ca.SX, dt: float) -> ca.SX:
+    """x y theta by the exponential map of SE(2), which is exact where the twist is constant; what else there is by its
+    rate."""
+    body = model(ca.vertcat(x[:2], 0, x[3:]), u, p) * dt
+    if any(ca.which_depends(body[:3], x[3:], 1, True)):
+        raise UsageError(
+            "the exact step needs a twist that the inputs alone decide: form twist, or rk4, collocation"
+        )
+    half = body[2] / 2
+    small = ca.fabs(half) < 1e-4
+    chord = ca.if_else(small, 1 - half**2 / 6, ca.sin(half) / ca.if_else(small, 1, half))
+    c, s = ca.cos(x[2] + half) * chord, ca.sin(x[2] + half) * chord
+    moved = [c * body[0] - s * body[1], s * body[0] + c * body[1]]
+    return x + ca.vertcat(*moved, body[2:])

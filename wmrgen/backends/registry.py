@@ -28,6 +28,16 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
+class VectorForm:
+    """A ``function`` whose inputs are the entries of vectors, one after the other, ``sizes`` of each; ``name`` of what
+    backends make of it."""
+
+    name: str
+    function: Function
+    sizes: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Facts:
     """Facts for the banner of a generated file. Everything is plain text; backends escape it.
 
@@ -35,7 +45,8 @@ class Facts:
     model. ``constants``: numbers of the robot file, each with its name, ``left.radius``, and what it is.
     ``bound_lines``: what is proved of the code, for the backend whose code that is. ``site``: what the robot
     file says about inputs. ``formulas``: the functions as lowered. ``options``: what the user chose of what the
-    backend takes. ``places``: where the code of other backends computes what (for the report).
+    backend takes. ``places``: where the code of other backends computes what (for the report). ``vector``: the model
+    of the robot as x' = f(x, u, p), where it has one.
     """
 
     description: str = ""
@@ -49,6 +60,7 @@ class Facts:
     formulas: tuple[Function, ...] = ()
     options: Mapping[str, str | bool] = field(default_factory=dict)
     places: tuple[Place, ...] = ()
+    vector: VectorForm | None = None
 
 
 class Backend(Protocol):

@@ -16,8 +16,10 @@ verb = group("Analyse")
 def model(
     robot: Robot,
     form: Annotated[
-        Literal["posture", "configuration", "eta", "zeta", "trailer", "chained"],
-        typer.Option(help="Driven speeds, all joints, null-space inputs, front wheel, trailers, chained."),
+        Literal["posture", "configuration", "twist", "eta", "zeta", "trailer", "chained"],
+        typer.Option(
+            help="Driven speeds, all joints, twist, null-space inputs, front wheel, trailers, chained."
+        ),
     ] = "posture",
     as_latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX.")] = False,
     as_json: Json = False,

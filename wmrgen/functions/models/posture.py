@@ -24,7 +24,7 @@ from dataclasses import replace
 import sympy
 
 from wmrgen.constraints import along, heading
-from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.models.frame import (
     ZERO,
     Frame,
@@ -137,15 +137,16 @@ def system_of(
         swivels = (_per_input(motion, castor_row(motion.frame, w), k) for w in castors)
         spins = (_wheel_rate(motion, w, k) for w in rolling)
         joints = (expression(p) for p in (*steers, *swivels, *spins))
-        fields.append((*_in_world(motion.twists[k]), *joints))
+        vx, vy, omega = motion.twists[k]
+        fields.append((*in_world((expression(vx), expression(vy), expression(omega))), *joints))
     geometry = motion.frame.geometry
     return System(name, motion.text, state, motion.inputs, tuple(fields), geometry, motion.domain)
 
 
-def _in_world(twist: Row) -> tuple[Expr, Expr, Expr]:
+def in_world(twist: tuple[Expr, Expr, Expr]) -> tuple[Expr, Expr, Expr]:
     """R(theta)^T xi: the twist in the world frame (Siegwart (3.1))."""
     theta = signal("theta")
-    vx, vy, omega = (expression(p) for p in twist)
+    vx, vy, omega = twist
     return *rotated(sympy.cos(theta), sympy.sin(theta), vx, vy), omega
 
 

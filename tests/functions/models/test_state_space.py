@@ -1,0 +1,162 @@
+"""`Derivation.state_space`: x' = f(x, u, p) for optimisers, against contact velocities and small steps."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from math import cos, inf, sin
+from pathlib import Path
+
+import casadi
+import numpy as np
+import pytest
+
+import wmrgen
+from tests.conftest import GALLERY, ROOT
+from wmrgen.errors import NotDerivableError, UsageError
+
+STEERED = ("wpilib_swervebot", "agilex_ranger", "ackermann_car", "pr2", "synchro_drive")
+
+
+@cache
+def derivation_of(name: str) -> wmrgen.Derivation:
+    return wmrgen.derive(wmrgen.load(ROOT / "robots" / f"{name}.yaml"))
+
+
+def nominal(derivation: wmrgen.Derivation) -> list[float]:
+    return [p["nominal"] for p in derivation.model()["state_space"]["p"]]
+
+
+def point(function: casadi.Function, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    random = np.random.default_rng(seed)
+    return random.uniform(-0.6, 0.6, function.size1_in(0)), random.uniform(-1, 1, function.size1_in(1))
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
+def test_the_file_is_the_model_of_model_json(path: Path) -> None:
+    """Checked in beside it: names, sizes, bounds in order, and the values of `Derivation.state_space`."""
+    folder = ROOT / "generated" / wmrgen.load(path).name
+    model = json.loads((folder / "model.json").read_text(encoding="utf-8"))
+    file = folder / f"{model['name']}_ode.casadi"
+    assert file.exists() == ("state_space" in model)
+    if not file.exists():
+        with pytest.raises(NotDerivableError):
+            wmrgen.derive(wmrgen.load(path)).state_space()
+        return
+    space = model["state_space"]
+    f = casadi.Function.load(str(file))
+    assert (f.name_in(), f.name_out()) == (["x", "u", "p"], ["xdot"])
+    assert [f.size1_in(i) for i in range(3)] == [len(space[key]) for key in "xup"]
+    assert [entry["name"] for entry in space["x"][:3]] == ["x", "y", "theta"]
+    assert all((e["lower"] or -inf) <= (e["upper"] or inf) for key in "xu" for e in space[key])
+    again = wmrgen.derive(wmrgen.load(path)).state_space()
+    p = [entry["nominal"] for entry in space["p"]]
+    for seed in range(3):
+        x, u = point(f, seed)
+        assert np.array_equal(np.array(f(x, u, p)), np.array(again(x, u, p)), equal_nan=True)
+
+
+@pytest.mark.parametrize("name", STEERED)
+def test_constraints_are_what_contacts_slide(name: str) -> None:
+    """Velocity of each steered wheel's contact along its axle, from positions alone."""
+    derivation = derivation_of(name)
+    g = derivation.rolling()
+    f = derivation.state_space("twist")
+    system = derivation.system("twist")
+    for seed in range(5):
+        x, u = point(g, seed)
+        p = [float(port.default) for port in system.geometry if port.default is not None]
+        values = dict(zip([port.name for port in (*system.state, *system.inputs)], [*x, *u], strict=True))
+        rates = np.array(f(x, u, p)).ravel()
+        c, s = cos(x[2]), sin(x[2])
+        vx, vy, omega = c * rates[0] + s * rates[1], -s * rates[0] + c * rates[1], rates[2]
+        slides = []
+        for w in derivation.robot.wheels:
+            if w.kind.steers:
+                leader = derivation.robot.wheels[derivation.robot.steer_group[w.index]]
+                angle = w.heading + values[f"{leader.name}.steer"]
+                normal = np.array([-sin(angle), cos(angle)])
+                contact = np.array([float(w.nominal.x), float(w.nominal.y)]) + float(w.nominal.o) * normal
+                velocity = np.array([vx - omega * contact[1], vy + omega * contact[0]])
+                slides.append(velocity @ normal)
+        assert np.array(g(x, u, p)).ravel() == pytest.approx(slides, abs=1e-12)
+
+
+def test_a_swerve_is_regular_on_the_spot_and_sideways() -> None:
+    """Where its posture model in driven speeds is not: rates stay those of the twist, derivatives finite."""
+    derivation = derivation_of("wpilib_swervebot")
+    f = derivation.state_space()
+    assert derivation.model()["state_space"]["form"] == "twist"
+    angles = [3 * np.pi / 4, np.pi / 4, -3 * np.pi / 4, -np.pi / 4]
+    for steers, twist in ((angles, (0, 0, 2.0)), ([np.pi / 2] * 4, (0, 1.5, 0)), ([0.0] * 4, (-1.0, 0, 0))):
+        x, u = [0.0, 0.0, 0.0, *steers], [*twist, 0, 0, 0, 0]
+        assert np.array(f(x, u, [])).ravel()[:3] == pytest.approx(twist)
+        assert np.array(derivation.rolling()(x, u, [])).ravel() == pytest.approx(np.zeros(4), abs=1e-12)
+        assert np.isfinite(np.array(f.factory("j", ["x", "u", "p"], ["jac:xdot:x"])(x, u, []))).all()
+
+
+def test_a_skid_steer_turns() -> None:
+    derivation = derivation_of("clearpath_a200")
+    rates = np.array(derivation.state_space()([0, 0, 0.5], [0.4, 0.9], nominal(derivation))).ravel()
+    assert rates == pytest.approx([0.4 * cos(0.5), 0.4 * sin(0.5), 0.9])
+
+
+def test_an_axle_off_the_origin_moves_it_sideways(tmp_path: Path) -> None:
+    """Fixed wheels at x = 0.3: P, behind the axle, is at -0.3 omega sideways, so that contacts do not slide."""
+    text = """\
+wmrgen: 1
+name: ahead
+parameters:
+  a: {value: 0.3, tunable: true}
+wheels:
+  - {name: left, type: fixed, x: a, y: 0.2, heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: a, y: -0.2, heading: 0, r: 0.1}
+"""
+    (tmp_path / "ahead.yaml").write_text(text)
+    f = wmrgen.derive(wmrgen.load(tmp_path / "ahead.yaml")).state_space("twist")
+    assert np.array(f([0, 0, 0], [0.5, 2.0], [0.35])).ravel() == pytest.approx([0.5, -0.7, 2.0])
+
+
+@pytest.mark.parametrize("name", ["pioneer3dx", "wpilib_swervebot", "lekiwi", "ackermann_car"])
+@pytest.mark.parametrize("kind", ["rk4", "exact", "collocation"])
+def test_a_step_is_many_small_ones(name: str, kind: str) -> None:
+    """Its A, B, c are its derivatives; exact is refused where steering changes the twist."""
+    derivation = derivation_of(name)
+    if (name, kind) == ("ackermann_car", "exact"):
+        with pytest.raises(UsageError, match="rk4"):
+            derivation.state_space(discrete=kind, dt=0.1)
+        return
+    f, p = derivation.state_space(), nominal(derivation)
+    step = derivation.state_space(discrete=kind, dt=0.1)
+    x, u = point(f, 4)
+    fine = x.copy()
+    for _ in range(2000):  # the midpoint rule
+        middle = fine + np.array(f(fine, u, p)).ravel() * 0.1 / 4000
+        fine = fine + np.array(f(middle, u, p)).ravel() * 0.1 / 2000
+    after, a, b, affine = (np.array(part) for part in step(x, u, p))
+    assert after.ravel() == pytest.approx(fine, abs={"exact": 1e-9, "rk4": 1e-6, "collocation": 1e-6}[kind])
+    assert (a @ x + b @ u + affine.ravel()) == pytest.approx(after.ravel(), abs=1e-12)
+    for index in range(len(x)):
+        offset = 1e-6 * np.eye(len(x))[index]
+        high, low = (np.array(step(x + sign * offset, u, p)[0]).ravel() for sign in (1, -1))
+        assert a[:, index] == pytest.approx((high - low) / 2e-6, abs=1e-7)
+    for index in range(len(u)):
+        offset = 1e-6 * np.eye(len(u))[index]
+        high, low = (np.array(step(x, u + sign * offset, p)[0]).ravel() for sign in (1, -1))
+        assert b[:, index] == pytest.approx((high - low) / 2e-6, abs=1e-7)
+
+
+def test_the_exact_step_is_exact_and_smooth_at_a_straight_line() -> None:
+    """One step of ten seconds, through omega = 0 on both sides of the switch to the series."""
+    derivation = derivation_of("lekiwi")
+    f = derivation.state_space("twist", "exact", 10.0)
+    for omega in (-0.7, -2.1e-5, -1.9e-5, 0.0, 1.9e-5, 2.1e-5, 0.7):
+        x = np.array(f([1, 2, 0.4], [0.3, -0.1, omega], nominal(derivation))[0]).ravel()
+        z = (
+            complex(0.3, -0.1)
+            * (10.0 if omega == 0 else (np.exp(10j * omega) - 1) / (1j * omega))
+            * np.exp(0.4j)
+        )
+        assert x == pytest.approx([1 + z.real, 2 + z.imag, 0.4 + 10 * omega], abs=1e-9)
+        jacobian = np.array(f([1, 2, 0.4], [0.3, -0.1, omega], nominal(derivation))[2])
+        assert np.isfinite(jacobian).all()

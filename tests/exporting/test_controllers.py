@@ -179,7 +179,7 @@ def test_what_is_a_little_off_is_refused(
 ) -> None:
     """The first wheel that has it is changed; the robot as it was is exported."""
     wheels, more = drives(Random(7))[kind]
-    wheels = [w.replace("heading: pi", "heading: 0") for w in wheels]
+    wheels = [w.replace("heading: pi,", "heading: 0,") for w in wheels]
     ros2_control(load(tmp_path, *wheels, more=more))
     at = next(k for k, w in enumerate(wheels) if change[0] in w)
     wheels[at] = wheels[at].replace(*change)
@@ -231,7 +231,7 @@ def test_systems_of_gazebo_give_the_speeds(tmp_path: Path, kind: str) -> None:
     draw = Random(kind)
     wheels, more = drives(draw)[kind]
     if kind == "differential":  # one radius, forward
-        wheels = [w.replace("heading: pi", "heading: 0") for w in wheels]
+        wheels = [w.replace("heading: pi,", "heading: 0,") for w in wheels]
         wheels[1] = wheels[1].rpartition("r: ")[0] + "r: " + wheels[0].rpartition("r: ")[2]
     if kind == "mecanum":  # the middle at P
         wheels = [f"name: {n}, type: swedish, x: {0.3 * a}, y: {0.2 * b}, heading: 0, gamma: {c} deg, r: 0.05"
@@ -294,7 +294,7 @@ def test_wpilib_gets_its_speeds(tmp_path: Path, kind: str, seed: int) -> None:
                   for k in range(count)]  # fmt: skip
     else:
         wheels, _ = drives(draw)[kind]
-        wheels = [w.replace("heading: 0", f"heading: {draw.choice(('0', 'pi'))}") for w in wheels]
+        wheels = [w.replace("heading: 0,", f"heading: {draw.choice(('0', 'pi'))},") for w in wheels]
     robot = load(tmp_path, *wheels)
     files = wpilib(robot)
     assert set(files) == {"DrawnConstants.java", "DrawnConstants.h"}

@@ -82,6 +82,10 @@ class WmrgenError(Exception):
         return message("error", self.code, what, self.mark, remarks)
 
 
+def _place(mark: Mark | None, files: list[str]) -> tuple[int, int, int]:
+    return (files.index(mark.file), mark.line, mark.column) if mark else (-1, 0, 0)
+
+
 class StaleError(WmrgenError):
     """A file under the output directory is not what the robot files give today; also the code of findings."""
 
@@ -127,7 +131,8 @@ class Several:
         if not self.errors:
             return
         distinct: dict[tuple[str, ...], list[WmrgenError]] = {}
-        for error in sorted(self.errors, key=lambda e: (e.mark.line, e.mark.column) if e.mark else (0, 0)):
+        files = list(dict.fromkeys(error.mark.file for error in self.errors if error.mark))
+        for error in sorted(self.errors, key=lambda e: _place(e.mark, files)):
             distinct.setdefault((error.what, error.why, error.instead), []).append(error)
         parts = []
         for first, *others in distinct.values():

@@ -16,7 +16,7 @@ from wmrgen.artifacts import Difference, Written, differences, made_with, write_
 from wmrgen.cli import console
 from wmrgen.cli.failures import all_as_data
 from wmrgen.cli.loading import linted, noted, warn_of_gains
-from wmrgen.errors import EnvironmentFailure, NotDerivableError, StaleError, UsageError, WmrgenError
+from wmrgen.errors import EnvironmentFailure, NotDerivableError, Several, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
     from wmrgen.backends.packages import Package
@@ -93,12 +93,17 @@ def _kinds(words: Sequence[str]) -> list[Package]:
 
 def _load_all(paths: Sequence[Path]) -> list[tuple[RobotSpec, Robot]]:
     """All robots, before any is derived: a bad file must leave nothing behind. Names are unique."""
-    robots = [wmrgen.read(path) for path in paths]
+    several, robots = Several(), []
+    for path in paths:
+        with several:
+            robots.append(wmrgen.read(path))
+    several.end()
     seen: dict[str, Path] = {}
     for (_, robot), path in zip(robots, paths, strict=True):
-        if robot.name in seen:
-            raise UsageError(f"{path} and {seen[robot.name]} both describe a robot called {robot.name}")
-        seen[robot.name] = path
+        word = robot.name.lower()  # disks may not tell folders apart by case
+        if word in seen:
+            raise UsageError(f"{path} and {seen[word]} both describe a robot called {robot.name}")
+        seen[word] = path
     return robots
 
 

@@ -196,7 +196,7 @@ def test_a_mesh_leaves_the_radius_open(read: Import, wmrgen_cli: Cli, tmp_path: 
     ]
     path = tmp_path / "probe.yaml"
     done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
-    assert done.code == 2 and "r is an open question" in done.err and f"The same at {path}:" in done.err
+    assert done.code == 2 and "r is an open question" in done.err
     assert not (tmp_path / "out").exists()
     text = path.read_text(encoding="utf-8").replace("r: TODO", "r: 0.1")
     path.write_text(text[: text.index("  - name: support")], encoding="utf-8")

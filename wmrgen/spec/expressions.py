@@ -23,7 +23,7 @@ from wmrgen.spec.numbers import (
     units_of,
 )
 from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi, Quantity
-from wmrgen.spec.text import Node, Scalar, kind_of, quoted, suggestion
+from wmrgen.spec.text import Node, Scalar, kind_of, nearest, quoted, suggestion
 
 MAX_CHARACTERS = 200
 MAX_NODES = 128
@@ -143,10 +143,13 @@ class _Parser:
             return word
         if word in ARITY:
             raise self._error(f"the function {word} needs its argument", "", f"Write {word}(…).", at)
+        near = nearest(word, [*self._names, "pi"])
         raise self._node.error(
             f"{quoted(word)} is not a declared parameter",
             "Every name in an expression stands under parameters: or is pi.",
-            suggestion(word, [*self._names, "pi"]),
+            f"Did you mean {near}?"
+            if near
+            else f"Declare it, as parameters: {{{word}: 0.1}}, or write the number.",
             at,
             Code.UNDECLARED,
         )
@@ -157,8 +160,13 @@ class _Parser:
             body = ast.parse(self._text, mode="eval").body
         except SyntaxError as error:
             column = min(max((error.offset or 1) - 1, 0), len(self._text))
+            opened = self._text.count("(") - self._text.count(")")
+            hint = f"Write the missing '{')' if opened > 0 else '('}'." if opened else ""
             raise self._error(
-                f"{quoted(self._node.text)} is not a complete expression", _GRAMMAR, "", self._offset(column)
+                f"{quoted(self._node.text)} is not a complete expression",
+                _GRAMMAR,
+                hint,
+                self._offset(column),
             ) from None
         except (ValueError, MemoryError, RecursionError):
             raise self._error(f"{quoted(self._node.text)} is nested too deeply") from None
@@ -221,7 +229,7 @@ class _Parser:
 def scalar_of(node: Node, what: str) -> Scalar:
     """The node, when it is a text with something in it."""
     if not isinstance(node, Scalar):
-        raise node.error(f"{what} must be one value, not {kind_of(node)}")
+        raise node.error(f"{what} must be one value, not {kind_of(node)}", "", "Write it without [ ] or { }.")
     if not node.text.strip():
         raise node.error(f"{what} has no value", "", "Write a value after the colon, or delete the key.")
     return node

@@ -19,8 +19,7 @@ from wmrgen.spec.fields import (
 from wmrgen.spec.joint_keys import ANGLE_NOISE, COUNTER, ENCODER, LIMITS, NOISE, RATE_NOISE
 from wmrgen.spec.numbers import Kind
 
-_LENGTH, _ANGLE = Amount(Kind.LENGTH), Amount(Kind.ANGLE)
-_GAIN = Amount(Kind.ANY, "1/s")
+_LENGTH, _ANGLE, _GAIN = Amount(Kind.LENGTH), Amount(Kind.ANGLE), Amount(Kind.ANY, "1/s")
 _JOINTS = ListOf(OneOf("joint"), "[spin]", once=True)
 _WHEELS = ListOf(
     OneOf("wheel"), "[front_left, front_right]", least=1, once=True,

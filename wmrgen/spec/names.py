@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 
 from wmrgen.backends.registry import why_reserved
 from wmrgen.errors import Code, RobotFileError
@@ -68,7 +69,8 @@ def _free(name: str) -> str:
 
 def _repaired(name: str) -> str:
     """A valid name near ``name``, or nothing."""
-    near = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:31].rstrip("_")
+    letters = "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
+    near = re.sub(r"[^A-Za-z0-9]+", "_", letters).strip("_")[:31].rstrip("_")
     return near if re.fullmatch(NAME_PATTERN, near) and not _reserved(near) else ""
 
 

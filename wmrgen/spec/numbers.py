@@ -150,12 +150,14 @@ def plain_number(node: Scalar) -> tuple[Fraction, Unit | None] | None:
 
 
 def _unknown_unit(node: Scalar, digits: str, name: str) -> RobotFileError:
+    hint = suggestion(name, UNITS, _ALIASES)
+    product = (
+        f" For a product write {digits}*{name}." if name.isidentifier() and hint.startswith("Valid") else ""
+    )
     return node.error(
         f"{quoted(name)} is not a unit",
         "After a number stands a unit or an operator.",
-        f"{suggestion(name, UNITS, _ALIASES)} For a product write {digits}*{name}."
-        if name.isidentifier()
-        else suggestion(name, UNITS, _ALIASES),
+        hint + product,
         node.text.index(name, node.text.index(digits) + len(digits)),
     )
 

@@ -6,6 +6,7 @@ text that was written. Tags and directives, in robot files anchors and aliases t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NoReturn
@@ -39,16 +40,14 @@ _DEPTH = (
 # What PyYAML says, and the same for people: (part of its text, what, instead).
 _PLAIN_WORDS = (
     ("'\\t'", "a tab where spaces are needed", "YAML indents with spaces: replace the tab."),
-    ("mapping values are not allowed", "a ':' where none can stand", "Put text that contains ': ' in quotes."),
-    ("could not find expected ':'", "a line without ':'", "Write key: value, and indent lists and mappings."),
     ("unexpected end of stream", "a quote that is never closed", "Close the quote."),
-    ("expected ',' or ']'", "a list that is not closed here", "Separate items by ',' and end the list with ']'."),
-    ("expected ',' or '}'", "a mapping that is not closed here", "Separate keys by ',' and end with '}'."),
-    ("expected <block end>", "this line does not fit the indentation above", "Align it with its neighbours."),
+    ("expected ',' or ']'", "a ',' or ']' is missing here", "Separate items by ',' and end the list with ']'."),
+    ("expected ',' or '}'", "a ',' or '}' is missing here", "Separate keys by ',' and end with '}'."),
     ("did not find expected <document start>", "text after the end of the document", "Delete it."),
-    ("expected the node content", "a value is missing here", "Write the value, or delete what asks for one."),
+    ("expected the node content", "a value is missing here", "Write it, indented deeper than what asks for it."),
     ("escape", "an unknown escape in double quotes", "Use single quotes, or none."),
 )  # fmt: skip
+_UNALIGNED = "this line does not fit the indentation above", "Align it with its neighbours."
 
 
 class _Composer(Reader, Scanner, Parser):
@@ -135,15 +134,17 @@ class _Composer(Reader, Scanner, Parser):
             self.get_event()
             return SequenceNode(mark, tuple(items))
         entries: dict[str, tuple[Scalar, Node]] = {}
+        repeated = False
         while not self.check_event(yaml.MappingEndEvent):
             key = self._key(depth + 1)
             value = self._node(depth + 1)
             if key.text in entries:
                 self._several.add(_duplicate(key, entries[key.text][0]))
+                repeated = True
             else:
                 entries[key.text] = (key, value)
         self.get_event()
-        return MappingNode(mark, tuple(entries.values()))
+        return MappingNode(mark, tuple(entries.values()), repeated)
 
     def _scalar(self, scalar: Scalar) -> Scalar:
         refused = refused_character(scalar.text)  # escapes in double quotes can make any character
@@ -194,18 +195,53 @@ class _Aliased(_Composer):
 
 
 def _from_yaml(error: yaml.MarkedYAMLError, source: Source) -> RobotFileError:
-    problem = str(error.problem or error.context or "")
+    problem, context = str(error.problem or error.context or ""), error.context_mark
+    mark = error.problem_mark or context
+    if mark is None:
+        return RobotFileError(f"not YAML: {quoted(problem, 120)}")
+    line, column = min(mark.line, len(source.lines) - 1), mark.column
+    why, before = "", source.lines[line][:column]
+    above = max((k for k in range(line) if source.lines[k].partition("#")[0].strip()), default=line)
     plain = [(what, instead) for part, what, instead in _PLAIN_WORDS if part in problem]
-    plain.append((f"not YAML: {quoted(problem, 120)}", "Compare with a file under robots/."))
-    what, instead = plain[0]
-    mark = error.problem_mark or error.context_mark
-    if error.context_mark and ("never closed" in what or "without ':'" in what):
-        mark = error.context_mark
-    why = ""
-    if error.context_mark and error.context_mark is not mark and "not closed" in what:
-        why = f"It was opened on line {error.context_mark.line + 1}."
-    place = source.mark(mark.line, mark.column) if mark else None
-    return RobotFileError(what, place, why, instead, Code.NOT_YAML)
+    if context and "expected ':'" in problem:
+        line, column = context.line, context.column
+        what, instead = _no_colon(source.lines[line])
+    elif "mapping values are not allowed" in problem:
+        what, instead = (
+            "a second ':' in one line",
+            "Write a line for each key; put text that contains ': ' in quotes.",
+        )
+        if re.fullmatch(r" *(- +)*[^:]*", before) and above < line and not re.search(r":( |$)", before):
+            column, (what, instead) = len(before) - len(before.lstrip()), _UNALIGNED
+            if re.match(r" *-[^ -]", source.lines[above]) or not re.search(r":( |$)", source.lines[above]):
+                line, (what, instead) = above, _no_colon(source.lines[above])
+                column = len(source.lines[line]) - len(source.lines[line].lstrip())
+    elif "expected <block end>" in problem:
+        rest, (what, instead) = source.lines[line][column:], _UNALIGNED
+        if rest[:1] in ("]", "}"):
+            what, instead = f"'{rest[0]}' closes nothing", "Delete it."
+        elif before.strip(" -"):
+            what, instead = "text after the end of a value", "Put the whole value in double quotes."
+    elif plain:
+        what, instead = plain[0]
+        if context and "never closed" in what:
+            line, column = context.line, context.column
+        elif context and "missing here" in what and "," in what:
+            why = f"What is not closed begins on line {context.line + 1}."
+            if not before.strip(" -"):  # it is missing where the text before ends
+                line, column = above, len(source.lines[above].rstrip())
+    else:
+        what, instead = f"not YAML: {quoted(problem, 120)}", "Compare with a file under robots/."
+    return RobotFileError(what, source.mark(line, column), why, instead, Code.NOT_YAML)
+
+
+def _no_colon(text: str) -> tuple[str, str]:
+    """What is wrong with a line that should have been ``key: value``, and what to write."""
+    dash, key, sign, value = re.findall(r"^ *(- *)?([^ :=]*) *([:=]?) *(.*?) *$", text)[0]
+    instead = f"Write {'- ' if dash else ''}{key}: {value}".rstrip() + "."
+    if dash and not dash.endswith(" "):
+        return "no space after the dash", instead
+    return "no space after the colon" if sign == ":" else "a line without ':'", instead
 
 
 def read_tree(text: str, file: str, several: Several | None = None, aliases: bool = False) -> Node | None:

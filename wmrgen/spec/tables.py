@@ -10,9 +10,25 @@ from dataclasses import dataclass, field
 from wmrgen.errors import Code, Mark, RobotFileError, Several
 from wmrgen.spec.expressions import read_quantity, scalar_of
 from wmrgen.spec.fields import Amount, Choice, Field, ListOf, Section, Word
+from wmrgen.spec.keys import ROBOT, WHEEL
 from wmrgen.spec.numbers import Scope, plain_number
 from wmrgen.spec.records import Quantity
-from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, kind_of, nearest, quoted, suggestion
+from wmrgen.spec.text import (
+    MappingNode,
+    Node,
+    Scalar,
+    SequenceNode,
+    kind_of,
+    lookalike,
+    nearest,
+    quoted,
+    suggestion,
+)
+
+_YES_AND_NO = {
+    **dict.fromkeys(("yes", "y", "on", "1"), "Write true."),
+    **dict.fromkeys(("no", "n", "off", "0"), "Write false."),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,10 +78,10 @@ class Table:
             return value.words[value.default]
         scalar = scalar_of(self.values[key], key)
         if scalar.text not in value.words:
+            hint = suggestion(scalar.text, value.words, {**_YES_AND_NO, **value.aliases})
+            why = f"It is {' or '.join(value.words)}."
             raise scalar.error(
-                f"{key}: {quoted(scalar.text)} is not known",
-                f"It is {' or '.join(value.words)}.",
-                suggestion(scalar.text, value.words, value.aliases),
+                f"{key}: {quoted(scalar.text)} is not known", why, "" if hint.startswith("Valid") else hint
             )
         return value.words[scalar.text]
 
@@ -77,7 +93,7 @@ class Table:
             return ()
         if not isinstance(node, SequenceNode):
             item = value.item.example if isinstance(value.item, Section) else ""
-            example = f"and a list of items - {item}" if item else value.example
+            example = f"and a line for each, as - {item}" if item else value.example
             raise node.error(f"{key} must be a list, not {kind_of(node)}", "", f"Write {key}: {example}.")
         n = len(node.items)
         words = {"key": key, "n": n, "s": "s" * (n != 1), "most": value.most}
@@ -170,6 +186,8 @@ def table_of(
     """
     what = what or section.title
     table = Table(mapping_of(node, what, section.example), section)
+    if table.node.repeated or any(key.text == "<<" for key, _ in table.node.entries):
+        table.excused.update(section.keys)
     fields = [f for f in section.fields if valid is None or f.key in valid]
     unknown = []
     for key, value in table.node.entries:
@@ -215,11 +233,13 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
     if key.plain and ":" in key.text and empty:
         word, _, rest = key.text.partition(":")
         return key.error(
-            f"no space after the colon in {quoted(key.text)}", "YAML needs one.", f"Write {word}: {rest}"
+            f"no space after the colon in {quoted(key.text)}",
+            lookalike(key.text) or "YAML needs one.",
+            f"Write {word}: {rest.strip()}",
         )
     if key.plain and empty and key.text.partition(" ")[0] in valid:
         word, _, rest = key.text.partition(" ")
-        return key.error(f"no colon in {quoted(key.text)}", "", f"Write {word}: {rest.strip()}")
+        return key.error(f"no colon in {quoted(key.text)}", "", f"Write {word}: {rest.lstrip(' =')}")
     if key.plain and empty and key.text.count(")") > key.text.count("("):
         return key.error(
             f"{quoted(key.text)} stands where a key is expected",
@@ -230,4 +250,8 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
         return key.error("'<<' merges mappings in YAML", "Merge keys are refused.", "Write the keys out.")
     aliases = {alias: text for f in fields for alias, text in f.hints.items()}
     instead = suggestion(key.text, [f.key for f in fields], aliases)
-    return key.error(f"unknown key {quoted(key.text)} in {what}", "", instead, code=Code.UNKNOWN_KEY)
+    why = lookalike(key.text)
+    for section in (WHEEL, ROBOT):
+        if instead.startswith("Valid") and any(key.text in (f.key, *f.aliases) for f in section.fields):
+            why = f"It is a key of {section.title}."
+    return key.error(f"unknown key {quoted(key.text)} in {what}", why, instead, code=Code.UNKNOWN_KEY)

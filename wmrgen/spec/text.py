@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import stat
+import unicodedata
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -124,7 +125,7 @@ def normalise(text: str, file: str) -> str:
     return text
 
 
-def nearest(wrong: str, valid: Iterable[str], likeness: float = 0.5) -> str:
+def nearest(wrong: str, valid: Iterable[str], likeness: float = 0.6) -> str:
     """The word that is most like ``wrong``, case aside; nothing where none is, and for a letter that is no word."""
     words = {word.lower(): word for word in valid}
     near = get_close_matches(wrong.lower()[:40], words, n=1, cutoff=likeness if len(wrong) > 1 else 1)
@@ -141,6 +142,16 @@ def suggestion(wrong: str, valid: Iterable[str], aliases: Mapping[str, str] | No
     if near:
         return f"Did you mean {near}?"
     return f"Valid here: {' '.join(words)}." if words else ""
+
+
+def lookalike(word: str) -> str:
+    """A sentence about a character that no keyword has; nothing where there is none."""
+    strange = next((c for c in word if not c.isascii()), "")
+    return (
+        f"Its {strange!r} is U+{ord(strange):04X} {unicodedata.name(strange, '')}".rstrip() + "."
+        if strange
+        else ""
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,15 +193,16 @@ class SequenceNode(Node):
 
 @dataclass(frozen=True, slots=True)
 class MappingNode(Node):
-    """Keys are distinct and keep the order of the file."""
+    """Keys are distinct and keep the order of the file. ``repeated``: one stood twice, which has been told."""
 
     entries: tuple[tuple[Scalar, Node], ...]
+    repeated: bool = False
 
 
 def kind_of(node: Node) -> str:
     """What a node is, for error messages."""
     if isinstance(node, Scalar):
-        return "a text" if node.text or not node.plain else "nothing"
+        return "one value" if node.text or not node.plain else "nothing"
     return "a list" if isinstance(node, SequenceNode) else "a mapping"
 
 

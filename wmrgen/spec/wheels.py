@@ -16,7 +16,7 @@ from wmrgen.spec.names import Names, wheel_name
 from wmrgen.spec.numbers import Scope
 from wmrgen.spec.records import Coupling, EncoderSpec, Limit, Neg, NoiseSpec, WheelSpec
 from wmrgen.spec.tables import Table, table_of
-from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, quoted, suggestion
+from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, lookalike, quoted, suggestion
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 _PLACEMENT, _ORIENTATION = WHEEL.choices
@@ -110,11 +110,9 @@ def _type(table: Table, what: str) -> WheelType:
         raise table.missing("type", what, why, instead.format(types=names))
     node = scalar_of(table.values["type"], "type")
     if node.text not in WHEEL_TYPES:
-        raise node.error(
-            f"unknown wheel type {quoted(node.text)}",
-            f"The types are {names}.",
-            suggestion(node.text, WHEEL_TYPES, _aliases()),
-        )
+        hint = suggestion(node.text, WHEEL_TYPES, _aliases())
+        why = lookalike(node.text) or ("" if hint.startswith("Valid") else f"The types are {names}.")
+        raise node.error(f"unknown wheel type {quoted(node.text)}", why, hint)
     return WHEEL_TYPES[node.text]
 
 
@@ -149,7 +147,7 @@ def _no_joint(scalar: Scalar, what: str, joint: str, kind: WheelType, without: s
     """The error for a joint that wheels of this type lack; ``without``: what to write where they have none."""
     if not kind.joints:
         return scalar.error(what, "It has no joint.", without)
-    return scalar.error(what, f"Its joints are: {' '.join(kind.joints)}.", suggestion(joint, kind.joints))
+    return scalar.error(what, "", suggestion(joint, kind.joints))
 
 
 def keys_of_type(section: Section, kind: WheelType) -> tuple[str, ...]:
@@ -281,7 +279,10 @@ def _coupling(table: Table, types: Mapping[str, WheelType | None]) -> Coupling:
 def _joint(scalar: Scalar, types: Mapping[str, WheelType | None]) -> tuple[str, str]:
     name, dot, joint = scalar.text.strip().partition(".")
     if not dot:
-        raise scalar.error(f"{quoted(scalar.text)} is not a joint", "", "Write wheel.steer or wheel.spin.")
+        wheel = name if name in types else "wheel"
+        raise scalar.error(
+            f"{quoted(scalar.text)} is not a joint", "", f"Write {wheel}.spin or {wheel}.steer."
+        )
     kind = wheel_called(name, scalar, types)
     if kind is not None and joint not in kind.joints:
         what = f"the {kind.name} wheel {name} has no joint {quoted(joint)}"

@@ -1,0 +1,60 @@
+"""Bad robot files as people write them, in bad_files.txt: the first line and the place of each error that is told.
+
+A case is ``== its name``, the file, and ``-> error at line:column`` for each error. In the file ``\\t``, ``\\r`` and
+``\\u200b`` are the characters that they stand for, and a backslash at the end takes the line end away.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import wmrgen
+from wmrgen.errors import RobotFileError
+
+ESCAPE = re.compile(r"\\(?:u([0-9a-f]{4})|([tr\n]))")
+
+
+def cases() -> Iterator[tuple[str, str, list[str]]]:
+    text = (Path(__file__).parent / "bad_files.txt").read_text(encoding="utf-8")
+    for case in re.split(r"^== ", text, flags=re.MULTILINE)[1:]:
+        name, _, rest = case.partition("\n")
+        told = re.findall(r"^-> (.*)$", rest, re.MULTILINE)
+        file = re.split(r"^-> ", rest, maxsplit=1, flags=re.MULTILINE)[0]
+        yield (
+            name,
+            ESCAPE.sub(lambda m: chr(int(m[1], 16)) if m[1] else {"t": "\t", "r": "\r"}.get(m[2], ""), file),
+            told,
+        )
+
+
+CASES = {name: (file, told) for name, file, told in cases()}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_told(name: str, tmp_path: Path) -> None:
+    file, told = CASES[name]
+    path = tmp_path / "bot.yaml"
+    path.write_bytes(file.encode())
+    with pytest.raises(RobotFileError) as caught:
+        wmrgen.load(path)
+    parts = caught.value.parts
+    assert [
+        f"{str(part).splitlines()[0]} at {part.mark.line}:{part.mark.column}" for part in parts if part.mark
+    ] == told
+    for part in parts:  # each stands in the form, says what to write, and its caret below the place
+        _, place, *shown = str(part).splitlines()
+        assert place.strip() == f"--> {part.mark}"
+        if part.mark and part.mark.text:
+            line, caret = shown[:2]
+            assert caret.index("^") - caret.index("|") == part.mark.column + 1 and line.startswith(
+                str(part.mark.line)
+            )
+        assert part.why or part.instead
+
+
+def test_there_are_many() -> None:
+    assert len(CASES) >= 140 and sum(len(told) for _, told in CASES.values()) > len(CASES)

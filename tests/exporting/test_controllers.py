@@ -6,6 +6,7 @@ pages of each class), written here anew.
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from math import atan, atan2, cos, pi, sin, tan
@@ -20,6 +21,8 @@ import wmrgen
 from tests.conftest import ROOT
 from tests.depth import DEEP
 from tests.exporting.common import drives, load, root, speeds, twists
+from tests.oracle.harness import robot_text
+from tests.peers.test_peers import layout
 from wmrgen.errors import NotDerivableError
 from wmrgen.exporting.ros2_control import ros2_control
 from wmrgen.exporting.sdf import sdf
@@ -191,6 +194,25 @@ def test_a_coupling_is_refused(tmp_path: Path) -> None:
     wheels, _ = drives(Random(7))["differential"]
     with pytest.raises(NotDerivableError, match="'b' has its spin coupled to that of 'a'"):
         ros2_control(load(tmp_path, *wheels, more="couplings:\n  - equal: [a.spin, b.spin]\n"))
+
+
+PEER = [
+    v for v in json.loads((ROOT / "tests/peers/vectors.json").read_text(encoding="utf-8"))
+    if v["peer"] == "ros-controls/ros2_controllers" and v["kind"] == "ik"
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("vector", PEER, ids=lambda v: v["id"])
+def test_the_controllers_own_tests_have_their_numbers(tmp_path: Path, vector: dict[str, Any]) -> None:
+    """The robot of a test of ros2_controllers, exported, gets the commands which that test expects."""
+    path = tmp_path / "peer.yaml"
+    path.write_text(robot_text(layout(vector)), encoding="utf-8")
+    controller, p = parameters(wmrgen.load(path))
+    sent = commands(controller, p, vector["given"]["twist"])
+    wanted = zip(vector["robot"]["order"], vector["expect"]["wheels"], strict=True)
+    assert sent == pytest.approx({f"{name}_spin": speed for name, speed in wanted}, abs=1e-3)
+    radius = vector["robot"]["wheels"][0]["radius"]
+    assert p.get("wheel_radius", p.get("kinematics", {}).get("wheels_radius")) == radius
 
 
 def test_types_of_parameters_are_those_of_ros(tmp_path: Path) -> None:

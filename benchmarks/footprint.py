@@ -62,29 +62,40 @@ def measure(
                 name = next(s for s in symbols if s == function or s.startswith(f"{function}."))
                 size = symbols[name].size
                 own[function.partition(".")[0]] = Footprint(size, int(stack), size)
-            own |= _whole(module.name, (folder / f"{module.name}.c").read_text(), own)
+            own |= _whole(module.name, (folder / f"{module.name}.c").read_text(), own, small)
             kernel = f"{module.name}: "  # robots have kernels of one name
             found |= {f"{kernel if name.startswith('wmrgen_') else ''}{name}": o for name, o in own.items()}
     return found
 
 
-def _whole(robot: str, source: str, found: Mapping[str, Footprint]) -> dict[str, Footprint]:
-    """The functions that call kernels, with the text of these and the stack of the deepest."""
-    whole: dict[str, Footprint] = {}
+# What a function does where least flash is asked for, and else.
+_WHERE_SMALL = re.compile(
+    r"^#if defined\(WMRGEN_SMALL\)\n(.*?)^#else\n(.*?)^#endif\n", re.MULTILINE | re.DOTALL
+)
+
+
+def _whole(robot: str, source: str, found: Mapping[str, Footprint], small: bool) -> dict[str, Footprint]:
+    """The functions that call others, with the text of these and the stack of the deepest."""
     calls: dict[str, set[str]] = {}
-    for text in source.split("\n}\n"):
+    for text in _WHERE_SMALL.sub(r"\1" if small else r"\2", source).split("\n}\n"):
         name = re.search(rf"^(?:void|WMRGEN_(?:KERNEL|ONCE) \w+) ((?:{robot}|wmrgen)_\w+)\(", text, re.M)
-        if name is None or name[1] not in found:
-            continue
-        own = found[name[1]]
-        inner = {k for k in re.findall(r"\b(wmrgen_\w+)\(", text) if k in found and k != name[1]}
-        every = inner.union(*(calls.get(k, set()) for k in inner))
-        calls[name[1]] = every
-        if every:
-            depth = max(whole.get(k, found[k]).stack for k in inner)
-            text_ = own.own + sum(found[k].own for k in every)
-            whole[name[1]] = Footprint(text_, own.stack + depth, own.own)
-    return whole
+        if name is not None and name[1] in found:
+            called = re.findall(rf"\b((?:{robot}|wmrgen)_\w+)\(", text)
+            calls[name[1]] = {k for k in called if k in found and k != name[1]}
+
+    def every(name: str) -> set[str]:
+        return calls.get(name, set()).union(*map(every, calls.get(name, ())))
+
+    def depth(name: str) -> int:
+        return found[name].stack + max(map(depth, calls.get(name, ())), default=0)
+
+    return {
+        name: Footprint(
+            found[name].own + sum(found[k].own for k in every(name)), depth(name), found[name].own
+        )
+        for name, inner in calls.items()
+        if inner
+    }
 
 
 def table() -> Iterator[str]:

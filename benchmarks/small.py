@@ -21,7 +21,7 @@ def table() -> Iterator[str]:
         return
     modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in JOBS)]
     usual, small = ([measure(modules, processor, small=way) for processor in there] for way in (False, True))
-    yield "The same with `-DWMRGEN_SMALL`; a function with the kernels it calls, which all functions of a robot share."
+    yield "The same with `-DWMRGEN_SMALL`; a function with what it calls, which all functions of a robot share."
     yield ""
     yield from rows(there, small)
     yield ""

@@ -238,6 +238,12 @@ def _arithmetic_notes(unit: Unit) -> list[str]:
             "The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several calls "
             "are called: the least flash, the same results to the bit; calls cost time and stack."
         )
+    taken = [f"{step.name}()" for step in unit.steps if step.small]
+    if taken:
+        notes.append(
+            f"With -DWMRGEN_SMALL {' and '.join(taken)} also call{'s' * (len(taken) == 1)} the function that gives the "
+            "same results and more, instead of computing them again."
+        )
     if Op.FMA in ops:
         notes.append(
             "Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf is one "

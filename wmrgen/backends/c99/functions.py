@@ -16,6 +16,7 @@ from wmrgen.interface import IN, OUT, Argument, arguments, members
 from wmrgen.ir.calls import called
 from wmrgen.ir.nodes import Cost, Function, Module, Op, Role, pruned
 
+_SHORT = 12  # statements: so few are repeated, not called
 _NOTE = 60  # characters of a comment behind a statement
 
 
@@ -91,7 +92,27 @@ def steps_of(
                 _parameter(argument, shared.get(argument.kind) or (own[-1] if own else None), scalar)
             )
         steps.append(_step(function, name, parameters, own, scalar, costs[function.name], kernels))
-    return tuple(steps)
+    by_name = {step.name: step for step in steps}
+    for variant in (f for f in module.functions if f.variant_of and f.outputs):
+        part, whole = (by_name.get(f"{module.name}_{name}") for name in (variant.variant_of, variant.name))
+        if part is not None and whole is not None and _computes(whole, part) and len(part.lines) > _SHORT:
+            by_name[part.name] = replace(part, small=_taken_from(whole, part))
+    return tuple(by_name.values())
+
+
+def _computes(whole: Step, part: Step) -> bool:
+    """Whether ``whole`` gives all that ``part`` gives, from the same inputs: to the bit, for one is a variant of the
+    other."""
+    return whole.inputs == part.inputs and part.outputs.items() <= whole.outputs.items()
+
+
+def _taken_from(whole: Step, part: Step) -> tuple[str, ...]:
+    """The statements of ``part`` that take its results from ``whole``, and leave the others."""
+    own = {p.name for p in part.parameters}
+    others = [p for p in whole.parameters if p.name not in own]
+    passed = ", ".join(f"{'' if p.name in own else '&'}{p.name}" for p in whole.parameters)
+    declared = (f"{p.type} {p.name};" for p in others)
+    return (*declared, "", f"{whole.name}({passed});", *(f"(void){p.name};" for p in others))
 
 
 def _own_struct(function: Function, name: str, kind: str, argument: Argument, scalar: str) -> Struct:

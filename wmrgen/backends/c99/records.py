@@ -50,7 +50,8 @@ def of(variable: str, member: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A C function, ready to print. ``structs``: those that are declared for it alone."""
+    """A C function, ready to print. ``structs``: those that are declared for it alone. ``small``: what stands in the
+    place of its ``lines`` where least flash is asked for."""
 
     name: str
     structs: tuple[Struct, ...]
@@ -58,6 +59,7 @@ class Step:
     lines: tuple[str, ...]
     parameters: tuple[Parameter, ...]
     ops: frozenset[Op] = frozenset()
+    small: tuple[str, ...] = ()
 
     @property
     def declared(self) -> list[str]:

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_c9e3a6ae22ef9e54)
+#if !defined(ACKERMANN_CAR_PAIR_763a6ff66c3e93fc)
 #error "ackermann_car.c and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -252,6 +252,12 @@ void ackermann_car_inverse_slip(
 
 void ackermann_car_forward(const ackermann_car_wheels *wheels, ackermann_car_twist *twist)
 {
+#if defined(WMRGEN_SMALL)
+    float slip;
+
+    ackermann_car_forward_slip(wheels, twist, &slip);
+    (void)slip;
+#else
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
     const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y)); /* front_right: row of H, omega */
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
@@ -278,6 +284,7 @@ void ackermann_car_forward(const ackermann_car_wheels *wheels, ackermann_car_twi
     twist->vx = fmaf(adj00, b0, adj02 * b2) * t5;
     twist->vy = t5 * p1;
     twist->omega = t5 * p2;
+#endif
 }
 
 void ackermann_car_forward_slip(

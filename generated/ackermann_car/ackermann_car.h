@@ -30,7 +30,7 @@
 
 #define ACKERMANN_CAR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define ACKERMANN_CAR_MODEL_HASH "e71c7cc8b5eea710bc4a4050c1906397" /**< digest of the model */
-#define ACKERMANN_CAR_PAIR_c9e3a6ae22ef9e54 1 /**< header and source that were written together have the same */
+#define ACKERMANN_CAR_PAIR_763a6ff66c3e93fc 1 /**< header and source that were written together have the same */
 #define ACKERMANN_CAR_WHEELS 4 /**< how many wheels the robot has */
 #define ACKERMANN_CAR_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define ACKERMANN_CAR_REAR_LEFT_Y 0.75f /**< [m] pivot, to the left of P */
@@ -146,6 +146,8 @@ void ackermann_car_odometry(ackermann_car_pose *pose, const ackermann_car_twist 
  * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * With -DWMRGEN_SMALL ackermann_car_forward() also calls the function that gives the same results
+ * and more, instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *

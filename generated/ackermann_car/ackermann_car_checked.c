@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_c9e3a6ae22ef9e54)
+#if !defined(ACKERMANN_CAR_PAIR_763a6ff66c3e93fc)
 #error "ackermann_car_checked.c and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_c9e3a6ae22ef9e54)
+#if !defined(ACKERMANN_CAR_PAIR_763a6ff66c3e93fc)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

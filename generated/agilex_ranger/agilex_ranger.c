@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_be64377d28ec30da)
+#if !defined(AGILEX_RANGER_PAIR_7440376ff210248e)
 #error "agilex_ranger.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -314,6 +314,12 @@ void agilex_ranger_inverse_slip(
 
 void agilex_ranger_forward(const agilex_ranger_wheels *wheels, agilex_ranger_twist *twist)
 {
+#if defined(WMRGEN_SMALL)
+    float slip;
+
+    agilex_ranger_forward_slip(wheels, twist, &slip);
+    (void)slip;
+#else
     const wmrgen_vector front_right = wmrgen_vector_at(wheels->front_right.spin, wheels->front_right.steer);
     const wmrgen_vector rear_right = wmrgen_vector_at(wheels->rear_right.spin, wheels->rear_right.steer);
     const float t0 = front_right.x + rear_right.x;
@@ -327,6 +333,7 @@ void agilex_ranger_forward(const agilex_ranger_wheels *wheels, agilex_ranger_twi
     twist->vx = 0.03f * (t0 + t1);
     twist->vy = 0.03f * (t2 + t3);
     twist->omega = omega_fit;
+#endif
 }
 
 void agilex_ranger_forward_slip(

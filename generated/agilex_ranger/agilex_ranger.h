@@ -30,7 +30,7 @@
 
 #define AGILEX_RANGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define AGILEX_RANGER_MODEL_HASH "4d3b277812447cee114c4d6c507ad362" /**< digest of the model */
-#define AGILEX_RANGER_PAIR_be64377d28ec30da 1 /**< header and source that were written together have the same */
+#define AGILEX_RANGER_PAIR_7440376ff210248e 1 /**< header and source that were written together have the same */
 #define AGILEX_RANGER_WHEELS 4 /**< how many wheels the robot has */
 #define AGILEX_RANGER_FRONT_LEFT_X 0.45f /**< [m] pivot, forward of P */
 #define AGILEX_RANGER_FRONT_LEFT_Y 0.28f /**< [m] pivot, to the left of P */
@@ -169,6 +169,8 @@ void agilex_ranger_odometry(agilex_ranger_pose *pose, const agilex_ranger_twist 
  * 2.36 * 2**-24 of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * With -DWMRGEN_SMALL agilex_ranger_forward() also calls the function that gives the same results
+ * and more, instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *

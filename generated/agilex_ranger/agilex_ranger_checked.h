@@ -21,7 +21,7 @@
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_be64377d28ec30da)
+#if !defined(AGILEX_RANGER_PAIR_7440376ff210248e)
 #error "agilex_ranger_checked.h and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_b8205fe63087afb9)
+#if !defined(BICYCLE_PAIR_e9726ad8e6bb9ec2)
 #error "bicycle.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -263,6 +263,12 @@ void bicycle_inverse_slip(const bicycle_twist *twist, const bicycle_wheels *whee
 
 void bicycle_forward(const bicycle_wheels *wheels, bicycle_twist *twist)
 {
+#if defined(WMRGEN_SMALL)
+    float slip;
+
+    bicycle_forward_slip(wheels, twist, &slip);
+    (void)slip;
+#else
     const wmrgen_vector front = wmrgen_direction(wheels->front.steer);
     const float t0 = front.y * front.x;
     const float t1 = t0 * t0;
@@ -303,6 +309,7 @@ void bicycle_forward(const bicycle_wheels *wheels, bicycle_twist *twist)
     twist->vx = t16;
     twist->vy = t19;
     twist->omega = t23;
+#endif
 }
 
 void bicycle_forward_slip(const bicycle_wheels *wheels, bicycle_twist *twist, float *slip)

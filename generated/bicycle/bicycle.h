@@ -28,7 +28,7 @@
 
 #define BICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define BICYCLE_MODEL_HASH "03773b958b5268e058aa1999fe799b01" /**< digest of the model */
-#define BICYCLE_PAIR_b8205fe63087afb9 1 /**< header and source that were written together have the same */
+#define BICYCLE_PAIR_e9726ad8e6bb9ec2 1 /**< header and source that were written together have the same */
 #define BICYCLE_WHEELS 2 /**< how many wheels the robot has */
 #define BICYCLE_REAR_X 0.0f /**< [m] pivot, forward of P */
 #define BICYCLE_REAR_Y 0.0f /**< [m] pivot, to the left of P */
@@ -125,6 +125,8 @@ void bicycle_odometry(bicycle_pose *pose, const bicycle_twist *twist, float dt);
  * 2.36 * 2**-24 of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * With -DWMRGEN_SMALL bicycle_forward() also calls the function that gives the same results and
+ * more, instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *

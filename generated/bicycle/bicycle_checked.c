@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(BICYCLE_PAIR_b8205fe63087afb9)
+#if !defined(BICYCLE_PAIR_e9726ad8e6bb9ec2)
 #error "bicycle_checked.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_b8205fe63087afb9)
+#if !defined(BICYCLE_PAIR_e9726ad8e6bb9ec2)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

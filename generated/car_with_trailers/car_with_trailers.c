@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_d079d898e2e10df8)
+#if !defined(CAR_WITH_TRAILERS_PAIR_f508ae882fbfcf22)
 #error "car_with_trailers.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -248,6 +248,12 @@ void car_with_trailers_forward(
     const car_with_trailers_wheels *wheels,
     car_with_trailers_twist *twist)
 {
+#if defined(WMRGEN_SMALL)
+    float slip;
+
+    car_with_trailers_forward_slip(wheels, twist, &slip);
+    (void)slip;
+#else
     const wmrgen_vector front_right = wmrgen_vector_at(1.0f, wheels->front_right.steer);
     const float front_right_rw = fmaf(1.4f, front_right.x, -(0.4f * front_right.y)); /* front_right: row of H, omega */
     const wmrgen_vector front_left = wmrgen_vector_at(1.0f, wheels->front_left.steer);
@@ -274,6 +280,7 @@ void car_with_trailers_forward(
     twist->vx = fmaf(adj00, b0, adj02 * b2) * t5;
     twist->vy = t5 * p1;
     twist->omega = t5 * p2;
+#endif
 }
 
 void car_with_trailers_forward_slip(

@@ -30,7 +30,7 @@
 
 #define CAR_WITH_TRAILERS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CAR_WITH_TRAILERS_MODEL_HASH "ec44b0e710ab269918e4e8403985d688" /**< digest of the model */
-#define CAR_WITH_TRAILERS_PAIR_d079d898e2e10df8 1 /**< header and source that were written together have the same */
+#define CAR_WITH_TRAILERS_PAIR_f508ae882fbfcf22 1 /**< header and source that were written together have the same */
 #define CAR_WITH_TRAILERS_WHEELS 4 /**< how many wheels the robot has */
 #define CAR_WITH_TRAILERS_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define CAR_WITH_TRAILERS_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */
@@ -219,6 +219,8 @@ void car_with_trailers_trailer(
  * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * With -DWMRGEN_SMALL car_with_trailers_forward() also calls the function that gives the same
+ * results and more, instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_d079d898e2e10df8)
+#if !defined(CAR_WITH_TRAILERS_PAIR_f508ae882fbfcf22)
 #error "car_with_trailers_checked.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

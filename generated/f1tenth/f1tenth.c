@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_d90417500518b349)
+#if !defined(F1TENTH_PAIR_81c31485123eb19e)
 #error "f1tenth.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -230,6 +230,12 @@ void f1tenth_inverse_slip(const f1tenth_twist *twist, const f1tenth_wheels *whee
 
 void f1tenth_forward(const f1tenth_wheels *wheels, f1tenth_twist *twist)
 {
+#if defined(WMRGEN_SMALL)
+    float slip;
+
+    f1tenth_forward_slip(wheels, twist, &slip);
+    (void)slip;
+#else
     const wmrgen_vector front = wmrgen_direction(wheels->front.steer);
     const float t0 = front.x * front.x;
     const float n22 = fmaf(0.025201563f, t0, 0.029395102f); /* HtH[2][2] */
@@ -274,6 +280,7 @@ void f1tenth_forward(const f1tenth_wheels *wheels, f1tenth_twist *twist)
     twist->vx = t14;
     twist->vy = t18;
     twist->omega = t22;
+#endif
 }
 
 void f1tenth_forward_slip(const f1tenth_wheels *wheels, f1tenth_twist *twist, float *slip)

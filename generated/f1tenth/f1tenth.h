@@ -28,7 +28,7 @@
 
 #define F1TENTH_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define F1TENTH_MODEL_HASH "f4c5bfa90723a62de70be17234a270f0" /**< digest of the model */
-#define F1TENTH_PAIR_d90417500518b349 1 /**< header and source that were written together have the same */
+#define F1TENTH_PAIR_81c31485123eb19e 1 /**< header and source that were written together have the same */
 #define F1TENTH_WHEELS 2 /**< how many wheels the robot has */
 #define F1TENTH_FRONT_X 0.15875f /**< [m] pivot, forward of P */
 #define F1TENTH_FRONT_Y 0.0f /**< [m] pivot, to the left of P */
@@ -143,6 +143,8 @@ void f1tenth_steer_toward(
  * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * With -DWMRGEN_SMALL f1tenth_forward() also calls the function that gives the same results and
+ * more, instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *

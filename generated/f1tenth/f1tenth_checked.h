@@ -21,7 +21,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_d90417500518b349)
+#if !defined(F1TENTH_PAIR_81c31485123eb19e)
 #error "f1tenth_checked.h and f1tenth.h were not generated together: copy both"
 #endif
 

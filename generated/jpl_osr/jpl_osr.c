@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(JPL_OSR_PAIR_042e6d68728c0fd2)
+#if !defined(JPL_OSR_PAIR_ba3905540c83fc91)
 #error "jpl_osr.c and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -255,6 +255,12 @@ void jpl_osr_inverse_slip(const jpl_osr_twist *twist, const jpl_osr_wheels *whee
 
 void jpl_osr_forward(const jpl_osr_wheels *wheels, jpl_osr_twist *twist)
 {
+#if defined(WMRGEN_SMALL)
+    float slip;
+
+    jpl_osr_forward_slip(wheels, twist, &slip);
+    (void)slip;
+#else
     const wmrgen_vector right_front = wmrgen_vector_at(wheels->right_front.spin, wheels->right_front.steer);
     const wmrgen_vector right_back = wmrgen_vector_at(wheels->right_back.spin, wheels->right_back.steer);
     const float t0 = right_front.x + right_back.x;
@@ -272,6 +278,7 @@ void jpl_osr_forward(const jpl_osr_wheels *wheels, jpl_osr_twist *twist)
     twist->vx = 0.0125f * (t0 + (t1 + t2));
     twist->vy = vy_fit;
     twist->omega = omega_fit;
+#endif
 }
 
 void jpl_osr_forward_slip(const jpl_osr_wheels *wheels, jpl_osr_twist *twist, float *slip)

@@ -32,7 +32,7 @@
 
 #define JPL_OSR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define JPL_OSR_MODEL_HASH "40e334007bd428462edfd9b3cb692726" /**< digest of the model */
-#define JPL_OSR_PAIR_042e6d68728c0fd2 1 /**< header and source that were written together have the same */
+#define JPL_OSR_PAIR_ba3905540c83fc91 1 /**< header and source that were written together have the same */
 #define JPL_OSR_WHEELS 6 /**< how many wheels the robot has */
 #define JPL_OSR_LEFT_FRONT_X 0.274f /**< [m] pivot, forward of P */
 #define JPL_OSR_LEFT_FRONT_Y 0.177f /**< [m] pivot, to the left of P */
@@ -155,6 +155,8 @@ void jpl_osr_odometry(jpl_osr_pose *pose, const jpl_osr_twist *twist, float dt);
  * 2.36 * 2**-24 of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * With -DWMRGEN_SMALL jpl_osr_forward() also calls the function that gives the same results and
+ * more, instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  */

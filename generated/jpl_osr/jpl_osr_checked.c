@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(JPL_OSR_PAIR_042e6d68728c0fd2)
+#if !defined(JPL_OSR_PAIR_ba3905540c83fc91)
 #error "jpl_osr_checked.c and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_042e6d68728c0fd2)
+#if !defined(JPL_OSR_PAIR_ba3905540c83fc91)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 

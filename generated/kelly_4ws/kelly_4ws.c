@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_04057234af4ac70e)
+#if !defined(KELLY_4WS_PAIR_018e5c5d99c6d8b2)
 #error "kelly_4ws.c and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -265,6 +265,12 @@ void kelly_4ws_inverse_slip(
 
 void kelly_4ws_forward(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist)
 {
+#if defined(WMRGEN_SMALL)
+    float slip;
+
+    kelly_4ws_forward_slip(wheels, twist, &slip);
+    (void)slip;
+#else
     const float t0 = fmaf(0.07f, wheels->w1.steer_rate, 0.1f * wheels->w1.spin);
     const float t1 = fmaf(0.1f, wheels->w2.spin, -(0.07f * wheels->w2.steer_rate));
     const wmrgen_vector w2 = wmrgen_direction(wheels->w2.steer);
@@ -299,6 +305,7 @@ void kelly_4ws_forward(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist)
     twist->vx = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
     twist->vy = 0.25f * fmaf(t14, omega_fit, sum_wy);
     twist->omega = omega_fit;
+#endif
 }
 
 void kelly_4ws_forward_slip(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist, float *slip)

@@ -30,7 +30,7 @@
 
 #define KELLY_4WS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KELLY_4WS_MODEL_HASH "6efacfb7c15bf42b1196834d808ff450" /**< digest of the model */
-#define KELLY_4WS_PAIR_04057234af4ac70e 1 /**< header and source that were written together have the same */
+#define KELLY_4WS_PAIR_018e5c5d99c6d8b2 1 /**< header and source that were written together have the same */
 #define KELLY_4WS_WHEELS 4 /**< how many wheels the robot has */
 #define KELLY_4WS_W1_X 0.5f /**< [m] pivot, forward of P */
 #define KELLY_4WS_W1_Y 0.3f /**< [m] pivot, to the left of P */
@@ -158,6 +158,8 @@ void kelly_4ws_odometry(kelly_4ws_pose *pose, const kelly_4ws_twist *twist, floa
  * 2.36 * 2**-24 of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * With -DWMRGEN_SMALL kelly_4ws_forward() also calls the function that gives the same results and
+ * more, instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(KELLY_4WS_PAIR_04057234af4ac70e)
+#if !defined(KELLY_4WS_PAIR_018e5c5d99c6d8b2)
 #error "kelly_4ws_checked.c and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_0e0f44dd066210b9)
+#if !defined(NEOBOTIX_MPO_700_PAIR_490d85499b15e7b9)
 #error "neobotix_mpo_700.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -265,6 +265,12 @@ void neobotix_mpo_700_inverse_slip(
 
 void neobotix_mpo_700_forward(const neobotix_mpo_700_wheels *wheels, neobotix_mpo_700_twist *twist)
 {
+#if defined(WMRGEN_SMALL)
+    float slip;
+
+    neobotix_mpo_700_forward_slip(wheels, twist, &slip);
+    (void)slip;
+#else
     const float t0 = fmaf(0.045f, wheels->front_left.steer_rate, 0.09f * wheels->front_left.spin);
     const float t1 = fmaf(0.09f, wheels->front_right.spin, -(0.045f * wheels->front_right.steer_rate));
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
@@ -299,6 +305,7 @@ void neobotix_mpo_700_forward(const neobotix_mpo_700_wheels *wheels, neobotix_mp
     twist->vx = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
     twist->vy = 0.25f * fmaf(t15, omega_fit, sum_wy);
     twist->omega = omega_fit;
+#endif
 }
 
 void neobotix_mpo_700_forward_slip(

@@ -30,7 +30,7 @@
 
 #define NEOBOTIX_MPO_700_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEOBOTIX_MPO_700_MODEL_HASH "4a9b7dc4b538f3529a4300a1dea85e56" /**< digest of the model */
-#define NEOBOTIX_MPO_700_PAIR_0e0f44dd066210b9 1 /**< header and source that were written together have the same */
+#define NEOBOTIX_MPO_700_PAIR_490d85499b15e7b9 1 /**< header and source that were written together have the same */
 #define NEOBOTIX_MPO_700_WHEELS 4 /**< how many wheels the robot has */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_X 0.24f /**< [m] pivot, forward of P */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_Y 0.19f /**< [m] pivot, to the left of P */
@@ -164,6 +164,8 @@ void neobotix_mpo_700_odometry(
  * 2.36 * 2**-24 of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * With -DWMRGEN_SMALL neobotix_mpo_700_forward() also calls the function that gives the same
+ * results and more, instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  */

@@ -21,7 +21,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_0e0f44dd066210b9)
+#if !defined(NEOBOTIX_MPO_700_PAIR_490d85499b15e7b9)
 #error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_1505ef97d7b17a61)
+#if !defined(NOMAD_XR4000_PAIR_f5758940fca94e64)
 #error "nomad_xr4000.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -204,6 +204,12 @@ void nomad_xr4000_inverse_slip(
 
 void nomad_xr4000_forward(const nomad_xr4000_wheels *wheels, nomad_xr4000_twist *twist)
 {
+#if defined(WMRGEN_SMALL)
+    float slip;
+
+    nomad_xr4000_forward_slip(wheels, twist, &slip);
+    (void)slip;
+#else
     const wmrgen_vector castor3 = wmrgen_direction(wheels->castor3.steer);
     const float t0 = 2.75f * wheels->castor3.spin;
     const float castor3_wy = fmaf(castor3.x, wheels->castor3.steer_rate, castor3.y * t0); /* castor3: its velocity, y */
@@ -243,6 +249,7 @@ void nomad_xr4000_forward(const nomad_xr4000_wheels *wheels, nomad_xr4000_twist 
     twist->vx = 0.005f * fmaf(t17, omega_fit, sum_wx);
     twist->vy = 0.005f * fmaf(t12, omega_fit, sum_wy);
     twist->omega = omega_fit;
+#endif
 }
 
 void nomad_xr4000_forward_slip(

@@ -31,7 +31,7 @@
 
 #define NOMAD_XR4000_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NOMAD_XR4000_MODEL_HASH "57ee14aec636fbb54dc0abe834a24191" /**< digest of the model */
-#define NOMAD_XR4000_PAIR_1505ef97d7b17a61 1 /**< header and source that were written together have the same */
+#define NOMAD_XR4000_PAIR_f5758940fca94e64 1 /**< header and source that were written together have the same */
 #define NOMAD_XR4000_WHEELS 4 /**< how many wheels the robot has */
 #define NOMAD_XR4000_CASTOR1_X 0.2f /**< [m] pivot, forward of P */
 #define NOMAD_XR4000_CASTOR1_Y 0.2f /**< [m] pivot, to the left of P */
@@ -166,6 +166,8 @@ void nomad_xr4000_odometry(nomad_xr4000_pose *pose, const nomad_xr4000_twist *tw
  * 2.36 * 2**-24 of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * With -DWMRGEN_SMALL nomad_xr4000_forward() also calls the function that gives the same results
+ * and more, instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *

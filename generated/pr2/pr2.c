@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_ed0c7995a2ca0cb2)
+#if !defined(PR2_PAIR_8cbcd74ef52c71bb)
 #error "pr2.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -270,6 +270,12 @@ void pr2_inverse_slip(const pr2_twist *twist, const pr2_wheels *wheels, float *s
 
 void pr2_forward(const pr2_wheels *wheels, pr2_twist *twist)
 {
+#if defined(WMRGEN_SMALL)
+    float slip;
+
+    pr2_forward_slip(wheels, twist, &slip);
+    (void)slip;
+#else
     const wmrgen_vector br_l = wmrgen_direction(wheels->br_l.steer);
     const wmrgen_vector br_r = wmrgen_direction(wheels->br_r.steer);
     const wmrgen_vector bl_l = wmrgen_direction(wheels->bl_l.steer);
@@ -319,6 +325,7 @@ void pr2_forward(const pr2_wheels *wheels, pr2_twist *twist)
     twist->vx = 0.125f * fmaf(sum_fy, omega_fit, sum_wx);
     twist->vy = 0.125f * fmaf(t2, omega_fit, sum_wy);
     twist->omega = omega_fit;
+#endif
 }
 
 void pr2_forward_slip(const pr2_wheels *wheels, pr2_twist *twist, float *slip)

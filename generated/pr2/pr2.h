@@ -34,7 +34,7 @@
 
 #define PR2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PR2_MODEL_HASH "152e094a26792ae03f0841022c1db214" /**< digest of the model */
-#define PR2_PAIR_ed0c7995a2ca0cb2 1 /**< header and source that were written together have the same */
+#define PR2_PAIR_8cbcd74ef52c71bb 1 /**< header and source that were written together have the same */
 #define PR2_WHEELS 8 /**< how many wheels the robot has */
 #define PR2_FL_L_X 0.2246f /**< [m] pivot, forward of P */
 #define PR2_FL_L_Y 0.2246f /**< [m] pivot, to the left of P */
@@ -200,6 +200,8 @@ void pr2_odometry(pr2_pose *pose, const pr2_twist *twist, float dt);
  * 2.36 * 2**-24 of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * With -DWMRGEN_SMALL pr2_forward() also calls the function that gives the same results and more,
+ * instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PR2_PAIR_ed0c7995a2ca0cb2)
+#if !defined(PR2_PAIR_8cbcd74ef52c71bb)
 #error "pr2_checked.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

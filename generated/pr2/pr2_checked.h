@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_ed0c7995a2ca0cb2)
+#if !defined(PR2_PAIR_8cbcd74ef52c71bb)
 #error "pr2_checked.h and pr2.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_c346ad402791ae13)
+#if !defined(TIDYBOT2_PAIR_6abdc9f1722b6d01)
 #error "tidybot2.c and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -201,6 +201,12 @@ void tidybot2_inverse_slip(const tidybot2_twist *twist, const tidybot2_wheels *w
 
 void tidybot2_forward(const tidybot2_wheels *wheels, tidybot2_twist *twist)
 {
+#if defined(WMRGEN_SMALL)
+    float slip;
+
+    tidybot2_forward_slip(wheels, twist, &slip);
+    (void)slip;
+#else
     const wmrgen_vector caster_1 = wmrgen_direction(wheels->caster_1.steer);
     const float t0 = wheels->caster_1.steer_rate * caster_1.y;
     const float t1 = caster_1.x * wheels->caster_1.steer_rate;
@@ -252,6 +258,7 @@ void tidybot2_forward(const tidybot2_wheels *wheels, tidybot2_twist *twist)
     twist->vx = 0.003502f * fmaf(sum_fy, omega_fit, sum_wx);
     twist->vy = 0.003502f * fmaf(t23, omega_fit, sum_wy);
     twist->omega = omega_fit;
+#endif
 }
 
 void tidybot2_forward_slip(const tidybot2_wheels *wheels, tidybot2_twist *twist, float *slip)

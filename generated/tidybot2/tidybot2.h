@@ -35,7 +35,7 @@
 
 #define TIDYBOT2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TIDYBOT2_MODEL_HASH "f2a7e6f57aeb4c62d07a59cf9d7ca12a" /**< digest of the model */
-#define TIDYBOT2_PAIR_c346ad402791ae13 1 /**< header and source that were written together have the same */
+#define TIDYBOT2_PAIR_6abdc9f1722b6d01 1 /**< header and source that were written together have the same */
 #define TIDYBOT2_WHEELS 4 /**< how many wheels the robot has */
 #define TIDYBOT2_CASTER_1_X 0.19015f /**< [m] pivot, forward of P */
 #define TIDYBOT2_CASTER_1_Y (-0.17015f) /**< [m] pivot, to the left of P */
@@ -158,6 +158,8 @@ void tidybot2_odometry(tidybot2_pose *pose, const tidybot2_twist *twist, float d
  * 2.36 * 2**-24 of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * With -DWMRGEN_SMALL tidybot2_forward() also calls the function that gives the same results and
+ * more, instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  */

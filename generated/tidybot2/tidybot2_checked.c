@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TIDYBOT2_PAIR_c346ad402791ae13)
+#if !defined(TIDYBOT2_PAIR_6abdc9f1722b6d01)
 #error "tidybot2_checked.c and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_c346ad402791ae13)
+#if !defined(TIDYBOT2_PAIR_6abdc9f1722b6d01)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 

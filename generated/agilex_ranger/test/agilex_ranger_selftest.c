@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(AGILEX_RANGER_PAIR_be64377d28ec30da)
+#if !defined(AGILEX_RANGER_PAIR_7440376ff210248e)
 #error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
 #endif
 

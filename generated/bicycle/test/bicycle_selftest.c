@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(BICYCLE_PAIR_b8205fe63087afb9)
+#if !defined(BICYCLE_PAIR_e9726ad8e6bb9ec2)
 #error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_d079d898e2e10df8)
+#if !defined(CAR_WITH_TRAILERS_PAIR_f508ae882fbfcf22)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

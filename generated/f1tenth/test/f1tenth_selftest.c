@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_d90417500518b349)
+#if !defined(F1TENTH_PAIR_81c31485123eb19e)
 #error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(JPL_OSR_PAIR_042e6d68728c0fd2)
+#if !defined(JPL_OSR_PAIR_ba3905540c83fc91)
 #error "jpl_osr_selftest.c and jpl_osr.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KELLY_4WS_PAIR_04057234af4ac70e)
+#if !defined(KELLY_4WS_PAIR_018e5c5d99c6d8b2)
 #error "kelly_4ws_selftest.c and kelly_4ws.h were not generated together: copy both"
 #endif
 

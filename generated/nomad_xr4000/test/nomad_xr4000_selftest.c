@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NOMAD_XR4000_PAIR_1505ef97d7b17a61)
+#if !defined(NOMAD_XR4000_PAIR_f5758940fca94e64)
 #error "nomad_xr4000_selftest.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 

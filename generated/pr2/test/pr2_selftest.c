@@ -23,7 +23,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PR2_PAIR_ed0c7995a2ca0cb2)
+#if !defined(PR2_PAIR_8cbcd74ef52c71bb)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 

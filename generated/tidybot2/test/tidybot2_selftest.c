@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TIDYBOT2_PAIR_c346ad402791ae13)
+#if !defined(TIDYBOT2_PAIR_6abdc9f1722b6d01)
 #error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 

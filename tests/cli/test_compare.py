@@ -83,6 +83,7 @@ def test_equal_files(wmrgen_cli: Cli, tmp_path: Path) -> None:
         (["robot.yaml", "bad.yaml"], "no number"),
         (["robot.yaml", "robot.xml"], "robot.xml"),
         (["robot.yaml", "header.h"], "no header of wmrgen"),
+        (["robot.yaml", "many.h"], "more than 64 wheels"),
     ],
 )
 def test_bad_files(wmrgen_cli: Cli, tmp_path: Path, parameters: Path, files: list[str], said: str) -> None:
@@ -91,6 +92,8 @@ def test_bad_files(wmrgen_cli: Cli, tmp_path: Path, parameters: Path, files: lis
     (tmp_path / "bad.yaml").write_text("drive: {wheel_radius: ten}\n")
     (tmp_path / "robot.xml").write_text("<robot><link/>")
     (tmp_path / "header.h").write_text("#define MINE_WHEELS 2\n")
+    many = "".join(f" *   w{k}: fixed, x 0 m, y {k} m\n" for k in range(65))
+    (tmp_path / "many.h").write_text(f"{many}\n#define MINE_WHEELS 65\n")
     for options in ([], ["--json"]):
         done = wmrgen_cli("compare", *(tmp_path / name for name in files), *options)
         assert done.code == 2

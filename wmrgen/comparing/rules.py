@@ -72,7 +72,8 @@ _between(
     "WMR044",
     "another place of a wheel, or of the origin",
     """A wheel stands elsewhere than track and wheelbase alone would move it: wheels have changed their names, a joint
-    is given from another frame, or the two files have different origins.""",
+    is given from another frame, or the two files have different origins. Or a controller takes a joint for one on the
+    other side: then the robot turns the wrong way.""",
     PAIR,
     "wheels:\n  - {name: left,  type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}\n"
     "  - {name: right, type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}",

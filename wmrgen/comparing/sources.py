@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 
 import wmrgen
@@ -27,7 +28,7 @@ _WHEEL = re.compile(
 _VALUE = re.compile(rf" (x|y|heading|r|d|offset_y|gamma) (-?{NUMBER}) (m|deg)\b")
 _MACRO = re.compile(rf"^#define (\w+)_(X|Y|RADIUS) \(?(-?{NUMBER})f?\)?(?= |$)", re.MULTILINE)
 _KEYS = {"X": "x", "Y": "y", "RADIUS": "r"}
-_LARGEST = 8 * 1024 * 1024  # of a header
+_LARGEST, _MOST = 8 * 1024 * 1024, 64  # bytes; wheels
 
 
 def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
@@ -70,7 +71,7 @@ def of_header(text: str, source: str) -> Layout:
     lines = Source.of(text, source)
     macros = {m[1] + m[2]: m for m in _MACRO.finditer(text)}
     sides = []
-    for match in _WHEEL.finditer(text[: prefix.start() if prefix else 0]):
+    for match in islice(_WHEEL.finditer(text[: prefix.start() if prefix else 0]), _MOST + 1):
         name, kind, rest = match[1], match[2], match[3].replace("\n *  ", "")
         mark = lines.mark_at(text, match.start(1))
         told = {
@@ -102,21 +103,34 @@ def layouts(
 ) -> list[Layout]:
     """What a file describes: one layout of a robot file or header; that of a description and, after it, those of its
     drive plugins; those of a parameter file. RobotFileError as `wmrgen.load` for a file that is none of these."""
+    result = list(_layouts(path, arguments, packages, base))
+    if any(len(layout.wheels) > _MOST for layout in result):
+        raise RobotFileError(f"{printable(str(path))}: more than {_MOST} wheels")
+    return result
+
+
+def _layouts(
+    path: Path, arguments: Sequence[str], packages: Sequence[str], base: str | None
+) -> Iterator[Layout]:
     name = printable(str(path))
     try:
         start = read_at_most(path, _LARGEST)
     except (OSError, ValueError):
         start = b""  # of which `read` says why
-    if start.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+    text = start.decode("utf-8", "replace").lstrip("\ufeff \t\r\n")
+    controllers: Sequence[Controller] = ()
+    if text.startswith("<"):
         description = description_of(path, arguments, packages)
-        names = frozenset(joint.name for joint in description.joints)
-        result = [of_import(import_wheels(description, base), names, name)]
-        return result + [of_controller(c, name) for c in description.controllers]
-    text = start.decode("utf-8", "replace")
-    if _HEADER.search(text):
-        return [of_header(text, name)]
-    if text and not re.search(r"^\s*['\"]?wmrgen['\"]?\s*:", text, re.MULTILINE):
-        given = dict(word.split(":=", 1) for word in arguments if ":=" in word)
-        if controllers := read_controllers(path, given):
-            return [of_controller(c, name) for c in controllers]
-    return [of_robot(*wmrgen.read(path), name)]
+        joints = frozenset(joint.name for joint in description.joints)
+        yield of_import(import_wheels(description, base), joints, name)
+        controllers = description.controllers
+    elif _HEADER.search(text):
+        yield of_header(text, name)
+    else:
+        if text and not re.search(r"^\s*['\"]?wmrgen['\"]?\s*:", text, re.MULTILINE):
+            controllers = read_controllers(
+                path, dict(word.split(":=", 1) for word in arguments if ":=" in word)
+            )
+        if not controllers:
+            yield of_robot(*wmrgen.read(path), name)
+    yield from (of_controller(c, name) for c in controllers)

@@ -93,7 +93,7 @@ def test_bad_files(wmrgen_cli: Cli, tmp_path: Path, parameters: Path, files: lis
     (tmp_path / "robot.xml").write_text("<robot><link/>")
     (tmp_path / "header.h").write_text("#define MINE_WHEELS 2\n")
     many = "".join(f" *   w{k}: fixed, x 0 m, y {k} m\n" for k in range(65))
-    (tmp_path / "many.h").write_text(f"{many}\n#define MINE_WHEELS 65\n")
+    (tmp_path / "many.h").write_text(f"/**\n{many}\n#define MINE_WHEELS 65\n")
     for options in ([], ["--json"]):
         done = wmrgen_cli("compare", *(tmp_path / name for name in files), *options)
         assert done.code == 2

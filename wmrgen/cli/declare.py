@@ -60,7 +60,6 @@ app = typer.Typer(
     """,
     epilog="Exit codes: 0 ok, 1 stale output or findings, 2 bad robot file or usage, 3 not derivable, 4 environment.",
     no_args_is_help=True,
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -116,9 +115,12 @@ def _verb(
 # ---- arguments and options that several commands have
 
 
-def argument(metavar: str, text: str | None = None) -> Any:
+Completion = Callable[[str], Sequence[str]]  # the beginning of a word -> the words that begin so
+
+
+def argument(metavar: str, text: str | None = None, completion: Completion | None = None) -> Any:
     """A positional argument; help shows no default."""
-    return typer.Argument(metavar=metavar, help=text, show_default=False)
+    return typer.Argument(metavar=metavar, help=text, show_default=False, autocompletion=completion)
 
 
 def words(text: str) -> Any:
@@ -131,9 +133,17 @@ def option(text: str, metavar: str | None = None) -> Any:
     return typer.Option(metavar=metavar, help=text, show_default=False)
 
 
+def robot_files(incomplete: str) -> list[str]:
+    """YAML files, and folders, whose paths begin so."""
+    folder = Path(incomplete) if incomplete.endswith("/") else Path(incomplete).parent
+    paths = sorted(folder.iterdir()) if folder.is_dir() else []
+    shown = [f"{p}/" if p.is_dir() else str(p) for p in paths if p.is_dir() or p.suffix in (".yaml", ".yml")]
+    return [path for path in shown if path.startswith(incomplete)]
+
+
 Words = list[str] | None
-Robot = Annotated[Path, argument("ROBOT.yaml")]
-Robots = Annotated[list[Path], argument("ROBOT.yaml...", "Robot files.")]
+Robot = Annotated[Path, argument("ROBOT.yaml", completion=robot_files)]
+Robots = Annotated[list[Path], argument("ROBOT.yaml...", "Robot files.", robot_files)]
 Out = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where the robots' folders stand.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Scalar = Literal["float", "double"]

@@ -89,7 +89,13 @@ def _section(section: Section, fields: Iterable[Field] | None = None) -> Schema:
 
 
 def _property(field: Field) -> Schema:
-    return {**_value(field.value), "description": field.meaning}
+    """A key's value with its meaning, which stands at alternatives too: editors show that of the one that fits."""
+    schema, said = _value(field.value), {"description": field.meaning}
+    if isinstance(field.value, Amount | Interval) and field.value.kind is not Kind.ANY:
+        said["description"] += f" [{SI[field.value.kind]}]"
+    if "anyOf" in schema:
+        schema["anyOf"] = [{**alternative, **said} for alternative in schema["anyOf"]]
+    return {**schema, **said}
 
 
 def _value(value: Value) -> Schema:
@@ -151,7 +157,7 @@ def _wheel(kind: WheelType) -> Schema:
     """One wheel type: the keys that it takes, its joints and their limits."""
     schema = _section(WHEEL, (f for f in WHEEL.fields if takes(kind, f.key)))
     properties = schema["properties"]
-    properties["type"] = {"const": kind.name}
+    properties["type"] = {"const": kind.name, "description": kind.meaning}
     for key in ("actuated", "sensed"):
         properties[key]["items"] = {"enum": list(kind.joints)}
     for key, section in (("limits", LIMITS), ("noise", NOISE), ("encoder", ENCODER)):

@@ -11,12 +11,20 @@ from wmrgen.cli.declare import Json, Math, Robot, Scalar, Target, Words, argumen
 verb = group("Compute")
 
 
+def _functions(incomplete: str) -> list[str]:
+    from wmrgen.functions.registry import names
+
+    return [name for name in names() if name.startswith(incomplete)]
+
+
 @verb("evaluate", "Compute a function of a robot's model.", "eval")
 def evaluate(
     robot: Robot,
     function: Annotated[
         str,
-        argument("FUNCTION", "inverse, forward, motion, goto_pose and others; an unknown word lists them."),
+        argument(
+            "FUNCTION", "One that `wmrgen functions` lists: inverse, forward, motion, goto_pose.", _functions
+        ),
     ],
     values: Annotated[Words, words("Inputs in SI units: 0.5, 1/3, pi/2, '45 deg/s'.")] = None,
     backend: Annotated[

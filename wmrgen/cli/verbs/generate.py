@@ -7,7 +7,19 @@ from typing import Annotated, Literal
 
 import typer
 
-from wmrgen.cli.declare import Json, Math, Out, Robot, Robots, Scalar, Target, argument, group, option
+from wmrgen.cli.declare import (
+    Json,
+    Math,
+    Out,
+    Robot,
+    Robots,
+    Scalar,
+    Target,
+    argument,
+    group,
+    option,
+    robot_files,
+)
 
 verb = group("Generate")
 
@@ -39,7 +51,9 @@ def derive(
 
 @verb("generate", "Say which generated files are out of date.")
 def check(
-    robots: Annotated[list[Path] | None, argument("ROBOT.yaml...", "Default: robots/*.yaml.")] = None,
+    robots: Annotated[
+        list[Path] | None, argument("ROBOT.yaml...", "Default: robots/*.yaml.", robot_files)
+    ] = None,
     out: Out = Path("generated"),
     as_json: Json = False,
 ) -> None:

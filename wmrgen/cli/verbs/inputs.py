@@ -12,6 +12,12 @@ from wmrgen.cli.declare import Json, Robots, Words, argument, group, option
 verb = group("Robot files")
 
 
+def _gallery(incomplete: str) -> list[str]:
+    from wmrgen.cli.gallery import gallery
+
+    return [name for name in gallery() if name.startswith(incomplete)]
+
+
 @verb("gallery", "List the robots that come with wmrgen.", "list")
 def list_robots(as_json: Json = False) -> None:
     """Example:  wmrgen list
@@ -27,7 +33,10 @@ def new(
         Words, argument("[PARAMETER=VALUE]...", "Values of its parameters: radius='50 mm'.")
     ] = None,
     start: Annotated[
-        str | None, typer.Option("--from", metavar="ROBOT", help="A robot that `wmrgen list` tells.")
+        str | None,
+        typer.Option(
+            "--from", metavar="ROBOT", help="One that `wmrgen list` tells.", autocompletion=_gallery
+        ),
     ] = None,
     description: Annotated[str | None, option("What robot it is.", "TEXT")] = None,
     out: Annotated[

@@ -24,11 +24,11 @@ def cases() -> Iterator[tuple[str, str, list[str]]]:
         name, _, rest = case.partition("\n")
         told = re.findall(r"^-> (.*)$", rest, re.MULTILINE)
         file = re.split(r"^-> ", rest, maxsplit=1, flags=re.MULTILINE)[0]
-        yield (
-            name,
-            ESCAPE.sub(lambda m: chr(int(m[1], 16)) if m[1] else {"t": "\t", "r": "\r"}.get(m[2], ""), file),
-            told,
-        )
+        yield name, ESCAPE.sub(_meant, file), told
+
+
+def _meant(escape: re.Match[str]) -> str:
+    return chr(int(escape[1], 16)) if escape[1] else {"t": "\t", "r": "\r"}.get(escape[2], "")
 
 
 CASES = {name: (file, told) for name, file, told in cases()}
@@ -42,9 +42,8 @@ def test_what_is_told(name: str, tmp_path: Path) -> None:
     with pytest.raises(RobotFileError) as caught:
         wmrgen.load(path)
     parts = caught.value.parts
-    assert [
-        f"{str(part).splitlines()[0]} at {part.mark.line}:{part.mark.column}" for part in parts if part.mark
-    ] == told
+    places = [f" at {part.mark.line}:{part.mark.column}" for part in parts if part.mark]
+    assert [str(part).splitlines()[0] + place for part, place in zip(parts, places, strict=True)] == told
     for part in parts:  # each stands in the form, says what to write, and its caret below the place
         _, place, *shown = str(part).splitlines()
         assert place.strip() == f"--> {part.mark}"

@@ -108,7 +108,7 @@ class WheelSpec:
     name: str
     type: str  # a name of WHEEL_TYPES
     mark: Mark
-    r: Quantity | None  # None where the type does not require it
+    r: Quantity | None = None  # None where the type does not require it
     l: Quantity | None = None
     alpha: Quantity | None = None
     x: Quantity | None = None

@@ -107,14 +107,14 @@ class Table:
 
     def scalars(self, key: str) -> tuple[Scalar, ...]:
         """The items of a list of words, which differ."""
-        scalars: list[Scalar] = []
+        scalars: dict[str, Scalar] = {}
         for item in self.items(key):
             scalar = scalar_of(item, f"an item of {key}")
-            if scalar.text in (other.text for other in scalars):
+            if scalar.text in scalars:
                 what = f"{quoted(scalar.text)} stands twice in {key}"
                 raise scalar.error(what, "", "Delete one of them.", code=Code.TWICE)
-            scalars.append(scalar)
-        return tuple(scalars)
+            scalars[scalar.text] = scalar
+        return tuple(scalars.values())
 
     def amount(self, key: str, of: str, scope: Scope) -> Quantity | None:
         """The quantity of a key of ``of``; None where it is not given."""

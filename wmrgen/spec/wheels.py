@@ -36,17 +36,16 @@ def declared_types(robot: Table) -> dict[str, WheelType | None]:
 
 
 def read_wheels(robot: Table, scope: Scope, names: Names, several: Several) -> tuple[WheelSpec, ...]:
-    """The wheels that can be read."""
+    """The wheels whose type can be read, with what else of them can; ``several`` takes the rest."""
     wheels = []
     for item in robot.items("wheels"):
         with several:
-            wheels.append(_wheel(item, scope, names))
-    return tuple(wheels)
+            wheels.append(_wheel(item, scope, names, several))
+    return tuple(wheel for wheel in wheels if wheel)
 
 
-def _wheel(item: Node, scope: Scope, names: Names) -> WheelSpec:
-    several, name = Several(), ""
-    table = table_of(item, WHEEL, several)
+def _wheel(item: Node, scope: Scope, names: Names, several: Several) -> WheelSpec | None:
+    name, table = "", table_of(item, WHEEL, several)
     with several:
         node = scalar_of(table.require("name", "the wheel"), "name")
         name = wheel_name(node)
@@ -60,12 +59,11 @@ def _wheel(item: Node, scope: Scope, names: Names) -> WheelSpec:
             facts[key] = table.amount(key, name or "the wheel", scope)
     with several:
         table.choose(_PLACEMENT, what)
-    if kind is not None:
-        what = f"the {kind.name} wheel {name}".rstrip()
-        _check_keys(table, kind, what, several)
-        facts |= _joint_facts(table, kind, what, scope, several)
-    several.end()
-    assert kind is not None
+    if kind is None:
+        return None
+    what = f"the {kind.name} wheel {name}".rstrip()
+    _check_keys(table, kind, what, several)
+    facts |= _joint_facts(table, kind, what, scope, several)
     return WheelSpec(name=name, type=kind.name, mark=table.mark, **facts)
 
 

@@ -1,0 +1,119 @@
+"""Which wheel is which: by name, by what names say, by place; what is only noted, and what is not known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from tests.comparing.test_corpus import mecanum, ring, side
+from tests.comparing.test_motion import differential, said
+from wmrgen.comparing.compare import compare, labelled
+from wmrgen.comparing.matching import matched
+from wmrgen.comparing.record import Layout, Side
+from wmrgen.comparing.sources import layouts
+
+PLACES = {
+    "front left": (0.2, 0.1),
+    "front right": (0.2, -0.1),
+    "rear left": (-0.2, 0.1),
+    "rear right": (-0.2, -0.1),
+}
+
+
+def four(*names: str) -> list[Side]:
+    return [side(name, "fixed", *at) for name, at in zip(names, PLACES.values(), strict=True)]
+
+
+def partners(a: list[Side], b: list[Side]) -> dict[str, str]:
+    pairs, left, over = matched(a, b)
+    assert not left and not over
+    return {v.name: w.name for v, w in pairs}
+
+
+def test_names_come_first_then_what_they_say_then_places() -> None:
+    a = four("fl", "fr", "rl", "rr")
+    for names in (
+        ("FL", "FR", "RL", "RR"),
+        ("front_left_wheel_joint", "rightFront", "back_left", "wheel_rear_right"),
+    ):
+        assert partners(a, four(*names)[::-1]) == dict(zip(("fl", "fr", "rl", "rr"), names, strict=True))
+    numbered = four("w1", "w2", "w3", "w4")
+    assert partners(a, numbered[::-1]) == {"fl": "w1", "fr": "w2", "rl": "w3", "rr": "w4"}
+    swapped = four("fr", "fl", "rl", "rr")  # a name counts more than the place
+    assert partners(a, swapped) == {"fl": "fl", "fr": "fr", "rl": "rl", "rr": "rr"}
+    joints = [
+        replace(w, names=(f"w{k}", joint))
+        for k, (w, joint) in enumerate(zip(numbered, ("a", "b", "c", "d"), strict=True))
+    ]
+    others = [
+        replace(w, names=(f"v{k}", joint))
+        for k, (w, joint) in enumerate(zip(numbered, ("d", "c", "b", "a"), strict=True))
+    ]
+    assert partners(joints, others) == {"w0": "v3", "w1": "v2", "w2": "v1", "w3": "v0"}
+
+
+def test_two_of_one_side_are_told_apart_by_place() -> None:
+    a = [*four("l1", "r1", "l2", "r2"), side("left_ball", "spherical", 0.3, 0)]
+    pairs, left, over = matched(a, four("left_a", "right_a", "left_b", "right_b"))
+    assert {v.name: w.name for v, w in pairs} == {
+        "l1": "left_a",
+        "r1": "right_a",
+        "l2": "left_b",
+        "r2": "right_b",
+    }
+    assert [w.name for w in left] == ["left_ball"] and not over
+
+
+def test_wheels_that_leave_the_motion_free_are_noted() -> None:
+    a = differential(0.4)
+    ball = replace(a, wheels=(*a.wheels, side("tail", "castor", -0.3, 0, d=-0.04)))
+    for first, second in ((a, ball), (ball, a)):
+        result = compare(first, second)
+        assert not result.differences and "tail" in result.notes[0]
+    driven = replace(a, wheels=(*a.wheels, replace(ball.wheels[-1], actuated=("spin",))))
+    assert [d.code for d in compare(a, driven).differences] == ["WMR048"]
+
+
+def test_order_counts_where_both_files_have_one() -> None:
+    a = replace(differential(0.4), ordered=True)
+    b = replace(a, wheels=a.wheels[::-1])
+    result = compare(a, b)
+    assert [(d.code, d.a, d.b) for d in result.differences] == [("WMR047", "left right", "right left")]
+    assert said(result) == {}
+    assert result.notes == ("wheels taken by number, not by name: turns the wrong way",)
+    assert not compare(a, replace(b, ordered=False)).differences
+
+
+def test_order_of_an_array_of_joints(tmp_path: Path) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text("omni: {wheel_names: [w0, w2, w1], robot_radius: 0.2, wheel_radius: 0.1}\n")
+    robot = replace(ring((0.2,) * 3), ordered=True)
+    assert [d.code for d in compare(robot, *layouts(path)).differences] == ["WMR047"]
+    path.write_text("omni: {wheel_names: [w0, w1, w2], robot_radius: 0.2, wheel_radius: 0.1}\n")
+    assert not compare(robot, *layouts(path)).differences
+
+
+def test_motion_is_not_guessed() -> None:
+    m = mecanum(0.5, 0.3, 0.1)
+    silent = [replace(w, values={k: v for k, v in w.values.items() if k != "gamma"}) for w in m.wheels]
+    unknown = Layout("seen", "description", tuple(silent))
+    wider = mecanum(0.5, 0.4, 0.1)
+    result = compare(unknown, Layout("other", "description", tuple(replace(w) for w in silent)))
+    assert not result.effects and "rollers" in result.notes[0]
+    assert compare(unknown, wider).effects == compare(m, wider).effects  # the other file says it
+    bare = [
+        replace(w, values={k: v for k, v in w.values.items() if k != "r"}) for w in differential(0.4).wheels
+    ]
+    small = differential(0.4, r=0.05)
+    assert not compare(Layout("bare", "description", tuple(bare)), small).differences
+
+
+def test_names_that_contradict_places() -> None:
+    assert [f.code for f in labelled(Layout("f", "description", tuple(four("fr", "fl", "rl", "rr"))))] == [
+        "WMR011"
+    ] * 2
+    assert not list(labelled(Layout("f", "description", tuple(four("fl", "fr", "rl", "rr")))))
+    twins = [
+        side(f"module_{s}", "steered", 0.2, 0.1, offset_y=o) for s, o in (("left", 0.05), ("right", -0.05))
+    ]
+    assert not list(labelled(Layout("f", "description", (*twins, side("rear", "fixed", -0.2, -0.1)))))

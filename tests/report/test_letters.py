@@ -158,3 +158,42 @@ def test_square_systems() -> None:
         shown = re.search(r"\\det H = (.*)", page)
         values = {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
         assert shown and read(shown[1], values) == pytest.approx(np.linalg.det(np.array(rows)), rel=1e-5)
+
+
+@pytest.mark.parametrize("name", ["car_with_trailers", "tractor_off_axle", "pioneer3dx", "wpilib_swervebot"])
+def test_the_growth_vector_is_that_of_wmrgen_structure(name: str) -> None:
+    d, page = derivation(name), page_of(name)
+    vector = tuple(d.growth.vector)
+    assert f"| growth vector | ({', '.join(map(str, vector))}) |" in page
+    assert f"| degree of nonholonomy | {len(vector)} |" in page
+    assert (", trailers included" in page) == bool(d.robot.trailers)
+
+
+@pytest.mark.parametrize("name", ["car_with_trailers", "tractor_off_axle"])
+def test_trailers_are_listed_and_derived(name: str) -> None:
+    page, robot = page_of(name), derivation(name).robot
+    for t in robot.trailers:
+        assert f"| `{t.name}` | {float(t.length.nominal):g} | {float(t.hitch.nominal):g} |" in page
+        assert (
+            rf"\frac{{d}}{{dt}} \theta_{{\mathrm{{{t.name}}}}} &="
+            in page.partition("## 8 ")[2].partition("## 9 ")[0]
+        )
+
+
+def test_further_functions_without_names_of_the_code() -> None:
+    further = page_of("car_with_trailers").partition("## 11 ")[2].partition("## 12 ")[0]
+    assert "divisor1" not in further and r"\frac{d}{dt} \theta_{\mathrm{trailer2}}" in further
+    assert "The formulas of `trailer1.speed` and `trailer2.speed` stand in the code." in further
+
+
+def test_a_model_that_cannot_be_written_leaves_the_one_in_eta(monkeypatch: pytest.MonkeyPatch) -> None:
+    from wmrgen.backends.report.forward import motion
+    from wmrgen.errors import NotDerivableError
+    from wmrgen.robot import Derivation
+
+    def refuse(*_: object, **__: object) -> None:
+        raise NotDerivableError("too many terms")
+
+    monkeypatch.setattr(Derivation, "system", refuse)
+    text = "\n".join(motion(derivation("pioneer3dx")))
+    assert "In the speeds" not in text and r"\eta_{1}" in text

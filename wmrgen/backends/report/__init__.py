@@ -12,6 +12,7 @@ from wmrgen import notation
 from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.backends.report.forward import forward, motion
 from wmrgen.backends.report.inverse import inverse
+from wmrgen.backends.report.letters import model
 from wmrgen.backends.report.markdown import aligned, capitalised, code, items, page, sentence, table
 from wmrgen.backends.report.mobility import analysis, singular
 from wmrgen.backends.report.overview import layout, opening
@@ -51,16 +52,18 @@ def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
 def _further_functions(d: Derivation) -> list[str]:
     """Section 11: the further functions that the robot file asks for, as formulas, where there are any."""
     wanted = asked(d.robot)
-    blocks = [block for f in d.program.formulas if f.name in wanted for block in _function(f)]
+    blocks = [block for f in d.program.formulas if f.name in wanted for block in _function(d, f)]
     return ["## 11 Further functions", *blocks] if blocks else []
 
 
-def _function(f: Formula) -> list[str]:
+def _function(d: Derivation, f: Formula) -> list[str]:
     ports = [(p, "in") for p in f.inputs] + [(p, "out") for p, _ in f.outputs]
     rows = [[code(p.name), way, p.unit or "1", sentence(p.text)] for p, way in ports]
     source = f.source.replace("_", r"\_")
     blocks = [f"### `{f.name}`", capitalised(f.text), f"In the texts: {source}."]
     blocks += table(["port", "", "unit", "meaning"], rows, "l")
+    if written := model(d, f):
+        return [*blocks, *written]
     if sum(size(e) for _, e in (*f.locals, *f.outputs)) > _LONG:
         return [*blocks, "(The formulas are long; they stand in the code.)"]
     shown = Latex(p for p, _ in ports).doprint

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 from wmrgen import notation
 from wmrgen.backends.report.latex import Term, broken, latex, pulled_out, reduced, width
 from wmrgen.backends.report.markdown import aligned, listed, math
+from wmrgen.errors import NotDerivableError
 from wmrgen.exact.linalg import adjugate, determinant
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.sheet import latex as equations
 from wmrgen.functions.models.sheet import sheet_of
 from wmrgen.kinematics.forward import normal_equations
+from wmrgen.kinematics.records import Formula
 from wmrgen.kinematics.sensing import Measured
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.printing import symbol_names
@@ -26,6 +28,7 @@ _ENTRY = 12  # terms of an entry of H^T H and H^T z
 _PRODUCTS = 60  # terms of adj(H^T H) H^T z
 _WIDEST = 240  # glyphs of what is printed
 _LINE = 112  # glyphs of a line of a model
+_MODELS = ("posture", "configuration", "zeta", "trailer")  # functions that `wmrgen model` writes
 
 
 def square(d: Derivation, rows: list[Measured]) -> list[str]:
@@ -33,8 +36,9 @@ def square(d: Derivation, rows: list[Measured]) -> list[str]:
     rolling = d.constraints.rolling
     own = len(rolling) == 3 and not d.constraints.sliding and all(w.sensed for w in d.robot.wheels)
     book = r" = J_1^{-1} J_2\,\dot{\varphi} \qquad (3.31)" if own else ""
-    det = latex(reduced(determinant([list(row) for row, _, _ in rows]), Poly.of(1)))
-    shown = math(rf"\det H = {det}") if width(det) <= _LINE else []
+    volume = determinant([list(row) for row, _, _ in rows])
+    det = latex(reduced(volume, Poly.of(1))) if len(volume.terms) <= _PRODUCTS else ""
+    shown = math(rf"\det H = {det}") if det and width(det) <= _LINE else []
     return [
         "As many rows as unknowns: the solution is",
         *math(rf"\xi = H^{{-1}} z{book}"),
@@ -67,14 +71,30 @@ def in_letters(d: Derivation, rows: list[Measured]) -> list[str]:
 
 
 def in_wheel_speeds(d: Derivation) -> list[str]:
-    """The posture model as `wmrgen model` prints it, where wheels drive all of it and it is short."""
-    sheet = sheet_of("posture", d.system("posture", symbolic=True))
+    """The posture model with trailers as `wmrgen model` prints it, where wheels drive all of it and it is short."""
+    form, longest = ("trailer", 2 * _LINE) if d.robot.trailers else ("posture", _LINE)
+    try:
+        sheet = sheet_of(form, d.system(form, symbolic=True))
+    except NotDerivableError:
+        return []
     text = equations(sheet)
-    if any(p.name.startswith("eta") for p in sheet.inputs) or max(map(width, text.split("\n"))) > _LINE:
+    if any(p.name.startswith("eta") for p in sheet.inputs) or max(map(width, text.split("\n"))) > longest:
         return []
     _, _, followers = sheet.text.removesuffix(" must follow").partition("; ")
     follow = f"; {listed(followers.split(', '))} must follow" if followers else ""
     return [f"In the speeds of driven wheels it is (`wmrgen model`){follow}", *math(text)]
+
+
+def model(d: Derivation, f: Formula) -> list[str]:
+    """A function that is a model, as `wmrgen model` prints it; nothing for others and for what is too long."""
+    if f.name not in _MODELS:
+        return []
+    text = equations(sheet_of(f.name, d.system(f.name, symbolic=True)))
+    if max(map(width, text.split("\n"))) > 2 * _LINE:
+        return []
+    rest = [p.name for p, _ in f.outputs if not p.name.endswith(("_rate", ".spin"))]
+    blocks = ["As `wmrgen model` prints it, without what guards its divisors:", *math(text)]
+    return [*blocks, f"The formulas of {listed(rest)} stand in the code."] if rest else blocks
 
 
 def approximate(terms: Sequence[Term]) -> str:

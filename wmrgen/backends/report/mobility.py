@@ -21,6 +21,7 @@ from wmrgen.backends.report.markdown import (
     table,
 )  # fmt: skip
 from wmrgen.constraints import XI, constrain, nominal_view
+from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
@@ -53,7 +54,7 @@ def analysis(d: Derivation) -> list[str]:
         *(_remark(m) if steered else []),
         *_generic(d),
         "What follows:",
-        *_verdicts(m),
+        *_verdicts(d),
         *integrability(d),
         "Actuation:",
         *items(f"{sentence(a)}." for a in m.actuation),
@@ -125,16 +126,27 @@ def _numbers(rows: Sequence[ConstraintRow], values: dict[str, Poly]) -> list[tup
     return [tuple(fix(p, values).constant or ZERO for p in r.row) for r in rows]
 
 
-def _verdicts(m: Mobility) -> list[str]:
-    yes = {True: "yes", False: "no"}
+def _growth(d: Derivation) -> tuple[tuple[int, ...], str]:
+    """The growth vector, and what is said of trailers."""
+    if not d.robot.trailers:
+        return d.mobility.growth_vector, ""
+    try:
+        return tuple(d.growth.vector), ", trailers included"
+    except NotDerivableError:
+        return d.mobility.growth_vector, ", trailers left out"
+
+
+def _verdicts(d: Derivation) -> list[str]:
+    m, yes = d.mobility, {True: "yes", False: "no"}
+    vector, states = _growth(d)
     rows = [
         ["differentiable degrees of freedom", str(m.ddof),
          "DDOF = δ<sub>m</sub>: velocities that can be chosen at once"],
         ["degrees of freedom", str(m.dof),
          "dimension of the Lie algebra of all admissible twists: poses that can be reached"],
-        ["growth vector", f"({', '.join(map(str, m.growth_vector))})",
-         "dimensions spanned by the inputs, then with their brackets, one order at a time"],
-        ["degree of nonholonomy", str(m.degree_of_nonholonomy),
+        ["growth vector", f"({', '.join(map(str, vector))})",
+         f"dimensions spanned by the inputs, then with their brackets, one order at a time{states}"],
+        ["degree of nonholonomy", str(len(vector)),
          "bracket orders needed to reach everything, 1 being none"],
         ["holonomic", yes[m.holonomic], "DDOF = DOF"],
         ["omnidirectional", yes[m.omnidirectional], "DDOF = 3"],

@@ -77,6 +77,10 @@ def layout(d: Derivation) -> list[str]:
         joints = {"spin": "turn at one speed", "steer": "share one steering angle"}
         couplings = items(f"{listed(names)} {joints[joint]}" for joint, names in robot.couplings)
         blocks += ["Mechanical couplings:", *couplings]
+    if robot.trailers:
+        rows = [[code(t.name), plain(t.length.nominal), plain(t.hitch.nominal)] for t in robot.trailers]
+        head = ["trailer", "length from coupling to axle", "coupling behind the axle in front"]
+        blocks += ["It tows, from the robot backwards:", *table(head, rows, "lr")]
     notes = [*(escape(n) for n in robot.notes), *_remarks(robot)]
     return [*blocks, "Notes:", *items(notes)] if notes else blocks
 

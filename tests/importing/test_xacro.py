@@ -78,6 +78,19 @@ def test_missing_arguments_are_all_named(wmrgen_cli: Cli, tmp_path: Path) -> Non
     assert done.code == 2 and "ahead:=VALUE side:=VALUE" in done.err
 
 
+def test_elements_without_the_prefix_are_named(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    wheels = pair().replace('radius="0.1"', 'radius="${size}"')
+    done = wmrgen_cli("import", write(tmp_path, '<property name="size" value="0.1"/>', wheels))
+    assert done.code == 2 and "'size' is not defined" in done.err and "probe.urdf <property>" in done.err
+    assert "Write xacro: before such names" in done.err
+
+
+def test_a_file_that_is_included_and_not_there(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    done = wmrgen_cli("import", write(tmp_path, '<xacro:include filename="parts.xacro"/>'))
+    assert done.code == 2 and "it includes 'parts.xacro', which is not there" in done.err
+    assert str(tmp_path) not in done.err
+
+
 def test_a_package_that_was_not_given_is_named(wmrgen_cli: Cli, tmp_path: Path) -> None:
     done = wmrgen_cli("import", write(tmp_path, *PARTS), "ahead:=1")
     assert done.code == 2 and "--package parts=DIR" in done.err

@@ -22,6 +22,7 @@ from wmrgen.importing.expressions import checked, counted, offered, weighed
 from wmrgen.importing.read import MAX_BYTES, parse, refuse
 from wmrgen.spec.text import printable, quoted, read_at_most
 
+_UNPREFIXED = ("property", "macro", "include", "arg")
 _MOST_MISSING, _YAML_BYTES = 20, 1 << 16
 
 
@@ -36,7 +37,8 @@ def resolve(file: Path, arguments: Mapping[str, str], packages: Mapping[str, Pat
     roots = [file.resolve().parent, *(folder.resolve() for folder in packages.values())]
     values = {name: _found(value, packages) for name, value in arguments.items()}
     missing: list[str] = []
-    with _kept(xacro, roots, packages), contextlib.redirect_stderr(io.StringIO()):
+    plain: list[str] = []
+    with _kept(xacro, roots, packages, plain), contextlib.redirect_stderr(io.StringIO()):
         while len(missing) < _MOST_MISSING:
             try:
                 document = xacro.process_file(
@@ -48,7 +50,7 @@ def resolve(file: Path, arguments: Mapping[str, str], packages: Mapping[str, Pat
                 if name is None or name in missing:
                     if missing:
                         break
-                    raise _failed(file, error) from None
+                    raise _failed(file, error, plain) from None
                 missing.append(name)
     if missing:
         words = " ".join(f"{name}:=VALUE" for name in missing)
@@ -67,7 +69,8 @@ def macros(file: Path) -> list[str]:
     return [e.get("name", "") for e in root.iter() if isinstance(e.tag, str) and e.tag.endswith("}macro")]
 
 
-def _failed(file: Path, error: Exception) -> RobotFileError:
+def _failed(file: Path, error: Exception, plain: list[str]) -> RobotFileError:
+    """What the package says; ``plain``: elements of xacro that it does not know as such."""
     for cause in _causes(error):
         if isinstance(cause, RobotFileError):
             return refuse(f"{printable(file.name)}: {cause.what}", cause.why, cause.instead)
@@ -75,7 +78,12 @@ def _failed(file: Path, error: Exception) -> RobotFileError:
             lost = printable(Path(str(cause.filename)).name)
             return refuse(f"{printable(file.name)}: it includes {quoted(lost)}, which is not there")
     words = re.sub(r"\s+", " ", str(error) or type(error).__name__)
-    return refuse(f"{printable(file.name)}: xacro: {quoted(words, 300)[1:-1]}")
+    what = f"{printable(file.name)}: xacro: {quoted(words, 300)[1:-1]}"
+    if not plain:
+        return refuse(what)
+    return refuse(
+        what, f"In {plain[0]} has no prefix, and is passed over.", "Write xacro: before such names."
+    )
 
 
 def _causes(error: BaseException | None) -> Iterator[BaseException]:
@@ -101,14 +109,14 @@ def _package(name: str, packages: Mapping[str, Path]) -> str:
 
 
 @contextlib.contextmanager
-def _kept(xacro: Any, roots: list[Path], packages: Mapping[str, Path]) -> Iterator[None]:
+def _kept(xacro: Any, roots: list[Path], packages: Mapping[str, Path], plain: list[str]) -> Iterator[None]:
     """The package with its doors shut; as it was, afterwards."""
     from xacro import substitution_args
 
     evaluate, count = xacro.safe_eval, itertools.count()
     symbols = offered(xacro.create_global_symbols())
     doors: list[tuple[Any, str, Any]] = [
-        (xacro, "open", lambda path, *_: _opened(Path(path), roots)),
+        (xacro, "open", lambda path, *_: _opened(Path(path), roots, plain)),
         (xacro, "glob", SimpleNamespace(glob=lambda pattern: _globbed(pattern, roots))),
         (xacro, "_global_symbols", symbols),
         (xacro, "safe_eval", lambda text, *scopes: weighed(evaluate(checked(text), *scopes))),
@@ -146,15 +154,17 @@ def _no_environment(name: str) -> str:
     raise refuse(f"$(env {quoted(name)[1:-1]}) reads the environment, which import does not")
 
 
-def _opened(path: Path, roots: list[Path]) -> io.StringIO:
-    """The text of a file below one of ``roots``; XML without document type."""
+def _opened(path: Path, roots: list[Path], plain: list[str]) -> io.StringIO:
+    """The text of a file below one of ``roots``; XML without document type. Its elements of xacro that lack the prefix
+    are added to ``plain``."""
     where = _inside(path, roots)
     try:
         data = read_at_most(where, MAX_BYTES + 1)
     except ValueError as error:
         raise refuse(f"{printable(path.name)}: {error}") from None
     if where.suffix not in (".yaml", ".yml"):
-        parse(data, printable(path.name))
+        tags = (element.tag for element in parse(data, printable(path.name)))
+        plain += [f"{printable(path.name)} <{tag}>" for tag in tags if tag in _UNPREFIXED]
     elif len(data) > _YAML_BYTES:
         raise refuse(f"{printable(path.name)}: larger than {_YAML_BYTES // 1024} KiB")
     return io.StringIO(data.decode("utf-8-sig"))

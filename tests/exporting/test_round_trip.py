@@ -37,7 +37,9 @@ def back(robot: Robot, folder: Path, kind: str, written: str = "") -> Imported:
 
 def same(robot: Robot, imported: Imported) -> None:
     assert imported.base in ("base_link", "__model__")  # of SDFormat the model, where base_link lies
-    assert [q for q in imported.questions if q.wheel != SUPPORT and "which way is forward" not in q.text] == []
+    assert [
+        q for q in imported.questions if q.wheel != SUPPORT and "which way is forward" not in q.text
+    ] == []
     by_joint = {w.joint: w for w in imported.wheels}
     rolling = [w for w in robot.wheels if w.has_spin]
     assert list(by_joint) == [f"{w.name}_spin" for w in rolling]

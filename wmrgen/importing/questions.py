@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
-from wmrgen.importing.candidates import Candidate, Robot
+from wmrgen.importing.candidates import Candidate
 from wmrgen.importing.frames import composed, dot, plus
 from wmrgen.importing.meshes import Reach, reach
 from wmrgen.importing.records import Question, Vector
+from wmrgen.importing.view import Robot
 from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, STEERED
 

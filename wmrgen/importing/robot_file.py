@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
-import re
 import textwrap
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
-from wmrgen.errors import Mark, RobotFileError
+from wmrgen.importing.names import near_robot_name
 from wmrgen.importing.records import MODEL, SUPPORT, Imported, Question, Wheel
-from wmrgen.spec.names import robot_name
 from wmrgen.spec.questions import OPEN
-from wmrgen.spec.text import Scalar, quoted
+from wmrgen.spec.text import quoted
 from wmrgen.wheels import WHEEL_TYPES
 
 DIGITS = 12  # decimals of a length; those of floating point noise are dropped
@@ -64,7 +61,7 @@ def text(robot: Imported, source: str) -> str:
             f"{counted(robot.questions)} open: put an answer in the place of each {OPEN}, "
             "or delete the wheel that is none. wmrgen derive refuses the file until then."
         )
-    lines += ["wmrgen: 1", f"name: {_robot_name(robot.name)}", "wheels:"]
+    lines += ["wmrgen: 1", f"name: {near_robot_name(robot.name)}", "wheels:"]
     for wheel in robot.wheels:
         lines += _wheel(wheel, [q for q in robot.questions if q.wheel == wheel.name and q.key != "equal"])
     lines += _support([q for q in robot.questions if q.wheel == SUPPORT])
@@ -81,14 +78,6 @@ def text(robot: Imported, source: str) -> str:
 
 def _comment(words: str, indent: str = "") -> list[str]:
     return textwrap.wrap(words, _WIDTH, initial_indent=f"{indent}# ", subsequent_indent=f"{indent}#   ")
-
-
-def _robot_name(name: str) -> str:
-    near = re.sub("[^A-Za-z0-9]+", "_", name)[:31].strip("_")
-    for attempt in (near, near.lower()):
-        with contextlib.suppress(RobotFileError):
-            return robot_name(Scalar(Mark("", 0, 0, ""), attempt, True))
-    return "imported_robot"
 
 
 def _wheel(wheel: Wheel, questions: Sequence[Question]) -> Iterator[str]:

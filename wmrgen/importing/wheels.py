@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-from wmrgen.errors import Mark, RobotFileError
-from wmrgen.importing.candidates import LEVEL, Candidate, Robot, X, base_link, candidates
+from wmrgen.importing.candidates import LEVEL, Candidate, candidates
 from wmrgen.importing.couplings import couplings
-from wmrgen.importing.frames import ancestors, dot, plus, turned, unit
+from wmrgen.importing.frames import ancestors, dot, plus
+from wmrgen.importing.names import near_wheel_names
 from wmrgen.importing.questions import (
     TRAIL,
     doubt,
@@ -30,14 +28,12 @@ from wmrgen.importing.robot_questions import (
     motors_unknown,
     support_asked,
 )
-from wmrgen.spec.names import wheel_name
-from wmrgen.spec.text import Scalar, quoted
+from wmrgen.importing.rollers import UNSAID, angle, gamma_said, heading, rollers_said
+from wmrgen.importing.view import Robot, X, base_link
+from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
 
-_KINDS_OF_JOINT = re.compile("((?i:_(joint|link|wheel|spin|axle|hinge))|Joint|Link|Wheel|Spin|Axle|Hinge)+$")
 _TURN = Fraction(6)  # [rad] a range of steering angles beyond which it is not one
-UNSAID = "not in the file"
-_SAYS_ROLLERS = re.compile("mecanum|omni|planar_?move", re.IGNORECASE)
 
 
 def import_wheels(description: Description, base: str | None = None, forward: str | None = None) -> Imported:
@@ -58,8 +54,8 @@ def import_wheels(description: Description, base: str | None = None, forward: st
             ),
             "Give the link that is the base frame with --base, or write the robot file by hand.",
         )
-    names = _names(wheels)
-    rolling = _rollers_said(robot, wheels)
+    names = near_wheel_names([c.joint.name for c in wheels])
+    rolling = rollers_said(robot, wheels)
     read = [_wheel(robot, c, name, rolling) for c, name in zip(wheels, names, strict=True)]
     result = [wheel for wheel, _ in read]
     coupled, doubts, notes = couplings(description, result)
@@ -83,82 +79,10 @@ def import_wheels(description: Description, base: str | None = None, forward: st
     )
 
 
-def _names(wheels: Sequence[Candidate]) -> list[str]:
-    """Names for robot files, as near to those of the joints as they may be, none twice in any case of letters."""
-    names: list[str] = []
-    for number, wheel in enumerate(wheels, 1):
-        near = re.sub("[^A-Za-z0-9]+", "_", wheel.joint.name).strip("_")
-        short = _KINDS_OF_JOINT.sub("", near)[:28].strip("_")
-        tries = (
-            t for t in (short, short.lower(), f"{short.lower()}_{number}", f"wheel_{number}") if _may_be(t)
-        )
-        name = next(tries)
-        taken = name.lower() in (other.lower() for other in names)
-        names.append(f"{name[:26]}_{number}" if taken else name)
-    return names
-
-
-def _may_be(name: str) -> bool:
-    try:
-        return bool(wheel_name(Scalar(Mark("", 0, 0, ""), name, True)))
-    except RobotFileError:
-        return False
-
-
-def _heading(axis: Vector) -> Vector:
-    """The direction in which a wheel rolls that turns about ``axis`` at a positive rate: axis x z, level."""
-    return unit((axis[1], -axis[0], Fraction(0)))
-
-
-def _angle(direction: Vector) -> float:
-    return math.atan2(direction[1], direction[0])
-
-
-def _rollers_said(robot: Robot, wheels: Sequence[Candidate]) -> str:
-    """What says, of the whole robot, that its wheels have rollers; empty where nothing does."""
-    for word in (*robot.description.words, *(word for c in wheels for word in _called(robot, c))):
-        if _SAYS_ROLLERS.search(word):
-            return f"the file says {quoted(word)}"
-    if any(wheel.steer for wheel in wheels):
-        return ""
-    axles = [_angle(_heading(w.axis)) for w in wheels if not w.unsure]
-    if len(axles) > 2 and any(abs(math.sin(a - b)) > 0.2 for a in axles for b in axles):
-        return "plain wheels on axles that are not parallel could not roll"
-    return _mirrored(robot, wheels)
-
-
-def _called(robot: Robot, c: Candidate) -> Iterator[str]:
-    """The names of a wheel's joint, links and meshes."""
-    yield c.joint.name
-    for link in (c.joint.child, *(joint.child for joint in robot.under(c.joint.child, rigid=True))):
-        yield link
-        yield from (s.uri.rsplit("/", 1)[-1] for s in robot.description.shapes.get(link, ()))
-
-
-def _mirrored(robot: Robot, wheels: Sequence[Candidate]) -> str:
-    """What four meshes say of which the diagonals are alike, and the sides are not."""
-    at: dict[tuple[bool, bool], tuple[str, bool]] = {}
-    middle = [sum((w.centre[k] for w in wheels), Fraction(0)) / len(wheels) for k in (0, 1)]
-    for wheel in wheels:
-        mesh = next((s for s in robot.description.shapes.get(wheel.joint.child, ()) if s.uri), None)
-        if mesh:
-            sx, sy, sz = mesh.scale
-            at[wheel.centre[0] > middle[0], wheel.centre[1] > middle[1]] = mesh.uri, sx * sy * sz < 0
-    corners = [at.get(place) for place in ((True, True), (False, False), (True, False), (False, True))]
-    if len(wheels) != 4 or None in corners:
-        return ""
-    a, b, c, d = corners
-    return (
-        "meshes are alike on the diagonals and not on the sides, as of mecanum wheels"
-        if a == b != c == d
-        else ""
-    )
-
-
 def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, list[Question]]:
     joint, steer = c.joint, c.steer
-    e = X if abs(c.axis[2]) > LEVEL else _heading(c.axis)
-    questions = [] if not c.doubt else [doubt(c, name, _angle(e))]
+    e = X if abs(c.axis[2]) > LEVEL else heading(c.axis)
+    questions = [] if not c.doubt else [doubt(c, name, angle(e))]
     x, y, _ = c.centre
     d = offset = None
     where = f"joint {quoted(joint.name)}" if joint.moves else f"link {quoted(joint.child)}"
@@ -175,7 +99,7 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, 
         if tilt > 1:
             questions.append(tilted(name, foot, tilt))
     actuated = _actuated(robot, c)
-    gamma, source = _gamma(robot, c, e)
+    gamma, source = gamma_said(robot, c, e)
     kind, why = _type(c, d, actuated, rolling if source == UNSAID and not steer else source)
     if why:
         remarks["type"] = "; ".join(filter(None, [remarks.get("type", ""), why]))
@@ -194,7 +118,7 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, 
         kind,
         x,
         y,
-        _angle(e),
+        angle(e),
         c.shape.radius if c.shape else None,
         d,
         offset,
@@ -265,41 +189,3 @@ def _type(
             f"its contact lies {float(d):.2g} m off the steering axis, taken as 0" if d else "",
         )
     return (SWEDISH.name, rolling) if rolling else (FIXED.name, "")
-
-
-def _gamma(robot: Robot, c: Candidate, e: Vector) -> tuple[float | None, str]:
-    """The direction of the roller at the ground from the heading, modulo pi in (-pi/2, pi/2], and its source."""
-    if c.rollers:
-        lowest = min(c.rollers, key=lambda j: robot.origin(j)[2])
-        return _modulo(
-            _angle(robot.axis(lowest)) - _angle(e)
-        ), f"axis of the lowest roller {quoted(lowest.name)}"
-    slanting = _slanting_friction(robot, c, e)
-    if slanting is None:
-        return None, UNSAID
-    gamma, link = slanting
-    if link == c.joint.child:
-        return (
-            None,
-            f"fdir1 stands in {quoted(link)}, which turns: {gamma:.6g} rad holds at joint angle 0 alone",
-        )
-    return gamma, f"fdir1 in {quoted(link)}: full friction along the roller's axis"
-
-
-def _slanting_friction(robot: Robot, c: Candidate, e: Vector) -> tuple[float, str] | None:
-    """The angle from the heading in which the wheel grips, and whose frame says so; None unless that is aslant, or the
-    wheel slides freely across it in a frame that does not turn with the wheel, as on rollers alone."""
-    friction = robot.description.frictions.get(c.joint.child)
-    if not friction or friction.mu2 > friction.mu1 / 10 or friction.link not in robot.description.links:
-        return None
-    angle = _modulo(_angle(turned(robot.frame(friction.link).rotation, friction.direction)) - _angle(e))
-    free = friction.mu2 == 0 and friction.link != c.joint.child
-    least, most = (0, 80) if free else (20, 70)
-    return (angle, friction.link) if least <= abs(math.degrees(angle)) <= most else None
-
-
-def _modulo(angle: float) -> float:
-    turned_back = math.remainder(angle, math.pi)
-    if abs(turned_back) < 1e-12:
-        return 0.0
-    return turned_back if turned_back > -math.pi / 2 + 1e-12 else math.pi / 2

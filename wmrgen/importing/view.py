@@ -1,0 +1,136 @@
+"""A description seen from its base frame: places and axes of joints, shapes of bodies, what moves above and below."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from wmrgen.importing.frames import ancestors, composed, dot, inverse, parents, plus, pose, turned, unit
+from wmrgen.importing.read import refuse
+from wmrgen.importing.records import MODEL, Description, Frame, Joint, Vector
+from wmrgen.spec.text import quoted
+
+UPRIGHT = math.cos(math.radians(15))
+COAXIAL = 0.99  # cosine
+X, Z = (Fraction(1), Fraction(0), Fraction(0)), (Fraction(0), Fraction(0), Fraction(1))
+
+
+@dataclass(frozen=True, slots=True)
+class Round:
+    """The largest coaxial cylinder or sphere of a wheel: ``words`` say which."""
+
+    radius: Fraction
+    centre: Vector
+    words: str
+    cylinder: bool
+
+
+class Robot:
+    """A description seen from its base frame, of which the direction ``forward`` is taken for x."""
+
+    def __init__(self, description: Description, base: str, forward: tuple[int, int] = (1, 0)) -> None:
+        self.description, self.base = description, base
+        self.above = parents(description.joints)
+        c, s = map(Fraction, forward)
+        turn = Frame(((c, s, Z[0]), (-s, c, Z[0]), Z), (Z[0], Z[0], Z[0]))
+        self._to_base = composed(turn, inverse(pose(base, self.above)))
+        self._trunk = {joint.child for joint in ancestors(base, self.above)}
+        self._root = self._root_of(base)
+        self._below: dict[str, list[Joint]] = {}
+        for joint in description.joints:
+            self._below.setdefault(joint.parent, []).append(joint)
+
+    def _root_of(self, link: str) -> str:
+        chain = ancestors(link, self.above)
+        return chain[-1].parent if chain else link
+
+    def frame(self, link: str) -> Frame:
+        return composed(self._to_base, pose(link, self.above))
+
+    def reaches(self, link: str) -> bool:
+        """The link hangs on the same root as the base."""
+        return self._root_of(link) == self._root
+
+    def moving_above(self, joint: Joint) -> list[Joint]:
+        """Joints that move between a link and the base, nearest first."""
+        return [j for j in ancestors(joint.parent, self.above) if j.moves and j.child not in self._trunk]
+
+    def moving_below(self, link: str) -> list[Joint]:
+        return [joint for joint in self.under(link) if joint.moves]
+
+    def under(self, link: str, rigid: bool = False) -> list[Joint]:
+        """All joints below a link; with ``rigid`` only what is fixed to it."""
+        reached: list[Joint] = []
+        waiting = [link]
+        while waiting:
+            for joint in self._below.get(waiting.pop(), []):
+                if not (rigid and joint.moves):
+                    reached.append(joint)
+                    waiting.append(joint.child)
+        return reached
+
+    def origin(self, joint: Joint) -> Vector:
+        """A point of the joint's axis."""
+        frame = self.frame(joint.child)
+        return plus(turned(frame.rotation, joint.pivot), frame.origin)
+
+    def axis(self, joint: Joint) -> Vector:
+        return unit(turned(self.frame(joint.child).rotation, joint.axis or X))
+
+    def upright(self, joint: Joint) -> bool:
+        return joint.turns and abs(self.axis(joint)[2]) >= UPRIGHT
+
+    def shapes(self, link: str) -> Iterator[tuple[str, str, Fraction, Frame]]:
+        """Kind, role, radius and frame of the cylinders and spheres of a link and of what is fixed to it."""
+        for each in (link, *(joint.child for joint in self.under(link, rigid=True))):
+            for shape in self.description.shapes.get(each, ()):
+                if shape.radius:
+                    yield shape.kind, shape.role, shape.radius, composed(self.frame(each), shape.frame)
+
+    def balls(self, link: str) -> Iterator[tuple[Vector, Fraction]]:
+        """Centre and lowest height of the cylinders and spheres of a link itself."""
+        for shape in self.description.shapes.get(link, ()):
+            if shape.radius:
+                centre = composed(self.frame(link), shape.frame).origin
+                yield centre, centre[2] - shape.radius
+
+    def round_shape(self, link: str, origin: Vector, axis: Vector) -> Round | None:
+        """The largest coaxial cylinder or sphere, of the collision before the visual."""
+        shapes = []
+        for kind, role, radius, where in self.shapes(link):
+            along = turned(where.rotation, Z)
+            reach = plus(where.origin, origin, -1)
+            share = dot(reach, axis)
+            off = plus(reach, axis, -share)
+            if dot(off, off) <= (radius / 5) ** 2 and (kind == "sphere" or abs(dot(along, axis)) >= COAXIAL):
+                centre = plus(origin, axis, share)
+                shapes.append(
+                    (role == "collision", radius, Round(radius, centre, f"{role} {kind}", kind == "cylinder"))
+                )
+        return max(shapes, key=lambda s: s[:2])[2] if shapes else None
+
+
+def base_link(description: Description, wanted: str | None) -> str:
+    """The link ``wanted``, else `*base_link` nearest the root, else the root that carries most."""
+    if wanted is not None:
+        if wanted not in description.links:
+            raise refuse(
+                f"there is no link {quoted(wanted)}",
+                "",
+                f"Links: {quoted(' '.join(description.links), 300)}.",
+            )
+        return wanted
+    if MODEL in description.links:
+        return MODEL
+    above = parents(description.joints)
+    named = [link for link in description.links if link.endswith("base_link")]
+    if named:
+        return min(named, key=lambda link: len(ancestors(link, above)))
+    carried: dict[str, int] = {}
+    for link in description.links:
+        chain = ancestors(link, above)
+        root = chain[-1].parent if chain else link
+        carried[root] = carried.get(root, 0) + 1
+    return max(carried, key=lambda root: carried[root])

@@ -267,6 +267,16 @@ def test_wheels_on_fixed_joints_are_asked_about(read: Import) -> None:
     assert [key for _, key in keys(said)] == ["type", "type"]
 
 
+def test_a_fixed_joint_with_an_axis_alone_is_no_wheel(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """Those of cameras have one in many files."""
+    cameras = "".join(
+        link(n) + joint(n, "base_link", n, "0 0 0.3", "fixed") for n in ("left_eye", "right_eye")
+    )
+    (tmp_path / "probe.urdf").write_text(robot(cameras), encoding="utf-8")
+    done = wmrgen_cli("import", tmp_path / "probe.urdf")
+    assert done.code == 2 and "0 joints are wheels" in done.err
+
+
 def test_a_missing_axis_is_asked_about(read: Import) -> None:
     """1 0 0 by the rules of URDF, across the cylinder's, whose axis is taken till then; and a swivel without one, which
     would roll."""

@@ -155,15 +155,17 @@ def _fixed(robot: Robot, joint: Joint) -> Candidate | None:
     """A wheel without a joint of its own: its axis is that which the fixed joint bears, or that of its cylinder."""
     if robot.moving_below(joint.child):
         return None
+    named = re.search("wheel|hub", f"{joint.name} {joint.child}", re.IGNORECASE)
     if joint.axis is not None:
         axis: Vector | None = robot.axis(joint)
     else:
-        named = re.search("wheel|hub", f"{joint.name} {joint.child}", re.IGNORECASE)
         axis = _level_cylinder(robot, joint.child) if named else None
     if axis is None or abs(axis[2]) > LEVEL:
         return None
     above = robot.moving_above(joint)
     candidate = _candidate(robot, joint, axis, next((j for j in above if robot.upright(j)), None), above, ())
+    if not (named or candidate.shape):
+        return None
     return replace(candidate, doubt="its joint is fixed: the file has no joint about which the wheel turns")
 
 

@@ -9,6 +9,7 @@ import ast
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -45,15 +46,23 @@ def sources(package: Path = ROOT / "wmrgen") -> dict[str, str]:
 SOURCES = sources()
 
 
-def imported(text: str) -> Iterator[str]:
-    """Every module, and every name of a module, that an import statement of ``text`` names."""
+@cache
+def statements(text: str) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Of every import statement of ``text`` the module behind ``from``, if there is one, and what is imported."""
+    found = []
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            found.append(("", tuple(alias.name for alias in node.names)))
         elif isinstance(node, ast.ImportFrom):
             assert not node.level, "imports are absolute"
-            yield str(node.module)
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            found.append((str(node.module), tuple(f"{node.module}.{alias.name}" for alias in node.names)))
+    return tuple(found)
+
+
+def imported(text: str) -> Iterator[str]:
+    """Every module, and every name of a module, that an import statement of ``text`` names."""
+    for base, names in statements(text):
+        yield from (base, *names) if base else names
 
 
 def graph(texts: Mapping[str, str]) -> dict[str, set[str]]:
@@ -61,15 +70,9 @@ def graph(texts: Mapping[str, str]) -> dict[str, set[str]]:
     edges: dict[str, set[str]] = {}
     for module, text in texts.items():
         edges[module] = set()
-        for node in ast.walk(ast.parse(text)):
-            if isinstance(node, ast.ImportFrom):
-                base = str(node.module)
-                names = [n if _own(n := f"{base}.{a.name}", texts) else base for a in node.names]
-            elif isinstance(node, ast.Import):
-                names = [alias.name for alias in node.names]
-            else:
-                continue
-            edges[module] |= {own for name in names if (own := _own(name, texts)) and own != module}
+        for base, names in statements(text):
+            owns = (_own(name, texts) or _own(base, texts) for name in names)
+            edges[module] |= {own for own in owns if own and own != module}
     return edges
 
 

@@ -76,13 +76,16 @@ def calls(root: ast.AST) -> Iterator[ast.Call]:
     return (node for node in ast.walk(root) if isinstance(node, ast.Call))
 
 
-def imported(root: ast.AST) -> Iterator[str]:
+@cache
+def imported(root: ast.AST) -> tuple[str, ...]:
+    names: list[str] = []
     for node in ast.walk(root):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            names += (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, "relative imports hide where a module stands"
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            names += (f"{node.module}.{alias.name}" for alias in node.names)
+    return tuple(names)
 
 
 def name_of(function: ast.expr) -> str:

@@ -14,6 +14,7 @@ import yaml
 
 import wmrgen
 from tests.conftest import ROOT, Outcome
+from wmrgen.cli import console
 from wmrgen.functions.registry import names
 from wmrgen.spec.keys import ROBOT
 from wmrgen.spec.schema import MODELINE
@@ -109,7 +110,19 @@ def test_new_never_writes_over_a_file(wmrgen_cli: Cli, here: Path) -> None:
     assert (here / "mine.yaml").read_text() + (here / "robot.schema.json").read_text() == "mine\n{}"
 
 
+def test_questions(wmrgen_cli: Cli, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is given is not asked; an input that ends is no answer."""
+    monkeypatch.setattr(console, "can_ask", lambda: True)
+    done = wmrgen_cli("new", "--from", "bicycle", stdin="int\nmine\n1.25\n\n")
+    assert done.code == 0 and "reserved" in done.err and "wheelbase? [1.1]" in done.err
+    assert [float(p.nominal) for p in wmrgen.load(here / "mine.yaml").parameters] == [1.25, 0.34]
+    assert wmrgen_cli("new", "other", "r=1", "--from", "bicycle").code == 0
+    done = wmrgen_cli("new", stdin="bicycle\nlast\n")
+    assert done.code == 2 and "the input has ended" in done.err and not (here / "last.yaml").exists()
+
+
 @TERMINALS
+@pytest.mark.slow
 def test_new_asks_on_a_terminal(here: Path) -> None:
     """An answer that cannot be is asked again, an empty line takes what is offered."""
     import pty

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
+
+import pytest
 
 from tests.comparing.test_corpus import mecanum, ring, side
 from tests.comparing.test_motion import differential, said
@@ -117,3 +120,49 @@ def test_names_that_contradict_places() -> None:
         side(f"module_{s}", "steered", 0.2, 0.1, offset_y=o) for s, o in (("left", 0.05), ("right", -0.05))
     ]
     assert not list(labelled(Layout("f", "description", (*twins, side("rear", "fixed", -0.2, -0.1)))))
+
+
+def test_a_name_that_fits_two_wheels_leaves_it_to_the_place_and_the_type() -> None:
+    (pair,), left, _ = matched(four("l1", "r1", "l2", "r2"), [side("left", "fixed", -0.2, 0.1)])
+    assert pair[0].name == "l2" and len(left) == 3
+    ((_, other),), _, _ = matched(
+        [side("x1", "fixed", 0, 0)], [side("y1", "castor", 0, 0), side("y2", "fixed", 0.3, 0)]
+    )
+    assert other.name == "y2"
+
+
+def test_contact_of_a_castor_that_follows_and_of_one_that_drives() -> None:
+    base = differential(0.4).wheels
+
+    def with_tail(d: float, actuated: tuple[str, ...] | None, offset: float = 0) -> Layout:
+        tail = replace(side("tail", "castor", -0.3, 0, d=d, offset_y=offset), actuated=actuated)
+        return Layout("", "description", (*base, tail))
+
+    assert not compare(with_tail(-0.04, None), with_tail(0.04, None)).differences  # it swings round
+    assert [d.code for d in compare(with_tail(-0.04, None), with_tail(-0.05, None)).differences] == ["WMR050"]
+    driven = ("spin", "steer")
+    assert [d.code for d in compare(with_tail(-0.04, driven), with_tail(0.04, driven)).differences] == [
+        "WMR050"
+    ]
+    steered = [
+        Layout("", "d", (*base, side("front", "steered", 0.5, 0, offset_y=o))) for o in (0, 5e-7, 5e-6)
+    ]
+    assert not compare(*steered[:2]).differences
+    assert [d.code for d in compare(steered[0], steered[2]).differences] == ["WMR050"]
+
+
+def test_a_sign_is_told_from_a_heading() -> None:
+    a = differential(0.4)
+    (d,) = compare(a, differential(0.4, right=math.pi - 1e-3)).differences
+    assert (d.quantity, d.wheel) == ("sign", "right")
+    (d,) = compare(a, differential(0.4, right=0.1)).differences
+    assert (d.quantity, d.wheel) == ("heading", "right")
+
+
+def test_the_radius_of_a_side_counts_before_that_of_all(tmp_path: Path) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text("drive: {left_wheel_radius: 0.05, wheel_radius: 0.2, wheel_separation: 0.4}\n")
+    result = compare(differential(0.4), *layouts(path))
+    assert [d.quantity for d in result.differences] == ["left radius", "radius"]
+    straight = next(e for e in result.effects if e.motion == "straight")
+    assert straight.ratio == pytest.approx((0.1 / 0.05 + 0.1 / 0.2) / 2)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from wmrgen.backends.registry import VectorForm, why_reserved
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.models.state_space import StateSpace
 from wmrgen.functions.registry import Kind, declaration
 from wmrgen.functions.registry import standard as standard_functions
 from wmrgen.ir.calls import keep_outputs, select, self_contained
@@ -18,6 +18,9 @@ from wmrgen.layout.records import Robot
 from wmrgen.lower import kernels_of, lower
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Limits
+
+if TYPE_CHECKING:
+    from wmrgen.functions.models.state_space import StateSpace
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,5 +200,6 @@ def vector_form(robot: Robot, space: StateSpace, formula: Formula | None = None)
     """``formula``, the rates unless told otherwise, optimised, as a function of x, u and p."""
     whole = optimise((lower(formula or space.rates),), robot.name)
     (function,) = self_contained(whole)
-    sizes = (len(space.system.state), len(space.system.inputs), len(space.system.geometry))
-    return VectorForm(f"{robot.name}_{'ode' if formula is None else formula.name}", function, sizes)
+    system = space.system
+    vectors = tuple(tuple(p.name for p in ports) for ports in (system.state, system.inputs, system.geometry))
+    return VectorForm(f"{robot.name}_{'ode' if formula is None else formula.name}", function, vectors)

@@ -13,12 +13,6 @@ from wmrgen.bounds.assumptions import library
 from wmrgen.bounds.robot import Bounds, bounds
 from wmrgen.constraints import ConstraintRow, Constraints, constrain, pfaffian, pfaffian_rates, symbolic_view
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.functions.models.state_space import (
-    StateSpace,
-    data,
-    default_state_space,
-    state_space,
-)
 from wmrgen.functions.registry import system_builder
 from wmrgen.ir.calls import select
 from wmrgen.ir.interpret import EXACT, evaluate
@@ -45,6 +39,7 @@ from wmrgen.symbolic import Expr, expression, matrix
 
 if TYPE_CHECKING:
     from wmrgen.functions.models.frobenius import Integrability
+    from wmrgen.functions.models.state_space import StateSpace
     from wmrgen.functions.models.vector_fields import Growth
     from wmrgen.functions.system import System
 
@@ -187,6 +182,8 @@ class Derivation:
 
         ``discrete``: rk4, exact or collocation gives the step of ``dt`` [s], (x, u, p) -> (xnext, A, B, c).
         """
+        from wmrgen.functions.models.state_space import state_space
+
         space = state_space(self.robot, self.mobility, form)
         casadi = BACKENDS["casadi"]
         model = casadi.offers("ode")(vector_form(self.robot, space))
@@ -194,6 +191,8 @@ class Derivation:
 
     def rolling(self, form: str = "twist") -> Any:
         """casadi.Function (x, u, p) -> g [m/s], 0 where no steered wheel slides; None without steered wheels."""
+        from wmrgen.functions.models.state_space import state_space
+
         space = state_space(self.robot, self.mobility, form)
         if space.constraints is None:
             return None
@@ -202,6 +201,8 @@ class Derivation:
     @cached_property
     def default_state_space(self) -> StateSpace | None:
         """What `state_space` is unless told otherwise; None where the robot has no model of motion."""
+        from wmrgen.functions.models.state_space import default_state_space
+
         return default_state_space(self.robot, self.mobility)
 
     def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
@@ -278,6 +279,8 @@ class Derivation:
 
     def model(self) -> dict[str, Any]:
         """The content of model.json."""
+        from wmrgen.functions.models.state_space import data
+
         space = self.default_state_space
         content = model(self.robot, self.mobility, self.raw_module, self.c_module, self.bounds)
         return content if space is None else {**content, "state_space": data(space)}

@@ -57,7 +57,7 @@ def derivation(name: str, function: str) -> Derivation | None:
     try:
         derived.formula(function)
     except NotDerivableError as error:
-        assert str(error).startswith(f"{robot(name).name} ") and len(str(error)) > 40
+        assert error.what.startswith(f"{robot(name).name} ") and len(error.what) > 40
         return None
     return derived
 

@@ -111,11 +111,14 @@ def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]
 
 def ode(vector: VectorForm, result: str = "xdot") -> ca.Function:
     """``(x, u, p) -> xdot``, of vectors."""
-    x, u, p = (ca.SX.sym(name, size) for name, size in zip("xup", vector.sizes, strict=True))
-    entries = [v[i] for v in (x, u, p) for i in range(v.numel())]
-    rates = to_casadi(vector.function, vector.function.name).call(entries)
+    vectors = [ca.SX.sym(name, len(entries)) for name, entries in zip("xup", vector.vectors, strict=True)]
+    named = {
+        e: v[i] for v, entries in zip(vectors, vector.vectors, strict=True) for i, e in enumerate(entries)
+    }
+    inputs = [named[port.name] for port in vector.function.inputs]
+    rates = to_casadi(vector.function, vector.function.name).call(inputs)
     return ca.Function(
-        ca.Function.fix_name(vector.name), [x, u, p], [ca.densify(ca.vertcat(*rates))], ["x", "u", "p"], [result],
+        ca.Function.fix_name(vector.name), vectors, [ca.densify(ca.vertcat(*rates))], ["x", "u", "p"], [result],
     )  # fmt: skip
 
 

@@ -29,12 +29,12 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class VectorForm:
-    """A ``function`` whose inputs are the entries of vectors, one after the other, ``sizes`` of each; ``name`` of what
+    """A ``function`` of vectors: the contract names of the entries of each; it may do without some. ``name`` of what
     backends make of it."""
 
     name: str
     function: Function
-    sizes: tuple[int, ...]
+    vectors: tuple[tuple[str, ...], ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -160,3 +160,22 @@ def test_the_exact_step_is_exact_and_smooth_at_a_straight_line() -> None:
         assert x == pytest.approx([1 + z.real, 2 + z.imag, 0.4 + 10 * omega], abs=1e-9)
         jacobian = np.array(f([1, 2, 0.4], [0.3, -0.1, omega], nominal(derivation))[2])
         assert np.isfinite(jacobian).all()
+
+
+def test_a_parameter_that_a_model_does_without_stays_in_its_vector(tmp_path: Path) -> None:
+    """A tunable toe moves inverse, and no term of a posture model: p has an entry for it all the same."""
+    text = """\
+wmrgen: 1
+name: toed
+parameters:
+  a: {value: 0.05, tunable: true}
+  unused: {value: 0.2, tunable: true}
+wheels:
+  - {name: left, type: swedish, x: 0.3, y: unused, heading: a/2, gamma: 0, r: 0.1}
+  - {name: right, type: swedish, x: -0.2, y: -0.2, heading: 0, gamma: 0, r: 0.1}
+  - {name: back, type: swedish, x: 0, y: 0.4, heading: pi/2, gamma: 0, r: 0.1}
+"""
+    (tmp_path / "toed.yaml").write_text(text)
+    f = wmrgen.derive(wmrgen.load(tmp_path / "toed.yaml")).state_space("twist")
+    assert f.size1_in(2) == 2
+    assert np.array(f([0, 0, 0], [0.5, 0.1, 2.0], [0.35, 0.1])).ravel() == pytest.approx([0.5, 0.1, 2.0])

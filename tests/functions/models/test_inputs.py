@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import pytest
 
 from tests.functions.models.robots import DIFFERENTIAL, OMNI, TWO_STEER, UNICYCLE, derived
@@ -54,8 +52,9 @@ WITH_CASTOR = "{name: c, type: castor, x: -0.3, y: 0, heading: 0, d: 0.1, r: r}"
 )  # fmt: skip
 def test_what_is_missing_is_named(wheels: str, words: str) -> None:
     d = derived(wheels)
-    with pytest.raises(UnderactuatedError, match=f"^{re.escape(words)}$"):
+    with pytest.raises(UnderactuatedError) as refusal:
         posture_motion(d.robot, d.mobility)
+    assert refusal.value.what == words
     motion = best_motion(d.robot, d.mobility)
     assert motion.text == f"posture model in null-space coordinates: {words}"
     etas = [p.name for p in motion.inputs]

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from tests.conftest import Outcome
+from tests.depth import DEEP
 from tests.importing.drawn_sdf import sdf, unsnapped
 
 Cli = Callable[..., Outcome]
@@ -52,7 +53,7 @@ CHASSIS = '<link name="chassis"><pose>-0.15 0 0.2 0 0 0</pose></link>'
 PAIR = CHASSIS + wheel("left", "0.05 0.25 0.1") + wheel("right", "0.05 -0.25 0.1")
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(100 if DEEP else 4))
 def test_wheels_do_not_depend_on_the_frames_of_the_file(read: Import, seed: int) -> None:
     text, truth = unsnapped(seed)
     said = read(text)
@@ -168,6 +169,8 @@ def test_what_publishes_does_not_drive_and_what_moves_the_body_drives_no_wheel(r
         '<plugin filename="gz-sim-joint-state-publisher-system"><joint_name>left_joint</joint_name></plugin>'
     )
     assert read(sdf(PAIR, states))["wheels"]["left_joint"]["actuated"] is None
+    drives = '<plugin filename="libsimulation_drive.so" name="x"><joint>left_joint</joint></plugin>'
+    assert read(sdf(PAIR, drives))["wheels"]["left_joint"]["actuated"] == ["spin"]
     moves = '<plugin filename="libgazebo_ros_planar_move.so" name="object_controller"/>'
     assert read(sdf(PAIR, moves))["wheels"]["left_joint"]["actuated"] == []
 

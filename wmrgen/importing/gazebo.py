@@ -11,7 +11,7 @@ from wmrgen.importing.records import Friction
 from wmrgen.spec.text import quoted
 
 _WATCHES = re.compile(
-    "state[-_]?publisher|sensor|torque|mimic|odometry[-_]?publisher|_ir_|camera|laser|lidar|imu|opcode",
+    "state[-_]?publisher|sensor|torque|mimic|odometry[-_]?publisher|_ir_|camera|laser|lidar|(?<![a-z])imu(?![a-z])|opcode",
     re.IGNORECASE,
 )
 _MOVES_THE_BODY = re.compile("planar[-_]?move|object_controller|velocity-?control-?system", re.IGNORECASE)

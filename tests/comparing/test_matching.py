@@ -123,8 +123,8 @@ def test_names_that_contradict_places() -> None:
 
 
 def test_a_name_that_fits_two_wheels_leaves_it_to_the_place_and_the_type() -> None:
-    (pair,), left, _ = matched(four("l1", "r1", "l2", "r2"), [side("left", "fixed", -0.2, 0.1)])
-    assert pair[0].name == "l2" and len(left) == 3
+    (pair,), left, _ = matched(four("left_1", "r1", "left_2", "r2"), [side("left", "fixed", -0.2, 0.1)])
+    assert pair[0].name == "left_2" and len(left) == 3
     ((_, other),), _, _ = matched(
         [side("x1", "fixed", 0, 0)], [side("y1", "castor", 0, 0), side("y2", "fixed", 0.3, 0)]
     )

@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 PYTEST := $(BIN)/python -m pytest -n auto --dist worksteal
 
-.PHONY: setup demo test check lint types generate bench mutants clean
+.PHONY: setup demo test check lint types generate bench mutants fuzz clean
 .DEFAULT_GOAL := demo
 
 setup: $(STAMP)
@@ -47,6 +47,14 @@ bench: setup
 mutants: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,mutants]'
 	$(BIN)/python -m benchmarks mutants
+
+# SECONDS of robot files by Atheris.
+fuzz: $(VENV)/.fuzz
+	$(BIN)/python -m tests.hostile.fuzz $(or $(SECONDS),600)
+
+$(VENV)/.fuzz: $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,fuzz]'
+	@touch $@
 
 clean:
 	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

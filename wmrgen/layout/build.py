@@ -52,7 +52,15 @@ def build(spec: RobotSpec) -> Robot:
     wheels: list[Wheel] = []
     for i, w in enumerate(spec.wheels):
         with several:
-            wheels.append(_wheel(i, w, _Angles(w.name, scope, tunable if spec.snap else None, notes)))
+            try:
+                wheels.append(_wheel(i, w, _Angles(w.name, scope, tunable if spec.snap else None, notes)))
+            except ZeroDivisionError:
+                raise RobotFileError(
+                    f"the wheel {w.name} has a value too small to be told from zero",
+                    w.mark,
+                    "",
+                    "Write 0, or a length.",
+                ) from None
     _check_names(spec, several)
     facts: dict[str, Any] = {}
     for part, laid_out in _PARTS.items():

@@ -188,6 +188,7 @@ def _vectors(
         yield Vector(text, tuple(point.tolist()), tuple(wanted.tolist()), tuple(slack[:, k].tolist()))
 
 
+@np.errstate(over="ignore")
 def _rounded(value: Array, error: Array, scalar: str) -> tuple[Array, Array]:
     """``value`` in the scalar type, and whether everything within ``error`` of it rounds to the same."""
     nothing = np.abs(value) + error < _FLOOR

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from wmrgen.backends.registry import Place
-from wmrgen.ir.calls import Kernels, nominal, with_places
+from wmrgen.ir.calls import Kernels, defaults, nominal, with_places
 from wmrgen.ir.calls import by_name as kernels_by_name
 from wmrgen.ir.interpret import values_of
 from wmrgen.ir.nodes import Function, Module, Op, contract
@@ -39,9 +39,10 @@ def _inputs(function: Function) -> dict[str, Array]:
 
 
 @np.errstate(all="ignore")
-def _tunables(module: Module) -> dict[str, Array]:
-    """Nominal values of the tunable parameters, and what prepare() makes of them."""
-    values = {name: np.full(1, value) for name, value in nominal(module).items()}
+def _tunables(module: Module, formulas: Sequence[Function]) -> dict[str, Array]:
+    """Nominal values of the tunable parameters, of such as only formulas have too, and what prepare() makes of them."""
+    defaults_of = (nominal(module), *map(defaults, formulas))
+    values = {name: np.full(1, value) for each in defaults_of for name, value in each.items()}
     if module.prepare is not None:
         values |= module.prepare.outputs_of(
             list(map(np.atleast_1d, values_of(module.prepare, values, np.float64)))
@@ -95,7 +96,7 @@ def traced(module: Module, formulas: Sequence[Function]) -> Module:
     Variants of a function have the names of that one.
     """
     written = {f.name: f for f in formulas}
-    tunables = _tunables(module) if formulas else {}
+    tunables = _tunables(module, formulas) if formulas else {}
     kernels = kernels_by_name(module.kernels)
 
     def named(function: Function) -> Function:

@@ -73,6 +73,11 @@ def test_a_parameter_of_which_no_code_depends() -> None:
     derive(robot(wheel("a", "castor", d="p"), top=top).encode())
 
 
+def test_a_parameter_on_which_nothing_depends() -> None:
+    """It has its place in the vector of parameters. It was a crash."""
+    derive(robot(wheel("a"), top="parameters: {p: {value: 0.5, tunable: true}}\n").encode())
+
+
 def test_what_cannot_be_told_from_zero() -> None:
     """The sine of so small an angle is a rational with few digits. It was a crash."""
     inside = wheel("a", x="1e-30", y="sin(p)", heading="", beta="0")

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from math import atan2, cos, pi, sin
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.report.common import ROBOTS, derivation, page_of
+from tests.report.common import ROBOTS, derivation, page_of, page_written
 from tests.report.reading import read
 from wmrgen import notation
 
@@ -197,3 +198,21 @@ def test_a_model_that_cannot_be_written_leaves_the_one_in_eta(monkeypatch: pytes
     monkeypatch.setattr(Derivation, "system", refuse)
     text = "\n".join(motion(derivation("pioneer3dx")))
     assert "In the speeds" not in text and r"\eta_{1}" in text
+
+
+LONG = """wmrgen: 1
+name: sample
+parameters: {a: 0.3, b: 0.2}
+wheels:
+  - {name: w0, type: swedish, x: a, y: b, heading: 0.37, r: 0.1, gamma: 0.5}
+  - {name: w1, type: swedish, x: -a, y: b, heading: 1.9, r: 0.1, gamma: -0.7}
+  - {name: w2, type: swedish, x: b, y: -a, heading: 4.1, r: 0.1, gamma: 0.3}
+  - {name: w3, type: fixed, x: b, y: 0.1, heading: 0.37, r: 0.1, sensed: []}
+"""
+
+
+def test_long_numbers_are_not_factored(tmp_path: Path) -> None:
+    """Sines of general angles are fractions of forty digits: their common divisors overflow what can be printed."""
+    page = page_written(tmp_path, LONG)
+    assert "In letters" not in page and r"\det(H^T H) = " in page
+    assert not re.search(r"\d{10,}", page.partition("## 7 ")[2].partition("## 8 ")[0])

@@ -10,13 +10,12 @@ from wmrgen.backends.report.latex import (
     broken,
     latex,
     matrix,
-    reduced,
     summands,
     terms,
     width,
     wrapped,
 )
-from wmrgen.backends.report.letters import approximate, in_letters, in_wheel_speeds, square
+from wmrgen.backends.report.letters import approximate, factored, in_letters, in_wheel_speeds, square
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, items, math, some
 from wmrgen.constraints import nominal_view, seen, symbolic_view
 from wmrgen.exact.linalg import determinant
@@ -134,7 +133,7 @@ def _condition(rows: list[Measured]) -> list[str]:
     words = "The condition is that H has full column rank 3 (Tzafestas (2.8a)), det(HᵀH) ≠ 0"
     normal, _ = normal_equations(rows)
     long = max(len(p.terms) for row in normal for p in row) > _ENTRY
-    det = "" if long else latex(reduced(determinant(normal), Poly.of(1)))
+    det = "" if long else factored(determinant(normal))
     if long or width(det) > _DET:
         return [f"{words}."]
     return [f"{words}:", *math(rf"\det(H^T H) = {det}")]

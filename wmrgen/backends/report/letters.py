@@ -25,10 +25,21 @@ if TYPE_CHECKING:
     from wmrgen.robot import Derivation
 
 _ENTRY = 12  # terms of an entry of H^T H and H^T z
-_PRODUCTS = 60  # terms of adj(H^T H) H^T z
+_PRODUCTS = 60  # terms of a determinant of three rows
+_WORK = 120  # terms of adj(H^T H) H^T z and of the determinant, times the number of parameters: 0.1 s
 _WIDEST = 240  # glyphs of what is printed
+_DIGITS = 10**6  # of numerators and denominators
 _LINE = 112  # glyphs of a line of a model
 _MODELS = ("posture", "configuration", "zeta", "trailer")  # functions that `wmrgen model` writes
+
+
+def factored(p: Poly) -> str:
+    """A determinant in factors, where its numbers are short: of long ones common divisors are no help to a reader."""
+    return latex(reduced(p, Poly.of(1)) if _short([p]) else p)
+
+
+def _short(polys: Sequence[Poly]) -> bool:
+    return all(max(map(abs, (*c.num, c.den))) <= _DIGITS for p in polys for c in p.terms.values())
 
 
 def square(d: Derivation, rows: list[Measured]) -> list[str]:
@@ -37,7 +48,7 @@ def square(d: Derivation, rows: list[Measured]) -> list[str]:
     own = len(rolling) == 3 and not d.constraints.sliding and all(w.sensed for w in d.robot.wheels)
     book = r" = J_1^{-1} J_2\,\dot{\varphi} \qquad (3.31)" if own else ""
     volume = determinant([list(row) for row, _, _ in rows])
-    det = latex(reduced(volume, Poly.of(1))) if len(volume.terms) <= _PRODUCTS else ""
+    det = factored(volume) if len(volume.terms) <= _PRODUCTS else ""
     shown = math(rf"\det H = {det}") if det and width(det) <= _LINE else []
     return [
         "As many rows as unknowns: the solution is",
@@ -54,12 +65,12 @@ def in_letters(d: Derivation, rows: list[Measured]) -> list[str]:
     entries = [*moment, *(p for row in normal for p in row)]
     tunable = {p.name for p in d.robot.parameters if p.tunable}
     named = {g.name for p in entries for g in p.generators if g.kind == "param"}
-    if named <= tunable or max(len(p.terms) for p in entries) > _ENTRY:
+    if named <= tunable or max(len(p.terms) for p in entries) > _ENTRY or not _short(entries):
         return []
     ports = symbol_names(d.program.formula("forward").inputs)
     adjoint, below = adjugate(normal), determinant(normal)
     above = [Poly.sum(a * b for a, b in zip(row, moment, strict=True)) for row in adjoint]
-    if sum(len(p.terms) for p in above) > _PRODUCTS:
+    if sum(len(p.terms) for p in (*above, below)) * len(named) > _WORK:
         return []
     texts = [broken(reduced(p, below), ports) for p in above]
     if width("".join(texts)) > _WIDEST:

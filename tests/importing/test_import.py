@@ -287,6 +287,7 @@ def test_a_missing_axis_is_asked_about(read: Import) -> None:
     said = read(robot(pair(), castor))
     assert (said["wheels"]["tail"]["type"], said["wheels"]["tail"]["d"]) == ("castor", -0.04)
     assert [(q["wheel"], q["key"]) for q in said["questions"]] == [("tail", "type")]
+    assert "moves above wheels" not in said["notes"]
 
 
 def test_base_is_the_callers_choice(read: Import) -> None:

@@ -111,7 +111,8 @@ def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
         silent = [j for j in candidate.via if j.turns and j.axis is None]
         if silent:
             why = f"{quoted(silent[0].name)} has no <axis>, so 1 0 0; it is taken for a steering axis, 0 0 1"
-            return replace(candidate, steer=replace(silent[0], axis=Z), doubt=why)
+            rest = tuple(j for j in candidate.via if j is not silent[0])
+            return replace(candidate, steer=replace(silent[0], axis=Z), via=rest, doubt=why)
         if same := [j for j in candidate.via if j.turns and _coaxial(robot, j, candidate)]:
             return replace(candidate, doubt=f"{quoted(same[0].name)} above it turns about the same axle")
     return candidate

@@ -84,7 +84,11 @@ def test_the_report_says_what_is_computed(tmp_path: Path, wmrgen_cli: Callable[.
     ("more", "limits", "message"),
     [
         ("  b: {value: half, tunable: true}\n", "", "b is tunable and computed from track"),
-        ("", "limits: {omega: 2*half}\n", "limit omega: 2\\*half depends on the tunable parameter track"),
+        (
+            "",
+            "limits: {omega: 2*half}\n",
+            "limit omega is 2\\*half, which depends on the tunable parameter track",
+        ),
     ],
 )
 def test_what_cannot_follow_is_refused_in_words(more: str, limits: str, message: str, tmp_path: Path) -> None:

@@ -259,7 +259,7 @@ def _deadband(share: Quantity, scope: Scope) -> Exact:
     value = constant("deadband", share, scope)
     if not ZERO <= value < ONE:
         raise RobotFileError(
-            f"deadband {share.text} is not from 0 to below 1", share.mark,
+            f"deadband is {share.text}, not from 0 to below 1", share.mark,
             "It is a share of the limits of vx, vy and omega; with all of them the robot would never move.",
             "Write a number such as deadband: 0.01.",
         )  # fmt: skip
@@ -284,7 +284,7 @@ def _trailer(t: TrailerSpec, scope: Scope) -> Trailer:
     length = scope.length(t.length)
     if length.nominal.sign <= 0:
         raise RobotFileError(
-            f"{t.name}: trailer length = {t.length.text} is not positive", t.length.mark,
+            f"length of {t.name} is {t.length.text}, which is not positive", t.length.mark,
             "A trailer turns about its axle by the lever arm `length`; without one it cannot follow.",
             "Write the distance from the trailer's coupling back to its axle.",
         )  # fmt: skip

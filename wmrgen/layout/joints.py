@@ -20,7 +20,7 @@ def constant(what: str, quantity: Quantity, scope: Scope) -> Exact:
     names = sorted(parameters_in(substituted(symbolic, scope.constants)))
     if names:
         raise RobotFileError(
-            f"{what}: {quantity.text} depends on the tunable parameter {names[0]}", quantity.mark,
+            f"{what} is {quantity.text}, which depends on the tunable parameter {names[0]}", quantity.mark,
             "It is a constant of the generated code and of its proved bounds.",
             f"Write a number, or delete tunable: true of {names[0]}.",
         )  # fmt: skip
@@ -29,10 +29,10 @@ def constant(what: str, quantity: Quantity, scope: Scope) -> Exact:
 
 def weight_of(name: str, weight: Quantity, scope: Scope) -> Exact:
     """A positive constant, not so far from the 1 of other wheels that a float loses one of them."""
-    value = constant(f"{name}: weight", weight, scope)
+    value = constant(f"weight of {name}", weight, scope)
     if not 1 <= value * MOST_WEIGHT <= MOST_WEIGHT**2:
         raise RobotFileError(
-            f"{name}: weight {weight.text} is not between 1/{MOST_WEIGHT} and {MOST_WEIGHT}", weight.mark,
+            f"weight of {name} is {weight.text}, not between 1/{MOST_WEIGHT} and {MOST_WEIGHT}", weight.mark,
             "Weights are about (noise of other wheels / noise of this one)**2; rows that count next to nothing are "
             "lost in rounding.",
             "Write a number such as 0.25; sensed: [] leaves the wheel out.",
@@ -44,10 +44,10 @@ def noise_of(noise: Iterable[NoiseSpec], scope: Scope) -> dict[str, Noise]:
     """Standard deviations in SI units. RobotFileError for one below 0."""
 
     def deviation(joint: str, part: str, quantity: Quantity | None) -> Exact:
-        value = ZERO if quantity is None else constant(f"noise of {joint}: {part}", quantity, scope)
+        value = ZERO if quantity is None else constant(f"{part} of the noise of {joint}", quantity, scope)
         if quantity is not None and value.sign < 0:
             raise RobotFileError(
-                f"noise of {joint}: {part} {quantity.text} is negative", quantity.mark,
+                f"{part} of the noise of {joint} is {quantity.text}, which is negative", quantity.mark,
                 "It is a standard deviation.", "Write 0 or a positive value.",
             )  # fmt: skip
         return value
@@ -60,16 +60,16 @@ def noise_of(noise: Iterable[NoiseSpec], scope: Scope) -> dict[str, Noise]:
 
 def encoders_of(whose: str, encoders: Iterable[EncoderSpec], scope: Scope) -> dict[str, Encoder]:
     """Counters. RobotFileError for counts or a gear that are not positive, and for another width than 16 or 32."""
-    return {e.joint: _encoder(f"{e.joint} encoder of {whose}", e, scope) for e in encoders}
+    return {e.joint: _encoder(f"the {e.joint} encoder of {whose}", e, scope) for e in encoders}
 
 
 def _encoder(what: str, e: EncoderSpec, scope: Scope) -> Encoder:
-    counts = _positive(f"{what}: counts", e.counts, scope)
-    turn = counts if e.gear is None else counts * _positive(f"{what}: gear", e.gear, scope)
-    bits = Exact(32) if e.bits is None else constant(f"{what}: bits", e.bits, scope)
+    counts = _positive(f"counts of {what}", e.counts, scope)
+    turn = counts if e.gear is None else counts * _positive(f"gear of {what}", e.gear, scope)
+    bits = Exact(32) if e.bits is None else constant(f"bits of {what}", e.bits, scope)
     if e.bits is not None and bits not in (Exact(16), Exact(32)):
         raise RobotFileError(
-            f"{what}: bits {e.bits.text} is neither 16 nor 32", e.bits.mark,
+            f"bits of {what} is {e.bits.text}, neither 16 nor 32", e.bits.mark,
             "A counter is read as an unsigned integer of that width.", "Write bits: 16 or bits: 32.",
         )  # fmt: skip
     return Encoder(-turn if e.reversed else turn, 16 if bits == Exact(16) else 32)
@@ -79,7 +79,7 @@ def _positive(what: str, quantity: Quantity, scope: Scope) -> Exact:
     value = constant(what, quantity, scope)
     if value.sign <= 0:
         raise RobotFileError(
-            f"{what} {quantity.text} is not positive", quantity.mark, "",
+            f"{what} is {quantity.text}, which is not positive", quantity.mark, "",
             "Write a positive number; reversed: true says that the encoder counts down.",
         )  # fmt: skip
     return value

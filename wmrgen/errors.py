@@ -159,6 +159,10 @@ class NotDerivableError(WmrgenError):
 
 
 class EnvironmentFailure(WmrgenError):
-    """Something outside wmrgen is missing or refuses: no compiler, no write permission."""
+    """Something outside wmrgen is missing or refuses: no compiler, no write permission. What a tool said stays as it
+    is."""
 
     exit_code = 4
+
+    def __str__(self) -> str:
+        return f"error: {self.what}"

@@ -75,7 +75,8 @@ def test_who_has_no_encoder(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("encoder", "problem"),
     [("spin: {gear: 3}", "has no counts"), ("spin: {counts: 0}", "counts of the spin encoder of a is 0,"),
-     ("spin: {counts: 10, gear: -3}", "gear of the spin encoder of a is -3,"), ("spin: {counts: 10, bits: 24}", "neither 16 nor 32"),
+     ("spin: {counts: 10, gear: -3}", "gear of the spin encoder of a is -3,"),
+     ("spin: {counts: 10, bits: 24}", "neither 16 nor 32"),
      ("spin: {counts: 10 mm}", "has a unit"), ("spin: {cpr: 10}", "Did you mean counts"),
      ("steer: {counts: 10}", "unknown key 'steer'"), ("counts: 10", "unknown key 'counts'"),
      ("spin: 10", "must be a mapping"),

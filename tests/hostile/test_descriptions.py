@@ -12,7 +12,7 @@ from tests.importing.urdf import link, pair, robot
 
 pytestmark = LINUX
 HEAD = '<robot name="probe" xmlns:xacro="http://www.ros.org/wiki/xacro">'
-MOST = 999  # joints that a description may have
+MOST = 499  # joints that a description may have
 
 
 def of(*parts: str) -> str:

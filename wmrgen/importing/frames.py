@@ -15,7 +15,7 @@ from wmrgen.importing.records import Frame, Joint, Matrix, Vector
 from wmrgen.layout.expressions import TOLERANCE
 from wmrgen.spec.text import quoted
 
-MAX_JOINTS, MAX_CHAIN = 1_000, 64  # of a robot, of its longest chain
+MAX_JOINTS, MAX_CHAIN = 500, 64  # of a robot, of its longest chain
 _QUARTERS = {0: (0, 1), 1: (1, 0), 2: (0, -1), 3: (-1, 0)}  # sine, cosine
 _DIGITS = 10**30
 _ZERO, _ONE = Fraction(0), Fraction(1)

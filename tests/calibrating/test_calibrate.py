@@ -57,7 +57,9 @@ def test_real_drives_give_the_recorded_parameters(name: str) -> None:
     assert result.after.position < 0.75 * result.before.position
 
 
-@pytest.mark.parametrize("name", LAYOUTS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[] if name == "mecanum" else pytest.mark.slow) for name in LAYOUTS]
+)
 def test_clean_drives_give_the_true_parameters(tmp_path: Path, name: str) -> None:
     """Unequal wheels, a tracked point beside the robot's own, a clock that is off: each is told from the others."""
     layout = LAYOUTS[name]
@@ -123,6 +125,7 @@ def test_straight_lines_do_not_tell_a_track(tmp_path: Path) -> None:
     assert added is not None and any(s.twist[2] for course in added for s in course.segments)
 
 
+@pytest.mark.slow
 def test_plans_hold_what_they_promise(tmp_path: Path) -> None:
     """The proposed courses, and no shorter set of them, make every parameter certain to the precision asked for."""
     for name, layout in LAYOUTS.items():
@@ -214,6 +217,7 @@ def test_a_bad_log_is_refused_in_one_message(tmp_path: Path, mistake: str) -> No
     assert "other way" in mistake or "run-0" in str(refusal.value)
 
 
+@pytest.mark.slow
 def test_exchanged_columns_are_named(tmp_path: Path) -> None:
     layout = LAYOUTS["mecanum"]
     paths = written(tmp_path, layout)
@@ -223,6 +227,7 @@ def test_exchanged_columns_are_named(tmp_path: Path) -> None:
         calibrate(derivation_of(tmp_path, layout), paths, [])
 
 
+@pytest.mark.slow
 def test_partial_truth(tmp_path: Path) -> None:
     """Start and end alone, with the heading at the start alone: two drives of it tell a radius."""
     layout = LAYOUTS["differential"]

@@ -31,6 +31,9 @@ _UNIT_MOUNT = (0.05, 0.05, 0.05)  # [m, m, rad] about what such quantities are, 
 _UNIT_OWN = (0.1, 0.1, 0.1, 0.1)  # [m, m, rad, s]
 _PRIOR_OWN = 0.01  # the same for start poses and clocks
 _MOST_STEPS = 40  # of the solver; where residuals are small it needs ten
+_NEAR = (
+    0.03  # standard deviations, if all residuals were as large as the scale: nearer than this is near enough
+)
 _PRIOR = 0.1  # residuals, in units of the loss's scale, that one unit (10 % of a parameter) away from nominal costs
 
 
@@ -243,12 +246,23 @@ def _solved(problem: Problem, start: Reals, each: Each) -> Reals:
             last[key] = Sums(cost, gradient, matrix)
         return last[key]
 
+    last_point = [start]
+
+    def callback(x: Reals) -> None:
+        """Halt where Newton's step is far below a standard deviation: what is left is the roughness of the readings."""
+        if not np.array_equal(x, last_point[0]):  # the trust region was not made smaller alone
+            last_point[0] = x.copy()
+            here = total(x)
+            if here.gradient @ np.linalg.solve(here.matrix, here.gradient) < _NEAR**2:
+                raise StopIteration
+
     solution = minimize(
         lambda x: total(x).cost,
         start,
         jac=lambda x: total(x).gradient,
         hess=lambda x: total(x).matrix,
         method="trust-exact",
+        callback=callback,
         options={"gtol": 1e-6, "maxiter": _MOST_STEPS},
     )
     return np.asarray(solution.x)

@@ -1,8 +1,8 @@
 """The path that a robot's joint readings tell, and how it changes with the robot's parameters.
 
 A position is one complex number, x + iy, and so is a displacement: a step that turns by omega while the robot's point
-moves by u in its own frame takes it, turned with the robot, by u (exp(i omega) - 1) / (i omega): the exponential map of
-SE(2), which `wmrgen.kinematics.odometry` has as a formula.
+moves by u in its own frame takes it, turned with the robot, by u (exp(i omega) - 1) / (i omega), which is
+u exp(i omega / 2) sinc(omega / 2): the exponential map of SE(2), which `wmrgen.kinematics.odometry` has as a formula.
 """
 
 from __future__ import annotations
@@ -64,28 +64,25 @@ class Increments:
         return self.sensitivity(np.vstack([inputs, constant]))
 
 
-def _chord(step: Reckoning) -> tuple[Complexes, Complexes]:
-    """The displacement of each step in the frame at its start, and its derivatives: u E(omega) with
-    E = (exp(i omega) - 1) / (i omega), whose derivative is (exp(i omega) - E) / omega; where omega is small both are
-    series, right to 1e-16."""
-    omega = step.heading
-    small = np.abs(omega) < 1e-4
-    divisor = np.where(small, 1.0, omega)
-    mean = np.where(small, 1 + 0.5j * omega - omega**2 / 6, np.expm1(1j * omega) / (1j * divisor))
-    slope = np.where(small, 0.5j - omega / 3, (np.exp(1j * omega) - mean) / divisor)
-    return step.position * mean, step.position_by * mean + step.position * slope * step.heading_by
-
-
 def reckoned(step: Reckoning) -> Reckoning:
-    """Steps, one after the other: N + 1 poses, of which the first is zeros."""
-    chord, chord_by = _chord(step)
-    heading = _sums(step.heading)
-    heading_by = _sums(step.heading_by)
-    turned = np.exp(1j * heading[:-1])
-    position_by = _sums(turned * (chord_by + 1j * chord * heading_by[:, :-1]))
-    return Reckoning(_sums(turned * chord), heading, position_by, heading_by)
+    """Steps, one after the other: N + 1 poses, of which the first is zeros. A step goes by the chord u sinc(omega / 2)
+    along the heading at the middle of its arc; where omega is small, sinc is its series, right to 1e-16."""
+    heading, heading_by = _sums(step.heading), _sums(step.heading_by)
+    half = 0.5 * step.heading
+    small = np.abs(half) < 1e-4
+    divisor = np.where(small, 1.0, half)
+    sinc = np.where(small, 1 - half**2 / 6, np.sin(half) / divisor)
+    slope = np.where(small, -half / 6, (np.cos(half) - sinc) / (2 * divisor))  # of sinc, by omega
+    along = np.exp(1j * (heading[:-1] + half))
+    ahead = along * step.position
+    chord = ahead * sinc
+    turn = ahead * slope + 0.5j * chord
+    chord_by = along * sinc * step.position_by + turn * step.heading_by + 1j * chord * heading_by[:, :-1]
+    return Reckoning(_sums(chord), heading, _sums(chord_by), heading_by)
 
 
 def _sums(steps: Any) -> Any:
     """0 and the running sums along the last axis."""
-    return np.concatenate([np.zeros_like(steps[..., :1]), np.cumsum(steps, axis=-1)], axis=-1)
+    result = np.zeros((*steps.shape[:-1], steps.shape[-1] + 1), dtype=steps.dtype)
+    np.cumsum(steps, axis=-1, out=result[..., 1:])
+    return result

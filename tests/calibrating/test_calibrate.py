@@ -217,6 +217,76 @@ def test_a_bad_log_is_refused_in_one_message(tmp_path: Path, mistake: str) -> No
     assert "other way" in mistake or "run-0" in str(refusal.value)
 
 
+def _truths(paths: list[Path], change: Callable[[np.ndarray], np.ndarray]) -> None:
+    """Rewrite the rows (t, x, y, theta) of each truth."""
+    for path in (path.with_suffix(".truth.csv") for path in paths):
+        header, rows = _rows(path.read_text(encoding="utf-8"))
+        path.write_text(_text(header, change(rows)), encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("factors", "said"),
+    [
+        ((1, 1, 1, 180 / np.pi), "headings stay .* which seems to be in degrees"),
+        pytest.param(
+            (1, 1000, 1000, 1), "positions stay .* which seem to be in millimetres", marks=pytest.mark.slow
+        ),
+        ((1, np.nan, np.nan, np.nan), "has to be measured twice"),
+    ],
+)
+def test_a_truth_in_other_units_is_refused(tmp_path: Path, factors: tuple[float, ...], said: str) -> None:
+    layout = LAYOUTS["differential"]
+    paths = written(tmp_path, layout)
+    _truths(paths, lambda rows: rows * factors)
+    with pytest.raises(UsageError, match=said):
+        calibrate(derivation_of(tmp_path, layout), paths, [])
+
+
+def test_ends_of_drives_that_turn_by_more_than_half_a_turn(tmp_path: Path) -> None:
+    """Headings between -pi and pi, at start and end alone: whole turns between them come from the joints."""
+    layout = LAYOUTS["differential"]
+    paths = written(tmp_path, layout, late=0.0)
+    turns = []
+
+    def ends(rows: np.ndarray) -> np.ndarray:
+        turns.append(np.ptp(rows[[0, -1], 3]))
+        rows[:, 3] = (rows[:, 3] + np.pi) % (2 * np.pi) - np.pi
+        return rows[[0, -1]]
+
+    _truths(paths, ends)
+    assert max(turns) > 2 * np.pi
+    result = calibrate(derivation_of(tmp_path, layout), paths, [])
+    for parameter, value in layout.true.items():
+        estimate = result.parameters[parameter]
+        assert abs(estimate.value - value) < max(3 * estimate.sigma, 0.02 * value)
+
+
+def test_headings_alone(tmp_path: Path) -> None:
+    """As a gyro gives them: they tell ratios of radii to the track, and not the scale of all."""
+    layout = LAYOUTS["differential"]
+    paths = written(tmp_path, layout)
+    _truths(paths, lambda rows: rows * (1, np.nan, np.nan, 1))
+    for path in paths:
+        truth = path.with_suffix(".truth.csv")
+        truth.write_text(truth.read_text(encoding="utf-8").replace("nan", ""), encoding="utf-8")
+    result = calibrate(derivation_of(tmp_path, layout), paths, [])
+    assert [set(group) for group in result.unobservable] == [set(layout.true)]
+    value = {name: estimate.value for name, estimate in result.parameters.items()}
+    for name in ("r_left", "r_right"):
+        expected = layout.true[name] / layout.true["half_track"]
+        assert value[name] / value["half_track"] == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_truth_of_a_body_that_is_turned_on_the_robot(tmp_path: Path) -> None:
+    """By a quarter turn: the heading of the mount takes it, in the errors too."""
+    layout = LAYOUTS["differential"]
+    paths = written(tmp_path, layout)
+    _truths(paths, lambda rows: np.add(rows, (0, 0, 0, np.pi / 2)))
+    result = calibrate(derivation_of(tmp_path, layout), paths, [])
+    assert result.fit.mount[2] == pytest.approx(np.pi / 2, abs=1e-3)
+    assert result.after.position < 0.005
+
+
 @pytest.mark.slow
 def test_exchanged_columns_are_named(tmp_path: Path) -> None:
     layout = LAYOUTS["mecanum"]

@@ -14,7 +14,7 @@ from wmrgen.calibrating.certainty import Fit, fit
 from wmrgen.calibrating.fit import Each, Problem, drawn, serial
 from wmrgen.calibrating.logs import Drive, pairs, read
 from wmrgen.calibrating.observability import unobservable
-from wmrgen.calibrating.path import Increments, Reals
+from wmrgen.calibrating.path import Increments, Reals, reckoned
 from wmrgen.errors import UsageError
 from wmrgen.ir.calls import self_contained
 from wmrgen.layout.records import Robot
@@ -23,6 +23,7 @@ from wmrgen.robot import Derivation
 _FOLDS = 5  # parts that drives are left out in, one after the other
 _FEWEST = 3  # parts whose spread is a standard deviation
 _FAR = 0.1  # of the truth's extent: where residuals stay so large, joints and truth do not belong together
+_TURNED = 1.0  # [rad] the same for headings
 _BETTER = 0.25  # of the residual: what another reading of the columns has to come to, to be proposed
 
 
@@ -85,15 +86,25 @@ def calibrate(
     problem = problem_of(derivation)
     turns = counts_per_turn(derivation.robot)
     drives = [read(log, truth, problem.increments.joints, turns) for log, truth in pairs(logs, truths)]
-    problem = replace(problem, drives=tuple(drives))
-    best = fit(problem, each)
-    _refuse_strangers(best, each)
+    best = fit(replace(problem, drives=tuple(_unwound(problem, drive) for drive in drives)), each)
+    _refuse_strangers(best, drives, each)
     without = _without_each(best.problem, each)
     return Calibration(
         _estimates(derivation.robot, best, _deviations(best, without)), _unobservable(derivation.robot, best), best,
         _errors(best, best.problem.shared(0 * best.unknowns)), _errors(best, best.problem.shared(best.unknowns)),
         _held_out(best, without),
     )  # fmt: skip
+
+
+def _unwound(problem: Problem, drive: Drive) -> Drive:
+    """The drive, its truth's headings as many turns on as nominal odometry says between two of them: rows may be far
+    apart, as start and end of a drive are."""
+    measured = np.isfinite(drive.truth.theta)
+    path = reckoned(problem.increments(drive.columns, problem.nominal))
+    reckoning = np.interp(drive.truth.t[measured], drive.t, path.heading)
+    theta = drive.truth.theta.copy()
+    theta[measured] = reckoning + np.unwrap(theta[measured] - reckoning)
+    return replace(drive, truth=replace(drive.truth, theta=theta))
 
 
 def _unobservable(robot: Robot, best: Fit) -> tuple[tuple[str, ...], ...]:
@@ -108,7 +119,7 @@ def _estimates(robot: Robot, best: Fit, sigma: Reals) -> dict[str, Estimate]:
     result = {}
     for p in robot.tunable:
         nominal = float(p.nominal)
-        value, deviation = fitted.get(p.name, (nominal, float("inf")))
+        value, deviation = fitted.get(p.name, (nominal, 0.1 * abs(nominal) or 0.1))  # as the prior has it
         result[p.name] = Estimate(value, float(deviation), nominal, p.name not in weak)
     return result
 
@@ -156,30 +167,47 @@ def _deviations(best: Fit, without: Sequence[Fit]) -> Reals:
     return np.asarray(np.maximum(inside, between))
 
 
-def _refuse_strangers(best: Fit, each: Each) -> None:
-    """UsageError where no parameters bring joints and truth together, with the reading of the columns that would."""
-    drives = best.problem.drives
-    extent = max(float(np.nanmax(np.ptp(_places(drive), axis=1), initial=0.0)) for drive in drives)
-    if not best.rms[0] > _FAR * extent:
+def _refuse_strangers(best: Fit, drives: Sequence[Drive], each: Each) -> None:
+    """UsageError where no parameters bring joints and truth together, with the reading of the columns of ``drives``, as
+    they were read, that would."""
+    if not _strange(best):
         return
+    turned = best.rms[1] > _TURNED
     hint = "do log and truth belong to one drive of this robot?"
     for text, other in _readings(drives[:2]):
-        if fit(replace(best.problem, drives=other, scale=0.01), each).rms[0] < _BETTER * best.rms[0]:
+        unwound = tuple(_unwound(best.problem, drive) for drive in other)
+        other_fit = fit(replace(best.problem, drives=unwound, scale=0.01), each)
+        if not _strange(other_fit) and other_fit.rms[turned] < _BETTER * best.rms[turned]:
             hint = f"they would agree with {text}"
             break
+    if turned:
+        raise UsageError(
+            f"whatever the parameters are, headings stay {best.rms[1]:.2g} rad from the truth: {hint}"
+        )
     raise UsageError(
         f"whatever the parameters are, positions stay {best.rms[0]:.2g} m from the truth, which extends over "
-        f"{extent:.2g} m: {hint}"
+        f"{_extent(best):.2g} m: {hint}"
     )
 
 
-def _places(drive: Drive) -> Reals:
-    places = np.array([drive.truth.x, drive.truth.y])
-    return places[:, np.isfinite(places).all(axis=0)]
+def _strange(best: Fit) -> bool:
+    """Whether joints and truth stay so far apart that they cannot belong together."""
+    return best.rms[0] > _FAR * _extent(best) or best.rms[1] > _TURNED
+
+
+def _extent(best: Fit) -> float:
+    """How far [m] the truth extends along x or y; 0 where it has headings alone."""
+    every = [axis for drive in best.problem.drives for axis in (drive.truth.x, drive.truth.y)]
+    axes = [axis[np.isfinite(axis)] for axis in every]
+    return max((float(np.ptp(axis)) for axis in axes if len(axis)), default=0.0)
 
 
 def _readings(drives: Sequence[Drive]) -> Iterator[tuple[str, tuple[Drive, ...]]]:
     """Mistakes that users make with columns, in words, and the drives without them."""
+    yield (
+        "theta of the truth in radians, which seems to be in degrees",
+        tuple(replace(d, truth=replace(d.truth, theta=np.radians(d.truth.theta))) for d in drives),
+    )
     spins = [name for name in drives[0].columns if name.endswith(".spin")]
     for a, b in combinations(spins, 2):
         swapped = tuple(replace(d, columns={**d.columns, a: d.columns[b], b: d.columns[a]}) for d in drives)
@@ -198,6 +226,10 @@ def _readings(drives: Sequence[Drive]) -> Iterator[tuple[str, tuple[Drive, ...]]
         tuple(replace(d, truth=replace(d.truth, theta=-d.truth.theta)) for d in drives),
     )
     yield (
-        "theta of the truth in radians, which seems to be in degrees",
-        tuple(replace(d, truth=replace(d.truth, theta=np.radians(d.truth.theta))) for d in drives),
+        "x and y of the truth in metres, which seem to be in millimetres",
+        tuple(replace(d, truth=replace(d.truth, x=d.truth.x / 1000, y=d.truth.y / 1000)) for d in drives),
+    )
+    yield (
+        "angles of the joints in radians, which seem to be in degrees",
+        tuple(replace(d, columns={k: np.radians(v) for k, v in d.columns.items()}) for d in drives),
     )

@@ -31,9 +31,9 @@ _UNIT_MOUNT = (0.05, 0.05, 0.05)  # [m, m, rad] about what such quantities are, 
 _UNIT_OWN = (0.1, 0.1, 0.1, 0.1)  # [m, m, rad, s]
 _PRIOR_OWN = 0.01  # the same for start poses and clocks
 _MOST_STEPS = 40  # of the solver; where residuals are small it needs ten
-_NEAR = (
-    0.03  # standard deviations, if all residuals were as large as the scale: nearer than this is near enough
-)
+_FEW = 12  # residuals of a drive, three times its own unknowns
+_FINEST = 1e-4  # [m] the least scale of residuals
+_NEAR = 0.03  # standard deviations away, with residuals as large as the scale: near enough
 _PRIOR = 0.1  # residuals, in units of the loss's scale, that one unit (10 % of a parameter) away from nominal costs
 
 
@@ -137,6 +137,7 @@ def drawn(problem: Problem, shared: Reals, offset: float, index: int) -> tuple[R
     if not measured.any():
         return np.empty(0), np.empty(0)
     first = int(np.argmax(measured))
+    heading = heading + shared[count + 2]
     turn = true_heading[first] - heading[first]
     off = true[first] + np.exp(1j * turn) * (place - place[first]) - true
     return np.abs(off[measured]), (heading + turn - true_heading)[measured]
@@ -180,15 +181,21 @@ def solved(problem: Problem, each: Each = serial) -> tuple[Problem, Reals]:
     are good, in two steps to one that the residuals show; and the problem with that scale."""
     unknowns = start_of(problem)
     for most in (np.inf, problem.scale, problem.scale):
-        problem = replace(problem, scale=float(np.clip(1.5 * _typical(problem, unknowns), 1e-4, most)))
+        problem = replace(problem, scale=float(np.clip(1.5 * _typical(problem, unknowns), _FINEST, most)))
         unknowns = _solved(problem, unknowns, each)
     return problem, unknowns
 
 
 def _typical(problem: Problem, unknowns: Reals) -> float:
-    """The median of residuals [m]."""
-    every = [residuals(problem, unknowns, index) for index in range(len(problem.drives))]
-    return float(np.median([np.median(np.abs(rows.values[rows.weights > 0])) for rows in every]))
+    """The median [m] of residuals, by drive and then of all drives. A drive of so few that its own unknowns take them
+    up counts with their root mean square."""
+
+    def of_drive(rows: Residuals) -> float:
+        sizes = np.abs(rows.values[rows.weights > 0])
+        few = len(sizes) < _FEW
+        return float(np.sqrt(np.mean(sizes**2)) if few else np.median(sizes)) if len(sizes) else 0.0
+
+    return float(np.median([of_drive(residuals(problem, unknowns, i)) for i in range(len(problem.drives))]))
 
 
 def start_of(problem: Problem) -> Reals:

@@ -61,7 +61,9 @@ def read(log: Path, truth: Path, joints: Sequence[str], turns: Mapping[str, floa
     columns = {joint: _increments(log, table, joint, turns, t) for joint in joints}
     missing = np.full(len(at), np.nan)
     x, y, theta = (poses.get(name, missing) for name in _TRUTH)
-    return Drive(log.stem, t, columns, Truth(at, x, y, _unwrapped(theta)))
+    if max(np.isfinite(column).sum() for column in (x, y, theta)) < 2:
+        raise UsageError(f"{truth}: of x, y and theta one at least has to be measured twice")
+    return Drive(log.stem, t, columns, Truth(at, x, y, theta))
 
 
 def _table(path: Path, empty: bool) -> dict[str, Reals]:
@@ -74,7 +76,7 @@ def _table(path: Path, empty: bool) -> dict[str, Reals]:
                     numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
             except ValueError:
                 numbers = _by_line(path, len(header), empty)
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(f"{path}: it cannot be read: {error}") from None
     if not header or "t" not in header:
         raise UsageError(
@@ -203,14 +205,6 @@ def _same_clock(log: Path, t: Reals, truth: Path, at: Reals) -> None:
             f"{truth} begins at t = {at[0]:g} and ends at {at[-1]:g}, {log} at {t[0]:g} and {t[-1]:g}: they do not "
             "overlap; both need one clock, up to a second"
         )
-
-
-def _unwrapped(theta: Reals) -> Reals:
-    """Headings without jumps of a turn; nan where they are nan."""
-    measured = np.isfinite(theta)
-    result = theta.copy()
-    result[measured] = np.unwrap(theta[measured])
-    return result
 
 
 def pairs(files: Sequence[Path], truths: Sequence[Path]) -> list[tuple[Path, Path]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from math import degrees
+from math import degrees, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -96,7 +96,7 @@ def _tell(derivation: Derivation, result: Calibration) -> None:
     )
     rows = [("before", result.before), ("after", result.after), ("of drives left out", result.held_out)]
     for title, errors in rows:
-        if errors is not None:
+        if errors is not None and isfinite(errors.position):
             console.result(
                 f"  odometry {title}: {1000 * errors.position:.1f} mm and {degrees(errors.heading):.2f} deg (rms)"
             )

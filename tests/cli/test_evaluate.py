@@ -161,7 +161,7 @@ def test_tunable_parameters_are_inputs_with_a_nominal_value(wmrgen_cli: Cli, rob
         (("inverse", "vz=1"), "'vz'"),
         (("inverse", "omga=1"), "omega"),
         (("inverse", "left.spin=1"), "vx vy omega"),
-        (("invers", "vx=1"), "inverse forward odometry"),
+        (("invers", "vx=1"), "Did you mean inverse?"),
         (("inverse", "vx"), "NAME=VALUE"),
         (("inverse", "vx=1", "vx=2"), "twice"),
         (("inverse", "vx=nan"), "vx"),

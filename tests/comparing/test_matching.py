@@ -166,3 +166,19 @@ def test_the_radius_of_a_side_counts_before_that_of_all(tmp_path: Path) -> None:
     assert [d.quantity for d in result.differences] == ["left radius", "radius"]
     straight = next(e for e in result.effects if e.motion == "straight")
     assert straight.ratio == pytest.approx((0.1 / 0.05 + 0.1 / 0.2) / 2)
+
+
+@pytest.mark.parametrize("names", [("left", "right"), ("wheel_left", "wheel_right")])
+def test_sides_that_a_controller_has_the_other_way_round(names: tuple[str, str], tmp_path: Path) -> None:
+    """The wheels of a robot file bear no names of joints: `left` is that of `wheel_left_joint`."""
+    a = Layout("", "d", tuple(side(n, "fixed", 0, y) for n, y in zip(names, (0.2, -0.2), strict=True)))
+    for left, right, swapped in (("left", "right", []), ("right", "left", ["side", "side"])):
+        path = tmp_path / "p.yaml"
+        path.write_text(
+            f"drive: {{left_wheel_names: [wheel_{left}_joint], right_wheel_names: [wheel_{right}_joint],\n"
+            "  wheel_separation: 0.4, wheel_radius: 0.1}\n"
+        )
+        result = compare(a, *layouts(path))
+        assert [d.quantity for d in result.differences] == swapped
+        (turn,) = [e.ratio for e in result.effects if e.motion == "turn"]
+        assert turn == pytest.approx(-1 if swapped else 1)

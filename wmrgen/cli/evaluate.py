@@ -16,6 +16,7 @@ from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.ir.kernels.choice import DEFAULT, Choice, choice
 from wmrgen.ports import Limits, timeless
+from wmrgen.spec.text import suggestion
 
 if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
@@ -111,8 +112,8 @@ def _modules(path: Path, name: str) -> Modules:
     if name == "goto_pose":
         warn_of_gains(robot)
     if not has_function(name):
-        every = " ".join(names())
-        raise UsageError(f"{robot.name} has no function {name!r}. Functions that a robot may have: {every}.")
+        hint = suggestion(name, names())
+        raise UsageError(f"{robot.name} has no function {name!r}. {hint} `wmrgen functions` lists them.")
     return wmrgen.derive(robot, [name])
 
 

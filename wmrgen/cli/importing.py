@@ -48,7 +48,7 @@ def import_robot(
         ) from None
     robot = replace(robot, notes=(*robot.notes, *_contradictions(robot, description, said, file)))
     for note in robot.notes:
-        console.note(f"note: {file.name}: {note}")
+        console.note(f"note: {file.name}: {note.removeprefix(f'{file.name}: ')}")
     written = f"{MODELINE}\n{text(robot, file.name)}"
     if out is not None:
         write_robot_file(out, written)

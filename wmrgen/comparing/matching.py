@@ -10,9 +10,16 @@ from wmrgen.importing.controllers import role
 
 _FILLER = re.compile(r"wheel|joint|link|hub|axle|[^a-z0-9]")
 Key = Callable[[Side], set[str]]
+
+
+def bare(name: str) -> str:
+    """What tells a wheel from others in its name or its joint's: ``left`` of ``wheel_left_joint``."""
+    return _FILLER.sub("", name.lower())
+
+
 _KEYS: tuple[Key, ...] = (
     lambda w: {name.lower() for name in w.names},
-    lambda w: {_FILLER.sub("", name.lower()) for name in w.names} - {""},
+    lambda w: {bare(name) for name in w.names} - {""},
     lambda w: {where} if (where := role(*w.names)) else set(),
 )
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from wmrgen.comparing.differences import KIND, MISSING, PLACE, SIGN, length, order, places, same
+from wmrgen.comparing.matching import bare
 from wmrgen.comparing.motion import Pairs
 from wmrgen.comparing.quantities import box, forward, lengths, mean, parts, roles
 from wmrgen.comparing.record import CONTROLLER, Difference, Layout, Side
@@ -115,8 +116,9 @@ def _as_meant(c: Controller, kinds: Iterable[WheelType]) -> Controller:
 
 
 def _is(w: Side, joint: str) -> bool:
-    """The joint is one of the wheel's, but for a prefix, which may be an argument."""
-    return any(own.endswith(joint) for own in w.names)
+    """The joint is one of the wheel's, but for a prefix, which may be an argument; or it has the wheel's name, to which
+    a robot file adds no joint: ``left`` and ``left_wheel_joint``."""
+    return any(own.endswith(joint) or bare(own) == bare(joint) != "" for own in w.names)
 
 
 def _joints(a: Layout, c: Controller) -> Iterator[Difference]:

@@ -45,7 +45,7 @@ def import_wheels(description: Description, base: str | None = None, forward: st
     wheels = candidates(robot)
     if len(wheels) < 2:
         raise refuse(
-            f"{len(wheels)} joints are wheels",
+            "1 joint is a wheel" if len(wheels) == 1 else f"{len(wheels)} joints are wheels",
             " ".join(
                 (
                     "A wheel's joint turns without end about a level axis and is the lowest of all.",

@@ -13,7 +13,8 @@ from tests.comparing.test_motion import differential, said
 from wmrgen.comparing.compare import compare, labelled
 from wmrgen.comparing.matching import matched
 from wmrgen.comparing.record import Layout, Side
-from wmrgen.comparing.sources import layouts
+from wmrgen.comparing.sources import layouts, of_header
+from wmrgen.errors import RobotFileError
 
 PLACES = {
     "front left": (0.2, 0.1),
@@ -182,3 +183,11 @@ def test_sides_that_a_controller_has_the_other_way_round(names: tuple[str, str],
         assert [d.quantity for d in result.differences] == swapped
         (turn,) = [e.ratio for e in result.effects if e.motion == "turn"]
         assert turn == pytest.approx(-1 if swapped else 1)
+
+
+@pytest.mark.parametrize("wrong", ["0", "-0.1", "1e308", "1e-320"])
+def test_a_header_with_a_radius_that_no_wheel_has(wrong: str) -> None:
+    text = " *   left: fixed, x 0 m, y 0.2 m, heading 0 deg, r 0.1 m\n#define A_WHEELS 1\n#define A_LEFT_RADIUS {}f\n"
+    assert of_header(text.format("0.1"), "a.h").wheels[0].values["r"] == 0.1
+    with pytest.raises(RobotFileError, match="which no wheel has"):
+        of_header(text.format(wrong), "a.h")

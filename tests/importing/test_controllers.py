@@ -266,6 +266,14 @@ def test_arguments_stand_for_themselves_and_what_is_not_given_is_not_said(tmp_pa
     assert (c.joints[0].joint, c.lengths) == ("left", {})
 
 
+def test_an_empty_list_is_no_length(tmp_path: Path) -> None:
+    path = tmp_path / "rover.yaml"
+    path.write_text("rover_dimensions: {d1: 0.177, d2: 0.310, d3: 0.274, d4: 0.253, wheel_radius: 0.075}\n")
+    assert [c.lengths for c in read_controllers(path)]
+    path.write_text("rover_dimensions: {d1: 0.177, d2: 0.310, d3: 0.274, d4: [], wheel_radius: 0.075}\n")
+    assert all(0.253 not in (float(s.value) for s in c.lengths.values()) for c in read_controllers(path))
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -283,11 +283,15 @@ def test_a_missing_axis_is_asked_about(read: Import) -> None:
     said = read(robot(pair(), wheel("odd", "-0.2 0 0.1", axis="")))
     assert said["wheels"]["odd"]["heading"] == 0.0
     assert ("odd", "heading") in keys(said)
-    castor = SWIVEL.replace('<axis xyz="0 0 1"/>', "") + wheel("tail", "-0.04 0 -0.1", parent="fork")
-    said = read(robot(pair(), castor))
-    assert (said["wheels"]["tail"]["type"], said["wheels"]["tail"]["d"]) == ("castor", -0.04)
-    assert [(q["wheel"], q["key"]) for q in said["questions"]] == [("tail", "type")]
-    assert "moves above wheels" not in said["notes"]
+    silent = SWIVEL.replace('<axis xyz="0 0 1"/>', "")
+    lying = silent.replace('rpy="0 0 0"', 'rpy="1.5707963268 0 0"')  # its z axis is level
+    assert silent != lying
+    for swivel, at, axis in ((silent, "-0.04 0 -0.1", "0 1 0"), (lying, "-0.04 -0.1 0", "0 0 -1")):
+        body = wheel("tail", at, "<sphere radius='0.1'/>", parent="fork", axis=axis)
+        said = read(robot(pair(), swivel + body))
+        assert (said["wheels"]["tail"]["type"], said["wheels"]["tail"]["d"]) == ("castor", -0.04)
+        assert [(q["wheel"], q["key"]) for q in said["questions"]] == [("tail", "type")]
+        assert "moves above wheels" not in said["notes"]
 
 
 def test_base_is_the_callers_choice(read: Import) -> None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 
 import wmrgen
 from wmrgen.comparing.record import CONTROLLER, DESCRIPTION, HEADER, ROBOT_FILE, Layout, Side
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Mark, RobotFileError
 from wmrgen.importing.controllers import read_controllers
 from wmrgen.importing.records import Controller, Imported, Wheel
 from wmrgen.importing.source import description_of
@@ -84,12 +84,23 @@ def of_header(text: str, source: str) -> Layout:
             if macro:
                 values[key], marks[key] = float(macro[3]), lines.mark_at(text, macro.start(3))
         if kind in WHEEL_TYPES and {"x", "y"} <= values.keys():
+            _refuse_what_nothing_has(values, marks)
             sides.append(Side((name,), kind, values, marks))
     if not sides:
         raise RobotFileError(
             f"{source}: no header of wmrgen", None, "", "Give the .h that `wmrgen derive` wrote."
         )
     return Layout(source, HEADER, tuple(sides), True)
+
+
+def _refuse_what_nothing_has(values: Mapping[str, float], marks: Mapping[str, Mark]) -> None:
+    """RobotFileError for numbers that `derive` cannot have written."""
+    for key, value in values.items():
+        if not abs(value) < 1e9 or (key == "r" and value < 1e-9):
+            mark = marks.get(key, marks[""])
+            raise RobotFileError(
+                f"{key} is {value:g}, which no wheel has", mark, "", "Derive the header again."
+            )
 
 
 def of_controller(controller: Controller, source: str) -> Layout:

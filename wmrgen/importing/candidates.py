@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from wmrgen.importing.frames import dot, plus, turned, unit
+from wmrgen.importing.frames import dot, plus, transposed, turned, unit
 from wmrgen.importing.records import RIGID, Joint, Vector
 from wmrgen.importing.view import COAXIAL, UPRIGHT, Robot, Round, Z
 from wmrgen.spec.text import quoted
@@ -110,9 +110,12 @@ def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
     if candidate.steer is None:
         silent = [j for j in candidate.via if j.turns and j.axis is None]
         if silent:
-            why = f"{quoted(silent[0].name)} has no <axis>, so 1 0 0; it is taken for a steering axis, 0 0 1"
+            why = (
+                f"{quoted(silent[0].name)} has no <axis>, so 1 0 0; it is taken for an upright steering axis"
+            )
             rest = tuple(j for j in candidate.via if j is not silent[0])
-            return replace(candidate, steer=replace(silent[0], axis=Z), via=rest, doubt=why)
+            upright = turned(transposed(robot.frame(silent[0].child).rotation), Z)
+            return replace(candidate, steer=replace(silent[0], axis=upright), via=rest, doubt=why)
         if same := [j for j in candidate.via if j.turns and _coaxial(robot, j, candidate)]:
             return replace(candidate, doubt=f"{quoted(same[0].name)} above it turns about the same axle")
     return candidate

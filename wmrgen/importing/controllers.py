@@ -210,9 +210,9 @@ def _length(leaf: _Leaf) -> tuple[str, str, Fraction, bool] | None:
 
 
 def _number(leaf: _Leaf, index: int = 0, factor: Fraction = Fraction(1)) -> Setting | None:
-    """A value; None of an argument that nobody gave, and of 0, which stands for what is read elsewhere; in XML, where
-    others read it otherwise, of what is no number."""
-    text = leaf.texts[index]
+    """A value; None of what is not there, of an argument that nobody gave, and of 0, which stands for what is read
+    elsewhere; in XML, where others read it otherwise, of what is no number."""
+    text = leaf.texts[index] if index < len(leaf.texts) else "$"
     if "$" in text:
         return None
     size = abs(float(text)) if len(text) <= 40 and re.fullmatch(f"[+-]?{NUMBER}", text) else -1.0

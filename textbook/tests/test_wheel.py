@@ -40,7 +40,7 @@ def test_it_computes_beside_an_installed_wmrgen(with_library: Path, tmp_path: Pa
     words = ("eval", "textbook", "turning_radius", "wheelbase=1", "psi=pi/4")
     done = process(*words, cwd=work, python=(str(with_library), "-E", "-m", "wmrgen"))
     assert done.code == 0, done.err
-    assert done.out.splitlines()[0].split() == ["radius", "=", "1.0"]
+    assert done.out.splitlines()[0].split() == ["radius", "=", "1.0", "m"]
     done = process("textbook", cwd=work, python=(str(with_library), "-E", "-m", "wmrgen"))
     assert done.code == 0, done.err
     there = {p.name: p.read_bytes() for p in (work / "generated" / "textbook").rglob("*") if p.is_file()}

@@ -69,7 +69,8 @@ EVERY = [*NAMES, *TEXTS]
 HAVING = {
     "axles": (
         "ackermann_car agilex_ranger bicycle car_with_trailers care_o_bot_4 clearpath_a200 f1tenth jpl_osr kelly_4ws "
-        "locked_bicycle pr2 synchro_drive textbook_tricycle textbook_two_steer wpilib_swervebot car skewed four_ws"
+        "locked_bicycle neobotix_mpo_700 pr2 synchro_drive textbook_tricycle textbook_two_steer wpilib_swervebot car "
+        "skewed four_ws"
     ).split(),
     "vaf": (
         "clearpath_do100 clearpath_r100 festo_robotino kuka_youbot lekiwi nexus_4wd ssl_parsian "

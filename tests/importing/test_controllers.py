@@ -268,10 +268,13 @@ def test_arguments_stand_for_themselves_and_what_is_not_given_is_not_said(tmp_pa
 
 def test_an_empty_list_is_no_length(tmp_path: Path) -> None:
     path = tmp_path / "rover.yaml"
-    path.write_text("rover_dimensions: {d1: 0.177, d2: 0.310, d3: 0.274, d4: 0.253, wheel_radius: 0.075}\n")
-    assert [c.lengths for c in read_controllers(path)]
-    path.write_text("rover_dimensions: {d1: 0.177, d2: 0.310, d3: 0.274, d4: [], wheel_radius: 0.075}\n")
-    assert all(0.253 not in (float(s.value) for s in c.lengths.values()) for c in read_controllers(path))
+    dimensions = "{{d1: 0.1, d2: 0.3, d3: 0.2, d4: {}, wheel_radius: 0.05}}"
+    text = f"rover:\n  ros__parameters:\n    rover_dimensions: {dimensions}\n"
+    for written, places in (("0.25", 6), ("[]", 4)):
+        path.write_text(text.format(written))
+        (c,) = read_controllers(path)
+        assert float(c.lengths["radius"].value) == 0.05
+        assert len(c.places) == places
 
 
 @pytest.mark.parametrize(

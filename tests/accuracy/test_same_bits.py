@@ -70,6 +70,7 @@ def _root(x: float) -> float:
     return nearest_float32(x**0.5) if x >= 0 else float("nan")
 
 
+@pytest.mark.slow
 def test_few(tmp_path: Path) -> None:
     """What is written for an M0, on one; tests/processor has what derive writes."""
     tried, wrong = mismatches(tmp_path, "m0", 30, (M0,))

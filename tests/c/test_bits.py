@@ -38,6 +38,7 @@ def robots(tmp_path_factory: pytest.TempPathFactory) -> tuple[Program, Path]:
 
 
 @pytest.mark.parametrize("build", everyday(BUILDS, BUILDS[1:2]), ids=" ".join)
+@pytest.mark.slow
 def test_float(robots: tuple[Program, Path], build: tuple[str, str]) -> None:
     (program, folder), (compiler, level) = robots, build
     assert program.mismatches(folder, compiler, (*STRICT, level)) == []

@@ -213,6 +213,7 @@ def stderr_of(
 
 
 @TERMINALS
+@pytest.mark.slow
 def test_progress_on_a_terminal_after_a_second(robot_file: object, tmp_path: object) -> None:
     shown, first = stderr_of(robot_file, f"{tmp_path}/out", 2.0, terminal=True)
     assert b"deriving pair (1 of 1)" in shown

@@ -30,6 +30,7 @@ def written(folder: Path, trailers: int) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_fourteen_trailers(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
     """What is too long to be written out is said to be so, and stands in the code."""
     begin = time.process_time()
@@ -55,6 +56,7 @@ def test_brackets_of_trailers(trailers: int, tmp_path: Path, wmrgen_cli: Callabl
         assert found["growth_vector"] == [] and "too many terms" in found["brackets"]
 
 
+@pytest.mark.slow
 def test_a_model_of_motion_that_is_too_long_is_refused(
     tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
 ) -> None:

@@ -37,6 +37,7 @@ def run(code: str, *arguments: str) -> str:
     return subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stdout
 
 
+@pytest.mark.slow
 def test_a_function_is_found_by_name_alone() -> None:
     """In fresh interpreters, so that no other look-up has imported its module."""
     code = (

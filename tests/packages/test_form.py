@@ -150,6 +150,7 @@ CALLS = {
 
 @pytest.mark.parametrize("robot", CALLS)
 @pytest.mark.parametrize("compiler", ["g++", "clang++"])
+@pytest.mark.slow
 def test_the_header_for_cpp(robot: str, compiler: str, tmp_path: Path) -> None:
     """Strict C++17; views are of the variables themselves, in the order of the joints."""
     need("gcc", compiler)

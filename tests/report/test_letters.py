@@ -25,6 +25,7 @@ def letters(name: str) -> str:
     return page_of(name).partition("In letters it is")[2].partition("The result, as the code")[0]
 
 
+@pytest.mark.slow
 def test_who_has_letters() -> None:
     assert tuple(n for n in ROBOTS if letters(n)) == SHORT
 

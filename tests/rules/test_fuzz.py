@@ -80,11 +80,13 @@ def run(program: Path, seconds: float) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("robot", everyday([ACKERMANN, TUNABLE], [TUNABLE]))
+@pytest.mark.slow
 def test_a_second_of_fuzzing(robot: str, tmp_path: Path) -> None:
     done = run(compiled(tmp_path, robot), 1)
     assert done.returncode == 0, done.stderr[-3000:]
 
 
+@pytest.mark.slow
 def test_virtual_wheels_do_not_command(tmp_path: Path) -> None:
     """Measured angles may be beyond their limits, and so may those that follow from them."""
     text = CAR.replace("[posture]", "[posture, virtual_angle, virtual_steering]")
@@ -117,6 +119,7 @@ PLANTED = {
 
 
 @pytest.mark.parametrize("fault", everyday(PLANTED, ["a range left out", "a limit left out"]))
+@pytest.mark.slow
 def test_finds_what_is_planted(fault: str, tmp_path: Path) -> None:
     robot, *change = PLANTED[fault]
     done = run(compiled(tmp_path, robot, (change[0], change[1])), 20)

@@ -49,6 +49,7 @@ def tidy(folder: Path, sources: list[str]) -> list[Finding]:
     return clang_tidy(folder, [source for source in sources if source != CALLER])
 
 
+@pytest.mark.slow
 def test_nothing_beyond_the_deviations(found: list[tuple[str, Finding]]) -> None:
     assert [(tool, f) for tool, f in found if kept(tool, f[1], f[0]) is None] == []
 

@@ -102,6 +102,7 @@ def test_the_schema_takes_every_robot(path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", everyday(MUTATED, ("ackermann_car",)))
+@pytest.mark.slow
 def test_reader_and_schema_refuse_what_is_wrong(name: str) -> None:
     document = yaml.safe_load((ROOT / "robots" / f"{name}.yaml").read_text(encoding="utf-8"))
     assert accepted(document)

@@ -92,6 +92,7 @@ def name_of(function: ast.expr) -> str:
     return function.id if isinstance(function, ast.Name) else ""
 
 
+@pytest.mark.slow
 def test_nothing_turns_text_into_code() -> None:
     assert not [place for module in SOURCES for place in _text_as_code(module)]
 

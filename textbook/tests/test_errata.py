@@ -96,6 +96,7 @@ def test_what_is_read_with_care_holds_under_a_condition() -> None:
         assert r.line or r.words or r.printed is None, name(r)
 
 
+@pytest.mark.slow
 def test_the_page() -> None:
     page = errata().decode()
     first = page.split("\n\n")[1]

@@ -61,6 +61,7 @@ def test_the_gallery_is_refused_or_right(compiler: str, option: str, scalar: str
 
 
 @pytest.mark.parametrize("option", ["-funsafe-math-optimizations", ASSOCIATIVE])
+@pytest.mark.slow
 def test_right_on_cortex_m4f(option: str, tmp_path: Path) -> None:
     """A clang that tells of neither: sums keep their order."""
     assert on_target(M4F, FEW, tmp_path, (*ZIG, *option.split())) == dict.fromkeys(FEW, 0)

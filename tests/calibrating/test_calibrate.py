@@ -330,6 +330,7 @@ def test_partial_truth(tmp_path: Path) -> None:
     assert result.fit.rms[0] < 0.05
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
     """What design fixes of `--json`, and the new robot file."""
     layout = LAYOUTS["differential"]

@@ -45,6 +45,7 @@ def test_fourteen_trailers(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -
 @pytest.mark.parametrize(
     "trailers", [2, 7, pytest.param(5, marks=pytest.mark.slow), pytest.param(6, marks=pytest.mark.slow)]
 )
+@pytest.mark.slow
 def test_brackets_of_trailers(trailers: int, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
     begin = time.process_time()
     done = wmrgen_cli("structure", written(tmp_path, trailers), "--json")

@@ -118,6 +118,7 @@ ROOTS = {
 
 
 @pytest.mark.parametrize("name", everyday(ROOTS, ["polar"]))
+@pytest.mark.slow
 def test_the_root_of_a_tunable_parameter_that_is_zero(
     name: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
 ) -> None:

@@ -44,6 +44,7 @@ def robot(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_names_are_kept_in_files_and_packages(robot: Path) -> None:
     files = artifacts(derive(load(robot)), choice())
     for kind in (*KINDS, "rust"):

@@ -62,6 +62,7 @@ def test_nothing_of_this_machine_stands_in_the_output(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("robot", ROBOTS[:1], ids=lambda p: p.stem)
+@pytest.mark.slow
 def test_deriving_again_touches_nothing(tmp_path: Path, robot: Path) -> None:
     assert process("derive", robot, "-o", tmp_path).code == 0
     before = {p: p.stat().st_mtime_ns for p in tmp_path.rglob("*")}

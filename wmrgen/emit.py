@@ -17,7 +17,6 @@ from wmrgen.bounds.robot import header_lines, reach
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import JOINTS, TWIST, TWIST_NAMES, Site
-from wmrgen.program import vector_form
 from wmrgen.wheels import WheelType
 
 if TYPE_CHECKING:
@@ -83,9 +82,7 @@ def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
         site=(where := site(derivation)),
         constants=constants(derivation.robot, where),
         formulas=derivation.raw_module.functions,
-        vector=None
-        if (space := derivation.default_state_space) is None
-        else vector_form(derivation.robot, space),
+        vector=derivation.default_vector_form,
     )
 
 

@@ -153,16 +153,13 @@ def for_c(module: Module, robot: Robot, functions: Iterable[str], passive: bool 
     return replace(kept, joints=tuple(name for name in joints if name in named))
 
 
-_OF_LIMIT = {"spin": "spin", "steer": "steer", "steer_rate": "steer"}
-
-
 def _joints(robot: Robot, every: bool = False) -> tuple[str, ...]:
     """Contract names of the joints that are driven, sensed or have a limit or encoder of their own, in the file's
     order; and the steering angles of wheels with such a joint, or coupled to one, which `inverse` goes by."""
     own = [
         {"spin", "steer"}
         if every
-        else {*w.actuated, *w.sensed, *w.encoders, *map(_OF_LIMIT.__getitem__, w.limits)}
+        else {*w.actuated, *w.sensed, *w.encoders, *(name.removesuffix("_rate") for name in w.limits)}
         for w in robot.wheels
     ]
     steered = {lead for w, lead in zip(robot.wheels, robot.steer_group, strict=True) if own[w.index]}
@@ -196,10 +193,11 @@ def _with_read_inputs(function: Function, absent: frozenset[str]) -> Function:
     return replace(function, inputs=inputs)
 
 
-def vector_form(robot: Robot, space: StateSpace, formula: Formula | None = None) -> VectorForm:
-    """``formula``, the rates unless told otherwise, optimised, as a function of x, u and p."""
-    whole = optimise((lower(formula or space.rates),), robot.name)
+def vector_form(robot: Robot, space: StateSpace, formula: Formula) -> VectorForm:
+    """A ``formula`` of a state space, optimised, as a function of x, u and p."""
+    whole = optimise((lower(formula),), robot.name)
     (function,) = self_contained(whole)
     system = space.system
     vectors = tuple(tuple(p.name for p in ports) for ports in (system.state, system.inputs, system.geometry))
-    return VectorForm(f"{robot.name}_{'ode' if formula is None else formula.name}", function, vectors)
+    name = "ode" if formula is space.rates else formula.name
+    return VectorForm(f"{robot.name}_{name}", function, vectors)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from wmrgen.backends.registry import BACKENDS
+from wmrgen.backends.registry import BACKENDS, VectorForm
 from wmrgen.bounds.assumptions import library
 from wmrgen.bounds.robot import Bounds, bounds
 from wmrgen.constraints import ConstraintRow, Constraints, constrain, pfaffian, pfaffian_rates, symbolic_view
@@ -186,14 +186,17 @@ class Derivation:
 
         space = state_space(self.robot, self.mobility, form)
         casadi = BACKENDS["casadi"]
-        model = casadi.offers("ode")(vector_form(self.robot, space))
-        return model if discrete is None else casadi.offers("step")(model, discrete, dt)
+        model = casadi.offers("ode")(vector_form(self.robot, space, space.rates))
+        if discrete is None:
+            return model
+        return casadi.offers("step")(model, lower(self.formula("odometry")), discrete, dt)
 
-    def rolling(self, form: str = "twist") -> Any:
-        """casadi.Function (x, u, p) -> g [m/s], 0 where no steered wheel slides; None without steered wheels."""
+    def rolling(self) -> Any:
+        """casadi.Function (x, u, p) -> g [m/s] of the model in twist inputs, 0 where no steered wheel slides; None
+        without steered wheels."""
         from wmrgen.functions.models.state_space import state_space
 
-        space = state_space(self.robot, self.mobility, form)
+        space = state_space(self.robot, self.mobility, "twist")
         if space.constraints is None:
             return None
         return BACKENDS["casadi"].offers("ode")(vector_form(self.robot, space, space.constraints), "g")
@@ -204,6 +207,12 @@ class Derivation:
         from wmrgen.functions.models.state_space import default_state_space
 
         return default_state_space(self.robot, self.mobility)
+
+    @cached_property
+    def default_vector_form(self) -> VectorForm | None:
+        """The rates of `default_state_space` as a function of vectors."""
+        space = self.default_state_space
+        return None if space is None else vector_form(self.robot, space, space.rates)
 
     def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
         """Any function at exact values. Inputs left out are 0, parameters nominal."""

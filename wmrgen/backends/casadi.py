@@ -122,53 +122,48 @@ def ode(vector: VectorForm, result: str = "xdot") -> ca.Function:
     )  # fmt: skip
 
 
-STEPS = ("rk4", "exact", "collocation")
+_SCHEMES: dict[
+    str, tuple[Any, tuple[Any, ...]]
+] = {  # one step of CasADi's; collocation: Radau's, three points
+    "rk4": (ca.simpleRK, (1, 4)),
+    "collocation": (ca.simpleIRK, (1, 3, "radau", "newton")),
+}
 
 
-def step(model: ca.Function, kind: str, dt: float) -> ca.Function:
+def step(model: ca.Function, odometry: Function, kind: str, dt: float) -> ca.Function:
     """``(x, u, p) -> (xnext, A, B, c)``: the state after ``dt`` [s] under constant inputs; to first order it is
-    A x + B u + c. ``kind``: rk4, one step of it; exact, the exponential map of SE(2), UsageError where the twist
-    changes with the state; collocation, one step of Radau's with three points."""
-    x, u, p = (ca.SX.sym(name, model.size1_in(i)) for i, name in enumerate("xup"))
+    A x + B u + c. ``kind``: rk4, collocation, or exact, by the robot's ``odometry``. UsageError for another, and for
+    exact where the twist changes with the state."""
+    if kind not in ("exact", *_SCHEMES):
+        raise UsageError(f"there is no step {kind}: write exact, {' or '.join(_SCHEMES)}")
+    symbol: Any = ca.MX.sym if kind == "collocation" else ca.SX.sym  # what solves equations has no SX
+    x, u, p = vectors = [symbol(name, model.size1_in(i)) for i, name in enumerate("xup")]
     if kind == "exact":
-        return _step_function(model, kind, [x, u, p], _exponential(model, x, u, p, dt))
-    if kind == "rk4":
-        return _step_function(model, kind, [x, u, p], _stepped(model, ca.simpleRK, (1, 4), dt)(x, u, p))
-    variables = [ca.MX.sym(name, model.size1_in(i)) for i, name in enumerate("xup")]
-    solved = _stepped(
-        model, ca.simpleIRK, (1, 3, "radau", "newton"), dt
-    )  # its derivatives: implicit function theorem
-    return _step_function(model, kind, variables, solved(*variables))
-
-
-def _stepped(model: ca.Function, scheme: Any, options: tuple[Any, ...], dt: float) -> Any:
-    """A scheme of CasADi's over ``dt``, as a function of x, u and p."""
-    x, u, p = (ca.SX.sym(name, model.size1_in(i)) for i, name in enumerate("xup"))
-    ode = ca.Function("ode", [x, ca.vertcat(u, p)], [model(x, u, p)], ["x", "p"], ["ode"])
-    integrator = scheme(ode, *options)
-    return lambda x, u, p: integrator(x, ca.vertcat(u, p), dt)
-
-
-def _step_function(model: ca.Function, kind: str, inputs: list[Any], after: Any) -> ca.Function:
-    a, b = ca.jacobian(after, inputs[0]), ca.jacobian(after, inputs[1])
-    affine = after - ca.mtimes(a, inputs[0]) - ca.mtimes(b, inputs[1])
+        after = _exact(model, to_casadi(odometry, "odometry"), vectors, dt)
+    else:
+        scheme, options = _SCHEMES[kind]
+        after = scheme(_ode_of(model), *options)(x, ca.vertcat(u, p), dt)
+    a, b = ca.jacobian(after, x), ca.jacobian(after, u)
+    affine = after - ca.mtimes(a, x) - ca.mtimes(b, u)
     return ca.Function(
-        f"{model.name()}_{kind}", inputs, [after, ca.densify(a), ca.densify(b), affine], ["x", "u", "p"],
+        f"{model.name()}_{kind}", vectors, [after, ca.densify(a), ca.densify(b), affine], ["x", "u", "p"],
         ["xnext", "A", "B", "c"],
     )  # fmt: skip
 
 
-def _exponential(model: ca.Function, x: ca.SX, u: ca.SX, p: ca.SX, dt: float) -> ca.SX:
-    """x y theta by the exponential map of SE(2), which is exact where the twist is constant; what else there is by its
-    rate."""
-    body = model(ca.vertcat(x[:2], 0, x[3:]), u, p) * dt
+def _ode_of(model: ca.Function) -> ca.Function:
+    """A model as CasADi's schemes want it: inputs and parameters are one vector."""
+    x, u, p = (ca.SX.sym(name, model.size1_in(i)) for i, name in enumerate("xup"))
+    return ca.Function("ode", [x, ca.vertcat(u, p)], [model(x, u, p)], ["x", "p"], ["ode"])
+
+
+def _exact(model: ca.Function, odometry: ca.Function, vectors: Sequence[ca.SX], dt: float) -> ca.SX:
+    """x y theta by odometry, which is exact where the twist is constant; what else there is by its rate."""
+    x, u, p = vectors
+    body = model(ca.vertcat(x[:2], 0, x[3:]), u, p)  # at heading 0 the world's axes are the robot's
     if any(ca.which_depends(body[:3], x[3:], 1, True)):
         raise UsageError(
             "the exact step needs a twist that the inputs alone decide: form twist, or rk4, collocation"
         )
-    half = body[2] / 2
-    small = ca.fabs(half) < 1e-4
-    chord = ca.if_else(small, 1 - half**2 / 6, ca.sin(half) / ca.if_else(small, 1, half))
-    c, s = ca.cos(x[2] + half) * chord, ca.sin(x[2] + half) * chord
-    moved = [c * body[0] - s * body[1], s * body[0] + c * body[1]]
-    return x + ca.vertcat(*moved, body[2:])
+    pose = odometry(x[0], x[1], x[2], body[0], body[1], body[2], dt)
+    return ca.vertcat(*pose, x[3:] + dt * body[3:])

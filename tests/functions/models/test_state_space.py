@@ -146,6 +146,11 @@ def test_a_step_is_many_small_ones(name: str, kind: str) -> None:
         assert b[:, index] == pytest.approx((high - low) / 2e-6, abs=1e-7)
 
 
+def test_a_step_of_no_known_kind_is_refused() -> None:
+    with pytest.raises(UsageError, match="exact, rk4 or collocation"):
+        derivation_of("lekiwi").state_space(discrete="euler", dt=0.1)
+
+
 def test_the_exact_step_is_exact_and_smooth_at_a_straight_line() -> None:
     """One step of ten seconds, through omega = 0 on both sides of the switch to the series."""
     derivation = derivation_of("lekiwi")

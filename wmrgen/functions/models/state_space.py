@@ -16,8 +16,6 @@ from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port
 
-FORMS = ("posture", "twist", "eta", "configuration", "zeta", "trailer")
-
 
 @dataclass(frozen=True, slots=True)
 class StateSpace:

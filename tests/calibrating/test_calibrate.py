@@ -15,7 +15,7 @@ from tests.calibrating.simulated import LAYOUTS, Layout, csv, drive
 from tests.conftest import Outcome
 from wmrgen.calibrating.calibrate import Calibration, calibrate, problem_of
 from wmrgen.calibrating.fit import Problem, Sums, serial
-from wmrgen.calibrating.observability import blind, courses, plan
+from wmrgen.calibrating.observability import blind, courses, offers, plan
 from wmrgen.calibrating.path import reckoned
 from wmrgen.calibrating.written import with_values
 from wmrgen.errors import UsageError
@@ -107,7 +107,8 @@ def test_what_only_appears_as_a_sum_is_named(tmp_path: Path) -> None:
     assert sum(result.parameters[n].value for n in ("half_length", "half_width")) == pytest.approx(
         0.25 + truth.true["half_width"], rel=1e-3
     )
-    assert [set(group) for group in blind(problem_of(derivation), derivation)] == [
+    problem = problem_of(derivation)
+    assert [set(group) for group in blind(problem, offers(problem, derivation))] == [
         {"half_length", "half_width"}
     ]
 
@@ -122,7 +123,7 @@ def test_straight_lines_do_not_tell_a_track(tmp_path: Path) -> None:
     assert ("half_track",) in result.unobservable
     assert result.parameters["half_track"].value == pytest.approx(0.2, rel=0.01)
     assert result.parameters["r_left"].observable and result.parameters["r_right"].observable
-    added = plan(result.fit.problem, derivation, 0.01, result.fit.information)
+    added = plan(result.fit.problem, offers(result.fit.problem, derivation), 0.01, result.fit.information)
     assert added is not None and any(s.twist[2] for course in added for s in course.segments)
 
 
@@ -133,11 +134,13 @@ def test_plans_hold_what_they_promise(tmp_path: Path) -> None:
         folder = tmp_path / name
         folder.mkdir()
         derivation = derivation_of(folder, layout)
-        chosen = plan(problem_of(derivation), derivation, 0.01)
+        problem = problem_of(derivation)
+        choices = offers(problem, derivation)
+        chosen = plan(problem, choices, 0.01)
         assert chosen, name
-        finer = plan(problem_of(derivation), derivation, 0.001)
+        finer = plan(problem, choices, 0.001)
         assert finer is None or sum(c.seconds for c in finer) >= sum(c.seconds for c in chosen)
-        assert all(course in courses(problem_of(derivation), derivation) for course in chosen)
+        assert all(course in courses(problem, derivation) for course in chosen)
 
 
 @pytest.mark.parametrize(

@@ -89,8 +89,9 @@ def calibrate(
     best = fit(replace(problem, drives=tuple(_unwound(problem, drive) for drive in drives)), each)
     _refuse_strangers(best, drives, each)
     without = _without_each(best.problem, each)
+    weak = _unobservable(derivation.robot, best)
     return Calibration(
-        _estimates(derivation.robot, best, _deviations(best, without)), _unobservable(derivation.robot, best), best,
+        _estimates(derivation.robot, best, _deviations(best, without), weak), weak, best,
         _errors(best, best.problem.shared(0 * best.unknowns)), _errors(best, best.problem.shared(best.unknowns)),
         _held_out(best, without),
     )  # fmt: skip
@@ -113,8 +114,8 @@ def _unobservable(robot: Robot, best: Fit) -> tuple[tuple[str, ...], ...]:
     return (*unobservable(best), *((name,) for name in absent))
 
 
-def _estimates(robot: Robot, best: Fit, sigma: Reals) -> dict[str, Estimate]:
-    weak = {name for group in _unobservable(robot, best) for name in group}
+def _estimates(robot: Robot, best: Fit, sigma: Reals, groups: Sequence[Sequence[str]]) -> dict[str, Estimate]:
+    weak = {name for group in groups for name in group}
     fitted = dict(zip(best.problem.increments.parameters, zip(best.values, sigma, strict=True), strict=True))
     result = {}
     for p in robot.tunable:

@@ -88,7 +88,7 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     moving = (at >= drive.t[0]) & (at <= drive.t[-1])
 
     def between(samples: Samples) -> Samples:
-        return samples[..., step] * (1 - share) + samples[..., step + 1] * share
+        return _between(samples, step, share)
 
     heading = between(path.heading)
     start = np.exp(1j * own[2])
@@ -123,15 +123,21 @@ def _place(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
     return step, length, np.clip((at - t[step]) / length, 0.0, 1.0)
 
 
+def _between(samples: Samples, step: NDArray[np.intp], share: Reals) -> Samples:
+    """What samples along the last axis are, a ``share`` of a step behind its start."""
+    return samples[..., step] * (1 - share) + samples[..., step + 1] * share
+
+
 def drawn(problem: Problem, shared: Reals, offset: float, index: int) -> tuple[Reals, Reals]:
     """How far odometry, drawn from a drive's first measured pose with ``shared`` parameters and mount, is from the
     truth, whose clock is off by ``offset`` [s]: distances [m] and headings [rad] where both are measured."""
     drive, count = problem.drives[index], len(problem.nominal)
     path = reckoned(problem.increments(drive.columns, shared[:count]))
     step, _, share = _place(drive.t, drive.truth.t + offset)
-    heading = path.heading[step] * (1 - share) + path.heading[step + 1] * share
-    place = path.position[step] * (1 - share) + path.position[step + 1] * share
-    place = place + np.exp(1j * heading) * complex(shared[count], shared[count + 1])
+    heading = _between(path.heading, step, share)
+    place = _between(path.position, step, share) + np.exp(1j * heading) * complex(
+        shared[count], shared[count + 1]
+    )
     true, true_heading = drive.truth.x + 1j * drive.truth.y, drive.truth.theta
     measured = np.isfinite(true) & np.isfinite(true_heading)
     if not measured.any():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import pi
@@ -41,6 +41,14 @@ class Course:
         return sum(segment.seconds for segment in self.segments)
 
 
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """A course, and the information on the shared unknowns that it would give: ``tells`` (shared, shared)."""
+
+    course: Course
+    tells: Reals
+
+
 def deviations(problem: Problem, told: Reals, noise: float) -> tuple[Reals, Reals]:
     """Standard deviations, relative to nominal, of the directions of the parameters, worst first, and these
     directions as columns. ``told``: the information of drives on the shared unknowns; ``noise``: the mean square of
@@ -53,12 +61,13 @@ def deviations(problem: Problem, told: Reals, noise: float) -> tuple[Reals, Real
 
 def unobservable(fit: Fit) -> list[tuple[str, ...]]:
     """Each direction that the drives do not tell, as the parameters that scale together in it, largest part first."""
-    uncertain, directions = deviations(fit.problem, fit.information, fit.noise)
-    return [
-        _names(fit.problem, direction)
-        for deviation, direction in zip(uncertain, directions.T, strict=True)
-        if deviation > WEAK
-    ]
+    return _weak(fit.problem, fit.information, fit.noise)
+
+
+def _weak(problem: Problem, told: Reals, noise: float) -> list[tuple[str, ...]]:
+    """The directions that are less certain than `WEAK`; arguments as of `deviations`."""
+    uncertain, directions = deviations(problem, told, noise)
+    return [_names(problem, directions[:, i]) for i in range(len(uncertain)) if uncertain[i] > WEAK]
 
 
 def _names(problem: Problem, direction: Reals) -> tuple[str, ...]:
@@ -140,45 +149,36 @@ def planned(problem: Problem, derivation: Derivation, course: Course) -> Drive:
     return Drive(course.text, t, columns, truth)
 
 
+def offers(problem: Problem, derivation: Derivation) -> list[Offer]:
+    """The courses that the robot can drive, the shortest first, each with what it would tell."""
+    result = []
+    for course in courses(problem, derivation):
+        one = replace(problem, drives=(planned(problem, derivation, course),))
+        result.append(Offer(course, information(one, serial(one, start_of(one)))))
+    return result
+
+
 def plan(
-    problem: Problem, derivation: Derivation, precision: float, told: Reals | None = None
+    problem: Problem, choices: Sequence[Offer], precision: float, told: Reals | None = None
 ) -> tuple[Course, ...] | None:
-    """The shortest courses after which every direction that is not `blind` is certain to ``precision``, relative to
-    nominal; None where they do not do. ``told``: the information of drives that there are already. A pose is taken to
-    be off by `Problem.scale`, once a second."""
-    choices = courses(problem, derivation)
-    tells = [_told(problem, derivation, course) for course in choices]
+    """The shortest of ``choices`` after which every direction that is not `blind` is certain to ``precision``, relative
+    to nominal; None where they do not do. ``told``: the information of drives that there are already. A pose is taken
+    to be off by `Problem.scale`, once a second."""
     before = np.zeros_like(prior_of_shared(problem)) if told is None else told
-    never = len(blind(problem, derivation))
+    never = len(blind(problem, choices))
     for chosen in _by_duration(choices):
-        uncertain, _ = deviations(problem, before + sum(tells[i] for i in chosen), 1.0)
+        uncertain, _ = deviations(problem, before + sum(offer.tells for offer in chosen), 1.0)
         if len(uncertain) == never or uncertain[never] <= precision:
-            return tuple(choices[i] for i in chosen)
+            return tuple(offer.course for offer in chosen)
     return None
 
 
-def _told(problem: Problem, derivation: Derivation, course: Course) -> Reals:
-    """The information that a course would give."""
-    one = replace(problem, drives=(planned(problem, derivation, course),))
-    return information(one, serial(one, start_of(one)))
-
-
-def _by_duration(choices: Sequence[Course]) -> Iterator[tuple[int, ...]]:
-    """Sets of courses, the shortest in all first."""
-    numbers = range(len(choices))
-    sets = [chosen for size in range(len(choices) + 1) for chosen in combinations(numbers, size)]
-    yield from sorted(sets, key=lambda chosen: sum(choices[i].seconds for i in chosen))
-
-
-def blind(problem: Problem, derivation: Derivation) -> list[tuple[str, ...]]:
+def blind(problem: Problem, choices: Sequence[Offer]) -> list[tuple[str, ...]]:
     """Directions that no drive on the floor tells, whatever it is: those that all courses together leave open."""
-    told = sum(
-        (_told(problem, derivation, c) for c in courses(problem, derivation)),
-        np.zeros_like(prior_of_shared(problem)),
-    )
-    uncertain, directions = deviations(problem, told, 1.0)
-    return [
-        _names(problem, direction)
-        for deviation, direction in zip(uncertain, directions.T, strict=True)
-        if deviation > WEAK
-    ]
+    return _weak(problem, sum((c.tells for c in choices), np.zeros_like(prior_of_shared(problem))), 1.0)
+
+
+def _by_duration(choices: Sequence[Offer]) -> list[tuple[Offer, ...]]:
+    """Sets of courses, the shortest in all first."""
+    sets = [chosen for size in range(len(choices) + 1) for chosen in combinations(choices, size)]
+    return sorted(sets, key=lambda chosen: sum(offer.course.seconds for offer in chosen))

@@ -15,6 +15,7 @@ from wmrgen.errors import UsageError
 
 if TYPE_CHECKING:
     from wmrgen.calibrating.calibrate import Calibration
+    from wmrgen.calibrating.observability import Offer
     from wmrgen.robot import Derivation
 
 
@@ -78,7 +79,7 @@ def _as_data(result: Calibration) -> dict[str, Any]:
 
 
 def _tell(derivation: Derivation, result: Calibration) -> None:
-    from wmrgen.calibrating.observability import blind
+    from wmrgen.calibrating.observability import blind, offers
 
     drives = result.fit.problem.drives
     seconds = sum(float(d.t[-1] - d.t[0]) for d in drives)
@@ -103,9 +104,11 @@ def _tell(derivation: Derivation, result: Calibration) -> None:
     for drive, offset in zip(drives, result.fit.offsets, strict=True):
         if abs(offset) > 0.02:
             console.note(f"{drive.name}: the truth's clock is {offset:+.3f} s off")
-    never = blind(result.fit.problem, derivation)
-    for group in result.unobservable:
-        console.note(f"{_together(group)}: {_remedy(derivation, result, group, never)}")
+    if result.unobservable:
+        choices = offers(result.fit.problem, derivation)
+        never = blind(result.fit.problem, choices)
+        for group in result.unobservable:
+            console.note(f"{_together(group)}: {_remedy(choices, result, group, never)}")
 
 
 def _together(group: Sequence[str]) -> str:
@@ -115,14 +118,14 @@ def _together(group: Sequence[str]) -> str:
 
 
 def _remedy(
-    derivation: Derivation, result: Calibration, group: Sequence[str], never: Sequence[Sequence[str]]
+    choices: Sequence[Offer], result: Calibration, group: Sequence[str], never: Sequence[Sequence[str]]
 ) -> str:
     """What would tell the parameters of ``group`` apart."""
     from wmrgen.calibrating.observability import WEAK, plan
 
     if any(set(group) & set(other) for other in never):
         return "no drive tells; measure one of them, and delete its tunable: true"
-    courses = plan(result.fit.problem, derivation, WEAK, result.fit.information)
+    courses = plan(result.fit.problem, choices, WEAK, result.fit.information)
     return f"add {' and '.join(course.text for course in courses)}" if courses else "measure one of them"
 
 
@@ -131,11 +134,12 @@ def _planned(
 ) -> int:
     """Print the drives that make every parameter certain to ``precision``."""
     from wmrgen.calibrating.calibrate import problem_of
-    from wmrgen.calibrating.observability import blind, plan
+    from wmrgen.calibrating.observability import blind, offers, plan
 
     problem = problem_of(derivation) if result is None else result.fit.problem
-    courses = plan(problem, derivation, precision, None if result is None else result.fit.information)
-    never = blind(problem, derivation)
+    choices = offers(problem, derivation)
+    courses = plan(problem, choices, precision, None if result is None else result.fit.information)
+    never = blind(problem, choices)
     if as_json:
         told = None if courses is None else [{"drive": c.text, "seconds": c.seconds} for c in courses]
         console.data({"plan": told, "unobservable": [list(group) for group in never]})

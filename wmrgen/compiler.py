@@ -159,6 +159,14 @@ def run_rust(crate: str, library: str, program: str, stdin: str, flags: Sequence
         return run_program(folder / "program", stdin)
 
 
+def run_node(files: Mapping[str, str]) -> str:
+    """What Node prints when it runs ``main.mjs`` of ``files`` (name -> text)."""
+    node = find_tool("node")
+    if node is None:
+        raise EnvironmentFailure("no Node found. Install it (Debian, Ubuntu: apt-get install nodejs).")
+    return run_tool([node, "main.mjs"], files)
+
+
 def find_tool(name: str) -> str | None:
     """Path of an analyser on the PATH, None when there is none."""
     return shutil.which(name)

@@ -18,13 +18,14 @@ FACTS = Facts("a robot", ("left: fixed",), "0123456789abcdef", "0.1.0", "1.14.0"
 CODE = tuple(
     name for name, entry in BACKENDS.items() if entry.source != "itself"
 )  # the others are to be read
+COMPILERS = {"rust": "rustc", "javascript": "node"}
 TOLERANCE = {"c99": 2e-6, "rust": 2e-6}  # single precision
 
 
 def backend(name: str) -> Backend:
     """The backend, where the compiler is here that its language takes."""
-    if name == "rust":
-        need("rustc")
+    if name in COMPILERS:
+        need(COMPILERS[name])
     return BACKENDS[name].load()
 
 

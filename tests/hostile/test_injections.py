@@ -25,7 +25,7 @@ from tests.importing.urdf import link, pair
 from tests.tools import tool
 
 pytestmark = LINUX
-PACKAGES = ("cmake", "arduino", "platformio", "esp-idf", "zephyr", "ros2", "rust")
+PACKAGES = ("cmake", "arduino", "platformio", "esp-idf", "zephyr", "ros2", "rust", "javascript")
 PAYLOADS = {
     "end of a C comment": "*/ pwned(); /*",
     "a comment in a comment": "/* /* */ pwned */",
@@ -147,7 +147,7 @@ READERS: Mapping[str, Callable[[Path], None]] = {
     ".yml": in_data(yaml.safe_load),
     ".toml": in_data(tomllib.loads),
     ".properties": in_properties,
-    ".rs": in_comments,
+    **dict.fromkeys((".rs", ".js"), in_comments),
 }
 
 
@@ -159,7 +159,7 @@ def test_what_is_generated_has_it_as_text(server: Server, tmp_path: Path, case: 
     attempt = server.run(tmp_path, "derive", "bad.yaml", "-o", "out", "--fuzz", *packages)
     assert attempt.code == 0 and not attempt.outside, attempt.err
     files = [path for path in sorted((tmp_path / "out").rglob("*")) if path.is_file()]
-    assert {".c", ".py", ".md", ".svg", ".json", ".xml", ".toml", ".properties", ".rs"} <= {
+    assert {".c", ".py", ".md", ".svg", ".json", ".xml", ".toml", ".properties", ".rs", ".js"} <= {
         p.suffix for p in files
     }
     for path in {path.read_bytes(): path for path in files}.values():  # packages hold the same C

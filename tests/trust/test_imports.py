@@ -24,7 +24,8 @@ from wmrgen.backends.registry import BACKENDS
 ROOMS = (
     "errors shipped exact ports notation artifacts compiler render"
     " ir selftest interface loop backends backends/registry backends/c99 backends/casadi backends/numpy"
-    " backends/rust backends/packages wheels spec layout importing constraints symbolic printing mobility kinematics"
+    " backends/rust backends/javascript backends/packages"
+    " wheels spec layout importing constraints symbolic printing mobility kinematics"
     " functions functions/models functions/trailers functions/motion"
     " functions/control functions/space"
     " lower program bounds model_json robot __init__ lint exporting comparing calibrating"

@@ -129,6 +129,10 @@ import in is lambda none nonlocal not or pass raise return true try while with y
     "Python keeps that word for itself.",
 )
 RUST = reserved("crate self super", "Rust keeps that word for itself.")  # other words may be names: r#box
+JAVASCRIPT = reserved(
+    "constructor hasownproperty isprototypeof propertyisenumerable tolocalestring tostring valueof",
+    "Every object of JavaScript has a property of that name.",
+)
 CASADI = reserved("null jac hess nan inf infinity", "CasADi keeps that word for itself.")
 
 
@@ -264,6 +268,10 @@ for _entry in (
     Entry(
         "rust", "wmrgen.backends.rust", "c_module", "rust",
         reserved=(RUST,), options=("scalar", "math", "target"), proved=True, package=True,
+    ),
+    Entry(
+        "javascript", "wmrgen.backends.javascript", "module", "javascript",
+        reserved=(JAVASCRIPT,), package=True,
     ),
     Entry("drawing", "wmrgen.backends.drawing", "itself", files=(Files(("layout.svg",)),)),
     Entry("report", "wmrgen.backends.report", "itself", files=(Files(("report.md",)),)),

@@ -84,6 +84,7 @@ PACKAGES = {
             context=ros2.context,
         ),
         Package("rust", (), backend="rust"),
+        Package("javascript", (), backend="javascript"),
     )
 }
 

@@ -38,7 +38,7 @@ def derive(
     package: Annotated[
         list[str] | None,
         option(
-            "Write DIR/package-KIND/<name>/ too: cmake, arduino, platformio, esp-idf, zephyr, ros2, rust.",
+            "Write DIR/package-KIND/<name>/ too: cmake, arduino, platformio, esp-idf, zephyr, ros2, rust, javascript.",
             "KIND",
         ),
     ] = None,

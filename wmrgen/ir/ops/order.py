@@ -31,7 +31,8 @@ def _size(w: Walk, i: int, a: int) -> Value:
 
 Op.ABS = Op(
     "abs", 1, abs, many=np.abs, parity=1, cost="signs",
-    c="fabs{f}({0})", rust="wmrgen_abs({0})", includes=("<math.h>",), numpy="np.abs({0})", casadi="OP_FABS",
+    c="fabs{f}({0})", rust="wmrgen_abs({0})", javascript="Math.abs({0})", includes=("<math.h>",), numpy="np.abs({0})",
+    casadi="OP_FABS",
     fact=_size_fact, interval=iv.absolute, lemma=_size,
     running=lambda unit, a: Bounded(np.abs(a.value), a.error),
 )  # fmt: skip
@@ -185,7 +186,8 @@ def _casadi_clamp(ca: Any, a: Any, m: Any) -> Any:
 Op.CLAMP = Op(
     "clamp", 2, lambda a, m: m if m < a else -m if a < -m else a, _clamped,
     many=lambda a, m: np.clip(a, -m, m), cost="comparisons",
-    c="wmrgen_clamp({0}, {1})", includes=("<stdint.h>",), numpy="np.clip({0}, -{1}, {1})", casadi=_casadi_clamp,
+    c="wmrgen_clamp({0}, {1})", javascript="_clamp({0}, {1})", includes=("<stdint.h>",),
+    numpy="np.clip({0}, -{1}, {1})", casadi=_casadi_clamp,
     fact=lambda a, m: replace(m | -m, away=min(a.away, m.away), nonzero=a.nonzero),
     interval=_clamped_range, lemma=_clamp, running=_clamp_error,
 )  # fmt: skip
@@ -215,7 +217,8 @@ Op.WITH_SIGN_OF = Op(
     "with_sign_of", 2, lambda a, b: -a if b.sign < 0 else a,
     lambda a, b: -a if math.copysign(1.0, b) < 0 else a,
     many=lambda a, b: np.where(np.signbit(b), -a, a), cost="signs",
-    c="wmrgen_with_sign_of({0}, {1})", includes=("<stdint.h>",),
+    c="wmrgen_with_sign_of({0}, {1})", javascript=Conditional("_is_negative({1}) ? -({0}) : {0}"),
+    includes=("<stdint.h>",),
     numpy=Conditional("np.where(np.signbit({1}), np.negative({0}), {0})"), casadi=_casadi_with_sign,
     fact=lambda a, b: a | -a, interval=_signed_range, lemma=_with_sign, running=_with_sign_error,
 )  # fmt: skip
@@ -251,7 +254,7 @@ Op.AT_LEAST = Op(
     "at_least", 2, lambda a, m: (-m if a.sign < 0 else m) if abs(a) < m else a,
     lambda a, m: math.copysign(m, a) if abs(a) < m else a,
     many=lambda a, m: np.where(np.abs(a) < m, np.copysign(m, a), a), cost="comparisons",
-    c="wmrgen_at_least({0}, {1})", includes=("<stdint.h>",),
+    c="wmrgen_at_least({0}, {1})", javascript="_at_least({0}, {1})", includes=("<stdint.h>",),
     numpy=Conditional("np.where(np.abs({0}) < {1}, np.copysign({1}, {0}), {0})"), casadi=_casadi_at_least,
     fact=lambda a, m: replace(a | m | -m, away=m.away, nonzero=True),
     interval=_at_least_range, lemma=_at_least, running=_at_least_error,

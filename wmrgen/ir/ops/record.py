@@ -39,7 +39,8 @@ class Op:
 
     Text. ``infix`` is the sign of an operator that all languages have. ``c`` and ``numpy`` are formats over the
     arguments by position, ``{f}`` the suffix of C's float functions; ``includes`` the headers that this takes. ``rust``
-    is what Rust writes where it is not what C writes, as a call is.
+    is what Rust writes where it is not what C writes, as a call is; ``javascript`` the same, where C's functions are
+    members of Math.
     ``casadi`` is the name of one of CasADi's operations, or a function of the module and the arguments.
 
     Bounds. ``fact`` says of a result, without limits, what is known of it by facts of its arguments; ``needs``: which
@@ -64,6 +65,7 @@ class Op:
     infix: str = ""
     c: str = ""
     rust: str = ""
+    javascript: str = ""
     includes: tuple[str, ...] = ()
     numpy: str = ""
     casadi: str | Rule = ""

@@ -1,0 +1,146 @@
+"""JavaScript: an ES module for browsers and Node, and the package that npm takes it as.
+
+A function takes an object and returns one, members by contract name. Numbers are doubles, as JavaScript has them.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from wmrgen.backends.expression import Style, body
+from wmrgen.backends.registry import Facts
+from wmrgen.compiler import run_node
+from wmrgen.exact.number import Exact
+from wmrgen.ir.calls import complete, self_contained
+from wmrgen.ir.nodes import Function, Module
+from wmrgen.ir.ops import Conditional, Op
+from wmrgen.ir.rounding import to_float64
+from wmrgen.render import render
+
+_KEYWORDS = frozenset(
+    """
+arguments await break case catch class const continue debugger default delete do else enum eval export extends false
+finally for function if implements import in instanceof interface let Math new null Object package private protected
+public return static super switch this throw true try typeof undefined var void while with yield
+""".split()
+)
+_LONGEST = 84  # columns of an object on one line
+_NEEDED = {
+    Op.AT_LEAST: "_is_negative",
+    Op.WITH_SIGN_OF: "_is_negative",
+}  # what else the form of an operation calls
+
+
+def number(value: float) -> str:
+    """A number of the source text."""
+    return {"inf": "Infinity", "-inf": "-Infinity", "nan": "NaN"}.get(repr(value), repr(value))
+
+
+def _literal(value: Exact) -> str:
+    text = number(to_float64(value))
+    return f"({text})" if text.startswith("-") else text
+
+
+def _form(op: Op) -> str:
+    """As C has it, where JavaScript has no form of its own: C's functions are members of Math."""
+    text = op.c.replace("{f}", "")
+    return op.javascript or (Conditional(text) if isinstance(op.c, Conditional) else f"Math.{text}")
+
+
+_STYLE = Style(_literal, _form, "const {0} = {1};", "_t{0}")  # no port or parameter begins with an underscore
+
+
+def _plain(text: str) -> str:
+    """``text`` for a comment: one line, which no browser takes for a tag where the module stands in a page."""
+    return re.sub(r"<(?=[!/?a-zA-Z])", "< ", " ".join(text.split()))
+
+
+def _variables(function: Function) -> dict[str, str]:
+    """Contract name -> variable: ``_`` for the dot, and appended where the name is taken."""
+    names: dict[str, str] = {}
+    for port in sorted(function.inputs, key=lambda port: "." in port.name):
+        name = port.name.replace(".", "_")
+        while name in names.values() or name in _KEYWORDS:
+            name += "_"
+        names[port.name] = name
+    return names
+
+
+def _printed(function: Function) -> dict[str, Any]:
+    """A function of the generated module, as finished lines."""
+    names = _variables(function)
+    code = body(function, names.__getitem__, _STYLE)
+    taken = [
+        (p.name if names[p.name] == p.name else f'"{p.name}": {names[p.name]}')
+        + ("" if p.default is None else f" = {_literal(p.default)}")
+        for p in function.inputs
+    ]
+    given = [f'"{p.name}": {text}' for p, text in zip(function.outputs, code.results, strict=True)]
+    return {
+        "name": function.name,
+        "document": _document(function),
+        "signature": _object(taken, "") + " = {}" if taken else "",
+        "lines": code.statements,
+        "results": _object(given, "  "),
+        "ops": code.ops,
+    }
+
+
+def _object(members: Sequence[str], indent: str) -> str:
+    """On one line where it is short."""
+    line = f"{{ {', '.join(members)} }}"
+    return (
+        line
+        if len(line) <= _LONGEST
+        else "{\n" + "".join(f"{indent}  {m},\n" for m in members) + f"{indent}}}"
+    )
+
+
+def _document(function: Function) -> list[str]:
+    """What it does, takes and returns."""
+    lines = [_plain(function.text) or f"{function.name}."]
+    for title, ports in (("Takes:", function.inputs), ("Returns:", function.outputs)):
+        if ports:
+            lines += [title, *(f"  {_plain(f'{p.name} [{p.unit}] {p.text}')}" for p in ports)]
+    return lines
+
+
+def text(module: Module, facts: Facts) -> str:
+    """The source text of the ES module."""
+    functions = [_printed(function) for function in self_contained(module)]
+    ops = frozenset[Op]().union(*(function["ops"] for function in functions))
+    needs = {_NEEDED[op] for op in ops & _NEEDED.keys()} | {_form(op).partition("(")[0] for op in ops}
+    return render(
+        "javascript/module.js.j2",
+        robot=module.name,
+        description=_plain(facts.description),
+        wheels=[_plain(line) for line in facts.wheel_lines],
+        meta=facts,
+        functions=functions,
+        needs=needs,
+    )
+
+
+def emit(module: Module, facts: Facts) -> dict[str, bytes]:
+    """``<robot>.js`` and ``package.json``."""
+    manifest = render(
+        "javascript/package.json.j2",
+        robot=module.name,
+        package=f"{module.name.lower()}-kinematics",
+        version=facts.wmrgen_version,
+        description=json.dumps(_plain(f"Kinematics of {facts.description or module.name}")),
+    )
+    return {f"{module.name}.js": text(module, facts).encode(), "package.json": manifest.encode()}
+
+
+def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
+    """Outputs by contract name for each case, in float64, by Node. EnvironmentFailure where there is none."""
+    wanted = next(f for f in self_contained(module) if f.name == function)
+    rows = [zip(wanted.inputs, complete(wanted, case), strict=True) for case in cases]
+    objects = [", ".join(f'"{port.name}": {number(value)}' for port, value in row) for row in rows]
+    program = render("javascript/driver.js.j2", function=function, cases=objects)
+    printed = run_node({"robot.mjs": text(module, Facts()), "main.mjs": program})
+    return [{name: float(value) for name, value in json.loads(line)} for line in printed.splitlines()]

@@ -82,7 +82,7 @@ def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
         site=(where := site(derivation)),
         constants=constants(derivation.robot, where),
         formulas=derivation.raw_module.functions,
-        vector=derivation.default_vector_form,
+        vectors=derivation.vector_forms,
     )
 
 

@@ -193,11 +193,22 @@ def _with_read_inputs(function: Function, absent: frozenset[str]) -> Function:
     return replace(function, inputs=inputs)
 
 
-def vector_form(robot: Robot, space: StateSpace, formula: Formula) -> VectorForm:
-    """A ``formula`` of a state space, optimised, as a function of x, u and p."""
-    whole = optimise((lower(formula),), robot.name)
-    (function,) = self_contained(whole)
+def vector_forms(robot: Robot, space: StateSpace | None) -> tuple[VectorForm, ...]:
+    """A state space, optimised, as functions of x, u and p: the rates ``ode`` and, where there are constraints,
+    ``rolling``. Nothing of none."""
+    if space is None:
+        return ()
+    parts = {"ode": ("xdot", space.rates), "rolling": ("g", space.constraints)}
+    return tuple(
+        _vector_form(robot, space, name, result, formula)
+        for name, (result, formula) in parts.items()
+        if formula
+    )
+
+
+def _vector_form(robot: Robot, space: StateSpace, name: str, result: str, formula: Formula) -> VectorForm:
+    (function,) = self_contained(optimise((lower(formula),), robot.name))
     system = space.system
     vectors = tuple(tuple(p.name for p in ports) for ports in (system.state, system.inputs, system.geometry))
-    name = "ode" if formula is space.rates else formula.name
-    return VectorForm(f"{robot.name}_{name}", function, vectors)
+    nominal = tuple(float(p.default) for p in system.geometry if p.default is not None)
+    return VectorForm(name, function, vectors, result, nominal)

@@ -31,7 +31,7 @@ from wmrgen.program import (
     optimised,
     program,
     standard,
-    vector_form,
+    vector_forms,
     with_calls,
     written,
 )  # fmt: skip
@@ -186,10 +186,14 @@ class Derivation:
 
         space = state_space(self.robot, self.mobility, form)
         casadi = BACKENDS["casadi"]
-        model = casadi.offers("ode")(vector_form(self.robot, space, space.rates))
+        model = casadi.offers("of_vectors")(vector_forms(self.robot, space)[0], self.robot.name)
         if discrete is None:
             return model
         return casadi.offers("step")(model, lower(self.formula("odometry")), discrete, dt)
+
+    def step_file(self, form: str | None, discrete: str, dt: float) -> bytes:
+        """The content of a file of the step that `state_space` gives, for casadi.Function.load."""
+        return bytes(BACKENDS["casadi"].offers("content")(self.state_space(form, discrete, dt)))
 
     def rolling(self) -> Any:
         """casadi.Function (x, u, p) -> g [m/s] of the model in twist inputs, 0 where no steered wheel slides; None
@@ -199,7 +203,7 @@ class Derivation:
         space = state_space(self.robot, self.mobility, "twist")
         if space.constraints is None:
             return None
-        return BACKENDS["casadi"].offers("ode")(vector_form(self.robot, space, space.constraints), "g")
+        return BACKENDS["casadi"].offers("of_vectors")(vector_forms(self.robot, space)[1], self.robot.name)
 
     @cached_property
     def default_state_space(self) -> StateSpace | None:
@@ -209,10 +213,9 @@ class Derivation:
         return default_state_space(self.robot, self.mobility)
 
     @cached_property
-    def default_vector_form(self) -> VectorForm | None:
-        """The rates of `default_state_space` as a function of vectors."""
-        space = self.default_state_space
-        return None if space is None else vector_form(self.robot, space, space.rates)
+    def vector_forms(self) -> tuple[VectorForm, ...]:
+        """`default_state_space` as functions of vectors: rates and, where there are some, constraints."""
+        return vector_forms(self.robot, self.default_state_space)
 
     def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
         """Any function at exact values. Inputs left out are 0, parameters nominal."""
@@ -300,8 +303,8 @@ class Derivation:
         return functions
 
     def numpy(self) -> Any:
-        """The functions, vectorised over NumPy arrays."""
-        return BACKENDS["numpy"].offers("functions")(self.module)
+        """The functions, vectorised over NumPy arrays, and the state space over their last axis."""
+        return BACKENDS["numpy"].offers("functions")(self.module, self.vector_forms)
 
     def _repr_latex_(self) -> str:
         from wmrgen.printing import Latex

@@ -84,15 +84,15 @@ def sensitivity(
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     """``<robot>_<function>.casadi`` for ``casadi.Function.load``; the bytes `Function.save` would write."""
-    every = dict(functions(module))
-    if facts.vector is not None:
-        every["ode"] = ode(facts.vector)
-    files = {}
-    for name, function in every.items():
-        serializer = ca.StringSerializer()
-        serializer.pack(function)
-        files[f"{module.name}_{name}.casadi"] = serializer.encode().encode("ascii")
-    return files
+    every = functions(module) | {v.name: of_vectors(v, module.name) for v in facts.vectors}
+    return {f"{module.name}_{name}.casadi": content(function) for name, function in every.items()}
+
+
+def content(function: ca.Function) -> bytes:
+    """Of a file for `casadi.Function.load`."""
+    serializer = ca.StringSerializer()
+    serializer.pack(function)
+    return bytes(serializer.encode().encode("ascii"))
 
 
 def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
@@ -109,8 +109,8 @@ def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]
 # ---- vectors, for optimisers
 
 
-def ode(vector: VectorForm, result: str = "xdot") -> ca.Function:
-    """``(x, u, p) -> xdot``, of vectors."""
+def of_vectors(vector: VectorForm, robot: str) -> ca.Function:
+    """``(x, u, p) -> xdot``, or another result, of vectors."""
     vectors = [ca.SX.sym(name, len(entries)) for name, entries in zip("xup", vector.vectors, strict=True)]
     named = {
         e: v[i] for v, entries in zip(vectors, vector.vectors, strict=True) for i, e in enumerate(entries)
@@ -118,7 +118,8 @@ def ode(vector: VectorForm, result: str = "xdot") -> ca.Function:
     inputs = [named[port.name] for port in vector.function.inputs]
     rates = to_casadi(vector.function, vector.function.name).call(inputs)
     return ca.Function(
-        ca.Function.fix_name(vector.name), vectors, [ca.densify(ca.vertcat(*rates))], ["x", "u", "p"], [result],
+        ca.Function.fix_name(f"{robot}_{vector.name}"), vectors, [ca.densify(ca.vertcat(*rates))],
+        ["x", "u", "p"], [vector.result],
     )  # fmt: skip
 
 

@@ -1,7 +1,8 @@
 """NumPy: ``<robot>.py``, a plain module vectorised over samples; and the same functions without a file.
 
 Arguments are the contract names with ``_`` for the dot (``left_spin``); results are dictionaries by
-contract name. Arguments broadcast against each other; every result has the broadcast shape.
+contract name. Arguments broadcast against each other; every result has the broadcast shape. The state space takes
+vectors x, u, p along the last axis, whose entries STATE, INPUTS and PARAMETERS name.
 """
 
 from __future__ import annotations
@@ -12,9 +13,10 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmrgen.backends.expression import Style, body
-from wmrgen.backends.registry import Facts
+from wmrgen.backends.registry import Facts, VectorForm
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import complete, self_contained
 from wmrgen.ir.interpret import values_of
@@ -89,6 +91,34 @@ def _printed(function: Function) -> dict[str, Any]:
     }
 
 
+def _entries(vectors: Sequence[VectorForm]) -> dict[str, tuple[Any, ...]]:
+    """The constants of the module that name the entries of x, u and p, and what p is unless calibrated."""
+    if not vectors:
+        return {}
+    names = zip(("STATE", "INPUTS", "PARAMETERS"), vectors[0].vectors, strict=True)
+    return {**dict(names), "NOMINAL": vectors[0].nominal}
+
+
+def _described_vectors(vector: VectorForm) -> list[str]:
+    return [
+        _plain(f"{vector.result} of the {vector.function.text}"),
+        "",
+        "Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.",
+    ]
+
+
+def _of_vectors(vector: VectorForm) -> dict[str, Any]:
+    """The same of a function of vectors."""
+    places = {
+        name: f"{letter}[..., {k}]"
+        for letter, names in zip("xup", vector.vectors, strict=True)
+        for k, name in enumerate(names)
+    }
+    code = body(vector.function, places.__getitem__, _STYLE)
+    document = _described_vectors(vector)
+    return {"name": vector.name, "document": document, "lines": code.statements, "results": code.results}
+
+
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     """``<robot>.py``, which needs nothing but NumPy."""
     text = render(
@@ -98,6 +128,8 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
         wheels=[_plain(line) for line in facts.wheel_lines],
         meta=facts,
         functions=[_printed(function) for function in self_contained(module)],
+        constants=[f"{name} = {value!r}" for name, value in _entries(facts.vectors).items()],
+        vectors=[_of_vectors(vector) for vector in facts.vectors],
     )
     return {f"{module.name}.py": text.encode()}
 
@@ -142,9 +174,30 @@ def _callable(function: Function) -> Callable[..., dict[str, Any]]:
     return call
 
 
-def functions(module: Module) -> SimpleNamespace:
+def _callable_of_vectors(vector: VectorForm) -> Callable[..., NDArray[np.float64]]:
+    def call(x: Any, u: Any, p: Any = vector.nominal) -> NDArray[np.float64]:
+        arrays = [np.asarray(values, dtype=np.float64) for values in (x, u, p)]
+        values: dict[str, Any] = {}
+        for letter, array, names in zip("xup", arrays, vector.vectors, strict=True):
+            if array.shape[-1:] != (len(names),):
+                raise ValueError(f"{letter} has the shape {array.shape}, not (..., {len(names)})")
+            values |= {name: array[..., k] for k, name in enumerate(names)}
+        results = vector.function.outputs_of(values_of(vector.function, values, np.float64)).values()
+        shape = np.broadcast_shapes(*(array.shape[:-1] for array in arrays))
+        return np.stack([np.broadcast_to(result, shape) for result in results], -1)
+
+    call.__name__ = call.__qualname__ = vector.name
+    call.__doc__ = "\n".join(_described_vectors(vector))
+    return call
+
+
+def functions(module: Module, vectors: Sequence[VectorForm] = ()) -> SimpleNamespace:
     """The functions of ``module`` as attributes, as in the generated file; no text is executed."""
-    return SimpleNamespace(**{function.name: _callable(function) for function in self_contained(module)})
+    return SimpleNamespace(
+        **{function.name: _callable(function) for function in self_contained(module)},
+        **{vector.name: _callable_of_vectors(vector) for vector in vectors},
+        **_entries(vectors),
+    )
 
 
 def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:

@@ -29,12 +29,14 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class VectorForm:
-    """A ``function`` of vectors: the contract names of the entries of each; it may do without some. ``name`` of what
-    backends make of it."""
+    """A ``function`` of the vectors x, u and p to the vector ``result``: the contract names of the entries of each;
+    it may do without some. ``nominal``: the entries of p. ``name`` of what backends make of it."""
 
     name: str
     function: Function
     vectors: tuple[tuple[str, ...], ...]
+    result: str
+    nominal: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +47,8 @@ class Facts:
     model. ``constants``: numbers of the robot file, each with its name, ``left.radius``, and what it is.
     ``bound_lines``: what is proved of the code, for the backend whose code that is. ``site``: what the robot
     file says about inputs. ``formulas``: the functions as lowered. ``options``: what the user chose of what the
-    backend takes. ``places``: where the code of other backends computes what (for the report). ``vector``: the model
-    of the robot as x' = f(x, u, p), where it has one.
+    backend takes. ``places``: where the code of other backends computes what (for the report). ``vectors``: the model
+    of the robot as x' = f(x, u, p), where it has one, and what has to be 0 where it holds.
     """
 
     description: str = ""
@@ -60,7 +62,7 @@ class Facts:
     formulas: tuple[Function, ...] = ()
     options: Mapping[str, str | bool] = field(default_factory=dict)
     places: tuple[Place, ...] = ()
-    vector: VectorForm | None = None
+    vectors: tuple[VectorForm, ...] = ()
 
 
 class Backend(Protocol):

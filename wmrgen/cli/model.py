@@ -1,18 +1,24 @@
 """What a robot's model is, and what a robot file may say, written down.
 
-``wmrgen model``: state, inputs and equations. ``wmrgen structure``: what integrates, what Lie brackets reach, what is
-flat, whether a chained form exists. ``wmrgen schema``: the keys of robot files, for editors and validators or to read.
+``wmrgen model``: state, inputs and equations, or a step of constant inputs. ``wmrgen structure``: what integrates, what
+Lie brackets reach, what is flat, whether a chained form exists. ``wmrgen schema``: the keys of robot files, for editors
+and validators or to read.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wmrgen.artifacts import write_file
 from wmrgen.cli import console
 from wmrgen.cli.loading import derived
+from wmrgen.cli.values import from_words
 from wmrgen.errors import NotDerivableError, UsageError
+from wmrgen.exact.number import ZERO
+from wmrgen.functions.models.state_space import default_form, state_space
+from wmrgen.ports import Port, Role
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
@@ -20,12 +26,27 @@ if TYPE_CHECKING:
     Shown = Callable[[Any], str]
 
 
-def model(robot: Path, form: str, as_latex: bool, as_json: bool) -> int:
-    """Print one form of the model of a robot: the chained form transforms state and inputs, others are systems."""
+def model(
+    robot: Path,
+    values: Sequence[str] | None,
+    form: str | None,
+    discrete: str | None,
+    dt: str | None,
+    out: Path | None,
+    as_latex: bool,
+    as_json: bool,
+) -> int:
+    """Print one form of the model of a robot: the chained form transforms state and inputs, others are systems. With
+    ``discrete``, its step of ``dt``."""
     from wmrgen.functions.models.sheet import data, latex, lines, sheet_of
     from wmrgen.functions.trailers.chained_sheet import chained_sheet
 
+    if discrete is None and (dt or out or values):
+        raise UsageError("--dt, -o and values are for the step of --discrete. Write --discrete rk4 too.")
     with derived(robot) as derivation:
+        form = form or default_form(derivation.robot, derivation.mobility)
+        if discrete is not None:
+            return _step(derivation, form, discrete, dt, values or (), out, as_json)
         if form == "chained":
             sheet = chained_sheet(derivation.robot, derivation.mobility)
         else:
@@ -35,6 +56,48 @@ def model(robot: Path, form: str, as_latex: bool, as_json: bool) -> int:
             return 0
         text = latex(sheet) if as_latex else "\n".join(lines(sheet))
     console.result(text)
+    return 0
+
+
+def _step(
+    derivation: Derivation,
+    form: str,
+    discrete: str,
+    dt: str | None,
+    values: Sequence[str],
+    out: Path | None,
+    as_json: bool,
+) -> int:
+    """Write the step to the file ``out``, or print what it gives at ``values``: state after it, A, B and c."""
+    if dt is None or form == "chained":
+        what = "the chained form has no step" if form == "chained" else "a step takes --dt"
+        raise UsageError(f"{what}. Write --dt 0.05 [s] and any --form but chained.")
+    span = float(from_words([f"dt={dt}"], [Port("dt", Role.COMMAND, "s")])["dt"])
+    if not span > 0:
+        raise UsageError(f"--dt is {dt}: a step takes time. Write --dt 0.05 [s].")
+    if out is not None:
+        write_file(out, derivation.step_file(form, discrete, span))
+        console.result(str(out))
+        return 0
+    system = state_space(derivation.robot, derivation.mobility, form).system
+    groups = (system.state, system.inputs, system.geometry)
+    case = from_words(values, [port for ports in groups for port in ports])
+    point = [[float(case.get(p.name, p.default or ZERO)) for p in ports] for ports in groups]
+    after, a, b, c = (part.full().tolist() for part in derivation.state_space(form, discrete, span)(*point))
+    x, u = ([p.name for p in ports] for ports in (system.state, system.inputs))
+    xnext, affine = ([row[0] for row in column] for column in (after, c))
+    if as_json:
+        facts = {"form": form, "discrete": discrete, "dt": span, "x": x, "u": u}
+        console.data({**facts, "xnext": xnext, "A": a, "B": b, "c": affine})
+        return 0
+    console.result(f"{form}, a step of {span:g} s by {discrete}: xnext = A x + B u + c, to first order\n")
+    head = ["", "xnext", *(f"A {name}" for name in x), *(f"B {name}" for name in u), "c"]
+    numbers = zip(xnext, a, b, affine, strict=True)
+    rows = [[f"{v:.6g}" for v in (first, *own, *by, last)] for first, own, by, last in numbers]
+    table = [head, *([name, *row] for name, row in zip(x, rows, strict=True))]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    for row in table:
+        console.result("  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True)))
     return 0
 
 

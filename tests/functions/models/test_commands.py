@@ -7,6 +7,7 @@ import math
 import re
 from pathlib import Path
 
+import casadi
 import pytest
 import sympy
 
@@ -88,3 +89,37 @@ def test_long_fractions_are_decimals_for_readers_only(tmp_path: Path) -> None:
     proof = wmrgen("structure", path)
     assert "0.841470984808*cos(theta)" in proof and "c . curl c = -1 != 0" in proof
     assert "rounded" not in wmrgen("model", ROBOTS / "bicycle.yaml")
+
+
+def test_a_step_is_printed_and_written(tmp_path: Path) -> None:
+    """x + dt f of a robot that drives straight, in text, JSON and a file that CasADi loads."""
+    words = ("model", ROBOTS / "bicycle.yaml", "--discrete", "rk4", "--dt", "0.5", "rear.spin=2", "x=3")
+    step = json.loads(wmrgen(*words, "--json"))
+    assert step["xnext"] == pytest.approx([3 + 0.5 * 2 * 0.34, 0, 0, 0])
+    assert step["B"][0] == pytest.approx([0.5 * 0.34, 0]) and step["A"][0][0] == 1
+    assert step["A"][1][2] == pytest.approx(0.34)  # dy per heading
+    assert sum(map(float.__mul__, step["A"][0], [3.0, 0.0, 0.0, 0.0])) + 2 * step["B"][0][0] + step["c"][
+        0
+    ] == pytest.approx(step["xnext"][0])
+    rows = wmrgen(*words).splitlines()
+    assert rows[3].split()[:2] == ["x", "3.34"]
+    wmrgen(*words[:-2], "-o", tmp_path / "step.casadi")
+    f = casadi.Function.load(str(tmp_path / "step.casadi"))
+    assert f([3, 0, 0, 0], [2, 0], [])[0].full().ravel() == pytest.approx(step["xnext"])
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--dt", "1"), "--discrete"),
+        (("x=1",), "--discrete"),
+        (("--discrete", "rk4"), "takes --dt"),
+        (("--discrete", "rk4", "--dt", "0"), "takes time"),
+        (("--discrete", "rk4", "--dt", "-0.1"), "takes time"),
+        (("--discrete", "rk4", "--dt", "1", "--form", "chained"), "chained"),
+        (("--discrete", "rk4", "--dt", "1", "speed=1"), "no input 'speed'"),
+        (("--discrete", "exact", "--dt", "1"), "rk4"),
+    ],
+)
+def test_a_step_that_cannot_be_is_refused(words: tuple[str, ...], message: str) -> None:
+    assert message in wmrgen("model", ROBOTS / "bicycle.yaml", *words, code=2)

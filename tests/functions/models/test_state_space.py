@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 from functools import cache
 from math import cos, inf, sin
 from pathlib import Path
+from types import ModuleType
 
 import casadi
 import numpy as np
@@ -32,6 +34,24 @@ def point(function: casadi.Function, seed: int) -> tuple[np.ndarray, np.ndarray]
     return random.uniform(-0.6, 0.6, function.size1_in(0)), random.uniform(-1, 1, function.size1_in(1))
 
 
+def columns(
+    f: casadi.Function, nominal: list[float], count: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points, a column each; parameters up to a tenth off."""
+    random = np.random.default_rng(1)
+    x, u, p = (random.uniform(-1, 1, (f.size1_in(i), count)) for i in range(3))
+    x[:, 0], u[:, 0] = -0.0, -0.0
+    return x, u, np.reshape(nominal, (-1, 1)) * (1 + 0.1 * p)
+
+
+def imported(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"generated_{path.stem}", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
 @pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
 def test_the_file_is_the_model_of_model_json(path: Path) -> None:
     """Checked in beside it: names, sizes, bounds in order, and the values of `Derivation.state_space`."""
@@ -51,9 +71,19 @@ def test_the_file_is_the_model_of_model_json(path: Path) -> None:
     assert all((e["lower"] or -inf) <= (e["upper"] or inf) for key in "xu" for e in space[key])
     again = wmrgen.derive(wmrgen.load(path)).state_space()
     p = [entry["nominal"] for entry in space["p"]]
-    for seed in range(3):
-        x, u = point(f, seed)
-        assert np.array_equal(np.array(f(x, u, p)), np.array(again(x, u, p)), equal_nan=True)
+    x, u, p = columns(f, p, 20)
+    assert np.array_equal(f.map(20)(x, u, p).full(), again.map(20)(x, u, p).full())
+    assert (folder / f"{model['name']}_rolling.casadi").exists() == bool(space["constraints"])
+    module = imported(folder / f"{model['name']}.py")
+    assert [tuple(entry["name"] for entry in space[key]) for key in "xup"] == [
+        module.STATE,
+        module.INPUTS,
+        module.PARAMETERS,
+    ]
+    for name in ("ode", *(["rolling"] if space["constraints"] else [])):
+        g = casadi.Function.load(str(folder / f"{model['name']}_{name}.casadi"))
+        arrays = getattr(module, name)(x.T, u.T, p.T)
+        assert arrays == pytest.approx(g.map(20)(x, u, p).full().T, rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.parametrize("name", STEERED)
@@ -184,3 +214,38 @@ wheels:
     f = wmrgen.derive(wmrgen.load(tmp_path / "toed.yaml")).state_space("twist")
     assert f.size1_in(2) == 2
     assert np.array(f([0, 0, 0], [0.5, 0.1, 2.0], [0.35, 0.1])).ravel() == pytest.approx([0.5, 0.1, 2.0])
+
+
+def test_numpy_takes_vectors_along_the_last_axis() -> None:
+    """The module without a file: shapes broadcast, wrong lengths and shapes are named; parameters are nominal."""
+    module = derivation_of("pioneer3dx").numpy()
+    assert (module.STATE, module.NOMINAL) == (("x", "y", "theta"), (0.1655, 0.0975))
+    x, u = np.array([1.0, 2.0, 0.3]), np.array([[4.0, 6.0], [-1.0, 1.0], [0.0, -0.0]])
+    rates = module.ode(np.broadcast_to(x, (5, 1, 3)), u)
+    assert rates.shape == (5, 3, 3)
+    speed, turn = 0.0975 * u.mean(axis=1), 0.0975 * (u[:, 1] - u[:, 0]) / (2 * 0.1655)
+    assert rates[4] == pytest.approx(np.stack([speed * cos(0.3), speed * sin(0.3), turn], 1), abs=1e-15)
+    assert module.ode(x, u[0], [0.331, 0.0975])[2] == pytest.approx(turn[0] / 2)
+    with pytest.raises(ValueError, match=r"u has the shape \(3,\), not \(..., 2\)"):
+        module.ode(x, [1, 2, 3])
+    swerve = derivation_of("wpilib_swervebot")
+    state, command = point(swerve.rolling(), 2)
+    assert swerve.numpy().rolling(state, command) == pytest.approx(
+        swerve.rolling()(state, command, []).full().ravel(), abs=1e-14
+    )
+
+
+def test_axles_that_meet_off_the_robot_leave_driven_speeds(tmp_path: Path) -> None:
+    """A degenerate robot whose wheels turn about one point has no twist that is commanded."""
+    text = """\
+wmrgen: 1
+name: carousel
+wheels:
+  - {name: a, type: fixed, x: 1, y: 0, heading: 90 deg, r: 0.1}
+  - {name: b, type: fixed, x: 0, y: 0.7, heading: 180 deg, r: 0.1}
+"""
+    (tmp_path / "carousel.yaml").write_text(text)
+    derivation = wmrgen.derive(wmrgen.load(tmp_path / "carousel.yaml"))
+    assert derivation.model()["state_space"]["form"] == "posture"
+    rates = derivation.state_space()([0, 0, 0.0], [3.0], []).full().ravel()
+    assert rates == pytest.approx([0, 0, 0.3])

@@ -15,18 +15,30 @@ verb = group("Analyse")
 @verb("model", "Print a model of a robot: state, inputs, equations, singular sets.")
 def model(
     robot: Robot,
+    values: Annotated[Words, words("With --discrete: state and inputs at which A, B, c are printed.")] = None,
     form: Annotated[
-        Literal["posture", "configuration", "twist", "eta", "zeta", "trailer", "chained"],
-        typer.Option(
-            help="Driven speeds, all joints, twist, null-space inputs, front wheel, trailers, chained."
+        Literal["posture", "configuration", "twist", "eta", "zeta", "trailer", "chained"] | None,
+        option(
+            "Driven speeds, all joints, twist, null-space inputs, front wheel, trailers, chained; without it twist "
+            "where two axles steer or wheels skid, else posture.",
         ),
-    ] = "posture",
+    ] = None,
+    discrete: Annotated[
+        Literal["rk4", "exact", "collocation"] | None,
+        option("A step of constant inputs with its derivatives A, B and c; exact is for a constant twist."),
+    ] = None,
+    dt: Annotated[str | None, option("How long the step is [s].", "T")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", metavar="FILE", help="Write the step for casadi.Function.load."),
+    ] = None,
     as_latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX.")] = False,
     as_json: Json = False,
 ) -> None:
     """Example:  wmrgen model robots/bicycle.yaml --form posture
 
-    Print a model x' = G(x) u of a robot: state, inputs, equations, vector fields, and where it is singular.
+    Print a model x' = G(x) u of a robot: state, inputs, equations, vector fields, and where it is singular. With
+    --discrete its step x, u, p -> xnext, A, B, c, xnext = A x + B u + c to first order.
     """
 
 

@@ -8,7 +8,7 @@ from math import inf
 from typing import Any
 
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.models.twist import sliding
+from wmrgen.functions.models.twist import parallel, sliding
 from wmrgen.functions.registry import system_builder
 from wmrgen.functions.system import System
 from wmrgen.kinematics.records import Formula
@@ -29,11 +29,16 @@ class StateSpace:
     bounds: dict[str, tuple[float, float]]
 
 
+def default_form(robot: Robot, mobility: Mobility) -> str:
+    """Twist inputs, which are regular in every motion, where two axles or more steer and where parallel wheels slide
+    whatever the robot does; else driven speeds (`posture`)."""
+    skids = mobility.degenerate and parallel(robot)
+    return "twist" if mobility.degree_of_steerability > 1 or skids else "posture"
+
+
 def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> StateSpace:
-    """A model as a state space. Unless ``form`` is told: twist inputs, which are regular in every motion, where two
-    axles or more steer and where wheels slide whatever the robot does; else driven speeds (`posture`)."""
-    if form is None:
-        form = "twist" if mobility.degree_of_steerability > 1 or mobility.degenerate else "posture"
+    """A model as a state space, of `default_form` unless told otherwise."""
+    form = form or default_form(robot, mobility)
     system = system_builder(form)(robot, mobility, False)
     ports = (*system.state, *system.inputs)
     return StateSpace(

@@ -63,7 +63,9 @@ def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
             (output(f"{w.name}.slide", "m/s", "velocity of the contact along the axle"), add(*terms))
         )
     ports = (*system.state, *system.inputs, *system.geometry)
-    return Locals().formula("sliding", ports, outputs, "how steered wheels slide")
+    return Locals().formula(
+        "sliding", ports, outputs, "velocity at which each steered wheel slides, 0 where it rolls"
+    )
 
 
 def _steered(robot: Robot) -> list[Wheel]:
@@ -77,16 +79,22 @@ def _condition(robot: Robot, mobility: Mobility) -> str:
     return "; it holds where no steered wheel slides" if _steered(robot) else ""
 
 
+def parallel(robot: Robot) -> bool:
+    """Whether all fixed wheels point the same way, forwards or backwards."""
+    headings = [w.zero_heading for w in robot.wheels if w.kind.fixed_axle]
+    return all(abs((h * headings[0].conjugate()).imag) < _PARALLEL for h in headings)
+
+
 def _free(robot: Robot, mobility: Mobility, view: View) -> tuple[tuple[Port, ...], tuple[Column, ...]]:
     """The components of the twist that are inputs, and the twist that each makes."""
     wheels = [w for w in robot.wheels if w.kind.fixed_axle]
     units = [tuple(sympy.Integer(int(i == k)) for i in range(3)) for k in range(3)]
     if not wheels:
         return TWIST, tuple((x, y, turn) for x, y, turn in units)
-    axles = [complex(*(float(p) for p in (w.nominal.ch, w.nominal.sh))) for w in wheels]
-    if any(abs((a * axles[0].conjugate()).imag) > _PARALLEL for a in axles):
+    if not parallel(robot):
         raise underivable(robot, "model in twist inputs", "its fixed wheels point in different directions")
-    dependent = 1 if abs(axles[0].real) > abs(axles[0].imag) else 0
+    heading = wheels[0].zero_heading
+    dependent = 1 if abs(heading.real) > abs(heading.imag) else 0
     rows = [[expression(p) for p in sliding_row(w, view(w)).row] for w in wheels]
     rows = rows if mobility.rank_C1f.value > 1 else rows[:1]
     divisor = add(*(square(row[dependent]) for row in rows))

@@ -159,3 +159,42 @@ def dynamics(x, y, theta, eta1, eta2):
             "theta_rate": (-54.054054054054056) * eta2,
         },
     )
+
+
+STATE = ('x', 'y', 'theta')
+INPUTS = ('right.spin', 'left.spin')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in right.spin, left.spin
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.sin(x[..., 2])
+    _t1 = 0.004535925925925926 * _t0
+    _t2 = np.cos(x[..., 2])
+    _t3 = 0.01655 * _t2
+    _t4 = (_t1 + _t3) * u[..., 0] + (_t3 - _t1) * u[..., 1]
+    _t5 = 0.01655 * _t0
+    _t6 = 0.004535925925925926 * _t2
+    _t7 = u[..., 0] * (_t5 - _t6) + u[..., 1] * (_t5 + _t6)
+    _t8 = 0.24518518518518517 * (u[..., 0] - u[..., 1])
+    return np.stack(
+        [
+            np.broadcast_to(_t4, shape),
+            np.broadcast_to(_t7, shape),
+            np.broadcast_to(_t8, shape),
+        ],
+        -1,
+    )

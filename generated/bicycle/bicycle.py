@@ -202,3 +202,39 @@ def dynamics(x, y, theta, front_steer, eta1, front_steer_rate):
             "front.steer_rate": front_steer_rate,
         },
     )
+
+
+STATE = ('x', 'y', 'theta', 'front.steer')
+INPUTS = ('rear.spin', 'front.steer_rate')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in rear.spin, front.steer_rate
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = 0.34 * u[..., 0]
+    _t1 = np.cos(x[..., 3])
+    _t2 = np.where(np.abs(_t1) < 1e-09, np.copysign(1e-09, _t1), _t1)
+    _t3 = np.where(np.abs(_t1) < 1e-09, 0.0, 1.0 / _t2)
+    _t4 = 0.3090909090909091 * (u[..., 0] * (_t3 * np.sin(x[..., 3])))
+    return np.stack(
+        [
+            np.broadcast_to(np.cos(x[..., 2]) * _t0, shape),
+            np.broadcast_to(_t0 * np.sin(x[..., 2]), shape),
+            np.broadcast_to(_t4, shape),
+            np.broadcast_to(u[..., 1], shape),
+        ],
+        -1,
+    )

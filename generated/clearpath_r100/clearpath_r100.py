@@ -176,3 +176,42 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
             "theta_rate": eta3,
         },
     )
+
+
+STATE = ('x', 'y', 'theta')
+INPUTS = ('front_left.spin', 'front_right.spin', 'rear_left.spin')
+PARAMETERS = ('radius',)
+NOMINAL = (0.0759,)
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in front_left.spin, front_right.spin, rear_left.spin; rear_right.spin must follow
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.sin(x[..., 2])
+    _t1 = _t0 * (0.5 * p[..., 0])
+    _t2 = np.cos(x[..., 2])
+    _t3 = _t2 * ((-0.5) * p[..., 0])
+    _t4 = p[..., 0] * _t2
+    _t5 = p[..., 0] * _t0
+    _t6 = (_t1 - _t3) * u[..., 0] + 0.5 * (_t4 * u[..., 1] - _t5 * u[..., 2])
+    _t7 = u[..., 0] * (_t1 + _t3) + 0.5 * (_t5 * u[..., 1] + _t4 * u[..., 2])
+    _t8 = (u[..., 1] - u[..., 2]) * (0.8410428931875525 * p[..., 0])
+    return np.stack(
+        [
+            np.broadcast_to(_t6, shape),
+            np.broadcast_to(_t7, shape),
+            np.broadcast_to(_t8, shape),
+        ],
+        -1,
+    )

@@ -298,3 +298,41 @@ def steer_toward(front_steer, front_steer_wanted, dt):
             "front.steer": _t3,
         },
     )
+
+
+STATE = ('x', 'y', 'theta', 'front.steer')
+INPUTS = ('rear.spin', 'front.steer_rate')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in rear.spin, front.steer_rate
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.cos(x[..., 3])
+    _t1 = np.where(np.abs(_t0) < 1e-09, np.copysign(1e-09, _t0), _t0)
+    _t2 = np.where(np.abs(_t0) < 1e-09, 0.0, 1.0 / _t1)
+    _t3 = _t2 * np.sin(x[..., 3])
+    _t4 = 0.025961538461538463 * _t3
+    _t5 = np.sin(x[..., 2])
+    _t6 = np.cos(x[..., 2])
+    return np.stack(
+        [
+            np.broadcast_to((0.05 * _t6 - _t5 * _t4) * u[..., 0], shape),
+            np.broadcast_to(u[..., 0] * (_t6 * _t4 + 0.05 * _t5), shape),
+            np.broadcast_to(0.15142337976983647 * (_t3 * u[..., 0]), shape),
+            np.broadcast_to(u[..., 1], shape),
+        ],
+        -1,
+    )

@@ -273,3 +273,40 @@ def dynamics(x, y, theta, left_back_steer, eta1, left_back_steer_rate):
             "left_back.steer_rate": left_back_steer_rate,
         },
     )
+
+
+STATE = ('x', 'y', 'theta', 'left_back.steer')
+INPUTS = ('left_front.spin', 'left_back.steer_rate')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in left_front.spin, left_back.steer_rate; right_front.spin, left_back.spin, right_back.spin, left_middle.spin, right_middle.spin must follow
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.cos(x[..., 3])
+    _t1 = 0.021024 * (_t0 * _t0) + 0.075076
+    _t2 = np.where(np.abs(_t1) < 1e-09, np.copysign(1e-09, _t1), _t1)
+    _t3 = np.where(np.abs(_t1) < 1e-09, 0.0, 1.0 / np.sqrt(_t2))
+    _t4 = _t3 * np.sin(x[..., 3])
+    _t5 = 0.02325 * (_t0 * _t3) - 0.013275 * _t4
+    return np.stack(
+        [
+            np.broadcast_to(_t5 * np.cos(x[..., 2]) * u[..., 0], shape),
+            np.broadcast_to(u[..., 0] * (_t5 * np.sin(x[..., 2])), shape),
+            np.broadcast_to((-0.075) * (_t4 * u[..., 0]), shape),
+            np.broadcast_to(u[..., 1], shape),
+        ],
+        -1,
+    )

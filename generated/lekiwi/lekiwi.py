@@ -160,3 +160,43 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
             "theta_rate": eta3,
         },
     )
+
+
+STATE = ('x', 'y', 'theta')
+INPUTS = ('left_wheel.spin', 'back_wheel.spin', 'right_wheel.spin')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in left_wheel.spin, back_wheel.spin, right_wheel.spin
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.sin(x[..., 2])
+    _t1 = (-0.016666666666666666) * _t0
+    _t2 = np.cos(x[..., 2])
+    _t3 = 0.028867513459481287 * _t2
+    _t4 = (_t1 - _t3) * u[..., 0] + (_t1 + _t3) * u[..., 2]
+    _t5 = 0.03333333333333333 * u[..., 1]
+    _t6 = 0.016666666666666666 * _t2
+    _t7 = 0.028867513459481287 * _t0
+    _t8 = u[..., 0] * (_t6 - _t7) + u[..., 2] * (_t7 + _t6)
+    _t9 = 0.13333333333333333 * (u[..., 2] + (u[..., 0] + u[..., 1]))
+    return np.stack(
+        [
+            np.broadcast_to(_t0 * _t5 + _t4, shape),
+            np.broadcast_to(_t8 - _t2 * _t5, shape),
+            np.broadcast_to(_t9, shape),
+        ],
+        -1,
+    )

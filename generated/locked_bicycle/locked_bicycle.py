@@ -146,3 +146,33 @@ def dynamics(x, y, theta, eta1):
             "theta_rate": 0.0,
         },
     )
+
+
+STATE = ('x', 'y', 'theta')
+INPUTS = ('vx', 'omega')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the model in twist inputs; its fixed wheels slide where it turns, and the sideways velocity is that of least sliding
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    return np.stack(
+        [
+            np.broadcast_to(np.cos(x[..., 2]) * u[..., 0], shape),
+            np.broadcast_to(u[..., 0] * np.sin(x[..., 2]), shape),
+            np.broadcast_to(u[..., 1], shape),
+        ],
+        -1,
+    )

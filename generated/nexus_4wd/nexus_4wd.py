@@ -167,3 +167,40 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
             "theta_rate": eta3,
         },
     )
+
+
+STATE = ('x', 'y', 'theta')
+INPUTS = ('upper_left.spin', 'lower_left.spin', 'upper_right.spin')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in upper_left.spin, lower_left.spin, upper_right.spin; lower_right.spin must follow
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.sin(x[..., 2])
+    _t1 = np.cos(x[..., 2])
+    _t2 = 0.025 * _t0
+    _t3 = (-0.025) * _t1
+    _t4 = (_t2 - _t3) * u[..., 0] - 0.025 * (_t0 * u[..., 1] + _t1 * u[..., 2])
+    _t5 = u[..., 0] * (_t2 + _t3) + 0.025 * (_t1 * u[..., 1] - _t0 * u[..., 2])
+    _t6 = (-0.08333333333333333) * (u[..., 1] + u[..., 2])
+    return np.stack(
+        [
+            np.broadcast_to(_t4, shape),
+            np.broadcast_to(_t5, shape),
+            np.broadcast_to(_t6, shape),
+        ],
+        -1,
+    )

@@ -262,3 +262,69 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
             "theta_rate": eta3,
         },
     )
+
+
+STATE = ('x', 'y', 'theta', 'castor1.steer', 'castor2.steer')
+INPUTS = ('castor1.spin', 'castor1.steer_rate', 'castor2.spin')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in castor1.spin, castor1.steer_rate, castor2.spin; castor2.steer_rate, castor3.spin, castor3.steer_rate, castor4.spin, castor4.steer_rate must follow
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.cos(x[..., 3])
+    _t1 = np.sin(x[..., 4])
+    _t2 = _t0 * _t1
+    _t3 = np.cos(x[..., 4])
+    _t4 = np.sin(x[..., 3])
+    _t5 = _t3 * _t4
+    _t6 = 20.0 * _t3 + (_t2 - _t5)
+    _t7 = np.where(np.abs(_t6) < 1e-09, np.copysign(1e-09, _t6), _t6)
+    _t8 = np.where(np.abs(_t6) < 1e-09, 0.0, 1.0 / _t7)
+    _t9 = _t8 * (_t0 * _t3)
+    _t10 = _t8 * (_t1 * _t4)
+    _t11 = _t9 + _t10
+    _t12 = _t5 * _t8
+    _t13 = 0.55 * _t11 + (1.1 * _t12 - 0.055 * (_t3 * _t8))
+    _t14 = np.sin(x[..., 2])
+    _t15 = _t1 * _t8
+    _t16 = 0.055 * _t15 + 0.55 * (_t9 - _t10)
+    _t17 = np.cos(x[..., 2])
+    _t18 = _t2 * _t8
+    _t19 = (-0.2) * (_t12 + _t18)
+    _t20 = _t12 - _t18
+    _t21 = 0.4 * _t9 - 0.2 * _t20
+    _t22 = (_t16 * _t17 - _t13 * _t14) * u[..., 0] + (_t17 * _t19 - _t14 * _t21) * u[..., 1]
+    _t23 = _t4 * _t8
+    _t24 = (-0.55) * _t8
+    _t25 = (-0.055) * _t23 - _t24
+    _t26 = _t0 * _t8
+    _t27 = _t24 + 0.055 * _t26
+    _t28 = (_t17 * _t25 - _t14 * _t27) * u[..., 2] + _t22
+    _t29 = u[..., 0] * (_t16 * _t14 + _t17 * _t13) + u[..., 1] * (_t14 * _t19 + _t17 * _t21)
+    _t30 = u[..., 2] * (_t14 * _t25 + _t17 * _t27) + _t29
+    _t31 = u[..., 0] * ((-2.75) * _t11) + _t20 * u[..., 1]
+    _t32 = 2.75 * (_t8 - _t11)
+    _t33 = u[..., 0] * (55.0 * _t23 - _t32) + u[..., 1] * (20.0 * _t26 - _t20)
+    return np.stack(
+        [
+            np.broadcast_to(_t28, shape),
+            np.broadcast_to(_t30, shape),
+            np.broadcast_to(2.75 * (_t8 * u[..., 2]) + _t31, shape),
+            np.broadcast_to(u[..., 1], shape),
+            np.broadcast_to(u[..., 2] * ((-55.0) * _t15 - _t32) + _t33, shape),
+        ],
+        -1,
+    )

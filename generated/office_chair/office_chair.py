@@ -205,3 +205,35 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
             "theta_rate": eta3,
         },
     )
+
+
+STATE = ('x', 'y', 'theta')
+INPUTS = ('eta1', 'eta2', 'eta3')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in null-space coordinates: the driven joints move 0 of 3 freedoms (nothing). Missing actuation: actuate 3 more of c1.spin, c2.spin, c3.spin, c4.spin, c5.spin, c1.steer_rate, c2.steer_rate, c3.steer_rate, c4.steer_rate, c5.steer_rate
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.cos(x[..., 2])
+    _t1 = np.sin(x[..., 2])
+    return np.stack(
+        [
+            np.broadcast_to(_t0 * u[..., 0] - _t1 * u[..., 1], shape),
+            np.broadcast_to(u[..., 0] * _t1 + _t0 * u[..., 1], shape),
+            np.broadcast_to(u[..., 2], shape),
+        ],
+        -1,
+    )

@@ -482,3 +482,36 @@ def desaturate(left_spin, right_spin, tail_spin, tail_steer_rate):
             "scale": _t2,
         },
     )
+
+
+STATE = ('x', 'y', 'theta')
+INPUTS = ('left.spin', 'right.spin')
+PARAMETERS = ('half_track', 'radius')
+NOMINAL = (0.1655, 0.0975)
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in left.spin, right.spin
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.where(np.abs(p[..., 0]) < 1e-12, np.copysign(1e-12, p[..., 0]), p[..., 0])
+    _t1 = 0.5 * (u[..., 0] + u[..., 1])
+    _t2 = (u[..., 1] - u[..., 0]) * (0.5 * (p[..., 1] * (1.0 / _t0)))
+    return np.stack(
+        [
+            np.broadcast_to(p[..., 1] * np.cos(x[..., 2]) * _t1, shape),
+            np.broadcast_to(_t1 * (p[..., 1] * np.sin(x[..., 2])), shape),
+            np.broadcast_to(_t2, shape),
+        ],
+        -1,
+    )

@@ -170,3 +170,43 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
             "theta_rate": eta3,
         },
     )
+
+
+STATE = ('x', 'y', 'theta')
+INPUTS = ('wheel1.spin', 'wheel2.spin', 'wheel3.spin')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in wheel1.spin, wheel2.spin, wheel3.spin; wheel4.spin must follow
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.sin(x[..., 2])
+    _t1 = np.cos(x[..., 2])
+    _t2 = (-0.01909188309203678) * _t1
+    _t3 = ((-0.02488102646086035) * _t0 - _t2) * u[..., 1]
+    _t4 = (-0.022367532368147133) * u[..., 0]
+    _t5 = (_t2 + 0.0025134940927132162 * _t0) * u[..., 2]
+    _t6 = (-0.01909188309203678) * _t0
+    _t7 = u[..., 1] * (0.02488102646086035 * _t1 - _t6)
+    _t8 = u[..., 2] * (_t6 - 0.0025134940927132162 * _t1)
+    _t9 = 0.04548380592618086 * u[..., 1] - 0.1757359312880715 * u[..., 0]
+    return np.stack(
+        [
+            np.broadcast_to(_t5 + (_t3 - _t0 * _t4), shape),
+            np.broadcast_to(_t8 + (_t7 + _t1 * _t4), shape),
+            np.broadcast_to(_t9 - 0.1697478746381094 * u[..., 2], shape),
+        ],
+        -1,
+    )

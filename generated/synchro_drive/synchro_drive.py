@@ -203,3 +203,38 @@ def dynamics(x, y, theta, w1_steer, eta1, w1_steer_rate):
             "w1.steer_rate": w1_steer_rate,
         },
     )
+
+
+STATE = ('x', 'y', 'theta', 'w1.steer')
+INPUTS = ('w1.spin', 'w1.steer_rate')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in w1.spin, w1.steer_rate
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.cos(x[..., 3])
+    _t1 = np.cos(x[..., 2])
+    _t2 = np.sin(x[..., 3])
+    _t3 = np.sin(x[..., 2])
+    return np.stack(
+        [
+            np.broadcast_to(0.1 * (_t0 * _t1 - _t2 * _t3) * u[..., 0], shape),
+            np.broadcast_to(u[..., 0] * (0.1 * (_t0 * _t3 + _t1 * _t2)), shape),
+            np.broadcast_to(0.0, shape),
+            np.broadcast_to(u[..., 1], shape),
+        ],
+        -1,
+    )

@@ -200,3 +200,42 @@ def contacts(vx, vy, omega):
             "right.roll": 20.0 * np.sqrt(_t3 + _t4 * _t4),
         },
     )
+
+
+STATE = ('x', 'y', 'theta', 'front.steer')
+INPUTS = ('eta1', 'eta2', 'front.steer_rate')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in null-space coordinates: the driven joints move 1 of 2 freedoms (front.spin). Missing actuation: 1 more driven wheel would be needed
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.cos(x[..., 3])
+    _t1 = np.cos(x[..., 2])
+    _t2 = np.sin(x[..., 3])
+    _t3 = np.sin(x[..., 2])
+    _t4 = _t0 * _t2
+    _t5 = _t0 * _t0
+    _t6 = (_t0 * _t1 - _t2 * _t3) * u[..., 0] + (_t1 * _t4 + _t3 * _t5) * u[..., 1]
+    _t7 = u[..., 0] * (_t0 * _t3 + _t1 * _t2) + u[..., 1] * (_t3 * _t4 - _t1 * _t5)
+    return np.stack(
+        [
+            np.broadcast_to(_t6, shape),
+            np.broadcast_to(_t7, shape),
+            np.broadcast_to(3.3333333333333335 * u[..., 1], shape),
+            np.broadcast_to(u[..., 2], shape),
+        ],
+        -1,
+    )

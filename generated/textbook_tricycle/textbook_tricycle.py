@@ -188,3 +188,37 @@ def dynamics(x, y, theta, front_steer, eta1, front_steer_rate):
             "front.steer_rate": front_steer_rate,
         },
     )
+
+
+STATE = ('x', 'y', 'theta', 'front.steer')
+INPUTS = ('front.spin', 'front.steer_rate')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in front.spin, front.steer_rate
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.cos(x[..., 3])
+    _t1 = 0.11 * u[..., 0]
+    _t2 = 0.07857142857142857 * (u[..., 0] * np.sin(x[..., 3]))
+    return np.stack(
+        [
+            np.broadcast_to(_t0 * np.cos(x[..., 2]) * _t1, shape),
+            np.broadcast_to(_t1 * (_t0 * np.sin(x[..., 2])), shape),
+            np.broadcast_to(_t2, shape),
+            np.broadcast_to(u[..., 1], shape),
+        ],
+        -1,
+    )

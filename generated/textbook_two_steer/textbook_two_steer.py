@@ -225,3 +225,59 @@ def contacts(vx, vy, omega):
             "ball.roll": 20.0 * np.sqrt(_t0 * _t0 + vy * vy),
         },
     )
+
+
+STATE = ('x', 'y', 'theta', 'front.steer', 'rear.steer')
+INPUTS = ('vx', 'vy', 'omega', 'front.steer_rate', 'rear.steer_rate')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the model in twist inputs; it holds where no steered wheel slides
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.cos(x[..., 2])
+    _t1 = np.sin(x[..., 2])
+    return np.stack(
+        [
+            np.broadcast_to(_t0 * u[..., 0] - _t1 * u[..., 1], shape),
+            np.broadcast_to(u[..., 0] * _t1 + _t0 * u[..., 1], shape),
+            np.broadcast_to(u[..., 2], shape),
+            np.broadcast_to(u[..., 3], shape),
+            np.broadcast_to(u[..., 4], shape),
+        ],
+        -1,
+    )
+
+
+def rolling(x, u, p=NOMINAL):
+    """g of the velocity at which each steered wheel slides, 0 where it rolls
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.cos(x[..., 3])
+    _t1 = np.sin(x[..., 3])
+    _t2 = (0.3 * _t0 + 0.1 * _t1) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
+    _t3 = np.cos(x[..., 4])
+    _t4 = np.sin(x[..., 4])
+    _t5 = u[..., 2] * (0.1 * _t4 - 0.3 * _t3) + (u[..., 1] * _t3 - u[..., 0] * _t4)
+    return np.stack(
+        [
+            np.broadcast_to(_t2, shape),
+            np.broadcast_to(_t5, shape),
+        ],
+        -1,
+    )

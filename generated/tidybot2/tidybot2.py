@@ -287,3 +287,82 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
             "theta_rate": eta3,
         },
     )
+
+
+STATE = ('x', 'y', 'theta', 'caster_1.steer', 'caster_2.steer')
+INPUTS = ('caster_1.spin', 'caster_1.steer_rate', 'caster_2.spin')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in caster_1.spin, caster_1.steer_rate, caster_2.spin; caster_2.steer_rate, caster_3.spin, caster_3.steer_rate, caster_4.spin, caster_4.steer_rate must follow
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = np.sin(x[..., 4])
+    _t1 = np.cos(x[..., 3])
+    _t2 = _t0 * _t1
+    _t3 = np.cos(x[..., 4])
+    _t4 = 6.072709473642157 * _t0 - 22.666270798502353 * _t3
+    _t5 = np.sin(x[..., 3])
+    _t6 = _t3 * _t5
+    _t7 = _t2 + _t4 - _t6
+    _t8 = np.where(np.abs(_t7) < 1e-09, np.copysign(1e-09, _t7), _t7)
+    _t9 = np.where(np.abs(_t7) < 1e-09, 0.0, 1.0 / _t8)
+    _t10 = _t3 * _t9
+    _t11 = _t0 * _t9
+    _t12 = 0.012698733255317046 * _t10 + 0.04739777656287801 * _t11
+    _t13 = _t9 * (_t3 * _t1)
+    _t14 = _t9 * (_t0 * _t5)
+    _t15 = _t13 - _t14
+    _t16 = _t2 * _t9
+    _t17 = _t6 * _t9
+    _t18 = _t16 + _t17
+    _t19 = 0.1542468206305108 * _t18 + (_t12 - 0.5757232782819598 * _t15)
+    _t20 = np.cos(x[..., 2])
+    _t21 = 0.6433957176921226 * _t13 - 0.17237750774546945 * _t16
+    _t22 = 0.9518893589531442 * _t14 + _t21 - 0.9790690488184501 * _t17
+    _t23 = 0.012698733255317046 * _t11 + _t22 - 0.04739777656287801 * _t10
+    _t24 = np.sin(x[..., 2])
+    _t25 = 0.14735912134542098 * _t18 + 0.08506651430677933 * _t15
+    _t26 = 0.27521651430677935 * _t16 - 0.317509121345421 * _t13
+    _t27 = _t26 - 0.022790878654579017 * _t14 - 0.10508348569322067 * _t17
+    _t28 = (_t19 * _t20 - _t23 * _t24) * u[..., 0] + (_t20 * _t25 - _t24 * _t27) * u[..., 1]
+    _t29 = _t5 * _t9
+    _t30 = (-0.5757232782819598) * _t9 - 0.04739777656287801 * _t29
+    _t31 = _t1 * _t9
+    _t32 = _t30 - 0.012698733255317046 * _t31
+    _t33 = _t29 - 3.7324806821209697 * _t31
+    _t34 = (-0.6433957176921226) * _t9 - 0.012698733255317046 * _t33
+    _t35 = (_t20 * _t32 - _t24 * _t34) * u[..., 2] + _t28
+    _t36 = u[..., 0] * (_t19 * _t24 + _t20 * _t23) + u[..., 1] * (_t24 * _t25 + _t20 * _t27)
+    _t37 = u[..., 2] * (_t24 * _t32 + _t20 * _t34) + _t36
+    _t38 = _t17 - _t16
+    _t39 = (-0.906534355747933) * _t38
+    _t40 = _t13 + _t14
+    _t41 = u[..., 0] * (_t39 - 3.383621970508139 * _t40)
+    _t42 = 3.383621970508139 * (_t9 * u[..., 2]) + (_t41 + u[..., 1] * _t38)
+    _t43 = 3.383621970508139 * (_t9 - _t40)
+    _t44 = u[..., 0] * ((-82.19921163363219) * _t29 - _t39 - _t43)
+    _t45 = u[..., 1] * (6.072709473642157 * _t33 - _t38)
+    _t46 = u[..., 2] * (_t39 + 82.19921163363219 * _t11 - _t43)
+    return np.stack(
+        [
+            np.broadcast_to(_t35, shape),
+            np.broadcast_to(_t37, shape),
+            np.broadcast_to(_t42, shape),
+            np.broadcast_to(u[..., 1], shape),
+            np.broadcast_to(_t46 + (_t44 + _t45), shape),
+        ],
+        -1,
+    )

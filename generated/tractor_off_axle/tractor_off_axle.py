@@ -197,3 +197,34 @@ def trailer(x, y, theta, cart_theta, left_spin, right_spin):
             "cart.speed": _t0 * _t4 - 0.25 * (_t1 * _t3),
         },
     )
+
+
+STATE = ('x', 'y', 'theta')
+INPUTS = ('left.spin', 'right.spin')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in left.spin, right.spin
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = 0.055 * (u[..., 0] + u[..., 1])
+    return np.stack(
+        [
+            np.broadcast_to(np.cos(x[..., 2]) * _t0, shape),
+            np.broadcast_to(_t0 * np.sin(x[..., 2]), shape),
+            np.broadcast_to(0.2037037037037037 * (u[..., 1] - u[..., 0]), shape),
+        ],
+        -1,
+    )

@@ -170,3 +170,34 @@ def contacts(vx, vy, omega):
             "ball.roll": 100.0 * np.sqrt(vx * vx + _t0 * _t0),
         },
     )
+
+
+STATE = ('x', 'y', 'theta')
+INPUTS = ('left.spin', 'right.spin')
+PARAMETERS = ()
+NOMINAL = ()
+
+
+def _vectors(**vectors):
+    for (letter, array), size in zip(vectors.items(), map(len, (STATE, INPUTS, PARAMETERS))):
+        if array.shape[-1:] != (size,):
+            raise ValueError(f"{letter} has the shape {array.shape}, not (..., {size})")
+    return np.broadcast_shapes(*(array.shape[:-1] for array in vectors.values()))
+
+
+def ode(x, u, p=NOMINAL):
+    """xdot of the posture model in left.spin, right.spin
+
+    Arrays (..., n): STATE names the entries of x, INPUTS those of u, PARAMETERS those of p.
+    """
+    x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
+    shape = _vectors(x=x, u=u, p=p)
+    _t0 = 0.0165 * (u[..., 0] + u[..., 1])
+    return np.stack(
+        [
+            np.broadcast_to(np.cos(x[..., 2]) * _t0, shape),
+            np.broadcast_to(_t0 * np.sin(x[..., 2]), shape),
+            np.broadcast_to(0.20625 * (u[..., 1] - u[..., 0]), shape),
+        ],
+        -1,
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -17,10 +18,12 @@ from typing import Any
 from wmrgen.errors import EnvironmentFailure
 
 _USUAL = ("cc", "gcc", "clang")
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge")
 _HOW = "Install one (Debian, Ubuntu: apt-get install gcc; macOS: xcode-select --install) or set CC."
 # Contraction to fused multiply-add is off so that results are those of the printed operations.
 DEFAULT_FLAGS = ("-std=c99", "-O1", "-ffp-contract=off")
 _TIMEOUT = 300
+_DATE = re.compile(rb"(/(?:CreationDate|ModDate) ?)\(D:[^)]*\)")
 _STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
@@ -165,6 +168,33 @@ def run_node(files: Mapping[str, str]) -> str:
     if node is None:
         raise EnvironmentFailure("no Node found. Install it (Debian, Ubuntu: apt-get install nodejs).")
     return run_tool([node, "main.mjs"], files)
+
+
+def print_page(page: str) -> bytes:
+    """The PDF of an HTML page, by Chromium or a browser that is made of it. EnvironmentFailure where there is none.
+
+    What says when it was printed is taken out, so that a browser gives the same bytes again.
+    """
+    browser = next((path for name in _BROWSERS if (path := find_tool(name))), None)
+    if browser is None:
+        how = (
+            "Install one (Debian, Ubuntu: apt-get install chromium), or print report.html (--html) yourself."
+        )
+        raise EnvironmentFailure(
+            f"no browser found that prints a PDF: looked for {', '.join(_BROWSERS)}. {how}"
+        )
+    # Chromium refuses to run in its sandbox as root.
+    root = ["--no-sandbox"] if os.name == "posix" and os.geteuid() == 0 else []
+    options = ["--headless", "--disable-gpu", "--no-pdf-header-footer", "--user-data-dir=profile", *root]
+    with _folder_of({"page.html": page}) as folder:
+        address = (folder / "page.html").as_uri()
+        command = [browser, *options, "--print-to-pdf=page.pdf", address]
+        _run(command, f"the browser {browser}", folder=str(folder), how="")
+        try:
+            printed = (folder / "page.pdf").read_bytes()
+        except OSError as error:
+            raise EnvironmentFailure(f"the browser {browser} printed nothing") from error
+    return _DATE.sub(rb"\1(D:20000101000000+00'00')", printed)
 
 
 def find_tool(name: str) -> str | None:

@@ -29,7 +29,7 @@ ROOMS = (
     " functions functions/models functions/trailers functions/motion"
     " functions/control functions/space"
     " lower program bounds model_json robot __init__ lint exporting comparing calibrating"
-    " backends/drawing backends/report emit cli __main__"
+    " backends/drawing backends/report emit pages cli __main__"
 ).split()
 HEAVY = {"sympy", "numpy", "casadi", "jinja2", "mpmath"}
 MAY_IMPORT_SYMPY = ("ir/verify", "backends/report/latex")  # of spec, ir, backends and cli

@@ -44,6 +44,7 @@ HOMES = {
     "jinja2": {"render"},
     "yaml": {"spec/reader"},
     "subprocess": {"compiler"},
+    "markdown_it": {"pages/markdown"},
     "rich": {"cli/console"},
     "typer": {
         "cli/app",

@@ -124,6 +124,12 @@ def text(module: Module, facts: Facts) -> str:
     )
 
 
+def expression(module: Module) -> str:
+    """An expression of an object with the functions, for a script that cannot import a module."""
+    script = text(module, Facts()).replace("\nexport function ", "\nfunction ")
+    return f"(() => {{\n{script}return {_object([f.name for f in module.functions], '')};\n}})()"
+
+
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     """``<robot>.js`` and ``package.json``."""
     manifest = render(

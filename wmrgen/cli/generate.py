@@ -6,7 +6,7 @@ textbook library, a package of its own beside this one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
@@ -41,6 +41,8 @@ def derive(
     target: str,
     fuzz: bool,
     package: Sequence[str] | None,
+    html: bool,
+    pdf: bool,
 ) -> int:
     """Derive every robot, then write every robot, then print."""
     from wmrgen.emit import MODEL, artifacts
@@ -49,6 +51,8 @@ def derive(
 
     kinds = _kinds(package) if package else []
     chosen = choice(scalar, math, target)
+    formats = [name for name, wanted in (("html", html), ("pdf", pdf)) if wanted]
+    words = chosen.words() | ({"formats": " ".join(formats)} if formats else {})
     results: list[tuple[Derivation, dict[str, bytes]]] = []
     with console.progress() as step:
         for spec, robot in _load_all(robots):
@@ -65,13 +69,18 @@ def derive(
                         finding.what, finding.mark, finding.instead, ignored, finding.code
                     )
                 console.note(str(finding))
-            results.append((derivation, artifacts(derivation, chosen, fuzz)))
+            files = artifacts(derivation, chosen, fuzz)
+            if formats:
+                from wmrgen.pages.formats import formatted
+
+                files |= formatted(derivation, files, formats)
+            results.append((derivation, files))
     packages = [
         (out / kind.folder / d.robot.name, packaged(kind, d, chosen, files))
         for d, files in results
         for kind in kinds
     ]
-    written = [write_tree(out / d.robot.name, files, chosen.words()) for d, files in results]
+    written = [write_tree(out / d.robot.name, files, words) for d, files in results]
     for folder, files in packages:
         write_tree(folder, files, chosen.words())
     if as_json:
@@ -183,12 +192,27 @@ def _differing_robot(path: Path, out: Path) -> tuple[str, list[Difference]]:
     folders = {out / kind.folder / robot.name: kind for kind in PACKAGES.values()}
     stale: list[Difference] = []
     for folder in (out / robot.name, *(folder for folder in folders if folder.is_dir())):
-        choice = noted_choice(made_with(folder))
-        files = artifacts(derivation, choice)
+        options = made_with(folder)
+        choice = noted_choice(options)
+        files, words = artifacts(derivation, choice), choice.words()
         if folder in folders:
             files = packaged(folders[folder], derivation, choice, files)
-        stale += differences(folder, files, choice.words())
+        elif "formats" in options:
+            words["formats"] = options["formats"]
+            files |= _noted_formats(derivation, files, folder, options["formats"].split())
+        stale += differences(folder, files, words)
     return robot.name, stale
+
+
+def _noted_formats(
+    derivation: Derivation, files: Mapping[str, bytes], folder: Path, formats: Sequence[str]
+) -> dict[str, bytes]:
+    """The report in the formats that a manifest notes; of a PDF, which browsers print unlike, what stands there."""
+    from wmrgen.pages.formats import PDF, formatted
+
+    again = formatted(derivation, files, [name for name in formats if name == "html"])
+    printed = folder / PDF
+    return {**again, PDF: printed.read_bytes()} if "pdf" in formats and printed.is_file() else again
 
 
 def _strangers(out: Path, names: set[str]) -> list[Path]:

@@ -42,6 +42,12 @@ def derive(
             "KIND",
         ),
     ] = None,
+    html: Annotated[
+        bool, typer.Option("--html", help="Write report.html too: one file, and the robot to drive.")
+    ] = False,
+    pdf: Annotated[
+        bool, typer.Option("--pdf", help="Write report.pdf too, printed by an installed Chromium.")
+    ] = False,
 ) -> None:
     """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
 

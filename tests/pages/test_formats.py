@@ -1,0 +1,164 @@
+"""`derive --html` and `--pdf`: one file that needs no other, fresh and told of, in which texts are texts."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, Outcome
+from tests.tools import missing, need
+from wmrgen.compiler import _BROWSERS
+from wmrgen.pages.document import Report, page
+from wmrgen.pages.markdown import html
+
+Cli = Callable[..., Outcome]
+
+
+class Elements(HTMLParser):
+    """The tags of a page with their attributes, and the texts of its scripts."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: dict[str, list[str]] = {}
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data: str) -> None:
+        if self.tags:
+            self.texts.setdefault(self.tags[-1][0], []).append(data)
+
+    def attributes(self, name: str) -> list[str]:
+        return [str(attrs[name]) for _, attrs in self.tags if name in attrs]
+
+
+def test_html_is_one_file_and_stays_fresh(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
+    out, words = tmp_path / "out", ("derive", robot_file, "-o", tmp_path / "out")
+    assert wmrgen_cli(*words, "--html").code == 0
+    text = (out / "pair" / "report.html").read_text(encoding="utf-8")
+    assert len(text.encode()) < 1_500_000
+    elements = Elements(text)
+    assert not elements.attributes("src")
+    assert not [a for a in elements.attributes("href") if re.match(r"(\w+:)?//", a)]
+    assert not re.findall(r"url\((?!data:)", text) and text.count("url(data:font/woff2;base64,") == 9
+    assert sum(tag == "svg" for tag, _ in elements.tags) >= 1
+    ids = elements.attributes("id")
+    assert len(ids) == len(set(ids))
+    assert "</section>" in text and "@media print" in text and "prefers-color-scheme: dark" in text
+    assert "report.html" in json.loads((out / "pair" / "manifest.json").read_text())["files"]
+    assert wmrgen_cli("check", robot_file, "-o", out).code == 0
+    before = text
+    assert wmrgen_cli(*words, "--html").code == 0
+    assert (out / "pair" / "report.html").read_text(encoding="utf-8") == before
+    (out / "pair" / "report.html").write_text("mine")
+    assert (
+        "report.html: not what the robot file gives today" in wmrgen_cli("check", robot_file, "-o", out).out
+    )
+    without = wmrgen_cli(*words)
+    assert (without.code, "removed report.html" in without.err) == (0, True)
+    assert wmrgen_cli("check", robot_file, "-o", out).code == 0
+
+
+@pytest.mark.slow
+def test_pdf(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
+    if not any(shutil.which(name) for name in _BROWSERS):
+        missing("no Chromium")
+    out, words = tmp_path / "out", ("derive", robot_file, "-o", tmp_path / "out", "--pdf")
+    assert wmrgen_cli(*words).code == 0
+    printed = (out / "pair" / "report.pdf").read_bytes()
+    assert printed.startswith(b"%PDF-") and not (out / "pair" / "report.html").exists()
+    assert b"(D:20000101000000+00'00')" in printed
+    assert wmrgen_cli("check", robot_file, "-o", out).code == 0
+    (out / "pair" / "report.pdf").write_bytes(b"mine")
+    assert wmrgen_cli("check", robot_file, "-o", out).code == 1
+
+
+def test_without_a_browser(
+    wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("shutil.which", lambda *_, **__: None)
+    done = wmrgen_cli("derive", robot_file, "-o", tmp_path / "out", "--pdf")
+    assert done.code == 4 and "apt-get install chromium" in done.err
+    assert not (tmp_path / "out").exists()
+
+
+HOSTILE = (
+    "<script>pwned()</script>", "<img src=x onerror=pwned()>", "</script><script>pwned()</script>",
+    "<!-- pwned <script>", "</title></style><svg onload=pwned()>", "<details open ontoggle=pwned()>",
+    "<sub onclick=pwned()>", "$\\input{pwned}$", "`a` | b", "[pwned](javascript:pwned())",
+    "![pwned](http://127.0.0.1:9/x.png)", "<javascript:pwned()>", "*/ pwned()",
+)  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", HOSTILE)
+def test_texts_are_texts(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, text: str) -> None:
+    plain = robot_file.read_text().replace("wheels:", f"description: {json.dumps(text)}\nwheels:", 1)
+    robot_file.write_text(plain)
+    assert wmrgen_cli("derive", robot_file, "-o", tmp_path / "out", "--html").code == 0
+    _harmless((tmp_path / "out" / "pair" / "report.html").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_texts_of_markdown_are_texts(text: str) -> None:
+    """Were a report ever to let one through."""
+    files = {
+        "report.md": f"# a\n\n{text}\n\n```math\n{text}\n```\n\n{text}\n".encode(),
+        "layout.svg": b"<svg></svg>",
+    }
+    _harmless(page([Report("a", files)]))
+    _harmless(page([Report("a", files, {"name": text}, "{}")]))
+
+
+def _harmless(text: str) -> None:
+    elements = Elements(text)
+    scripts = [tag for tag, _ in elements.tags if tag == "script"]
+    assert len(scripts) == text.count("<script>") == len(re.findall("sha256-", text))
+    assert not [name for _, attrs in elements.tags for name in attrs if name.startswith("on")]
+    assert not [a for a in (*elements.attributes("src"), *elements.attributes("href")) if "pwned" in a]
+    assert not any(tag in ("img", "iframe", "object", "base", "link", "form") for tag, _ in elements.tags)
+
+
+def test_markdown_of_reports() -> None:
+    text = html(
+        "# A `b`\n\n## A b\n\n## A b\n\nv<sub>x</sub> <b>\n\n<details>\n<summary>S</summary>\n\n*in*\n\n</details>\n\n"
+        "![top](layout.svg) ![other](x.svg)\n\n|a|\n|-|\n|1|\n\n```math\na < b\n```\n",
+        {"layout.svg": "<svg></svg>"},
+    )
+    assert '<h1 id="a-b">A <code>b</code></h1>' in text and '<h2 id="a-b-2">' in text
+    assert "v<sub>x</sub> &lt;b&gt;" in text and "<details>\n<summary>S</summary>\n<p><em>in</em></p>" in text
+    assert '<span class="figure"><svg></svg></span> other' in text
+    assert '<div class="wide"><table>' in text and '<div class="math">a &lt; b\n</div>' in text
+
+
+def test_chapters_link_each_other() -> None:
+    files = {"report.md": b"[costs](numerics.md)", "numerics.md": b"# Costs\n\n[up](report.md) [c](a.h)"}
+    elements = Elements(page([Report("a", files)]))
+    assert elements.attributes("href") == ["#a-numerics.md", "#a-report.md", "a.h"]
+    assert {"a-report.md", "a-numerics.md"} <= set(elements.attributes("id"))
+
+
+@pytest.mark.slow
+def test_every_formula_is_one_to_katex() -> None:
+    """Strict, in every report that is checked in."""
+    need("node")
+    from tests.pages.katex import mistakes
+
+    reports = sorted((ROOT / "generated").rglob("*.md"))
+    assert len(reports) > 30
+    assert mistakes([r"a+\frac{1}{2}", r"\foo", r"a ü"]) != [] and mistakes([r"a+\frac{1}{2}"]) == []
+    formulas = [
+        f
+        for path in reports
+        for f in re.findall(r"```math\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
+    ]
+    assert len(formulas) > 900
+    assert mistakes(formulas) == []

@@ -1,0 +1,123 @@
+"""One HTML file that needs no other: styles, KaTeX with its fonts, figures, and the robot to drive.
+
+Its policy lets a browser run the scripts that stand in it, by their digests, and load nothing.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from wmrgen.pages.markdown import html
+from wmrgen.render import render
+from wmrgen.shipped import shipped
+
+REPORT = "report.md"
+_CHAPTERS = (REPORT, "numerics.md")
+_FACE = re.compile(r"@font-face\{[^}]*?url\(fonts/([\w-]+)\.woff2\)[^}]*\}")
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What a page shows of a robot: the ``files`` that backends wrote (name -> content), and for the live figure what
+    the robot looks like, as JSON has it, and its ``code``, a JavaScript expression of its functions."""
+
+    name: str
+    files: Mapping[str, bytes]
+    robot: Mapping[str, Any] = field(default_factory=dict)
+    code: str = "{}"
+
+
+def page(reports: Sequence[Report], version: str = "") -> str:
+    """The page of some robots, the live figures side by side. ``version``: it is loaded again when the script
+    ``version.js`` beside it says another."""
+    lives = [report for report in reports if report.robot]
+    code = f"const robots = [{', '.join(report.code for report in lives)}];" if lives else ""
+    data = [report.robot for report in lives]
+    return _document(
+        " and ".join(report.name for report in reports),
+        [_body(report) for report in reports],
+        _escaped(f"(() => {{\n{code}\nconst data = {json.dumps(data)};\n{_asset('live.js')}}})();"),
+        version,
+        bool(lives),
+    )
+
+
+def broken(text: str, version: str = "") -> str:
+    """The page of a robot file that cannot be derived: why."""
+    return _document("error", [f"<pre class='error'>{escape(text)}</pre>"], "", version, False)
+
+
+def _body(report: Report) -> str:
+    figures = {
+        name: content.decode().strip() for name, content in report.files.items() if name.endswith(".svg")
+    }
+    chapters = [name for name in _CHAPTERS if name in report.files]
+    texts = [html(report.files[name].decode(), figures) for name in chapters]
+    for name in chapters:  # links between them stay in the page
+        texts = [text.replace(f'href="{name}"', f'href="#{report.name}-{name}"') for text in texts]
+    return "\n".join(
+        f'<section id="{report.name}-{name}">\n{text}</section>'
+        for name, text in zip(chapters, texts, strict=True)
+    )
+
+
+def _document(title: str, bodies: Sequence[str], live: str, version: str, driven: bool) -> str:
+    reload = _asset("reload.js").replace("VERSION", json.dumps(version)) if version else ""
+    scripts = [script for script in (_katex_script(), live, reload) if script]
+    policy = " ".join(f"'sha256-{_digest(script)}'" for script in scripts) + (" file:" if version else "")
+    return render(
+        "html/page.html.j2",
+        title=escape(title),
+        policy=policy,
+        style=_style(),
+        bodies=bodies,
+        scripts=scripts,
+        driven=driven,
+    )
+
+
+def _digest(script: str) -> str:
+    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+
+
+def _escaped(script: str) -> str:
+    """``script`` without what would end it in a page: a tag can only stand in its strings and comments."""
+    return re.sub(r"<(?=[!/]|script)", r"\\x3c", script, flags=re.IGNORECASE)
+
+
+def _path(name: str) -> Path:
+    return shipped("templates") / "html" / name
+
+
+@cache
+def _asset(name: str) -> str:
+    return _path(name).read_text(encoding="utf-8")
+
+
+@cache
+def _style() -> str:
+    """Our styles and those of KaTeX, with the fonts that are shipped."""
+
+    def face(match: re.Match[str]) -> str:
+        font = _path(f"katex/fonts/{match[1]}.woff2")
+        if not font.is_file():
+            return ""
+        data = base64.b64encode(font.read_bytes()).decode()
+        source = f'src:url(data:font/woff2;base64,{data}) format("woff2")'
+        return re.sub(r"src:[^;}]*", lambda _: source, match[0])
+
+    return _FACE.sub(face, _asset("katex/katex.min.css")) + _asset("style.css")
+
+
+@cache
+def _katex_script() -> str:
+    return _asset("katex/katex.min.js").rstrip("\n") + "\n" + _asset("formulas.js")

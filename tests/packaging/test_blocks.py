@@ -1,0 +1,80 @@
+"""The fenced blocks of README and docs/ do what the pages say, and a block that is not run says why."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, Outcome
+from tests.packaging.blocks import NOTES, PAGES, Block, Session, blocks, matches
+from tests.tools import need
+
+Cli = Callable[..., Outcome]
+SLOW = [p for p in PAGES if not all(b.everyday for b in blocks(p))]
+CC = ("c", "sh")
+
+
+def session(folder: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> Session:
+    (folder / "robots").symlink_to(ROOT / "robots")
+    monkeypatch.chdir(folder)
+    return Session(folder, cli)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_a_page(page: Path, wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All that needs Python and a C compiler."""
+    here = session(tmp_path, wmrgen_cli, monkeypatch)
+    for block in blocks(page):
+        if block.everyday:
+            here.run(block)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", SLOW, ids=lambda p: p.name)
+def test_a_whole_page(
+    page: Path, wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The whole page, with compilers and emulators of boards."""
+    need(*{tool for block in blocks(page) for tool in block.notes.get("needs", "").split()})
+    here = session(tmp_path, wmrgen_cli, monkeypatch)
+    for block in blocks(page):
+        here.run(block)
+
+
+def test_a_block_that_is_not_run_says_why() -> None:
+    every = [b for p in PAGES for b in blocks(p)]
+    assert len(every) > 30
+    assert all(set(b.notes) <= set(NOTES) for b in every), "a misspelled note"
+    assert not [b.place for b in every if len(b.notes.get("not run", "a good reason").split()) < 3]
+    assert not [b.place for b in every if not (ROOT / b.notes.get("run by", "tests")).exists()]
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        Block("p:1", "python", {}, "assert 1 == 2\n"),
+        Block("p:1", "console", {}, "$ wmrgen eval robots/unicycle.yaml inverse vx=1\nwheel.spin = 2\n"),
+        Block("p:1", "console", {}, "$ wmrgen derive nothing.yaml\n"),
+        Block("p:1", "console", {"exit": "1"}, "$ true && true\n"),
+        Block("p:1", "sh", {}, "false\ntrue\n"),
+        Block("p:1", "text", {}, "what nobody said\n"),
+        Block("p:1", "yaml", {}, "limits: {vx: 1, nothing: 2}\n"),
+        Block("p:1", "c", {"in": "generated/unicycle/unicycle.c"}, "    nothing = 1;\n"),
+        Block("p:1", "c", {}, '#include "unicycle.h"\nint main(void) { return 1; }\n'),
+    ],
+    ids=lambda b: b.language,
+)
+def test_a_wrong_block_is_seen(
+    block: Block, wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if block.language in CC and shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    with pytest.raises(Exception):  # noqa: B017 - of many kinds
+        session(tmp_path, wmrgen_cli, monkeypatch).run(block)
+
+
+def test_dots_stand_for_anything() -> None:
+    assert matches("a\n...\nb 1...\n", "a \nx\nb 1.25\n") and not matches("a.c\n", "abc\n")

@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 PYTEST := $(BIN)/python -m pytest -n auto --dist worksteal
 
-.PHONY: setup demo test check lint types generate bench mutants fuzz clean
+.PHONY: setup demo test check lint types generate docs bench mutants fuzz clean
 .DEFAULT_GOAL := demo
 
 setup: $(STAMP)
@@ -40,6 +40,14 @@ generate: setup
 	$(BIN)/wmrgen derive robots/*.yaml -o generated
 	$(BIN)/wmrgen textbook -o generated
 	$(BIN)/wmrgen schema --markdown > docs/robot_file.md
+
+# docs/, README and the reports as a site, build/docs/docs/index.html.
+docs: $(VENV)/.docs
+	$(BIN)/python -m sphinx -q -n -W --keep-going -b html -c docs . build/docs
+
+$(VENV)/.docs: $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,docs]'
+	@touch $@
 
 bench: setup
 	$(BIN)/python -m benchmarks

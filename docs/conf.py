@@ -1,4 +1,4 @@
-"""Sphinx over the pages as they stand in the repository: `make docs` builds, warnings are errors.
+"""Sphinx over the pages as they stand in the repository: `make docs` builds them, warnings are errors.
 
 The source folder is the repository, so that links between docs/, README and generated/ hold here as on a Git host.
 """
@@ -12,23 +12,41 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from wmrgen import __version__  # noqa: E402
+from sphinx.addnodes import pending_xref  # noqa: E402
+
+from wmrgen import __version__ as release  # noqa: E402
 
 project = "wmrgen"
-author = "the wmrgen authors"
-version = release = __version__
+version = release
 language = "en"
-
 root_doc = "docs/index"
-include_patterns = ["docs/**", "*.md", "tests/README.md", "generated/errata.md", "generated/*/*.md"]
-exclude_patterns = [".*", "build", "dist", "docs/conf.py"]
-html_theme = "furo"
-html_title = "wmrgen"
-html_show_sphinx = False
-html_copy_source = False
+include_patterns = ["docs/**", "*.md", "tests/README.md", "generated/*.md", "generated/*/*.md"]
+exclude_patterns = [".*", "build", "dist", "tests/*/**", "docs/conf.py"]
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
 myst_enable_extensions = ["dollarmath"]
 myst_fence_as_directive = ["math"]
 myst_heading_anchors = 4
+autodoc_member_order = "bysource"
+# Bases and defaults as they are written; annotations are text of the signature.
+autodoc_preserve_defaults = True
 nitpicky = True
+INNER = "Admissible|Call|Constraints|Encoder|Interval|Limits|Local|Mark|Noise|Parameter|Poly|Role|WheelType"
+# Types of other packages, and types of ours that annotations name and nobody needs to know.
+nitpick_ignore_regex = [("py:.*", r"(?!wmrgen).*"), ("py:class", rf"wmrgen\..*\.({INNER})")]
+
+html_theme = "furo"
+html_title = f"wmrgen {release}"
+html_show_copyright = False
+html_copy_source = False
+
+
+def folders(app: Any, document: Any) -> None:
+    """A link to a folder of the repository, which a Git host shows, is its name here."""
+    for link in list(document.findall(pending_xref)):
+        if link["reftype"] == "myst" and (Path(document["source"]).parent / link["reftarget"]).is_dir():
+            link.replace_self(link.children)
+
+
+def setup(app: Any) -> None:
+    app.connect("doctree-read", folders)

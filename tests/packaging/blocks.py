@@ -2,8 +2,9 @@
 lists those that are not, with the reason.
 
 A comment in the line above a block says how, where its language does not: ``<!-- file: NAME -->`` writes it there,
-``<!-- in: FILE -->`` finds its lines in a file, ``<!-- exit: 1 -->`` expects that code, ``<!-- slow -->`` leaves it to CI and
-``<!-- needs: TOOL… -->`` to CI with tools, ``<!-- run by: TEST -->`` to another test; ``<!-- not run: REASON -->``.
+``<!-- in: FILE -->`` finds its lines in a file, ``<!-- exit: 1 -->`` expects that code, ``<!-- slow -->`` leaves it
+to CI, ``<!-- needs: TOOL… -->`` to CI with tools, ``<!-- run by: TEST -->`` to another test,
+``<!-- not run: REASON -->`` to nobody.
 """
 
 from __future__ import annotations
@@ -79,6 +80,9 @@ class Session:
         lines = [re.sub(r"\s*/\*.*\*/$", "", line) for line in block.text.splitlines()]
         missing = set(lines) - {re.sub(r"\s*/\*.*\*/$", "", x) for x in place.read_text("utf-8").splitlines()}
         assert not missing, f"{block.place}: not in {name}: {missing}"
+
+    def run_math(self, block: Block) -> None:
+        """Formulas are typeset by Sphinx."""
 
     def run_python(self, block: Block) -> None:
         printed = io.StringIO()

@@ -34,9 +34,7 @@ def test_a_page(page: Path, wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytest
 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", SLOW, ids=lambda p: p.name)
-def test_a_whole_page(
-    page: Path, wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_whole_page(page: Path, wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The whole page, with compilers and emulators of boards."""
     need(*{tool for block in blocks(page) for tool in block.notes.get("needs", "").split()})
     here = session(tmp_path, wmrgen_cli, monkeypatch)

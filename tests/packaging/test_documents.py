@@ -6,8 +6,11 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import yaml
+
 from tests.conftest import ROOT, Outcome
 from tests.packaging.blocks import blocks
+from wmrgen import __version__
 from wmrgen.functions.registry import names
 
 DOCUMENTS = (
@@ -100,3 +103,9 @@ def test_the_robot_file_is_the_gallery_s() -> None:
     (shown,) = (b.text for b in blocks(ROOT / "README.md") if b.language == "yaml")
     assert (ROOT / "robots" / "pioneer3dx.yaml").read_text(encoding="utf-8").endswith(shown)
     assert len(shown.splitlines()) <= 12
+
+
+def test_the_citation_is_of_this_version() -> None:
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert {"cff-version", "message", "title", "authors"} <= set(citation) and citation["license"] == "MIT"
+    assert citation["version"] == __version__

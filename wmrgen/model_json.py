@@ -76,6 +76,7 @@ def _identity(robot: Robot) -> dict[str, Any]:
         "limits": {name: [float(i.low), float(i.high)] for name, i in robot.limits.items()},
         **({"noise": _noise(robot.noise)} if robot.noise else {}),
         **({"encoder": _encoders(robot.encoders)} if robot.encoders else {}),
+        **({"lag": _seconds(robot.lag)} if robot.lag else {}),
         **({"deadband": float(robot.deadband)} if robot.deadband else {}),
         "notes": list(robot.notes),
     }
@@ -142,6 +143,8 @@ def _wheel(w: Wheel) -> dict[str, Any]:
         entry["noise"] = _noise(w.noise)
     if w.encoders:
         entry["encoder"] = _encoders(w.encoders)
+    if w.lag:
+        entry["lag"] = _seconds(w.lag)
     if w.limits:
         entry["limits"] = {name: [float(i.low), float(i.high)] for name, i in w.limits.items()}
     return entry
@@ -154,6 +157,10 @@ def _noise(noise: Mapping[str, Noise]) -> dict[str, Any]:
 
 def _encoders(encoders: Mapping[str, Encoder]) -> dict[str, Any]:
     return {j: {"counts_per_turn": float(e.turn), "bits": e.bits} for j, e in encoders.items()}
+
+
+def _seconds(lag: Mapping[str, Exact]) -> dict[str, float]:
+    return {joint: float(time) for joint, time in lag.items()}
 
 
 def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:

@@ -208,7 +208,6 @@ def vector_forms(robot: Robot, space: StateSpace | None) -> tuple[VectorForm, ..
 
 def _vector_form(robot: Robot, space: StateSpace, name: str, result: str, formula: Formula) -> VectorForm:
     (function,) = self_contained(optimise((lower(formula),), robot.name))
-    system = space.system
-    vectors = tuple(tuple(p.name for p in ports) for ports in (system.state, system.inputs, system.geometry))
-    nominal = tuple(float(p.default) for p in system.geometry if p.default is not None)
+    vectors = tuple(tuple(p.name for p in ports) for ports in (space.state, space.inputs, space.geometry))
+    nominal = tuple(float(p.default) for p in space.geometry if p.default is not None)
     return VectorForm(name, function, vectors, result, nominal)

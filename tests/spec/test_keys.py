@@ -20,7 +20,8 @@ from wmrgen.functions.control.gains import TEXTBOOK
 from wmrgen.functions.registry import check, optional_names
 from wmrgen.layout import build
 from wmrgen.spec.fields import Amount
-from wmrgen.spec.keys import GAINS, SECTIONS, WHEEL
+from wmrgen.spec.keys import SECTIONS, WHEEL
+from wmrgen.spec.part_keys import GAINS
 from wmrgen.spec.schema import MODELINE, SCHEMA_FILE, json_schema, reference
 from wmrgen.wheels import WHEEL_TYPES
 

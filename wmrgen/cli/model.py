@@ -17,7 +17,7 @@ from wmrgen.cli.loading import derived
 from wmrgen.cli.values import from_words
 from wmrgen.errors import NotDerivableError, UsageError
 from wmrgen.exact.number import ZERO
-from wmrgen.functions.models.state_space import default_form, state_space
+from wmrgen.functions.models.state_space import default_form, lags, state_space
 from wmrgen.ports import Port, Role
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def model(
 ) -> int:
     """Print one form of the model of a robot: the chained form transforms state and inputs, others are systems. With
     ``discrete``, its step of ``dt``."""
-    from wmrgen.functions.models.sheet import data, latex, lines, sheet_of
+    from wmrgen.functions.models.sheet import data, latex, lines, sheet_of, with_lags
     from wmrgen.functions.trailers.chained_sheet import chained_sheet
 
     if discrete is None and (dt or out or values):
@@ -50,7 +50,8 @@ def model(
         if form == "chained":
             sheet = chained_sheet(derivation.robot, derivation.mobility)
         else:
-            sheet = sheet_of(form, derivation.system(form, symbolic=True))
+            system = derivation.system(form, symbolic=True)
+            sheet = with_lags(sheet_of(form, system), lags(derivation.robot, system))
         if as_json:
             console.data(data(sheet))
             return 0
@@ -79,12 +80,12 @@ def _step(
         write_file(out, derivation.step_file(form, discrete, span))
         console.result(str(out))
         return 0
-    system = state_space(derivation.robot, derivation.mobility, form).system
-    groups = (system.state, system.inputs, system.geometry)
+    space = state_space(derivation.robot, derivation.mobility, form)
+    groups = (space.state, space.inputs, space.geometry)
     case = from_words(values, [port for ports in groups for port in ports])
     point = [[float(case.get(p.name, p.default or ZERO)) for p in ports] for ports in groups]
     after, a, b, c = (part.full().tolist() for part in derivation.state_space(form, discrete, span)(*point))
-    x, u = ([p.name for p in ports] for ports in (system.state, system.inputs))
+    x, u = ([p.name for p in ports] for ports in (space.state, space.inputs))
     xnext, affine = ([row[0] for row in column] for column in (after, c))
     if as_json:
         facts = {"form": form, "discrete": discrete, "dt": span, "x": x, "u": u}

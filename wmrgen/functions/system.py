@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import sympy
@@ -61,6 +62,21 @@ class System:
         )
         inputs = (*self.state, *self.inputs, *self.geometry)
         return names.formula(self.name, inputs, outputs, self.text)
+
+
+@dataclass(frozen=True, slots=True)
+class Lag:
+    """A steering angle that follows its ``command`` [rad] at ``rate`` [rad/s]."""
+
+    command: Port
+    rate: Expr
+
+
+def of_commands(text: str, lags: Mapping[str, Lag]) -> str:
+    """What is said of a model, with commands in place of the rates that follow from them."""
+    for name, lag in lags.items():
+        text = text.replace(name, lag.command.name)
+    return text
 
 
 def rate_port(port: Port) -> Port:

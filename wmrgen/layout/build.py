@@ -14,7 +14,7 @@ from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled
 from wmrgen.layout.expressions import PI, Scope, snap, to_poly
-from wmrgen.layout.joints import constant, encoders_of, noise_of, weight_of
+from wmrgen.layout.joints import constant, deadband_of, encoders_of, lag_of, noise_of, weight_of
 from wmrgen.layout.records import (
     Geometry,
     Interval,
@@ -184,6 +184,8 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
         facts["noise"] = noise_of(w.noise, scope)
     with several:
         facts["encoders"] = encoders_of(w.name, w.encoders, scope)
+    with several:
+        facts["lag"] = lag_of(w.name, w.lag, scope)
     several.end()
     x, y, shown = float(nominal.x), float(nominal.y), float(scope.number(heading))
     direction = float(scope.number(alpha)) or atan2(y, x)
@@ -254,18 +256,6 @@ def _limits(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
     return intervals
 
 
-def _deadband(share: Quantity, scope: Scope) -> Exact:
-    """A share of the limits of the twist, from 0 to below 1."""
-    value = constant("deadband", share, scope)
-    if not ZERO <= value < ONE:
-        raise RobotFileError(
-            f"deadband is {share.text}, not from 0 to below 1", share.mark,
-            "It is a share of the limits of vx, vy and omega; with all of them the robot would never move.",
-            "Write a number such as deadband: 0.01.",
-        )  # fmt: skip
-    return value
-
-
 def _virtual(v: VirtualSpec, wheels: Iterable[Wheel], scope: Scope) -> Virtual:
     """A virtual wheel, in the middle of the real ones where no place is given."""
     members = [w for w in wheels if w.name in v.wheels]
@@ -297,7 +287,8 @@ _PARTS: dict[str, Callable[[RobotSpec, Scope, list[Wheel]], Any]] = {  # of a Ro
     "trailers": lambda spec, scope, _: tuple(_trailer(t, scope) for t in spec.trailers),
     "cg": lambda spec, scope, _: spec.cg and Point(*map(scope.length, (spec.cg.x, spec.cg.y, spec.cg.z))),
     "gains": lambda spec, scope, _: {name: scope.length(quantity) for name, quantity in spec.gains},
-    "deadband": lambda spec, scope, _: ZERO if spec.deadband is None else _deadband(spec.deadband, scope),
+    "deadband": lambda spec, scope, _: ZERO if spec.deadband is None else deadband_of(spec.deadband, scope),
     "noise": lambda spec, scope, _: noise_of(spec.noise, scope),
     "encoders": lambda spec, scope, _: encoders_of("the robot", spec.encoders, scope),
+    "lag": lambda spec, scope, _: lag_of("the robot", spec.lag, scope),
 }

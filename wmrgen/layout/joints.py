@@ -1,4 +1,4 @@
-"""What a robot file says of joints and their sensors, as exact constants: weights, noise, encoders."""
+"""What a robot file says of joints and commands, as exact constants: weights, deadband, noise, encoders, lag."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from wmrgen.errors import RobotFileError
 from wmrgen.exact.evaluate import parameters_in, substituted
-from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.layout.expressions import Scope
 from wmrgen.layout.records import Encoder, Noise
 from wmrgen.spec.records import EncoderSpec, NoiseSpec, Quantity
@@ -36,6 +36,18 @@ def weight_of(name: str, weight: Quantity, scope: Scope) -> Exact:
             "Weights are about (noise of other wheels / noise of this one)**2; rows that count next to nothing are "
             "lost in rounding.",
             "Write a number such as 0.25; sensed: [] leaves the wheel out.",
+        )  # fmt: skip
+    return value
+
+
+def deadband_of(share: Quantity, scope: Scope) -> Exact:
+    """A share of the limits of the twist, from 0 to below 1."""
+    value = constant("deadband", share, scope)
+    if not ZERO <= value < ONE:
+        raise RobotFileError(
+            f"deadband is {share.text}, not from 0 to below 1", share.mark,
+            "It is a share of the limits of vx, vy and omega; with all of them the robot would never move.",
+            "Write a number such as deadband: 0.01.",
         )  # fmt: skip
     return value
 
@@ -75,11 +87,21 @@ def _encoder(what: str, e: EncoderSpec, scope: Scope) -> Encoder:
     return Encoder(-turn if e.reversed else turn, 16 if bits == Exact(16) else 32)
 
 
-def _positive(what: str, quantity: Quantity, scope: Scope) -> Exact:
+def lag_of(whose: str, lag: Iterable[tuple[str, Quantity]], scope: Scope) -> dict[str, Exact]:
+    """Time constants [s]. RobotFileError for one that is not positive."""
+    instead = (
+        "Write a time such as 150 ms, or delete the key: without a lag the angle is commanded by its rate."
+    )
+    return {j: _positive(f"{j} lag of {whose}", time, scope, instead) for j, time in lag}
+
+
+_COUNTS_DOWN = "Write a positive number; reversed: true says that the encoder counts down."
+
+
+def _positive(what: str, quantity: Quantity, scope: Scope, instead: str = _COUNTS_DOWN) -> Exact:
     value = constant(what, quantity, scope)
     if value.sign <= 0:
         raise RobotFileError(
-            f"{what} is {quantity.text}, which is not positive", quantity.mark, "",
-            "Write a positive number; reversed: true says that the encoder counts down.",
+            f"{what} is {quantity.text}, which is not positive", quantity.mark, "", instead
         )  # fmt: skip
     return value

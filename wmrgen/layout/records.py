@@ -105,6 +105,7 @@ class Wheel:
     weight: Exact = ONE
     noise: Mapping[str, Noise] = field(default_factory=dict)
     encoders: Mapping[str, Encoder] = field(default_factory=dict)
+    lag: Mapping[str, Exact] = field(default_factory=dict)  # joint -> time constant [s]
 
     @property
     def kind(self) -> WheelType:
@@ -225,6 +226,7 @@ class Robot:
     functions: tuple[str, ...] = ()
     noise: Mapping[str, Noise] = field(default_factory=dict)
     encoders: Mapping[str, Encoder] = field(default_factory=dict)
+    lag: Mapping[str, Exact] = field(default_factory=dict)
 
     @property
     def tunable(self) -> tuple[Parameter, ...]:
@@ -251,6 +253,10 @@ class Robot:
     def encoder_of(self, wheel: Wheel, joint: str) -> Encoder | None:
         """The encoder of a wheel's ``spin`` or ``steer``: its own, else the robot's where the joint is sensed."""
         return wheel.encoders.get(joint) or (self.encoders.get(joint) if joint in wheel.sensed else None)
+
+    def lag_of(self, wheel: Wheel, joint: str) -> Exact | None:
+        """The time constant [s] of a wheel's joint: its own, else the robot's; None where it follows at once."""
+        return wheel.lag.get(joint) or self.lag.get(joint)
 
     def together(self, joint: str, wheels: Iterable[Wheel]) -> list[list[Wheel]]:
         """``wheels`` in the sets whose ``joint``, spin or steer, is coupled; a wheel alone is a set of one."""

@@ -105,3 +105,15 @@ ENCODER = Section(
         Field("steer", COUNTER, "of the steering angle; it stands at 0 where steer is 0", joint="steer"),
     ),
 )
+
+LAG = Section(
+    "lag",
+    "lag: {steer: 150 ms}",
+    (
+        Field(
+            "steer", Amount(Kind.TIME),
+            "time constant with which a steering angle follows its command: steer' = (command - steer)/lag",
+            joint="steer",
+        ),
+    ),
+)  # fmt: skip

@@ -15,23 +15,16 @@ from wmrgen.spec.fields import (
     Text,
     Version,
     Word,
-)
-from wmrgen.spec.joint_keys import ANGLE_NOISE, COUNTER, ENCODER, LIMITS, NOISE, RATE_NOISE
-from wmrgen.spec.numbers import Kind
-
-_LENGTH, _ANGLE, _GAIN = Amount(Kind.LENGTH), Amount(Kind.ANGLE), Amount(Kind.ANY, "1/s")
-_JOINTS = ListOf(OneOf("joint"), "[spin]", once=True)
-_WHEELS = ListOf(
-    OneOf("wheel"), "[front_left, front_right]", least=1, once=True,
-    few=("{key} names no wheel", "", "Write {key}: [front_left, front_right]."),
 )  # fmt: skip
+from wmrgen.spec.joint_keys import ANGLE_NOISE, COUNTER, ENCODER, LAG, LIMITS, NOISE, RATE_NOISE
+from wmrgen.spec.numbers import Kind
+from wmrgen.spec.part_keys import A_NAME, CG, COUPLING, GAINS, TRAILER, VIRTUAL
+
+_LENGTH, _ANGLE = Amount(Kind.LENGTH), Amount(Kind.ANGLE)
+_JOINTS = ListOf(OneOf("joint"), "[spin]", once=True)
 _PLACE = "A place is l with alpha.", "A place is x with y."
 _NO_STEERING_AXIS = "Put the contact point itself in l, alpha or x, y."
 _NO_ROLLERS = "Write type: swedish for an omni or mecanum wheel, or delete"
-_MIDDLE = "the middle of its wheels"
-_X_AND_Y = "It has one of x and y.", "Write both or none."
-_ROLE = "It stands for wheels that steer together, or for wheels that drive together."
-_A_NAME = "Names become identifiers in the generated code.", "Write name: and a word such as front_left."
 
 PARAMETER = Section(
     "a parameter",
@@ -46,7 +39,7 @@ WHEEL = Section(
     "a wheel",
     "{name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.05}",
     (
-        Field("name", Name(), "name of the wheel, which its joints bear", required=True, missing=_A_NAME),
+        Field("name", Name(), "name of the wheel, which its joints bear", required=True, missing=A_NAME),
         Field(
             "type", OneOf("type"), "type of the wheel", required=True,
             missing=("It decides what the wheel constrains.", "Write type: and one of {types}."),
@@ -130,6 +123,7 @@ WHEEL = Section(
         Field("limits", LIMITS, "limits of this wheel's joints, before those of the robot"),
         Field("noise", NOISE, "noise of this wheel's joints, before that of the robot"),
         Field("encoder", ENCODER, "encoders of this wheel's joints, before those of the robot"),
+        Field("lag", LAG, "lag of this wheel's joints, before that of the robot"),
     ),
     (
         Choice(
@@ -150,70 +144,6 @@ WHEEL = Section(
     ),
 )  # fmt: skip
 
-COUPLING = Section(
-    "a coupling",
-    "{equal: [a.steer, b.steer]}",
-    (
-        Field(
-            "equal", ListOf(
-                OneOf("wheel.joint"), "[a.steer, b.steer]", least=2, once=True,
-                few=("a coupling of {n} joint{s}", "It takes two to be equal.", "Write equal: [a.steer, b.steer]."),
-            ), "joints of one kind whose angles a mechanism keeps equal", required=True,
-        ),
-    ),
-)  # fmt: skip
-
-VIRTUAL = Section(
-    "a virtual wheel",
-    "{name: front, steers: [front_left, front_right]}",
-    (
-        Field("name", Name(), "name of the virtual wheel", required=True, missing=_A_NAME),
-        Field("steers", _WHEELS, "its angle, `name.steer`, steers these wheels (an Ackermann pair)"),
-        Field("drives", _WHEELS, "its speed, `name.speed`, drives these wheels"),
-        Field("x", _LENGTH, "its place forward of P; with y", default=_MIDDLE, missing=_X_AND_Y),
-        Field("y", _LENGTH, "its place left of P; with x", default=_MIDDLE, missing=_X_AND_Y),
-    ),
-    (
-        Choice(
-            (("steers",), ("drives",)),
-            ("has {keys}", _ROLE, "Keep one of them."),
-            ("has neither steers nor drives", _ROLE,
-             "Write steers: [front_left, front_right] or drives: [rear_left, rear_right]."),
-        ),
-        Choice((("x", "y"),), optional=True),
-    ),
-)  # fmt: skip
-
-TRAILER = Section(
-    "a trailer",
-    "{length: 1.1, hitch: 0}",
-    (
-        Field("name", Name(), "name of the trailer", default="trailer1, trailer2, …"),
-        Field("length", _LENGTH, "from its coupling to its axle", required=True),
-        Field("hitch", _LENGTH, "from the axle in front back to the coupling", default="0"),
-    ),
-)
-
-CG = Section(
-    "cg",
-    "cg: {x: 0, y: 0, z: 0.3}",
-    (
-        Field("x", _LENGTH, "forward of P", required=True),
-        Field("y", _LENGTH, "left of P", required=True),
-        Field("z", _LENGTH, "above the ground", required=True),
-    ),
-)
-
-GAINS = Section(
-    "gains",
-    "gains: {k_rho: 3, k_alpha: 8, k_beta: -1.5}",
-    (
-        Field("k_rho", _GAIN, "speed per distance to the goal; goto_pose", default="3"),
-        Field("k_alpha", _GAIN, "yaw rate per bearing of the goal; goto_pose", default="8"),
-        Field("k_beta", _GAIN, "yaw rate per heading left over at the goal; goto_pose", default="-1.5"),
-    ),
-)
-
 ROBOT = Section(
     "a robot file",
     "wmrgen: 1, then name: and wheels:",
@@ -223,7 +153,7 @@ ROBOT = Section(
             aliases={"version": "Write wmrgen: 1."},
             missing=("It tells the format version.", "Begin the file with wmrgen: 1."),
         ),
-        Field("name", Name(), "name of the robot and of its files", required=True, missing=_A_NAME),
+        Field("name", Name(), "name of the robot and of its files", required=True, missing=A_NAME),
         Field("description", Text(2_000), "what robot it is, for the banner and the report"),
         Field("source", Text(2_000), "where the dimensions come from"),
         Field(
@@ -266,6 +196,7 @@ ROBOT = Section(
             "share of the limits of vx, vy and omega below which limit_twist takes a twist for standstill", default="0",
         ),
         Field("encoder", ENCODER, "encoders of every joint that is sensed, for joints_from_counts"),
+        Field("lag", LAG, "lag of every joint that is commanded, which the state space takes in"),
         Field("virtual", ListOf(VIRTUAL), "wheels that are not there and stand for real ones"),
         Field("trailers", ListOf(TRAILER, most=16), "trailers, from the robot backwards"),
         Field(
@@ -291,6 +222,7 @@ SECTIONS = {
     "`steer` of `noise`": ANGLE_NOISE,
     "`encoder`, of the robot or of a wheel": ENCODER,
     "Each joint of `encoder`": COUNTER,
+    "`lag`, of the robot or of a wheel": LAG,
     "A parameter with more than a value": PARAMETER,
     "Each of `couplings`": COUPLING,
     "Each of `virtual`": VIRTUAL,

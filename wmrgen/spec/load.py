@@ -11,10 +11,12 @@ from typing import Any
 from wmrgen.errors import Code, RobotFileError, Several
 from wmrgen.spec.expressions import read_quantity, scalar_of
 from wmrgen.spec.fields import Text, Version
-from wmrgen.spec.keys import CG, GAINS, ROBOT, TRAILER, VIRTUAL
+from wmrgen.spec.joints import read_encoders, read_lag, read_limits, read_noise
+from wmrgen.spec.keys import ROBOT
 from wmrgen.spec.names import Names, robot_name, wheel_name
 from wmrgen.spec.numbers import Kind, Scope, plain_number
 from wmrgen.spec.parameters import read_parameters
+from wmrgen.spec.part_keys import CG, GAINS, TRAILER, VIRTUAL
 from wmrgen.spec.questions import refuse_questions
 from wmrgen.spec.reader import read_tree
 from wmrgen.spec.records import (
@@ -38,15 +40,7 @@ from wmrgen.spec.text import (
     quoted,
     read_at_most,
 )
-from wmrgen.spec.wheels import (
-    declared_types,
-    read_couplings,
-    read_encoders,
-    read_limits,
-    read_noise,
-    read_wheels,
-    wheel_called,
-)
+from wmrgen.spec.wheels import declared_types, read_couplings, read_wheels, wheel_called
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 _DUNDER = re.compile(r"__\w+__")
@@ -289,6 +283,7 @@ _PARTS: dict[str, Callable[[_Reading], Any]] = {  # of a RobotSpec
     "limits": lambda r: read_limits(r.table.get("limits"), "the robot", r.scope),
     "noise": lambda r: read_noise(r.table.get("noise"), "the robot", r.scope),
     "encoders": lambda r: read_encoders(r.table.get("encoder"), "the robot", r.scope),
+    "lag": lambda r: read_lag(r.table.get("lag"), "the robot", r.scope),
     "virtual": _virtual,
     "trailers": _trailers,
     "slip": lambda r: r.table.word("slip"),

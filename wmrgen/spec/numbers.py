@@ -35,6 +35,7 @@ class Kind(StrEnum):
     RATE = "angular rate"  # rad/s
     ACCELERATION = "acceleration"  # m/s^2
     ANGULAR_ACCELERATION = "angular acceleration"  # rad/s^2
+    TIME = "time"  # s
     ANY = "parameter"
 
 
@@ -71,6 +72,8 @@ UNITS: dict[str, Unit] = {
     "m/s^2": _unit(Kind.ACCELERATION, "1"),
     "rad/s^2": _unit(Kind.ANGULAR_ACCELERATION, "1"),
     "deg/s^2": _unit(Kind.ANGULAR_ACCELERATION, "1/180", True),
+    "s": _unit(Kind.TIME, "1"),
+    "ms": _unit(Kind.TIME, "1/1000"),
 }
 _SPELLINGS = {"µm": "um", "μm": "um", "°": "deg", "°/s": "deg/s"}
 _SPELLINGS |= {f"{unit}{two}": f"{unit}^2" for unit in ("m/s", "rad/s", "deg/s") for two in ("2", "²")}

@@ -125,6 +125,7 @@ class WheelSpec:
     limits: tuple[Limit, ...] = ()
     noise: tuple[NoiseSpec, ...] = ()
     encoders: tuple[EncoderSpec, ...] = ()
+    lag: tuple[tuple[str, Quantity], ...] = ()  # joint, time constant
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,6 +190,7 @@ class RobotSpec:
     limits: tuple[Limit, ...] = ()
     noise: tuple[NoiseSpec, ...] = ()
     encoders: tuple[EncoderSpec, ...] = ()
+    lag: tuple[tuple[str, Quantity], ...] = ()  # joint, time constant
     virtual: tuple[VirtualSpec, ...] = ()
     trailers: tuple[TrailerSpec, ...] = ()
     slip: bool = False

@@ -32,8 +32,8 @@ Schema = dict[str, Any]
 SCHEMA_FILE = "robot.schema.json"  # beside robot files
 MODELINE = f"# yaml-language-server: $schema={SCHEMA_FILE}"  # the first line of robot files: editors check and complete
 SI = {
-    Kind.LENGTH: "m", Kind.ANGLE: "rad", Kind.SPEED: "m/s", Kind.RATE: "rad/s",
-    Kind.ACCELERATION: "m/s^2", Kind.ANGULAR_ACCELERATION: "rad/s^2", Kind.ANY: "SI",
+    Kind.LENGTH: "m", Kind.ANGLE: "rad", Kind.SPEED: "m/s", Kind.RATE: "rad/s", Kind.TIME: "s", Kind.ANY: "SI",
+    Kind.ACCELERATION: "m/s^2", Kind.ANGULAR_ACCELERATION: "rad/s^2",
 }  # fmt: skip
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy
 
-from wmrgen.functions.system import Domain, System, rate_port
-from wmrgen.ports import Port
+from wmrgen.functions.system import Domain, Lag, System, of_commands, rate_port
+from wmrgen.ports import Port, Role
 from wmrgen.printing import Latex, Reader, Text, Writer, exact, size
 from wmrgen.symbolic import Expr, signal
 
@@ -41,7 +42,8 @@ class Sheet:
     @property
     def ports(self) -> tuple[Port, ...]:
         """Everything that has a name in the contract."""
-        return (*self.state, *self.inputs, *self.parameters)
+        named = (Port(e.left, Role.COMMAND, "") for e in self.where)
+        return (*self.state, *self.inputs, *self.parameters, *named)
 
 
 def sheet_of(form: str, system: System) -> Sheet:
@@ -54,6 +56,13 @@ def sheet_of(form: str, system: System) -> Sheet:
         tuple((p.name, tuple(tidy(e) for e in f)) for p, f in zip(system.inputs, system.fields, strict=True)),
         tuple(Domain(tidy(d.expression), d.text) for d in system.domain),
     )  # fmt: skip
+
+
+def with_lags(sheet: Sheet, lags: Mapping[str, Lag]) -> Sheet:
+    """The sheet with commanded steering angles for inputs; it says which rates follow from them."""
+    where = tuple(Equation(name, tidy(lag.rate)) for name, lag in lags.items())
+    inputs = tuple(lags[p.name].command if p.name in lags else p for p in sheet.inputs)
+    return replace(sheet, inputs=inputs, where=(*sheet.where, *where), text=of_commands(sheet.text, lags))
 
 
 def tidy(expr: Expr) -> Expr:

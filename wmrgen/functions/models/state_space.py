@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.twist import parallel, sliding
 from wmrgen.functions.registry import system_builder
-from wmrgen.functions.system import System
-from wmrgen.kinematics.records import Formula
+from wmrgen.functions.system import Lag, System, of_commands
+from wmrgen.kinematics.records import Formula, substituted
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port
+from wmrgen.ports import Port, Role
+from wmrgen.symbolic import Expr, number, over, signal, subtract
 
 
 @dataclass(frozen=True, slots=True)
 class StateSpace:
-    """``rates``: state, inputs and parameters of ``system`` to the rates of the state, in this order; ``constraints``:
-    the same to what has to be 0, None where nothing has to; ``bounds``: low and high by contract name."""
+    """``rates``: ``state``, ``inputs`` and parameters (``geometry``) to the rates of the state, in this order;
+    ``constraints``: the same to what has to be 0, None where nothing has to; ``bounds``: low and high by contract
+    name; ``text``: which model it is."""
 
     form: str
-    system: System
+    text: str
+    state: tuple[Port, ...]
+    inputs: tuple[Port, ...]
+    geometry: tuple[Port, ...]
     rates: Formula
     constraints: Formula | None
     bounds: dict[str, tuple[float, float]]
@@ -40,13 +45,47 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
     """A model as a state space, of `default_form` unless told otherwise."""
     form = form or default_form(robot, mobility)
     system = system_builder(form)(robot, mobility, False)
-    ports = (*system.state, *system.inputs)
+    following = lags(robot, system)
+    inputs = tuple(following[u.name].command if u.name in following else u for u in system.inputs)
+    rolling = sliding(robot, mobility) if form == "twist" else None
     return StateSpace(
         form,
-        system,
-        system.formula(),
-        sliding(robot, mobility) if form == "twist" else None,
-        {port.name: _bounds(robot, port.name) for port in ports},
+        of_commands(system.text, following),
+        system.state,
+        inputs,
+        system.geometry,
+        _commanded(system.formula(), following),
+        rolling and _commanded(rolling, following),
+        {port.name: _bounds(robot, port.name) for port in (*system.state, *inputs)},
+    )
+
+
+def lags(robot: Robot, system: System) -> dict[str, Lag]:
+    """Steering rate that a model has for an input -> what decides it where the robot file says `lag`: the rate is
+    (command - steer)/lag. Wheels that turn together have the longest lag of theirs."""
+    states, following = {port.name for port in system.state}, {}
+    for port in system.inputs:
+        name, _, joint = port.name.rpartition(".")
+        members = {v.name: v.wheels for v in robot.virtual}.get(name, (name,))
+        wheels = [w for w in robot.wheels if robot.wheels[robot.steer_group[w.index]].name in members]
+        constants = [time for w in wheels if (time := robot.lag_of(w, "steer")) is not None]
+        if joint == "steer_rate" and f"{name}.steer" in states and constants:
+            text = f"steering angle that {name} is to have, counter-clockwise from the zero of the robot file"
+            command = Port(f"{name}.steer_command", Role.COMMAND, "rad", text)
+            rate = over(subtract(signal(command.name), signal(f"{name}.steer")), number(max(constants)))
+            following[port.name] = Lag(command, rate)
+    return following
+
+
+def _commanded(formula: Formula, following: Mapping[str, Lag]) -> Formula:
+    """``formula`` with commands of steering angles in place of the rates that follow from them."""
+    values: dict[Expr, Expr] = {signal(name): lag.rate for name, lag in following.items()}
+    memo: dict[Expr, Expr] = {}
+    return replace(
+        formula,
+        inputs=tuple(following[p.name].command if p.name in following else p for p in formula.inputs),
+        locals=tuple((symbol, substituted(e, values, memo)) for symbol, e in formula.locals),
+        outputs=tuple((port, substituted(e, values, memo)) for port, e in formula.outputs),
     )
 
 
@@ -62,6 +101,7 @@ def _bounds(robot: Robot, name: str) -> tuple[float, float]:
     """The limits that the robot file sets, infinite where it sets none."""
     wheel, _, quantity = name.rpartition(".")
     names = {w.name: w for w in robot.wheels}
+    quantity = quantity.removesuffix("_command")
     limit = (
         robot.limits.get(quantity)
         if not wheel
@@ -76,12 +116,12 @@ def data(space: StateSpace) -> dict[str, Any]:
     """For model.json; null is no bound."""
     return {
         "form": space.form,
-        "text": space.system.text,
-        "x": list(_entries(space, space.system.state)),
-        "u": list(_entries(space, space.system.inputs)),
+        "text": space.text,
+        "x": list(_entries(space, space.state)),
+        "u": list(_entries(space, space.inputs)),
         "p": [
             {"name": p.name, "unit": p.unit, "nominal": float(p.default)}
-            for p in space.system.geometry
+            for p in space.geometry
             if p.default is not None
         ],
         "constraints": [

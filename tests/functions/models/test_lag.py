@@ -1,0 +1,118 @@
+"""`lag:` of steering joints: the state space commands angles, which follow at first order."""
+
+from __future__ import annotations
+
+from math import exp, inf, radians, tan
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wmrgen
+from wmrgen.errors import RobotFileError
+from wmrgen.functions.models.state_space import state_space
+
+CAR = """\
+wmrgen: 1
+name: lagging
+parameters: {{wheelbase: {{value: 1.1, tunable: true}}}}
+limits: {{steer: [-30 deg, 40 deg], steer_rate: 2}}
+{top}
+wheels:
+  - {{name: rear, type: fixed, x: 0, y: 0, heading: 0, r: 0.3{rear}}}
+  - {{name: front, type: steered, x: wheelbase, y: 0, heading: 0, r: 0.3, actuated: [steer]{front}}}
+"""
+TWO_STEER = """\
+wmrgen: 1
+name: two
+lag: {steer: 0.2}
+couplings: [{equal: [a.steer, b.steer]}]
+wheels:
+  - {name: a, type: steered, x: 0.6, y: 0.2, heading: 0, r: 0.1}
+  - {name: b, type: steered, x: 0.6, y: -0.3, heading: 0, r: 0.1, lag: {steer: 300 ms}}
+  - {name: c, type: steered, x: -0.5, y: 0.1, heading: 0, r: 0.1, lag: {steer: 50 ms}}
+"""
+
+
+def loaded(tmp_path: Path, text: str) -> wmrgen.Derivation:
+    path = tmp_path / "robot.yaml"
+    path.write_text(text)
+    return wmrgen.derive(wmrgen.load(path))
+
+
+def car(tmp_path: Path, top: str = "", rear: str = "", front: str = "") -> wmrgen.Derivation:
+    return loaded(tmp_path, CAR.format(top=top, rear=rear, front=front))
+
+
+@pytest.mark.parametrize(
+    ("top", "front", "constant"),
+    [
+        ("lag: {steer: 150 ms}", "", 0.15),
+        ("", ", lag: {steer: 0.4}", 0.4),
+        ("lag: {steer: 0.15 s}", ", lag: {steer: 0.4}", 0.4),
+    ],
+)
+def test_a_step_of_the_command_is_answered_by_an_exponential(
+    tmp_path: Path, top: str, front: str, constant: float
+) -> None:
+    derivation = car(tmp_path, top, "", front)
+    space = derivation.model()["state_space"]
+    assert [entry["name"] for entry in space["u"]] == ["rear.spin", "front.steer_command"]
+    command = space["u"][1]
+    assert (command["lower"], command["upper"]) == pytest.approx((radians(-30), radians(40)))
+    step = derivation.state_space(discrete="rk4", dt=0.01)
+    x = np.zeros(4)
+    for _ in range(25):
+        x = step(x, [2.0, 0.5], [1.1])[0].full().ravel()
+    assert x[3] == pytest.approx(0.5 * (1 - exp(-0.25 / constant)), rel=1e-6)
+    rates = derivation.state_space()([0, 0, 0, 0.3], [2.0, -0.0], [1.4]).full().ravel()
+    assert rates == pytest.approx([0.6, 0, 0.6 * tan(0.3) / 1.4, -0.3 / constant])
+    assert derivation.numpy().INPUTS == ("rear.spin", "front.steer_command")
+
+
+def test_without_lag_the_rate_is_the_input(tmp_path: Path) -> None:
+    space = car(tmp_path).default_state_space
+    assert space is not None
+    assert [port.name for port in space.inputs] == ["rear.spin", "front.steer_rate"]
+    assert space.bounds["front.steer_rate"] == (-2, 2) and space.bounds["rear.spin"] == (-inf, inf)
+
+
+def test_wheels_that_turn_together_have_the_longest_lag(tmp_path: Path) -> None:
+    """The twist form: a and b share one angle, c has its own."""
+    derivation = loaded(tmp_path, TWO_STEER)
+    f = derivation.state_space("twist")
+    x, u = [0, 0, 0.4, 0.1, -0.2], [0.5, 0.1, -0.3, 0.7, 0.9]
+    rates = f(x, u, []).full().ravel()
+    assert rates[2:] == pytest.approx([-0.3, (0.7 - 0.1) / 0.3, (0.9 + 0.2) / 0.05])
+    free = loaded(
+        tmp_path, TWO_STEER.replace("lag: {steer: 0.2}\n", "").replace(", lag: {steer: 300 ms}", "")
+    )
+    space = state_space(free.robot, free.mobility, "twist")
+    assert [port.name for port in space.inputs][3:] == ["a.steer_rate", "c.steer_command"]
+    assert derivation.rolling()(x, u, []).full() == pytest.approx(free.rolling()(x, u, []).full())
+
+
+def test_a_virtual_wheel_has_the_lag_of_those_that_it_steers(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[3] / "robots" / "car_with_trailers.yaml").read_text(encoding="utf-8")
+    derivation = loaded(tmp_path, text.replace("wheels:\n", "lag: {steer: 0.5}\nwheels:\n", 1))
+    space = derivation.default_state_space
+    assert space is not None and [port.name for port in space.inputs] == ["rear.speed", "front.steer_command"]
+    x = [0.0] * len(space.state)
+    assert derivation.state_space()(x, [0.0, 0.3], []).full().ravel()[-1] == pytest.approx(0.6)
+
+
+@pytest.mark.parametrize(
+    ("top", "rear", "front", "message"),
+    [
+        ("lag: {steer: 0}", "", "", "not positive"),
+        ("lag: {steer: -0.1}", "", "", "not positive"),
+        ("lag: {steer: 0.1 m}", "", "", "time"),
+        ("lag: {spin: 0.1}", "", "", "spin"),
+        ("lag: {steer: wheelbase}", "", "", "tunable"),
+        ("", ", lag: {steer: 0.1}", "", "steer"),
+        ("lag: 0.1", "", "", "lag"),
+    ],
+)
+def test_what_no_lag_is_is_said(tmp_path: Path, top: str, rear: str, front: str, message: str) -> None:
+    with pytest.raises(RobotFileError, match=message):
+        car(tmp_path, top, rear, front)

@@ -28,7 +28,7 @@ from fractions import Fraction
 import numpy as np
 
 from wmrgen.constraints import heading, rolling_row, sliding_row, working_view
-from wmrgen.exact.evaluate import circle, fix
+from wmrgen.exact.evaluate import circle, fix, parameters_in
 from wmrgen.exact.linalg import cofactor, symmetric
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, Row, dot, has_angles
@@ -244,7 +244,7 @@ def _at(poly: Poly, point: int) -> float:
         return Poly.of(circle(Fraction(p * index, q + index))[gen.kind == "sin"])
 
     there = poly.substitute(value)
-    number = fix(there, {g.name: Poly.of(1) for g in there.generators if g.kind == "param"}).constant
+    number = fix(there, {name: Poly.of(1) for name in parameters_in(there)}).constant
     return float(number) if number is not None else 0.0
 
 

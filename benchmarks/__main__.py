@@ -6,7 +6,7 @@ import argparse
 import platform
 import sys
 
-from benchmarks import accuracy, budgets, counts, figures, kernels, mutants, speed
+from benchmarks import accuracy, budgets, calibration, counts, figures, kernels, mutants, speed
 
 SECTIONS = {
     "start": lambda chosen: speed.start(chosen.runs),
@@ -19,7 +19,8 @@ SECTIONS = {
     "processor": lambda chosen: figures.run(chosen.update),
 }
 ASKED = {
-    "mutants": lambda chosen: mutants.run(chosen.count, chosen.seed)
+    "mutants": lambda chosen: mutants.run(chosen.count, chosen.seed),
+    "coverage": lambda chosen: calibration.table(chosen.count),
 }  # takes long: only where it is named
 
 
@@ -29,7 +30,10 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=7, help="runs of each command (default 7)")
     parser.add_argument("--update", action="store_true", help="budgets, processor: write what is measured")
     parser.add_argument(
-        "--count", type=int, default=mutants.COUNT, help="mutants: how many faults are planted"
+        "--count",
+        type=int,
+        default=mutants.COUNT,
+        help="mutants: how many faults are planted; coverage: how many runs of each layout",
     )
     parser.add_argument("--seed", type=int, default=mutants.SEED, help="mutants: which faults are drawn")
     chosen = parser.parse_args()

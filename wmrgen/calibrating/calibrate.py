@@ -14,7 +14,8 @@ from wmrgen.calibrating.certainty import Fit, fit
 from wmrgen.calibrating.fit import Each, Problem, drawn, serial
 from wmrgen.calibrating.logs import Drive, pairs, read
 from wmrgen.calibrating.observability import unobservable
-from wmrgen.calibrating.path import Increments, Reals, reckoned
+from wmrgen.calibrating.path import Increments, Reals
+from wmrgen.calibrating.starts import laid
 from wmrgen.errors import UsageError
 from wmrgen.ir.calls import self_contained
 from wmrgen.layout.records import Robot
@@ -86,7 +87,7 @@ def calibrate(
     problem = problem_of(derivation)
     turns = counts_per_turn(derivation.robot)
     drives = [read(log, truth, problem.increments.joints, turns) for log, truth in pairs(logs, truths)]
-    best = fit(replace(problem, drives=tuple(_unwound(problem, drive) for drive in drives)), each)
+    best = fit(laid(replace(problem, drives=tuple(drives))), each)
     _refuse_strangers(best, drives, each)
     without = _without_each(best.problem, each)
     weak = _unobservable(derivation.robot, best)
@@ -95,17 +96,6 @@ def calibrate(
         _errors(best, best.problem.shared(0 * best.unknowns)), _errors(best, best.problem.shared(best.unknowns)),
         _held_out(best, without),
     )  # fmt: skip
-
-
-def _unwound(problem: Problem, drive: Drive) -> Drive:
-    """The drive, its truth's headings as many turns on as nominal odometry says between two of them: rows may be far
-    apart, as start and end of a drive are."""
-    measured = np.isfinite(drive.truth.theta)
-    path = reckoned(problem.increments(drive.columns, problem.nominal))
-    reckoning = np.interp(drive.truth.t[measured], drive.t, path.heading)
-    theta = drive.truth.theta.copy()
-    theta[measured] = reckoning + np.unwrap(theta[measured] - reckoning)
-    return replace(drive, truth=replace(drive.truth, theta=theta))
 
 
 def _unobservable(robot: Robot, best: Fit) -> tuple[tuple[str, ...], ...]:
@@ -176,8 +166,7 @@ def _refuse_strangers(best: Fit, drives: Sequence[Drive], each: Each) -> None:
     turned = best.rms[1] > _TURNED
     hint = "do log and truth belong to one drive of this robot?"
     for text, other in _readings(drives[:2]):
-        unwound = tuple(_unwound(best.problem, drive) for drive in other)
-        other_fit = fit(replace(best.problem, drives=unwound, scale=0.01), each)
+        other_fit = fit(laid(replace(best.problem, drives=other, scale=0.01)), each)
         if not _strange(other_fit) and other_fit.rms[turned] < _BETTER * best.rms[turned]:
             hint = f"they would agree with {text}"
             break

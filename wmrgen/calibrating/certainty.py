@@ -73,7 +73,7 @@ def fit(problem: Problem, each: Each = serial) -> Fit:
         problem,
         unknowns,
         tuple(float(v) for v in shared[:count]),
-        (float(x), float(y), float(heading)),
+        (float(x), float(y), float(np.angle(np.exp(1j * heading)))),
         inverse @ spread @ inverse,
         told,
         _squares(every, slice(0, 3)) / problem.scale**2,

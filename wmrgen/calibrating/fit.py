@@ -40,12 +40,13 @@ _PRIOR = 0.1  # residuals, in units of the loss's scale, that one unit (10 % of 
 @dataclass(frozen=True, slots=True)
 class Problem:
     """What is estimated from which drives. ``nominal``: values of the parameters; ``scale`` [m]: residuals far above it
-    count by their size."""
+    count by their size; ``turned`` [rad]: about what the tracked body is turned by on the robot."""
 
     increments: Increments
     nominal: tuple[float, ...]
     drives: tuple[Drive, ...]
     scale: float = 0.01
+    turned: float = 0.0
 
     @property
     def units(self) -> Reals:
@@ -55,7 +56,7 @@ class Problem:
     def shared(self, unknowns: Reals) -> Reals:
         """Parameters and mount in SI units; ``unknowns`` are in units away from nominal."""
         count = len(self.nominal) + _MOUNT
-        return np.array([*self.nominal, *([0.0] * _MOUNT)]) + self.units * unknowns[:count]
+        return np.array([*self.nominal, 0.0, 0.0, self.turned]) + self.units * unknowns[:count]
 
     def own(self, unknowns: Reals, index: int) -> Reals:
         """Start x, y [m], heading [rad] and clock offset [s] of a drive."""

@@ -32,19 +32,14 @@ class Truth:
 @dataclass(frozen=True, slots=True)
 class Drive:
     """One drive. ``t`` [s]: N + 1 times; ``columns``: N increments of each ``<wheel>.spin`` [rad] and, of steered
-    wheels, N angles ``<wheel>.steer`` [rad] and increments ``<wheel>.steer_rate`` [rad]."""
+    wheels, N angles ``<wheel>.steer`` [rad] and increments ``<wheel>.steer_rate`` [rad]; ``start``: about where the
+    robot was at the first of them, x, y [m] and heading [rad]."""
 
     name: str
     t: Reals
     columns: Mapping[str, Reals]
     truth: Truth
-
-    @property
-    def start(self) -> tuple[float, float, float]:
-        """The first pose that was measured; zeros where none was."""
-        first = [column[np.isfinite(column)][:1] for column in (self.truth.x, self.truth.y, self.truth.theta)]
-        x, y, theta = (float(column[0]) if len(column) else 0.0 for column in first)
-        return x, y, theta
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def read(log: Path, truth: Path, joints: Sequence[str], turns: Mapping[str, float]) -> Drive:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from math import degrees, isfinite
+from math import degrees, isfinite, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -95,6 +95,11 @@ def _tell(derivation: Derivation, result: Calibration) -> None:
     console.result(
         f"  tracked point at x = {x:.4f}, y = {y:.4f} m of the robot, turned by {degrees(theta):.2f} deg"
     )
+    if abs(theta) > pi / 2:
+        console.note(
+            f"the tracked body is turned by {degrees(theta):.0f} deg on the robot; if it is not, the wheels "
+            "count the other way"
+        )
     rows = [("before", result.before), ("after", result.after), ("of drives left out", result.held_out)]
     for title, errors in rows:
         if errors is not None and isfinite(errors.position):

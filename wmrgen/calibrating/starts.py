@@ -1,0 +1,109 @@
+"""Where drives start, before anything is estimated: in closed form, from nominal odometry.
+
+With z where the tracked point was, theta its heading, p and phi those of odometry, m the tracked point on the robot:
+theta = s + phi + d and z = z0 + exp(is) (p + exp(i phi) m), where s is the robot's heading at the start and d what the
+tracked body is turned by on the robot. Over a short way, seen from the body, exp(-i theta) dz = exp(-id) (exp(-i phi)
+dp + (exp(i dphi) - 1) m) has neither s nor what odometry has drifted by. So d is linear least squares, however the
+body is turned; where no headings are measured, so is exp(is), over the first part of the drive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from wmrgen.calibrating.fit import Problem
+from wmrgen.calibrating.logs import Drive
+from wmrgen.calibrating.path import Complexes, Reals, Reckoning, reckoned
+
+_WAY = (
+    1.0  # [s] a way that is short: nominal odometry is right about it, and a pose's noise is small beside it
+)
+_SURE = 0.05  # [m] of ways in all, below which the tracked body is taken to look ahead
+_TURNS = 2.0  # [rad] that nominal odometry may have turned by, before it is off by too much
+_LEAST = 0.3  # [m] of way that an alignment without headings needs, so that it goes on for so long at least
+
+
+def laid(problem: Problem) -> Problem:
+    """The drives with starts, and headings of the truth as many turns on as odometry says between two rows, which may
+    be far apart as start and end of a drive are; and the mount's heading."""
+    paths = [reckoned(problem.increments(drive.columns, problem.nominal)) for drive in problem.drives]
+    drives = [_unwound(drive, path) for drive, path in zip(problem.drives, paths, strict=True)]
+    samples = [_at(drive, path) for drive, path in zip(drives, paths, strict=True)]
+    turned = _turned(list(zip(drives, samples, strict=True)))
+    starts = [
+        _start(drive, place, heading, turned) for drive, (place, heading) in zip(drives, samples, strict=True)
+    ]
+    moved = tuple(replace(drive, start=start) for drive, start in zip(drives, starts, strict=True))
+    return replace(problem, drives=moved, turned=turned)
+
+
+def _at(drive: Drive, path: Reckoning) -> tuple[Complexes, Reals]:
+    """Odometry's places and headings at the truth's times."""
+    place = np.interp(drive.truth.t, drive.t, path.position.real) + 1j * np.interp(
+        drive.truth.t, drive.t, path.position.imag
+    )
+    return place, np.interp(drive.truth.t, drive.t, path.heading)
+
+
+def _unwound(drive: Drive, path: Reckoning) -> Drive:
+    measured = np.isfinite(drive.truth.theta)
+    reckoning = np.interp(drive.truth.t[measured], drive.t, path.heading)
+    theta = drive.truth.theta.copy()
+    theta[measured] = reckoning + np.unwrap(theta[measured] - reckoning)
+    return replace(drive, truth=replace(drive.truth, theta=theta))
+
+
+def _turned(drives: list[tuple[Drive, tuple[Complexes, Reals]]]) -> float:
+    """What the tracked body is turned by on the robot [rad], between -pi and pi; 0 where no drive tells."""
+    matrix, right = np.diag([_SURE**2, _SURE**2]).astype(complex), np.array([_SURE**2, 0j])
+    for drive, (place, heading) in drives:
+        truth = drive.truth
+        measured = np.isfinite(truth.x) & np.isfinite(truth.y) & np.isfinite(truth.theta)
+        t, z = truth.t[measured], (truth.x + 1j * truth.y)[measured]
+        theta, p, phi = truth.theta[measured], place[measured], heading[measured]
+        if len(t) < 2:
+            continue
+        after = np.clip(np.searchsorted(t, t + _WAY), 1, len(t) - 1)
+        before = np.minimum(np.arange(len(t)), after - 1)
+        seen = np.exp(-1j * theta[before]) * (z[after] - z[before])
+        way = np.exp(-1j * phi[before]) * (p[after] - p[before])
+        columns = np.array([way, np.exp(1j * (phi[after] - phi[before])) - 1])
+        matrix += columns.conj() @ columns.T / len(t)
+        right += columns.conj() @ seen / len(t)
+    return float(-np.angle(np.linalg.solve(matrix, right)[0]))
+
+
+def _start(drive: Drive, place: Complexes, heading: Reals, turned: float) -> tuple[float, float, float]:
+    """Where the robot was, x, y [m] and heading [rad], at the first reading."""
+    truth = drive.truth
+    z = truth.x + 1j * truth.y
+    here, looks = np.flatnonzero(np.isfinite(z)), np.flatnonzero(np.isfinite(truth.theta))
+    if len(looks):
+        start = truth.theta[looks[0]] - heading[looks[0]] - turned
+    else:
+        start = _bearing(z[here], place[here], heading[here])
+    if not len(here):
+        axes = (truth.x, truth.y)
+        x, y = (float(axis[np.isfinite(axis)][0]) if np.isfinite(axis).any() else 0.0 for axis in axes)
+        return x, y, float(start)
+    origin = z[here[0]] - np.exp(1j * start) * place[here[0]]
+    return float(origin.real), float(origin.imag), float(start)
+
+
+def _bearing(z: Complexes, p: Complexes, phi: Reals) -> float:
+    """The heading at the start of a drive whose places alone are measured."""
+    if len(z) < 2:
+        return 0.0
+    far = (np.maximum.accumulate(np.abs(phi - phi[0])) > _TURNS) & (
+        np.maximum.accumulate(np.abs(p - p[0])) > _LEAST
+    )
+    count = max(4, int(np.argmax(far)) if far.any() else len(z))
+    columns = np.array([p[:count], np.exp(1j * phi[:count]), np.ones(len(z[:count]))])
+    columns = columns - columns.mean(axis=1, keepdims=True)
+    if len(z) < 4:
+        columns = columns[:1]
+    moved = z[:count] - z[:count].mean()
+    weak = np.diag([1e-6] + [1e-2] * (len(columns) - 1))
+    return float(np.angle(np.linalg.solve(columns.conj() @ columns.T + weak, columns.conj() @ moved)[0]))

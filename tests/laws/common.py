@@ -47,9 +47,9 @@ def _derived(text: str) -> Model:
         return Model.of(text, Path(folder))
 
 
-def derived(layout: Layout, polar: bool = False) -> Model:
+def derived(layout: Layout, polar: bool = False, extra: str = "") -> Model:
     """The model of a random layout; polar ones unsnapped, as any decimal alpha may lie near a multiple of pi/12."""
-    return _derived(robot_text(layout, polar=True, extra="snap: false\n") if polar else robot_text(layout))
+    return _derived(robot_text(layout, polar=polar, extra=f"snap: false\n{extra}" if polar else extra))
 
 
 def turning(layout: Layout) -> list[str]:

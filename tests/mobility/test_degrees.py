@@ -44,7 +44,7 @@ def test_the_rank_is_taken_at_a_billionth(gap: float, rank: int) -> None:
 def test_axles_apart_by_more_than_rounding_are_two(gap: str, mobility: int) -> None:
     """Two parallel axles a tenth of a micrometre apart lock the turn; a tenth of a nanometre is rounding."""
     wheels = [AXLE[0], AXLE[1] | {"text": {"x": gap}}]
-    m = derived({"wheels": wheels, "couplings": []}).derivation.mobility
+    m = derived({"wheels": wheels, "couplings": []}, extra="tolerance: 0\n").derivation.mobility
     assert m.degree_of_mobility == mobility == 3 - m.rank_C1f.value
     assert m.rank_C1f.exact == 2
 

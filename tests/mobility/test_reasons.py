@@ -123,8 +123,13 @@ CASES: dict[str, tuple[list[dict[str, Any]], list[tuple[str, list[str]]], tuple[
 }  # fmt: skip
 
 
-def mobility(wheels: list[dict[str, Any]], couplings: list[tuple[str, list[str]]] | None = None) -> Mobility:
-    m = derived({"wheels": wheels, "couplings": couplings or []}).derivation.mobility
+ALONE = "tolerance: 0\n"
+
+
+def mobility(
+    wheels: list[dict[str, Any]], couplings: list[tuple[str, list[str]]] | None = None, extra: str = ""
+) -> Mobility:
+    m = derived({"wheels": wheels, "couplings": couplings or []}, extra=extra).derivation.mobility
     assert isinstance(m, Mobility)
     return m
 
@@ -218,7 +223,7 @@ def test_what_is_driven(
 
 @pytest.mark.parametrize(("gap", "close"), [(2e-7, True), (2e-5, False)])
 def test_a_rank_near_the_tolerance_is_a_close_call(gap: float, close: bool) -> None:
-    m = mobility([A, B | {"x": gap}])
+    m = mobility([A, B | {"x": gap}], extra=ALONE)
     assert m.rank_C1f.value == 2
     assert any("is a close call" in reason for reason in m.reasons) == close
 
@@ -231,7 +236,7 @@ def test_the_margin_of_a_rank() -> None:
 
 
 def test_exact_axles_that_count_as_one_are_doubted() -> None:
-    m = mobility([A, B | {"text": {"x": "1e-10"}}])
+    m = mobility([A, B | {"text": {"x": "1e-10"}}], extra=ALONE)
     assert m.rank_C1f.value == 1 and m.rank_C1f.exact == 2
     (doubt,) = (reason for reason in m.reasons if reason.startswith("rank C1f is"))
     assert doubt.startswith(

@@ -15,6 +15,7 @@ from wmrgen.exact.poly import Poly
 from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled
 from wmrgen.layout.expressions import PI, Scope, snap, to_poly
 from wmrgen.layout.joints import constant, deadband_of, encoders_of, lag_of, noise_of, weight_of
+from wmrgen.layout.measured import agreed, tolerance_of
 from wmrgen.layout.records import (
     Geometry,
     Interval,
@@ -55,32 +56,26 @@ def build(spec: RobotSpec) -> Robot:
             try:
                 wheels.append(_wheel(i, w, _Angles(w.name, scope, tunable if spec.snap else None, notes)))
             except ZeroDivisionError:
-                raise RobotFileError(
-                    f"the wheel {w.name} has a value too small to be told from zero",
-                    w.mark,
-                    "",
-                    "Write 0, or a length.",
-                ) from None
+                what = f"the wheel {w.name} has a value too small to be told from zero"
+                raise RobotFileError(what, w.mark, "", "Write 0, or a length.") from None
     _check_names(spec, several)
     facts: dict[str, Any] = {}
+    steer_group = groups(spec, "steer")
+    with several:
+        facts["tolerance"] = tolerance_of(spec.tolerance, wheels, scope)
+    if not several.errors:
+        wheels, facts["near"] = agreed(wheels, steer_group, facts["tolerance"])
+        notes += (near.sentence(facts["tolerance"]) for near in facts["near"] if near.moves)
     for part, laid_out in _PARTS.items():
         with several:
             facts[part] = laid_out(spec, scope, wheels)
     several.end()
     robot = Robot(
-        name=spec.name,
-        description=spec.description,
-        source=spec.source,
-        parameters=parameters,
-        wheels=tuple(wheels),
-        steer_group=groups(spec, "steer"),
-        spin_group=groups(spec, "spin"),
-        couplings=tuple((c.joint, c.wheels) for c in spec.couplings),
-        notes=tuple(notes),
-        slip=spec.slip,
-        functions=tuple(f.name for f in spec.functions),
-        **facts,
-    )
+        name=spec.name, description=spec.description, source=spec.source, parameters=parameters,
+        wheels=tuple(wheels), steer_group=steer_group, spin_group=groups(spec, "spin"),
+        couplings=tuple((c.joint, c.wheels) for c in spec.couplings), notes=tuple(notes), slip=spec.slip,
+        functions=tuple(f.name for f in spec.functions), **facts,
+    )  # fmt: skip
     refuse_unmodelled(spec, robot)
     return common_limits(spec, robot)
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from wmrgen.constraints import nominal_view, rolling_row
 from wmrgen.exact.number import ZERO
+from wmrgen.layout.measured import SLIP
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.mobility.ranks import to_array
 from wmrgen.mobility.records import Singularity
@@ -78,9 +79,9 @@ def skids(subject: Subject) -> Iterator[Finding]:
         fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]
         names = listed([w.name for w in fixed])
         what = f"{names} stand on parallel axles: the robot turns only by skidding (skid-steer)"
-        yield Finding(
-            subject.mark(fixed[0]), what, "Kinematics are least squares. Ignore this where that is the robot."
-        )
+        remedies = [near.remedies for near in subject.robot.near if not near.moves]
+        about = "Kinematics are least squares. Ignore this where that is the robot."
+        yield Finding(subject.mark(fixed[0]), what, " ".join((about, *remedies)))
 
 
 @rule(
@@ -164,24 +165,33 @@ def conditioned(subject: Subject) -> Iterator[Finding]:
 @rule(
     "WMR034",
     "a rank by a hair's breadth",
-    """Two axles that miss each other by a little more than rounding: the robot is taken for one with two axles, which
-    hardly turns, where one axle was likely meant. Write numbers alike, or with all their digits.""",
+    """Two axles that nearly are one. Above the `tolerance` the robot is taken for one with two axles, which hardly
+    turns; below, for one with one axle, and its wheels are moved a little. Write numbers alike, or with all their
+    digits; a robot file that names its `tolerance` is told nothing of what lies within it.""",
     """
 wheels:
-  - {name: left,  type: fixed, x: 0.0005, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0,      y: -0.2, heading: 0, r: 0.1}
+  - {name: left,  type: fixed, x: 0.005, y: 0.2,  heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0,     y: -0.2, heading: 0, r: 0.1}
 """,
     PAIR,
 )
 def narrow(subject: Subject) -> Iterator[Finding]:
-    fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]
+    robot = subject.robot
+    near = [n for n in robot.near if n.tolerance < SLIP * robot.tolerance.size]
+    for one in near:
+        if not (one.moves and robot.tolerance.written):
+            mark = subject.mark(robot.wheel(one.wheel))
+            yield Finding(mark, one.sentence(robot.tolerance), one.remedies)
+    if any(not one.moves for one in near):
+        return
+    fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     for name, rank in (("C1f", subject.mobility.rank_C1f), ("C1", subject.mobility.rank_C1)):
         if not rank.value:
             continue
         least, most = rank.singular_values[rank.value - 1], rank.singular_values[0]
         if rank.disagrees or least < NARROW * most:
             what = f"rank {name} is {rank.value} by a hair's breadth: singular values {_shown(rank.singular_values)}"
-            place = (fixed or list(subject.robot.wheels))[-1 if fixed else 0]
+            place = (fixed or list(robot.wheels))[-1 if fixed else 0]
             yield Finding(subject.mark(place), what, "Look for decimals that were rounded.")
             return
 

@@ -23,8 +23,8 @@ SAME = 1e-9
 def reasons(at: Configuration, deciding: tuple[Wheel, ...]) -> tuple[str, ...]:
     """Why the degrees are what they are, one sentence each; ``deciding``: the steered wheels that give a row of C1."""
     return (
-        *_fixed(at), *_couplings(at), *_steered(at, deciding), *_free_wheels(at), *_degrees(at), *_verdict(at),
-        *_doubts(at), *_coincidences(at),
+        *_taken_for_one(at), *_fixed(at), *_couplings(at), *_steered(at, deciding), *_free_wheels(at),
+        *_degrees(at), *_verdict(at), *_doubts(at), *_coincidences(at),
     )  # fmt: skip
 
 
@@ -48,6 +48,14 @@ def _axle_lines(wheels: list[Wheel]) -> list[list[Wheel]]:
 
 def _one_line(a: Array, b: Array) -> bool:
     return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) < SAME)
+
+
+def _taken_for_one(at: Configuration) -> list[str]:
+    return [_sentence(near.sentence(at.robot.tolerance)) for near in at.robot.near if near.moves]
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}."
 
 
 def _fixed(at: Configuration) -> list[str]:
@@ -161,7 +169,12 @@ def _verdict(at: Configuration) -> list[str]:
         why = "its fixed axles are not one line, which leaves a single motion"
     else:
         why = "couplings or parallel steering leave fewer degrees of freedom than any useful robot has"
-    return [f"Degenerate: ({at.mobility}, {at.steerability}) is none of Campion's five types, because {why}."]
+    verdict = (
+        f"Degenerate: ({at.mobility}, {at.steerability}) is none of Campion's five types, because {why}."
+    )
+    apart = (near for near in at.robot.near if not near.moves)
+    misses = (f"{_sentence(near.sentence(at.robot.tolerance))} {near.remedies}" for near in apart)
+    return [" ".join((verdict, *misses))]
 
 
 def _skids(lines: list[list[Wheel]]) -> bool:

@@ -168,6 +168,10 @@ ROBOT = Section(
             "snap", Word(YES, "true"),
             "angles within 2e-3 rad of a multiple of pi/12 are taken for that multiple",
         ),
+        Field(
+            "tolerance", _LENGTH, "fixed axles that miss one another by this or less are taken for one; 0 for none",
+            default="1 mm per metre of the robot's size",
+        ),
         Field("parameters", Mapped(PARAMETER, 256), "named lengths, angles and numbers"),
         Field(
             "wheels", ListOf(

@@ -186,6 +186,7 @@ class RobotSpec:
     description: str = ""
     source: str = ""
     snap: bool = True
+    tolerance: Quantity | None = None
     couplings: tuple[Coupling, ...] = ()
     limits: tuple[Limit, ...] = ()
     noise: tuple[NoiseSpec, ...] = ()

@@ -61,7 +61,7 @@ def test_says_which_limits_are_needed(tmp_path: Path) -> None:
     files = artifacts(wmrgen.derive(wmrgen.load(path)))
     assert "bounds" not in json.loads(files["model.json"])
     assert b"Proved for" not in files["pioneer3dx.h"]
-    assert b"no limits of `vx` and `omega`" in files["report.md"]
+    assert b"no limits of `vx` and `omega`" in files["numerics.md"]
 
 
 @pytest.mark.usefixtures("no_eva")
@@ -88,7 +88,7 @@ def test_bounds_stand_in_the_files() -> None:
     bound = {f.name: f for f in derivation.bounds.functions}["inverse"].outputs[0]
     stored = json.loads(files["model.json"])["bounds"]["functions"]["inverse"]["outputs"][bound.name]
     assert stored == {"range": [bound.low, bound.high], "error": bound.error}
-    for file in ("clearpath_do100.h", "report.md"):
+    for file in ("clearpath_do100.h", "numerics.md"):
         text = files[file].decode()
         assert "Proved for" in text
         assert f"{bound.high:.6g}" in text

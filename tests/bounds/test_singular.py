@@ -37,7 +37,7 @@ def test_a_bicycle_that_steers_across_has_no_bound_of_its_speed(steer: Fraction)
     assert (stored == {"no_bound": SINGULAR}) == across
     header = " ".join(files["bicycle.h"].decode().replace("*", " ").split())
     assert (f"forward: vx, omega has no bound: {SINGULAR}" in header) == across
-    assert (f"No bound for `vx`, `omega` of `forward`: {SINGULAR}" in files["report.md"].decode()) == across
+    assert (f"No bound for `vx`, `omega` of `forward`: {SINGULAR}" in files["numerics.md"].decode()) == across
 
 
 def test_no_bound_is_larger_than_what_it_bounds() -> None:

@@ -77,7 +77,7 @@ def test_the_report_says_what_is_computed(tmp_path: Path, wmrgen_cli: Callable[.
     file = written(tmp_path, PAIR.format("  track: {value: 0.4, tunable: true}\n  half: track/2\n"))
     assert wmrgen_cli("derive", file, "-o", tmp_path / "out").code == 0
     report = (tmp_path / "out" / "pair" / "report.md").read_text(encoding="utf-8")
-    assert "| `half` | 0.2 | computed from the tunable `track` |" in report
+    assert "`half` = 0.2, computed from the tunable `track`." in report
 
 
 @pytest.mark.parametrize(

@@ -21,8 +21,16 @@ def derivation(name: str) -> Derivation:
 
 
 @cache
+def pages_of(name: str) -> dict[str, str]:
+    return {file: text.decode() for file, text in report.emit(derivation(name), FACTS).items()}
+
+
 def page_of(name: str) -> str:
-    return report.emit(derivation(name), FACTS)[report.FILE].decode()
+    return pages_of(name)[report.FILE]
+
+
+def numerics_of(name: str) -> str:
+    return pages_of(name)["numerics.md"]
 
 
 def derived(folder: Path, text: str) -> Derivation:

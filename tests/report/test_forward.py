@@ -69,7 +69,7 @@ def test_three_parallel_rows_leave_a_direction_unseen(tmp_path: Path) -> None:
 
 
 def test_nothing_sensed_is_said(tmp_path: Path) -> None:
-    assert "No joint is sensed" in section(tmp_path, omni(3, 0))
+    assert "No row of section 2 has joint rates that are all sensed." in section(tmp_path, omni(3, 0))
 
 
 @pytest.mark.parametrize(("sensed", "words"), [("spin, steer", "both"), ("steer", "one")])

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.report.common import ROBOTS, derivation, page_of, page_written
+from tests.report.common import ROBOTS, derivation, numerics_of, page_of, page_written
 from wmrgen.kinematics.pose import WORST_ERROR
 
 EVERY_TWIST = "Every twist is admissible"
@@ -41,7 +41,7 @@ def test_slip_is_not_called_0_where_limits_make_some(tmp_path: Path) -> None:
 def test_the_error_of_the_series_in_units_in_the_last_place() -> None:
     unit = math.ulp(math.nextafter(1.0, 0.0))
     assert unit == 2**-53 and unit / 2 < WORST_ERROR < unit
-    assert "less than one unit in the last place of a double just below 1, 2⁻⁵³" in page_of("pioneer3dx")
+    assert "less than one unit in the last place of a double just below 1, 2⁻⁵³" in numerics_of("pioneer3dx")
 
 
 @pytest.mark.parametrize("name", ["pioneer3dx", "clearpath_a200", "unicycle", "andino"])
@@ -49,7 +49,7 @@ def test_equal_matrices_have_equal_singular_values(name: str) -> None:
     """No wheel steers: C1 is C1f, rows that say the same included."""
     m = derivation(name).mobility
     assert m.rank_C1f.singular_values == m.rank_C1.singular_values
-    fixed, every = re.findall(r"(?m)^\| C.*?\| (?:\d|no).*$", page_of(name))
+    fixed, every = re.findall(r"(?m)^\| C.*?\| (?:\d|no).*$", numerics_of(name))
     assert fixed.split("|")[2:] == every.split("|")[2:]
 
 

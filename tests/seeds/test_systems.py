@@ -47,7 +47,8 @@ def report(robot: str) -> str:
 
         return artifacts()["report.md"].decode()
     d = derivation(robot)
-    return BACKENDS["report"].load().emit(d, facts(d, Choice(), b""))["report.md"].decode()
+    pages = BACKENDS["report"].load().emit(d, facts(d, Choice(), b""))
+    return (pages["report.md"] + pages["numerics.md"]).decode()
 
 
 def samples(robot: str, name: str) -> dict[str, float]:

@@ -276,6 +276,12 @@ for _entry in (
         reserved=(JAVASCRIPT,), package=True,
     ),
     Entry("drawing", "wmrgen.backends.drawing", "itself", files=(Files(("layout.svg",)),)),
-    Entry("report", "wmrgen.backends.report", "itself", files=(Files(("report.md",)),)),
+    Entry(
+        "report", "wmrgen.backends.report", "itself",
+        files=(
+            Files(("report.md",)),
+            Files(("numerics.md",), "costs, proved ranges and rounding errors, lines of the code"),
+        ),
+    ),
 ):  # fmt: skip
     register(_entry)

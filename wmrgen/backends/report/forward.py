@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -15,13 +16,12 @@ from wmrgen.backends.report.latex import (
     width,
     wrapped,
 )
-from wmrgen.backends.report.letters import approximate, factored, in_letters, in_wheel_speeds, square
-from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, items, math, some
-from wmrgen.constraints import nominal_view, seen, symbolic_view
+from wmrgen.backends.report.letters import factored, heads, in_letters, in_wheel_speeds, square
+from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, math, some
+from wmrgen.constraints import XI, nominal_view, seen, symbolic_view
 from wmrgen.exact.linalg import determinant
-from wmrgen.exact.poly import Poly
+from wmrgen.exact.poly import Poly, dot
 from wmrgen.kinematics.forward import nominal_rank, normal_equations
-from wmrgen.kinematics.pose import SWITCH, WORST_ERROR
 from wmrgen.kinematics.rigid import spread
 from wmrgen.kinematics.sensing import Contact, Measured, Measurements, generic_rank, measurements
 from wmrgen.ports import TWIST_NAMES
@@ -29,9 +29,12 @@ from wmrgen.printing import symbol_names
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
+    from wmrgen.symbolic import Expr
 
 _TERMS = 24  # summands of a printed formula
 _ROWS = 14  # rows of a printed H
+_STACK = 62  # glyphs of H and z in one line
+_SHOWN = 2  # contact points that are written out
 _ENTRY = 12  # terms of an entry of H^T H: a determinant of longer ones is not worth expanding
 _DET = 70  # glyphs of a printed determinant
 _SLIP = 420  # characters of a printed residual
@@ -43,24 +46,72 @@ _WEIGHTS = (
 _INVARIANTS = r"M = H^T H,\quad c_1 = \mathrm{tr}\,M,\quad c_2 = \mathrm{tr}\,\mathrm{adj}\,M"
 
 
+def closed_forward(d: Derivation) -> list[str]:
+    """The twist of measured rates: written out where the matrix is constant, else the rule that gives it."""
+    measured = measurements(seen(d.robot, symbolic_view))
+    if not measured.rows:
+        return ["No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
+    if measured.constant_normal:
+        return in_letters(d, _distinct(measured)) or _closed(d)
+    if not measured.components:
+        return _rigid_motion(len(measured.contacts))
+    blocks = ["The twist that explains all measurements best, with H and z of section 7:"]
+    if generic_rank(measured) < 3:
+        return [*blocks, *math(r"\xi = (H^T H)^{+} H^T z")]
+    return [*blocks, *math(r"\xi = (H^T H)^{-1} H^T z = \frac{\mathrm{adj}(H^T H)\,H^T z}{\det(H^T H)}")]
+
+
+def _rigid_motion(contacts: int) -> list[str]:
+    """Through the velocities of measured contact points."""
+    if contacts == 1:
+        return [
+            "The smallest twist (v, ω) that explains the velocity w of the contact point B (section 7 has both):",
+            *math(r"\omega = \frac{B \times w}{1 + |B|^2}, \qquad v = w - \omega\,\hat{z}\times B"),
+        ]
+    return [
+        "The rigid motion (v, ω) nearest to the velocities w that the wheels measure at their contact points B; a bar "
+        "is a mean over the wheels, and section 7 has B and w:",
+        *math(
+            r"\omega = \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}, \qquad "
+            r"v = \bar{w} - \omega\,\hat{z}\times\bar{B}"
+        ),
+    ]
+
+
 def forward(d: Derivation) -> list[str]:
     """Section 7."""
     measured = measurements(seen(d.robot, symbolic_view))
     blocks = ["## 7 Forward kinematics"]
     if not measured.rows:
-        return [*blocks, "No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
+        return [*blocks, "No row of section 2 has joint rates that are all sensed."]
     blocks += _sources(measured)
     if not measured.constant_normal and not measured.components:
         return [*blocks, *_rigid(d, measured.contacts)]
-    blocks += ["Stacked,", *_stacked(measured.rows)]
+    rows = _distinct(measured)
+    once = " The same equation of several wheels stands once." if len(rows) < len(measured.rows) else ""
+    blocks += [f"Stacked, they are H ξ = z.{once}", *_stacked(rows)]
     if measured.constant_normal:
-        return [*blocks, *_constant(d, measured.rows), *_closed(d), *cut_note(d.robot.wheels)]
+        return [*blocks, *_constant(d, measured, rows), *_residual(d), *cut_note(d.robot.wheels)]
     locals_ = {symbol.name for symbol, _ in d.program.formula("forward").locals}
     return [
         *blocks,
         *_solution(generic_rank(measured), "over_c2" in locals_),
         "The residual `slip`, the norm of z − H ξ [m/s], is a signal for slip, a dead encoder or crossed wires.",
     ]
+
+
+def _distinct(measured: Measurements) -> list[Measured]:
+    """The rows, equal ones once where three that can be solved are left: they give what least squares gives."""
+    rows = measured.rows
+    if measured.weighted or not measured.constant_normal:
+        return rows
+    own: list[Measured] = []
+    for row in rows:
+        if not any(row[0] == other[0] and row[1] == other[1] for other in own):
+            own.append(row)
+    if len(own) != 3 or not determinant([list(row) for row, _, _ in own]):
+        return rows
+    return sorted(own, key=lambda row: not row[1])  # as the book stacks them: rolling before sliding
 
 
 def _sources(measured: Measurements) -> list[str]:
@@ -82,49 +133,51 @@ def _sources(measured: Measurements) -> list[str]:
             sources.append(f"{some(alone)} give{'' if len(alone) > 1 else 's'} the {kind} row alone.")
     return [
         "Every row of section 2 whose joint rates are all sensed is one measurement of ξ, in m/s, with "
-        f"{'the weight of its wheel' if measured.weighted else 'equal weight'}. Passive castors and balls give none.",
-        *items(sources),
+        f"{'the weight of its wheel' if measured.weighted else 'equal weight'}. {' '.join(sources)}",
         *([_WEIGHTS] if measured.weighted else []),
     ]
 
 
 def _stacked(rows: list[Measured]) -> list[str]:
-    """H xi = z."""
+    """H xi = z, as matrices where they fit on a line, else equation by equation."""
+    shown = rows[:_ROWS]
     dots = [r"\vdots"] if len(rows) > _ROWS else []
-    h = [[latex(p) for p in row] for row, _, _ in rows[:_ROWS]] + [dots * 3] * len(dots)
-    z = [[latex(value)] for _, value, _ in rows[:_ROWS]] + [dots] * len(dots)
-    if sum(max(map(width, column)) for column in zip(*h, strict=True)) > 30:
-        return aligned([r"H\,\xi &= z", f"H &= {matrix(h)}", f"z &= {matrix(z)}"])
-    return math(rf"H\,\xi = z, \qquad H = {matrix(h)}, \qquad z = {matrix(z)}")
+    h = [[latex(p) for p in row] for row, _, _ in shown]
+    z = [[latex(value)] for _, value, _ in shown]
+    if sum(max(map(width, column)) for m in (h, z) for column in zip(*m, strict=True)) <= _STACK:
+        both = matrix([*h, *([dots * 3] * len(dots))]), matrix([*z, *([dots] * len(dots))])
+        return math(rf"H\,\xi = z, \qquad H = {both[0]}, \qquad z = {both[1]}")
+    lines = [f"{wrapped(summands(terms(dot(row, XI))))} &= {latex(value)}" for row, value, _ in shown]
+    if any("\n" in line for line in lines):
+        lines = [f"{latex(value)} &= {wrapped(summands(terms(dot(row, XI))))}" for row, value, _ in shown]
+    times = {n: rf" && (\times {n})" if n > 1 else "" for n in range(len(lines) + 1)}
+    return aligned([*(line + times[n] for line, n in Counter(lines).items()), *(rf"& {d}" for d in dots)])
 
 
-def _constant(d: Derivation, rows: list[Measured]) -> list[str]:
+def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> list[str]:
     """Everything but z is known at derivation time."""
-    measured = measurements(seen(d.robot, nominal_view))
-    normal, _ = normal_equations(measured.rows)
-    singular = nominal_rank(measured.rows, d.robot).value < 3
+    numbers = measurements(seen(d.robot, nominal_view))
+    if len(rows) == 3 and nominal_rank(numbers.rows, d.robot).value == 3:
+        return square(d, rows)
+    normal, _ = normal_equations(numbers.rows)
     why = "The matrix does not depend on any joint angle."
     if any(c.wheel.turns for c in measured.contacts):
         why = (
             "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x], and a rotation drops out of HᵀH: the "
             "matrix is constant whatever the steering does."
         )
-    if singular:
+    if nominal_rank(numbers.rows, d.robot).value < 3:
         return [
             "The rows leave a direction unseen, so that HᵀH is singular. Of all twists that explain the rates best the "
             "smallest is, with the Moore-Penrose inverse of HᵀH,",
             *math(r"\xi = (H^T H)^{+} H^T z, \qquad H^T H =", matrix(normal)),
-            f"{why} Its Moore-Penrose inverse was computed once, for this page. The result, as the code computes it:",
+            f"{why} Its Moore-Penrose inverse was computed once, for this page.",
         ]
-    if len(rows) == 3:
-        return [*square(d, rows), *in_letters(d, rows), "The result, as the code computes it:"]
     return [
         "More rows than unknowns: the least-squares solution is",
         *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", matrix(normal)),
         f"{why} It was inverted once, for this page.",
         *_condition(rows),
-        *in_letters(d, rows),
-        "The result, as the code computes it:",
     ]
 
 
@@ -139,25 +192,35 @@ def _condition(rows: list[Measured]) -> list[str]:
     return [f"{words}:", *math(rf"\det(H^T H) = {det}")]
 
 
-def _closed(d: Derivation) -> list[str]:
-    """The outputs of ``forward`` and what its residual means."""
+def _outputs(d: Derivation) -> tuple[dict[str, Expr], dict[str, Expr], dict[str, str]]:
+    """The outputs of ``forward``, the fits before the residual is taken, and the names of its symbols."""
     formula = d.program.formula("forward")
-    ports = symbol_names(formula.inputs)
     results = {result for call in formula.calls for result in call.results}
     vectors = {symbol: e for symbol, e in formula.locals if symbol in results}
     outputs = {p.name: e.xreplace(vectors) for p, e in formula.outputs}
     fits = {symbol.name.removesuffix("_fit"): e.xreplace(vectors) for symbol, e in formula.locals}
-    lines = []
+    return outputs, fits, symbol_names(formula.inputs)
+
+
+def _closed(d: Derivation) -> list[str]:
+    """The twist as the code computes it."""
+    outputs, fits, ports = _outputs(d)
+    lines, sums = [], []
     for name in TWIST_NAMES:
-        summed = terms(fits.get(name, outputs[name]), ports)
-        parts = summands(summed)
+        sums.append((name, terms(fits.get(name, outputs[name]), ports)))
+        parts = summands(sums[-1][1])
         shown = [*parts[:_TERMS], r"+\cdots"] if len(parts) > _TERMS else parts
-        lines.append(f"{notation.port(name)} &= {wrapped(shown)}{approximate(summed)}")
+        lines.append(f"{notation.port(name)} &= {wrapped(shown)}")
+    return [*aligned(lines), *heads(d, sums)]
+
+
+def _residual(d: Derivation) -> list[str]:
+    """What no twist can explain."""
+    outputs, _, ports = _outputs(d)
     slip = latex(outputs["slip"], ports)
     if slip == "0":
-        return [*aligned(lines), "The rates can never contradict each other, so the residual `slip` is 0."]
+        return ["The rates can never contradict each other, so the residual `slip` is 0."]
     return [
-        *aligned(lines),
         "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed wires: `slip` is "
         "the norm of z − H ξ [m/s].",
         *(math(rf"\mathrm{{slip}} = {slip}") if len(slip) < _SLIP else []),
@@ -167,20 +230,19 @@ def _closed(d: Derivation) -> list[str]:
 def _rigid(d: Derivation, contacts: Sequence[Contact]) -> list[str]:
     """Rigid motion through measured contact velocities."""
     blocks = ["Contact point B and measured velocity w of each of these wheels, in the robot frame:"]
-    for c in contacts[:3]:
+    for c in contacts[:_SHOWN]:
         index = f"_{{{notation.wheel(c.wheel.name)}}}"
         b, w = matrix([[c.bx], [c.by]]), matrix([[c.wx], [c.wy]])
         wide = sum(max(width(latex(p)) for p in pair) for pair in ((c.bx, c.by), (c.wx, c.wy))) > 55
         both = [f"B{index} &= {b}", f"w{index} &= {w}"]
         blocks += aligned(both if wide else [", & ".join(both)])
-    if len(contacts) > 3:
-        blocks += [f"{', '.join(code(c.wheel.name) for c in contacts[3:CAP])} likewise."]
+    if len(contacts) > _SHOWN:
+        blocks += [f"{', '.join(code(c.wheel.name) for c in contacts[_SHOWN:CAP])} likewise."]
     if len(contacts) == 1:
         return [
             *blocks,
-            "Two rows cannot determine three unknowns. The smallest twist that explains them is",
-            *math(r"\omega = \frac{B \times w}{1 + |B|^2}, \qquad v = w - \omega\,\hat{z}\times B"),
-            "and the residual `slip` is 0.",
+            "Two rows cannot determine three unknowns: the result is the smallest twist that explains them, and the "
+            "residual `slip` is 0.",
         ]
     divisor = (
         "its denominator cannot vanish, for the pivots stand far enough apart. The code has both sums multiplied "
@@ -193,15 +255,10 @@ def _rigid(d: Derivation, contacts: Sequence[Contact]) -> list[str]:
         *blocks,
         "The rigid motion nearest to them is found as if by hand: take the means away, fit the rotation to what "
         "is left, then the translation to the means.",
-        *aligned([
-            r"\bar{B} &= \frac{1}{n}\sum_i B_i, \qquad \bar{w} = \frac{1}{n}\sum_i w_i",
-            r"\omega &= \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}",
-            r"v &= \bar{w} - \omega\,\hat{z}\times\bar{B}",
-        ]),
-        "This needs two contact points apart from each other, H of rank 3 (Kelly Box 4.2). Here n = "
-        f"{len(contacts)} and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is all that is left for "
-        f"run time; {divisor} The residual `slip`, the norm of all w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> "
-        "[m/s], is a signal for slip, a dead encoder or crossed wires.",
+        f"This needs two contact points apart from each other, H of rank 3 (Kelly Box 4.2). Here n = {len(contacts)} "
+        f"and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is all that is left for run time; {divisor} "
+        "The residual `slip`, the norm of all w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> [m/s], is a signal for slip, a "
+        "dead encoder or crossed wires.",
     ]  # fmt: skip
 
 
@@ -221,8 +278,7 @@ def _solution(rank: int, may_fall: bool) -> list[str]:
             "and is Hᵀz / c₁ where a second direction is lost.",
         ]
     blocks = [
-        "HᵀH moves with the steering, so it is inverted at run time, by cofactors:",
-        *math(r"\xi = \frac{\mathrm{adj}(H^T H)\,H^T z}{\det(H^T H)}"),
+        "HᵀH moves with the steering, so it is inverted at run time, by cofactors.",
     ]
     if not may_fall:
         return [
@@ -242,25 +298,17 @@ def _solution(rank: int, may_fall: bool) -> list[str]:
 
 def motion(d: Derivation) -> list[str]:
     """Section 8."""
-    switch = rf"\frac{{{SWITCH.numerator}}}{{{SWITCH.denominator}}}"
     return [
         "## 8 Odometry and the posture model",
-        "A constant twist moves P along an arc. Its chord points along the heading half-way through, and is "
-        "shorter than the arc by the factor sin σ / σ. With σ = ω Δt / 2 the pose after Δt is exactly",
+        "A constant twist moves P along an arc (`odometry`). Its chord points along the heading half-way through, and "
+        "is shorter than the arc by the factor sinc σ, for which near σ = 0 the code has a series "
+        "([numerics.md](numerics.md)). The pose after Δt is exactly",
         *aligned([
             r"x' &= x + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\cos(\theta+\sigma) - v_y\sin(\theta+\sigma)\right)",
             r"y' &= y + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\sin(\theta+\sigma) + v_y\cos(\theta+\sigma)\right)",
             r"\theta' &= \theta + \omega\,\Delta t",
+            r"\mathrm{sinc}(\sigma) &= \frac{\sin\sigma}{\sigma}, \qquad \sigma = \frac{\omega\,\Delta t}{2}",
         ]),
-        "Near σ = 0 its series takes the place of the quotient, which makes the step smooth through ω = 0:",
-        *math(
-            r"\mathrm{sinc}(\sigma) = \begin{cases} 1 - \frac{\sigma^2}{6} + \frac{\sigma^4}{120}",
-            rf"- \frac{{\sigma^6}}{{5040}} & |\sigma| < {switch} \\[4pt]",
-            r"\frac{\sin\sigma}{\sigma} & \mathrm{else} \end{cases}",
-        ),
-        "The first term left out is σ⁸/9!, so the worst error is",
-        *math(rf"\frac{{1}}{{9!}}\left({switch}\right)^8 = {notation.decimal(float(f'{WORST_ERROR:.2e}'))},"),
-        "less than one unit in the last place of a double just below 1, 2⁻⁵³.",
         *_posture(d),
     ]  # fmt: skip
 

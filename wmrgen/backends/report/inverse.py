@@ -1,4 +1,4 @@
-"""Section 6: from a twist to every joint; of steered wheels, where each points, also when limits leave little room."""
+"""From a twist to every joint: the closed form of the result, and section 6 with how a steered wheel chooses."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.latex import broken, latex
-from wmrgen.backends.report.markdown import CAP, aligned, cut_note, grouped, in_degrees, listed, math
+from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, in_degrees, listed, math
 from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
@@ -20,6 +20,43 @@ if TYPE_CHECKING:
     from wmrgen.robot import Derivation
 
 ONE, ZERO = Poly.of(1), Poly({})
+_WORDS = {"vx": "v<sub>x</sub>", "vy": "v<sub>y</sub>", "omega": "ω"}
+
+
+def closed_inverse(d: Derivation) -> list[str]:
+    """The joint rates that a twist asks for, and of steered wheels the angle."""
+    robot = seen(d.robot, symbolic_view)
+    projection = project(robot, d.mobility)
+    twist = _driven(projection)
+    wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
+    if not any(w.actuated for w in robot.wheels):
+        return ["No joint is driven, so there is nothing to command."]
+    lines = [_spin(w, twist) for w in wheels if not w.turns]
+    powered = [w for w in wheels if w.kind.swivels and w.actuated]
+    lines += [line for w in powered for line in (_spin(w, twist), _swivel(w, twist))]
+    shown = "".join(lines)
+    stars = [line for line in _projected(projection) if line.partition(" &=")[0] in shown]
+    blocks = aligned([*stars, *lines]) if lines else []
+    steered = [w for w in wheels if w.kind.steers]
+    return [*blocks, *(_pivots(steered, twist) if steered else []), *cut_note(robot.wheels)]
+
+
+def _pivots(wheels: list[Wheel], twist: Row) -> list[str]:
+    """Where steered wheels point, with the velocity of each one's pivot."""
+    velocities = grouped((_velocity(w, twist), notation.wheel(w.name)) for w in wheels)
+    turned = any(w.heading for w in wheels)
+    psi = r"\left(h+\psi\right)" if turned else r"\psi"
+    shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
+    zero = ", with h its heading at ψ = 0" if turned else ""
+    many = "Each steered wheel" if len(wheels) > 1 else f"The steered wheel {code(wheels[0].name)}"
+    return [
+        f"{many} stands along the velocity (a, b) of its pivot{zero}, and rolls as fast, forwards or backwards:",
+        *aligned([
+            *(f"{text} && ({', '.join(who)})" for text, who in velocities.items()),
+            rf"\tan{psi} &= \frac{{b}}{{a}}, & "
+            rf"\dot{{\varphi}} &= \frac{{1}}{{r}}\left(a\cos{psi} + b\sin{psi}{shift}\right)",
+        ]),
+    ]  # fmt: skip
 
 
 def inverse(d: Derivation) -> list[str]:
@@ -28,25 +65,28 @@ def inverse(d: Derivation) -> list[str]:
     projection = project(robot, d.mobility)
     twist = _driven(projection)
     wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
-    blocks = [
-        "## 6 Inverse kinematics",
-        "Given the twist ξ, what must every joint do? Each wheel answers with its own rows of section 2.",
-        *_projection(projection),
-    ]
+    blocks = ["## 6 Inverse kinematics", *_projection(projection)]
     if not wheels:
         return [*blocks, "There is no joint to command."]
     unsteered = [w for w in wheels if not w.turns]
-    castors = [w for w in wheels if w.kind.swivels]
+    passive = [w for w in wheels if w.kind.swivels and not w.actuated]
     steered = [w for w in wheels if w.kind.steers]
     if unsteered:
-        blocks += ["The rolling equation of a wheel that does not steer, solved for its rate:"]
-        blocks += aligned(_spin(w, twist) for w in unsteered)
-    if castors:
-        blocks += ["A castor follows: its rolling row gives the wheel rate, its sliding row the swivel rate."]
-        blocks += aligned(line for w in castors for line in (_spin(w, twist), _swivel(w, twist)))
+        blocks += ["A wheel that does not steer has its speed from its rolling equation: see the result."]
+    if any(w.kind.swivels and w.actuated for w in wheels):
+        blocks += [
+            "A driven castor has both rates from its rows: the rolling row gives φ̇, the sliding row ψ̇."
+        ]
+    if passive:
+        others = f", as do {listed([w.name for w in passive[1:]])}" if len(passive) > 1 else ""
+        others = others.replace("as do", "as does") if len(passive) == 2 else others
+        blocks += [
+            f"{code(passive[0].name)} is not driven but follows: its rolling row gives φ̇, its sliding row ψ̇{others}."
+        ]
+        blocks += aligned([_spin(passive[0], twist), _swivel(passive[0], twist)])
     if steered:
         blocks += _steering(robot, steered, twist)
-    return [*blocks, *_coupled(robot, twist), *cut_note(robot.wheels), *_slip(robot, projection, twist)]
+    return [*blocks, *_coupled(robot, twist), *_slip(robot, projection, twist)]
 
 
 def _spin(w: Wheel, twist: Row) -> str:
@@ -74,35 +114,34 @@ def _projection(projection: Projection) -> list[str]:
     """The nearest admissible twist, where it is not the commanded one."""
     if projection.twist == XI:
         return []
-    parts = zip(projection.twist, XI, TWIST_NAMES, strict=True)
+    away = [n for n, p, q in zip(TWIST_NAMES, projection.twist, XI, strict=True) if p != q]
+    zero = [n for n, p in zip(TWIST_NAMES, projection.twist, strict=True) if not p]
+    if away == zero:
+        names = notation.listed([_WORDS[n] for n in zero])
+        return [f"Not every ξ is admissible: the wheels forbid {names}, which is taken away first."]
     return [
         "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the rest is driven:",
-        *aligned(f"{notation.port(n)}^{{*}} &= {broken(p)}" for p, q, n in parts if p != q),
+        *aligned(_projected(projection)),
+    ]
+
+
+def _projected(projection: Projection) -> list[str]:
+    """The components that change."""
+    parts = zip(projection.twist, XI, TWIST_NAMES, strict=True)
+    return [
+        f"{notation.port(n)}^{{*}} &= {broken(p)}" for n, p, q in ((n, p, q) for p, q, n in parts) if p != q
     ]
 
 
 def _steering(robot: Robot, wheels: list[Wheel], twist: Row) -> list[str]:
-    """One general solution, each wheel's pivot velocity to put into it, and what limits change."""
+    """How a steered wheel chooses among the headings that roll, and what limits change."""
     shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
     limited = [w for w in wheels if robot.limit(w, "steer")]
     shared = [w for w in limited if not _alike(_partners(robot, w), twist)]
-    narrow = [
-        w for w in limited
-        if w not in shared and (limit := robot.limit(w, "steer")) and limit.high - limit.low <= NARROW
-    ]  # fmt: skip
+    narrow = _narrow_wheels(robot, wheels, twist)
     wide = [w for w in limited if w not in shared and w not in narrow]
-    zero = "where h is the wheel's heading at ψ = 0."
-    velocities = grouped((_velocity(w, twist), notation.wheel(w.name)) for w in wheels)
     return [
-        "A steered wheel has to point along the velocity (a, b) of its pivot. Seen from the wheel as it stands, "
-        "at angle ψ, that velocity has a component u along the wheel and w across it:",
-        *aligned([
-            r"a &= v_x - y\,\omega, & b &= v_y + x\,\omega",
-            r"u &= a\cos(h+\psi) + b\sin(h+\psi), & w &= b\cos(h+\psi) - a\sin(h+\psi)",
-        ]),
-        *([zero] if len(narrow) == len(wheels) else _nearer(zero, shift)),
-        "The pivots' velocities:",
-        *aligned(f"{text} && ({', '.join(who)})" for text, who in velocities.items()),
+        *(_nearer(shift) if len(narrow) < len(wheels) else []),
         *(_wide(_turning(robot, wide)) if wide else []),
         *(_narrow(_ranges(robot, narrow), shift) if narrow else []),
         *([f"Steering is limited: {_turning(robot, shared)}. A common angle is kept up to there, "
@@ -110,17 +149,26 @@ def _steering(robot: Robot, wheels: list[Wheel], twist: Row) -> list[str]:
     ]  # fmt: skip
 
 
-def _nearer(zero: str, shift: str) -> list[str]:
+def _narrow_wheels(robot: Robot, wheels: list[Wheel], twist: Row) -> list[Wheel]:
+    """Wheels whose limits leave one heading at most."""
+    limits = [(w, robot.limit(w, "steer")) for w in wheels if _alike(_partners(robot, w), twist)]
+    return [w for w, limit in limits if limit and limit.high - limit.low <= NARROW]
+
+
+def _nearer(shift: str) -> list[str]:
     return [
-        f"{zero} Two headings roll, half a turn apart. The nearer one is at most 90° away; it is reached by "
-        "driving backwards when u < 0:",
-        *math(
-            r"\Delta = \mathrm{atan2}\left(\pm w, |u|\right), \qquad \psi^{+} = \psi + \Delta, \qquad",
-            rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{a^2+b^2}}{shift}}}{{r}},",
-            r"\qquad \pm = \begin{cases} - & u < 0 \\ + & u \ge 0 \end{cases}",
-        ),
+        "A steered wheel has to point along the velocity (a, b) of its pivot, a = v<sub>x</sub> − y ω and "
+        "b = v<sub>y</sub> + x ω. Seen from the wheel as it stands, at angle ψ, that velocity has a component u along "
+        "the wheel and w across it, where h is the wheel's heading at ψ = 0. Two headings roll, half a turn apart. The "
+        "nearer one is at most 90° away; it is reached by driving backwards when u < 0:",
+        *aligned([
+            r"u &= a\cos(h+\psi) + b\sin(h+\psi), & w &= b\cos(h+\psi) - a\sin(h+\psi)",
+            rf"\Delta &= \mathrm{{atan2}}\left(\pm w, |u|\right), & \psi^{{+}} &= \psi + \Delta, \qquad "
+            rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{a^2+b^2}}{shift}}}{{r}}, \qquad "
+            r"\pm = \begin{cases} - & u < 0 \\ + & u \ge 0 \end{cases}",
+        ]),
         "With a = b = 0 the pivot is the ICR and any heading rolls: atan2(0, 0) = 0 holds the present one.",
-    ]
+    ]  # fmt: skip
 
 
 def _velocity(w: Wheel, twist: Row) -> str:
@@ -154,14 +202,15 @@ def _narrow(ranges: str, shift: str) -> list[str]:
     return [
         f"Steering is limited to less than a quarter turn: {ranges}. At most one of the two headings "
         "that roll lies inside, and the wheel takes the angle inside at which it slides least. Seen from the "
-        "middle m of the limits, which are 2ρ apart, the velocity is p along the wheel and q across it:",
+        "middle m of the limits, which are 2ρ apart, the pivot's velocity (a, b) is p along the wheel and q across it, "
+        "h being the wheel's heading at ψ = 0:",
         *aligned([
             r"p &= a\cos(h+m) + b\sin(h+m), & q &= b\cos(h+m) - a\sin(h+m)",
             r"t &= \min\left(\max\left(\frac{q}{p}, -\tan\rho\right), \tan\rho\right), & "
             r"\psi^{+} &= m + \arctan t, & "
             rf"\dot{{\varphi}} &= \frac{{1}}{{r}}\left(\frac{{p + q\,t}}{{\sqrt{{1+t^2}}}}{shift}\right)",
         ]),
-        "With p = q = 0 the present angle is held. Below Δ = ψ⁺ − ψ.",
+        "With p = q = 0 the present angle is held.",
     ]  # fmt: skip
 
 
@@ -225,6 +274,9 @@ def _slip(robot: Robot, projection: Projection, twist: Row) -> list[str]:
     steered = [w for w in robot.wheels if w.kind.steers]
     # Wheels whose command may differ from the heading that rolls.
     held = [w.name for w in steered if _may_be_cut(robot, w) or not _alike(_partners(robot, w), twist)]
+    cut = {w.name for w in _narrow_wheels(robot, steered, twist)}
+    ways = ((not cut.issuperset(held), "w cos Δ − u sin Δ with Δ = ψ⁺ − ψ"), (cut, "(q − p t) / √(1 + t²)"))
+    sideways = " or ".join(text for there, text in ways if there)
     blocks = _forbidden(projection, bool(unlike), bool(steered), bool(held))
     if unlike:
         blocks += [
@@ -234,7 +286,7 @@ def _slip(robot: Robot, projection: Projection, twist: Row) -> list[str]:
         ]
     if held:
         blocks += [
-            "A steered wheel that a limit or a coupling keeps from its heading slides as well, at w cos Δ − u sin Δ. "
+            f"A steered wheel that a limit or a coupling keeps from its heading slides as well, at {sideways}. "
             f"The mean square of these speeds over {listed(held)} is added under the root."
         ]
     return blocks
@@ -275,6 +327,8 @@ def _forbidden(projection: Projection, coupled: bool, steered: bool, held: bool)
     words = "`slip` is the sideways speed [m/s] that the commanded twist would force on the contact points"
     if projection.twist == XI:
         words += "; nothing is projected away here, the wheels follow as well as they can"
+    if forms == [XI[1]]:
+        return [words.replace("speed [m/s]", "speed |v<sub>y</sub>| [m/s]", 1) + "."]
     if len(forms) == 1:
         return [f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]
     squares = Counter(rf"\left({latex(p)}\right)^2" for p in forms)

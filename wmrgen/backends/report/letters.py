@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.latex import Term, broken, latex, pulled_out, reduced, width
+from wmrgen.backends.report.latex import Term, broken, latex, pulled_out, reduced, terms, total, width
 from wmrgen.backends.report.markdown import aligned, listed, math
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.linalg import adjugate, determinant
@@ -22,6 +22,7 @@ from wmrgen.ports import TWIST_NAMES
 from wmrgen.printing import symbol_names
 
 if TYPE_CHECKING:
+    from wmrgen.exact.number import Exact
     from wmrgen.robot import Derivation
 
 _ENTRY = 12  # terms of an entry of H^T H and H^T z
@@ -43,19 +44,22 @@ def _short(polys: Sequence[Poly]) -> bool:
 
 
 def square(d: Derivation, rows: list[Measured]) -> list[str]:
-    """Three rows: no least squares; where they are all rolling rows there are, the book's (3.31)."""
-    rolling = d.constraints.rolling
-    own = len(rolling) == 3 and not d.constraints.sliding and all(w.sensed for w in d.robot.wheels)
-    book = r" = J_1^{-1} J_2\,\dot{\varphi} \qquad (3.31)" if own else ""
+    """Three rows: no least squares, but the book's (3.29) and (3.30), or its (3.31) where all roll."""
+    pair = [w for w in d.robot.wheels if w.kind.directed and not w.kind.swivels]
+    own = (
+        len(d.constraints.rolling) == 3
+        and not d.constraints.sliding
+        and all(w.sensed for w in d.robot.wheels)
+    )
+    book = r" = J_1^{-1} J_2\,\dot{\varphi}\;\;(3.31)" if own else ""
+    differential = len(pair) == 2 and all(w.kind.fixed_axle for w in pair)
+    book = book or (r"\;\;(3.30)" if differential else "")
     volume = determinant([list(row) for row, _, _ in rows])
     det = factored(volume) if len(volume.terms) <= _PRODUCTS else ""
-    shown = math(rf"\det H = {det}") if det and width(det) <= _LINE else []
+    shown = rf", \qquad \det H = {det}" if det and width(det) <= _LINE else ""
     return [
-        "As many rows as unknowns: the solution is",
-        *math(rf"\xi = H^{{-1}} z{book}"),
-        "The condition is that H has full column rank 3 (Tzafestas (2.7)), det H ≠ 0"
-        + (":" if shown else "."),
-        *shown,
+        "As many rows as unknowns, and H of full column rank 3 (Tzafestas (2.7)), det H ≠ 0: the solution is",
+        *math(rf"\xi = H^{{-1}} z{book}{shown}"),
     ]
 
 
@@ -72,13 +76,43 @@ def in_letters(d: Derivation, rows: list[Measured]) -> list[str]:
     above = [Poly.sum(a * b for a, b in zip(row, moment, strict=True)) for row in adjoint]
     if sum(len(p.terms) for p in (*above, below)) * len(named) > _WORK:
         return []
-    texts = [broken(reduced(p, below), ports) for p in above]
+    exprs = [reduced(p, below) for p in above]
+    texts = [broken(e, ports) for e in exprs]
     if width("".join(texts)) > _WIDEST:
         return []
     return [
-        "In letters it is",
         *aligned(f"{notation.port(n)} &= {t}" for n, t in zip(TWIST_NAMES, texts, strict=True)),
+        *heads(d, [(n, terms(e, ports)) for n, e in zip(TWIST_NAMES, exprs, strict=True)]),
     ]
+
+
+def heads(d: Derivation, sums: Sequence[tuple[str, Sequence[Term]]]) -> list[str]:
+    """The factors before the sums of wheel speeds as numbers: r / (4 (a + b)) = 125/4954 = 0.02523."""
+    ports = {notation.port(p.name): p.name for p in d.program.formula("forward").inputs}
+    equal: dict[str, str] = {}
+    for name, summed in sums:
+        number, common, rest = pulled_out(summed) if len(summed) > 1 else (ONE, (), ())
+        lone = [t for t in rest if len(t.factors) == 1 and t.factors[0].base in ports and abs(t.number) == 1]
+        head = total([Term(abs(number), common)])
+        if not lone or head == "1":
+            continue
+        value = abs(d.evaluate("forward", {ports[lone[0].factors[0].base]: ONE})[name])
+        shown = _worth(value, head)
+        if shown:
+            equal[head] = shown
+    return math(r", \qquad ".join(f"{head} {value}" for head, value in equal.items())) if equal else []
+
+
+def _worth(value: Exact, head: str) -> str:
+    """``= 125/4954 = 0.0252321``, the fraction where it is short and is not what stands there."""
+    above, below, is_sum = notation.magnitude(value)
+    decimal = notation.decimal(float(value))
+    fraction = rf"\frac{{{above or 1}}}{{{below}}}" if below else above
+    if not value.is_rational or is_sum or (below and fraction == head):
+        return rf"\approx {decimal}" if decimal != head else ""
+    if not below:
+        return f"= {fraction}" if fraction != head else ""
+    return rf"= {fraction} \approx {decimal}"
 
 
 def in_wheel_speeds(d: Derivation) -> list[str]:
@@ -106,12 +140,3 @@ def model(d: Derivation, f: Formula) -> list[str]:
     rest = [p.name for p, _ in f.outputs if not p.name.endswith(("_rate", ".spin"))]
     blocks = ["As `wmrgen model` prints it, without what guards its divisors:", *math(text)]
     return [*blocks, f"The formulas of {listed(rest)} stand in the code."] if rest else blocks
-
-
-def approximate(terms: Sequence[Term]) -> str:
-    """`` , & 125/4954 &= 0.0252321``: the number before a sum as a decimal, where it is a fraction that is no share."""
-    number, _, _ = pulled_out(terms) if len(terms) > 1 else (ONE, (), ())
-    above, below, _ = notation.magnitude(number)
-    if len(below) < 2 or not number.is_rational:
-        return ""
-    return rf", & \frac{{{above or 1}}}{{{below}}} &\approx {notation.decimal(abs(float(number)))}"

@@ -14,6 +14,7 @@ from wmrgen import notation
 from wmrgen.exact.number import Exact
 
 if TYPE_CHECKING:
+    from wmrgen.backends.registry import Facts
     from wmrgen.layout.records import Wheel
 
 CAP = 16  # wheels whose equations are written out
@@ -102,6 +103,11 @@ def math(*blocks: str) -> list[str]:
 def aligned(lines: Iterable[str]) -> list[str]:
     """Formulas one below the other, aligned at their &."""
     return math("\\begin{aligned}", " \\\\\n".join(lines), "\\end{aligned}")
+
+
+def foot(facts: Facts) -> list[str]:
+    """What made a page."""
+    return ["---", f"wmrgen {facts.wmrgen_version} · model {facts.model_hash or 'unhashed'}"]
 
 
 def rounded(value: float) -> str:

@@ -7,64 +7,51 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.report.angles import equation, roots
-from wmrgen.backends.report.latex import summands, terms, wrapped
+from wmrgen.backends.report.latex import summands, terms, width, wrapped
 from wmrgen.backends.report.markdown import (
     CAP,
     aligned,
     capitalised,
-    code,
-    grouped,
     items,
-    plain,
+    math,
     sentence,
     some,
     table,
 )  # fmt: skip
-from wmrgen.constraints import XI, constrain, nominal_view
+from wmrgen.constraints import XI, constrain, nominal_view, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.functions.motion.wheel_speeds import relations
 from wmrgen.mobility.ranks import decide
-from wmrgen.mobility.records import TOLERANCE
 
 if TYPE_CHECKING:
     from wmrgen.constraints import ConstraintRow
-    from wmrgen.mobility.records import Mobility, Rank, Singularity
+    from wmrgen.mobility.records import Mobility, Singularity
     from wmrgen.robot import Derivation
+
+_RELATION = 150  # glyphs of a printed compatibility condition
+_RELATIONS = 5  # of them
 
 
 def analysis(d: Derivation) -> list[str]:
     """Section 5."""
     m = d.mobility
     steered = any(w.kind.steers for w in d.robot.wheels)
+    argument = [r for r in m.reasons if not r.startswith("delta_m = ")]  # what (3.40) to (3.42) say
     return [
         "## 5 Mobility",
-        "The argument:",
-        *items(map(sentence, m.reasons), lambda k: f"{k}."),
-        "In ranks" + (", taken at a steering for which all axles agree on one ICR:" if steered else ":"),
-        *table(
-            ["matrix", "rank", "rank in exact arithmetic", "singular values", "margin"],
-            [_rank("C<sub>1f</sub>", m.rank_C1f), _rank("C₁", m.rank_C1)],
-            "lr",
-        ),
-        f"Rows are scaled to m/s. A singular value counts when it exceeds {TOLERANCE:g} of the largest; the margin "
-        "says how many times over the smallest of those does.",
+        *items(map(sentence, argument), lambda k: f"{k}."),
+        "So the degrees of mobility, steerability and maneuverability are"
+        + (", at steering angles for which all axles meet in one ICR," if steered else ""),
         *_degrees(m),
         *(_remark(m) if steered else []),
         *_generic(d),
-        "What follows:",
         *_verdicts(d),
         *integrability(d),
-        "Actuation:",
-        *items(f"{sentence(a)}." for a in m.actuation),
+        *_actuation(d),
     ]
-
-
-def _rank(name: str, r: Rank) -> list[str]:
-    values = ", ".join("0" if v < 1e-12 else f"{v:.4g}" for v in r.singular_values) or "no rows"
-    exact = "not decided exactly (coupled steering)" if r.exact is None else str(r.exact)
-    return [name, str(r.value), exact, values, f"{r.margin:.2g}" if r.value else "—"]
 
 
 def _degrees(m: Mobility) -> list[str]:
@@ -139,21 +126,36 @@ def _growth(d: Derivation) -> tuple[tuple[int, ...], str]:
 def _verdicts(d: Derivation) -> list[str]:
     m, yes = d.mobility, {True: "yes", False: "no"}
     vector, states = _growth(d)
-    rows = [
-        ["differentiable degrees of freedom", str(m.ddof),
-         "DDOF = δ<sub>m</sub>: velocities that can be chosen at once"],
-        ["degrees of freedom", str(m.dof),
-         "dimension of the Lie algebra of all admissible twists: poses that can be reached"],
-        ["growth vector", f"({', '.join(map(str, vector))})",
-         f"dimensions spanned by the inputs, then with their brackets, one order at a time{states}"],
-        ["degree of nonholonomy", str(len(vector)),
-         "bracket orders needed to reach everything, 1 being none"],
-        ["holonomic", yes[m.holonomic], "DDOF = DOF"],
-        ["omnidirectional", yes[m.omnidirectional], "DDOF = 3"],
-        ["type (δ<sub>m</sub>, δ<sub>s</sub>)", f"({m.degree_of_mobility}, {m.degree_of_steerability})",
-         "degenerate" if m.degenerate else "one of Campion's five"],
+    head = ["DDOF", "DOF", "growth vector", "degree of nonholonomy", "holonomic", "omnidirectional"]
+    row = [
+        str(m.ddof), str(m.dof), f"({', '.join(map(str, vector))})", str(len(vector)),
+        yes[m.holonomic], yes[m.omnidirectional],
     ]  # fmt: skip
-    return table(["property", "value", "meaning"], rows, "l")
+    return [
+        *table(head, [row], "l"),
+        "DDOF counts velocities that can be chosen at once, DOF the dimensions of the poses that can be reached; "
+        "holonomic means that they are equal. The growth vector counts what the inputs span, then what their brackets "
+        f"add, one order at a time{states}; the degree of nonholonomy is the number of orders.",
+    ]
+
+
+def _actuation(d: Derivation) -> list[str]:
+    """How many joints are driven for how many freedoms, and what the speeds of driven wheels have in common."""
+    spins = [Poly.gen("input", f"{w.name}.spin") for w in d.robot.wheels if "spin" in w.actuated]
+    sums = [
+        Poly.sum(p * q for p, q in zip(row, spins, strict=True))
+        for row in relations(d.robot, d.mobility, symbolic_view)
+    ]
+    lines = [f"0 &= {wrapped(summands(terms(p)))}" for p in sums]
+    blocks = [" ".join(map(capitalised, d.mobility.actuation))] if d.mobility.actuation else []
+    if not lines or max(map(width, lines)) > _RELATION or len(lines) > _RELATIONS:
+        return blocks
+    held = ", the steering held," if any(g.kind in ("cos", "sin") for p in sums for g in p.generators) else ""
+    return [
+        *blocks,
+        f"Speeds of driven wheels that fit each other{held} satisfy (compatibility)",
+        *aligned(lines),
+    ]
 
 
 def integrability(d: Derivation) -> list[str]:
@@ -168,15 +170,14 @@ def integrability(d: Derivation) -> list[str]:
     products = {-(w.nominal.ch * w.nominal.ch + w.nominal.sh * w.nominal.sh) for w in wheels}
     value = " or ".join(f"{float(v):g}" for v in sorted(products, key=float))
     return [
-        "Integrability:",
-        f"The sliding row of {some(wheels)} is c(q) q̇ = 0 in the coordinates q = (x, y, θ) of the world{held}, "
-        "with χ the direction in which the wheel rolls, seen from the world, and k the third entry of its row. "
-        "Frobenius asks for c · curl c:",
-        *aligned([
-            r"c &= \begin{bmatrix} -\sin\chi & \cos\chi & k \end{bmatrix}",
-            r"\mathrm{curl}\,c &= \begin{bmatrix} \sin\chi & -\cos\chi & 0 \end{bmatrix}",
-            rf"c\cdot\mathrm{{curl}}\,c &= -\sin^2\chi - \cos^2\chi = {value}",
-        ]),
+        f"Can they be integrated? The sliding row of {some(wheels)} is c(q) q̇ = 0 in the coordinates q = (x, y, θ) of "
+        f"the world{held}, with χ the direction in which the wheel rolls, seen from the world, and k the third entry "
+        "of its row. Frobenius asks for c · curl c:",
+        *math(
+            r"c = \begin{bmatrix} -\sin\chi & \cos\chi & k \end{bmatrix}, \qquad "
+            r"c\cdot\mathrm{curl}\,c = c\cdot\begin{bmatrix} \sin\chi & -\cos\chi & 0 \end{bmatrix}"
+            rf" = -\sin^2\chi - \cos^2\chi = {value}"
+        ),
         f"It is not zero, so {'none of these equations alone' if len(wheels) > 1 else 'this equation by itself'} is "
         f"{'' if len(wheels) > 1 else 'not '}the derivative of a condition on the pose (Tzafestas (2.25)). "
         + _together(d.mobility),
@@ -217,19 +218,13 @@ def singular(d: Derivation) -> list[str]:
 
 
 def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
-    """A steered wheel whose pivot is the ICR."""
-    wheels = [d.robot.wheel(s.wheels[0]) for s in pivots[:CAP]]
-    places = grouped((f"({plain(w.nominal.x)}, {plain(w.nominal.y)})", w.name) for w in wheels)
-    rows = [[", ".join(code(n) for n in who), place] for place, who in places.items()]
-    blocks = [
-        "A steered wheel whose pivot is the ICR stands still. Its heading is undefined there, and `inverse` holds "
-        "the present angle. Close by, a small change of the twist asks for a large change of the angle. The "
-        "condition is that the pivot's velocity vanishes,",
-        *aligned([r"v_x - y\,\omega &= 0", r"v_y + x\,\omega &= 0"]),
-        "with the ICR at",
-        *table(["wheel", "(x, y)"], rows, "l"),
+    """Steered wheels whose pivot is the ICR."""
+    wheels = [d.robot.wheel(s.wheels[0]) for s in pivots]
+    return [
+        f"A steered wheel whose pivot (x, y) is the ICR stands still ({some(wheels)}): v<sub>x</sub> − y ω = 0 and "
+        "v<sub>y</sub> + x ω = 0. Its heading is undefined there, and `inverse` holds the present angle. Close by, a "
+        "small change of the twist asks for a large change of the angle."
     ]
-    return blocks + ([f"({len(pivots) - CAP} more wheels likewise.)"] if len(pivots) > CAP else [])
 
 
 def _conditions(conditions: Sequence[Poly | Row]) -> list[str]:

@@ -12,6 +12,7 @@ from wmrgen import notation
 from wmrgen.backends.report.markdown import (
     code,
     escape,
+    grouped,
     in_degrees,
     items,
     listed,
@@ -30,28 +31,25 @@ _NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".s
 
 
 def opening(d: Derivation) -> list[str]:
-    """Title, description, what kind of robot this is, how to read the page."""
-    robot, m = d.robot, d.mobility
+    """Title and description."""
+    robot = d.robot
     blocks = [f"# {code(robot.name)}"]
     if robot.description:
         blocks += [escape(robot.description)]
-    if robot.source:
-        blocks += [f"Source: {escape(robot.source)}"]
+    return blocks + ([f"Source: {escape(robot.source)}"] if robot.source else [])
+
+
+def kind_of_robot(d: Derivation) -> str:
+    """The type in a sentence."""
+    robot, m = d.robot, d.mobility
     kind = "Campion's type" if m.robot_type else "a degenerate layout,"
     wheels = Counter(w.kind.noun for w in robot.wheels)
-    return [
-        *blocks,
+    return (
         f"This robot has {notation.listed([_count(n, noun) for noun, n in wheels.items()])}. It is {kind} "
         f"({m.degree_of_mobility}, {m.degree_of_steerability}): at any instant it moves with "
         f"{_count(m.degree_of_mobility, 'degree')} of freedom, and steering adds "
-        f"{_word(m.degree_of_steerability) if m.degree_of_steerability else 'none'}. This page derives that, and "
-        "every formula of the generated code, from the layout alone.",
-        "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to "
-        "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left, "
-        "angles counter-clockwise; ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in that frame, the "
-        "book's R(θ) ξ̇<sub>I</sub>. Lengths are in metres, angles in radians unless marked °. Fractions, roots "
-        "and short decimals are exact; decimals with six digits are rounded.",
-    ]
+        f"{_word(m.degree_of_steerability) if m.degree_of_steerability else 'none'}."
+    )
 
 
 def _word(n: int) -> str:
@@ -66,13 +64,20 @@ def _count(n: int, noun: str) -> str:
 def layout(d: Derivation) -> list[str]:
     """Section 1."""
     robot = d.robot
-    blocks = ["## 1 The layout", f"![Top view of {robot.name}](layout.svg)"]
-    if any(w.kind.steers for w in robot.wheels):
-        blocks += ["The steered wheels are drawn at one admissible setting: all zero-motion lines agree."]
-    blocks += [*_wheels(robot.wheels), _legend(robot)]
+    blocks = [
+        "## 1 The layout",
+        "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to "
+        "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left, "
+        "angles counter-clockwise; ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in that frame, the "
+        "book's R(θ) ξ̇<sub>I</sub>. Lengths are in metres, angles in radians unless marked °. Fractions, roots "
+        "and short decimals are exact; decimals with six digits are rounded.",
+        *_wheels(robot.wheels),
+        _legend(robot),
+    ]
     if robot.parameters:
-        rows = [[code(p.name), plain(p.nominal), _in_code(p)] for p in robot.parameters]
-        blocks += ["The named parameters:", *table(["parameter", "value", "in the code"], rows, "lrl")]
+        named = grouped((_in_code(p), f"{code(p.name)} = {plain(p.nominal)}") for p in robot.parameters)
+        texts = [f"{notation.listed(who)}, {what}" for what, who in named.items()]
+        blocks += [f"Named parameters: {'; '.join(texts)}."]
     if robot.couplings:
         joints = {"spin": "turn at one speed", "steer": "share one steering angle"}
         couplings = items(f"{listed(names)} {joints[joint]}" for joint, names in robot.couplings)
@@ -82,7 +87,7 @@ def layout(d: Derivation) -> list[str]:
         head = ["trailer", "length from coupling to axle", "coupling behind the axle in front"]
         blocks += ["It tows, from the robot backwards:", *table(head, rows, "lr")]
     notes = [*(escape(n) for n in robot.notes), *_remarks(robot)]
-    return [*blocks, "Notes:", *items(notes)] if notes else blocks
+    return [*blocks, *items(notes)]
 
 
 def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
@@ -131,7 +136,7 @@ def _in_code(p: Parameter) -> str:
     if p.tunable:
         return "tunable: an input of the generated code"
     names = ", ".join(code(name) for name in sorted(parameters_in(p.working)))
-    return f"computed from the tunable {names}" if names else "constant"
+    return f"computed from the tunable {names}" if names else "constant in the generated code"
 
 
 def _remarks(robot: Robot) -> list[str]:

@@ -1,0 +1,220 @@
+"""The result on top of a report: its formulas against contact velocities and least squares of this file, the example
+against `wmrgen eval` and against a pose integrated here."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from math import atan2, cos, sin
+
+import numpy as np
+import pytest
+
+from tests.conftest import Outcome
+from tests.report.common import ROBOTS, derivation, page_of
+from tests.report.reading import read
+from wmrgen import notation
+from wmrgen.layout.records import Robot, Wheel
+
+Cli = Callable[..., Outcome]
+UNITS = re.compile(r"([\w.]+) += (-?[\d.e+-]+)")
+# Robots of which the twist is written out, not only the rule that gives it.
+WRITTEN = (
+    "agilex_ranger", "andino", "care_o_bot_4", "clearpath_a200", "clearpath_do100", "clearpath_r100", "festo_robotino",
+    "jpl_osr", "kuka_youbot", "lekiwi", "locked_bicycle", "mir_100", "neobotix_mp_400", "nexus_4wd", "pioneer3dx",
+    "ssl_parsian", "synchro_drive", "textbook_differential", "textbook_omni_steer", "textbook_omnidirectional",
+    "textbook_tricycle", "textbook_two_steer", "tractor_off_axle", "turtlebot3_burger", "unicycle", "wpilib_swervebot",
+)  # fmt: skip
+
+
+def result(name: str) -> str:
+    return page_of(name).partition("## The result")[2].partition("\n## 1 ")[0]
+
+
+def part(name: str, head: str, end: str) -> str:
+    text = result(name).partition(f"**{head}")[2].partition(f"**{end}")[0]
+    return text.replace(r"\Bigl", r"\left").replace(r"\Bigr", r"\right")
+
+
+def formulas(text: str) -> list[tuple[str, str]]:
+    """Left and right sides of aligned formulas; a further line of a sum begins with & and two quads."""
+    joined = text.replace("\\\\\n&\\qquad ", "")
+    pairs = (line.removesuffix(r"\\").strip().partition(" &= ") for line in joined.split("\n"))
+    return [(left, right) for left, equal, right in pairs if equal]
+
+
+def parameters(robot: Robot) -> dict[str, float]:
+    return {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+
+
+def place(w: Wheel) -> tuple[float, float, float]:
+    return float(w.nominal.x), float(w.nominal.y), float(w.nominal.r)
+
+
+@pytest.mark.slow
+def test_whose_twist_is_written_out() -> None:
+    assert tuple(
+        n for n in ROBOTS if r"\omega &=" in part(n, "Forward", "An example") and "B_i" not in result(n)
+    ) == (WRITTEN)
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_the_twist_of_measured_rates(name: str) -> None:
+    """The least-squares twist (the smallest one where a direction is unseen) of rows written down here."""
+    robot = derivation(name).robot
+    rows, rates, values = [], [], parameters(robot)
+    for k, w in enumerate(robot.wheels):
+        x, y, r = place(w)
+        spin, steer = 0.7 - 0.4 * k, 0.3 + 0.2 * k
+        values[notation.port(f"{w.name}.spin")] = spin
+        values[notation.port(f"{w.name}.steer")] = steer
+        gamma = float(w.gamma) if w.kind.rollers else 0.0
+        h = float(w.heading) + (steer if w.kind.steers else 0.0) + gamma
+        if w.kind.swivels or not w.kind.directed:
+            continue
+        if "spin" in w.sensed:
+            rows.append([cos(h), sin(h), x * sin(h) - y * cos(h)])
+            rates.append(r * spin * cos(gamma))
+        if not w.kind.rollers:
+            rows.append([-sin(h), cos(h), x * cos(h) + y * sin(h)])
+            rates.append(0.0)
+    twist = np.linalg.lstsq(np.array(rows), np.array(rates), rcond=None)[0]
+    shown = dict(formulas(part(name, "Forward", "An example")))
+    for port, value in zip(("vx", "vy", "omega"), twist, strict=True):
+        assert read(shown[notation.port(port)], values) == pytest.approx(value, rel=1e-5, abs=1e-7)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_joints_of_a_twist(name: str) -> None:
+    """Rates of wheels that do not steer, and pivot velocities of those that do, of an admissible twist."""
+    robot = derivation(name).robot
+    twist = np.array([0.5, 0.2, -0.3])
+    fixed = [w for w in robot.wheels if w.kind.fixed_axle]
+    if fixed and not derivation(name).mobility.degenerate:
+        rows = np.array([[-sin(h), cos(h), place(w)[0] * cos(h) + place(w)[1] * sin(h)]
+                         for w in fixed for h in [float(w.heading)]])  # fmt: skip
+        twist = twist - np.linalg.pinv(rows) @ rows @ twist
+    if robot.couplings and name == "synchro_drive":
+        twist[2] = 0.0
+    vx, vy, omega = map(float, twist)
+    values = parameters(robot) | {"v_x": vx, "v_y": vy, r"\omega": omega}
+    values |= {rf"{n}^{{*}}": values[n] for n in ("v_x", "v_y", r"\omega")}
+    values |= {notation.port(f"{w.name}.steer"): 0.4 for w in robot.wheels}
+    text = part(name, "Inverse", "Forward")
+    shown = dict(formulas(text))
+    for w in robot.wheels:
+        x, y, r = place(w)
+        a, b = vx - y * omega, vy + x * omega
+        if w.kind.steers:
+            (line,) = [
+                line for line in text.split("\n")
+                if line.startswith("a &=") and notation.wheel(w.name) in line.partition("&& ")[2]
+            ]  # fmt: skip
+            one, two = re.findall(r"[ab] &= (.*?)(?=, & b| &&)", line)
+            assert (read(one, values), read(two, values)) == pytest.approx((a, b), rel=1e-5, abs=1e-9)
+        elif w.has_spin and w.actuated:
+            gamma = float(w.gamma) if w.kind.rollers else 0.0
+            h = float(w.heading) + gamma + (0.4 if w.kind.swivels else 0.0)
+            rim = (a * cos(h) + b * sin(h)) / cos(gamma)
+            if (
+                w.kind.swivels
+            ):  # the contact is d along and o across: v_A + (omega + steer rate) z x (d e + o n)
+                rim += float(w.nominal.o) / float(w.nominal.d) * (b * cos(h) - a * sin(h))
+            own = shown[notation.port(f"{w.name}.spin")]
+            assert read(own, values) == pytest.approx(rim / r, rel=1e-5, abs=1e-9)
+
+
+@pytest.mark.parametrize("turned", [0.0, 2.5])
+def test_a_steered_wheel_rolls_at_both_angles(turned: float) -> None:
+    """What is printed for steered wheels: tan psi = b / a, and the speed along the wheel."""
+    text = part("wpilib_swervebot", "Inverse", "Forward")
+    assert (
+        r"\tan\psi &= \frac{b}{a}, & \dot{\varphi} &= \frac{1}{r}\left(a\cos\psi + b\sin\psi\right)" in text
+    )
+    a, b, r = -0.3, 0.7, 0.05
+    psi = atan2(b, a) + (np.pi if turned else 0.0)
+    spin = read(r"\frac{1}{r}\left(a\cos\psi + b\sin\psi\right)", {"a": a, "b": b, "r": r, r"\psi": psi})
+    assert (spin * r * cos(psi), spin * r * sin(psi)) == pytest.approx((a, b))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_factors_as_numbers(name: str) -> None:
+    """radius / (2 half_track) = 195/662, about 0.294562: each side is worth the same."""
+    robot = derivation(name).robot
+    for line in re.findall(
+        r"```math\n(\\frac.*? (?:=|\\approx).*)\n```", part(name, "Forward", "An example")
+    ):
+        for equation in line.split(r", \qquad "):
+            sides = [read(side, parameters(robot)) for side in re.split(r" = | \\approx ", equation)]
+            assert len(sides) > 1 and sides == pytest.approx([sides[0]] * len(sides), rel=1e-5)
+
+
+def steps(name: str) -> list[tuple[dict[str, float], str]]:
+    """What each row of the example says, and its command."""
+    rows = re.findall(r"(?m)^\| (.*?) \| `wmrgen (.*?)` \|$", part(name, "An example", "Files"))
+    return [({n: float(v) for n, v in UNITS.findall(said)}, command) for said, command in rows]
+
+
+def check_example(name: str, wmrgen_cli: Cli) -> None:
+    shown = steps(name)
+    assert [command.split()[2] for _, command in shown] == ["inverse", "forward", "odometry"]
+    twist = {}
+    for said, command in shown:
+        verb, file, *rest = command.split()
+        assert file == f"{name}.yaml"
+        done = wmrgen_cli(verb, ROBOTS[name], *rest)
+        assert done.code == 0, done.err
+        printed = {n: float(v) for n, v in UNITS.findall(done.out)}
+        for port, value in said.items():
+            assert printed[port] == pytest.approx(value, rel=2e-5, abs=1e-5), (command, port)
+        if rest[0] == "inverse":
+            twist = {"vx": 0.0, "vy": 0.0, "omega": 0.0} | {
+                n: float(v) for n, v in (w.split("=") for w in rest[1:])
+            }
+    assert any(twist.values())
+    assert ("the same twist again" in result(name)) == (shown[1][0] == pytest.approx(twist, abs=1e-5))
+    vx, vy, omega = twist.values()
+    small = np.eye(3) + np.array([[0, -omega, vx], [omega, 0, vy], [0, 0, 0]]) / 2**26
+    pose = np.linalg.matrix_power(small, 2**26)  # exp of the twist
+    assert (shown[2][0]["x"], shown[2][0]["y"]) == pytest.approx((pose[0, 2], pose[1, 2]), abs=1e-5)
+    assert shown[2][0]["theta"] == pytest.approx(omega)
+
+
+EXAMPLES = ("pioneer3dx", "wpilib_swervebot", "kuka_youbot", "ackermann_car")
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_example_is_what_the_commands_print(name: str, wmrgen_cli: Cli) -> None:
+    check_example(name, wmrgen_cli)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [n for n in ROBOTS if n not in EXAMPLES])
+def test_every_example_is_what_its_commands_print(name: str, wmrgen_cli: Cli) -> None:
+    if "An example" in result(name):
+        check_example(name, wmrgen_cli)
+    else:
+        assert name in ("office_chair",)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_compatible_wheel_speeds(name: str) -> None:
+    """Speeds of the driven wheels of an admissible twist satisfy every condition that is printed."""
+    text = page_of(name).partition("(compatibility)")[2].partition("## 6 ")[0]
+    lines = [right for left, right in formulas(text) if left == "0"]
+    assert ("(compatibility)" in page_of(name)) == bool(lines)
+    robot = derivation(name).robot
+    if not lines or any(w.kind.steers for w in robot.wheels):
+        return
+    values = parameters(robot)
+    for w in robot.wheels:
+        x, y, r = place(w)
+        gamma = float(w.gamma) if w.kind.rollers else 0.0
+        h = float(w.heading) + gamma
+        vy = 0.2 if w.kind.rollers else 0.0
+        rim = ((0.5 + 0.3 * y) * cos(h) + (vy - 0.3 * x) * sin(h)) / cos(gamma)
+        values[notation.port(f"{w.name}.spin")] = rim / r
+    for right in lines:
+        assert read(right, values) == pytest.approx(0.0, abs=1e-6)
+        for port in (p for p in (notation.port(f"{w.name}.spin") for w in robot.wheels) if p in right):
+            assert abs(read(right, values | {port: values[port] + 1.0})) > 1e-3

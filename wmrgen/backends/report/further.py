@@ -1,0 +1,97 @@
+"""Section 11 and its formulas: the further functions that a robot file asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import sympy
+
+from wmrgen import notation
+from wmrgen.backends.report.letters import model
+from wmrgen.backends.report.markdown import aligned, capitalised, code, sentence, table
+from wmrgen.functions.models.sheet import tidy
+from wmrgen.kinematics.records import substituted
+from wmrgen.printing import Latex, size
+from wmrgen.program import asked
+
+if TYPE_CHECKING:
+    from wmrgen.kinematics.records import Formula
+    from wmrgen.robot import Derivation
+    from wmrgen.symbolic import Expr
+
+_LONG = 600  # operations and symbols of formulas that are still written out
+_LONG_NUMBER = 10**7  # above or below the line
+_SMALL = 6  # operations and symbols of an intermediate result that is written where it is used
+
+
+def further(d: Derivation) -> list[str]:
+    """Section 11: what they give and where they come from."""
+    rows = [[code(f.name), sentence(f.text), sentence(f.source)] for f in _wanted(d)]
+    if not rows:
+        return []
+    return [
+        "## 11 Further functions",
+        "The robot file asks for these, too; their inputs and formulas are in [numerics.md](numerics.md).",
+        *table(["function", "what it gives", "in the texts"], rows, "l"),
+    ]
+
+
+def formulas(d: Derivation) -> list[str]:
+    """Their ports and formulas."""
+    blocks = [block for f in _wanted(d) for block in _function(d, f)]
+    return ["## Further functions", *blocks] if blocks else []
+
+
+def _wanted(d: Derivation) -> list[Formula]:
+    names = asked(d.robot)
+    return [f for f in d.program.formulas if f.name in names]
+
+
+def _function(d: Derivation, f: Formula) -> list[str]:
+    ports = [(p, "in") for p in f.inputs] + [(p, "out") for p, _ in f.outputs]
+    rows = [[code(p.name), way, p.unit or "1", sentence(p.text)] for p, way in ports]
+    blocks = [f"### `{f.name}`", capitalised(f.text)]
+    blocks += table(["port", "", "unit", "meaning"], rows, "l")
+    if written := model(d, f):
+        return [*blocks, *written]
+    if sum(size(e) for _, e in (*f.locals, *f.outputs)) > _LONG:
+        return [*blocks, "(The formulas are long; they stand in the code.)"]
+    steps, results = _inlined(f)
+    names = _readable([symbol for symbol, _ in steps], [e for _, e in (*steps, *results)])
+    memo: dict[Expr, Expr] = {}
+    printer = Latex(p for p, _ in ports)
+
+    def shown(expr: Expr) -> str:
+        return str(printer.doprint(substituted(expr, names, memo)))
+
+    intermediate = [f"{shown(symbol)} &= {shown(expr)}" for symbol, expr in steps]
+    equations = [(notation.port(name), shown(expr)) for name, expr in results]
+    changed = [f"{name} &= {value}" for name, value in equations if name != value]  # x = x tells nothing
+    blocks += ["With", *aligned(intermediate)] if intermediate else []
+    return blocks + (aligned(changed) if changed else [])
+
+
+def _readable(symbols: Sequence[Expr], exprs: Sequence[Expr]) -> dict[Expr, Expr]:
+    """What stands for names of the code and for numbers too long to read; a plain symbol's name is its LaTeX."""
+    long = {n for e in exprs for n in e.atoms(sympy.Rational) if max(abs(n.p), n.q) >= _LONG_NUMBER}
+    names = {s: sympy.Symbol(notation.port(s.name)) for s in symbols}
+    return names | {
+        n: sympy.Mul(sympy.sign(n), sympy.Symbol(notation.decimal(abs(float(n)))))
+        for n in long
+        if abs(n.p) != 1 or n.q != 10 ** (len(str(n.q)) - 1)
+    }
+
+
+def _inlined(f: Formula) -> tuple[list[tuple[Expr, Expr]], list[tuple[str, Expr]]]:
+    """Intermediate results and outputs; a small intermediate result stands where it is used."""
+    values: dict[Expr, Expr] = {}
+    memo: dict[Expr, Expr] = {}
+    steps = []
+    for symbol, expr in f.locals:
+        step = tidy(substituted(expr, values, memo))
+        if size(step) <= _SMALL:
+            values[symbol] = step
+        else:
+            steps.append((symbol, step))
+    return steps, [(p.name, tidy(substituted(e, values, memo))) for p, e in f.outputs]

@@ -149,6 +149,18 @@ def readable(expr: Expr) -> Expr:
     return expr if all(a is b for a, b in zip(args, expr.args, strict=True)) else expr.func(*args)
 
 
+def by_hand(symbols: Iterable[Expr], exprs: Iterable[Expr]) -> dict[Expr, Expr]:
+    """What stands in LaTeX for names of the code, and in ``exprs`` for numbers of more than 6 digits."""
+    spaced = r"\;"
+    numbers = {n for e in exprs for n in e.atoms(sympy.Rational) if max(abs(n.p), n.q) >= 10**7}
+    names = {s: sympy.Symbol(rf"\mathrm{{{s.name.replace('_', spaced)}}}") for s in symbols}
+    return names | {
+        n: sympy.Mul(sympy.sign(n), sympy.Symbol(notation.decimal(abs(float(n)))))
+        for n in numbers
+        if abs(n.p) != 1 or n.q != 10 ** (len(str(n.q)) - 1)  # a power of ten is short
+    }
+
+
 def _rounded(value: Expr) -> Expr:
     """A symbol that prints as the decimal: sympy has no number of a given look. The sign stays outside."""
     sign = -1 if value < 0 else 1

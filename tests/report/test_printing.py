@@ -6,8 +6,8 @@ import pytest
 import sympy
 
 from wmrgen.ports import Port, Role
-from wmrgen.printing import DIGITS, Latex, Reader, Text, exact, readable, size, symbol_names
-from wmrgen.symbolic import nearest, parameter, signal
+from wmrgen.printing import DIGITS, Latex, Reader, Text, by_hand, exact, readable, size, symbol_names
+from wmrgen.symbolic import Local, nearest, parameter, signal
 
 LONG = sympy.Rational(10**DIGITS + 1, 10**DIGITS + 39)
 X, A = signal("left.spin"), parameter("a")
@@ -93,3 +93,13 @@ def test_a_choice_in_latex() -> None:
     choice = sympy.Piecewise((A, X < 1), (sympy.Integer(2), True))
     shown = Latex([Port("left.spin", Role.STATE, "")]).doprint(choice)
     assert shown == (r"\begin{cases} a & \dot{\varphi}_{\mathrm{left}} < 1 \\ 2 & \mathrm{else} \end{cases}")
+
+
+def test_names_and_numbers_by_hand() -> None:
+    """Names of intermediate results in words, long fractions as decimals, powers of ten as they are."""
+    step = Local("half_turn")
+    names = by_hand([step], [step * LONG - A / 10**9, X * -LONG])
+    shown = {str(old): new for old, new in names.items()}
+    assert Latex().doprint(shown["half_turn"]) == r"\mathrm{half\;turn}"
+    assert Latex().doprint(names[LONG]) == "1" and Latex().doprint(names[-LONG]) == "- 1"
+    assert set(names) == {step, LONG, -LONG}

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
-
-import sympy
 
 from wmrgen import notation
 from wmrgen.backends.report.letters import model
 from wmrgen.backends.report.markdown import aligned, capitalised, code, sentence, table
 from wmrgen.functions.models.sheet import tidy
 from wmrgen.kinematics.records import substituted
-from wmrgen.printing import Latex, size
+from wmrgen.printing import Latex, by_hand, size
 from wmrgen.program import asked
 
 if TYPE_CHECKING:
@@ -21,7 +18,6 @@ if TYPE_CHECKING:
     from wmrgen.symbolic import Expr
 
 _LONG = 600  # operations and symbols of formulas that are still written out
-_LONG_NUMBER = 10**7  # above or below the line
 _SMALL = 6  # operations and symbols of an intermediate result that is written where it is used
 
 
@@ -58,7 +54,7 @@ def _function(d: Derivation, f: Formula) -> list[str]:
     if sum(size(e) for _, e in (*f.locals, *f.outputs)) > _LONG:
         return [*blocks, "(The formulas are long; they stand in the code.)"]
     steps, results = _inlined(f)
-    names = _readable([symbol for symbol, _ in steps], [e for _, e in (*steps, *results)])
+    names = by_hand([symbol for symbol, _ in steps], [e for _, e in (*steps, *results)])
     memo: dict[Expr, Expr] = {}
     printer = Latex(p for p, _ in ports)
 
@@ -66,21 +62,13 @@ def _function(d: Derivation, f: Formula) -> list[str]:
         return str(printer.doprint(substituted(expr, names, memo)))
 
     intermediate = [f"{shown(symbol)} &= {shown(expr)}" for symbol, expr in steps]
-    equations = [(notation.port(name), shown(expr)) for name, expr in results]
-    changed = [f"{name} &= {value}" for name, value in equations if name != value]  # x = x tells nothing
+    own = {p.name for p in f.inputs}
+    equations = [(notation.port(n) + "'" * (n in own), shown(e)) for n, e in results]
+    changed = [
+        f"{name} &= {value}" for name, value in equations if name != f"{value}'"
+    ]  # x' = x tells nothing
     blocks += ["With", *aligned(intermediate)] if intermediate else []
     return blocks + (aligned(changed) if changed else [])
-
-
-def _readable(symbols: Sequence[Expr], exprs: Sequence[Expr]) -> dict[Expr, Expr]:
-    """What stands for names of the code and for numbers too long to read; a plain symbol's name is its LaTeX."""
-    long = {n for e in exprs for n in e.atoms(sympy.Rational) if max(abs(n.p), n.q) >= _LONG_NUMBER}
-    names = {s: sympy.Symbol(notation.port(s.name)) for s in symbols}
-    return names | {
-        n: sympy.Mul(sympy.sign(n), sympy.Symbol(notation.decimal(abs(float(n)))))
-        for n in long
-        if abs(n.p) != 1 or n.q != 10 ** (len(str(n.q)) - 1)
-    }
 
 
 def _inlined(f: Formula) -> tuple[list[tuple[Expr, Expr]], list[tuple[str, Expr]]]:

@@ -1,1 +1,383 @@
+// The live figures: each robot of the page, moved by its own generated functions alone.
+//
+// `robots` are these functions, `data` what the robots look like (wmrgen/pages/live.py). What the sliders ask goes through
+// `inverse` to the joints, or is asked of the joints themselves; the joints go through `forward` to the twist that the
+// robot drives, and that through `odometry` to its pose. Metres, radians, seconds; x forward, y to the left.
 
+const TWIST = { vx: "m/s", vy: "m/s", omega: "rad/s" };
+const UNITS = { spin: "rad/s", steer: "°", steer_rate: "rad/s" };
+const SLIDING = 1e-6; // m/s: less is rounding
+const SHOWN = 0.4; // s: a velocity is drawn as the way of that time
+const TICKS = 8; // on a tyre, all round
+const GROUND = [9, 6]; // width and height of what is seen, in sizes of the largest robot
+
+const degrees = (angle) => (angle * 180) / Math.PI;
+const joint = (name) => name.slice(name.lastIndexOf(".") + 1);
+
+// An element in `parent`: of HTML, or with `svg` of SVG.
+function add(parent, kind, attributes = {}, svg = false) {
+  const element = svg ? document.createElementNS("http://www.w3.org/2000/svg", kind) : document.createElement(kind);
+  set(element, attributes);
+  parent.append(element);
+  return element;
+}
+
+function set(element, attributes) {
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+}
+
+// How far a robot reaches from P.
+function reach(robot) {
+  return Math.max(0.05, ...robot.wheels.map((w) => Math.hypot(w.x, w.y) + w.r));
+}
+
+// The corners of the convex hull of `points`, counter-clockwise (Andrew's monotone chain).
+function hull(points) {
+  const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const turn = (o, a, b) => (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+  const chain = (corners, p) => {
+    while (corners.length > 1 && turn(corners.at(-2), corners.at(-1), p) <= 0) corners.pop();
+    return [...corners, p];
+  };
+  return [...sorted.reduce(chain, []), ...sorted.reverse().reduce(chain, [])];
+}
+
+// ---- one wheel in the picture: a group at its pivot, turned by heading and steering angle
+
+class WheelPicture {
+  constructor(parent, wheel, size) {
+    this.wheel = wheel;
+    this.width = 0.45 * wheel.r;
+    this.group = add(parent, "g", { "data-wheel": wheel.name }, true);
+    const { r, d, o } = wheel;
+    if (wheel.zero && !wheel.swivels) {
+      add(this.group, "line", { class: "axle", x1: d, x2: d, y1: -60 * size, y2: 60 * size }, true);
+    }
+    if (!wheel.rolls) {
+      add(this.group, "circle", { class: "tyre", r: r || 0.06 * size }, true);
+      return;
+    }
+    const box = { x: d - r, y: o - this.width / 2, width: 2 * r, height: this.width, rx: 0.15 * r };
+    add(this.group, "rect", { class: "tyre", ...box }, true);
+    this.treads = Array.from({ length: TICKS }, () => add(this.group, "line", { class: "tread" }, true));
+    if (d || o) add(this.group, "path", { class: "arm", fill: "none", d: `M0 0L${d} 0L${d} ${o}` }, true);
+    this.sliding = add(this.group, "line", { class: "slipping", x1: d, y1: o, x2: d, y2: o }, true);
+  }
+
+  // `turned`: how far it has rolled. `across`: the velocity of its contact point along its axle.
+  draw(steer, turned, across) {
+    const { x, y, heading, r, d, o, gamma } = this.wheel;
+    set(this.group, { transform: `translate(${x} ${y}) rotate(${degrees(heading + steer)})` });
+    if (!this.wheel.rolls) return;
+    // A roller that is seen lies on top and leans the other way than the one at the ground.
+    const [along, aside] = gamma === null ? [0, 1] : [Math.cos(gamma), -Math.sin(gamma)];
+    const half = (0.5 * this.width) / Math.max(0.6, Math.abs(aside));
+    this.treads.forEach((tread, k) => {
+      const angle = turned + (2 * Math.PI * k) / TICKS;
+      const at = d + r * Math.sin(angle);
+      const ends = { x1: at - half * along, x2: at + half * along, y1: o - half * aside, y2: o + half * aside };
+      set(tread, { ...ends, visibility: Math.cos(angle) > 0.1 ? "visible" : "hidden" });
+    });
+    set(this.sliding, { y2: o + SHOWN * across });
+  }
+}
+
+// ---- one robot: what is asked of it, what it does, its picture and its controls
+
+class Live {
+  constructor(parent, robot, functions, size) {
+    Object.assign(this, { robot, functions, size });
+    this.mates = [this]; // what is asked of one is asked of all
+    this.build(parent);
+    this.reset();
+  }
+
+  // How fast a path is followed.
+  get cruise() {
+    return Math.min(0.5 * this.range("vx")[1], 2 * this.size);
+  }
+
+  // The ends of a slider: the limits of the robot file, else what suits its size.
+  range(name) {
+    if (this.robot.limits[name]) return this.robot.limits[name];
+    const speed = Math.min(2, 3 * this.size);
+    const wheel = this.robot.wheels.find((w) => name.startsWith(`${w.name}.`));
+    const fastest = this.robot.limits.vx?.[1] ?? speed;
+    const spin = (1.5 * fastest) / (wheel?.r || 1);
+    const most = { vx: speed, vy: speed, omega: 2, spin, steer: Math.PI, steer_rate: 4 };
+    return [-most[joint(name)], most[joint(name)]];
+  }
+
+  reset() {
+    this.pose = { x: 0, y: 0, theta: 0 };
+    this.joints = {};
+    for (const wheel of this.robot.wheels) {
+      if (wheel.turns) this.joints[`${wheel.name}.steer`] = 0;
+    }
+    for (const name of this.robot.joints) this.joints[name] ??= 0;
+    this.turned = Object.fromEntries(this.robot.wheels.map((w) => [w.name, 0]));
+    this.trail = [];
+    this.camera = [0, 0];
+    this.stop();
+  }
+
+  stop() {
+    this.path = [];
+    this.follows = false;
+    this.ask({ vx: 0, vy: 0, omega: 0 });
+  }
+
+  // A twist is asked for.
+  ask(twist) {
+    this.asked = { ...twist };
+    this.byTwist = true;
+    this.compute();
+  }
+
+  // A joint is asked for, the others stay.
+  askJoint(name, value) {
+    this.path = [];
+    this.follows = false;
+    this.byTwist = false;
+    this.joints[name] = value;
+    this.compute();
+  }
+
+  // From what is asked to the joints, and from the joints to the twist that is driven.
+  compute() {
+    const { inverse, forward } = this.functions;
+    if (this.byTwist) {
+      const { slip, ...commands } = inverse({ ...this.joints, ...this.asked });
+      Object.assign(this.joints, commands);
+      this.slip = slip;
+    }
+    const { slip, ...twist } = forward(this.joints);
+    // What is asked without slip is driven, also where the joints alone do not tell of it: somebody pushes.
+    this.twist = this.byTwist && !(this.slip > SLIDING) ? this.asked : twist;
+    if (!this.byTwist) {
+      this.slip = slip;
+      const others = Object.entries(inverse({ ...this.joints, ...twist }));
+      const free = others.filter(([name]) => name !== "slip" && !this.robot.joints.includes(name));
+      Object.assign(this.joints, Object.fromEntries(free));
+      this.asked = { ...twist };
+    }
+  }
+
+  // The motion of `dt` seconds.
+  step(dt) {
+    if (this.follows) this.pursue();
+    else this.compute();
+    this.pose = this.functions.odometry({ ...this.pose, ...this.twist, dt });
+    for (const { name, swivels } of this.robot.wheels) {
+      this.turned[name] += (this.joints[`${name}.spin`] ?? 0) * dt;
+      if (swivels) this.joints[`${name}.steer`] += (this.joints[`${name}.steer_rate`] ?? 0) * dt;
+    }
+    const last = this.trail.at(-1);
+    if (!last || Math.hypot(this.pose.x - last[0], this.pose.y - last[1]) > 0.05 * this.size) {
+      this.trail = [...this.trail.slice(-2000), [this.pose.x, this.pose.y]];
+    }
+  }
+
+  // The twist towards the first point of the path that is further away than the look-ahead (pure pursuit).
+  pursue() {
+    const { x, y, theta } = this.pose;
+    const away = (p) => Math.hypot(p[0] - x, p[1] - y);
+    while (this.path.length > 1 && away(this.path[0]) < 1.5 * this.size) this.path.shift();
+    const distance = away(this.path[0]);
+    if (distance < 0.25 * this.size) {
+      this.stop();
+      return;
+    }
+    const [dx, dy] = [this.path[0][0] - x, this.path[0][1] - y];
+    const ahead = (Math.cos(theta) * dx + Math.sin(theta) * dy) / distance;
+    const left = (Math.cos(theta) * dy - Math.sin(theta) * dx) / distance;
+    const speed = this.cruise * Math.min(1, distance / this.size);
+    if (this.robot.omnidirectional) {
+      this.ask({ vx: speed * ahead, vy: speed * left, omega: 0 });
+      return;
+    }
+    const curvature = (2 * (ahead > 0 ? left : Math.sign(left) || 1)) / distance;
+    const most = this.range("omega")[1] / Math.max(1e-9, Math.abs(curvature));
+    const vx = Math.min(speed, most);
+    this.ask({ vx, vy: 0, omega: curvature * vx });
+  }
+
+  get moves() {
+    return this.follows || Object.values(this.twist).some((v) => Math.abs(v) > 1e-9);
+  }
+
+  // The centre of rotation in the robot's frame; nothing where the robot stands or drives straight on.
+  get icr() {
+    const { vx, vy, omega } = this.twist;
+    return Math.abs(omega) > 1e-6 * (1 + Math.hypot(vx, vy) / this.size) ? [-vy / omega, vx / omega] : null;
+  }
+
+  // ---- the picture
+
+  build(parent) {
+    const root = add(parent, "section", { class: "robot", "aria-label": `${this.robot.name}, to drive` });
+    add(root, "h2").textContent = this.robot.name;
+    this.picture = add(root, "svg", { role: "img", "aria-label": "Top view: draw a path" }, true);
+    const up = add(this.picture, "g", { transform: "scale(1,-1)" }, true);
+    this.grid = add(up, "path", { class: "grid" }, true);
+    this.trailLine = add(up, "polyline", { class: "trail" }, true);
+    this.pathLine = add(up, "polyline", { class: "path" }, true);
+    this.body = add(up, "g", { class: "chassis" }, true);
+    const corners = hull(this.robot.wheels.map((w) => [w.x, w.y]));
+    add(this.body, "polygon", { class: "body", points: corners.join(" ") }, true);
+    const s = 0.12 * this.size;
+    add(this.body, "path", { class: "ahead", d: `M0 ${-s}L${1.6 * s} 0L0 ${s}` }, true);
+    this.wheels = this.robot.wheels.map((wheel) => new WheelPicture(this.body, wheel, this.size));
+    this.centre = add(this.body, "circle", { class: "icr", r: 0.07 * this.size }, true);
+    this.state = add(root, "p", { class: "state", "aria-live": "off" });
+    const buttons = add(root, "div", { class: "buttons" });
+    for (const [name, work] of [["Stop", (m) => m.stop()], ["Start again", (m) => m.reset()]]) {
+      const button = add(buttons, "button", { type: "button" });
+      button.textContent = name;
+      button.addEventListener("click", () => this.each(work));
+    }
+    add(buttons, "span").textContent = "Move a slider, or draw a path in the picture.";
+    const controls = add(root, "div", { class: "controls" });
+    this.sliders = [
+      ...Object.entries(TWIST).map(([name, unit]) => this.slider(controls, name, unit, "twist")),
+      ...this.robot.joints.map((name) => this.slider(controls, name, UNITS[joint(name)], "joint")),
+    ];
+    this.drawable();
+  }
+
+  // Work on this robot and those beside it.
+  each(work) {
+    for (const mate of this.mates) {
+      work(mate);
+      mate.draw();
+    }
+  }
+
+  slider(parent, name, unit, kind) {
+    const label = add(parent, "label", { class: kind });
+    add(label, "span", { class: "name", title: name }).textContent = name;
+    const [min, max] = this.range(name);
+    const input = add(label, "input", { type: "range", min, max, step: (max - min) / 400, "data-name": name });
+    const output = add(label, "output", { "data-name": name });
+    input.addEventListener("input", () => {
+      const value = Math.abs(input.valueAsNumber) < (max - min) / 300 ? 0 : input.valueAsNumber;
+      if (kind === "twist") this.each((m) => ((m.follows = false), (m.path = []), m.ask({ ...m.asked, [name]: value })));
+      else {
+        this.askJoint(name, value);
+        this.draw();
+      }
+    });
+    return { name, unit, kind, input, output };
+  }
+
+  // A path that is drawn with the pointer is followed once the pointer is lifted.
+  drawable() {
+    let drawing = false;
+    const place = (event) => {
+      const p = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.picture.getScreenCTM().inverse());
+      return [p.x, -p.y];
+    };
+    const draw = (event) => this.each((m) => m.path.push(place(event)));
+    this.picture.addEventListener("pointerdown", (event) => {
+      drawing = true;
+      this.picture.setPointerCapture?.(event.pointerId);
+      this.each((m) => m.stop());
+      draw(event);
+    });
+    this.picture.addEventListener("pointermove", (event) => drawing && draw(event));
+    this.picture.addEventListener("pointerup", () => {
+      drawing = false;
+      this.each((m) => (m.follows = m.path.length > 0));
+    });
+  }
+
+  draw() {
+    const { x, y, theta } = this.pose;
+    this.look();
+    set(this.body, { transform: `translate(${x} ${y}) rotate(${degrees(theta)})` });
+    for (const picture of this.wheels) {
+      const { name } = picture.wheel;
+      const steer = this.joints[`${name}.steer`] ?? 0;
+      picture.draw(steer, this.turned[name], this.across(picture.wheel, steer));
+    }
+    const icr = this.icr;
+    set(this.centre, { visibility: icr ? "visible" : "hidden", cx: icr?.[0] ?? 0, cy: icr?.[1] ?? 0 });
+    set(this.trailLine, { points: this.trail.join(" ") });
+    set(this.pathLine, { points: this.path.join(" ") });
+    for (const { name, unit, kind, input, output } of this.sliders) {
+      const value = (kind === "twist" ? this.asked : this.joints)[name];
+      input.value = value;
+      output.textContent = `${(unit === "°" ? degrees(value) : value).toFixed(unit === "°" ? 1 : 3)} ${unit}`;
+    }
+    this.tell();
+  }
+
+  // How fast the contact point of a wheel that must not slide would move along its axle.
+  across(wheel, steer) {
+    if (!wheel.zero || wheel.swivels || !(this.slip > SLIDING)) return 0;
+    const [c, s] = [Math.cos(wheel.heading + steer), Math.sin(wheel.heading + steer)];
+    const [x, y] = [wheel.x + wheel.d * c - wheel.o * s, wheel.y + wheel.d * s + wheel.o * c];
+    const { vx, vy, omega } = this.asked;
+    return c * (vy + omega * x) - s * (vx - omega * y);
+  }
+
+  // The ground keeps still until the robot comes near its edge.
+  look() {
+    const [width, height] = GROUND.map((n) => n * this.size);
+    const at = [this.pose.x, this.pose.y];
+    this.camera = this.camera.map((c, k) => {
+      const room = [width, height][k] / 2 - 1.6 * this.size;
+      return Math.min(Math.max(c, at[k] - room), at[k] + room);
+    });
+    const [x, y] = this.camera;
+    set(this.picture, { viewBox: [x - width / 2, -y - height / 2, width, height].join(" ") });
+    const power = 10 ** Math.floor(Math.log10(width / 5));
+    this.square = [1, 2, 5].map((n) => n * power).findLast((n) => n <= width / 5);
+    const lines = [];
+    for (let k = Math.ceil((x - width / 2) / this.square); k * this.square < x + width / 2; k++) {
+      lines.push(`M${k * this.square} ${y - height / 2}v${height}`);
+    }
+    for (let k = Math.ceil((y - height / 2) / this.square); k * this.square < y + height / 2; k++) {
+      lines.push(`M${x - width / 2} ${k * this.square}h${width}`);
+    }
+    set(this.grid, { d: lines.join("") });
+  }
+
+  tell() {
+    const { vx, vy, omega } = this.twist;
+    const icr = this.icr?.map((v) => v.toFixed(2)).join(", ");
+    const slides = this.slip > SLIDING;
+    this.state.classList.toggle("slips", slides);
+    const slip = `slip ${this.slip.toFixed(3)} m/s. `;
+    const why = !slides ? "" : this.byTwist
+      ? `The wheels cannot do all of what is asked: ${slip}`
+      : `The wheels contradict one another: ${slip}`;
+    this.state.textContent =
+      `${why}It drives vx ${vx.toFixed(3)} m/s, vy ${vy.toFixed(3)} m/s, ω ${omega.toFixed(3)} rad/s` +
+      `${icr ? ` about the ICR (${icr}) m` : ""}. One square is ${+this.square.toPrecision(1)} m.`;
+  }
+}
+
+// ---- all robots of the page, in step
+
+const parent = document.getElementById("live");
+if (parent) {
+  const size = Math.max(...data.map(reach));
+  const lives = data.map((robot, k) => new Live(parent, robot, robots[k], size));
+  for (const live of lives) {
+    live.mates = lives;
+    live.draw();
+  }
+  parent.lives = lives; // for the console
+  let last = performance.now();
+  const frame = (now) => {
+    const dt = Math.min(0.05, (now - last) / 1000);
+    last = now;
+    for (const live of lives.filter((l) => l.moves)) {
+      live.step(dt);
+      live.draw();
+    }
+    requestAnimationFrame(frame);
+  };
+  requestAnimationFrame(frame);
+}

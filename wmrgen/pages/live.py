@@ -22,6 +22,7 @@ def robot(derivation: Derivation) -> dict[str, Any]:
         "wheels": [_wheel(wheel) for wheel in derivation.robot.wheels],
         "joints": [port.name for port in sensed if port.name.rpartition(".")[2] in _JOINTS],
         "limits": dict(site(derivation).limits),
+        "omnidirectional": derivation.mobility.degree_of_mobility == 3,
     }
 
 

@@ -1,0 +1,55 @@
+// What the pictures of all robots of the page show when their sliders are moved.
+const shown = (live) => ({
+  body: live.body.getAttribute("transform"),
+  wheels: Object.fromEntries(live.wheels.map((w) => [w.wheel.name, w.group.getAttribute("transform")])),
+  icr: [live.centre.getAttribute("cx"), live.centre.getAttribute("cy"), live.centre.getAttribute("visibility")],
+  values: Object.fromEntries(live.sliders.map((s) => [s.name, [s.input.valueAsNumber, ...["step", "min", "max"].map((a) => Number(s.input[a]))]])),
+  outputs: Object.fromEntries(live.sliders.map((s) => [s.name, s.output.textContent])),
+  asked: { ...live.asked },
+  driven: { ...live.twist },
+  joints: { ...live.joints },
+  slip: live.slip,
+  told: live.state.textContent,
+});
+const move = (live, part, kind) => {
+  live.sliders.filter((s) => s.kind === kind).forEach((s, k) => {
+    const [min, max] = [Number(s.input.min), Number(s.input.max)];
+    const f = part(k);
+    s.input.value = f >= 0 ? f * max : -f * min;
+    s.input.dispatchEvent(new Event("input"));
+  });
+};
+const parts = {
+  ahead: [(k) => (k === 0 ? 0.4 : 0), "twist"],
+  turning: [(k) => [0.3, 0, 0.25][k], "twist"],
+  all: [(k) => [0.3, -0.35, 0.4][k], "twist"],
+  joints: [(k) => [0.2, 0.35, -0.15, 0.3][k % 4], "joint"],
+};
+const results = {};
+for (const live of document.getElementById("live").lives) {
+  live.mates = [live];
+  results[live.robot.name] = {};
+  for (const [name, [part, kind]] of Object.entries(parts)) {
+    live.reset();
+    live.draw();
+    move(live, part, kind);
+    const before = shown(live);
+    live.step(0.5);
+    live.draw();
+    results[live.robot.name][name] = [before, shown(live)];
+  }
+  // A path ahead and to the left is followed to its end, by a robot that can.
+  live.reset();
+  live.size = Math.max(...live.robot.wheels.map((w) => 0.1 + Math.hypot(w.x, w.y)));
+  live.each((m) => {
+    for (let k = 0; k <= 20; k++) m.path.push([k * 0.4 * m.size, 0.03 * k * k * m.size]);
+    m.follows = true;
+  });
+  const end = live.path.at(-1);
+  let steps = 0;
+  for (; steps < 4000 && live.follows; steps++) live.step(0.02);
+  const { x, y } = live.pose;
+  results[live.robot.name].path = { arrives: !live.follows, off: Math.hypot(x - end[0], y - end[1]) / live.size, steps };
+  live.reset();
+}
+return results;

@@ -15,14 +15,16 @@ from jsonschema import Draft202012Validator
 from tests.conftest import GALLERY, ROOT, Outcome, process
 from tests.depth import everyday
 from tests.spec.files import read
+from wmrgen import robot_of
 from wmrgen.errors import RobotFileError
 from wmrgen.functions.control.gains import TEXTBOOK
 from wmrgen.functions.registry import check, optional_names
 from wmrgen.layout import build
-from wmrgen.spec.fields import Amount
-from wmrgen.spec.keys import SECTIONS, WHEEL
-from wmrgen.spec.part_keys import GAINS
-from wmrgen.spec.schema import MODELINE, SCHEMA_FILE, json_schema, reference
+from wmrgen.spec.fields import Amount, Field
+from wmrgen.spec.keys import ROBOT, SECTIONS, WHEEL
+from wmrgen.spec.part_keys import GAINS, VIRTUAL
+from wmrgen.spec.reference import example, mistake, reference
+from wmrgen.spec.schema import MODELINE, SCHEMA_FILE, json_schema
 from wmrgen.wheels import WHEEL_TYPES
 
 SCHEMA = json_schema(optional_names())
@@ -157,3 +159,58 @@ def test_hints_lead_to_one_key(name: str) -> None:
 def test_gains_that_are_not_given_are_those_of_the_text() -> None:
     assert {f.key: float(f.default) for f in GAINS.fields} == {k: float(v) for k, v in TEXTBOOK.items()}
     assert all(isinstance(f.value, Amount) for f in GAINS.fields)
+
+
+WHERE = {
+    "`limits`, of the robot or of a wheel": "limits: {{{}}}",
+    "`noise`, of the robot or of a wheel": "noise: {{{}}}",
+    "`spin` and `steer_rate` of `noise`": "noise: {{spin: {{{}}}}}", "`steer` of `noise`": "noise: {{steer: {{{}}}}}",
+    "`encoder`, of the robot or of a wheel": "encoder: {{{}}}", "Each joint of `encoder`": "encoder: {{spin: {{{}}}}}",
+    "`lag`, of the robot or of a wheel": "lag: {{{}}}",
+    "A parameter with more than a value": "parameters: {{p: {{{}}}}}", "Each of `couplings`": "couplings: [{{{}}}]",
+    "Each of `virtual`": "virtual: [{{{}}}]", "Each of `trailers`": "trailers: [{{{}}}]", "`cg`": "cg: {{{}}}",
+    "`gains`": "gains: {{{}}}",
+}  # fmt: skip
+
+
+def written(title: str, field: Field, text: str) -> str:
+    """A robot file with ``text`` in a section, and beside it what the section has to have."""
+    section = SECTIONS[title]
+    wheels = [
+        f"{{name: {name}, type: steered, x: 1, y: {y}, heading: 0, r: 0.1}}" for y, name in enumerate(_NAMES)
+    ]
+    if section is WHEEL:
+        wheels.append(f"{{{', '.join([text, *_beside_in_a_wheel(field.key)])}}}")
+    beside = [example(f) for f in section.fields if f.required and f is not field]
+    if section is VIRTUAL:
+        beside += ["steers: [a, b]"] * (field.key not in ("steers", "drives"))
+        beside += [f"{other}: 1" for other in {"x": "y", "y": "x"}.get(field.key, "")]
+    lines = {"wmrgen": "wmrgen: 1", "name": "name: bot", "wheels": f"wheels: [{', '.join(wheels)}]"}
+    if section is ROBOT:
+        lines |= {field.key: text}
+    elif section is not WHEEL:
+        lines |= {title: WHERE[title].format(", ".join([text, *beside]))}
+    return "\n".join(lines.values()) + "\n"
+
+
+def _beside_in_a_wheel(key: str) -> list[str]:
+    """What a wheel with a key has beside it; the type is one that takes the key and has a motor, where one does."""
+    taking = [k for k in WHEEL_TYPES.values() if k.takes(key) or not WHEEL.field(key).misfit]
+    kind = max(taking, key=lambda k: (len(k.actuated), len(k.joints)))
+    keys = {"name": "w", "type": kind.name} | dict.fromkeys(kind.required, "0.1")
+    keys |= {"l": "1", "alpha": "1"} if key in ("l", "alpha") else {"x": "0", "y": "0"}
+    keys |= {"heading": "0"} if kind.oriented and key != "beta" else {}
+    return [f"{k}: {v}" for k, v in keys.items() if k != key]
+
+
+_NAMES = ("a", "b", "front_left", "front_right")
+KEYS = [(title, f) for title, section in SECTIONS.items() for f in section.fields]
+
+
+@pytest.mark.parametrize(("title", "field"), KEYS, ids=lambda v: v if isinstance(v, str) else v.key)
+def test_the_page_shows_what_is_taken_and_what_is_refused(title: str, field: Field) -> None:
+    robot_of(read(written(title, field, example(field))))
+    wrong, code = mistake(field)
+    with pytest.raises(RobotFileError) as refused:
+        robot_of(read(written(title, field, wrong)))
+    assert [part.code for part in refused.value.parts] == [code]

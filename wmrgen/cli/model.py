@@ -156,7 +156,8 @@ def functions(robot: Path, as_json: bool) -> int:
 def schema(as_markdown: bool, as_json: bool) -> int:
     """Print the JSON Schema of robot files, or their reference in Markdown."""
     from wmrgen.functions.registry import optional_names
-    from wmrgen.spec.schema import json_schema, reference
+    from wmrgen.spec.reference import reference
+    from wmrgen.spec.schema import json_schema
 
     if as_markdown and as_json:
         raise UsageError("there are --json and --markdown. Give one of them, not both.")

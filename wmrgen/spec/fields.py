@@ -128,7 +128,7 @@ class Field:
     not given, in words. ``aliases``: what people write instead, each with a hint ("" asks whether they meant the
     key). ``missing``: of a required key. ``misfit``: of a wheel's key that its type does not take; such a key is
     taken by the wheel types that name it (`wmrgen.wheels`), one without by all. ``joint``: of a limit, the joint
-    that has it; "" is the robot.
+    that has it; "" is the robot. ``example``: a value, where that of its kind makes no sense.
     """
 
     key: str
@@ -141,6 +141,7 @@ class Field:
     missing: Reason | None = None
     misfit: Reason | None = None
     joint: str = ""
+    example: str = ""
 
     @property
     def spellings(self) -> tuple[str, ...]:

@@ -54,7 +54,7 @@ def _noise_of(kind: Kind, example: str) -> Section:
         (
             Field(
                 "proportional", Amount(Kind.ANY, "1"), "standard deviation in proportion to the value",
-                default="0", aliases=dict.fromkeys(("relative", "scale", "percent"), ""),
+                default="0", example="0.02", aliases=dict.fromkeys(("relative", "scale", "percent"), ""),
             ),
             Field(
                 "constant", Amount(kind), "standard deviation at any value", default="0",
@@ -83,18 +83,18 @@ COUNTER = Section(
     (
         Field(
             "counts", Amount(Kind.ANY, "1"), "counts per turn of the encoder's shaft, all four edges of a quadrature",
-            required=True, aliases=dict.fromkeys(("cpr", "ticks", "resolution", "ppr", "lines"), ""),
+            required=True, example="4096", aliases=dict.fromkeys(("cpr", "ticks", "resolution", "ppr", "lines"), ""),
             missing=("It turns counts into an angle.", "Write counts: and the counts per turn, such as counts: 4096."),
         ),
         Field(
             "gear", Amount(Kind.ANY, "1"), "turns of the encoder's shaft per turn of the joint", default="1",
-            aliases=dict.fromkeys(("ratio", "gear_ratio", "reduction"), ""),
+            example="30", aliases=dict.fromkeys(("ratio", "gear_ratio", "reduction"), ""),
         ),
         Field(
             "reversed", Word(YES, "false"), "it counts down where the joint turns in its positive direction",
             aliases=dict.fromkeys(("inverted", "invert", "reverse"), ""),
         ),
-        Field("bits", Amount(Kind.ANY, "1"), "width of the counter, which wraps: 16 or 32", default="32"),
+        Field("bits", Amount(Kind.ANY, "1"), "width of the counter, which wraps: 16 or 32", default="32", example="16"),
     ),
 )  # fmt: skip
 ENCODER = Section(

@@ -30,10 +30,12 @@ PARAMETER = Section(
     "a parameter",
     "{value: 0.1, tunable: true}",
     (
-        Field("value", Amount(Kind.ANY), "the value, which may use other parameters", required=True),
+        Field(
+            "value", Amount(Kind.ANY), "the value, which may use other parameters", required=True, example="0.1"
+        ),
         Field("tunable", Word(YES, "false"), "the parameter stays an input of the generated code"),
     ),
-)
+)  # fmt: skip
 
 WHEEL = Section(
     "a wheel",
@@ -71,7 +73,7 @@ WHEEL = Section(
             aliases=dict.fromkeys(("theta", "yaw", "orientation", "angle", "direction"), ""),
         ),
         Field(
-            "r", _LENGTH, "wheel radius, not diameter",
+            "r", _LENGTH, "wheel radius, not diameter", example="50 mm",
             aliases={
                 **dict.fromkeys(("radius", "wheel_radius"), ""),
                 **dict.fromkeys(("diameter", "dia"), "Did you mean r? It is the radius: half the diameter."),
@@ -120,7 +122,7 @@ WHEEL = Section(
             "how much the wheel counts in forward beside other wheels: one of weight 1/4 is taken for twice as noisy",
             default="1",
         ),
-        Field("limits", LIMITS, "limits of this wheel's joints, before those of the robot"),
+        Field("limits", LIMITS, "limits of this wheel's joints, before those of the robot", example="{spin: 20}"),
         Field("noise", NOISE, "noise of this wheel's joints, before that of the robot"),
         Field("encoder", ENCODER, "encoders of this wheel's joints, before those of the robot"),
         Field("lag", LAG, "lag of this wheel's joints, before that of the robot"),

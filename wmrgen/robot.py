@@ -311,9 +311,13 @@ class Derivation:
 
         return f"$$C_1 N = 0,\\quad N = {Latex().doprint(self.null_space)}$$"
 
+    @cached_property
+    def figures(self) -> dict[str, tuple[str, str]]:
+        """File name -> a sentence that says what is seen, and the SVG text; the top view is the first."""
+        return {f.file: (f.alt, f.svg) for f in BACKENDS["drawing"].offers("figures")(self)}
+
     def _repr_svg_(self) -> str:
-        picture: str = BACKENDS["drawing"].offers("picture")(self)
-        return picture
+        return self.figures["layout.svg"][1]
 
 
 def _of_twist(rows: Iterable[ConstraintRow]) -> sympy.Matrix:

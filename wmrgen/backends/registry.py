@@ -275,7 +275,10 @@ for _entry in (
         "javascript", "wmrgen.backends.javascript", "module", "javascript",
         reserved=(JAVASCRIPT,), package=True,
     ),
-    Entry("drawing", "wmrgen.backends.drawing", "itself", files=(Files(("layout.svg",)),)),
+    Entry(
+        "drawing", "wmrgen.backends.drawing", "itself",
+        files=(Files(("layout.svg", "symbols.svg", "motion.svg", "singular.svg", "reach.svg")),),
+    ),
     Entry(
         "report", "wmrgen.backends.report", "itself",
         files=(

@@ -17,7 +17,7 @@ FIXED = WheelType(
         "A fixed wheel rolls without slip in its plane (3.12) and does not slide across it (3.13):",
         equations=(12, 13),
     ),
-    glyph=Glyph("#4a5763"),
+    glyph=Glyph("#4d4d4d"),
 )
 
 
@@ -45,7 +45,7 @@ STEERED = WheelType(
         "the wheel; the book has no such term:",
         equations=(15, 16),
     ),
-    glyph=Glyph("#5b8def"),
+    glyph=Glyph("#56b4e9"),
 )
 
 
@@ -66,7 +66,7 @@ CASTOR = WheelType(
         free="a castor swivels into any motion",
         equations=(17, 18),
     ),
-    glyph=Glyph("#c9a26b"),
+    glyph=Glyph("#e69f00"),
 )
 
 
@@ -108,7 +108,7 @@ SWEDISH = WheelType(
         note="(The book prints (3.20) with −r φ̇ sin γ. With the rollers locked, (3.19) and (3.20) must together "
         "give the velocity r φ̇ along the wheel, and only the plus sign does.)",
     ),
-    glyph=Glyph("#bfe3d6", width=0.72, sign=4),
+    glyph=Glyph("#009e73", width=0.72, sign=4),
 )
 
 
@@ -127,5 +127,5 @@ SPHERICAL = WheelType(
         free="a sphere rolls any way",
         equations=(21, 22),
     ),
-    glyph=Glyph("#e3cbe9", width=2.0, ball=True),
+    glyph=Glyph("#cc79a7", width=2.0, ball=True),
 )

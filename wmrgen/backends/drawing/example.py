@@ -1,10 +1,10 @@
-"""The steering that the picture shows: every axle through one ICR, which lies off-centre."""
+"""The motion that figures show: a twist that the robot can drive, off-centre, and the headings that let it roll."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import atan2, cos, hypot, pi, radians, remainder, sin
+from math import acos, atan2, cos, hypot, pi, radians, remainder, sin
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.paper import Point, bounds, distance, middle
@@ -24,8 +24,9 @@ _DISTANCES = (1.3, 1.7, 2.2, 2.8, 3.6, 5.0, 8.0, -1.3, -2.2, -3.6, 12.0)
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """``headings``: rolling direction by wheel [rad]. ``icr``: None where there is no single one."""
+    """``twist`` of P [m/s, rad/s]. ``headings``: rolling direction by wheel [rad]. ``icr``: None without rotation."""
 
+    twist: Twist
     headings: dict[str, float]
     icr: Point | None
 
@@ -37,17 +38,19 @@ def extent(wheels: tuple[Wheel, ...]) -> tuple[Point, float]:
     return middle(box), max(size, 2 * max(float(w.nominal.r) for w in wheels), 1e-3)
 
 
-def example(robot: Robot, mobility: Mobility) -> Example:
-    """A steering of all wheels that lets the robot move, inside the steering limits if a candidate is."""
-    steered = [w for w in robot.wheels if w.kind.steers]
-    headings = {w.name: w.heading for w in robot.wheels}
-    twist = _twist(robot, mobility, steered)
-    if twist is None:
-        return Example(headings, None)
-    for w in steered:
-        headings[w.name] = w.heading + _swing(robot, w, twist)
-    one = mobility.degree_of_mobility == 1  # with more freedom the wheels leave the ICR open
-    return Example(headings, _icr(twist, extent(robot.wheels)[1]) if one else None)
+def example(robot: Robot, mobility: Mobility) -> Example | None:
+    """A motion that the steering limits allow if a candidate does; None where the robot cannot move."""
+    twist = _twist(robot, mobility, [w for w in robot.wheels if w.kind.steers])
+    return None if twist is None else moving(robot, twist)
+
+
+def moving(robot: Robot, twist: Twist) -> Example:
+    """What the wheels do under an admissible twist; castors stand as they trail when it lasts."""
+    headings = {}
+    for w in robot.wheels:
+        swing = _swing(robot, w, twist) if w.kind.steers else _trail(w, twist) if w.kind.swivels else 0.0
+        headings[w.name] = w.heading + swing
+    return Example(twist, headings, icr(twist, extent(robot.wheels)[1]))
 
 
 def _twist(robot: Robot, mobility: Mobility, steered: list[Wheel]) -> Twist | None:
@@ -111,17 +114,36 @@ def _swing(robot: Robot, w: Wheel, t: Twist) -> float:
     return other if not _inside(robot, w, turn) and _inside(robot, w, other) else turn
 
 
+def _trail(w: Wheel, t: Twist) -> float:
+    """The steering angle of a castor that a lasting motion pulls: its axle runs through the ICR, its contact lies
+    behind its pivot. 0 where there is none: its pivot is closer to the ICR than its contact can be."""
+    a, b = _velocity(w, t)
+    speed, d = hypot(a, b), float(w.nominal.d)
+    if speed < 1e-12 or speed <= abs(d * t[2]):
+        return 0.0
+    # e . (C - A) = d, where the ICR C lies speed / omega to the left of the velocity.
+    aside = acos(max(-1.0, min(1.0, d * t[2] / speed)))  # from the direction to C's side, to e
+    left = atan2(b, a) + pi / 2
+    return remainder(left + (aside if d > 0 else -aside) - w.heading, 2 * pi)
+
+
 def _inside(robot: Robot, w: Wheel, turn: float) -> bool:
     limit = robot.limit(w, "steer")
     return limit is None or float(limit.low) - 1e-9 <= turn <= float(limit.high) + 1e-9
 
 
+def allowed(robot: Robot, w: Wheel, t: Twist) -> bool:
+    """Whether the limits of a steered wheel let it roll under a twist."""
+    return _inside(robot, w, _swing(robot, w, t))
+
+
 def _allowed(robot: Robot, steered: list[Wheel], t: Twist, size: float) -> bool:
     far = all(hypot(*_velocity(w, t)) > 0.35 * size * abs(t[2]) for w in steered)
-    return far and all(_inside(robot, w, _swing(robot, w, t)) for w in steered)
+    return far and all(allowed(robot, w, t) for w in steered)
 
 
-def _icr(t: Twist, size: float) -> Point | None:
+def icr(t: Twist, size: float) -> Point | None:
+    """The instantaneous centre of rotation [m]; None where a robot of this size does not turn."""
     if abs(t[2]) * size < 1e-6 * hypot(t[0], t[1]):
         return None
-    return -t[1] / t[2], t[0] / t[2]
+    return -t[1] / t[2] + 0.0, t[0] / t[2] + 0.0

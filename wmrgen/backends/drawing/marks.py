@@ -1,14 +1,15 @@
-"""What is drawn of a wheel seen from above and of the ICR, and the line of symbols that explains the picture."""
+"""What is drawn of a wheel seen from above, of frames and of the ICR, and the lines of symbols that explain it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import cos, degrees, sin
+from math import atan2, cos, degrees, sin
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.paper import (
     Box,
+    Paper,
     Point,
     Segment,
     along,
@@ -18,18 +19,20 @@ from wmrgen.backends.drawing.paper import (
     circle,
     clip,
     distance,
+    hull,
     line,
-    text,
-)
+    polygon,
+    width,
+)  # fmt: skip
+from wmrgen.backends.drawing.view import AT_ORIGIN, Pose, View, moved
 from wmrgen.wheels import WHEEL_TYPES
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Wheel
     from wmrgen.wheels import WheelType
 
-_ARROW = 17.0  # length of the rolling-direction arrow
-_CHARACTER = 5.7  # mean width of a sans-serif character at 11.5 px, with reserve
-_SYMBOL, _SPACE, _ROW = 24.0, 14.0, 20.0  # of an entry of the legend
+_ARROW = 13.0  # length of the rolling-direction arrow
+_SYMBOL, _SPACE, _ROW = 22.0, 12.0, 18.0  # of an entry of the legend
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +44,6 @@ class Placed:
     centre: Point
     ahead: Point
     half: Point
-    heading: float  # [rad]
 
     @property
     def left(self) -> Point:
@@ -59,42 +61,65 @@ class Placed:
         """Where the rolling-direction arrow ends."""
         return along(self.centre, self.ahead, self.half[0] + _ARROW)
 
+    @property
+    def reach(self) -> Box:
+        """The box of the wheel and of its pivot, of a castor with all that it swivels over."""
+        if not self.wheel.turns:
+            return self.box
+        arm = distance(self.centre, self.pivot) if self.wheel.kind.swivels else 3.0
+        a, b = self.box, bounds([self.pivot], arm)
+        return min(a[0], b[0]), min(a[1], b[1]), max(a[2], b[2]), max(a[3], b[3])
+
 
 def contact(w: Wheel, heading: float) -> Point:
     """B = A + d e + o n [m]."""
-    g = w.nominal
-    x, y, d, o = float(g.x), float(g.y), float(g.d), float(g.o)
-    return x + d * cos(heading) - o * sin(heading), y + d * sin(heading) + o * cos(heading)
+    b = w.contact(complex(cos(heading), sin(heading)))
+    return b.real, b.imag
 
 
-def body(p: Placed) -> list[str]:
-    """Tyre or ball, rollers, the arm of a castor, the pivot."""
+def placed(w: Wheel, heading: float, view: View, pose: Pose = AT_ORIGIN) -> Placed:
+    """The wheel on paper at a heading [rad] in the robot frame, the robot at a pose."""
+    radius = max(float(w.nominal.r) * view.scale, 2.5)
+    wide = max(w.kind.glyph.width * radius / 2, min(3.0, 0.9 * radius))
+    pivot, centre = (view.on(moved(p, pose)) for p in ((w.pivot.real, w.pivot.imag), contact(w, heading)))
+    return Placed(w, pivot, centre, view.way(heading + pose[2]), (radius, wide))
+
+
+def extremes(w: Wheel, heading: float) -> list[Point]:
+    """Points [m] around what is drawn of a wheel."""
+    (x, y), r = contact(w, heading), float(w.nominal.r)
+    c, s = (r, r) if w.kind.glyph.ball else (r * cos(heading), r * sin(heading))
+    return [(w.pivot.real, w.pivot.imag), (x + c, y + s), (x - c, y - s)]
+
+
+def body(p: Placed, fine: bool = True) -> list[str]:
+    """Tyre or ball, the arm of a castor, the pivot; with what is fine, rollers and where a castor swivels."""
     w = p.wheel
     if w.kind.glyph.ball:
         return [circle(p.centre, p.half[0], f"wheel {w.type}"), circle(p.centre, 1.6, "dot")]
-    arm = distance(p.pivot, p.centre)
-    lines = [circle(p.pivot, arm, "swivel")] if w.kind.swivels else []
-    half = (p.half[1], p.half[0])
-    lines.append(bar(p.centre, half, min(3.0, p.half[1]), -degrees(p.heading), f"wheel {w.type}"))
-    if w.kind.rollers:
-        lines += [line(a, b, "roller") for a, b in _rollers(p)]
-    if w.turns and arm:
-        lines.append(line(p.pivot, p.centre, "arm"))
-    return [*lines, circle(p.pivot, 3.2, "pivot")] if w.turns else lines
+    offset = distance(p.pivot, p.centre)
+    elements = [circle(p.pivot, offset, "swivel")] if w.kind.swivels and fine else []
+    turn = degrees(atan2(p.ahead[0], -p.ahead[1]))
+    elements.append(bar(p.centre, (p.half[1], p.half[0]), min(3.0, p.half[1]), turn, f"wheel {w.type}"))
+    if w.kind.rollers and fine:
+        elements += [line(a, b, "roller") for a, b in _rollers(p)]
+    if w.turns and offset:
+        elements.append(line(p.pivot, p.centre, "arm"))
+    return [*elements, circle(p.pivot, 2.8, "pivot")] if w.turns else elements
 
 
 def direction(p: Placed) -> list[str]:
     """The arrow of positive rolling."""
     if not p.wheel.has_spin:
         return []
-    return arrow(along(p.centre, p.ahead, p.half[0] + 2), p.nose, "roll", 4.2)
+    return arrow(along(p.centre, p.ahead, p.half[0] + 2), p.nose, "roll", 4.0)
 
 
 def _rollers(p: Placed) -> Iterator[Segment]:
     """Roller axes at the ground, cut at the tyre: parallel lines at gamma from the wheel plane."""
     c, s = cos(p.wheel.gamma), sin(p.wheel.gamma)
     a, b = p.half[0] - 1.2, p.half[1] - 1.2
-    gap = min(9.0, max(5.0, b / 2.5))
+    gap = min(9.0, max(4.5, b / 2.5))
     count = int((abs(s) * a + abs(c) * b) / gap)
     for k in range(-count, count + 1):
         cut = clip((-s * k * gap, c * k * gap), (c, s), (-a, -b, a, b))  # in the wheel's own frame, e and n
@@ -103,38 +128,72 @@ def _rollers(p: Placed) -> Iterator[Segment]:
             yield first, last
 
 
+def chassis(pivots: Sequence[Point]) -> list[str]:
+    """A pale shape through all pivots: where the body is."""
+    points = hull(list(pivots))
+    if len(points) < 2:
+        return []
+    return [polygon(points, "chassis") if len(points) > 2 else line(points[0], points[1], "chassis")]
+
+
+def frame(view: View, names: tuple[str, str, str], paper: Paper, size: float = 34.0) -> list[str]:
+    """The axes of a frame with their names and that of its origin."""
+    p = view.origin
+    x, y = view.x, view.way(1.5707963267948966)
+    tips = along(p, x, size), along(p, y, size)
+    paper.boxes += [bounds([p, tip], 3) for tip in tips]
+    lines = [line(p, tip, "halo") for tip in tips]
+    for tip in tips:
+        lines += arrow(p, tip, "frame")
+    places = (
+        along(along(p, x, size - 2), y, -8),
+        along(along(p, y, size - 2), x, -8),
+        along(along(p, x, -8), y, -8),
+    )
+    for name, (left, base) in zip(names, places, strict=True):
+        lines.append(paper.write((left, base + 4), name, "letter", "middle"))
+    return lines
+
+
 def icr_mark(p: Point) -> list[str]:
     """The sign of the ICR."""
-    return [circle(p, 5.5, "icr"), circle(p, 1.8, "icr-dot")]
+    return [circle(p, 5.0, "icr"), circle(p, 1.7, "icr-dot")]
 
 
 def legend(
-    kinds: list[WheelType], axles: bool, icr: bool, width: float, top: float
+    entries: Sequence[tuple[str, str]], wide: float, top: float, paper: Paper
 ) -> tuple[list[str], float]:
-    """Lines that explain what occurs in the picture, and their height."""
-    x, y = 24.0, top
+    """Rows of symbols with their words, and their height."""
+    x, y = 16.0, top + 8
     lines: list[str] = []
-    for symbol, words in _entries(kinds, axles, icr):
-        size = _SYMBOL + len(words) * _CHARACTER + _SPACE
-        if x + size > width - 16 and x > 24:
-            x, y = 24.0, y + _ROW
-        lines += [*_symbol(symbol, x + 8, y), text((x + _SYMBOL, y + 4), words, "key")]
+    for symbol, words in entries:
+        size = _SYMBOL + width(words) + _SPACE
+        if x + size > wide - 4 and x > 16:
+            x, y = 16.0, y + _ROW
+        lines += [*_symbol(symbol, x + 8, y), paper.write((x + _SYMBOL, y + 4), words, "key")]
         x += size
-    return lines, y + _ROW - top
+    return lines, y + 10 - top
 
 
-def _entries(kinds: list[WheelType], axles: bool, icr: bool) -> list[tuple[str, str]]:
-    occurring = (
-        ("roll", "positive rolling", any(kind.has_spin for kind in kinds)),
-        ("pivot", "pivot", any(kind.turns for kind in kinds)),
-        ("roller", "roller axis at the ground (on top: mirrored)", any(kind.rollers for kind in kinds)),
-        ("axle", "zero-motion line", axles),
-        ("icr", "instantaneous centre of rotation", icr),
-    )
+def entries(kinds: list[WheelType], wheels: Sequence[Wheel]) -> list[tuple[str, str]]:
+    """What the legend says of wheels: each type with its radii, and their marks."""
     return [
-        *((kind.name, kind.noun) for kind in kinds),
-        *((s, words) for s, words, occurs in occurring if occurs),
+        *((kind.name, kind.noun + _radii([w for w in wheels if w.kind is kind])) for kind in kinds),
+        *(
+            (symbol, words)
+            for symbol, words, occurs in (
+                ("roll", "positive rolling", any(kind.has_spin for kind in kinds)),
+                ("pivot", "pivot", any(kind.turns for kind in kinds)),
+                ("roller", "roller axis at the ground", any(kind.rollers for kind in kinds)),
+            )
+            if occurs
+        ),
     ]
+
+
+def _radii(wheels: Sequence[Wheel]) -> str:
+    radii = sorted({f"{float(w.nominal.r):.4g}" for w in wheels if w.nominal.r}, key=float)
+    return f", r = {', '.join(radii[:2])}{', …' * (len(radii) > 2)} m" if radii else ""
 
 
 def _symbol(symbol: str, x: float, y: float) -> list[str]:
@@ -144,10 +203,11 @@ def _symbol(symbol: str, x: float, y: float) -> list[str]:
             return [circle((x, y), 6, f"wheel {symbol}"), circle((x, y), 1.4, "dot")]
         return [bar((x, y), (glyph.sign, 7), 2, 0, f"wheel {symbol}")]
     symbols = {
-        "roll": arrow((x - 8, y), (x + 9, y), "roll", 4.2),
-        "pivot": [circle((x, y), 3.2, "pivot")],
+        "roll": arrow((x - 8, y), (x + 9, y), "roll", 4.0),
+        "pivot": [circle((x, y), 2.8, "pivot")],
         "roller": [line((x - 6, y + 5), (x + 6, y - 5), "roller")],
         "axle": [line((x - 9, y), (x + 10, y), "axle")],
         "icr": icr_mark((x, y)),
+        "trailer": [bar((x, y), (6, 4), 1, 0, "trailer")],
     }
     return symbols[symbol]

@@ -14,10 +14,32 @@ Point = tuple[float, float]
 Segment = tuple[Point, Point]
 Box = tuple[float, float, float, float]  # left, top, right, bottom
 
-CHARACTER, HEIGHT = 7.25, 14.0  # a monospaced character at 12 px
+SIZE, LETTER = 12.0, 14.0  # of words and of letters in formulas [px]
+HEIGHT = 14.0  # of a line of words
+_NARROW, _WIDE = frozenset(" iljft.,:;'|!()[]°/\""), frozenset("mwMW@%=+<>±×→ω−—")
 _GAPS = (4.0, 12.0, 22.0, 36.0, 54.0)  # between a name and its wheel
 _LEADER = 14.0  # from this gap on a line leads from the name to the wheel
 _DIRECTIONS = 24
+_HIT = 500.0  # what a name costs that touches what is drawn
+
+
+def width(words: str, size: float = SIZE) -> float:
+    """How wide words are at most, in the sans-serif fonts that browsers have [px]."""
+    return size * sum(
+        0.42 if c in _NARROW else 1.0 if c in _WIDE else 0.76 if c.isupper() else 0.64 for c in words
+    )
+
+
+def wrapped(words: str, wide: float) -> list[str]:
+    """Words in lines of at most ``wide`` px; a longer word has a line of its own."""
+    lines = [""]
+    for word in words.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if lines[-1] and width(longer) > wide:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines
 
 
 def along(p: Point, direction: Point, reach: float) -> Point:
@@ -128,6 +150,19 @@ def text(p: Point, words: str, cls: str) -> str:
     return f'<text x="{num(p[0])}" y="{num(p[1])}" class="{cls}">{escape(words)}</text>'
 
 
+def lines(points: Iterable[Point], cls: str) -> str:
+    """An open line through points."""
+    return f'<polyline points="{" ".join(pair(p) for p in points)}" class="{cls}"/>'
+
+
+def arc(centre: Point, start: Point, end: Point, turn: float, cls: str) -> str:
+    """The arc about ``centre`` from ``start`` to ``end``, that sweeps ``turn`` [rad], counter-clockwise as seen."""
+    radius, large = num(distance(centre, start)), int(abs(turn) > pi)
+    return (
+        f'<path d="M{pair(start)} A{radius},{radius} 0 {large} {int(turn < 0)} {pair(end)}" class="{cls}"/>'
+    )
+
+
 def arrow(a: Point, b: Point, cls: str, head: float = 5.0) -> list[str]:
     """A shaft from a towards b with a filled head that ends in b."""
     ux, uy = unit(a, b)
@@ -138,50 +173,55 @@ def arrow(a: Point, b: Point, cls: str, head: float = 5.0) -> list[str]:
 
 @dataclass(slots=True)
 class Paper:
-    """What is already drawn: boxes that names must not touch, segments that they had better not cross."""
+    """What is already drawn: boxes that words must not touch, segments that they had better not cross."""
 
     area: Box
     boxes: list[Box] = field(default_factory=list)
     segments: list[Segment] = field(default_factory=list)
 
-    def put(self, words: str, target: Box, away: Point, crowded: bool = False) -> list[str]:
+    def write(self, p: Point, words: str, cls: str = "words", anchor: str = "start") -> str:
+        """Words on the base line through p, which is where they start, their middle or their end."""
+        size = width(words, LETTER if cls == "letter" else SIZE) * (1.1 if cls == "title" else 1.0)
+        left = p[0] - {"start": 0.0, "middle": size / 2, "end": size}[anchor]
+        self.boxes.append((left, p[1] - 10.5, left + size, p[1] + 3.5))
+        return text(p, words, f"{cls} {anchor}")
+
+    def put(self, words: str, target: Box, away: Point, cls: str = "words") -> list[str]:
         """``words`` at the best place beside the box ``target``, seen from ``away``; with a line to it where they
         stand apart.
 
-        Greedy: the next name keeps clear of this one. On a crowded page a name that finds no free place is left out.
+        Greedy: the next words keep clear of these. Words that find no free place are left out.
         """
-        half = (len(words) * CHARACTER / 2 + 1, HEIGHT / 2)
+        half = (width(words, LETTER if cls == "letter" else SIZE) / 2 + 1, HEIGHT / 2)
         outward = unit(away, middle(target)) if distance(middle(target), away) > 2 else (1.0, 0.0)
-        best: tuple[float, Point, float] | None = None
-        count = _DIRECTIONS // 3 if crowded else _DIRECTIONS
-        for gap in _GAPS[:2] if crowded else _GAPS:
-            for k in range(count):
-                c, s = cos(2 * pi * k / count), sin(2 * pi * k / count)
+        best: tuple[float, Point, float] = (_HIT, (0.0, 0.0), 0.0)
+        for gap in _GAPS:
+            for k in range(_DIRECTIONS):
+                c, s = cos(2 * pi * k / _DIRECTIONS), sin(2 * pi * k / _DIRECTIONS)
                 cost = 0.9 * gap + 7 * (1 - (c * outward[0] + s * outward[1]))
-                if best is not None and cost >= best[0]:
+                if cost >= best[0]:
                     continue
                 centre = _clear_of(target, half, (c, s), gap)
-                cost += self._cost(_box(centre, half, 1), not crowded)
-                if best is None or round(cost, 3) < round(best[0], 3):
+                cost += self._cost(_box(centre, half, 1))
+                if round(cost, 3) < round(best[0], 3):
                     best = (cost, centre, gap)
-        assert best is not None
         cost, centre, gap = best
-        if crowded and cost > 400:
+        if cost >= _HIT:
             return []
         box = _box(centre, half)
         leader = _leader(box, target) if gap >= _LEADER else None
         self.boxes.append(box)
         if leader:
             self.segments.append(leader)
-        name = text((centre[0], centre[1] + 4.1), words, "name")
+        name = text((centre[0], centre[1] + 4.1), words, f"{cls} middle")
         return [line(*leader, "leader"), name] if leader else [name]
 
-    def _cost(self, box: Box, lines: bool) -> float:
-        """What is wrong with a name in ``box``: boxes that it touches, paper that ends, ``lines`` that it crosses."""
-        hits = sum(500 + common for other in self.boxes if (common := overlap(box, other)) > 0)
+    def _cost(self, box: Box) -> float:
+        """What is wrong with words in ``box``: boxes that they touch, paper that ends, lines that they cross."""
+        hits = sum(_HIT + common for other in self.boxes if (common := overlap(box, other)) > 0)
         outside = (box[2] - box[0]) * (box[3] - box[1]) - overlap(box, self.area)
-        crossed = sum(14.0 for a, b in self.segments if lines and _crosses(a, b, box))
-        return hits + (2000 + outside if outside > 1e-6 else 0.0) + crossed
+        crossed = sum(14.0 for a, b in self.segments if _crosses(a, b, box))
+        return hits + (4 * _HIT if outside > 1e-6 else 0.0) + min(crossed, 0.8 * _HIT)
 
 
 def _box(centre: Point, half: Point, grow: float = 0.0) -> Box:

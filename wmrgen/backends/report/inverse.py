@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.latex import broken, latex
-from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, in_degrees, listed, math
+from wmrgen.backends.report.markdown import (
+    CAP,
+    aligned,
+    code,
+    cut_note,
+    grouped,
+    in_degrees,
+    listed,
+    math,
+    pictures,
+)
 from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
@@ -86,7 +96,8 @@ def inverse(d: Derivation) -> list[str]:
         blocks += aligned([_spin(passive[0], twist), _swivel(passive[0], twist)])
     if steered:
         blocks += _steering(robot, steered, twist)
-    return [*blocks, *_coupled(robot, twist), *_slip(robot, projection, twist)]
+    blocks += [*_coupled(robot, twist), *_slip(robot, projection, twist)]
+    return blocks + pictures(d.figures, "reach.svg")
 
 
 def _spin(w: Wheel, twist: Row) -> str:

@@ -6,7 +6,7 @@ A page is a list of blocks, which `page` parts by blank lines: a heading, a para
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import degrees
 from typing import TYPE_CHECKING, SupportsFloat
 
@@ -52,6 +52,12 @@ def _symbol(match: re.Match[str]) -> str:
 def capitalised(text: str) -> str:
     """A finding as a sentence of its own."""
     return sentence(text[:1].upper() + text[1:]).removesuffix(".") + "."
+
+
+def pictures(figures: Mapping[str, tuple[str, str]], *files: str) -> list[str]:
+    """Those figures that there are, beside each other where the page is wide enough."""
+    lines = [f"![{escape(figures[file][0])}]({file})" for file in files if file in figures]
+    return ["\n".join(lines)] if lines else []
 
 
 def code(name: str) -> str:

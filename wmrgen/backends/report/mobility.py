@@ -14,6 +14,7 @@ from wmrgen.backends.report.markdown import (
     capitalised,
     items,
     math,
+    pictures,
     sentence,
     some,
     table,
@@ -208,6 +209,7 @@ def singular(d: Derivation) -> list[str]:
     blocks = ["## 9 Singular configurations"]
     if not d.mobility.singularities:
         return [*blocks, "There are none: no rank drops and no angle is undefined, whatever the robot does."]
+    blocks += pictures(d.figures, "singular.svg")
     pivots = [s for s in d.mobility.singularities if s.kind == "icr_on_pivot"]
     blocks += _pivots(d, pivots) if pivots else []
     for s in d.mobility.singularities:

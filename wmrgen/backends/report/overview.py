@@ -16,6 +16,7 @@ from wmrgen.backends.report.markdown import (
     in_degrees,
     items,
     listed,
+    pictures,
     plain,
     rounded,
     table,
@@ -71,6 +72,7 @@ def layout(d: Derivation) -> list[str]:
         "angles counter-clockwise; ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in that frame, the "
         "book's R(θ) ξ̇<sub>I</sub>. Lengths are in metres, angles in radians unless marked °. Fractions, roots "
         "and short decimals are exact; decimals with six digits are rounded.",
+        *pictures(d.figures, "symbols.svg"),
         *_wheels(robot.wheels),
         _legend(robot),
     ]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.report.forward import closed_forward
 from wmrgen.backends.report.inverse import closed_inverse
-from wmrgen.backends.report.markdown import code, table
+from wmrgen.backends.report.markdown import code, pictures, table
 from wmrgen.backends.report.overview import kind_of_robot
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ports import TWIST_NAMES
@@ -26,11 +26,10 @@ _SCALES = (Fraction(1, 10), Fraction(1, 20), Fraction(1, 50), Fraction(1, 100), 
 
 def result(d: Derivation) -> list[str]:
     """The section before the first one."""
-    blocks = ["## The result", f"![Top view of {d.robot.name}](layout.svg)"]
-    if any(w.kind.steers for w in d.robot.wheels):
-        blocks += ["The steered wheels are drawn at one admissible setting: all zero-motion lines agree."]
     return [
-        *blocks, kind_of_robot(d),
+        "## The result",
+        *pictures(d.figures, "layout.svg", "motion.svg"),
+        kind_of_robot(d),
         "**Inverse kinematics** (`inverse`), from the twist ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) to the joints "
         "(section 6):",
         *closed_inverse(d),

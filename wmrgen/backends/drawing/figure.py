@@ -1,0 +1,43 @@
+"""A figure: its file, what is seen on it, and the SVG text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+
+from wmrgen.backends.drawing.paper import num, pair
+from wmrgen.backends.drawing.view import View
+from wmrgen.render import render
+from wmrgen.wheels import WHEEL_TYPES
+
+WIDTH = 480.0  # of every figure: at 400 px words are 10 px high
+Group = tuple[str, Sequence[str]]  # attributes and elements
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """``alt``: a sentence that says what is seen."""
+
+    file: str
+    alt: str
+    svg: str
+
+
+def figure(file: str, alt: str, height: float, groups: Iterable[Group]) -> Figure:
+    """The figure of finished elements."""
+    svg = render(
+        "drawing/figure.svg.j2", width=num(WIDTH), height=num(height), title=escape(alt), groups=list(groups),
+        fills=[(name, kind.glyph.fill) for name, kind in WHEEL_TYPES.items()],
+    )  # fmt: skip
+    return Figure(file, alt, svg)
+
+
+def panel(view: View) -> str:
+    """Attributes of a group that say where it shows the plane: ``data-scale`` [px/m], ``data-origin`` [px]."""
+    return f' data-scale="{view.scale:.6g}" data-origin="{pair(view.origin)}"'
+
+
+def attribute(name: str, value: str) -> str:
+    """An attribute, its value as text."""
+    return f' data-{name}="{escape(value)}"'

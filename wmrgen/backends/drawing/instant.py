@@ -1,0 +1,134 @@
+"""A motion in the robot frame: where every wheel goes, and about which point."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import hypot
+from typing import TYPE_CHECKING
+
+from wmrgen.backends.drawing.example import Example, extent
+from wmrgen.backends.drawing.figure import Group, panel
+from wmrgen.backends.drawing.marks import Placed, body, chassis, contact, extremes, frame, icr_mark, placed
+from wmrgen.backends.drawing.paper import (
+    Box,
+    Paper,
+    Point,
+    Segment,
+    along,
+    arrow,
+    bounds,
+    clip,
+    distance,
+    line,
+    middle,
+    pair,
+    unit,
+)  # fmt: skip
+from wmrgen.backends.drawing.view import View, fitted
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Robot
+
+FAR = 3.3  # robot sizes from its centre: an ICR farther off is pointed at
+_FASTEST = 30.0  # the length of the longest velocity [px]
+_MANY = 12  # wheels, from which on velocities and lines to the ICR are left out
+
+
+def number(value: float) -> str:
+    """Three significant digits."""
+    return f"{round(value, 12) + 0.0:.3g}".replace("-", "−")
+
+
+def instant(robot: Robot, shown: Example, area: Box, title: str, words: Sequence[str]) -> list[Group]:
+    """The robot from above in ``area``, x up: axle lines, velocities, the ICR or an arrow to it; words below."""
+    centre, size = extent(robot.wheels)
+    near = shown.icr is not None and distance(shown.icr, centre) <= FAR * size
+    points = [p for w in robot.wheels for p in extremes(w, shown.headings[w.name])] + [(0.0, 0.0)]
+    if near and shown.icr:
+        points.append(shown.icr)
+    inner = (area[0] + 26, area[1] + 22, area[2] - 26, area[3] - 26)
+    view = fitted(points, inner, most=40.0 / max(float(w.nominal.r) for w in robot.wheels))
+    paper = Paper(area)
+    wheels = [placed(w, shown.headings[w.name], view) for w in robot.wheels]
+    icr = view.on(shown.icr) if near and shown.icr else None
+    written = [paper.write((area[0], area[1] - 8), title, "title")]
+    written += [paper.write((area[0], area[3] + 14 + 15 * k), text) for k, text in enumerate(words)]
+    signs = frame(view, ("x", "y", "P"), paper, 24.0)
+    paper.boxes += [p.box for p in wheels]
+    mark = _icr(icr, paper) if icr else _pointed(shown, view, paper)
+    few = len(wheels) <= _MANY
+    axles = _axles(wheels, icr, area) if few else []
+    spokes = [line(icr, p.centre, "spoke") for p in wheels if few and icr and not _has_axle(p)]
+    velocities = _velocities(wheels, shown, view) if few else []
+    return [
+        (panel(view) + _at(icr), chassis([p.pivot for p in wheels])),
+        ("", [*(line(*axle, "axle") for axle in axles), *spokes]),
+        *(("", body(p)) for p in wheels), ("", [*velocities, *signs, *mark, *written]),
+    ]  # fmt: skip
+
+
+def _at(icr: Point | None) -> str:
+    return f' data-icr="{pair(icr)}"' if icr else ""
+
+
+def _has_axle(p: Placed) -> bool:
+    return p.wheel.kind.sliding_row
+
+
+def _velocities(wheels: list[Placed], shown: Example, view: View) -> list[str]:
+    """The velocity of every contact, as long as it is fast."""
+    vx, vy, omega = shown.twist
+    speeds = []
+    for p in wheels:
+        x, y = contact(p.wheel, shown.headings[p.wheel.name])
+        speeds.append((vx - omega * y, vy + omega * x))
+    fastest = max(hypot(*v) for v in speeds)
+    elements: list[str] = []
+    for p, (a, b) in zip(wheels, speeds, strict=True):
+        length = _FASTEST * hypot(a, b) / fastest if fastest else 0.0
+        if length > 5:
+            tip = along(
+                p.centre,
+                unit((0.0, 0.0), (a * view.x[0] + b * view.x[1], a * view.x[1] - b * view.x[0])),
+                length,
+            )
+            elements += arrow(p.centre, tip, "velocity", 4.0)
+    return elements
+
+
+def _axles(wheels: list[Placed], icr: Point | None, area: Box) -> list[Segment]:
+    """Zero-motion lines of wheels that slide not across: to the ICR and a little beyond, or across the panel."""
+    cuts = []
+    for p in wheels:
+        if not _has_axle(p) or (icr is None and not p.wheel.kind.constrains):
+            continue
+        if icr is None or distance(p.centre, icr) < 1.0:
+            cuts.append(clip(p.centre, p.left, area))
+        elif p.wheel.kind.constrains or abs(_off(p, icr)) < 1.0:
+            way = unit(p.centre, icr)
+            cuts.append((along(p.centre, way, -p.half[1] - 10.0), along(icr, way, 14.0)))
+    return [cut for cut in cuts if cut]
+
+
+def _off(p: Placed, icr: Point) -> float:
+    """How far the ICR lies off the axle line [px]."""
+    return (icr[0] - p.centre[0]) * p.ahead[0] + (icr[1] - p.centre[1]) * p.ahead[1]
+
+
+def _icr(p: Point, paper: Paper) -> list[str]:
+    paper.boxes.append(bounds([p], 6))
+    return [*icr_mark(p), *paper.put("ICR", bounds([p], 6), (p[0], p[1] + 20))]
+
+
+def _pointed(shown: Example, view: View, paper: Paper) -> list[str]:
+    """Where the ICR lies that is not on the page: an arrow and its distance from P."""
+    area = paper.area
+    if shown.icr is None:
+        return [paper.write((area[2], area[1] + 4), "ICR at infinity", "words", "end")]
+    way = unit(view.origin, view.on(shown.icr))
+    cut = clip(view.origin, way, (area[0] + 2, area[1] + 8, area[2] - 2, area[3] - 4))
+    end = cut[1] if cut else middle(area)
+    start = along(end, way, -30.0)
+    paper.boxes.append(bounds([start, end], 3))
+    words = f"ICR {number(hypot(*shown.icr))} m from P"
+    return [*arrow(start, end, "way"), *paper.put(words, bounds([start, end], 3), end)]

@@ -1,0 +1,41 @@
+"""An example motion: in the robot frame its ICR and velocities, in the world frame the arc of odometry."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmrgen.backends.drawing.example import Example, example
+from wmrgen.backends.drawing.figure import Figure, figure
+from wmrgen.backends.drawing.instant import instant, number
+from wmrgen.backends.drawing.paper import Box
+from wmrgen.backends.drawing.world import world
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Robot
+    from wmrgen.robot import Derivation
+
+FILE = "motion.svg"
+_LEFT: Box = (8.0, 24.0, 236.0, 268.0)
+_RIGHT: Box = (248.0, 24.0, 472.0, 268.0)
+_HEIGHT = 290.0
+
+
+def motion(derivation: Derivation) -> Figure | None:
+    """``motion.svg``; None where the robot cannot move."""
+    shown = example(derivation.robot, derivation.mobility)
+    return None if shown is None else drawn(derivation.robot, shown)
+
+
+def drawn(robot: Robot, shown: Example) -> Figure:
+    """The figure of a motion."""
+    where, path = "at infinity: the robot translates", "a straight line"
+    if shown.icr:
+        where, path = f"at ({number(shown.icr[0])}, {number(shown.icr[1])}) m", "an arc about it"
+    vx, vy, omega = map(number, shown.twist)
+    words = f"vx {vx} m/s, vy {vy} m/s, ω {omega} rad/s"
+    alt = (
+        f"{robot.name} moving: left the instantaneous centre of rotation {where}, right the same motion in the world, "
+        f"{path}."
+    )
+    groups = [*instant(robot, shown, _LEFT, "robot frame", [words]), *world(robot, shown, _RIGHT)]
+    return figure(FILE, alt, _HEIGHT, groups)

@@ -1,0 +1,253 @@
+"""The twists that the limits allow: the sections of their set that a joystick has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from math import cos, hypot, inf, isfinite, pi, sin
+from typing import TYPE_CHECKING
+
+from wmrgen.backends.drawing.example import Twist, allowed, moving
+from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, figure
+from wmrgen.backends.drawing.paper import (
+    Paper,
+    Point,
+    along,
+    arrow,
+    num,
+    pair,
+    polygon,
+    wrapped,
+)
+from wmrgen.backends.drawing.view import UP
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Interval, Robot, Wheel
+    from wmrgen.mobility.records import Array
+    from wmrgen.robot import Derivation
+
+FILE = "reach.svg"
+NAMES, UNITS, SHOWN = ("vx", "vy", "omega"), ("m/s", "m/s", "rad/s"), ("vx", "vy", "ω")
+_DIRECTIONS = 144
+_HALVINGS = 40
+_SIZE, _ROW = 140.0, 15.0
+Plane = tuple[int, int]  # components that point up and to the left
+Bounds = list[tuple[float, int]]  # factors by which a twist may grow, each with the limit that says so
+
+
+def reach(derivation: Derivation) -> Figure | None:
+    """``reach.svg``; None where the limits leave a direction open, one motion alone is free, or no limit of a wheel
+    decides anything: then the set is a box."""
+    robot, free = derivation.robot, derivation.mobility.admissible
+    if not robot.limits or not free.linear or free.dimension < 2 or _one_sided(robot):
+        return None
+    planes: list[Plane] = [(0, 1), (0, 2)] if free.dimension == 3 else [_plane(free.basis)]
+    drawn = [outline(robot, lift(free.basis, plane)) for plane in planes]
+    outlines = [points for points, _ in drawn]
+    if any(not isfinite(x) for points in outlines for p in points for x in p):
+        return None
+    if not any(limit >= len(NAMES) for _, limits in drawn for limit in limits):
+        return None
+    groups: list[Group] = []
+    words = wrapped(f"limits: {_limits(robot)}", WIDTH - 20)
+    for k, (plane, points) in enumerate(zip(planes, outlines, strict=True)):
+        centre = WIDTH * ((2 * k + 1) / (2 * len(planes)))
+        groups.append(_panel(plane, points, (centre, 32 + _SIZE / 2), free.dimension == 3))
+    paper = Paper((0.0, 0.0, WIDTH, 400.0))
+    below = [paper.write((10.0, 72 + _SIZE + _ROW * k), text) for k, text in enumerate(words)]
+    what = " and ".join(f"({SHOWN[a]}, {SHOWN[b]})" for a, b in planes)
+    alt = f"The twists of {robot.name} that its limits allow, in {what}."
+    return figure(FILE, alt, 66 + _SIZE + _ROW * len(words), [*groups, ("", below)])
+
+
+def _one_sided(robot: Robot) -> bool:
+    """Whether a limit forbids standstill."""
+    limits = [*robot.limits.values(), *(limit for w in robot.wheels for limit in w.limits.values())]
+    return any(float(limit.low) > 0 or float(limit.high) < 0 for limit in limits)
+
+
+def _plane(basis: Array) -> Plane:
+    """Two components that tell admissible twists apart, vx and omega first."""
+    minors = {
+        (a, b): abs(float(basis[0, a] * basis[1, b] - basis[0, b] * basis[1, a]))
+        for a, b in ((0, 2), (1, 2), (0, 1))
+    }
+    return next(plane for plane, minor in minors.items() if minor > 0.05 * max(minors.values()))
+
+
+def lift(basis: Array, plane: Plane) -> Callable[[float, float], Twist]:
+    """The admissible twist with two components given; with three freedoms the third is 0."""
+    a, b = plane
+    if len(basis) == 3:
+        return lambda p, q: (p, q if b == 1 else 0.0, q if b == 2 else 0.0)
+    (first, second), minor = basis.tolist(), float(basis[0, a] * basis[1, b] - basis[0, b] * basis[1, a])
+
+    def lifted(p: float, q: float) -> Twist:
+        u, v = (p * second[b] - q * second[a]) / minor, (q * first[a] - p * first[b]) / minor
+        x, y, z = (u * s + v * t for s, t in zip(first, second, strict=True))
+        return x, y, z
+
+    return lifted
+
+
+# ---- the set
+
+
+def outline(robot: Robot, twist: Callable[[float, float], Twist]) -> tuple[list[Point], set[int]]:
+    """Corners of the set in its plane, counter-clockwise, and the numbers of the limits that decide: from 3 on those of
+    wheels. It is star-shaped: what is allowed is so more slowly.
+
+    Where the limit that decides changes from one direction to the next, the corner between is found by halving.
+    """
+    ends = [_most(robot, twist(*way)) for way in ((1.0, 0.0), (0.0, 1.0))]
+    scales = [k if isfinite(k) and k > 0 else 1.0 for k, _ in ends]
+
+    def at(angle: float) -> tuple[float, int, Point]:
+        p, q = scales[0] * cos(angle), scales[1] * sin(angle)
+        k, limit = _most(robot, twist(p, q))
+        return k, limit, (k * p if k else 0.0, k * q if k else 0.0)
+
+    angles = [2 * pi * (k + 0.5) / _DIRECTIONS for k in range(_DIRECTIONS + 1)]
+    points: list[Point] = []
+    limits: set[int] = set()
+    for first, last in pairwise(angles):
+        _, limit, p = at(first)
+        limits.add(limit)
+        points += [p, *_corner(at, first, last)]
+    return points, limits
+
+
+def _corner(at: Callable[[float], tuple[float, int, Point]], first: float, last: float) -> Iterator[Point]:
+    low, high = at(first), at(last)
+    if low[1] == high[1]:
+        return
+    for _ in range(_HALVINGS):
+        centre = (first + last) / 2
+        found = at(centre)
+        if found[1] == low[1]:
+            first, low = centre, found
+        else:
+            last, high = centre, found
+    yield low[2]
+    yield high[2]
+
+
+def _most(robot: Robot, twist: Twist) -> tuple[float, int]:
+    """By how much a twist may grow, and the number of the limit that says so; 0 where no speed is allowed."""
+    return min(_factors(robot, twist), default=(inf, -1))
+
+
+def _factors(robot: Robot, twist: Twist) -> Iterator[tuple[float, int]]:
+    number = 0
+    for name, value in zip(NAMES, twist, strict=True):
+        limit = robot.limits.get(name) or (robot.limits.get("vx") if name == "vy" else None)
+        yield _factor(value, limit), number
+        number += 1
+    headings = moving(robot, twist).headings
+    for w in robot.wheels:
+        if w.kind.steers and not allowed(robot, w, twist):
+            yield 0.0, number
+        for value, quantity in _rates(w, headings[w.name], twist):
+            yield _factor(value, robot.limit(w, quantity)), number + 1
+            number += 1
+        number += 2
+
+
+def _factor(value: float, limit: Interval | None) -> float:
+    if limit is None or abs(value) < 1e-12:
+        return inf
+    return float(limit.high if value > 0 else limit.low) / value
+
+
+def _rates(w: Wheel, heading: float, t: Twist) -> Iterator[tuple[float, str]]:
+    """Joint rates under a lasting twist; of a castor the largest, whatever its angle."""
+    g = w.nominal
+    r, d, o = float(g.r), float(g.d), float(g.o)
+    a, b = t[0] - w.pivot.imag * t[2], t[1] + w.pivot.real * t[2]
+    if w.kind.swivels:
+        # r spin = e.v + (o/d) n.v, and -d steer_rate = n.v + d omega.
+        yield hypot(a, b) * hypot(1.0, o / d) / r, "spin"
+        yield -hypot(a, b) * hypot(1.0, o / d) / r, "spin"
+        yield hypot(a, b) / abs(d) + abs(t[2]), "steer_rate"
+        yield -hypot(a, b) / abs(d) - abs(t[2]), "steer_rate"
+    elif w.has_spin:
+        axis = heading + w.gamma
+        yield (cos(axis) * a + sin(axis) * b - o * t[2]) / float(g.rolling_radius), "spin"
+
+
+# ---- the picture
+
+
+def _panel(plane: Plane, points: list[Point], centre: Point, section: bool) -> Group:
+    most = [max(abs(p[k]) for p in points) or 1.0 for k in (0, 1)]
+    half = _SIZE / 2
+
+    def on(p: Point) -> Point:
+        return centre[0] - half * p[1] / most[1], centre[1] - half * p[0] / most[0]
+
+    paper = Paper((centre[0] - 118, 2.0, centre[0] + 118, centre[1] + half + 20))
+    a, b = plane
+    third = 3 - a - b
+    tips = along(centre, UP, half + 12), along(centre, (-1.0, 0.0), half + 12)
+    axes = [
+        *arrow(along(centre, UP, -half - 6), tips[0], "frame", 4.0),
+        *arrow(along(centre, (1.0, 0.0), half + 6), tips[1], "frame", 4.0),
+    ]
+    paper.segments += [(centre, tip) for tip in tips]
+    top, side = max(p[0] for p in points), max(p[1] for p in points)
+    words = [
+        paper.write((centre[0] + 8, centre[1] - half - 6), f"{SHOWN[a]} {_number(top)} {UNITS[a]}"),
+        paper.write((centre[0] - half - 12, centre[1] - half - 6), f"{SHOWN[third]} = 0") if section else "",
+        paper.write(
+            (centre[0] - half - 14, centre[1] + half + 18),
+            f"{SHOWN[b]} {_number(side)} {UNITS[b]} to the left",
+        ),
+    ]
+    shape = polygon(_simplified([on(p) for p in points]), "reach")
+    at = f' data-plane="{NAMES[a]},{NAMES[b]}" data-most="{most[0]:.6g},{most[1]:.6g}"'
+    at += f' data-origin="{pair(centre)}" data-half="{num(half)}"'
+    return at, [shape, *axes, *(w for w in words if w)]
+
+
+def _simplified(points: list[Point]) -> list[Point]:
+    """Without points on a straight line between their neighbours."""
+    kept: list[Point] = []
+    for p in points:
+        p = (round(p[0], 2) + 0.0, round(p[1], 2) + 0.0)
+        if kept and hypot(p[0] - kept[-1][0], p[1] - kept[-1][1]) < 0.02:
+            continue
+        while len(kept) > 1 and _bend(kept[-2], kept[-1], p) < 0.02:
+            kept.pop()
+        kept.append(p)
+    return kept
+
+
+def _bend(a: Point, b: Point, c: Point) -> float:
+    """How far b lies off the segment from a to c [px]; far where it is beyond its ends."""
+    x, y = c[0] - a[0], c[1] - a[1]
+    size = hypot(x, y)
+    if (b[0] - a[0]) * x + (b[1] - a[1]) * y < 0 or (b[0] - c[0]) * x + (b[1] - c[1]) * y > 0 or not size:
+        return inf
+    return abs(x * (b[1] - a[1]) - y * (b[0] - a[0])) / size
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}"
+
+
+def _limits(robot: Robot) -> str:
+    """The limits that bound twists, in words."""
+    words = [
+        f"{SHOWN[k]} {_interval(robot.limits[name])} {UNITS[k]}"
+        for k, name in enumerate(NAMES)
+        if name in robot.limits
+    ]
+    for quantity, unit in (("spin", "rad/s"), ("steer", "rad")):
+        ranges = {_interval(limit) for w in robot.wheels if (limit := robot.limit(w, quantity))}
+        words += [f"{quantity} {' or '.join(sorted(ranges))} {unit}"] if ranges else []
+    return ", ".join(words)
+
+
+def _interval(limit: Interval) -> str:
+    low, high = float(limit.low), float(limit.high)
+    return f"±{_number(high)}" if low == -high else f"{_number(low)} to {_number(high)}".replace("-", "−")

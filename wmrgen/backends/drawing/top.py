@@ -1,0 +1,89 @@
+"""The top view: wheels to scale at steering angle 0, their names, dimensions, trailers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmrgen.backends.drawing.dimensions import dimensions
+from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, attribute, figure, panel
+from wmrgen.backends.drawing.marks import (
+    Placed,
+    body,
+    chassis,
+    direction,
+    entries,
+    extremes,
+    frame,
+    legend,
+    placed,
+)
+from wmrgen.backends.drawing.paper import (
+    Paper,
+    along,
+    bounds,
+    middle,
+    pair,
+    text,
+)
+from wmrgen.backends.drawing.trailers import towed, train
+from wmrgen.backends.drawing.view import View, fitted
+from wmrgen.wheels import WHEEL_TYPES
+
+if TYPE_CHECKING:
+    from wmrgen.robot import Derivation
+
+FILE = "layout.svg"
+_TALL, _SIDE, _EDGE = 290.0, 84.0, 36.0
+
+
+def top_view(derivation: Derivation) -> Figure:
+    """``layout.svg``"""
+    robot = derivation.robot
+    trailers = train(derivation)
+    r = 2.5 * max(float(w.nominal.r) for w in robot.wheels)  # a lone wheel does not fill the page
+    points = [p for w in robot.wheels for p in extremes(w, w.heading)] + [(-r, -r), (r, r), (0.0, 0.0)]
+    points += [axle for *_, axle in trailers]
+    view = fitted(points, (_SIDE, _EDGE, WIDTH - _SIDE, _TALL))
+    top, bottom = bounds([view.on(p) for p in points])[1::2]
+    view = View(view.scale, (view.origin[0], view.origin[1] + _EDGE - top))
+    height = bottom - top + 2 * _EDGE
+    wheels = [placed(w, w.heading, view) for w in robot.wheels]
+    paper = Paper((4.0, 4.0, WIDTH - 4.0, height + 30.0))
+    signs = frame(view, ("x", "y", "P"), paper, min(34.0, max(18.0, 0.12 * height)))
+    sizes = dimensions(robot, wheels, view, paper, height - 14.0)
+    height += 26.0
+    kinds = [kind for name, kind in WHEEL_TYPES.items() if any(w.type == name for w in robot.wheels)]
+    signed = entries(kinds, robot.wheels) + [("trailer", "trailer (its width is not in the file)")] * bool(
+        trailers
+    )
+    keys, more = legend(signed, WIDTH, height, paper)
+    half = max(abs(p.centre[0] - view.origin[0]) for p in wheels)
+    behind = towed(trailers, max(half, 12.0), view, paper)
+    names = _names(wheels, paper)
+    groups: list[Group] = [
+        (panel(view), chassis([p.pivot for p in wheels])), ("", behind),
+        *(_group(p) for p in wheels),
+        ("", [element for p in wheels for element in direction(p)]), (' class="fine"', sizes),
+        ("", signs), (' class="fine"', names), (' class="fine"', keys),
+    ]  # fmt: skip
+    nouns = ", ".join(dict.fromkeys(w.kind.noun for w in robot.wheels))
+    alt = f"{robot.name} seen from above, x forward is up: {len(robot.wheels)} wheels ({nouns}) to scale"
+    return figure(FILE, f"{alt}{', with its trailers behind it' if trailers else ''}.", height + more, groups)
+
+
+def _group(p: Placed) -> Group:
+    name, kind = p.wheel.name, p.wheel.type
+    attributes = attribute("wheel", name) + attribute("type", kind) + attribute("contact", pair(p.centre))
+    return attributes, [text((0, 0), f"{name}: {kind}", "").replace("text", "title"), *body(p)]
+
+
+def _names(wheels: list[Placed], paper: Paper) -> list[str]:
+    """Names of all wheels, clear of what is drawn."""
+    for p in wheels:
+        paper.boxes.append(p.box)
+        if p.wheel.has_spin:
+            paper.boxes.append(bounds([along(p.centre, p.ahead, p.half[0]), p.nose], 3))
+        if p.wheel.turns:
+            paper.boxes.append(bounds([p.pivot], 4))
+    away = middle(bounds([p.centre for p in wheels]))
+    return [e for p in wheels for e in paper.put(p.wheel.name, p.reach, away)]

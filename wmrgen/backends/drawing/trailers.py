@@ -1,0 +1,51 @@
+"""Trailers in line behind a robot, seen from above."""
+
+from __future__ import annotations
+
+from math import atan2, degrees
+from typing import TYPE_CHECKING
+
+from wmrgen.backends.drawing.paper import Paper, Point, along, bar, bounds, circle, line, unit
+from wmrgen.backends.drawing.view import View
+from wmrgen.constraints import nominal_view
+from wmrgen.functions.models.axle import THROUGH_P, fixed_axle
+
+if TYPE_CHECKING:
+    from wmrgen.robot import Derivation
+
+Train = list[
+    tuple[str, Point, Point, Point]
+]  # name; where the axle in front, the coupling and the own axle are [m]
+
+
+def train(derivation: Derivation) -> Train:
+    """The trailers, all in line behind the fixed axle, or behind P where there is none."""
+    robot = derivation.robot
+    axle = fixed_axle(robot, derivation.mobility, nominal_view) or THROUGH_P
+    ex, ey, x, y = (float(p.constant or 0) for p in (axle.ex, axle.ey, axle.x, axle.y))
+    places: Train = []
+    for t in robot.trailers:
+        front, hitch, length = (x, y), float(t.hitch.nominal), float(t.length.nominal)
+        coupling = (x - ex * hitch, y - ey * hitch)
+        x, y = coupling[0] - ex * length, coupling[1] - ey * length
+        places.append((t.name, front, coupling, (x, y)))
+    return places
+
+
+def towed(places: Train, half: float, view: View, paper: Paper) -> list[str]:
+    """Bars, couplings and axles with wheels ``half`` [px] to either side, and names with lengths."""
+    elements: list[str] = []
+    for _, front, coupling, axle in places:
+        a, b, c = view.on(front), view.on(coupling), view.on(axle)
+        way = unit(c, b)
+        side, turn = (way[1], -way[0]), degrees(atan2(way[0], -way[1]))
+        ends = along(c, side, half), along(c, side, -half)
+        elements += [line(a, b, "line"), line(b, c, "bar"), line(*ends, "bar"), circle(b, 2.8, "pivot")]
+        elements += [bar(end, (2.5, 8.0), 2.0, turn, "trailer") for end in ends]
+        paper.boxes += [bounds([b, c], 4), bounds(list(ends), 9)]
+    for name, _, coupling, axle in places:
+        length = f"{abs(complex(*coupling) - complex(*axle)):.4g} m"
+        centre = view.on(axle)
+        end = along(centre, (1.0, 0.0), half + 4)
+        elements += paper.put(f"{name}, {length}", bounds([centre, end], 4), along(centre, (-1.0, 0.0), half))
+    return elements

@@ -1,132 +1,193 @@
-"""The top view: well-formed, byte-stable, everything where the layout says."""
+"""Figures of the gallery and of odd robots: all stands where the layout says, words apart and on the page."""
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
-from functools import cache
-from math import cos, hypot, sin
+from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from tests.report.common import FACTS, ROBOTS, derivation, derived
-from wmrgen.backends import drawing
-from wmrgen.backends.drawing.example import example
-from wmrgen.backends.drawing.marks import contact
+from tests.drawing.common import (
+    CASTOR,
+    FILES,
+    FRONT,
+    MECANUM,
+    PAIR,
+    SVG,
+    THREE,
+    apart,
+    numbers,
+    of_class,
+    page,
+    panels,
+    parsed,
+    robot,
+    words,
+)  # fmt: skip
+from tests.report.common import ROBOTS, derivation
+from wmrgen import derive, load
+from wmrgen.robot import Derivation
 
-SVG = "{http://www.w3.org/2000/svg}"
+OKABE_ITO = {"000000", "e69f00", "56b4e9", "009e73", "f0e442", "0072b2", "d55e00", "cc79a7"}
 
 
-@cache
-def root(name: str) -> ET.Element:
-    return ET.fromstring(drawing.emit(derivation(name), FACTS)["layout.svg"])
+def many(count: int, name: str = "w{}", r: float = 0.05) -> str:
+    return "".join(
+        f"  - {{name: {name.format(k)}, type: steered, l: 2, alpha: 2*pi*{k}/{count}, beta: 0, r: {r}}}\n"
+        for k in range(count)
+    )
 
 
-def frame(svg: ET.Element) -> tuple[float, float, float]:
-    """Scale [px/m] and the place of P on paper."""
-    x, y = (float(v) for v in svg.attrib["data-origin"].split(","))
-    return float(svg.attrib["data-scale"]), x, y
+ODD = {
+    "64 wheels": many(64),
+    "64 long names": many(64, "a_wheel_of_a_long_name_{}"),
+    "8 long names": many(8, "a_wheel_of_a_very_long_name_{}_x"),
+    "millimetre": PAIR.replace("0.2", "0.0005").replace("r: 0.1", "r: 0.0001"),
+    "ten kilometres": PAIR.replace("0.2", "5000") + FRONT.format(0).replace("0.5", "10000"),
+    "huge wheels": PAIR.replace("r: 0.1", "r: 30"),
+    "one place": "".join(
+        f"  - {{name: w{k}, type: steered, x: 0, y: 0, heading: 0, r: 0.1}}\n" for k in range(5)
+    ),
+    "one place off P": "".join(
+        f"  - {{name: w{k}, type: fixed, x: 3, y: 1, heading: 0, r: 0.1}}\n" for k in range(3)
+    ),
+    "far from P": "".join(
+        f"  - {{name: w{k}, type: fixed, x: 3000, y: {k}, heading: 0, r: 0.1}}\n" for k in range(2)
+    ),
+    "cannot move": PAIR
+    + "  - {name: across, type: fixed, x: 0.5, y: 0.1, heading: 1, r: 0.1}\n" * 1
+    + "  - {name: more, type: fixed, x: -0.7, y: 0.3, heading: 2, r: 0.1}\n",
+    "mecanum X": MECANUM,
+    "castor": PAIR + CASTOR.format(0.1),
+    "three": THREE,
+}
 
 
-def tyre(group: ET.Element) -> tuple[float, float, float]:
-    """Centre and length of the wheel's shape on paper."""
-    for e in group.iter():
-        if e.attrib.get("class", "").startswith("wheel"):
-            if e.tag == f"{SVG}circle":
-                return float(e.attrib["cx"]), float(e.attrib["cy"]), 2 * float(e.attrib["r"])
-            x, y, w, h = (float(e.attrib[k]) for k in ("x", "y", "width", "height"))
-            return x + w / 2, y + h / 2, h
-    raise AssertionError("no wheel in the group")
+def odd(folder: Path, name: str) -> Derivation:
+    return robot(folder, ODD[name])
+
+
+def well_set(d: Derivation) -> None:
+    """No text touches another or leaves its figure; no number is broken."""
+    for file, (alt, svg) in d.figures.items():
+        root = ET.fromstring(svg)
+        assert "nan" not in svg and "inf" not in re.sub("infinity", "", svg) and alt.endswith(".")
+        width, height = numbers(root, "width", "height")
+        assert width == 480 and height < 1200
+        boxes = list(words(root))
+        for text, box in boxes:
+            assert box[0] >= 0 and box[1] >= 0 and box[2] <= width and box[3] <= height, (file, text)
+        for (one, a), (other, b) in combinations(boxes, 2):
+            assert apart(a, b), f"{file}: {one!r} touches {other!r}"
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_wheels_stand_where_the_layout_says(name: str) -> None:
-    svg, robot = root(name), derivation(name).robot
-    scale, px, py = frame(svg)
-    shown = example(robot, derivation(name).mobility)
-    groups = {g.attrib["data-wheel"]: g for g in svg.iter(f"{SVG}g") if "data-wheel" in g.attrib}
-    assert list(groups) == [w.name for w in robot.wheels]
-    for w in robot.wheels:
-        cx, cy, length = tyre(groups[w.name])
-        x, y = contact(w, shown.headings[w.name])
-        assert hypot((py - cy) / scale - x, (px - cx) / scale - y) < 0.01
-        assert length / scale == pytest.approx(2 * float(w.nominal.r), abs=0.01)
-        if not w.nominal.d and not w.nominal.o:
-            assert hypot(x - float(w.nominal.x), y - float(w.nominal.y)) < 1e-9
+def test_words_keep_apart_and_on_the_page(name: str) -> None:
+    well_set(derivation(name))
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_odd_robots_have_sane_figures(name: str, tmp_path: Path) -> None:
+    d = odd(tmp_path, name)
+    well_set(d)
+    groups = [g for g in parsed(d).iter(f"{SVG}g") if "data-wheel" in g.attrib]
+    assert len(groups) == len(d.robot.wheels)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_names_overlap_nothing(name: str) -> None:
-    """Boxes of names against each other, and inside the page."""
-    svg = root(name)
-    width = float(svg.attrib["width"])
-    boxes = []
-    for e in svg.iter(f"{SVG}text"):
-        if e.attrib["class"] == "name":
-            x, y, half = float(e.attrib["x"]), float(e.attrib["y"]), len(e.text or "") * 3.6
-            boxes.append((x - half, y - 10, x + half, y + 2))
-    assert len(boxes) == len(derivation(name).robot.wheels)
-    for i, a in enumerate(boxes):
-        assert a[0] > 0 and a[2] < width
-        for b in boxes[i + 1 :]:
-            assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+def test_every_wheel_is_named_and_stands_where_the_layout_says(name: str) -> None:
+    """At steering angle 0: contact and length of each tyre, in the robot's frame."""
+    root, layout = page(name), derivation(name).robot
+    ((_, scale, (px, py)),) = panels(root)
+    groups = {g.attrib["data-wheel"]: g for g in root.iter(f"{SVG}g") if "data-wheel" in g.attrib}
+    assert list(groups) == [w.name for w in layout.wheels]
+    assert {w.name for w in layout.wheels} <= {e.text for e in of_class(root, "words")}
+    for w in layout.wheels:
+        g, h = w.nominal, w.heading
+        e, n = np.array([np.cos(h), np.sin(h)]), np.array([-np.sin(h), np.cos(h)])
+        wanted = np.array([float(g.x), float(g.y)]) + float(g.d) * e + float(g.o) * n
+        (shape,) = of_class(groups[w.name], "wheel")
+        if shape.tag == f"{SVG}circle":
+            x, y, half = numbers(shape, "cx", "cy", "r")
+        else:
+            left, top, wide, high = numbers(shape, "x", "y", "width", "height")
+            x, y, half = left + wide / 2, top + high / 2, high / 2
+        assert np.abs(np.array([py - y, px - x]) / scale - wanted).max() < 0.02 / scale + 1e-9
+        assert half / scale == pytest.approx(float(g.r), abs=0.01 / scale) or half == 2.5
+        contact = [float(v) for v in groups[w.name].attrib["data-contact"].split(",")]
+        assert contact == pytest.approx([x, y], abs=0.011)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_axles_meet_in_the_icr(name: str) -> None:
-    robot, mobility = derivation(name).robot, derivation(name).mobility
-    shown = example(robot, mobility)
-    if shown.icr is None:
-        return
-    for w in robot.wheels:
-        if w.type in ("fixed", "steered"):
-            h = shown.headings[w.name]
-            away = (shown.icr[0] - float(w.nominal.x)) * cos(h) + (shown.icr[1] - float(w.nominal.y)) * sin(h)
-            assert abs(away) < 1e-6
+def test_figures_are_few_and_described(name: str) -> None:
+    d = derivation(name)
+    assert set(d.figures) <= set(FILES) and 2 <= len(d.figures) <= 5 and next(iter(d.figures)) == "layout.svg"
+    for alt, svg in d.figures.values():
+        assert name in alt and ET.fromstring(svg).findtext(f"{SVG}title") == alt
+    assert ("motion.svg" in d.figures) == (d.mobility.degree_of_mobility > 0)
 
 
-@pytest.mark.parametrize(
-    "name", ["ackermann_car", "bicycle", "jpl_osr", "pr2", "wpilib_swervebot", "textbook_two_steer"]
-)
-def test_the_icr_is_drawn_where_it_exists(name: str) -> None:
-    assert any(e.text == "ICR" for e in root(name).iter(f"{SVG}text"))
+@pytest.mark.parametrize("name", ROBOTS)
+def test_colours_are_those_of_okabe_and_ito_and_greys(name: str) -> None:
+    """Lines and letters stand out from white by 3 to 1 at least, letters by 4.5."""
+    for _, svg in derivation(name).figures.values():
+        colours = set(re.findall(r"#([0-9a-f]{6})\b", svg))
+        greys = {c for c in colours if c[:2] == c[2:4] == c[4:]}
+        assert colours - greys <= OKABE_ITO
+        style = svg.partition("<style>")[2].partition("</style>")[0]
+        for rule in style.splitlines():
+            stroke = re.search(r"stroke: #(\w{6})", rule)
+            if stroke and not re.search(r"\.(chassis|halo)|text ", rule):
+                assert contrast(stroke[1]) >= 3, rule
+        letters = re.findall(r"(?:text|\.key) {.*?fill: #(\w{6})", style)
+        assert letters and all(contrast(c) >= 4.5 for c in letters)
 
 
-@pytest.mark.parametrize(
-    "name", ["pioneer3dx", "kuka_youbot", "synchro_drive", "locked_bicycle", "office_chair"]
-)
-def test_no_icr_where_none_is_fixed(name: str) -> None:
-    assert not any(e.text == "ICR" for e in root(name).iter(f"{SVG}text"))
+def contrast(colour: str) -> float:
+    """With white, by WCAG 2."""
+    parts = (int(colour[k : k + 2], 16) / 255 for k in (0, 2, 4))
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+    return 1.05 / (0.05 + 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2])
 
 
-def test_steering_limits_are_kept() -> None:
-    robot = derivation("ackermann_car").robot
-    shown = example(robot, derivation("ackermann_car").mobility)
-    for w in robot.wheels:
-        if "steer" in w.limits:
-            assert (
-                float(w.limits["steer"].low)
-                <= shown.headings[w.name] - w.heading
-                <= float(w.limits["steer"].high)
-            )
+@pytest.mark.parametrize("name", ROBOTS)
+def test_numbers_have_two_decimals_and_figures_are_the_same_again(name: str) -> None:
+    d = derivation(name)
+    again = derive(load(ROBOTS[name]))
+    for file, (_, svg) in d.figures.items():
+        body = re.sub(
+            r"<(title|text)\b.*?</\1>|<style>.*?</style>| data-(scale|most)=\"[^\"]*\"",
+            "",
+            svg,
+            flags=re.DOTALL,
+        )
+        assert not re.search(r"\d\.\d{3}|\de[-+]\d|\D-0(?![.\d])", body), file
+        assert again.figures[file][1] == svg
+
+
+def test_names_are_text_and_no_markup() -> None:
+    d = derivation("tractor_off_axle")
+    bad = '<script>alert("1")</script>&'
+    renamed = replace(
+        d.robot, name=bad, wheels=tuple(replace(w, name=f"{bad}{w.index}") for w in d.robot.wheels),
+        trailers=tuple(replace(t, name=bad) for t in d.robot.trailers),
+    )  # fmt: skip
+    for _, svg in derive(renamed).figures.values():
+        root = ET.fromstring(svg)
+        assert not list(root.iter(f"{SVG}script")) and bad in (root.findtext(f"{SVG}title") or "")
+    groups = [g.attrib["data-wheel"] for g in root.iter(f"{SVG}g") if "data-wheel" in g.attrib]
+    assert groups == [] or groups[0] == f"{bad}0"
 
 
 def test_rollers_lean_as_they_do_at_the_ground() -> None:
     """youBot, front left: gamma = -45 deg, so the axes run from back left to front right."""
-    svg = root("kuka_youbot")
-    group = next(g for g in svg.iter(f"{SVG}g") if g.attrib.get("data-wheel") == "fl")
-    lines = [e for e in group.iter(f"{SVG}line") if e.attrib["class"] == "roller"]
+    group = next(g for g in page("kuka_youbot").iter(f"{SVG}g") if g.attrib.get("data-wheel") == "fl")
+    lines = of_class(group, "roller")
     assert len(lines) > 3
     for e in lines:
-        dx = float(e.attrib["x2"]) - float(e.attrib["x1"])
-        dy = float(e.attrib["y2"]) - float(e.attrib["y1"])
-        assert dx * dy < 0  # on paper y points down
-
-
-def test_sixty_four_wheels(tmp_path: Path) -> None:
-    wheels = "".join(
-        f"  - {{name: w{k}, type: steered, l: 2, alpha: 2*pi*{k}/64, beta: 0, r: 0.05}}\n" for k in range(64)
-    )
-    many = derived(tmp_path, f"wmrgen: 1\nname: many\nwheels:\n{wheels}")
-    svg = ET.fromstring(drawing.emit(many, FACTS)["layout.svg"])
-    assert len([g for g in svg.iter(f"{SVG}g") if "data-wheel" in g.attrib]) == 64
+        x1, y1, x2, y2 = numbers(e, "x1", "y1", "x2", "y2")
+        assert (x2 - x1) * (y2 - y1) < 0  # on paper y points down

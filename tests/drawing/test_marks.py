@@ -1,72 +1,94 @@
-"""What the top view shows of small robots: a steering that rolls, marks of each wheel, a round scale, a legend."""
+"""Marks and motions of small robots: what each wheel bears, a motion that rolls, the ICR on the page, dimensions."""
 
 from __future__ import annotations
 
 import math
-import xml.etree.ElementTree as ET
+import re
 from pathlib import Path
+from random import Random
 
+import numpy as np
 import pytest
 
-from tests.report.common import FACTS, derived
-from wmrgen.backends import drawing
-from wmrgen.backends.drawing import _line, _placed
-from wmrgen.backends.drawing.example import Example, example, extent
+from tests.drawing.common import (
+    CASTOR,
+    FRONT,
+    MECANUM,
+    PAIR,
+    SVG,
+    THREE,
+    numbers,
+    of_class,
+    page,
+    panels,
+    parsed,
+    points,
+    robot,
+    words,
+)  # fmt: skip
+from tests.report.common import ROBOTS, derivation
+from wmrgen.backends.drawing.example import Example, Twist, example, extent, moving
+from wmrgen.backends.drawing.motion import drawn
+from wmrgen.backends.drawing.world import START
 from wmrgen.robot import Derivation
-
-SVG = "{http://www.w3.org/2000/svg}"
-PAIR = """\
-  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-"""
-FRONT = "  - {{name: front, type: steered, x: 0.5, y: 0, heading: {}, r: 0.1}}\n"
-THREE = "".join(
-    f"  - {{name: s{k}, type: steered, x: {x}, y: {y}, heading: {h}, r: 0.05}}\n"
-    for k, (x, y, h) in enumerate(((0.3, 0.0, 0), (-0.2, 0.25, 1), (-0.2, -0.25, -2)))
-)
-CASTOR = "  - {{name: castor, type: castor, x: -0.3, y: 0, heading: 0, d: {}, r: 0.05}}\n"
-
-
-def robot(folder: Path, wheels: str, more: str = "") -> Derivation:
-    return derived(folder, f"wmrgen: 1\nname: sample\n{more}wheels:\n{wheels}")
-
-
-def steering(d: Derivation) -> Example:
-    return example(d.robot, d.mobility)
-
-
-def svg(d: Derivation) -> ET.Element:
-    return ET.fromstring(drawing.emit(d, FACTS)["layout.svg"])
-
-
-def of_class(page: ET.Element, name: str) -> list[ET.Element]:
-    return [e for e in page.iter() if name in e.attrib.get("class", "").split()]
-
 
 BEHIND = PAIR.replace("x: 0", "x: 0.1") + FRONT.format(0)
 
 
-@pytest.mark.parametrize(
-    "wheels", [PAIR + FRONT.format(0), BEHIND, PAIR + FRONT.format(2), THREE, THREE + CASTOR.format(0.1)]
-)
-def test_every_wheel_rolls_about_the_centre_that_is_shown(wheels: str, tmp_path: Path) -> None:
+def steering(d: Derivation) -> Example:
+    shown = example(d.robot, d.mobility)
+    assert shown is not None
+    return shown
+
+
+# ---- the motion that is shown
+
+
+def axle_misses(d: Derivation, shown: Example) -> dict[str, float]:
+    """By wheel with a sliding row: how far the ICR lies from the line of its axle [m]."""
+    assert shown.icr is not None
+    misses = {}
+    for w in d.robot.wheels:
+        if w.kind.sliding_row:
+            h = shown.headings[w.name]
+            e = np.array([math.cos(h), math.sin(h)])
+            contact = np.array([float(w.nominal.x), float(w.nominal.y)]) + float(w.nominal.d) * e
+            misses[w.name] = float((np.array(shown.icr) - contact) @ e)
+    return misses
+
+
+ROLLING = (
+    PAIR + FRONT.format(0), BEHIND, PAIR + FRONT.format(2), THREE, THREE + CASTOR.format(0.1),
+    PAIR + CASTOR.format(-0.1),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("wheels", ROLLING)
+def test_every_axle_runs_through_the_centre_that_is_shown(wheels: str, tmp_path: Path) -> None:
     """It lies to the left, off the pivots; steered wheels turn by a quarter at most."""
     d = robot(tmp_path, wheels)
     shown = steering(d)
     assert shown.icr is not None
-    x, y = shown.icr
     middle, size = extent(d.robot.wheels)
-    assert y > 0 and math.dist(shown.icr, middle) < 4 * size
+    assert shown.icr[1] > 0 and math.dist(shown.icr, middle) < 4 * size
+    assert max(map(abs, axle_misses(d, shown).values())) < 1e-9
     for w in d.robot.wheels:
-        h = shown.headings[w.name]
-        if w.kind.constrains:
-            away = (x - float(w.nominal.x)) * math.cos(h) + (y - float(w.nominal.y)) * math.sin(h)
-            assert away == pytest.approx(0, abs=1e-9)
-            assert (
-                math.dist(shown.icr, (float(w.nominal.x), float(w.nominal.y))) > 0.35 * size
-                or not w.kind.steers
-            )
-        assert abs(h - w.heading) <= (math.pi / 2 + 1e-9 if w.kind.steers else 0)
+        if w.kind.steers:
+            assert math.dist(shown.icr, (w.pivot.real, w.pivot.imag)) > 0.35 * size
+            assert abs(shown.headings[w.name] - w.heading) <= math.pi / 2 + 1e-9
+
+
+@pytest.mark.parametrize("d", [0.1, -0.1])
+@pytest.mark.parametrize("omega", [1.0, -1.0, 0.0])
+def test_a_castor_trails(d: float, omega: float, tmp_path: Path) -> None:
+    """Its contact lies behind its pivot, as the pivot moves."""
+    base = robot(tmp_path, PAIR + CASTOR.format(d))
+    shown = moving(base.robot, (0.5, 0.0, omega))
+    h = shown.headings["castor"]
+    velocity = np.array([0.5, -0.3 * omega])
+    assert d * (velocity @ np.array([math.cos(h), math.sin(h)])) < 0
+    if omega:
+        assert abs(axle_misses(base, shown)["castor"]) < 1e-12
 
 
 @pytest.mark.parametrize("steer", ["[-2, 2]", "[1.6, 3.1]", "[-3.1, -1.6]"])
@@ -78,25 +100,120 @@ def test_the_opposite_heading_where_only_that_is_within_limits(steer: str, tmp_p
 
 def test_a_centre_that_the_limits_allow_is_taken(tmp_path: Path) -> None:
     wide = steering(robot(tmp_path, PAIR + FRONT.format(0)))
-    narrow = steering(
-        robot(tmp_path, PAIR + FRONT.format(0).replace("r: 0.1}", "r: 0.1, limits: {steer: 0.3}}"))
-    )
+    limited = PAIR + FRONT.format(0).replace("r: 0.1}", "r: 0.1, limits: {steer: 0.3}}")
+    narrow = steering(robot(tmp_path, limited))
     assert abs(wide.headings["front"]) > 0.3 > abs(narrow.headings["front"]) > 0
     assert wide.icr is not None and narrow.icr is not None and narrow.icr[1] > wide.icr[1]
 
 
 def test_who_translates_only_goes_25_degrees_to_the_left(tmp_path: Path) -> None:
     belts = "couplings: [{equal: [s0.steer, s1.steer, s2.steer]}]\n"
-    shown = steering(
-        robot(tmp_path, THREE.replace("heading: 1", "heading: 0").replace("heading: -2", "heading: 0"), belts)
-    )
-    assert shown.icr is None
-    assert [math.degrees(h) for h in shown.headings.values()] == pytest.approx([25, 25, 25])
+    alike = THREE.replace("heading: 1", "heading: 0").replace("heading: -2", "heading: 0")
+    d = robot(tmp_path, alike, belts)
+    assert steering(d).icr is None
+    assert [math.degrees(h) for h in steering(d).headings.values()] == pytest.approx([25, 25, 25])
+    assert "ICR at infinity" in [text for text, _ in words(parsed(d, "motion.svg"))]
 
 
-def test_two_freedoms_leave_the_centre_open(tmp_path: Path) -> None:
-    shown = steering(robot(tmp_path, PAIR + CASTOR.format(0.1)))
-    assert shown.icr is None and list(shown.headings.values()) == [0, 0, 0]
+# ---- the ICR on the page
+
+
+def shown_icr(root_text: str) -> tuple[float, float] | None:
+    match = re.search(r'data-icr="([^"]*)"', root_text)
+    if match is None:
+        return None
+    x, y = map(float, match[1].split(","))
+    return x, y
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_icr_of_the_gallery_is_where_the_twist_says(name: str) -> None:
+    """Vanishing velocity there: v = (vx - omega y, vy + omega x)."""
+    d = derivation(name)
+    shown = example(d.robot, d.mobility)
+    if shown is None or shown.icr is None:
+        return
+    x, y = shown.icr
+    vx, vy, omega = shown.twist
+    assert (vx - omega * y, vy + omega * x) == pytest.approx((0, 0), abs=1e-12)
+    root = page(name, "motion.svg")
+    (_, scale, (px, py)), _ = panels(root)
+    at = shown_icr(d.figures["motion.svg"][1])
+    if at:
+        assert at == pytest.approx((px - scale * y, py - scale * x), abs=0.02)
+    assert any(e.text == "ICR" for e in root.iter(f"{SVG}text")) or of_class(root, "way")
+
+
+def twists(d: Derivation, count: int, chance: Random) -> list[Twist]:
+    """Admissible ones with an ICR from one to 10^5 robot sizes away, and some translations."""
+    basis = np.asarray(d.mobility.admissible.basis)
+    drawn_twists = []
+    for k in range(count):
+        t = np.array([chance.gauss(0, 1) for _ in basis]) @ basis
+        if len(basis) == 3:
+            t[2] *= 10 ** chance.uniform(-5, 1) if k % 20 else 0.0
+        drawn_twists.append((float(t[0]), float(t[1]), float(t[2])))
+    return drawn_twists
+
+
+@pytest.mark.parametrize("name", ["kuka_youbot", "pioneer3dx", "ackermann_car", "pr2", "office_chair"])
+def test_the_icr_never_leaves_the_page(name: str) -> None:
+    """200 motions in all: its mark lies in the panel, or an arrow points there and says how far it is."""
+    d, chance = derivation(name), Random(name)
+    for twist in twists(d, 40, chance):
+        shown = moving(d.robot, twist)
+        figure = drawn(d.robot, shown)
+        at = shown_icr(figure.svg)
+        if at:
+            assert 8 <= at[0] <= 236 and 24 <= at[1] <= 268
+            continue
+        texts = re.findall(r"<text[^>]*>([^<]*)</text>", figure.svg)
+        if shown.icr is None:
+            assert "ICR at infinity" in texts
+            continue
+        (said,) = (t for t in texts if t.startswith("ICR "))
+        away = float(said.split()[1].replace("−", "-"))
+        vx, vy, omega = twist
+        assert away == pytest.approx(math.hypot(vx, vy) / abs(omega), rel=0.006)
+        ((x1, y1, x2, y2),) = re.findall(
+            r'<line x1="([^"]*)" y1="([^"]*)" x2="([^"]*)" y2="([^"]*)" class="way"', figure.svg
+        )
+        way = np.array([float(x2) - float(x1), float(y2) - float(y1)])
+        towards = np.array([-shown.icr[1], -shown.icr[0]])
+        assert way @ towards / np.linalg.norm(way) / np.linalg.norm(towards) > 0.999
+        assert 8 <= float(x2) <= 236 and 24 <= float(y2) <= 268
+
+
+# ---- the world
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_path_is_the_arc_of_the_twist(name: str) -> None:
+    """Points on paper, taken back to metres, against steps of the differential equation."""
+    d = derivation(name)
+    shown = example(d.robot, d.mobility)
+    if shown is None:
+        return
+    _, (_, scale, (px, py)) = panels(page(name, "motion.svg"))
+    paths = [e for e in of_class(page(name, "motion.svg"), "path") if e.tag == f"{SVG}polyline"]
+    if not paths:
+        return
+    on = np.array(points(paths[0]))
+    path = np.stack([(on[:, 0] - px) / scale, (py - on[:, 1]) / scale], axis=1)
+    vx, vy, omega = shown.twist
+    (said,) = (t for t, _ in words(page(name, "motion.svg")) if t.endswith(" s"))
+    time = float(said.split()[-2])
+    pose, steps = np.array([0.0, 0.0, START]), 4000
+    for _ in range(steps):
+        middle = pose[2] + omega * time / steps / 2
+        c, s = math.cos(middle), math.sin(middle)
+        pose += time / steps * np.array([c * vx - s * vy, s * vx + c * vy, omega])
+    assert path[0] == pytest.approx([0, 0], abs=0.02 / scale)
+    length = math.hypot(vx, vy) * time
+    assert path[-1] == pytest.approx(pose[:2], abs=0.006 * length + 0.02 / scale)
+
+
+# ---- marks
 
 
 def test_marks_of_wheels(tmp_path: Path) -> None:
@@ -108,66 +225,89 @@ def test_marks_of_wheels(tmp_path: Path) -> None:
         (PAIR + FRONT.format(0).replace("r: 0.1", "r: 0.1, offset_y: 0.05"), 1, 1, 0),
         (THREE, 0, 3, 0),
     ):
-        page = svg(robot(tmp_path, wheels))
-        groups = [g for g in page.iter(f"{SVG}g") if "data-wheel" in g.attrib]
+        root = parsed(robot(tmp_path, wheels))
+        groups = [g for g in root.iter(f"{SVG}g") if "data-wheel" in g.attrib]
         counts = [sum(len(of_class(g, name)) for g in groups) for name in ("arm", "pivot", "swivel")]
         assert counts == [arms, pivots, swivels], wheels
-        assert len(of_class(page, "roll")) // 2 == len(groups) + 1, (
+        assert len(of_class(root, "roll")) // 2 == len(groups) + 1, (
             "an arrow of each wheel, and in the legend"
         )
 
 
 def test_the_legend_explains_what_occurs_and_nothing_else(tmp_path: Path) -> None:
-    words = {
-        PAIR: ["fixed wheel", "positive rolling", "zero-motion line"],
-        PAIR + FRONT.format(0): [
-            "fixed wheel", "steered wheel", "positive rolling", "pivot", "zero-motion line",
-            "instantaneous centre of rotation",
-        ],
-        "  - {name: ball, type: spherical, x: 0.3, y: 0, r: 0.1}\n" + PAIR: [
-            "fixed wheel", "spherical wheel", "positive rolling", "zero-motion line",
+    legends = {
+        PAIR: ["fixed wheel, r = 0.1 m", "positive rolling"],
+        PAIR + FRONT.format(0): ["fixed wheel, r = 0.1 m", "steered wheel, r = 0.1 m", "positive rolling", "pivot"],
+        MECANUM: ["Swedish wheel, r = 0.05 m", "positive rolling", "roller axis at the ground"],
+        "  - {name: ball, type: spherical, x: 0.3, y: 0, r: 0.02}\n" + PAIR.replace("r: 0.1", "r: 0.2", 1): [
+            "fixed wheel, r = 0.1, 0.2 m", "spherical wheel, r = 0.02 m", "positive rolling",
         ],
     }  # fmt: skip
-    for wheels, keys in words.items():
-        try:
-            page = svg(robot(tmp_path, wheels))
-        except Exception as error:
-            raise AssertionError(wheels) from error
-        shown = [e.text for e in of_class(page, "key")]
-        assert sorted(str(t).split(" (")[0] for t in shown) == sorted(keys)
-        places = [(float(e.attrib["x"]), float(e.attrib["y"])) for e in of_class(page, "key")]
-        width = float(page.attrib["width"])
-        assert len(set(places)) == len(places) and all(24 < x < width for x, _ in places)
-
-
-@pytest.mark.parametrize("size", ["0.001", "0.02", "0.3", "1", "7", "45", "1000"])
-def test_the_scale_is_a_round_length(size: str, tmp_path: Path) -> None:
-    """1, 2 or 5 times a power of ten, 60 to 150 px long, drawn as long as it says."""
-    page = svg(robot(tmp_path, PAIR.replace("0.2", f"0.2*{size}").replace("r: 0.1", f"r: 0.1*{size}")))
-    scale = float(page.attrib["data-scale"])
-    (name,) = of_class(page, "scale-name")
-    length, unit = str(name.text).split()
-    assert (
-        unit == "m" and f"{float(length):.0e}"[0] in "125" and float(f"{float(length):.0e}") == float(length)
-    )
-    bar, *ticks = of_class(page, "scale")
-    left, right = (float(bar.attrib[k]) for k in ("x1", "x2"))
-    assert right - left == pytest.approx(float(length) * scale, abs=0.02) and 60 <= right - left <= 150
-    assert len(ticks) == 2
+    for wheels, keys in legends.items():
+        root = parsed(robot(tmp_path, wheels))
+        assert sorted(e.text or "" for e in of_class(root, "key")) == sorted(keys)
 
 
 def test_wheels_of_one_axle_share_a_line(tmp_path: Path) -> None:
-    d = robot(tmp_path, PAIR + "  - {name: back, type: fixed, x: 0, y: -0.4, heading: pi, r: 0.1}\n")
-    lines = [_line(_placed(w, w.heading, 100.0, (300.0, 200.0))) for w in d.robot.wheels]
-    assert len(set(lines)) == 1
+    three = PAIR + "  - {name: back, type: fixed, x: 0, y: -0.4, heading: pi, r: 0.1}\n"
     oblique = "".join(
         f"  - {{name: {n}, type: fixed, x: 0.1 - {k}*sin({h}), y: 0.3 + {k}*cos({h}), heading: {h}, r: 0.1}}\n"
         for n, k, h in (("a", 1, "pi/6"), ("b", 1, "7*pi/6"), ("c", 2, "-5*pi/6"))
     )
-    turned = [
-        _line(_placed(w, w.heading, 100.0, (300.0, 200.0))) for w in robot(tmp_path, oblique).robot.wheels
-    ]
-    assert len(set(turned)) == 1
-    assert len([e for e in of_class(svg(d), "axle") if e.tag == f"{SVG}line"]) == 2, "and one in the legend"
-    moved = robot(tmp_path, PAIR.replace("x: 0, y: -0.2", "x: 0.1, y: -0.2"))
-    assert len([e for e in of_class(svg(moved), "axle") if e.tag == f"{SVG}line"]) == 3
+    for wheels, lines in ((three, 1), (oblique, 1), (PAIR + FRONT.format(0), 2)):
+        assert len(of_class(parsed(robot(tmp_path, wheels), "motion.svg"), "axle")) == lines
+    parallel = PAIR.replace("x: 0, y: -0.2", "x: 0.1, y: -0.2")
+    assert len(of_class(parsed(robot(tmp_path, parallel), "motion.svg"), "axle")) == 2
+
+
+# ---- dimensions and trailers
+
+
+def sizes(d: Derivation) -> list[str]:
+    return [text for text, _ in words(parsed(d)) if re.fullmatch(r"(track |l = )?[\d.e+-]+ m", text)]
+
+
+@pytest.mark.parametrize("unit", ["0.001", "0.02", "1", "45", "10000"])
+def test_dimensions_are_drawn_as_long_as_they_say(unit: str, tmp_path: Path) -> None:
+    scaled = (PAIR + FRONT.format(0)).replace("0.2", f"0.2*{unit}").replace("0.5", f"0.5*{unit}")
+    d = robot(tmp_path, scaled.replace("r: 0.1", f"r: 0.1*{unit}"))
+    k = float(unit)
+    assert sorted(sizes(d)) == sorted([f"{0.5 * k:.4g} m", f"track {0.4 * k:.4g} m"])
+    root = parsed(d)
+    ((_, scale, _),) = panels(root)
+    ticks = [numbers(e, "x1", "y1", "x2", "y2") for e in of_class(root, "size") if e.tag == f"{SVG}line"]
+    across = [t[0] for t in ticks if t[0] == t[2] and abs(t[3] - t[1]) == 8]
+    upright = [t[1] for t in ticks if t[1] == t[3] and abs(t[2] - t[0]) == 8]
+    assert max(across) - min(across) == pytest.approx(0.4 * k * scale, abs=0.03)
+    assert max(upright) - min(upright) == pytest.approx(0.5 * k * scale, abs=0.03)
+
+
+def test_wheels_on_a_circle_have_one_dimension(tmp_path: Path) -> None:
+    omni = "".join(
+        f"  - {{name: w{k}, type: swedish, l: 0.25, alpha: 2*pi*{k}/3 + 0.3, beta: 0, r: 0.05}}\n"
+        for k in range(3)
+    )
+    assert sizes(robot(tmp_path, omni)) == ["l = 0.25 m"]
+    assert sorted(sizes(robot(tmp_path, MECANUM))) == ["0.4 m", "track 0.4 m"]
+
+
+def test_p_between_its_axles_has_two_dimensions(tmp_path: Path) -> None:
+    off = PAIR.replace("x: 0,", "x: -0.2,") + FRONT.format(0)
+    assert sorted(sizes(robot(tmp_path, off))) == ["0.2 m", "0.5 m", "track 0.4 m"]
+
+
+def test_trailers_stand_behind_each_other() -> None:
+    """Axles at 1.1 m and 2 m behind the rear axle of the car, which P stands on."""
+    root = page("car_with_trailers")
+    ((_, scale, (px, py)),) = panels(root)
+    wheels = [
+        numbers(e, "x", "y", "width", "height") for e in of_class(root, "trailer") if e.tag == f"{SVG}rect"
+    ][:4]
+    axles = sorted({round((y + h / 2 - py) / scale, 2) for _, y, _, h in wheels})
+    assert axles == pytest.approx([1.1, 2.0], abs=0.02)
+    assert sum(x + w / 2 - px for x, _, w, _ in wheels) == pytest.approx(0, abs=0.1)
+    assert {"trailer1, 1.1 m", "trailer2, 0.9 m"} <= {text for text, _ in words(root)}
+    cart = page("tractor_off_axle")
+    ((_, scale, (_, py)),) = panels(cart)
+    ys = [numbers(e, "y", "height") for e in of_class(cart, "trailer") if e.tag == f"{SVG}rect"][:2]
+    assert [(y + h / 2 - py) / scale for y, h in ys] == pytest.approx([1.05, 1.05], abs=0.01)

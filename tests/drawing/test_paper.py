@@ -8,11 +8,13 @@ import random
 import pytest
 
 from wmrgen.backends.drawing.paper import (
+    FIRM,
     HEIGHT,
     Box,
     Paper,
     Point,
     along,
+    arc,
     arrow,
     bar,
     bounds,
@@ -28,6 +30,8 @@ from wmrgen.backends.drawing.paper import (
     polygon,
     text,
     unit,
+    width,
+    wrapped,
 )
 
 CHANCE = random.Random(11)
@@ -118,10 +122,10 @@ def test_elements() -> None:
     assert head == polygon([(0.0, 20.0), (-2.48, 14.0), (2.48, 14.0)], "roll head")
 
 
-def placed(paper: Paper, words: str, target: Box, away: Point, crowded: bool = False) -> Box | None:
+def placed(paper: Paper, words: str, target: Box, away: Point) -> Box | None:
     """The box of a name on a page; None where it is left out."""
     before = len(paper.boxes)
-    elements = paper.put(words, target, away, crowded)
+    elements = paper.put(words, target, away)
     assert bool(elements) == (len(paper.boxes) > before)
     return paper.boxes[-1] if elements else None
 
@@ -133,7 +137,7 @@ def test_names_keep_clear_of_each_other() -> None:
     names = [placed(paper, f"wheel_{k}", target, (0.0, 0.0)) for k in range(12)]
     for k, box in enumerate(names):
         assert box is not None and inside(box[:2], paper.area) and inside(box[2:], paper.area)
-        assert box[2] - box[0] == pytest.approx(len(f"wheel_{k}") * 7.25 + 2) and box[3] - box[1] == HEIGHT
+        assert box[2] - box[0] == pytest.approx(width(f"wheel_{k}") + 2) and box[3] - box[1] == HEIGHT
         assert overlap(box, target) == 0 and all(overlap(box, other) == 0 for other in names[:k] if other)
 
 
@@ -174,12 +178,24 @@ def test_names_stay_on_the_page_and_off_lines() -> None:
     assert free != moved
 
 
-def test_a_crowded_page_leaves_names_out() -> None:
-    page = (0.0, 0.0, 60.0, 60.0)
-    paper = Paper(page, boxes=[page])
-    assert placed(paper, "wheel", (28.0, 28.0, 32.0, 32.0), (0.0, 0.0), crowded=True) is None
-    assert placed(paper, "wheel", (28.0, 28.0, 32.0, 32.0), (0.0, 0.0)) is not None
-    assert (
-        placed(Paper((0.0, 0.0, 400.0, 300.0)), "w", (100.0, 100.0, 104.0, 104.0), (0.0, 0.0), True)
-        is not None
-    )
+def test_a_name_without_a_place_is_left_out() -> None:
+    full = (0.0, 0.0, 60.0, 60.0)
+    target = (28.0, 28.0, 32.0, 32.0)
+    assert placed(Paper(full, boxes=[full]), "wheel", target, (0.0, 0.0)) is None
+    assert placed(Paper(full), "a_name_as_wide_as_the_page", target, (0.0, 0.0)) is None
+    assert placed(Paper(full), "wheel", target, (0.0, 0.0)) is not None
+
+
+def test_lines_of_words() -> None:
+    lines = wrapped("one two three four", width("one two") + 1)
+    assert lines == ["one two", "three", "four"]
+    assert wrapped("a_long_word of", 10.0) == ["a_long_word", "of"]
+    assert wrapped(f"vx{FIRM}1 m", width("vx")) == ["vx 1", "m"]
+
+
+@pytest.mark.parametrize(("turn", "flags"), [(1.0, "0 0"), (-1.0, "0 1"), (4.0, "1 0"), (-4.0, "1 1")])
+def test_an_arc_goes_the_way_that_is_said(turn: float, flags: str) -> None:
+    """Counter-clockwise as seen: y points down on paper."""
+    end = math.cos(turn), -math.sin(turn)
+    shape = arc((0.0, 0.0), (1.0, 0.0), end, turn, "angle")
+    assert shape == f'<path d="M1,0 A1,1 0 {flags} {pair(end)}" class="angle"/>'

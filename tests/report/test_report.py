@@ -50,7 +50,7 @@ def test_every_section_wheel_and_equation_number(name: str) -> None:
     last = 11 if robot.functions else 10
     assert [int(n) for n in re.findall(r"(?m)^## (\d+) ", page)] == list(range(1, last + 1))
     assert page.startswith(f"# `{name}`\n")
-    assert "![Top view" in page and "(layout.svg)" in page
+    assert "![Top view of" in page and all(f"]({file})" in page for file in derivation(name).figures)
     for wheel in robot.wheels:
         assert f"| `{wheel.name}` |" in page
         for number in NUMBERS[wheel.type]:

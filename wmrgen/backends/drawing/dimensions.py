@@ -29,8 +29,13 @@ _SAME = 1e-6  # of the robot's size: places that a dimension does not tell apart
 _GAP = 17.0  # between two numbers one above the other [px]
 
 
-def dimensions(robot: Robot, wheels: list[Placed], view: View, paper: Paper, base: float) -> list[str]:
-    """Distances between wheels: along x on the left side, along y on the line ``base``; or that from P to all."""
+def dimensions(
+    robot: Robot, wheels: list[Placed], view: View, paper: Paper, base: float, frame: float
+) -> list[str]:
+    """Distances between wheels: along x on the left side, along y on the line ``base``; or that from P to all.
+
+    ``frame``: how long the axes of the frame are drawn [px].
+    """
     bearing = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers or w.actuated] or robot.wheels
     size = max(hypot(w.pivot.real, w.pivot.imag) for w in robot.wheels)
     if not size:
@@ -43,7 +48,7 @@ def dimensions(robot: Robot, wheels: list[Placed], view: View, paper: Paper, bas
         xs = [xs[0], 0.0, xs[1]]  # P stands between its axles, nearer to one
     if any((b - a) * view.scale < _GAP for a, b in pairwise(xs)) or len(xs) > 4:
         xs = [xs[0], xs[-1]]
-    left = min(p.reach[0] for p in wheels) - 16.0
+    left = min(*(p.reach[0] for p in wheels), view.origin[0] - frame) - 16.0
     for a, b in pairwise(xs):
         if (b - a) * view.scale >= _GAP:
             ends = [(left, view.on((x, 0.0))[1]) for x in (a, b)]

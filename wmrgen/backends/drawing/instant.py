@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import hypot
+from math import atan2, degrees, hypot
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.example import Example, extent
@@ -21,8 +21,10 @@ from wmrgen.backends.drawing.paper import (
     distance,
     line,
     middle,
+    overlap,
     pair,
     unit,
+    width,
 )  # fmt: skip
 from wmrgen.backends.drawing.view import View, fitted
 
@@ -97,17 +99,29 @@ def _velocities(wheels: list[Placed], shown: Example, view: View) -> list[str]:
 
 
 def _axles(wheels: list[Placed], icr: Point | None, area: Box) -> list[Segment]:
-    """Zero-motion lines of wheels that slide not across: to the ICR and a little beyond, or across the panel."""
-    cuts = []
+    """Zero-motion lines of wheels that slide not across: to the ICR and a little beyond, or across the panel.
+
+    Wheels on one line share it: the longest piece stays.
+    """
+    longest: dict[tuple[float, float], Segment] = {}
     for p in wheels:
         if not _has_axle(p) or (icr is None and not p.wheel.kind.constrains):
             continue
+        cut: Segment | None = None
         if icr is None or distance(p.centre, icr) < 1.0:
-            cuts.append(clip(p.centre, p.left, area))
+            cut = clip(p.centre, p.left, area)
         elif p.wheel.kind.constrains or abs(_off(p, icr)) < 1.0:
             way = unit(p.centre, icr)
-            cuts.append((along(p.centre, way, -p.half[1] - 10.0), along(icr, way, 14.0)))
-    return [cut for cut in cuts if cut]
+            cut = along(p.centre, way, -p.half[1] - 10.0), along(icr, way, 14.0)
+        if cut:
+            longest[line_of(p)] = max(longest.get(line_of(p), cut), cut, key=lambda piece: distance(*piece))
+    return list(longest.values())
+
+
+def line_of(p: Placed) -> tuple[float, float]:
+    """The zero-motion line of a wheel: direction [deg] and distance from the page's corner [px], rounded."""
+    x, y = p.ahead if (p.ahead[1], p.ahead[0]) < (-1e-4, 0.0) else (-p.ahead[0], -p.ahead[1])
+    return round(degrees(atan2(x, -y)) % 180, 1) % 180, round(abs(p.centre[0] * x + p.centre[1] * y), 0)
 
 
 def _off(p: Placed, icr: Point) -> float:
@@ -131,4 +145,17 @@ def _pointed(shown: Example, view: View, paper: Paper) -> list[str]:
     start = along(end, way, -30.0)
     paper.boxes.append(bounds([start, end], 3))
     words = f"ICR {number(hypot(*shown.icr))} m from P"
-    return [*arrow(start, end, "way"), *paper.put(words, bounds([start, end], 3), end)]
+    return [
+        *arrow(start, end, "way"),
+        *(paper.put(words, bounds([start, end], 3), end) or [_corner(words, paper)]),
+    ]
+
+
+def _corner(words: str, paper: Paper) -> str:
+    """Words in the corner where they touch least."""
+    left, top, right, bottom = paper.area
+    wide = width(words)
+    corners = [(x, y) for y in (bottom - 6, top + 6) for x in (right - wide, left)]
+    boxes = [(x, y - 10, x + wide, y + 4) for x, y in corners]
+    touched = [sum(overlap(box, other) for other in paper.boxes) for box in boxes]
+    return paper.write(corners[touched.index(min(touched))], words)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wmrgen.backends.drawing.example import Example, example
 from wmrgen.backends.drawing.figure import Figure, figure
 from wmrgen.backends.drawing.instant import instant, number
-from wmrgen.backends.drawing.paper import Box
+from wmrgen.backends.drawing.paper import FIRM, Box, wrapped
 from wmrgen.backends.drawing.world import world
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 FILE = "motion.svg"
 _LEFT: Box = (8.0, 24.0, 236.0, 268.0)
 _RIGHT: Box = (248.0, 24.0, 472.0, 268.0)
-_HEIGHT = 290.0
+_HEIGHT = 304.0
 
 
 def motion(derivation: Derivation) -> Figure | None:
@@ -31,11 +31,13 @@ def drawn(robot: Robot, shown: Example) -> Figure:
     where, path = "at infinity: the robot translates", "a straight line"
     if shown.icr:
         where, path = f"at ({number(shown.icr[0])}, {number(shown.icr[1])}) m", "an arc about it"
-    vx, vy, omega = map(number, shown.twist)
-    words = f"vx {vx} m/s, vy {vy} m/s, ω {omega} rad/s"
+    values = (
+        f"{number(v)}{FIRM}{unit}" for v, unit in zip(shown.twist, ("m/s", "m/s", "rad/s"), strict=True)
+    )
+    words = ", ".join(f"{name}{FIRM}{value}" for name, value in zip(("vx", "vy", "ω"), values, strict=True))
     alt = (
         f"{robot.name} moving: left the instantaneous centre of rotation {where}, right the same motion in the world, "
         f"{path}."
     )
-    groups = [*instant(robot, shown, _LEFT, "robot frame", [words]), *world(robot, shown, _RIGHT)]
+    groups = [*instant(robot, shown, _LEFT, "robot frame", wrapped(words, 222)), *world(robot, shown, _RIGHT)]
     return figure(FILE, alt, _HEIGHT, groups)

@@ -14,6 +14,7 @@ Point = tuple[float, float]
 Segment = tuple[Point, Point]
 Box = tuple[float, float, float, float]  # left, top, right, bottom
 
+FIRM = "\u00a0"
 SIZE, LETTER = 12.0, 14.0  # of words and of letters in formulas [px]
 HEIGHT = 14.0  # of a line of words
 _NARROW, _WIDE = frozenset(" iljft.,:;'|!()[]°/\""), frozenset("mwMW@%=+<>±×→ω−—")
@@ -31,15 +32,15 @@ def width(words: str, size: float = SIZE) -> float:
 
 
 def wrapped(words: str, wide: float) -> list[str]:
-    """Words in lines of at most ``wide`` px; a longer word has a line of its own."""
+    """Words in lines of at most ``wide`` px; a longer word has a line of its own. No line ends at a `FIRM` space."""
     lines = [""]
-    for word in words.split():
+    for word in words.split(" "):
         longer = f"{lines[-1]} {word}".strip()
         if lines[-1] and width(longer) > wide:
             lines.append(word)
         else:
             lines[-1] = longer
-    return lines
+    return [line.replace(FIRM, " ") for line in lines]
 
 
 def along(p: Point, direction: Point, reach: float) -> Point:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, attribute, figure
 from wmrgen.backends.drawing.marks import Placed, body
 from wmrgen.backends.drawing.paper import (
+    FIRM,
     Box,
     Paper,
     Point,
@@ -20,6 +21,7 @@ from wmrgen.backends.drawing.paper import (
     line,
     middle,
     width,
+    wrapped,
 )
 from wmrgen.backends.drawing.view import View
 
@@ -71,19 +73,18 @@ def _telling(w: Wheel) -> int:
 def _values(w: Wheel) -> list[str]:
     """Lines of what the robot file says of a wheel."""
     g, kind = w.nominal, w.kind
-    first = f"l = {w.l:.4g} m, α = {_degrees(w.alpha)}" + (
-        f", β = {_degrees(w.beta)}" if kind.directed else ""
-    )
     parts = (
+        (True, f"l = {w.l:.4g} m"),
+        (bool(w.l), f"α = {_degrees(w.alpha)}"),
+        (kind.directed, f"β = {_degrees(w.beta)}"),
         (kind.directed, f"heading {_degrees(w.heading)}"),
         (kind.rollers, f"γ = {_degrees(w.gamma)}"),
         (bool(g.d), f"d = {float(g.d):.4g} m"),
         (bool(g.o), f"o = {float(g.o):.4g} m"),
         (bool(g.r), f"r = {float(g.r):.4g} m"),
     )
-    words = [text for occurs, text in parts if occurs]
-    lines = [_title(w), first, ", ".join(words[:3]), ", ".join(words[3:])]
-    return [text.replace("-", "−") for text in lines if text]
+    words = ", ".join(text.replace(" ", FIRM) for occurs, text in parts if occurs).replace("-", "−")
+    return [_title(w), *wrapped(words, _PANEL - 18)]
 
 
 def _title(w: Wheel) -> str:

@@ -49,8 +49,9 @@ def top_view(derivation: Derivation) -> Figure:
     height = bottom - top + 2 * _EDGE
     wheels = [placed(w, w.heading, view) for w in robot.wheels]
     paper = Paper((4.0, 4.0, WIDTH - 4.0, height + 30.0))
-    signs = frame(view, ("x", "y", "P"), paper, min(34.0, max(18.0, 0.12 * height)))
-    sizes = dimensions(robot, wheels, view, paper, height - 14.0)
+    axes = min(34.0, max(18.0, 0.12 * height))
+    signs = frame(view, ("x", "y", "P"), paper, axes)
+    sizes = dimensions(robot, wheels, view, paper, height - 14.0, axes)
     height += 26.0
     kinds = [kind for name, kind in WHEEL_TYPES.items() if any(w.type == name for w in robot.wheels)]
     signed = entries(kinds, robot.wheels) + [("trailer", "trailer (its width is not in the file)")] * bool(
@@ -67,7 +68,7 @@ def top_view(derivation: Derivation) -> Figure:
         ("", signs), (' class="fine"', names), (' class="fine"', keys),
     ]  # fmt: skip
     nouns = ", ".join(dict.fromkeys(w.kind.noun for w in robot.wheels))
-    alt = f"{robot.name} seen from above, x forward is up: {len(robot.wheels)} wheels ({nouns}) to scale"
+    alt = f"Top view of {robot.name}, x forward is up: {len(robot.wheels)} wheels ({nouns}) to scale"
     return figure(FILE, f"{alt}{', with its trailers behind it' if trailers else ''}.", height + more, groups)
 
 

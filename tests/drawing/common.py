@@ -1,0 +1,83 @@
+"""Figures read back: elements by class, panels, and the boxes of words by an estimate of their widths."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+from tests.report.common import derivation, derived
+from wmrgen.robot import Derivation
+
+SVG = "{http://www.w3.org/2000/svg}"
+FILES = ("layout.svg", "symbols.svg", "motion.svg", "singular.svg", "reach.svg")
+Box = tuple[float, float, float, float]
+Point = tuple[float, float]
+
+PAIR = """\
+  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
+"""
+FRONT = "  - {{name: front, type: steered, x: 0.5, y: 0, heading: {}, r: 0.1}}\n"
+THREE = "".join(
+    f"  - {{name: s{k}, type: steered, x: {x}, y: {y}, heading: {h}, r: 0.05}}\n"
+    for k, (x, y, h) in enumerate(((0.3, 0.0, 0), (-0.2, 0.25, 1), (-0.2, -0.25, -2)))
+)
+CASTOR = "  - {{name: castor, type: castor, x: -0.3, y: 0, heading: 0, d: {}, r: 0.05}}\n"
+MECANUM = "".join(
+    f"  - {{name: m{k}, type: swedish, x: {x}, y: {y}, heading: 0, gamma: {g}, r: 0.05}}\n"
+    for k, (x, y, g) in enumerate(
+        ((0.2, 0.2, "pi/4"), (0.2, -0.2, "-pi/4"), (-0.2, 0.2, "-pi/4"), (-0.2, -0.2, "pi/4"))
+    )
+)  # rollers in an X at the ground: they cannot turn the robot
+
+
+def robot(folder: Path, wheels: str, more: str = "") -> Derivation:
+    return derived(folder, f"wmrgen: 1\nname: sample\n{more}wheels:\n{wheels}")
+
+
+def parsed(d: Derivation, file: str = "layout.svg") -> ET.Element:
+    return ET.fromstring(d.figures[file][1])
+
+
+@cache
+def page(name: str, file: str = "layout.svg") -> ET.Element:
+    return parsed(derivation(name), file)
+
+
+def of_class(root: ET.Element, name: str) -> list[ET.Element]:
+    return [e for e in root.iter() if name in e.attrib.get("class", "").split()]
+
+
+def numbers(e: ET.Element, *keys: str) -> list[float]:
+    return [float(e.attrib[key]) for key in keys]
+
+
+def points(e: ET.Element) -> list[Point]:
+    return [tuple(map(float, p.split(","))) for p in e.attrib["points"].split()]  # type: ignore[misc]
+
+
+def panels(root: ET.Element) -> list[tuple[ET.Element, float, Point]]:
+    """Groups that show the plane: scale [px/m] and the origin of its frame on paper."""
+    shown = []
+    for g in root.iter(f"{SVG}g"):
+        if "data-scale" in g.attrib:
+            x, y = map(float, g.attrib["data-origin"].split(","))
+            shown.append((g, float(g.attrib["data-scale"]), (x, y)))
+    return shown
+
+
+def words(root: ET.Element) -> Iterator[tuple[str, Box]]:
+    """Every text with its box, as wide as in DejaVu Sans, the widest of the usual fonts."""
+    for e in root.iter(f"{SVG}text"):
+        classes, text = e.attrib["class"].split(), e.text or ""
+        size = 14.0 if "letter" in classes else 12.0
+        wide = size * sum(0.33 if c in " iljft.,:;|!'()" else 0.84 if c in "mwMWω=+−" else 0.62 for c in text)
+        x, y = numbers(e, "x", "y")
+        left = x - (wide / 2 if "middle" in classes else wide if "end" in classes else 0.0)
+        yield text, (left, y - 0.75 * size, left + wide, y + 0.2 * size)
+
+
+def apart(a: Box, b: Box) -> bool:
+    return a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]

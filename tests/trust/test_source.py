@@ -45,6 +45,7 @@ HOMES = {
     "yaml": {"spec/reader"},
     "subprocess": {"compiler"},
     "markdown_it": {"pages/markdown"},
+    "webbrowser": {"cli/view"},
     "rich": {"cli/console"},
     "typer": {
         "cli/app",

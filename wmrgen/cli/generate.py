@@ -57,18 +57,7 @@ def derive(
     with console.progress() as step:
         for spec, robot in _load_all(robots):
             step(f"deriving {robot.name} ({len(results) + 1} of {len(robots)})")
-            noted(robot)
-            warn_of_gains(robot)
-            derivation = wmrgen.derive(robot)
-            for finding in linted(spec, derivation):
-                if finding.stops:
-                    ignored = (
-                        f"To derive it all the same write beside the line: # wmrgen: ignore {finding.code}"
-                    )
-                    raise NotDerivableError(
-                        finding.what, finding.mark, finding.instead, ignored, finding.code
-                    )
-                console.note(str(finding))
+            derivation = derived(spec, robot)
             files = artifacts(derivation, chosen, fuzz)
             if formats:
                 from wmrgen.pages.formats import formatted
@@ -92,6 +81,19 @@ def derive(
     for folder, files in packages:
         console.result(f"  {folder.as_posix()}/: {' '.join(files)}")
     return 0
+
+
+def derived(spec: RobotSpec, robot: Robot) -> Derivation:
+    """The derivation of a robot, with its notes and likely mistakes told. NotDerivableError for one that stops it."""
+    noted(robot)
+    warn_of_gains(robot)
+    derivation = wmrgen.derive(robot)
+    for finding in linted(spec, derivation):
+        if finding.stops:
+            ignored = f"To derive it all the same write beside the line: # wmrgen: ignore {finding.code}"
+            raise NotDerivableError(finding.what, finding.mark, finding.instead, ignored, finding.code)
+        console.note(str(finding))
+    return derivation
 
 
 def _kinds(words: Sequence[str]) -> list[Package]:

@@ -16,7 +16,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from wmrgen.pages.markdown import html
+from wmrgen.pages.markdown import free, html
 from wmrgen.render import render
 from wmrgen.shipped import shipped
 
@@ -41,10 +41,10 @@ def page(reports: Sequence[Report], version: str = "") -> str:
     ``version.js`` beside it says another."""
     lives = [report for report in reports if report.robot]
     code = f"const robots = [{', '.join(report.code for report in lives)}];" if lives else ""
-    data = [report.robot for report in lives]
+    data, ids = [report.robot for report in lives], {"live"}
     return _document(
         " and ".join(report.name for report in reports),
-        [_body(report) for report in reports],
+        [_body(report, ids) for report in reports],
         _escaped(f"(() => {{\n{code}\nconst data = {json.dumps(data)};\n{_asset('live.js')}}})();"),
         version,
         bool(lives),
@@ -56,18 +56,15 @@ def broken(text: str, version: str = "") -> str:
     return _document("error", [f"<pre class='error'>{escape(text)}</pre>"], "", version, False)
 
 
-def _body(report: Report) -> str:
+def _body(report: Report, ids: set[str]) -> str:
     figures = {
         name: content.decode().strip() for name, content in report.files.items() if name.endswith(".svg")
     }
-    chapters = [name for name in _CHAPTERS if name in report.files]
-    texts = [html(report.files[name].decode(), figures) for name in chapters]
-    for name in chapters:  # links between them stay in the page
-        texts = [text.replace(f'href="{name}"', f'href="#{report.name}-{name}"') for text in texts]
-    return "\n".join(
-        f'<section id="{report.name}-{name}">\n{text}</section>'
-        for name, text in zip(chapters, texts, strict=True)
-    )
+    chapters = {name: free(f"{report.name}-{name}", ids) for name in _CHAPTERS if name in report.files}
+    texts = {name: html(report.files[name].decode(), figures, ids) for name in chapters}
+    for name, place in chapters.items():  # links between them stay in the page
+        texts = {key: text.replace(f'href="{name}"', f'href="#{place}"') for key, text in texts.items()}
+    return "\n".join(f'<section id="{chapters[key]}">\n{text}</section>' for key, text in texts.items())
 
 
 def _document(title: str, bodies: Sequence[str], live: str, version: str, driven: bool) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from html import escape
+from itertools import count
 from typing import Any
 
 from markdown_it import MarkdownIt
@@ -13,12 +14,14 @@ from markdown_it.token import Token
 _OURS = re.compile(r"(</?(?:sub|sup|details|summary)>|<br>)")
 
 
-def html(text: str, figures: Mapping[str, str]) -> str:
-    """``text`` as HTML; an image that ``figures`` has (name -> SVG) stands in it, any other is its description."""
+def html(text: str, figures: Mapping[str, str], ids: set[str] | None = None) -> str:
+    """``text`` as HTML; an image that ``figures`` has (name -> SVG) stands in it, any other is its description.
+
+    ``ids``: those that the page has, to which those of the headings are added."""
     markdown = MarkdownIt("commonmark", {"html": True}).enable("table")
     for name, rule in _RULES.items():
         markdown.add_render_rule(name, rule)
-    return str(markdown.render(text, {"figures": figures, "ids": set()}))
+    return str(markdown.render(text, {"figures": figures, "ids": set() if ids is None else ids}))
 
 
 def _tags(_: Any, tokens: Sequence[Token], index: int, *rest: Any) -> str:
@@ -43,13 +46,15 @@ def _image(_: Any, tokens: Sequence[Token], index: int, options: Any, env: Any) 
 def _heading(_: Any, tokens: Sequence[Token], index: int, options: Any, env: Any) -> str:
     """An anchor as GitHub calls it."""
     words = "".join(c for c in tokens[index + 1].content.lower() if c.isalnum() or c in " -_")
-    name = plain = words.replace(" ", "-")
-    number = 0
-    while name in env["ids"]:
-        number += 1
-        name = f"{plain}-{number}"
-    env["ids"].add(name)
-    return f'<{tokens[index].tag} id="{escape(name)}">'
+    return f'<{tokens[index].tag} id="{free(words.replace(" ", "-"), env["ids"])}">'
+
+
+def free(name: str, ids: set[str]) -> str:
+    """``name``, with a number where it is among ``ids``, to which it is added."""
+    numbered = (f"{name}-{number}" if number else name for number in count())
+    first = next(word for word in numbered if word not in ids)
+    ids.add(first)
+    return first
 
 
 _RULES: Mapping[str, Any] = {

@@ -55,6 +55,25 @@ def derive(
     """
 
 
+@verb("view", "Show robots in the browser, again whenever a file is saved.")
+def view(
+    robots: Robots,
+    no_open: Annotated[bool, typer.Option("--no-open", help="Write the page, open no browser.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--out", metavar="DIR", help="Where the page stands, a temporary folder otherwise."
+        ),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print where the page is, and end.")] = False,
+) -> None:
+    """Example:  wmrgen view robots/pioneer3dx.yaml robots/kuka_youbot.yaml
+
+    Show reports in the browser, with the robots side by side on top, to drive. When a robot file is saved the page
+    follows; a mistake in it stands on the page until it is mended. Ctrl-C ends it.
+    """
+
+
 @verb("generate", "Say which generated files are out of date.")
 def check(
     robots: Annotated[

@@ -1,0 +1,90 @@
+"""`wmrgen view`: a page that follows its robot files."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, Outcome
+from tests.pages.chromium import seen
+
+Cli = Callable[..., Outcome]
+
+
+def test_json_says_where_the_page_is(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
+    """Also of two robots of one name."""
+    other = shutil.copy(robot_file, tmp_path / "other.yaml")
+    done = wmrgen_cli("view", robot_file, other, "-o", tmp_path / "out", "--json")
+    assert done.code == 0, done.err
+    text = Path(json.loads(done.out)["page"]).read_text(encoding="utf-8")
+    ids = re.findall(r'<(?:section|h\d) id="([^"]*)"', text)
+    assert len(ids) == len(set(ids)) and {"pair-report.md", "pair-report.md-1"} <= set(ids)
+    assert text.count('"name": "pair"') == 2 and "wmrgenVersion" not in text
+    robot_file.write_text("wmrgen: 1\n")
+    failed = wmrgen_cli("view", robot_file, "--json")
+    assert (failed.code, json.loads(failed.out)["exit_code"]) == (2, 2)
+
+
+@pytest.fixture
+def watching(robot_file: Path, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+    words = ["view", str(robot_file), "--no-open", "-o", str(tmp_path / "out")]
+    command = [sys.executable, "-m", "wmrgen", *words]
+    with subprocess.Popen(
+        command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        yield process
+        process.kill()
+
+
+def _until(holds: Callable[[], bool]) -> None:
+    end = time.monotonic() + 30
+    while not holds():
+        assert time.monotonic() < end, "it did not happen within 30 s"
+        time.sleep(0.05)
+
+
+@pytest.mark.slow
+def test_the_page_follows_the_file(watching: subprocess.Popen[str], robot_file: Path, tmp_path: Path) -> None:
+    page, version = tmp_path / "out" / "view.html", tmp_path / "out" / "version.js"
+    good = robot_file.read_text()
+    _until(version.exists)
+    first = version.read_text()
+    assert "0.1655" in page.read_text(encoding="utf-8") and first.split('"')[1] in page.read_text(
+        encoding="utf-8"
+    )
+    robot_file.write_text(good.replace("type: fixed", "type: <b>fixd</b>", 1))
+    _until(lambda: version.read_text() != first)
+    assert "unknown wheel type" in page.read_text(encoding="utf-8") and "<b>" not in page.read_text(
+        encoding="utf-8"
+    )
+    robot_file.unlink()
+    _until(lambda: "no such" in page.read_text(encoding="utf-8").lower())
+    robot_file.write_text(good.replace("0.1655", "0.1777"))
+    _until(lambda: "0.1777" in page.read_text(encoding="utf-8"))
+    robot_file.write_text(good)
+    _until(lambda: version.read_text() == first)
+    watching.send_signal(signal.SIGINT)
+    out, err = watching.communicate(timeout=20)
+    assert watching.returncode == 0, err
+    assert str(page) in out and "fixd" in err
+
+
+@pytest.mark.slow
+def test_the_page_loads_itself_again(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """The policy lets the script of the version in, and nothing is wrong on the console."""
+    from wmrgen.pages.document import broken
+
+    (tmp_path / "version.js").write_text('window.wmrgenVersion = "1";')
+    script = """const s = document.createElement("script"); s.src = "version.js"; s.onload = () => {
+      document.title = JSON.stringify(window.wmrgenVersion); }; document.head.append(s); return 0;"""
+    result, console = seen(broken("x", "1"), script, tmp_path)
+    assert (result, console) == ("1", [])

@@ -16,6 +16,7 @@ from wmrgen.functions.registry import has_system, system_builder
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Module, count
 from wmrgen.layout.records import Encoder, Noise, Robot, Wheel
+from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility, Rank, Singularity
 from wmrgen.program import asked
 
@@ -57,7 +58,7 @@ def _domains(robot: Robot, mobility: Mobility) -> dict[str, Any]:
         return {}
     from wmrgen.functions.models.sheet import data, sheet_of
 
-    sheets = {name: sheet_of(name, system_builder(name)(robot, mobility, False)) for name in names}
+    sheets = {name: sheet_of(name, system_builder(name)(*driving(robot, mobility), False)) for name in names}
     return {"singular_models": {name: data(sheet)["domain"] for name, sheet in sheets.items()}}
 
 
@@ -77,6 +78,7 @@ def _identity(robot: Robot) -> dict[str, Any]:
         **({"noise": _noise(robot.noise)} if robot.noise else {}),
         **({"encoder": _encoders(robot.encoders)} if robot.encoders else {}),
         **({"lag": _seconds(robot.lag)} if robot.lag else {}),
+        **({"effective_track": float(track.nominal)} if (track := robot.effective_track) else {}),
         **({"deadband": float(robot.deadband)} if robot.deadband else {}),
         "notes": list(robot.notes),
     }

@@ -16,6 +16,7 @@ from wmrgen.ir.pipeline import optimise
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot
 from wmrgen.lower import kernels_of, lower
+from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Limits
 
@@ -43,7 +44,7 @@ class Program:
 def formula(robot: Robot, mobility: Mobility, name: str) -> Formula:
     """One function. RobotFileError for an unknown name, NotDerivableError where the robot does not have it."""
     declared = declaration(name)
-    built = declared.build(robot, mobility)
+    built = declared.build(*((robot, mobility) if declared.contacts else driving(robot, mobility)))
     if not isinstance(built, Formula):
         raise TypeError(f"the builder of {name} returns {built!r}, which is no Formula")
     built = replace(built, source=declared.source, limits=declared.limits, in_place=declared.in_place)

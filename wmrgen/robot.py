@@ -20,8 +20,10 @@ from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot
+from wmrgen.layout.skid import driven
 from wmrgen.lower import lower
 from wmrgen.mobility import Mobility, analyse
+from wmrgen.mobility.analyse import driving
 from wmrgen.model_json import model
 from wmrgen.program import (
     Program,
@@ -77,8 +79,14 @@ class Derivation:
             from wmrgen.functions.trailers.trailer import check_trailers
 
             check_virtual(self.robot, mobility)
-            check_trailers(self.robot, mobility)
+            check_trailers(*driving(self.robot, mobility))
         return mobility
+
+    @cached_property
+    def driven(self) -> Derivation:
+        """The derivation of what wheel speeds and motion follow from: itself, unless it has an effective track."""
+        acting = driven(self.robot)
+        return self if acting is self.robot else Derivation(acting, self._functions)
 
     @cached_property
     def integrability(self) -> Integrability:
@@ -174,7 +182,7 @@ class Derivation:
 
         ``symbolic`` keeps every named parameter as a symbol, else only tunable ones.
         """
-        return system_builder(name)(self.robot, self.mobility, symbolic)
+        return system_builder(name)(*driving(self.robot, self.mobility), symbolic)
 
     def state_space(self, form: str | None = None, discrete: str | None = None, dt: float = 0.0) -> Any:
         """casadi.Function (x, u, p) -> xdot of a model: posture, twist, eta, configuration, zeta, trailer; else the one

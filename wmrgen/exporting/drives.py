@@ -14,6 +14,7 @@ from math import asin, atan2, cos, degrees, pi, sin, tan
 from wmrgen.errors import NotDerivableError
 from wmrgen.exporting.bodies import joint_of
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.skid import driven
 from wmrgen.spec.text import quoted
 
 TOLERANCE = 1e-6  # of the largest of what must be equal
@@ -62,7 +63,7 @@ def refusing(what: str) -> Iterator[None]:
 def drive_of(robot: Robot, known: Collection[str]) -> Drive:
     """What drives a robot: differential, mecanum, omni, swerve, or one of `KINDS`. NotDerivableError where it is none
     of these or not among the ``known``, and why."""
-    drive = _drive_of(robot)
+    drive = _drive_of(driven(robot))
     if drive.kind not in known:
         raise NotDerivableError(f"there is none for {drive.kind} drives")
     return drive

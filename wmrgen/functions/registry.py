@@ -51,7 +51,8 @@ class Declaration:
 
     ``source``: equations of the texts in their corrected form, or that it is ours. ``limits``: see `Limits`.
     ``exists``: whether a robot has a STANDARD function. ``in_place``: the twist or the wheels that it gives take the
-    place of those that it is given, in languages where that can be said (`wmrgen.interface`).
+    place of those that it is given, in languages where that can be said (`wmrgen.interface`). ``contacts``: it is about
+    the wheels where they touch the ground, also of a robot with an effective track (`layout.skid`).
     """
 
     name: str
@@ -61,6 +62,7 @@ class Declaration:
     limits: Limits
     exists: Callable[[Robot], bool]
     in_place: bool = False
+    contacts: bool = False
 
 
 _FUNCTIONS: dict[str, Declaration] = {}
@@ -73,6 +75,7 @@ def function(
     limits: Limits = Limits.NONE,
     exists: Callable[[Robot], bool] = lambda _: True,
     in_place: bool = False,
+    contacts: bool = False,
 ) -> Callable[[Builder], Builder]:
     """Declares the function of the decorated builder's name. ValueError where another module has declared it."""
 
@@ -81,7 +84,7 @@ def function(
         other = _FUNCTIONS.get(name)
         if other is not None and other.build.__module__ != build.__module__:
             raise ValueError(f"function {name} of {build.__module__} is declared in {other.build.__module__}")
-        _FUNCTIONS[name] = Declaration(name, build, source, kind, limits, exists, in_place)
+        _FUNCTIONS[name] = Declaration(name, build, source, kind, limits, exists, in_place, contacts)
         return build
 
     return declare

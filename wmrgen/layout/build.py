@@ -27,6 +27,7 @@ from wmrgen.layout.records import (
     Virtual,
     Wheel,
 )
+from wmrgen.layout.skid import effective_track
 from wmrgen.spec.records import (
     Limit,
     ParameterSpec,
@@ -285,5 +286,6 @@ _PARTS: dict[str, Callable[[RobotSpec, Scope, list[Wheel]], Any]] = {  # of a Ro
     "deadband": lambda spec, scope, _: ZERO if spec.deadband is None else deadband_of(spec.deadband, scope),
     "noise": lambda spec, scope, _: noise_of(spec.noise, scope),
     "encoders": lambda spec, scope, _: encoders_of("the robot", spec.encoders, scope),
+    "effective_track": lambda spec, scope, wheels: effective_track(spec.effective_track, scope, wheels),
     "lag": lambda spec, scope, _: lag_of("the robot", spec.lag, scope),
 }

@@ -274,6 +274,7 @@ class Robot:
     cg: Point | None = None
     gains: dict[str, Length] = field(default_factory=dict)
     deadband: Exact = ZERO
+    effective_track: Length | None = None  # see `layout.skid`
     functions: tuple[str, ...] = ()
     noise: Mapping[str, Noise] = field(default_factory=dict)
     encoders: Mapping[str, Encoder] = field(default_factory=dict)

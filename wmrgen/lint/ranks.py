@@ -57,8 +57,8 @@ def stuck(subject: Subject) -> Iterator[Finding]:
     "WMR031",
     "skid-steer",
     """Fixed wheels on several parallel axles roll straight ahead only; the robot turns by skidding. Its kinematics are
-    least squares and `slip` says what is left. Where that is the robot, as a Husky is, the finding is to be ignored;
-    else a wheel is a castor or steers.""",
+    least squares and `slip` says what is left; how far it turns, they do not know. Where that is the robot, as a Husky
+    is, `effective_track` says so, a length to be measured; else a wheel is a castor or steers.""",
     """
 wheels:
   - {name: front_left,  type: fixed, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
@@ -67,20 +67,26 @@ wheels:
   - {name: back_right,  type: fixed, x: -0.3, y: -0.2, heading: 0, r: 0.1}
 """,
     """
+effective_track: 0.7
 wheels:
-  - {name: front_left,  type: steered, x: 0.6, y: 0.2,  heading: 0, r: 0.1, actuated: [steer]}
-  - {name: front_right, type: steered, x: 0.6, y: -0.2, heading: 0, r: 0.1, actuated: [steer]}
-  - {name: back_left,   type: fixed,   x: 0,   y: 0.2,  heading: 0, r: 0.1}
-  - {name: back_right,  type: fixed,   x: 0,   y: -0.2, heading: 0, r: 0.1}
+  - {name: front_left,  type: fixed, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
+  - {name: front_right, type: fixed, x: 0.3,  y: -0.2, heading: 0, r: 0.1}
+  - {name: back_left,   type: fixed, x: -0.3, y: 0.2,  heading: 0, r: 0.1}
+  - {name: back_right,  type: fixed, x: -0.3, y: -0.2, heading: 0, r: 0.1}
 """,
 )
 def skids(subject: Subject) -> Iterator[Finding]:
+    if subject.robot.effective_track is not None:
+        return
     if any("skid-steer" in r for r in subject.mobility.reasons) and not list(narrow(subject)):
         fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]
         names = listed([w.name for w in fixed])
         what = f"{names} stand on parallel axles: the robot turns only by skidding (skid-steer)"
+        about = (
+            "Write effective_track: and the track of a differential drive that turns as it does (measured, some 1.5 "
+            "times its own). Without it kinematics are least squares, which do not know how far it turns."
+        )
         remedies = [near.remedies for near in subject.robot.near if not near.moves]
-        about = "Kinematics are least squares. Ignore this where that is the robot."
         yield Finding(subject.mark(fixed[0]), what, " ".join((about, *remedies)))
 
 

@@ -12,6 +12,7 @@ from wmrgen.exact.linalg import determinant
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot, each
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.skid import driven
 from wmrgen.mobility.basis import basis, deciding, null_columns, primitive
 from wmrgen.mobility.configure import Configuration, configuration, in_metres
 from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
@@ -40,6 +41,12 @@ def analyse(robot: Robot) -> Mobility:
         basis_rows=tuple(row.row(working_view) for row in rows), basis_wheels=tuple(dict.fromkeys(leaders)),
         null_space=columns, null_space_symbolic=symbolic,
     )  # fmt: skip
+
+
+def driving(robot: Robot, mobility: Mobility) -> tuple[Robot, Mobility]:
+    """The layout that wheel speeds and motion follow from, `layout.skid.driven`, and what that can do."""
+    acting = driven(robot)
+    return (robot, mobility) if acting is robot else (acting, analyse(acting))
 
 
 def fixed(row: Row, robot: Robot) -> Row:

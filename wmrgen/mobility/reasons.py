@@ -161,9 +161,14 @@ def _verdict(at: Configuration) -> list[str]:
     if at.mobility == 0:
         why = "no motion is free of sliding"
     elif len(lines) > 1 and any(w.actuated for w in fixed) and _skids(lines):
+        solved = (
+            "least squares and report the residual"
+            if at.robot.effective_track is None
+            else "those of a differential drive of its effective track"
+        )
         why = (
             "its fixed axles are several parallel lines: it turns only by skidding (skid-steer); "
-            "kinematics are least squares and report the residual"
+            f"kinematics are {solved}"
         )
     elif len(lines) > 1:
         why = "its fixed axles are not one line, which leaves a single motion"

@@ -203,6 +203,12 @@ ROBOT = Section(
         ),
         Field("encoder", ENCODER, "encoders of every joint that is sensed, for joints_from_counts"),
         Field("lag", LAG, "lag of every joint that is commanded, which the state space takes in"),
+        Field(
+            "effective_track", _LENGTH,
+            "of fixed wheels on several parallel axles, which skid in curves: the robot turns as a differential drive "
+            "with this track does; 1.2 to 2 times that of its wheels, measured",
+            aliases=dict.fromkeys(("skid_track", "track", "wheel_separation"), ""),
+        ),
         Field("virtual", ListOf(VIRTUAL), "wheels that are not there and stand for real ones"),
         Field("trailers", ListOf(TRAILER, most=16), "trailers, from the robot backwards"),
         Field(

@@ -290,6 +290,7 @@ _PARTS: dict[str, Callable[[_Reading], Any]] = {  # of a RobotSpec
     "slip": lambda r: r.table.word("slip"),
     "cg": lambda r: _point(r.table.get("cg"), r.scope),
     "gains": lambda r: _gains(r.table.get("gains"), r.scope),
+    "effective_track": lambda r: r.table.amount("effective_track", "the robot", r.scope),
     "deadband": lambda r: r.table.amount("deadband", "the robot", r.scope),
     "functions": lambda r: tuple(FunctionSpec(item.text, item.mark) for item in r.table.scalars("functions")),
 }

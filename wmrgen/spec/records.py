@@ -198,4 +198,5 @@ class RobotSpec:
     cg: PointSpec | None = None
     gains: tuple[tuple[str, Quantity], ...] = ()
     deadband: Quantity | None = None
+    effective_track: Quantity | None = None
     functions: tuple[FunctionSpec, ...] = ()

@@ -14,7 +14,7 @@ from wmrgen.backends.report.forward import forward, motion
 from wmrgen.backends.report.further import further
 from wmrgen.backends.report.inverse import inverse
 from wmrgen.backends.report.markdown import foot, page
-from wmrgen.backends.report.mobility import analysis, singular
+from wmrgen.backends.report.mobility import analysis, singular, skid
 from wmrgen.backends.report.overview import layout, opening
 from wmrgen.backends.report.result import result
 from wmrgen.backends.report.rows import matrices, null_space, wheel_rows
@@ -24,15 +24,16 @@ if TYPE_CHECKING:
     from wmrgen.robot import Derivation
 
 FILE = "report.md"
-_SECTIONS = (
-    opening, result, layout, wheel_rows, matrices, null_space, analysis, inverse, forward, motion, singular, texts,
-    further,
-)  # fmt: skip
+_LAYOUT = (opening, result, layout, wheel_rows, matrices, null_space, analysis, skid)
+_MOTION = (inverse, forward, motion)  # of the drive that turns as the robot does, where it skids
+_WHOLE = (singular, texts, further)
 
 
 def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
     """``report.md``, whose pictures are another backend's, and ``numerics.md``."""
-    blocks = [block for section in _SECTIONS for block in section(derivation)]
+    blocks = [block for section in _LAYOUT for block in section(derivation)]
+    blocks += [block for section in _MOTION for block in section(derivation.driven)]
+    blocks += [block for section in _WHOLE for block in section(derivation)]
     return {
         FILE: page([*blocks, *foot(facts)]).encode(),
         numerics.FILE: numerics.numerics(derivation, facts).encode(),

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.report.angles import equation, roots
-from wmrgen.backends.report.latex import summands, terms, width, wrapped
+from wmrgen.backends.report.latex import latex, summands, terms, width, wrapped
 from wmrgen.backends.report.markdown import (
     CAP,
     aligned,
@@ -15,6 +15,7 @@ from wmrgen.backends.report.markdown import (
     items,
     math,
     pictures,
+    plain,
     sentence,
     some,
     table,
@@ -202,6 +203,22 @@ def _together(m: Mobility) -> str:
         "Nor can all constraints together be integrated: brackets of the motions left over reach all "
         f"{m.dof} dimensions, while DDOF is {m.ddof}."
     )
+
+
+def skid(d: Derivation) -> list[str]:
+    """What stands for a robot that turns by skidding, in the sections that follow."""
+    track = d.robot.effective_track
+    if track is None:
+        return []
+    pivots = [w.pivot for w in d.driven.robot.wheels if w.kind.fixed_axle]
+    x, y = ((min(p) + max(p)) / 2 for p in zip(*((z.real, z.imag) for z in pivots), strict=True))
+    return [
+        "In a curve these wheels cannot all roll. On even ground the robot turns as a differential drive does whose "
+        "wheels stand the effective track apart, a measured length,",
+        *aligned([rf"T_e &= {latex(track.symbolic)} = {plain(track.nominal)}"]),
+        f"Sections 6 to 8 are about that drive: its axle passes through ({x:.6g}, {y:.6g}), and the wheels of a side "
+        "count as one. What the wheels slide in a curve is no part of `slip` there.",
+    ]
 
 
 def singular(d: Derivation) -> list[str]:

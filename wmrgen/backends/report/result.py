@@ -32,9 +32,9 @@ def result(d: Derivation) -> list[str]:
         kind_of_robot(d),
         "**Inverse kinematics** (`inverse`), from the twist ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) to the joints "
         "(section 6):",
-        *closed_inverse(d),
+        *closed_inverse(d.driven),
         "**Forward kinematics** (`forward`), from measured joints to the twist (section 7):",
-        *closed_forward(d),
+        *closed_forward(d.driven),
         *_example(d), *_files(d),
     ]  # fmt: skip
 

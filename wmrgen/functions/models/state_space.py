@@ -8,11 +8,13 @@ from math import inf
 from typing import Any
 
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.models.twist import parallel, sliding
+from wmrgen.functions.models.twist import sliding
 from wmrgen.functions.registry import system_builder
 from wmrgen.functions.system import Lag, System, of_commands
 from wmrgen.kinematics.records import Formula, substituted
 from wmrgen.layout.records import Robot
+from wmrgen.layout.skid import parallel
+from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, number, over, signal, subtract
@@ -37,13 +39,14 @@ class StateSpace:
 def default_form(robot: Robot, mobility: Mobility) -> str:
     """Twist inputs, which are regular in every motion, where two axles or more steer and where parallel wheels slide
     whatever the robot does; else driven speeds (`posture`)."""
-    skids = mobility.degenerate and parallel(robot)
+    skids = mobility.degenerate and parallel([w for w in robot.wheels if w.kind.fixed_axle])
     return "twist" if mobility.degree_of_steerability > 1 or skids else "posture"
 
 
 def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> StateSpace:
     """A model as a state space, of `default_form` unless told otherwise."""
     form = form or default_form(robot, mobility)
+    robot, mobility = driving(robot, mobility)
     system = system_builder(form)(robot, mobility, False)
     following = lags(robot, system)
     inputs = tuple(following[u.name].command if u.name in following else u for u in system.inputs)

@@ -18,12 +18,12 @@ from wmrgen.functions.registry import system, underivable
 from wmrgen.functions.system import System
 from wmrgen.kinematics.records import Formula, Locals, joint_port, parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.skid import parallel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import POSE, TWIST, Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, over, signal, square, times
 
 Column = tuple[Expr, Expr, Expr]
-_PARALLEL = 1e-9  # sine of the angle between axles that are taken for parallel
 
 
 @system("twist")
@@ -79,19 +79,13 @@ def _condition(robot: Robot, mobility: Mobility) -> str:
     return "; it holds where no steered wheel slides" if _steered(robot) else ""
 
 
-def parallel(robot: Robot) -> bool:
-    """Whether all fixed wheels point the same way, forwards or backwards."""
-    headings = [w.zero_heading for w in robot.wheels if w.kind.fixed_axle]
-    return all(abs((h * headings[0].conjugate()).imag) < _PARALLEL for h in headings)
-
-
 def _free(robot: Robot, mobility: Mobility, view: View) -> tuple[tuple[Port, ...], tuple[Column, ...]]:
     """The components of the twist that are inputs, and the twist that each makes."""
     wheels = [w for w in robot.wheels if w.kind.fixed_axle]
     units = [tuple(sympy.Integer(int(i == k)) for i in range(3)) for k in range(3)]
     if not wheels:
         return TWIST, tuple((x, y, turn) for x, y, turn in units)
-    if not parallel(robot):
+    if not parallel(wheels):
         raise underivable(robot, "model in twist inputs", "its fixed wheels point in different directions")
     heading = wheels[0].zero_heading
     dependent = 1 if abs(heading.real) > abs(heading.imag) else 0

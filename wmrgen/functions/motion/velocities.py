@@ -134,7 +134,7 @@ def _joints(points: tuple[ContactPoint, ...], headings: bool) -> Iterator[Port]:
             yield joint_port(p.wheel, "steer_rate", Role.COMMAND)
 
 
-@function("Kelly (4.39), (4.40), Box 4.2, (4.62)")
+@function("Kelly (4.39), (4.40), Box 4.2, (4.62)", contacts=True)
 def contact_velocity(robot: Robot, _: Mobility) -> Formula:
     """Twist, steering angles and steering rates to the velocity of every contact point, robot frame."""
     names, points = Locals(), contact_points(robot)
@@ -152,7 +152,7 @@ def contact_velocity(robot: Robot, _: Mobility) -> Formula:
     )
 
 
-@function("Konstantinov (1)-(3), (2) corrected; Tzafestas (2.71)")
+@function("Konstantinov (1)-(3), (2) corrected; Tzafestas (2.71)", contacts=True)
 def projections(robot: Robot, _: Mobility) -> Formula:
     """Twist and heading to the contact velocities along e and n and in the world (Konstantinov (2), (3)).
 
@@ -195,7 +195,7 @@ def _slip_port(w: Wheel, name: str) -> Port:
     return output(f"{w.name}.{name}", "m/s", text)
 
 
-@function("Tzafestas Example 2.2, corrected for steered wheels", limits=Limits.COMMANDED)
+@function("Tzafestas Example 2.2, corrected for steered wheels", limits=Limits.COMMANDED, contacts=True)
 def slip_inverse(robot: Robot, _: Mobility) -> Formula:
     """vx vy omega, steering angles and rates and slip_x to every wheel's spin and every standard wheel's slip_y.
 

@@ -176,7 +176,7 @@ class _Plane:
         return names.define(f"{self.name}_{suffix}", value)
 
 
-@function("criterion of Kelly 4.1.3; the margin is ours")
+@function("criterion of Kelly 4.1.3; the margin is ours", contacts=True)
 def stability(robot: Robot, _: Mobility) -> Formula:
     """Specific force and present steering angles to the margin of every edge of the support polygon."""
     c = centre_of_gravity(robot, "stability")

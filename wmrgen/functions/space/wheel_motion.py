@@ -110,7 +110,7 @@ def seen_from_before(frame: Frame, origin: Vector, point: Point) -> Point:
     return Point(plus(origin, point.r), v, plus(frame.a, euler, inward, coriolis, point.a))
 
 
-@function("Kelly (4.23)-(4.31), (4.25) corrected")
+@function("Kelly (4.23)-(4.31), (4.25) corrected", contacts=True)
 def wheel_motion(robot: Robot, _: Mobility) -> Formula:
     """Motion of the body, steering and suspension to velocity and acceleration of every contact."""
     names = Locals()
@@ -196,7 +196,7 @@ def centre_of_gravity(robot: Robot, name: str) -> Vector:
     return x, y, z
 
 
-@function("Kelly 4.1.3")
+@function("Kelly 4.1.3", contacts=True)
 def cg_force(robot: Robot, _: Mobility) -> Formula:
     """What an accelerometer and a gyroscope measure to the specific force at the centre of gravity."""
     c = centre_of_gravity(robot, "cg_force")

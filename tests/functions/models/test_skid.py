@@ -1,0 +1,191 @@
+"""`effective_track`: robots that turn by skidding, against wheels that drag over the ground.
+
+The oracle pushes contacts: each wheel's force is against the velocity at which its contact slides (viscous friction),
+and at constant speeds forces and moment balance. Its motion is that of a differential drive with some track, which is
+then written into the robot file.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from math import cos, pi, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wmrgen
+from tests.functions.motion.common import run_cli
+from wmrgen.errors import RobotFileError
+from wmrgen.exact.number import Exact
+
+
+@dataclass(frozen=True)
+class Base:
+    """Wheels (x, y, turned by) in a frame that stands at ``at``, turned by ``heading`` [rad], in the robot's."""
+
+    wheels: tuple[tuple[float, float, float], ...]
+    at: tuple[float, float] = (0.0, 0.0)
+    heading: float = 0.0
+    radius: float = 0.165
+
+    @property
+    def contacts(self) -> list[tuple[np.ndarray, float]]:
+        c, s = cos(self.heading), sin(self.heading)
+        turn = np.array([[c, -s], [s, c]])
+        return [(turn @ (x, y) + self.at, self.heading + own) for x, y, own in self.wheels]
+
+    def spins(self, left: float, right: float) -> list[float]:
+        """Rates [rad/s] for speeds [m/s] of both sides along the base."""
+        return [(left if y > 0 else right) * cos(own) / self.radius for _, y, own in self.wheels]
+
+    def dragged(self, spins: list[float]) -> np.ndarray:
+        """The twist at which forces and moment of viscous friction balance."""
+        rows, speeds = [], []
+        for ((x, y), heading), spin in zip(self.contacts, spins, strict=True):
+            rows += [(1, 0, -y), (0, 1, x)]
+            speeds += [self.radius * spin * cos(heading), self.radius * spin * sin(heading)]
+        return np.linalg.solve(np.array(rows).T @ rows, np.array(rows).T @ speeds)
+
+    @property
+    def track(self) -> float:
+        """Of the differential drive that turns as it does, measured by turning on the spot."""
+        return 2.0 / float(self.dragged(self.spins(-1.0, 1.0))[2])
+
+    def text(self, track: str, more: str = "") -> str:
+        wheels = "".join(
+            f"  - {{name: w{k}, type: fixed, x: {float(x)!r}, y: {float(y)!r}, heading: {heading!r}, r: radius}}\n"
+            for k, ((x, y), heading) in enumerate(self.contacts)
+        )
+        return (
+            f"wmrgen: 1\nname: skid\nparameters: {{radius: {self.radius}, wide: {{value: {track}, tunable: true}}}}\n"
+            f"effective_track: wide\n{more}wheels:\n{wheels}"
+        )
+
+
+HUSKY = Base(((0.256, 0.2775, 0), (0.256, -0.2775, 0), (-0.256, 0.2775, 0), (-0.256, -0.2775, 0)))
+BASES = {
+    "husky": HUSKY,
+    "off the origin": Base(HUSKY.wheels, (0.31, -0.07)),
+    "along y": Base(HUSKY.wheels, (0.1, 0.2), pi / 2),
+    "at an angle": Base(HUSKY.wheels, (-0.1, 0.05), 0.4),
+    "six, wide in the middle": Base(
+        ((0.4, 0.3, 0), (0.4, -0.3, 0), (0.05, 0.4, 0), (0.05, -0.4, 0), (-0.5, 0.3, 0), (-0.5, -0.3, 0))
+    ),
+    "right side mounted the other way round": Base(
+        tuple((x, y, 0 if y > 0 else pi) for x, y, _ in HUSKY.wheels), (0.0, 0.03)
+    ),
+}
+
+
+def loaded(tmp_path: Path, text: str) -> wmrgen.Derivation:
+    path = tmp_path / "skid.yaml"
+    path.write_text(text)
+    return wmrgen.derive(wmrgen.load(path))
+
+
+@pytest.mark.parametrize("name", BASES)
+def test_it_moves_as_wheels_that_drag(name: str, tmp_path: Path) -> None:
+    """forward of speeds is the twist of the oracle; inverse gives the speeds back; the models turn as they say."""
+    base = BASES[name]
+    derivation = loaded(tmp_path, base.text(repr(base.track)))
+    module = derivation.numpy()
+    for left, right in ((-1.0, 1.0), (0.7, 0.9), (-0.0, -0.4), (0.5, 0.5)):
+        spins = base.spins(left, right)
+        vx, vy, omega = base.dragged(spins)
+        names = {f"w{k}_spin": spin for k, spin in enumerate(spins)}
+        found = module.forward(**names)
+        assert [found[k] for k in ("vx", "vy", "omega", "slip")] == pytest.approx(
+            [vx, vy, omega, 0], abs=1e-9
+        )
+        back = module.inverse(vx=vx, vy=vy, omega=omega)
+        assert [back[f"w{k}.spin"] for k in range(len(spins))] == pytest.approx(spins, abs=1e-9)
+        assert back["slip"] == pytest.approx(0, abs=1e-9)
+        f = derivation.state_space("posture")
+        by_side = {
+            port.name: names[port.name.replace(".", "_")] for port in derivation.system("posture").inputs
+        }
+        rates = f([0, 0, 0], list(by_side.values()), derivation.vector_forms[0].nominal).full().ravel()
+        assert rates == pytest.approx([vx, vy, omega], abs=1e-9)
+
+
+def test_the_commanded_twist_is_what_it_does(tmp_path: Path) -> None:
+    """Inputs vx and omega by default; `dynamics` turns; twice the track is half the yaw rate, in every form."""
+    base = BASES["off the origin"]
+    derivation = loaded(tmp_path, base.text("1.1"))
+    space = derivation.model()["state_space"]
+    assert (space["form"], [e["name"] for e in space["u"]]) == ("twist", ["vx", "omega"])
+    rates = derivation.state_space()([0, 0, 0.3], [0.4, 0.9], [1.1]).full().ravel()
+    vx, vy = 0.4, -0.31 * 0.9
+    assert rates == pytest.approx([vx * cos(0.3) - vy * sin(0.3), vx * sin(0.3) + vy * cos(0.3), 0.9])
+    turned = derivation.evaluate("dynamics", {"eta2": Exact(1)})
+    assert float(turned["theta_rate"]) != 0
+    posture = derivation.state_space("posture")
+    single, double = (posture([0, 0, 0], [-2.0, 3.0], [t]).full().ravel()[2] for t in (1.1, 2.2))
+    assert single == pytest.approx(0.165 * 5 / 1.1) and double == pytest.approx(single / 2)
+
+
+def test_every_backend_has_the_track_as_a_parameter(tmp_path: Path) -> None:
+    base = BASES["six, wide in the middle"]
+    path = tmp_path / "skid.yaml"
+    path.write_text(base.text("1.3"))
+    for backend in ("exact", "casadi", "numpy", "c"):
+        out, _ = run_cli(
+            "eval", str(path), "inverse", "vx=0.2", "omega=-0.5", "wide=1.5", "--backend", backend, "--json"
+        )
+        spins = json.loads(out)
+        assert spins["w4.spin"] == pytest.approx((0.2 + 0.75 * 0.5) / 0.165, rel=1e-6)
+        assert spins["w3.spin"] == pytest.approx((0.2 - 0.75 * 0.5) / 0.165, rel=1e-6)
+
+
+def test_the_layout_stays_what_it_is(tmp_path: Path) -> None:
+    """Places, matrices and degrees are the robot's; so is what its contacts do. Lint finds nothing, compare and export
+    go by the track, the report says what stands for it, and it may draw a trailer."""
+    more = "trailers: [{length: 0.8, hitch: 0.4}]\nfunctions: [trailer, contact_velocity]\n"
+    derivation = loaded(tmp_path, HUSKY.text("1.04", more))
+    data = derivation.model()
+    assert data["degenerate"] and data["effective_track"] == 1.04 and data["wheels"][0]["y"] == 0.2775
+    assert "differential drive of its effective track" in " ".join(data["reasons"])
+    contact = derivation.evaluate("contact_velocity", {"omega": Exact(2)})
+    assert float(contact["w0.vx"]) == pytest.approx(-0.555)
+    rates = derivation.evaluate("trailer", {"w0.spin": Exact(-1), "w1.spin": Exact(1)})
+    assert float(rates["theta_rate"]) == pytest.approx(2 * 0.165 / 1.04)
+    path = str(tmp_path / "skid.yaml")
+    assert "no findings" in run_cli("lint", path)[0]
+    run_cli("export", path, "--to", "ros2_control", "-o", str(tmp_path))
+    assert "wheel_separation: 1.04\n" in (tmp_path / "skid_controllers.yaml").read_text(encoding="utf-8")
+    run_cli("derive", path, "-o", str(tmp_path / "out"))
+    report = (tmp_path / "out" / "skid" / "report.md").read_text(encoding="utf-8")
+    assert (
+        r"T_e &= \mathit{wide} = 1.04" in report and r"\frac{v_x-\frac{\mathit{wide}}{2}\;\omega}" in report
+    )
+
+
+WHEEL = "  - {{name: extra, type: {}, x: 0.1, y: {}, heading: {}, r: 0.1{}}}\n"
+
+
+@pytest.mark.parametrize(
+    ("track", "wheel", "message"),
+    [
+        ("0", "", "not positive"),
+        ("-1.2", "", "not positive"),
+        ("1", WHEEL.format("steered", 0, 0, ""), "steered wheel extra"),
+        ("1", WHEEL.format("swedish", 0, 0, ", gamma: 45 deg"), "extra"),
+        ("1", WHEEL.format("fixed", 0, 0.1, ""), "not parallel"),
+    ],
+)
+def test_robots_that_do_not_skid_have_none(track: str, wheel: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(RobotFileError, match=message):
+        loaded(tmp_path, HUSKY.text(track) + wheel)
+
+
+@pytest.mark.parametrize("wheels", [HUSKY.wheels[::2], HUSKY.wheels[:1]])
+def test_one_side_has_no_track(wheels: tuple[tuple[float, float, float], ...], tmp_path: Path) -> None:
+    with pytest.raises(RobotFileError, match="one side"):
+        loaded(tmp_path, Base(wheels).text("1"))
+
+
+def test_a_robot_without_fixed_wheels_has_no_track(tmp_path: Path) -> None:
+    with pytest.raises(RobotFileError, match="one side"):
+        loaded(tmp_path, Base(()).text("1") + "  - {name: ball, type: spherical, x: 0, y: 0}\n")

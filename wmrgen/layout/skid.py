@@ -1,0 +1,104 @@
+"""Robots that turn by skidding, with the track that is measured of how they turn.
+
+Fixed wheels on several parallel axles cannot all roll in a curve. On even ground such a robot turns as a differential
+drive does whose track is larger: its effective track (Martínez, Mandow, Morales, Pedraza, García-Cerezo 2005 measure
+it as the distance between the centres of rotation of left and right wheels). The wheels of a side stand for one wheel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+from wmrgen.errors import RobotFileError
+from wmrgen.exact.number import ZERO
+from wmrgen.exact.poly import Poly
+from wmrgen.layout.expressions import Scope
+from wmrgen.layout.records import Geometry, Length, Robot, Wheel
+from wmrgen.spec.records import Quantity
+
+_PARALLEL = (
+    1e-9  # sine of the angle between axles that are taken for parallel, share of the track in the middle
+)
+_LEFT, _RIGHT = 1, -1
+
+
+def effective_track(quantity: Quantity | None, scope: Scope, wheels: Sequence[Wheel]) -> Length | None:
+    """The track in its views. RobotFileError where it is not positive, and for wheels that do not turn by skidding."""
+    if quantity is None:
+        return None
+    track, fixed = scope.length(quantity), [w for w in wheels if w.kind.fixed_axle]
+    others = [w for w in wheels if (w.kind.constrains or w.kind.rollers) and w not in fixed]
+    what = why = ""
+    if track.nominal.sign <= 0:
+        what = f"effective_track is {quantity.text}, which is not positive"
+    elif others:
+        what = f"effective_track of a robot with the {others[0].kind.noun} {others[0].name}"
+        why = "It says how a robot turns whose wheels are all fixed."
+    elif not parallel(fixed):
+        what, why = (
+            "effective_track of a robot whose fixed wheels are not parallel",
+            "They have no left and right.",
+        )
+    elif not fixed or not {*sides(fixed)} >= {_LEFT, _RIGHT}:
+        what = "effective_track of a robot with fixed wheels on one side alone"
+        why = "It is the distance between left and right wheels."
+    if what:
+        raise RobotFileError(
+            what, quantity.mark, why, "Write a length, such as 1.5 times the track; or delete it."
+        )
+    return track
+
+
+def parallel(wheels: Sequence[Wheel]) -> bool:
+    """Whether wheels point the same way, forwards or backwards, at nominal parameters."""
+    headings = [w.zero_heading for w in wheels]
+    return all(abs((h * headings[0].conjugate()).imag) < _PARALLEL for h in headings)
+
+
+def sides(wheels: Sequence[Wheel]) -> list[int]:
+    """On which side of the middle each of parallel wheels stands, seen along the first: 1 left, -1 right, 0 neither."""
+    across = [(w.pivot * wheels[0].zero_heading.conjugate()).imag for w in wheels]
+    middle, width = (max(across) + min(across)) / 2, max(across) - min(across)
+    return [0 if abs(y - middle) <= _PARALLEL * width else _LEFT if y > middle else _RIGHT for y in across]
+
+
+def driven(robot: Robot) -> Robot:
+    """What wheel speeds and motion follow from: the robot itself, or where it has an effective track, the differential
+    drive that turns as it does. Its axle stands at the mean of the wheels, in the middle between the sides."""
+    track = robot.effective_track
+    if track is None:
+        return robot
+    views = [
+        _placed(robot, lambda w: w.symbolic, track.symbolic),
+        _placed(robot, lambda w: w.working, track.working),
+        _placed(robot, lambda w: w.nominal.mapped(Poly.of), Poly.of(track.nominal)),
+    ]
+    wheels = list(robot.wheels)
+    for i, symbolic in views[0].items():
+        nominal = views[2][i].mapped(lambda p: p.constant or ZERO)
+        wheels[i] = replace(wheels[i], symbolic=symbolic, working=views[1][i], nominal=nominal)
+    return replace(robot, wheels=tuple(wheels), effective_track=None)
+
+
+def _placed(robot: Robot, view: Callable[[Wheel], Geometry[Poly]], track: Poly) -> dict[int, Geometry[Poly]]:
+    """Wheel index -> geometry in a view, at the place where the fixed wheel counts as standing."""
+    fixed = [w for w in robot.wheels if w.kind.fixed_axle]
+    sided, seen = sides(fixed), [view(w) for w in fixed]
+    c, s = seen[0].ch, seen[0].sh
+    ahead = _mean([g.x * c + g.y * s for g in seen])
+    means = [
+        _mean([g.y * c - g.x * s for g, own in zip(seen, sided, strict=True) if own == side])
+        for side in (_LEFT, _RIGHT)
+    ]
+    middle = _mean(means)
+    places = {}
+    for w, g, side in zip(fixed, seen, sided, strict=True):
+        across = middle + track.scale(Fraction(side, 2))
+        places[w.index] = replace(g, x=ahead * c - across * s, y=ahead * s + across * c)
+    return places
+
+
+def _mean(values: Sequence[Poly]) -> Poly:
+    return Poly.sum(values).scale(Fraction(1, len(values)))

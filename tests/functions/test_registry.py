@@ -127,7 +127,7 @@ for name in ("numpy", "casadi", "c99"):
     entry = BACKENDS[name]
     print(entry.load().evaluate(getattr(d, entry.source), "half_twist", [case])[0]["half.omega"])
 files = artifacts(d)
-print("_half_twist(" in files["unicycle.h"].decode(), "ours: half of everything" in files["report.md"].decode())
+print("_half_twist(" in files["unicycle.h"].decode(), "ours: half of everything" in files["numerics.md"].decode())
 """
 
 

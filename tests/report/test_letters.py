@@ -80,7 +80,7 @@ def test_the_posture_model_in_wheel_speeds(name: str) -> None:
 def test_ackermann() -> None:
     """The cotangents of the front wheels on a circle, from their places."""
     page = page_of("ackermann_car")
-    shown = re.search(r"\\cot\\psi.*front\\_right.* - .*front\\_left.* = ([\d.]+) ", page)
+    shown = re.search(r"\\cot\\psi.*front\\_right.* - .*front\\_left.* = ([\d.]+)$", page, re.MULTILINE)
     assert shown
     wheels = {w.name: w for w in derivation("ackermann_car").robot.wheels}
     for radius in (6.0, -4.0, 30.0):
@@ -88,6 +88,8 @@ def test_ackermann() -> None:
             n: (radius - float(w.nominal.y)) / float(w.nominal.x) for n, w in wheels.items() if w.kind.steers
         }
         assert cot["front_right"] - cot["front_left"] == pytest.approx(float(shown[1]))
+    assert r"\tan\psi &= \frac{\omega\,L}{v_x} = \frac{L}{R}, \qquad L = 2.5" in page
+    assert r"\tan\psi_{\mathrm{front}} &= \frac{\omega\,L}{v_x} = \frac{L}{R}" in page_of("bicycle")
     assert "Ackermann)" not in page_of("bicycle") and "Ackermann)" not in page_of("wpilib_swervebot")
 
 
@@ -110,7 +112,8 @@ def test_square_systems() -> None:
 def test_the_growth_vector_is_that_of_wmrgen_structure(name: str) -> None:
     d, page = derivation(name), page_of(name)
     vector = tuple(d.growth.vector)
-    assert f"| ({', '.join(map(str, vector))}) | {len(vector)} |" in page
+    assert f"The growth vector ({', '.join(map(str, vector))}) counts" in page
+    assert f": the degree of nonholonomy is {len(vector)}." in page
     assert (", trailers included" in page) == bool(d.robot.trailers)
 
 

@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 
 from tests.oracle.harness import robot_text
-from tests.report.common import ROBOTS, derived, page_of, page_written
+from tests.report.common import FACTS, ROBOTS, derived, page_of
 from tests.seeds import layouts
+from wmrgen.backends.report import emit
 from wmrgen.backends.report.mobility import integrability
 from wmrgen.backends.report.texts import citations
 from wmrgen.functions.registry import declaration, names
@@ -78,10 +79,13 @@ def test_every_function_has_its_source() -> None:
 
 def test_the_report_shows_it(tmp_path: Path) -> None:
     text = ROBOTS["unicycle"].read_text(encoding="utf-8").split("functions:")[0]
-    page = page_written(tmp_path, text + "functions: [motion, circle, goto_pose, icr]\n")
-    rows = re.findall(r"(?m)^\| `(.*?)` \|.*\| (.*?) \|$", page.split("## 11 ")[1])
-    assert [name for name, _ in rows] == ["motion", "circle", "goto_pose", "icr"]
-    assert all(any(t in source for t in TEXTS) for _, source in rows)
+    pages = emit(derived(tmp_path, text + "functions: [motion, circle, goto_pose, icr]\n"), FACTS)
+    page, numerics = (pages[name].decode() for name in ("report.md", "numerics.md"))
+    assert "asks for `motion`, `circle`, `goto_pose` and `icr`, too" in page.split("## 11 ")[1]
+    parts = re.split(r"^### ", numerics.split("## Further functions")[1].split("\n## ")[0], flags=re.M)[1:]
+    assert len(parts) == 4
+    for part in parts:
+        assert "In the texts: " in part and any(t in part for t in TEXTS)
 
 
 @pytest.mark.parametrize(

@@ -306,8 +306,8 @@ def motion(d: Derivation) -> list[str]:
         *aligned([
             r"x' &= x + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\cos(\theta+\sigma) - v_y\sin(\theta+\sigma)\right)",
             r"y' &= y + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\sin(\theta+\sigma) + v_y\cos(\theta+\sigma)\right)",
-            r"\theta' &= \theta + \omega\,\Delta t",
-            r"\mathrm{sinc}(\sigma) &= \frac{\sin\sigma}{\sigma}, \qquad \sigma = \frac{\omega\,\Delta t}{2}",
+            r"\theta' &= \theta + \omega\,\Delta t, \qquad "
+            r"\mathrm{sinc}(\sigma) = \frac{\sin\sigma}{\sigma}, \qquad \sigma = \frac{\omega\,\Delta t}{2}",
         ]),
         *_posture(d),
     ]  # fmt: skip
@@ -320,12 +320,13 @@ def _posture(d: Derivation) -> list[str]:
     etas = [Poly.gen("input", f"eta{k}") for k in range(1, len(columns) + 1)]
     rates = [Poly.sum(c[i] * eta for c, eta in zip(columns, etas, strict=True)) for i in range(3)]
     steering = " and ".join(code(n) for n in d.mobility.basis_wheels)
+    rates_of = "dψ<sub>i</sub>/dt = ψ̇<sub>i</sub>"
     general = [
-        "The continuous model that a predictive controller integrates (`dynamics`) takes the coordinates η of the "
-        "twist in the null space" + (" and the steering rates" if steering else "") + " as inputs:",
-        *math(r"\frac{d}{dt}\begin{bmatrix} x \\ y \\ \theta \end{bmatrix} = R(\theta)^T N\,\eta"
-              + (r", \qquad \frac{d}{dt}\psi_i = \dot{\psi}_i" if steering else "")),
-    ]  # fmt: skip
+        "The continuous model that a predictive controller integrates (`dynamics`) is d(x, y, θ)/dt = R(θ)ᵀ N η"
+        + (f" and {rates_of}" if steering else "")
+        + ". Its inputs are the coordinates η of the twist in the null space"
+        + (" and the steering rates." if steering else ".")
+    ]
     in_eta = [
         "With the values of section 1, each column scaled as in `dynamics`:",
         *aligned(f"{notation.port(n)} &= {broken(p)}" for n, p in zip(TWIST_NAMES, rates, strict=True)),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.letters import model
-from wmrgen.backends.report.markdown import aligned, capitalised, code, sentence, table
+from wmrgen.backends.report.markdown import aligned, capitalised, code, listed, sentence, table
 from wmrgen.functions.models.sheet import tidy
 from wmrgen.kinematics.records import substituted
 from wmrgen.printing import Latex, by_hand, size
@@ -22,14 +22,14 @@ _SMALL = 6  # operations and symbols of an intermediate result that is written w
 
 
 def further(d: Derivation) -> list[str]:
-    """Section 11: what they give and where they come from."""
-    rows = [[code(f.name), sentence(f.text), sentence(f.source)] for f in _wanted(d)]
-    if not rows:
+    """Section 11: their names; what they give stands with their formulas."""
+    names = [f.name for f in _wanted(d)]
+    if not names:
         return []
     return [
         "## 11 Further functions",
-        "The robot file asks for these, too; their inputs and formulas are in [numerics.md](numerics.md).",
-        *table(["function", "what it gives", "in the texts"], rows, "l"),
+        f"The robot file asks for {listed(names)}, too. What each gives, where it comes from, and its formula are in "
+        "[numerics.md](numerics.md).",
     ]
 
 
@@ -47,7 +47,7 @@ def _wanted(d: Derivation) -> list[Formula]:
 def _function(d: Derivation, f: Formula) -> list[str]:
     ports = [(p, "in") for p in f.inputs] + [(p, "out") for p, _ in f.outputs]
     rows = [[code(p.name), way, p.unit or "1", sentence(p.text)] for p, way in ports]
-    blocks = [f"### `{f.name}`", capitalised(f.text)]
+    blocks = [f"### `{f.name}`", f"{capitalised(f.text)} In the texts: {sentence(f.source)}."]
     blocks += table(["port", "", "unit", "meaning"], rows, "l")
     if written := model(d, f):
         return [*blocks, *written]

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
+from wmrgen.backends.report.car import circle
 from wmrgen.backends.report.latex import broken, latex
 from wmrgen.backends.report.markdown import (
     CAP,
@@ -95,7 +96,7 @@ def inverse(d: Derivation) -> list[str]:
         ]
         blocks += aligned([_spin(passive[0], twist), _swivel(passive[0], twist)])
     if steered:
-        blocks += _steering(robot, steered, twist)
+        blocks += [*circle(d.robot), *_steering(robot, steered, twist)]
     blocks += [*_coupled(robot, twist), *_slip(robot, projection, twist)]
     return blocks + pictures(d.figures, "reach.svg")
 

@@ -11,6 +11,7 @@ from math import degrees
 from typing import TYPE_CHECKING, SupportsFloat
 
 from wmrgen import notation
+from wmrgen.backends.registry import BACKENDS
 from wmrgen.exact.number import Exact
 
 if TYPE_CHECKING:
@@ -109,6 +110,13 @@ def math(*blocks: str) -> list[str]:
 def aligned(lines: Iterable[str]) -> list[str]:
     """Formulas one below the other, aligned at their &."""
     return math("\\begin{aligned}", " \\\\\n".join(lines), "\\end{aligned}")
+
+
+def written(robot: str) -> list[tuple[list[str], str]]:
+    """The files that stand beside a page, and what they are."""
+    every = (files for entry in BACKENDS.values() for files in entry.files if files.what)
+    rows = [([name.format(robot=robot) for name in files.names], files.what) for files in every]
+    return [*rows, (["model.json"], "what the report says, as data")]
 
 
 def foot(facts: Facts) -> list[str]:

@@ -18,7 +18,6 @@ from wmrgen.backends.report.markdown import (
     plain,
     sentence,
     some,
-    table,
 )  # fmt: skip
 from wmrgen.constraints import XI, constrain, nominal_view, symbolic_view
 from wmrgen.errors import NotDerivableError
@@ -126,19 +125,21 @@ def _growth(d: Derivation) -> tuple[tuple[int, ...], str]:
 
 
 def _verdicts(d: Derivation) -> list[str]:
-    m, yes = d.mobility, {True: "yes", False: "no"}
+    """What follows for the motions: how many at once, how many poses, and by how many brackets."""
+    m = d.mobility
     vector, states = _growth(d)
-    head = ["DDOF", "DOF", "growth vector", "degree of nonholonomy", "holonomic", "omnidirectional"]
-    row = [
-        str(m.ddof), str(m.dof), f"({', '.join(map(str, vector))})", str(len(vector)),
-        yes[m.holonomic], yes[m.omnidirectional],
-    ]  # fmt: skip
+    no = {True: "", False: "not "}
     return [
-        *table(head, [row], "l"),
-        "DDOF counts velocities that can be chosen at once, DOF the dimensions of the poses that can be reached; "
-        "holonomic means that they are equal. The growth vector counts what the inputs span, then what their brackets "
-        f"add, one order at a time{states}; the degree of nonholonomy is the number of orders.",
+        f"DDOF = {m.ddof} {_of('velocity', 'velocities', m.ddof)} can be chosen at once, poses of dimension "
+        f"DOF = {m.dof} can be reached: the robot is {no[m.holonomic]}holonomic (DDOF = DOF) and "
+        f"{no[m.omnidirectional]}omnidirectional (DDOF = 3). The growth vector ({', '.join(map(str, vector))}) counts "
+        "the dimensions that the inputs span, then those with their brackets, one order at a "
+        f"time{states}: the degree of nonholonomy is {len(vector)}."
     ]
+
+
+def _of(one: str, many: str, n: int) -> str:
+    return one if n == 1 else many
 
 
 def _actuation(d: Derivation) -> list[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wmrgen import notation
 from wmrgen.backends.registry import Facts
 from wmrgen.backends.report.further import formulas
-from wmrgen.backends.report.markdown import code, foot, math, page, table
+from wmrgen.backends.report.markdown import code, foot, items, math, page, table, written
 from wmrgen.bounds.robot import SINGULAR, TIES, beyond, described, error, listed
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import count
@@ -33,7 +33,8 @@ def numerics(d: Derivation, facts: Facts) -> str:
     return page([
         f"# Numerics of {code(name)}",
         "The derivation is in [report.md](report.md). Here are the numbers behind it and behind the code.",
-        *_cost(d), *_ranges(d.bounds), *_ranks(d), *_series(), *formulas(d), *_places(name, facts), *foot(facts),
+        *_cost(d), *_ranges(d.bounds), *_ranks(d), *_series(), *formulas(d), *_places(name, facts), *_files(name),
+        *foot(facts),
     ])  # fmt: skip
 
 
@@ -130,6 +131,11 @@ def _ranges(bounds: Bounds) -> list[str]:
         elif singular_outputs:
             blocks += [f"No bound for {singular_outputs} of {code(f.name)}: {SINGULAR}."]
     return blocks
+
+
+def _files(name: str) -> list[str]:
+    """What the backends write beside the page."""
+    return ["## Files", *items(f"{', '.join(map(code, names))}: {what}" for names, what in written(name))]
 
 
 def _places(name: str, facts: Facts) -> list[str]:

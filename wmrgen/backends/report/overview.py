@@ -68,10 +68,9 @@ def layout(d: Derivation) -> list[str]:
     blocks = [
         "## 1 The layout",
         "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to "
-        "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left, "
-        "angles counter-clockwise; ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in that frame, the "
-        "book's R(θ) ξ̇<sub>I</sub>. Lengths are in metres, angles in radians unless marked °. Fractions, roots "
-        "and short decimals are exact; decimals with six digits are rounded.",
+        "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left; "
+        "ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in it, the book's R(θ) ξ̇<sub>I</sub>. Lengths are "
+        "in metres, angles counter-clockwise, in radians unless marked °; decimals with six digits are rounded.",
         *pictures(d.figures, "symbols.svg"),
         *_wheels(robot.wheels),
         _legend(robot),

@@ -6,10 +6,9 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.report.forward import closed_forward
 from wmrgen.backends.report.inverse import closed_inverse
-from wmrgen.backends.report.markdown import code, pictures, table
+from wmrgen.backends.report.markdown import code, pictures, table, written
 from wmrgen.backends.report.overview import kind_of_robot
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ports import TWIST_NAMES
@@ -109,15 +108,9 @@ def _unit(unit: str) -> str:
 
 
 def _files(d: Derivation) -> list[str]:
-    """What the backends write beside this page."""
-    written = [
-        f"{', '.join(_link(file.format(robot=d.robot.name)) for file in files.names)}: {files.what}"
-        for entry in BACKENDS.values()
-        for files in entry.files
-        if files.what
-    ]
-    every = "; ".join([*written, f"{_link('model.json')}: all this as data"])
-    return [f"**Files** beside this one: {every}."]
+    """What the backends write beside this page, numerics.md saying what each is."""
+    names = [name for names, _ in written(d.robot.name) for name in names]
+    return [f"**Files** (what each is: [numerics.md](numerics.md)): {' · '.join([*map(_link, names)])}"]
 
 
 def _link(name: str) -> str:

@@ -10,8 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from wmrgen import notation
-from wmrgen.backends.report.markdown import aligned, listed, plain, table
+from wmrgen.backends.report.markdown import items, listed, plain
 from wmrgen.constraints import nominal_view, rolling_row
 from wmrgen.exact.evaluate import cos_sin
 from wmrgen.exact.number import ONE, ZERO, Exact
@@ -43,39 +42,19 @@ class Citation:
 def texts(d: Derivation) -> list[str]:
     """Section 10."""
     blocks = ["## 10 In the textbooks"]
-    rows = []
+    lines = []
     for c in citations(d.robot):
         letters = ", ".join(f"{name} = {plain(value)}" for name, value in c.letters.items())
-        order = f"; wheels in the order {listed([w.name for w in c.wheels])}" if c.wheels else ""
-        rows.append([c.equation, c.what, letters + order])
-    if rows:
-        head = ["equation", "what it gives", "with"]
-        return [*blocks, "The rows of this robot are those of", *table(head, rows, "l"), *_ackermann(d.robot)]
+        order = f"wheels in the order {listed([w.name for w in c.wheels])}" if c.wheels else ""
+        details = "; ".join(part for part in (letters, order) if part)
+        lines.append(f"{c.equation}: {c.what}" + (f" ({details})" if details else ""))
+    if lines:
+        return [*blocks, "The rows of this robot are those of", *items(lines)]
     return [
         *blocks,
         "No text among the five that wmrgen reproduces writes this layout out; its rows are those of section "
         "2, with the numbers given there.",
     ]
-
-
-def _ackermann(robot: Robot) -> list[str]:
-    """What two front wheels of a car owe each other."""
-    steered = [w for w in robot.wheels if w.kind.steers]
-    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
-    if len(steered) != 2 or robot.couplings or not _car(robot, wheels):
-        return []
-    right, left = sorted(steered, key=lambda w: float(w.nominal.y))
-    base, track = left.nominal.x, left.nominal.y - right.nominal.y
-    psi_r, psi_l = (notation.port(f"{w.name}.steer") for w in (right, left))
-    ratio = notation.decimal(float(track / base))
-    return [
-        "P turns on a circle of radius R (to the left where R > 0), with v<sub>x</sub> = ω R. The axles of both front "
-        "wheels pass through its centre (Ackermann), and ψ is the angle of the virtual wheel midway:",
-        *aligned([
-            rf"\cot{psi_r} - \cot{psi_l} &= \frac{{\mathrm{{track}}}}{{\mathrm{{wheelbase}}}} = {ratio}",
-            rf"\tan\psi &= \frac{{\omega\,L}}{{v_x}} = \frac{{L}}{{R}}, \qquad L = {plain(base)}",
-        ]),
-    ]  # fmt: skip
 
 
 def citations(robot: Robot) -> list[Citation]:
@@ -156,7 +135,7 @@ def _locked_bicycle(robot: Robot, wheels: Wheels) -> list[Citation]:
     return [Citation("Siegwart (3.39), 3.4.2", what, {"l1": l1, "l2": -l2})]
 
 
-def _car(robot: Robot, wheels: Wheels) -> list[Citation]:
+def car(robot: Robot, wheels: Wheels) -> list[Citation]:
     """Fixed wheels on the axle through P, steered wheels in front."""
     fixed, steered = [w for w in wheels if w.kind.fixed_axle], [w for w in wheels if w.kind.steers]
     if not fixed or not steered or len(fixed) + len(steered) < len(wheels):
@@ -257,5 +236,5 @@ def _castors(robot: Robot, wheels: Wheels) -> list[Citation]:
 
 
 _RULES: tuple[Callable[[Robot, Wheels], list[Citation]], ...] = (
-    _unicycle, _differential, _locked_bicycle, _car, _omni, _mecanum, _all_steered, _castors,
+    _unicycle, _differential, _locked_bicycle, car, _omni, _mecanum, _all_steered, _castors,
 )  # fmt: skip

@@ -1,0 +1,41 @@
+"""Steering and turning circle of a car: Ackermann's rule, the radius (Tzafestas (2.49)-(2.51))."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmrgen import notation
+from wmrgen.backends.report.markdown import aligned, plain
+from wmrgen.backends.report.texts import car
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Robot
+
+
+def circle(robot: Robot) -> list[str]:
+    """The turning circle of a robot with a fixed axle through P and one or two wheels in front that steer."""
+    steered = [w for w in robot.wheels if w.kind.steers]
+    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
+    if (
+        len(steered) not in (1, 2)
+        or robot.couplings
+        or not car(robot, wheels)
+        or any(w.heading for w in steered)
+    ):
+        return []
+    right, left = (
+        min(steered, key=lambda w: float(w.nominal.y)),
+        max(steered, key=lambda w: float(w.nominal.y)),
+    )
+    psi_r, psi_l = (notation.port(f"{w.name}.steer") for w in (right, left))
+    base, track = left.nominal.x, left.nominal.y - right.nominal.y
+    radius = rf"&= \frac{{\omega\,L}}{{v_x}} = \frac{{L}}{{R}}, \qquad L = {plain(base)}"
+    words = "P turns on a circle of radius R, to the left where R > 0, with v<sub>x</sub> = ω R"
+    if len(steered) == 1:
+        return [f"{words}:", *aligned([rf"\tan{psi_l} {radius}"])]
+    ratio = rf"\frac{{\mathrm{{track}}}}{{\mathrm{{wheelbase}}}} = {notation.decimal(float(track / base))}"
+    return [
+        f"{words}. The axles of both front wheels pass through its centre (Ackermann), and ψ is the angle of the "
+        "virtual wheel midway:",
+        *aligned([rf"\tan\psi {radius}", rf"\cot{psi_r} - \cot{psi_l} &= {ratio}"]),
+    ]

@@ -38,6 +38,7 @@ types: setup
 
 generate: setup
 	$(BIN)/wmrgen derive robots/*.yaml -o generated
+	$(BIN)/wmrgen gallery -o generated
 	$(BIN)/wmrgen textbook -o generated
 	$(BIN)/wmrgen schema --markdown > docs/robot_file.md
 

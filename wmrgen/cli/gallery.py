@@ -1,4 +1,7 @@
-"""``wmrgen list``: the robots that come with wmrgen, which a robot file may begin as."""
+"""``wmrgen list``: the robots that come with wmrgen, which a robot file may begin as.
+
+``wmrgen gallery``: pages of those that are derived.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import wmrgen
+from wmrgen.artifacts import Difference, file_difference, write_file
 from wmrgen.cli import console
+from wmrgen.errors import UsageError
 from wmrgen.shipped import shipped
 
 
@@ -43,3 +48,30 @@ def _row(path: Path) -> dict[str, Any]:
         "degenerate": m.robot_type is None,
         "description": robot.description,
     }
+
+
+def write_gallery(out: Path, as_json: bool) -> int:
+    """Write the pages of all robots under ``out``, and say so."""
+    from wmrgen.pages.overview import overview
+
+    pages = overview(out)
+    if not pages:
+        raise UsageError(
+            f"no robot stands in {out.as_posix()}/. Derive some into it: wmrgen derive ROBOT.yaml -o DIR"
+        )
+    changed = [name for name, content in pages.items() if write_file(out / name, content)]
+    if as_json:
+        console.data({"changed": changed, "unchanged": [name for name in pages if name not in changed]})
+        return 0
+    for name in pages:
+        console.result(f"{(out / name).as_posix()} ({'new or changed' if name in changed else 'up to date'})")
+    return 0
+
+
+def differing_gallery(out: Path) -> list[Difference]:
+    """Which pages are not as `write_gallery` would leave them; nothing is asked of a directory that has none."""
+    from wmrgen.pages.overview import PAGES, overview
+
+    if not any((out / name).exists() for name in PAGES):
+        return []
+    return [d for name, content in overview(out).items() for d in file_difference(out / name, content)]

@@ -15,6 +15,7 @@ import wmrgen
 from wmrgen.artifacts import Difference, Written, differences, made_with, write_tree
 from wmrgen.cli import console
 from wmrgen.cli.failures import all_as_data
+from wmrgen.cli.gallery import differing_gallery
 from wmrgen.cli.loading import linted, noted, warn_of_gains
 from wmrgen.errors import EnvironmentFailure, NotDerivableError, Several, StaleError, UsageError, WmrgenError
 
@@ -158,7 +159,7 @@ def check(robots: Sequence[Path] | None, out: Path, as_json: bool) -> int:
             stale += _differing_library(out)
         except WmrgenError as error:  # the folder is here, the library is not
             errors.append(error)
-        stale += [Difference(p, "not produced") for p in _strangers(out, names)]
+        stale += [*differing_gallery(out), *(Difference(p, "not produced") for p in _strangers(out, names))]
     for failure in errors:
         console.failure(str(failure))
     _tell_stale(stale, errors, len(paths), out, as_json)
@@ -220,9 +221,13 @@ def _noted_formats(
 def _strangers(out: Path, names: set[str]) -> list[Path]:
     """What stands under ``out``, or in a folder of packages there, and belongs to no robot."""
     from wmrgen.backends.packages import PACKAGES
+    from wmrgen.pages.overview import PAGES
 
     packages = [kind.folder for kind in PACKAGES.values()]
-    places = {out: {*names, FOLDER, ERRATA, *packages}, **{out / folder: names for folder in packages}}
+    places = {
+        out: {*names, FOLDER, ERRATA, *PAGES, *packages},
+        **{out / folder: names for folder in packages},
+    }
     return [
         p
         for place, expected in places.items()

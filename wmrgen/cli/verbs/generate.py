@@ -88,6 +88,15 @@ def check(
     """
 
 
+@verb("gallery", "Write pages of all robots that are derived, with top views.", "gallery")
+def write_gallery(out: Out = Path("generated"), as_json: Json = False) -> None:
+    """Example:  wmrgen gallery -o generated
+
+    Write DIR/README.md and DIR/index.html: the robots that stand in DIR with top view, type, degrees and operations.
+    `wmrgen check` looks after these pages where they are.
+    """
+
+
 @verb("exporting", "Describe a robot for another tool: URDF, SDF, ros2_control, WPILib.")
 def export(
     robot: Robot,

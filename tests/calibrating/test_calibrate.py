@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -234,9 +236,9 @@ def _truths(paths: list[Path], change: Callable[[np.ndarray], np.ndarray]) -> No
 @pytest.mark.parametrize(
     ("factors", "said"),
     [
-        ((1, 1, 1, 180 / np.pi), "headings stay .* which seems to be in degrees"),
+        ((1, 1, 1, 180 / np.pi), "from the truth.* which seems to be in degrees"),
         pytest.param(
-            (1, 1000, 1000, 1), "positions stay .* which seem to be in millimetres", marks=pytest.mark.slow
+            (1, 1000, 1000, 1), "from the truth.* which seem to be in millimetres", marks=pytest.mark.slow
         ),
         ((1, np.nan, np.nan, np.nan), "has to be measured twice"),
     ],
@@ -369,3 +371,33 @@ def test_the_command(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None
     planned = wmrgen_cli("calibrate", str(tmp_path / "robot.yaml"), "--plan")
     assert planned.code == 0 and "m" in planned.out
     assert wmrgen_cli("calibrate", str(tmp_path / "robot.yaml")).code == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_nominal_values_far_off_and_long_drives(tmp_path: Path, name: str) -> None:
+    """Nominal odometry loses its way within the drive; short pieces of it lead to the parameters."""
+    layout = LAYOUTS[name]
+    far = re.sub(r"value: (0\.\d+)", lambda m: f"value: {1.25 * float(m[1]):.6g}", layout.text)
+    assert far != layout.text
+    far_off = replace(layout, text=far)
+    encoders = Encoders(resolution=2 * np.pi / 1000, slip=0.003)
+    tracker = Tracker(0.03 - 0.02j, 1.0, noise=(0.002, 0.003), start=(2j, -1.0))
+    paths = written(tmp_path, far_off, seconds=120, tracker=tracker, encoders=encoders)
+    result = calibrate(derivation_of(tmp_path, far_off), paths, [])
+    for parameter in set(layout.true) - set(layout.together):
+        estimate = result.parameters[parameter]
+        assert abs(estimate.value - layout.true[parameter]) < 3.5 * estimate.sigma
+        assert estimate.sigma < 0.03 * max(estimate.value, 0.2)
+
+
+def test_a_truth_that_lasts_longer_than_the_log(tmp_path: Path) -> None:
+    """Where the robot was before the first and after the last reading says nothing."""
+    layout = LAYOUTS["differential"]
+    paths = written(tmp_path, layout)
+    for path in paths:
+        header, rows = _rows(path.read_text(encoding="utf-8"))
+        path.write_text(_text(header, rows[(rows[:, 0] > 6) & (rows[:, 0] < 24)]), encoding="utf-8")
+    result = calibrate(derivation_of(tmp_path, layout), paths, [])
+    for parameter, value in layout.true.items():
+        assert result.parameters[parameter].value == pytest.approx(value, rel=3e-4)

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from wmrgen.calibrating.certainty import Fit, fit
+from wmrgen.calibrating.certainty import Fit, fit, without
 from wmrgen.calibrating.fit import Each, Problem, drawn, serial
 from wmrgen.calibrating.logs import Drive, pairs, read
 from wmrgen.calibrating.observability import unobservable
 from wmrgen.calibrating.path import Increments, Reals
-from wmrgen.calibrating.starts import laid
+from wmrgen.calibrating.starts import laid, near
 from wmrgen.errors import UsageError
 from wmrgen.ir.calls import self_contained
 from wmrgen.layout.records import Robot
@@ -23,8 +23,10 @@ from wmrgen.robot import Derivation
 
 _FOLDS = 5  # parts that drives are left out in, one after the other
 _FEWEST = 3  # parts whose spread is a standard deviation
+_ALONE = 3.0  # times as uncertain as with all drives: the drives that are left do not tell a parameter
 _FAR = 0.1  # of the truth's extent: where residuals stay so large, joints and truth do not belong together
 _TURNED = 1.0  # [rad] the same for headings
+_SURE = 5.0  # standard deviations from zero: a sign that is sure
 _BETTER = 0.25  # of the residual: what another reading of the columns has to come to, to be proposed
 
 
@@ -87,15 +89,21 @@ def calibrate(
     problem = problem_of(derivation)
     turns = counts_per_turn(derivation.robot)
     drives = [read(log, truth, problem.increments.joints, turns) for log, truth in pairs(logs, truths)]
-    best = fit(laid(replace(problem, drives=tuple(drives))), each)
+    best = _fitted(replace(problem, drives=tuple(drives)), each)
     _refuse_strangers(best, drives, each)
-    without = _without_each(best.problem, each)
+    others = _without_each(best, each)
     weak = _unobservable(derivation.robot, best)
     return Calibration(
-        _estimates(derivation.robot, best, _deviations(best, without), weak), weak, best,
+        _estimates(derivation.robot, best, _deviations(best, others), weak), weak, best,
         _errors(best, best.problem.shared(0 * best.unknowns)), _errors(best, best.problem.shared(best.unknowns)),
-        _held_out(best, without),
+        _held_out(best, others),
     )  # fmt: skip
+
+
+def _fitted(problem: Problem, each: Each) -> Fit:
+    """The fit, of drives as they were read."""
+    ready = laid(problem)
+    return fit(ready, each, near(ready, each))
 
 
 def _unobservable(robot: Robot, best: Fit) -> tuple[tuple[str, ...], ...]:
@@ -129,32 +137,34 @@ def _mean(parts: Sequence[tuple[Reals, Reals]]) -> Errors:
     return Errors(rms([position for position, _ in parts]), rms([heading for _, heading in parts]))
 
 
-def _without_each(problem: Problem, each: Each) -> list[Fit]:
+def _without_each(best: Fit, each: Each) -> list[Fit]:
     """The fits without every `_FOLDS`-th drive in turn, of two drives at least."""
-    count = len(problem.drives)
+    count = len(best.problem.drives)
     folds = range(min(count, _FOLDS)) if count > 1 else ()
-    others = [tuple(d for i, d in enumerate(problem.drives) if i % _FOLDS != fold) for fold in folds]
-    return [fit(replace(problem, drives=rest), each) for rest in others]
+    return [without(best, range(fold, count, _FOLDS), each) for fold in folds]
 
 
-def _held_out(best: Fit, without: Sequence[Fit]) -> Errors | None:
+def _held_out(best: Fit, others: Sequence[Fit]) -> Errors | None:
     """Every drive's errors with the parameters that the others give; its clock is that of the ``best`` fit."""
     parts = []
-    for fold, rest in enumerate(without):
+    for fold, rest in enumerate(others):
         shared = rest.problem.shared(rest.unknowns)
         drives = range(fold, len(best.offsets), _FOLDS)
         parts += [drawn(best.problem, shared, best.offsets[index], index) for index in drives]
     return _mean(parts) if parts else None
 
 
-def _deviations(best: Fit, without: Sequence[Fit]) -> Reals:
+def _deviations(best: Fit, others: Sequence[Fit]) -> Reals:
     """Standard deviations of the parameters: what slips and noise in the drives make, or, where it is more, what the
-    drives differ by (the jackknife, of three parts at least)."""
-    inside = (np.sqrt(np.diag(best.covariance)) * best.problem.units)[: len(best.values)]
-    if len(without) < _FEWEST:
-        return np.asarray(inside)
-    values = np.array([rest.values for rest in without])
-    between = np.sqrt((len(without) - 1) * np.mean((values - values.mean(axis=0)) ** 2, axis=0))
+    drives differ by (the jackknife, of three parts at least). A part without which a parameter is far less certain
+    alone tells it: what is left says nothing of it."""
+    inside = best.deviations
+    if len(others) < _FEWEST:
+        return inside
+    values = np.array([rest.values for rest in others])
+    tells = np.array([rest.deviations for rest in others]) < _ALONE * inside
+    middle = np.sum(values * tells, axis=0) / np.maximum(1, np.sum(tells, axis=0))
+    between = np.sqrt((len(others) - 1) * np.mean(tells * (values - middle) ** 2, axis=0))
     return np.asarray(np.maximum(inside, between))
 
 
@@ -163,13 +173,16 @@ def _refuse_strangers(best: Fit, drives: Sequence[Drive], each: Each) -> None:
     they were read, that would."""
     if not _strange(best):
         return
-    turned = best.rms[1] > _TURNED
+    turned, reversed_ = best.rms[1] > _TURNED, _reversed(best)
     hint = "do log and truth belong to one drive of this robot?"
     for text, other in _readings(drives[:2]):
-        other_fit = fit(laid(replace(best.problem, drives=other, scale=0.01)), each)
-        if not _strange(other_fit) and other_fit.rms[turned] < _BETTER * best.rms[turned]:
+        other_fit = _fitted(replace(best.problem, drives=other, scale=0.01), each)
+        better = reversed_ or other_fit.rms[turned] < _BETTER * best.rms[turned]
+        if better and not _strange(other_fit):
             hint = f"they would agree with {text}"
             break
+    if reversed_:
+        raise UsageError(f"log and truth agree only where {reversed_} has the other sign: {hint}")
     if turned:
         raise UsageError(
             f"whatever the parameters are, headings stay {best.rms[1]:.2g} rad from the truth: {hint}"
@@ -181,8 +194,19 @@ def _refuse_strangers(best: Fit, drives: Sequence[Drive], each: Each) -> None:
 
 
 def _strange(best: Fit) -> bool:
-    """Whether joints and truth stay so far apart that they cannot belong together."""
-    return best.rms[0] > _FAR * _extent(best) or best.rms[1] > _TURNED
+    """Whether joints and truth stay so far apart that they cannot belong together, or a length had to be negative."""
+    return best.rms[0] > _FAR * _extent(best) or best.rms[1] > _TURNED or bool(_reversed(best))
+
+
+def _reversed(best: Fit) -> str:
+    """The parameters whose sign is not that of their nominal value, by far."""
+    rows = zip(
+        best.problem.increments.parameters, best.problem.nominal, best.values, best.deviations, strict=True
+    )
+    wrong = [
+        name for name, nominal, value, sigma in rows if value * nominal < 0 and abs(value) > _SURE * sigma
+    ]
+    return " and ".join(wrong)
 
 
 def _extent(best: Fit) -> float:

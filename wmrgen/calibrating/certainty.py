@@ -7,7 +7,8 @@ residuals, over short and long times; how they move the parameters follows from 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from wmrgen.calibrating.fit import (
     Problem,
     Residuals,
     information,
+    nearest,
     prior_of_shared,
     residuals,
     serial,
@@ -49,10 +51,29 @@ class Fit:
     rms: tuple[float, float]
     offsets: tuple[float, ...]
 
+    @property
+    def deviations(self) -> Reals:
+        """Standard deviations of the parameters [m, rad] that slips and noise in the drives make."""
+        sizes = np.sqrt(np.diag(self.covariance)) * self.problem.units
+        return np.asarray(sizes[: len(self.values)])
 
-def fit(problem: Problem, each: Each = serial) -> Fit:
-    """The parameters under which paths and truth are nearest."""
-    problem, unknowns = solved(problem, each)
+
+def fit(problem: Problem, each: Each = serial, start: Reals | None = None) -> Fit:
+    """The parameters under which paths and truth are nearest, from ``start`` on."""
+    return fit_at(*solved(problem, each, start), each)
+
+
+def without(best: Fit, drives: Sequence[int], each: Each = serial) -> Fit:
+    """The fit without ``drives``, from that of all on."""
+    problem, shared = best.problem, len(best.covariance)
+    kept = [i for i in range(len(problem.drives)) if i not in drives]
+    own = best.unknowns[shared:].reshape(len(problem.drives), -1)[kept]
+    rest = replace(problem, drives=tuple(problem.drives[i] for i in kept))
+    return fit_at(rest, nearest(rest, np.concatenate([best.unknowns[:shared], own.ravel()]), each), each)
+
+
+def fit_at(problem: Problem, unknowns: Reals, each: Each = serial) -> Fit:
+    """What the ``unknowns`` that were found say, and how certain they are."""
     count = len(problem.nominal)
     shared = problem.shared(unknowns)
     parts = each(problem, unknowns)
@@ -60,9 +81,11 @@ def fit(problem: Problem, each: Each = serial) -> Fit:
     every = [residuals(problem, unknowns, index) for index in range(len(problem.drives))]
     prior = prior_of_shared(problem)
     inverse = np.linalg.inv(told + prior)
+    measured = sum(int((rows.weights > 0).sum()) for rows in every)
+    freedom = measured / max(1, measured - len(unknowns))
     spread = sum(
         (
-            _spread(problem, rows, through(problem, part), index)
+            _spread(problem, rows, through(problem, part), index, freedom)
             for index, (rows, part) in enumerate(zip(every, parts, strict=True))
         ),
         prior @ prior,
@@ -88,8 +111,9 @@ def _squares(every: list[Residuals], rows: slice) -> float:
     return float(np.mean(values**2)) if len(values) else float("nan")
 
 
-def _spread(problem: Problem, rows: Residuals, eliminated: Reals, index: int) -> Reals:
-    """The covariance of the gradient by the shared unknowns that a drive's slips and the truth's noise make."""
+def _spread(problem: Problem, rows: Residuals, eliminated: Reals, index: int, freedom: float) -> Reals:
+    """The covariance of the gradient by the shared unknowns that a drive's slips and the truth's noise make;
+    ``freedom``: how much larger squares of errors are than those of residuals, for unknowns take part of them up."""
     t = problem.drives[index].truth.t
     shared = len(eliminated)
     z = rows.values / problem.scale
@@ -109,7 +133,7 @@ def _spread(problem: Problem, rows: Residuals, eliminated: Reals, index: int) ->
     total = drift[1] * (turned * lasting).T @ turned
     for axis in range(2):
         total += drift[0] * (after[axis] * lasting).T @ after[axis] + noise[0] * pull[axis].T @ pull[axis]
-    return np.asarray(total + noise[1] * LEVER**2 * pull[2].T @ pull[2])
+    return np.asarray(freedom * (total + noise[1] * LEVER**2 * pull[2].T @ pull[2]))
 
 
 def _walk(
@@ -121,8 +145,8 @@ def _walk(
     whole = measured.all(axis=0) if measured[2].any() else measured[:2].all(axis=0)
     t, place, heading, at = t[whole], place[whole], heading[whole], rows.place[whole]
     if len(t) < 4:
-        squares = [float(np.mean(rows.values[i] ** 2)) for i in range(3)]
-        return (0.0, 0.0), ((squares[0] + squares[1]) / 2, squares[2] / LEVER**2)
+        square = float(np.mean(rows.values[measured] ** 2)) if measured.any() else 0.0
+        return (0.0, 0.0), (square, square / LEVER**2)
     spans = []
     for wanted in (_SHORT, min(_LONG, (t[-1] - t[0]) / 3)):
         lag = int(np.clip(np.searchsorted(t, t[0] + wanted), 1, len(t) - 1))

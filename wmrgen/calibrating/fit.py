@@ -23,6 +23,7 @@ from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Complexes, Increments, Reals, reckoned
 
 Samples = TypeVar("Samples", Reals, Complexes)
+BEYOND = 1.0  # [s] that clocks may be apart: so far a truth may reach beyond its log
 LEVER = 0.15  # [m] a heading's residual is this times its error
 _SPACING = 1.0  # [s] truth that is denser than this counts no more than truth at this spacing
 _MOUNT = 3  # x, y, heading of the tracked point on the robot
@@ -86,7 +87,7 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     path = reckoned(increments(drive.columns, shared[:count]))
     at = drive.truth.t + own[3]
     step, length, share = _place(drive.t, at)
-    moving = (at >= drive.t[0]) & (at <= drive.t[-1])
+    moving = (at >= drive.t[0] - BEYOND) & (at <= drive.t[-1] + BEYOND)
 
     def between(samples: Samples) -> Samples:
         return _between(samples, step, share)
@@ -118,10 +119,11 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
 
 
 def _place(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
-    """The step of ``t`` that each time ``at`` falls into, how long it is, and what share of it is over."""
+    """The step of ``t`` that each time ``at`` falls into, how long it is, and what share of it is over: up to `BEYOND`
+    before the first and after the last time the robot is taken to go on as in the nearest step."""
     step = np.clip(np.searchsorted(t, at, "right") - 1, 0, len(t) - 2)
     length = t[step + 1] - t[step]
-    return step, length, np.clip((at - t[step]) / length, 0.0, 1.0)
+    return step, length, (np.clip(at, t[0] - BEYOND, t[-1] + BEYOND) - t[step]) / length
 
 
 def _between(samples: Samples, step: NDArray[np.intp], share: Reals) -> Samples:
@@ -183,14 +185,26 @@ def serial(problem: Problem, unknowns: Reals) -> list[Sums]:
     return [sums(problem, unknowns, index) for index in range(len(problem.drives))]
 
 
-def solved(problem: Problem, each: Each = serial) -> tuple[Problem, Reals]:
-    """The unknowns of the least robust cost, by scipy's trust region method: from a scale at which nominal parameters
-    are good, in two steps to one that the residuals show; and the problem with that scale."""
-    unknowns = start_of(problem)
+def solved(problem: Problem, each: Each = serial, start: Reals | None = None) -> tuple[Problem, Reals]:
+    """The unknowns of the least robust cost, by scipy's trust region method: from a scale at which nominal parameters,
+    or those of ``start``, are good, in two steps to one that the residuals show; and the problem with that scale."""
+    unknowns = start_of(problem) if start is None else start
     for most in (np.inf, problem.scale, problem.scale):
+        problem = replace(problem, drives=_during(problem, unknowns))
         problem = replace(problem, scale=float(np.clip(1.5 * _typical(problem, unknowns), _FINEST, most)))
-        unknowns = _solved(problem, unknowns, each)
+        unknowns = nearest(problem, unknowns, each)
     return problem, unknowns
+
+
+def _during(problem: Problem, unknowns: Reals) -> tuple[Drive, ...]:
+    """The drives, where enough is left, without what the truth says of times before the first and after the last
+    reading, by the clocks as they are known."""
+    drives = []
+    for index, drive in enumerate(problem.drives):
+        at = drive.truth.t + problem.own(unknowns, index)[3]
+        inside = (at >= drive.t[0]) & (at <= drive.t[-1])
+        drives.append(drive.seen(inside) if _FEW <= inside.sum() < len(at) else drive)
+    return tuple(drives)
 
 
 def _typical(problem: Problem, unknowns: Reals) -> float:
@@ -241,8 +255,8 @@ def _columns(problem: Problem, index: int) -> NDArray[np.intp]:
     return np.concatenate([np.arange(shared), shared + _OWN * index + np.arange(_OWN)])
 
 
-def _solved(problem: Problem, start: Reals, each: Each) -> Reals:
-    """The unknowns of least cost from ``start`` on."""
+def nearest(problem: Problem, start: Reals, each: Each = serial) -> Reals:
+    """The unknowns of least cost from ``start`` on, at the problem's scale."""
     prior = _prior(problem)
     last: dict[bytes, Sums] = {}
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import csv
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmrgen.calibrating.path import Reals
 from wmrgen.errors import UsageError
@@ -40,6 +41,11 @@ class Drive:
     columns: Mapping[str, Reals]
     truth: Truth
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def seen(self, rows: NDArray[np.bool_]) -> Drive:
+        """The drive with these ``rows`` of its truth alone."""
+        truth = self.truth
+        return replace(self, truth=Truth(truth.t[rows], truth.x[rows], truth.y[rows], truth.theta[rows]))
 
 
 def read(log: Path, truth: Path, joints: Sequence[str], turns: Mapping[str, float]) -> Drive:

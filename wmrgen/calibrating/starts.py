@@ -10,10 +10,11 @@ body is turned; where no headings are measured, so is exp(is), over the first pa
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
-from wmrgen.calibrating.fit import Problem
+from wmrgen.calibrating.fit import BEYOND, LEVER, Each, Problem, nearest, residuals, serial, start_of
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Complexes, Reals, Reckoning, reckoned
 
@@ -21,6 +22,11 @@ _WAY = (
     1.0  # [s] a way that is short: nominal odometry is right about it, and a pose's noise is small beside it
 )
 _SURE = 0.05  # [m] of ways in all, below which the tracked body is taken to look ahead
+_LOST = 1.0  # [rad] that nominal odometry may be off by in the end, to be a start
+_ASTRAY = 0.2  # the same of places, of how far the drive goes
+_PIECE = 5.0  # [s] of a drive in which odometry does not lose its way
+_PIECES = 24  # of all drives
+_FEWEST = 4  # rows of truth that a piece has
 _TURNS = 2.0  # [rad] that nominal odometry may have turned by, before it is off by too much
 _LEAST = 0.3  # [m] of way that an alignment without headings needs, so that it goes on for so long at least
 
@@ -39,6 +45,46 @@ def laid(problem: Problem) -> Problem:
     return replace(problem, drives=moved, turned=turned)
 
 
+def near(problem: Problem, each: Each = serial) -> Reals:
+    """Unknowns to start from: nominal ones, or where odometry with them loses its way, what short pieces of the drives
+    say, in which it does not."""
+    start = start_of(problem)
+    if all(_finds(problem, start, index) for index in range(len(problem.drives))):
+        return start
+    pieces = tuple(piece for drive in problem.drives for piece in _pieces(drive, len(problem.drives)))
+    short = laid(replace(problem, drives=pieces))
+    shared = len(problem.units)
+    return np.concatenate([nearest(short, start_of(short), each)[:shared], start[shared:]])
+
+
+def _finds(problem: Problem, unknowns: Reals, index: int) -> bool:
+    """Whether headings stay near the truth; where none is measured, whether places do."""
+    rows, truth = residuals(problem, unknowns, index), problem.drives[index].truth
+    if np.isfinite(truth.theta).any():
+        return bool(np.max(np.abs(rows.values[2])) < LEVER * _LOST)
+    z = (truth.x + 1j * truth.y)[np.isfinite(truth.x + truth.y)]
+    return bool(np.max(np.abs(rows.values[:2])) < _ASTRAY * np.max(np.abs(z - z[:1]), initial=0.0))
+
+
+def _pieces(drive: Drive, count: int) -> list[Drive]:
+    """Parts of `_PIECE` seconds, as many as `_PIECES` allow of each of ``count`` drives; of sparse truth the whole."""
+    firsts = np.searchsorted(drive.t, np.arange(drive.t[0], drive.t[-1], _PIECE))
+    bounds = list(pairwise([*firsts, len(drive.t) - 1]))
+    wanted = np.unique(np.linspace(0, len(bounds) - 1, max(1, _PIECES // count)).round().astype(int))
+    parts = [part for k in wanted if (part := _part(drive, *bounds[k])) is not None]
+    return parts or [drive]
+
+
+def _part(drive: Drive, first: int, last: int) -> Drive | None:
+    """From one reading to another; None where too little of the truth lies between."""
+    truth, t = drive.truth, drive.t[first : last + 1]
+    inside = (truth.t >= t[0]) & (truth.t <= t[-1])
+    if max(np.isfinite(column[inside]).sum() for column in (truth.x, truth.y, truth.theta)) < _FEWEST:
+        return None
+    columns = {joint: column[first:last] for joint, column in drive.columns.items()}
+    return replace(drive.seen(inside), t=t, columns=columns)
+
+
 def _at(drive: Drive, path: Reckoning) -> tuple[Complexes, Reals]:
     """Odometry's places and headings at the truth's times."""
     place = np.interp(drive.truth.t, drive.t, path.position.real) + 1j * np.interp(
@@ -47,7 +93,15 @@ def _at(drive: Drive, path: Reckoning) -> tuple[Complexes, Reals]:
     return place, np.interp(drive.truth.t, drive.t, path.heading)
 
 
+def _inside(drive: Drive) -> Drive:
+    """Without what is measured long before the first or after the last reading: nobody knows how the robot moved."""
+    t = drive.truth.t
+    inside = (t >= drive.t[0] - BEYOND) & (t <= drive.t[-1] + BEYOND)
+    return drive if inside.all() else drive.seen(inside)
+
+
 def _unwound(drive: Drive, path: Reckoning) -> Drive:
+    drive = _inside(drive)
     measured = np.isfinite(drive.truth.theta)
     reckoning = np.interp(drive.truth.t[measured], drive.t, path.heading)
     theta = drive.truth.theta.copy()

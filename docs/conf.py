@@ -5,6 +5,7 @@ The source folder is the repository, so that links between docs/, README and gen
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -48,5 +49,11 @@ def folders(app: Any, document: Any) -> None:
             link.replace_self(link.children)
 
 
+def inline_math(app: Any, name: str, source: list[str]) -> None:
+    """Git hosts write formulas in tables between dollars and backticks, MyST between dollars."""
+    source[0] = re.sub(r"\$`([^`\n]+)`\$", r"$\1$", source[0])
+
+
 def setup(app: Any) -> None:
+    app.connect("source-read", inline_math)
     app.connect("doctree-read", folders)

@@ -30,7 +30,7 @@ def _front(turn: sympy.Expr) -> list[sympy.Expr]:
 _SAYS = "wmrgen's rolling and sliding row of the front wheel"
 TRICYCLE = Record(TEXT, "tricycle", rights(_front, _SAYS),
     form(symbol(r"\dot{\theta}"), EQ, sin(xi) * u1), form(symbol(r"\dot{\theta}"), EQ, sin(xi) * u1 / L),
-    part=rights(_front, f"{_SAYS}, with L = 1", {L: sympy.S.One}), condition="wheelbase L = 1",
+    part=rights(_front, f"{_SAYS}, with L = 1", {L: sympy.S.One}), condition="the wheelbase L is 1",
     kind=Class.CARE, line="thetadot = sin(xi) u1")
 
 V, W, TOP, ZMAX = symbol("v"), symbol(r"\omega"), symbol(r"u_1^{max}"), symbol(r"\zeta_{max}")
@@ -67,7 +67,7 @@ SLOPE = sympy.LessThan(sympy.Abs(W), sympy.Abs(V) * tan(ZMAX), evaluate=False)
 BOUNDS = Record(TEXT, "bounds", _set(False),
     forms((sympy.LessThan(sympy.Abs(V), TOP * cos(ZMAX), evaluate=False),), (SLOPE,)),
     forms((sympy.LessThan(V**2 + W**2, TOP**2, evaluate=False),), (SLOPE,)),
-    part=_set(True), condition="as an inner approximation (ζ = ξ, L = 1)", kind=Class.CARE,
+    part=_set(True), condition="it is taken for an inner approximation (ζ = ξ, L = 1)", kind=Class.CARE,
     line="|v|<=u1max cos(zmax), |w|<=|v|tan(zmax) (car-like); |v|=.. (RS); v=.. (Dubins)")
 
 CONCURRENT = "fixed 0.15 0.15*sqrt(3) -pi/6; fixed -0.3 0 pi/2; fixed 0.15 -0.15*sqrt(3) -5*pi/6"

@@ -91,6 +91,7 @@ HQ = M([[1, 0, -(engine.Y + B_ARM), -B_ARM], [0, 1, engine.X + A_ARM, A_ARM]])
 
 OFFSET_V = _swap(CHAIN_V, (VS, sympy.zeros(3, 1)), (V2, sympy.zeros(3, 1)))
 SPEED = symbol(r"\vert v_c\vert")
+VFX, VFY = symbol("v_{f,x}"), symbol("v_{f,y}")
 
 VEHICLES = (
     holds("(4.39)", "a frame in a frame, differentiated, with v_s^v = v_c^s = 0 as the slide assumes",
@@ -108,8 +109,8 @@ VEHICLES = (
           (r"v_x\sin\gamma-\omega L\cos\gamma", ZERO,
            (FRONT[1] * M([vx, ZERO, sympy.tan(gamma) * vx / L]))[0])),
     holds("Ackermann, forward", "velocity of the front wheel by wmrgen's rows along x and y, solved",
-          (r"\begin{bmatrix} v_x\\ \omega\end{bmatrix}", M([vx, L * omega / L]),
-           M.vstack(*(row.extract([0], [0, 2]) for row in engine.wheel(L, ZERO, ZERO))).inv() * M([vx, L * omega]))),
+          (r"\begin{bmatrix} v_x\\ \omega\end{bmatrix}", M([VFX, VFY / L]),
+           M.vstack(*(row.extract([0], [0, 2]) for row in engine.wheel(L, ZERO, ZERO))).inv() * M([VFX, VFY]))),
     holds("(4.62), 4WS", "wmrgen's rows of a wheel with axle offset, turned back into vehicle axes",
           (r"[H\,|\,Q]", HQ, BACKED),
           remark="Contact offset (a, b) = o (−sin, cos); o > 0 on the left. [v̇_x v̇_y ω̇] is [v_x v_y ω]."))

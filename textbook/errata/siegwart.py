@@ -148,7 +148,8 @@ def _stays(bound: sympy.Expr, says: str) -> Check:
         condition = f.values[0]
         margin = _margin(condition, bound)
         if margin <= 0:
-            return Finding(True, f"{says}: on the edge of the condition α̇ at α = π/2 is at most {number(margin)} |k_β|")
+            most = f"{number(margin)} |k_β|" if margin else "0"
+            return Finding(True, f"{says}: on the edge of the condition α̇ at α = π/2 is at most {most}")
         value = condition.xreplace(dict(zip((K_RHO, K_ALPHA, K_BETA), GAINS, strict=True)))
         largest = _largest_alpha()
         if not (value > 0 and largest > float(pi) / 2):

@@ -40,7 +40,7 @@ def _castor(side: sympy.Expr) -> Form:
 
 CASTOR = Record(TEXT, "(3.17), (3.18)", identity(_contact, "sideways velocity of the contact B = A + σ d e"),
     _castor(sympy.S.One), _castor(SIGMA),
-    part=identity(_contact, "the same with B = A + d e", {SIGMA: sympy.S.One}), condition="σ = 1: B = A + d e",
+    part=identity(_contact, "the same with B = A + d e", {SIGMA: sympy.S.One}), condition="σ = 1, that is B = A + d e",
     kind=Class.CARE, line="castor: [.. d+l sin b] xi + d bdot = 0; rolling row unchanged",
     remark="A castor that trails then has φ̇ < 0; for d > 0 with φ̇ > 0 read −d for d.")
 

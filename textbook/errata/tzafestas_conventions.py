@@ -44,7 +44,7 @@ CENTRE = Record(TEXT, "Example 2.2, G", rights(_offset, "G = Q + σ b (cos φ, s
     forms((XG, EQ, XQ + b * phid * sin(phi)), (YG, EQ, YQ - b * phid * cos(phi))),
     forms((XG, EQ, XQ - SIDE * b * phid * sin(phi)), (YG, EQ, YQ + SIDE * b * phid * cos(phi))),
     part=rights(_offset, "G = Q − b (cos φ, sin φ), differentiated", {SIDE: sympy.S.NegativeOne}),
-    condition="σ = −1: G lies behind the axle", kind=Class.CARE,
+    condition="σ = −1, that is G lies behind the axle", kind=Class.CARE,
     line="xG_dot = xQ_dot + b pd sin, yG_dot = yQ_dot - b pd cos", remark="For G ahead of the axle read −b for b.")
 
 _POINTS = [(sympy.S(a), sympy.Rational(c, 2)) for a in (1, -1) for c in (1, -1)]  # v and phi', forwards first

@@ -177,7 +177,8 @@ FRESNEL = Record(TEXT, "Fresnel argument", _criterion(tuple(EXAMPLES)),
     form(sympy.Integral(cos(S**2 / 2), S), symbol(r"\text{has no closed form}\;\Rightarrow\;\text{nonholonomic}")),
     form(symbol(r"c\cdot\nabla\times c \ne 0 \;\Leftrightarrow\; \text{nonholonomic}")),
     part=_criterion(tuple(EXAMPLES)[:1]),
-    condition="the constraint is the rolling disk's, which is non-holonomic for another reason", kind=Class.CARE, line="integral has no closed form, hence not reducible to c(x)=0",
+    condition="the constraint is the rolling disk's, which is non-holonomic for another reason",
+    kind=Class.CARE, line="integral has no closed form, hence not reducible to c(x)=0",
     remark="The conclusion is right, the argument is no proof: the test is Frobenius's, c · curl c = −1 ≠ 0.")
 
 GAMMA, VSX, VSY, GD, DD = (symbol(n) for n in (r"\gamma", "v_{sx}", "v_{sy}", r"\dot{\gamma}", "d"))

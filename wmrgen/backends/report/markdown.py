@@ -17,6 +17,7 @@ from wmrgen.exact.number import Exact
 if TYPE_CHECKING:
     from wmrgen.backends.registry import Facts
     from wmrgen.layout.records import Wheel
+    from wmrgen.robot import Derivation
 
 CAP = 16  # wheels whose equations are written out
 _ENTITY = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "$": "&#36;"}
@@ -112,10 +113,14 @@ def aligned(lines: Iterable[str]) -> list[str]:
     return math("\\begin{aligned}", " \\\\\n".join(lines), "\\end{aligned}")
 
 
-def written(robot: str) -> list[tuple[list[str], str]]:
-    """The files that stand beside a page, and what they are."""
+def written(d: Derivation) -> list[tuple[list[str], str]]:
+    """The files that stand beside a page, and what they are; an example only where it has a joint."""
     every = (files for entry in BACKENDS.values() for files in entry.files if files.what)
-    rows = [([name.format(robot=robot) for name in files.names], files.what) for files in every]
+    rows = [
+        ([name.format(robot=d.robot.name) for name in files.names], files.what)
+        for files in every
+        if d.c_module.joints or "example/main.c" not in files.names
+    ]
     return [*rows, (["model.json"], "what the report says, as data")]
 
 

@@ -33,7 +33,7 @@ def numerics(d: Derivation, facts: Facts) -> str:
     return page([
         f"# Numerics of {code(name)}",
         "The derivation is in [report.md](report.md). Here are the numbers behind it and behind the code.",
-        *_cost(d), *_ranges(d.bounds), *_ranks(d), *_series(), *formulas(d), *_places(name, facts), *_files(name),
+        *_cost(d), *_ranges(d.bounds), *_ranks(d), *_series(), *formulas(d), *_places(name, facts), *_files(d),
         *foot(facts),
     ])  # fmt: skip
 
@@ -133,9 +133,9 @@ def _ranges(bounds: Bounds) -> list[str]:
     return blocks
 
 
-def _files(name: str) -> list[str]:
+def _files(d: Derivation) -> list[str]:
     """What the backends write beside the page."""
-    return ["## Files", *items(f"{', '.join(map(code, names))}: {what}" for names, what in written(name))]
+    return ["## Files", *items(f"{', '.join(map(code, names))}: {what}" for names, what in written(d))]
 
 
 def _places(name: str, facts: Facts) -> list[str]:

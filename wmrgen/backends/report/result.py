@@ -109,7 +109,7 @@ def _unit(unit: str) -> str:
 
 def _files(d: Derivation) -> list[str]:
     """What the backends write beside this page, numerics.md saying what each is."""
-    names = [name for names, _ in written(d.robot.name) for name in names]
+    names = [name for names, _ in written(d) for name in names]
     return [f"**Files** (what each is: [numerics.md](numerics.md)): {' · '.join([*map(_link, names)])}"]
 
 

@@ -13,6 +13,7 @@ from benchmarks.emulator.fleet import Fleet, answers
 from benchmarks.figures import BEGIN, END, PAGE
 from benchmarks.jobs import JOBS, Job, derivations
 from benchmarks.processor import GENERATORS, Bench, inputs
+from tests.depth import everyday
 from tests.tools import need
 from wmrgen.ir.calls import nominal
 from wmrgen.ir.interpret import FLOAT32
@@ -50,7 +51,15 @@ def test_markers_that_do_not_fit_are_told(text: str) -> None:
         figures.between(text)
 
 
-@pytest.mark.parametrize("job", [j for j in JOBS if j.function == "forward" or "castor" in j.layout], ids=str)
+BRANCHLESS = [j for j in JOBS if j.function == "forward" or "castor" in j.layout]
+
+
+# Of forward, the car's is everyday; the castors have both.
+@pytest.mark.parametrize(
+    "job",
+    everyday(BRANCHLESS, [j for j in BRANCHLESS if "castor" in j.layout or j.robot == "ackermann_car"]),
+    ids=str,
+)
 def test_every_input_needs_the_same(job: Job, tmp_path: Path) -> None:
     """Forward kinematics, and inverse kinematics of castors: no branch."""
     module = derivations()[job.robot].c_module

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ import pytest
 import yaml
 from jsonschema import Draft202012Validator
 
-from tests.conftest import GALLERY, ROOT, Outcome, process
+from tests.conftest import GALLERY, ROOT, Outcome
 from tests.depth import everyday
 from tests.spec.files import read
 from wmrgen import robot_of
@@ -125,12 +125,12 @@ def test_the_schema_beside_the_gallery_is_fresh_and_every_robot_names_it() -> No
     assert not [p.name for p in GALLERY if not p.read_text(encoding="utf-8").startswith(f"{MODELINE}\n")]
 
 
-def test_the_command_prints_both() -> None:
-    schema, again, page = (process("schema", *words) for words in ((), ("--json",), ("--markdown",)))
+def test_the_command_prints_both(wmrgen_cli: Callable[..., Outcome]) -> None:
+    schema, again, page = (wmrgen_cli("schema", *words) for words in ((), ("--json",), ("--markdown",)))
     assert schema == again
     assert schema.code == 0 and yaml.safe_load(schema.out) == SCHEMA
     assert page == Outcome(0, reference(), "")
-    assert process("schema", "--json", "--markdown").code == 2
+    assert wmrgen_cli("schema", "--json", "--markdown").code == 2
 
 
 def test_wheel_types_take_keys_that_there_are() -> None:

@@ -136,6 +136,7 @@ def test_zero_is_decided() -> None:
     assert not is_zero(sympy.Rational(1, 10**15) * a)
 
 
+@pytest.mark.slow  # `wmrgen check` says the same, in make check
 def test_what_is_generated_is_fresh() -> None:
     """The page and the library's folder, as `wmrgen check` finds them."""
     assert installed().differing(ROOT / "generated") == []

@@ -50,6 +50,11 @@ def test_derive_says_what_decides(wmrgen_cli: Cli, tmp_path: Path, robot: str, w
     assert why in lines[1] and ("degenerate" in lines[0]) == lines[1].startswith("  Degenerate: ")
 
 
+def test_no_top_view_where_nobody_looks(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
+    for more in ([], ["--json"]):
+        assert " | " not in wmrgen_cli("derive", robot_file, "-o", tmp_path / "out", *more).out
+
+
 def test_derive_json_is_the_model(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
     done = wmrgen_cli("derive", robot_file, "-o", tmp_path / "out", "--json")
     assert done.out.encode() == (tmp_path / "out" / "pair" / "model.json").read_bytes()

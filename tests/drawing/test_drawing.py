@@ -12,13 +12,9 @@ import numpy as np
 import pytest
 
 from tests.drawing.common import (
-    CASTOR,
     FILES,
-    FRONT,
-    MECANUM,
-    PAIR,
+    ODD,
     SVG,
-    THREE,
     apart,
     numbers,
     of_class,
@@ -33,38 +29,6 @@ from wmrgen import derive, load
 from wmrgen.robot import Derivation
 
 OKABE_ITO = {"000000", "e69f00", "56b4e9", "009e73", "f0e442", "0072b2", "d55e00", "cc79a7"}
-
-
-def many(count: int, name: str = "w{}", r: float = 0.05) -> str:
-    return "".join(
-        f"  - {{name: {name.format(k)}, type: steered, l: 2, alpha: 2*pi*{k}/{count}, beta: 0, r: {r}}}\n"
-        for k in range(count)
-    )
-
-
-ODD = {
-    "64 wheels": many(64),
-    "64 long names": many(64, "a_wheel_of_a_long_name_{}"),
-    "8 long names": many(8, "a_wheel_of_a_very_long_name_{}_x"),
-    "millimetre": PAIR.replace("0.2", "0.0005").replace("r: 0.1", "r: 0.0001"),
-    "ten kilometres": PAIR.replace("0.2", "5000") + FRONT.format(0).replace("0.5", "10000"),
-    "huge wheels": PAIR.replace("r: 0.1", "r: 30"),
-    "one place": "".join(
-        f"  - {{name: w{k}, type: steered, x: 0, y: 0, heading: 0, r: 0.1}}\n" for k in range(5)
-    ),
-    "one place off P": "".join(
-        f"  - {{name: w{k}, type: fixed, x: 3, y: 1, heading: 0, r: 0.1}}\n" for k in range(3)
-    ),
-    "far from P": "".join(
-        f"  - {{name: w{k}, type: fixed, x: 3000, y: {k}, heading: 0, r: 0.1}}\n" for k in range(2)
-    ),
-    "cannot move": PAIR
-    + "  - {name: across, type: fixed, x: 0.5, y: 0.1, heading: 1, r: 0.1}\n" * 1
-    + "  - {name: more, type: fixed, x: -0.7, y: 0.3, heading: 2, r: 0.1}\n",
-    "mecanum X": MECANUM,
-    "castor": PAIR + CASTOR.format(0.1),
-    "three": THREE,
-}
 
 
 def odd(folder: Path, name: str) -> Derivation:

@@ -240,7 +240,7 @@ def test_the_legend_explains_what_occurs_and_nothing_else(tmp_path: Path) -> Non
         PAIR + FRONT.format(0): ["fixed wheel, r = 0.1 m", "steered wheel, r = 0.1 m", "positive rolling", "pivot"],
         MECANUM: ["Swedish wheel, r = 0.05 m", "positive rolling", "roller axis at the ground"],
         "  - {name: ball, type: spherical, x: 0.3, y: 0, r: 0.02}\n" + PAIR.replace("r: 0.1", "r: 0.2", 1): [
-            "fixed wheel, r = 0.1, 0.2 m", "spherical wheel, r = 0.02 m", "positive rolling",
+            "fixed wheel, r = 0.1 m, 0.2 m", "spherical wheel, r = 0.02 m", "positive rolling",
         ],
     }  # fmt: skip
     for wheels, keys in legends.items():
@@ -264,15 +264,21 @@ def test_wheels_of_one_axle_share_a_line(tmp_path: Path) -> None:
 
 
 def sizes(d: Derivation) -> list[str]:
-    return [text for text, _ in words(parsed(d)) if re.fullmatch(r"(track |l = )?[\d.e+-]+ m", text)]
+    return [text for text, _ in words(parsed(d)) if re.fullmatch(r"(track |l = )?[\d.]+ [mk]?m", text)]
 
 
-@pytest.mark.parametrize("unit", ["0.001", "0.02", "1", "45", "10000"])
-def test_dimensions_are_drawn_as_long_as_they_say(unit: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("unit", "said"),
+    [
+        ("0.001", ["0.5 mm", "track 0.4 mm"]), ("0.02", ["0.01 m", "track 8 mm"]), ("1", ["0.5 m", "track 0.4 m"]),
+        ("45", ["22.5 m", "track 18 m"]), ("20000", ["10 km", "track 8000 m"]),
+    ],
+)  # fmt: skip
+def test_dimensions_are_drawn_as_long_as_they_say(unit: str, said: list[str], tmp_path: Path) -> None:
     scaled = (PAIR + FRONT.format(0)).replace("0.2", f"0.2*{unit}").replace("0.5", f"0.5*{unit}")
     d = robot(tmp_path, scaled.replace("r: 0.1", f"r: 0.1*{unit}"))
     k = float(unit)
-    assert sorted(sizes(d)) == sorted([f"{0.5 * k:.4g} m", f"track {0.4 * k:.4g} m"])
+    assert sorted(sizes(d)) == sorted(said)
     root = parsed(d)
     ((_, scale, _),) = panels(root)
     ticks = [numbers(e, "x1", "y1", "x2", "y2") for e in of_class(root, "size") if e.tag == f"{SVG}line"]

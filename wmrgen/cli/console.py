@@ -121,6 +121,11 @@ def note(text: str) -> None:
     _line(sys.stderr, text, "dim")
 
 
+def on_a_terminal() -> bool:
+    """Whether somebody reads the result."""
+    return bool(sys.stdout and sys.stdout.isatty())
+
+
 def can_ask() -> bool:
     """Whether somebody sits there to answer questions."""
     return bool(sys.stdin and sys.stdin.isatty() and sys.stderr.isatty())

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import wmrgen
 from wmrgen.artifacts import Difference, Written, differences, made_with, write_tree
+from wmrgen.backends.registry import BACKENDS
 from wmrgen.cli import console
 from wmrgen.cli.failures import all_as_data
 from wmrgen.cli.gallery import differing_gallery
@@ -78,7 +79,7 @@ def derive(
         console.result(models[0] if len(models) == 1 else "[\n" + ",\n".join(models) + "\n]")
         return 0
     for (derivation, _), changes in zip(results, written, strict=True):
-        _summary(derivation, changes, out)
+        _summary(derivation, changes, out, len(results) == 1)
     for folder, files in packages:
         console.result(f"  {folder.as_posix()}/: {' '.join(files)}")
     return 0
@@ -119,7 +120,8 @@ def _load_all(paths: Sequence[Path]) -> list[tuple[RobotSpec, Robot]]:
     return robots
 
 
-def _summary(derivation: Derivation, written: Written, out: Path) -> None:
+def _summary(derivation: Derivation, written: Written, out: Path, alone: bool) -> None:
+    """What a robot is and what was written; on a terminal what it looks like, where it is the only one."""
     m, name = derivation.mobility, derivation.robot.name
     kind = "degenerate" if m.robot_type is None else f"type ({m.robot_type[0]}, {m.robot_type[1]})"
     console.result(
@@ -129,6 +131,9 @@ def _summary(derivation: Derivation, written: Written, out: Path) -> None:
     )
     if m.deciding:
         console.result(f"  {m.deciding.splitlines()[0]}")
+    if alone and console.on_a_terminal():
+        for line in BACKENDS["drawing"].offers("sketch")(derivation.robot):
+            console.result(f"    {line}".rstrip())
     files = written.changed + written.unchanged
     state = f"{len(written.changed)} new or changed" if written.changed else "all up to date"
     console.result(f"  {(out / name).as_posix()}/ ({state}): {' '.join(sorted(files))}")

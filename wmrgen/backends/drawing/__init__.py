@@ -9,8 +9,11 @@ from wmrgen.backends.drawing.figure import Figure
 from wmrgen.backends.drawing.motion import motion
 from wmrgen.backends.drawing.reach import reach
 from wmrgen.backends.drawing.singular import singular
+from wmrgen.backends.drawing.sketch import sketch
 from wmrgen.backends.drawing.symbols import symbols
 from wmrgen.backends.drawing.top import top_view
+
+__all__ = ["emit", "figures", "sketch"]
 
 if TYPE_CHECKING:
     from wmrgen.backends.registry import Facts

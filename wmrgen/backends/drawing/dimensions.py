@@ -17,6 +17,7 @@ from wmrgen.backends.drawing.paper import (
     circle,
     distance,
     line,
+    metres,
     middle,
     unit,
 )
@@ -55,19 +56,15 @@ def dimensions(
             paper.boxes.append(bounds(ends, 5))
             elements += [_tick(ends[0], (1, 0)), _tick(ends[1], (1, 0)), *_measured(*ends)]
             where = (left - 6, (ends[0][1] + ends[1][1]) / 2 + 4)
-            elements.append(paper.write(where, _metres(b - a), "words", "end"))
+            elements.append(paper.write(where, metres(b - a), "words", "end"))
     ys = _places([w.pivot.imag for w in bearing], size)
     if len(ys) > 1 and (ys[-1] - ys[0]) * view.scale > _GAP:
         ends = [(view.on((0.0, y))[0], base) for y in (ys[-1], ys[0])]
         paper.boxes.append(bounds(ends, 5))
         elements += [_tick(ends[0], (0, 1)), _tick(ends[1], (0, 1)), *_measured(*ends)]
-        words = f"{'track ' * _track(bearing, ys, size)}{_metres(ys[-1] - ys[0])}"
+        words = f"{'track ' * _track(bearing, ys, size)}{metres(ys[-1] - ys[0])}"
         elements.append(paper.write(((ends[0][0] + ends[1][0]) / 2, base + 15), words, "words", "middle"))
     return elements
-
-
-def _metres(length: float) -> str:
-    return f"{length:.4g} m"
 
 
 def _places(values: Sequence[float], size: float) -> list[float]:
@@ -107,7 +104,7 @@ def _radius(wheels: Sequence[Wheel], view: View, paper: Paper) -> list[str]:
     length = distance(view.origin, tip)
     centre = along(view.origin, unit(view.origin, tip), 0.62 * length)
     paper.segments.append((view.origin, tip))
-    label = paper.put(f"l = {_metres(abs(w.pivot))}", bounds([centre], 2), view.origin)
+    label = paper.put(f"l = {metres(abs(w.pivot))}", bounds([centre], 2), view.origin)
     return [circle(view.origin, length, "swivel"), *arrow(view.origin, tip, "size", 4), *label]
 
 

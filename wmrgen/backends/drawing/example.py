@@ -48,7 +48,7 @@ def moving(robot: Robot, twist: Twist) -> Example:
     """What the wheels do under an admissible twist; castors stand as they trail when it lasts."""
     headings = {}
     for w in robot.wheels:
-        swing = _swing(robot, w, twist) if w.kind.steers else _trail(w, twist) if w.kind.swivels else 0.0
+        swing = swung(robot, w, twist) if w.kind.steers else _trail(w, twist) if w.kind.swivels else 0.0
         headings[w.name] = w.heading + swing
     return Example(twist, headings, icr(twist, extent(robot.wheels)[1]))
 
@@ -104,14 +104,14 @@ def _velocity(w: Wheel, t: Twist) -> Point:
     return t[0] - float(w.nominal.y) * t[2], t[1] + float(w.nominal.x) * t[2]
 
 
-def _swing(robot: Robot, w: Wheel, t: Twist) -> float:
+def swung(robot: Robot, w: Wheel, t: Twist) -> float:
     """The steering angle in [-pi/2, pi/2] that rolls, or the opposite one if only that is within limits."""
     a, b = _velocity(w, t)
     if hypot(a, b) < 1e-12:
         return 0.0
     turn = remainder(atan2(b, a) - w.heading, pi)
     other = turn - pi if turn > 0 else turn + pi
-    return other if not _inside(robot, w, turn) and _inside(robot, w, other) else turn
+    return other if not inside(robot, w, turn) and inside(robot, w, other) else turn
 
 
 def _trail(w: Wheel, t: Twist) -> float:
@@ -127,19 +127,15 @@ def _trail(w: Wheel, t: Twist) -> float:
     return remainder(left + (aside if d > 0 else -aside) - w.heading, 2 * pi)
 
 
-def _inside(robot: Robot, w: Wheel, turn: float) -> bool:
+def inside(robot: Robot, w: Wheel, turn: float) -> bool:
+    """Whether the limits of a wheel allow a steering angle [rad]."""
     limit = robot.limit(w, "steer")
     return limit is None or float(limit.low) - 1e-9 <= turn <= float(limit.high) + 1e-9
 
 
-def allowed(robot: Robot, w: Wheel, t: Twist) -> bool:
-    """Whether the limits of a steered wheel let it roll under a twist."""
-    return _inside(robot, w, _swing(robot, w, t))
-
-
 def _allowed(robot: Robot, steered: list[Wheel], t: Twist, size: float) -> bool:
     far = all(hypot(*_velocity(w, t)) > 0.35 * size * abs(t[2]) for w in steered)
-    return far and all(allowed(robot, w, t) for w in steered)
+    return far and all(inside(robot, w, swung(robot, w, t)) for w in steered)
 
 
 def icr(t: Twist, size: float) -> Point | None:

@@ -21,6 +21,7 @@ from wmrgen.backends.drawing.paper import (
     distance,
     hull,
     line,
+    metres,
     polygon,
     width,
 )  # fmt: skip
@@ -192,8 +193,8 @@ def entries(kinds: list[WheelType], wheels: Sequence[Wheel]) -> list[tuple[str, 
 
 
 def _radii(wheels: Sequence[Wheel]) -> str:
-    radii = sorted({f"{float(w.nominal.r):.4g}" for w in wheels if w.nominal.r}, key=float)
-    return f", r = {', '.join(radii[:2])}{', …' * (len(radii) > 2)} m" if radii else ""
+    radii = [metres(r) for r in sorted({float(w.nominal.r) for w in wheels if w.nominal.r})]
+    return f", r = {', '.join(radii[:2])}{', …' * (len(radii) > 2)}" if radii else ""
 
 
 def _symbol(symbol: str, x: float, y: float) -> list[str]:

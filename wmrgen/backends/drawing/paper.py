@@ -25,7 +25,9 @@ _HIT = 500.0  # what a name costs that touches what is drawn
 
 
 def width(words: str, size: float = SIZE) -> float:
-    """How wide words are at most, in the sans-serif fonts that browsers have [px]."""
+    """How wide words are at most, in the sans-serif fonts that browsers have, or an italic letter [px]."""
+    if len(words) == 1:
+        return 0.87 * size
     return size * sum(
         0.42 if c in _NARROW else 1.0 if c in _WIDE else 0.76 if c.isupper() else 0.64 for c in words
     )
@@ -108,6 +110,12 @@ def hull(points: list[Point]) -> list[Point]:
         return chain[:-1]
 
     return half(ordered) + half(ordered[::-1])
+
+
+def metres(length: float) -> str:
+    """Four significant digits, in metres; from 10 km on in kilometres, below 10 mm in millimetres."""
+    unit, size = ("km", 1e3) if length >= 1e4 else ("mm", 1e-3) if 0 < length < 0.01 else ("m", 1.0)
+    return f"{float(f'{length / size:.4g}'):.12g} {unit}"
 
 
 def num(value: float) -> str:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from math import cos, hypot, inf, isfinite, pi, sin
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.drawing.example import Twist, allowed, moving
+from wmrgen.backends.drawing.example import Twist, inside, swung
 from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, figure
 from wmrgen.backends.drawing.paper import (
     Paper,
@@ -29,17 +29,17 @@ if TYPE_CHECKING:
 FILE = "reach.svg"
 NAMES, UNITS, SHOWN = ("vx", "vy", "omega"), ("m/s", "m/s", "rad/s"), ("vx", "vy", "ω")
 _DIRECTIONS = 144
-_HALVINGS = 40
+_HALVINGS = 20
 _SIZE, _ROW = 140.0, 15.0
 Plane = tuple[int, int]  # components that point up and to the left
-Bounds = list[tuple[float, int]]  # factors by which a twist may grow, each with the limit that says so
+Measure = Callable[[Twist], float]  # by how much a twist may grow
 
 
 def reach(derivation: Derivation) -> Figure | None:
     """``reach.svg``; None where the limits leave a direction open, one motion alone is free, or no limit of a wheel
     decides anything: then the set is a box."""
     robot, free = derivation.robot, derivation.mobility.admissible
-    if not robot.limits or not free.linear or free.dimension < 2 or _one_sided(robot):
+    if not free.linear or free.dimension < 2 or _one_sided(robot) or not _limited(robot):
         return None
     planes: list[Plane] = [(0, 1), (0, 2)] if free.dimension == 3 else [_plane(free.basis)]
     drawn = [outline(robot, lift(free.basis, plane)) for plane in planes]
@@ -62,7 +62,8 @@ def reach(derivation: Derivation) -> Figure | None:
 
 def _one_sided(robot: Robot) -> bool:
     """Whether a limit forbids standstill."""
-    limits = [*robot.limits.values(), *(limit for w in robot.wheels for limit in w.limits.values())]
+    limits = [limit for name in NAMES if (limit := robot.limits.get(name))]
+    limits += [limit for w in robot.wheels if (limit := robot.limit(w, "spin"))]
     return any(float(limit.low) > 0 or float(limit.high) < 0 for limit in limits)
 
 
@@ -99,12 +100,13 @@ def outline(robot: Robot, twist: Callable[[float, float], Twist]) -> tuple[list[
 
     Where the limit that decides changes from one direction to the next, the corner between is found by halving.
     """
-    ends = [_most(robot, twist(*way)) for way in ((1.0, 0.0), (0.0, 1.0))]
+    measures = _measures(robot)
+    ends = [_most(measures, twist(*way)) for way in ((1.0, 0.0), (0.0, 1.0))]
     scales = [k if isfinite(k) and k > 0 else 1.0 for k, _ in ends]
 
     def at(angle: float) -> tuple[float, int, Point]:
         p, q = scales[0] * cos(angle), scales[1] * sin(angle)
-        k, limit = _most(robot, twist(p, q))
+        k, limit = _most(measures, twist(p, q))
         return k, limit, (k * p if k else 0.0, k * q if k else 0.0)
 
     angles = [2 * pi * (k + 0.5) / _DIRECTIONS for k in range(_DIRECTIONS + 1)]
@@ -123,56 +125,82 @@ def _corner(at: Callable[[float], tuple[float, int, Point]], first: float, last:
         return
     for _ in range(_HALVINGS):
         centre = (first + last) / 2
-        found = at(centre)
-        if found[1] == low[1]:
-            first, low = centre, found
+        between = at(centre)
+        if between[1] == low[1]:
+            first, low = centre, between
         else:
-            last, high = centre, found
+            last, high = centre, between
     yield low[2]
     yield high[2]
 
 
-def _most(robot: Robot, twist: Twist) -> tuple[float, int]:
+def _most(measures: Sequence[Measure], twist: Twist) -> tuple[float, int]:
     """By how much a twist may grow, and the number of the limit that says so; 0 where no speed is allowed."""
-    return min(_factors(robot, twist), default=(inf, -1))
+    factors = ((measure(twist), number) for number, measure in enumerate(measures))
+    return min(factors, default=(inf, -1))
 
 
-def _factors(robot: Robot, twist: Twist) -> Iterator[tuple[float, int]]:
-    number = 0
-    for name, value in zip(NAMES, twist, strict=True):
-        limit = robot.limits.get(name) or (robot.limits.get("vx") if name == "vy" else None)
-        yield _factor(value, limit), number
-        number += 1
-    headings = moving(robot, twist).headings
-    for w in robot.wheels:
-        if w.kind.steers and not allowed(robot, w, twist):
-            yield 0.0, number
-        for value, quantity in _rates(w, headings[w.name], twist):
-            yield _factor(value, robot.limit(w, quantity)), number + 1
-            number += 1
-        number += 2
+def _measures(robot: Robot) -> list[Measure]:
+    """Of each limit by how much a twist may grow until it is reached; three of the twist, then those of wheels."""
+    limits = [robot.limits.get(name) for name in NAMES]
+    limits[1] = limits[1] or limits[0]  # as in limit_twist
+    measures = [_linear([float(k == i) for i in range(3)], limit) for k, limit in enumerate(limits)]
+    for w in _limited(robot):
+        spin, rate = robot.limit(w, "spin"), robot.limit(w, "steer_rate")
+        if w.kind.swivels:
+            measures += _castor(w, spin, rate)
+        elif w.kind.steers:
+            measures.append(_steered(robot, w, spin))
+        elif w.has_spin:
+            c, s, r = cos(w.heading + w.gamma), sin(w.heading + w.gamma), float(w.nominal.rolling_radius)
+            measures.append(_linear([c / r, s / r, (w.pivot.real * s - w.pivot.imag * c) / r], spin))
+    return measures
 
 
-def _factor(value: float, limit: Interval | None) -> float:
-    if limit is None or abs(value) < 1e-12:
-        return inf
-    return float(limit.high if value > 0 else limit.low) / value
+def _limited(robot: Robot) -> list[Wheel]:
+    """The wheels that have limits."""
+    return [w for w in robot.wheels if any(robot.limit(w, q) for q in ("spin", "steer", "steer_rate"))]
 
 
-def _rates(w: Wheel, heading: float, t: Twist) -> Iterator[tuple[float, str]]:
-    """Joint rates under a lasting twist; of a castor the largest, whatever its angle."""
-    g = w.nominal
-    r, d, o = float(g.r), float(g.d), float(g.o)
-    a, b = t[0] - w.pivot.imag * t[2], t[1] + w.pivot.real * t[2]
-    if w.kind.swivels:
-        # r spin = e.v + (o/d) n.v, and -d steer_rate = n.v + d omega.
-        yield hypot(a, b) * hypot(1.0, o / d) / r, "spin"
-        yield -hypot(a, b) * hypot(1.0, o / d) / r, "spin"
-        yield hypot(a, b) / abs(d) + abs(t[2]), "steer_rate"
-        yield -hypot(a, b) / abs(d) - abs(t[2]), "steer_rate"
-    elif w.has_spin:
-        axis = heading + w.gamma
-        yield (cos(axis) * a + sin(axis) * b - o * t[2]) / float(g.rolling_radius), "spin"
+def _linear(row: list[float], limit: Interval | None) -> Measure:
+    a, b, k = row
+    low, high = (float(limit.low), float(limit.high)) if limit else (-inf, inf)
+    return lambda t: _factor(a * t[0] + b * t[1] + k * t[2], low, high)
+
+
+def _factor(value: float, low: float, high: float) -> float:
+    return inf if abs(value) < 1e-12 else (high if value > 0 else low) / value
+
+
+def _steered(robot: Robot, w: Wheel, limit: Interval | None) -> Measure:
+    """Spin and steering angle of a steered wheel while a motion lasts."""
+    low, high = (float(limit.low), float(limit.high)) if limit else (-inf, inf)
+    x, y, r, o = w.pivot.real, w.pivot.imag, float(w.nominal.r), float(w.nominal.o)
+
+    def measure(t: Twist) -> float:
+        swing = swung(robot, w, t)
+        if not inside(robot, w, swing):
+            return 0.0
+        h = w.heading + swing
+        return _factor((cos(h) * (t[0] - y * t[2]) + sin(h) * (t[1] + x * t[2]) - o * t[2]) / r, low, high)
+
+    return measure
+
+
+def _castor(w: Wheel, spin: Interval | None, rate: Interval | None) -> list[Measure]:
+    """The largest rates of a castor, whatever its angle: r spin = e.v + (o/d) n.v and -d steer_rate = n.v + d omega."""
+    x, y, r = w.pivot.real, w.pivot.imag, float(w.nominal.r)
+    d, o = abs(float(w.nominal.d)), float(w.nominal.o)
+
+    def largest(t: Twist, joint: str) -> float:
+        v = hypot(t[0] - y * t[2], t[1] + x * t[2])
+        return v * hypot(1.0, o / d) / r if joint == "spin" else v / d + abs(t[2])
+
+    def measure(limit: Interval, joint: str) -> Measure:
+        most = min(float(limit.high), -float(limit.low))
+        return lambda t: _factor(largest(t, joint), -most, most)
+
+    return [measure(limit, joint) for limit, joint in ((spin, "spin"), (rate, "steer_rate")) if limit]
 
 
 # ---- the picture
@@ -219,6 +247,10 @@ def _simplified(points: list[Point]) -> list[Point]:
         while len(kept) > 1 and _bend(kept[-2], kept[-1], p) < 0.02:
             kept.pop()
         kept.append(p)
+    while len(kept) > 3 and _bend(kept[-1], kept[0], kept[1]) < 0.02:
+        kept = kept[1:]
+    while len(kept) > 3 and _bend(kept[-2], kept[-1], kept[0]) < 0.02:
+        kept = kept[:-1]
     return kept
 
 

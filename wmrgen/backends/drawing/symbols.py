@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import degrees, pi, radians, remainder, sin
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, SupportsFloat
 
 from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, attribute, figure
 from wmrgen.backends.drawing.marks import Placed, body
@@ -19,6 +19,7 @@ from wmrgen.backends.drawing.paper import (
     bounds,
     circle,
     line,
+    metres,
     middle,
     width,
     wrapped,
@@ -74,14 +75,14 @@ def _values(w: Wheel) -> list[str]:
     """Lines of what the robot file says of a wheel."""
     g, kind = w.nominal, w.kind
     parts = (
-        (True, f"l = {w.l:.4g} m"),
+        (True, f"l = {metres(w.l)}"),
         (bool(w.l), f"α = {_degrees(w.alpha)}"),
         (kind.directed, f"β = {_degrees(w.beta)}"),
         (kind.directed, f"heading {_degrees(w.heading)}"),
         (kind.rollers, f"γ = {_degrees(w.gamma)}"),
-        (bool(g.d), f"d = {float(g.d):.4g} m"),
-        (bool(g.o), f"o = {float(g.o):.4g} m"),
-        (bool(g.r), f"r = {float(g.r):.4g} m"),
+        (bool(g.d), f"d = {_signed(g.d)}"),
+        (bool(g.o), f"o = {_signed(g.o)}"),
+        (bool(g.r), f"r = {metres(float(g.r))}"),
     )
     words = ", ".join(text.replace(" ", FIRM) for occurs, text in parts if occurs).replace("-", "−")
     return [_title(w), *wrapped(words, _PANEL - 18)]
@@ -90,6 +91,10 @@ def _values(w: Wheel) -> list[str]:
 def _title(w: Wheel) -> str:
     words = f"{w.name}: {w.kind.noun}"
     return words if 1.1 * width(words) < _PANEL - 16 else w.name[:24] + "…" * (len(w.name) > 24)
+
+
+def _signed(length: SupportsFloat) -> str:
+    return f"{'-' * (float(length) < 0)}{metres(abs(float(length)))}"
 
 
 def _degrees(angle: float) -> str:

@@ -59,13 +59,13 @@ def top_view(derivation: Derivation) -> Figure:
     )
     keys, more = legend(signed, WIDTH, height, paper)
     half = max(abs(p.centre[0] - view.origin[0]) for p in wheels)
-    behind = towed(trailers, max(half, 12.0), view, paper)
+    behind, lengths = towed(trailers, max(half, 12.0), view, paper)
     names = _names(wheels, paper)
     groups: list[Group] = [
         (panel(view), chassis([p.pivot for p in wheels])), ("", behind),
         *(_group(p) for p in wheels),
         ("", [element for p in wheels for element in direction(p)]), (' class="fine"', sizes),
-        ("", signs), (' class="fine"', names), (' class="fine"', keys),
+        ("", signs), (' class="fine"', [*names, *lengths]), (' class="fine"', keys),
     ]  # fmt: skip
     nouns = ", ".join(dict.fromkeys(w.kind.noun for w in robot.wheels))
     alt = f"Top view of {robot.name}, x forward is up: {len(robot.wheels)} wheels ({nouns}) to scale"

@@ -5,7 +5,18 @@ from __future__ import annotations
 from math import atan2, degrees
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.drawing.paper import Paper, Point, along, bar, bounds, circle, line, unit
+from wmrgen.backends.drawing.paper import (
+    Paper,
+    Point,
+    along,
+    bar,
+    bounds,
+    circle,
+    distance,
+    line,
+    metres,
+    unit,
+)
 from wmrgen.backends.drawing.view import View
 from wmrgen.constraints import nominal_view
 from wmrgen.functions.models.axle import THROUGH_P, fixed_axle
@@ -32,8 +43,8 @@ def train(derivation: Derivation) -> Train:
     return places
 
 
-def towed(places: Train, half: float, view: View, paper: Paper) -> list[str]:
-    """Bars, couplings and axles with wheels ``half`` [px] to either side, and names with lengths."""
+def towed(places: Train, half: float, view: View, paper: Paper) -> tuple[list[str], list[str]]:
+    """Bars, couplings and axles with wheels ``half`` [px] to either side; names with lengths."""
     elements: list[str] = []
     for _, front, coupling, axle in places:
         a, b, c = view.on(front), view.on(coupling), view.on(axle)
@@ -43,9 +54,10 @@ def towed(places: Train, half: float, view: View, paper: Paper) -> list[str]:
         elements += [line(a, b, "line"), line(b, c, "bar"), line(*ends, "bar"), circle(b, 2.8, "pivot")]
         elements += [bar(end, (2.5, 8.0), 2.0, turn, "trailer") for end in ends]
         paper.boxes += [bounds([b, c], 4), bounds(list(ends), 9)]
+    names: list[str] = []
     for name, _, coupling, axle in places:
-        length = f"{abs(complex(*coupling) - complex(*axle)):.4g} m"
         centre = view.on(axle)
         end = along(centre, (1.0, 0.0), half + 4)
-        elements += paper.put(f"{name}, {length}", bounds([centre, end], 4), along(centre, (-1.0, 0.0), half))
-    return elements
+        words = f"{name}, {metres(distance(coupling, axle))}"
+        names += paper.put(words, bounds([centre, end], 4), along(centre, (-1.0, 0.0), half))
+    return elements, names

@@ -25,7 +25,7 @@ include_patterns = ["docs/**", "*.md", "tests/README.md", "generated/*.md", "gen
 exclude_patterns = [".*", "build", "dist", "tests/*/**", "docs/conf.py"]
 
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
-myst_enable_extensions = ["dollarmath"]
+myst_enable_extensions = ["dollarmath", "html_image"]
 myst_fence_as_directive = ["math"]
 myst_heading_anchors = 4
 autodoc_member_order = "bysource"

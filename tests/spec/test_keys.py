@@ -176,8 +176,9 @@ WHERE = {
 def written(title: str, field: Field, text: str) -> str:
     """A robot file with ``text`` in a section, and beside it what the section has to have."""
     section = SECTIONS[title]
+    kind = "fixed" if field.key == "effective_track" else "steered"
     wheels = [
-        f"{{name: {name}, type: steered, x: 1, y: {y}, heading: 0, r: 0.1}}" for y, name in enumerate(_NAMES)
+        f"{{name: {name}, type: {kind}, x: 1, y: {y}, heading: 0, r: 0.1}}" for y, name in enumerate(_NAMES)
     ]
     if section is WHEEL:
         wheels.append(f"{{{', '.join([text, *_beside_in_a_wheel(field.key)])}}}")

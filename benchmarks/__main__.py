@@ -11,6 +11,7 @@ from benchmarks import accuracy, budgets, calibration, counts, figures, kernels,
 SECTIONS = {
     "start": lambda chosen: speed.start(chosen.runs),
     "derive": lambda chosen: speed.derive(chosen.runs),
+    "formats": lambda chosen: speed.formats(min(chosen.runs, 3)),
     "check": lambda chosen: speed.check(chosen.runs),
     "counts": lambda chosen: counts.table(),
     "kernels": lambda chosen: kernels.table(),

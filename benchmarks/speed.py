@@ -19,7 +19,7 @@ IMPORTS = (sys.executable, "-c", "import sympy, casadi, numpy, jinja2, yaml")
 EMPTY = (sys.executable, "-c", "pass")
 # Compiled modules are kept, as they are for everyone who installs a package.
 SURROUNDINGS = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
-HELP_TARGET, CHECK_TARGET, RATIO_TARGET, LARGE_TARGET = 0.15, 20.0, 1.5, 3.0
+HELP_TARGET, CHECK_TARGET, RATIO_TARGET, LARGE_TARGET, FORMATS_TARGET = 0.15, 20.0, 1.5, 3.0, 2.0
 
 
 def seconds(command: Sequence[str]) -> float:
@@ -81,6 +81,17 @@ def derive(runs: int) -> Iterator[str]:
             yield f"| {path.stem} | {ours:.3f} s | {imports:.3f} s | {ratio:.2f} | {target} |"
     yield ""
     yield f"Largest ratio over the gallery: {worst:.2f} (target {RATIO_TARGET})."
+
+
+def formats(runs: int) -> Iterator[str]:
+    """The report for a browser, beyond the derivation; a PDF is a browser's work."""
+    yield "| `wmrgen derive`, whole process | median | with `--html` | beyond | target |"
+    yield "|---|---:|---:|---:|---:|"
+    with tempfile.TemporaryDirectory() as folder:
+        for path in sorted((ROOT / "robots").glob("*.yaml")):
+            words = (*WMRGEN, "derive", str(path), "-o", str(Path(folder) / "out"))
+            plain, html = in_turn({"derive": words, "html": (*words, "--html")}, runs).values()
+            yield f"| {path.stem} | {plain:.2f} s | {html:.2f} s | {html - plain:.2f} s | {FORMATS_TARGET:.0f} s |"
 
 
 def robots(folder: Path) -> Iterator[tuple[Path, float]]:

@@ -257,7 +257,7 @@ class Live {
     const label = add(parent, "label", { class: kind });
     add(label, "span", { class: "name", title: name }).textContent = name;
     const [min, max] = this.range(name);
-    const input = add(label, "input", { type: "range", min, max, step: (max - min) / 400, "data-name": name });
+    const input = add(label, "input", { type: "range", name, min, max, step: (max - min) / 400, "aria-label": name });
     const output = add(label, "output", { "data-name": name });
     input.addEventListener("input", () => {
       const value = Math.abs(input.valueAsNumber) < (max - min) / 300 ? 0 : input.valueAsNumber;
@@ -280,7 +280,7 @@ class Live {
     const draw = (event) => this.each((m) => m.path.push(place(event)));
     this.picture.addEventListener("pointerdown", (event) => {
       drawing = true;
-      this.picture.setPointerCapture?.(event.pointerId);
+      if (event.isTrusted) this.picture.setPointerCapture(event.pointerId);
       this.each((m) => m.stop());
       draw(event);
     });

@@ -22,6 +22,7 @@ from tests.c.test_doxygen import SETTINGS
 from tests.hostile.attempts import LINUX, Server, harmless
 from tests.hostile.test_descriptions import HEAD
 from tests.importing.urdf import link, pair
+from tests.pages.test_formats import harmless_page
 from tests.tools import tool
 
 pytestmark = LINUX
@@ -92,6 +93,10 @@ def in_xml(path: Path) -> None:
         assert "pwned" not in str(element.attrib)
 
 
+def in_html(path: Path) -> None:
+    harmless_page(path.read_text(encoding="utf-8"))
+
+
 def in_markdown(path: Path) -> None:
     """As HTML it is one paragraph or block of code."""
     from markdown_it import MarkdownIt
@@ -142,6 +147,7 @@ READERS: Mapping[str, Callable[[Path], None]] = {
     **dict.fromkeys((".c", ".h", ".hpp", ".cpp", ".ino"), in_c),
     ".py": in_python,
     **dict.fromkeys((".svg", ".xml"), in_xml),
+    ".html": in_html,
     ".md": in_markdown,
     ".json": in_data(json.loads),
     ".yml": in_data(yaml.safe_load),
@@ -156,10 +162,10 @@ READERS: Mapping[str, Callable[[Path], None]] = {
 def test_what_is_generated_has_it_as_text(server: Server, tmp_path: Path, case: str) -> None:
     (tmp_path / "bad.yaml").write_text(robot(PAYLOADS[case]), encoding="utf-8")
     packages = [word for kind in PACKAGES for word in ("--package", kind)]
-    attempt = server.run(tmp_path, "derive", "bad.yaml", "-o", "out", "--fuzz", *packages)
+    attempt = server.run(tmp_path, "derive", "bad.yaml", "-o", "out", "--fuzz", "--html", *packages)
     assert attempt.code == 0 and not attempt.outside, attempt.err
     files = [path for path in sorted((tmp_path / "out").rglob("*")) if path.is_file()]
-    assert {".c", ".py", ".md", ".svg", ".json", ".xml", ".toml", ".properties", ".rs", ".js"} <= {
+    assert {".c", ".py", ".md", ".html", ".svg", ".json", ".xml", ".toml", ".properties", ".rs", ".js"} <= {
         p.suffix for p in files
     }
     for path in {path.read_bytes(): path for path in files}.values():  # packages hold the same C

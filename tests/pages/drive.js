@@ -41,10 +41,14 @@ for (const live of document.getElementById("live").lives) {
   // A path ahead and to the left is followed to its end, by a robot that can.
   live.reset();
   live.size = Math.max(...live.robot.wheels.map((w) => 0.1 + Math.hypot(w.x, w.y)));
-  live.each((m) => {
-    for (let k = 0; k <= 20; k++) m.path.push([k * 0.4 * m.size, 0.03 * k * k * m.size]);
-    m.follows = true;
-  });
+  live.draw();
+  const pointer = (kind, k) => {
+    const at = new DOMPoint(k * 0.4 * live.size, -0.03 * k * k * live.size).matrixTransform(live.picture.getScreenCTM());
+    live.picture.dispatchEvent(new PointerEvent(`pointer${kind}`, { clientX: at.x, clientY: at.y, pointerId: 1 }));
+  };
+  pointer("down", 0);
+  for (let k = 1; k <= 20; k++) pointer("move", k);
+  pointer("up", 20);
   const end = live.path.at(-1);
   let steps = 0;
   for (; steps < 4000 && live.follows; steps++) live.step(0.02);

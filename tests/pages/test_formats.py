@@ -104,7 +104,7 @@ def test_texts_are_texts(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, text
     plain = robot_file.read_text().replace("wheels:", f"description: {json.dumps(text)}\nwheels:", 1)
     robot_file.write_text(plain)
     assert wmrgen_cli("derive", robot_file, "-o", tmp_path / "out", "--html").code == 0
-    _harmless((tmp_path / "out" / "pair" / "report.html").read_text(encoding="utf-8"))
+    harmless_page((tmp_path / "out" / "pair" / "report.html").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("text", HOSTILE)
@@ -114,11 +114,11 @@ def test_texts_of_markdown_are_texts(text: str) -> None:
         "report.md": f"# a\n\n{text}\n\n```math\n{text}\n```\n\n{text}\n".encode(),
         "layout.svg": b"<svg></svg>",
     }
-    _harmless(page([Report("a", files)]))
-    _harmless(page([Report("a", files, {"name": text}, "{}")]))
+    harmless_page(page([Report("a", files)]))
+    harmless_page(page([Report("a", files, {"name": text}, "{}")]))
 
 
-def _harmless(text: str) -> None:
+def harmless_page(text: str) -> None:
     elements = Elements(text)
     scripts = [tag for tag, _ in elements.tags if tag == "script"]
     assert len(scripts) == text.count("<script>") == len(re.findall("sha256-", text))

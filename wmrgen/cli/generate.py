@@ -182,7 +182,9 @@ def _tell_stale(
     for file, why in files:
         console.result(f"{file}: {why}")
     if stale:
-        console.note("Run `wmrgen derive` on the robot files (make generate), or remove what has none.")
+        console.note(
+            "Run `wmrgen derive` on the robot files, then `wmrgen gallery`; remove what has no robot file."
+        )
     elif not errors:
         count = f"{robots} robot{'s' * (robots != 1)}"
         console.result(f"{count}: everything under {out.as_posix()}/ is up to date")

@@ -21,7 +21,6 @@ from wmrgen.render import render
 from wmrgen.shipped import shipped
 
 REPORT = "report.md"
-_CHAPTERS = (REPORT, "numerics.md")
 _FACE = re.compile(r"@font-face\{[^}]*?url\(fonts/([\w-]+)\.woff2\)[^}]*\}")
 
 
@@ -60,7 +59,8 @@ def _body(report: Report, ids: set[str]) -> str:
     figures = {
         name: content.decode().strip() for name, content in report.files.items() if name.endswith(".svg")
     }
-    chapters = {name: free(f"{report.name}-{name}", ids) for name in _CHAPTERS if name in report.files}
+    pages = sorted((name for name in report.files if name.endswith(".md")), key=lambda name: name != REPORT)
+    chapters = {name: free(f"{report.name}-{name}", ids) for name in pages}
     texts = {name: html(report.files[name].decode(), figures, ids) for name in chapters}
     for name, place in chapters.items():  # links between them stay in the page
         texts = {key: text.replace(f'href="{name}"', f'href="#{place}"') for key, text in texts.items()}
@@ -117,4 +117,5 @@ def _style() -> str:
 
 @cache
 def _katex_script() -> str:
-    return _asset("katex/katex.min.js").rstrip("\n") + "\n" + _asset("formulas.js")
+    licence = f"/* KaTeX, https://katex.org\n\n{_asset('katex/LICENSE')}*/\n"
+    return licence + _asset("katex/katex.min.js").rstrip("\n") + "\n" + _asset("formulas.js")

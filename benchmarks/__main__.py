@@ -6,7 +6,7 @@ import argparse
 import platform
 import sys
 
-from benchmarks import accuracy, budgets, calibration, counts, figures, kernels, mutants, speed
+from benchmarks import accuracy, budgets, calibration, counts, figures, kernels, mutants, solvers, speed
 
 SECTIONS = {
     "start": lambda chosen: speed.start(chosen.runs),
@@ -22,6 +22,7 @@ SECTIONS = {
 ASKED = {
     "mutants": lambda chosen: mutants.run(chosen.count, chosen.seed),
     "coverage": lambda chosen: calibration.table(chosen.count),
+    "solvers": lambda chosen: solvers.table(chosen.runs),
 }  # takes long: only where it is named
 
 

@@ -249,3 +249,49 @@ wheels:
     assert derivation.model()["state_space"]["form"] == "posture"
     rates = derivation.state_space()([0, 0, 0.0], [3.0], []).full().ravel()
     assert rates == pytest.approx([0, 0, 0.3])
+
+
+@pytest.mark.parametrize("name", ["wpilib_swervebot", "agilex_ranger", "kelly_4ws", "care_o_bot_4"])
+def test_from_driving_sideways_to_turning_on_the_spot(name: str) -> None:
+    """The whole motion, by steps of the model: no module slides, the pose is that of points which keep their distance,
+    and the constraints stay regular (their Jacobian has full rank) where the chart of the posture model ends."""
+    derivation = derivation_of(name)
+    wheels = [w for w in derivation.robot.wheels if w.kind.steers]
+    pivots = np.array([w.pivot for w in wheels])
+    headings = np.array([w.zero_heading for w in wheels])
+    g, step = derivation.rolling(), derivation.state_space("twist", "rk4", 0.005)
+    jacobian = g.factory("jacobian", ["x", "u", "p"], ["jac:g:x", "jac:g:u"])
+
+    def motion(s: float) -> tuple[complex, float]:
+        """From sideways to on the spot, s from 0 to 1."""
+        return 0.6j * (1 - s) * np.exp(-0.3j * s), 0.9 * s
+
+    def angles(s: float) -> np.ndarray:
+        v, omega = motion(s)
+        return np.unwrap(np.angle((v + 1j * omega * pivots) / headings))
+
+    body = np.array([0, 1, 1j])  # three points of the body, moved by their own velocities
+    places = body.copy()
+    steer = angles(0.0)
+    x = np.array([0, 0, 0, *steer])
+    count = 400
+    for k in range(count):
+        now, later = k / count, (k + 1) / count
+        target = angles(later)
+        target += 2 * np.pi * np.round((steer - target) / (2 * np.pi))
+        v, omega = motion((now + later) / 2)
+        u = np.array([v.real, v.imag, omega, *((target - steer) / 0.005)])
+        here = g([*x[:3], *angles((now + later) / 2)], u, []).full()
+        assert np.abs(here).max() < 1e-12
+        by_x, by_u = (part.full() for part in jacobian(x, u, []))
+        assert np.linalg.svd(np.hstack([by_x[:, 3:], by_u[:, :3]]))[1][-1] > 0.05
+        turn = places[1] - places[0]
+        middle = places + 0.0025 * turn * (v + 1j * omega * body)
+        places = places + 0.005 * (middle[1] - middle[0]) * (v + 1j * omega * body)
+        x, steer = step(x, u, [])[0].full().ravel(), target
+    assert x[3:] == pytest.approx(steer, abs=1e-9)
+    assert complex(x[0], x[1]) == pytest.approx(places[0], abs=1e-5)
+    assert x[2] == pytest.approx(np.angle(places[1] - places[0]), abs=1e-5)
+    twists = jacobian(x, u, [])[1].full()[:, :3]
+    values = np.linalg.svd(twists)[1]
+    assert values[1] > 0.1 and values[2] < 0.01  # one motion is left, turning on the spot

@@ -39,7 +39,7 @@ def model(robot: Robot, mobility: Mobility, formulas: Module, code: Module, boun
         "J2": strings(diagonal),
         "C1f": strings([r.row for r in c.sliding_fixed]),
         "C1s": strings([r.row for r in c.sliding_steered]),
-        "null_space": [[text(column[i]) for column in mobility.null_space] for i in range(3)],
+        "null_space": [[text(column[i]) for column in mobility.scaled] for i in range(3)],
         "functions": {
             f.name: {"inputs": [p.name for p in f.inputs], "outputs": [p.name for p in f.outputs]}
             for f in formulas.functions

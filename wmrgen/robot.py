@@ -162,8 +162,9 @@ class Derivation:
 
     @property
     def null_space(self) -> sympy.Matrix:
-        """3 x delta_m: columns span the admissible twists at steering angles that meet in one ICR."""
-        return matrix(self.mobility.null_space_symbolic, 3).T
+        """3 x delta_m: columns span the admissible twists at steering angles that meet in one ICR, scaled so that their
+        coordinates eta are speeds (`mobility.basis.scaled`)."""
+        return matrix(self.mobility.scaled_symbolic, 3).T
 
     # Functions, in symbols and at exact values.
 

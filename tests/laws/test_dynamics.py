@@ -54,3 +54,24 @@ def test_straight_steering_drives(name: str) -> None:
     model, _ = gallery(name)
     for k in range(model.derivation.mobility.degree_of_mobility):
         assert np.abs(rates_of(model, {f"eta{k + 1}": 1.0})).max() > 1e-3
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_eta_is_a_speed(name: str) -> None:
+    """1 rad/s about a point that stays; else 1 m/s of what stands straight: P, or on average the pivots of the wheels
+    that decide, and the only one of them at any angle."""
+    model, _ = gallery(name)
+    d = model.derivation
+    units = {p.name: p.unit for p in d.formula("dynamics").inputs}
+    deciding = [d.robot.wheel(n) for n in d.mobility.basis_wheels]
+    for angle in (0.0, 0.7, -2.9) if len(deciding) == 1 else (0.0,):
+        steer = {w.name: angle for w in deciding}
+        null = model.evaluate(d.null_space, steer)
+        for k in range(null.shape[1]):
+            vx, vy, omega = null[:, k]
+            if units[f"eta{k + 1}"] == "rad/s":
+                assert omega == 1
+                continue
+            pivots = np.array([w.pivot for w in deciding] if omega else [0])
+            speeds = np.abs(vx + 1j * vy + 1j * omega * pivots)
+            assert np.mean(speeds) == pytest.approx(1, rel=1e-12)

@@ -17,7 +17,7 @@ from wmrgen.cli.loading import derived
 from wmrgen.cli.values import from_words
 from wmrgen.errors import NotDerivableError, UsageError
 from wmrgen.exact.number import ZERO
-from wmrgen.functions.models.state_space import default_form, lags, state_space
+from wmrgen.functions.models.state_space import default_form, lags, regularity, state_space
 from wmrgen.ports import Port, Role
 
 if TYPE_CHECKING:
@@ -52,12 +52,18 @@ def model(
         else:
             system = derivation.system(form, symbolic=True)
             sheet = with_lags(sheet_of(form, system), lags(derivation.robot, system))
+        sets = regularity(derivation.robot, derivation.mobility)
         if as_json:
-            console.data(data(sheet))
+            console.data({**data(sheet), "singular_sets": sets})
             return 0
-        text = latex(sheet) if as_latex else "\n".join(lines(sheet))
+        told = [f"  {name:<8}{_regular(where)}" for name, where in sets.items()]
+        text = latex(sheet) if as_latex else "\n".join([*lines(sheet), "", "regular:", *told])
     console.result(text)
     return 0
+
+
+def _regular(where: Sequence[str]) -> str:
+    return f"but where {'; '.join(where)}" if where else "in every motion"
 
 
 def _step(

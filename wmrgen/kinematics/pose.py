@@ -18,6 +18,7 @@ from __future__ import annotations
 import sympy
 
 from wmrgen.constraints import castor_rate, working_view
+from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -36,13 +37,18 @@ RATES = (
 )
 
 
+def unit_of_eta(column: Row) -> str:
+    """The unit of the coordinate along a column of the null space."""
+    return "rad/s" if column[2].constant == ONE else "m/s"
+
+
 def dynamics(robot: Robot, mobility: Mobility) -> Formula:
     """x y theta, steering, eta and steering rates to the rates of the state."""
     names = Locals()
-    columns = mobility.null_space
+    columns = mobility.scaled
     etas = [
-        Port(f"eta{k + 1}", Role.COMMAND, "", f"coordinate along column {k + 1} of the null space")
-        for k in range(len(columns))
+        Port(f"eta{k}", Role.COMMAND, unit_of_eta(column), f"speed along column {k} of the null space")
+        for k, column in enumerate(columns, 1)
     ]
     wheels = [robot.wheel(n) for n in mobility.basis_wheels]
     twist = [

@@ -6,14 +6,14 @@ from itertools import combinations
 
 import numpy as np
 
-from wmrgen.constraints import heading, nominal_view, rolling_row, symbolic_view, working_view
+from wmrgen.constraints import View, heading, nominal_view, rolling_row, symbolic_view, working_view
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot, each
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.layout.skid import driven
-from wmrgen.mobility.basis import basis, deciding, null_columns, primitive
+from wmrgen.mobility.basis import basis, deciding, null_columns, primitive, scaled
 from wmrgen.mobility.configure import Configuration, configuration, in_metres
 from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.reasons import actuation, reasons
@@ -30,6 +30,7 @@ def analyse(robot: Robot) -> Mobility:
     now = null_basis(unit_rows(at.C1)) if at.mobility else np.zeros((0, 3))
     symbolic = null_columns([row.row(symbolic_view) for row in rows]) if at.mobility else ()
     columns = tuple(fixed(column, robot) for column in symbolic)
+    per_eta = scaled(symbolic, deciding(rows), robot)
     leaders = (robot.wheels[robot.steer_group[w.index]].name for w in deciding(rows))
     return Mobility(
         degree_of_mobility=at.mobility, degree_of_steerability=at.steerability,
@@ -40,6 +41,7 @@ def analyse(robot: Robot) -> Mobility:
         admissible=in_metres(at.admissible, at.unit),
         basis_rows=tuple(row.row(working_view) for row in rows), basis_wheels=tuple(dict.fromkeys(leaders)),
         null_space=columns, null_space_symbolic=symbolic,
+        scaled=tuple(fixed(column, robot) for column in per_eta), scaled_symbolic=per_eta,
     )  # fmt: skip
 
 
@@ -80,7 +82,7 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
     if at.mobility != 1 or len(wheels) != 2:
         return []
     a, b = wheels
-    conditions = (_towards(a, b), _towards(b, a))
+    conditions = (towards(a, b), towards(b, a))
     many = sum(w.kind.steers for w in at.robot.wheels) > 2 and not _pivots_in_line(at)
     what = (
         f"{a.name} and {b.name} no longer determine the motion; another steered wheel does"
@@ -91,9 +93,9 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
     return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
 
 
-def _towards(a: Wheel, b: Wheel) -> Poly:
+def towards(a: Wheel, b: Wheel, view: View = working_view) -> Poly:
     """e_a . (A_b - A_a): zero when the axle of a passes through the pivot of b."""
-    ga, gb = working_view(a), working_view(b)
+    ga, gb = view(a), view(b)
     ex, ey = heading(a, ga)
     return ex * (gb.x - ga.x) + ey * (gb.y - ga.y)
 

@@ -6,16 +6,19 @@ The null space of a rank-2 matrix is one cross product.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
 from itertools import combinations
 from typing import TypeVar, cast
 
 import numpy as np
 
 from wmrgen.constraints import View, rolling_row, sliding_row
-from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, cross, each
+from wmrgen.exact.evaluate import number, sqrt_poly
+from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.exact.poly import Gen, Monomial, Poly, Row, cross, each, has_angles
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.admissible import along, geared
 from wmrgen.mobility.configure import Configuration
@@ -135,6 +138,72 @@ def null_columns(rows: Sequence[Row]) -> tuple[Row, ...]:
     if len(rows) == 2:
         return (primitive(cross(rows[0], rows[1])),)
     return ()
+
+
+def scaled(columns: tuple[Row, ...], steered: tuple[Wheel, ...], robot: Robot) -> tuple[Row, ...]:
+    """The columns so that their coordinates eta are speeds: [rad/s] where a column turns the robot at a rate that no
+    angle changes, else [m/s]. ``steered``: the wheels that decide where the ICR lies.
+
+    A column that steering changes moves their pivots at 1 m/s, on average, where they all stand straight; or at a right
+    angle to that, where their axles are one line. A robot that steers one angle moves that pivot so at any.
+    """
+    return tuple(_per_speed(column, steered, robot) for column in columns)
+
+
+def _per_speed(column: Row, steered: tuple[Wheel, ...], robot: Robot) -> Row:
+    turn = column[2]
+    if turn and not has_angles((turn, _ZERO, _ZERO)):
+        return _over(column, turn)
+    values = {p.name: p.value for p in robot.parameters}
+    for cosine, sine in ((1, 0), (0, 1)):
+        angle = {"cos": Poly.of(cosine), "sin": Poly.of(sine)}
+        twist = each(column, partial(_put, angle=angle))
+        speed = _speed(twist, [_rim(w, twist, cosine, sine) for w in steered] if twist[2] else [], values)
+        if speed is not None:
+            return _over(column, speed)
+    return column
+
+
+def _put(p: Poly, angle: Mapping[str, Poly]) -> Poly:
+    """``p`` with every steering angle at the one of this cosine and sine."""
+    return p.substitute(lambda g: angle.get(g.kind))
+
+
+def _rim(w: Wheel, twist: Row, cosine: int, sine: int) -> Poly:
+    """Speed of the pivot of a wheel that rolls, along its heading."""
+    (x, y, turn), g = twist, w.symbolic
+    c, s = g.ch.scale(cosine) - g.sh.scale(sine), g.sh.scale(cosine) + g.ch.scale(sine)
+    return c * (x - turn * g.y) + s * (y + turn * g.x)
+
+
+def _over(row: Row, divisor: Poly) -> Row:
+    """row / divisor, which no angle changes; what is a multiple of it cancels."""
+    inverse = divisor.inverse()
+
+    def quotient(p: Poly) -> Poly:
+        by_angle: dict[Monomial, dict[Monomial, Exact]] = {}
+        for monomial, c in p.terms.items():
+            angles = tuple(part for part in monomial if part[0].kind in ("cos", "sin"))
+            rest = tuple(part for part in monomial if part not in angles)
+            by_angle.setdefault(angles, {})[rest] = c
+        return Poly.sum(Poly({angles: ONE}) * share(Poly(terms)) for angles, terms in by_angle.items())
+
+    def share(p: Poly) -> Poly:
+        monomial, c = divisor.ordered[0]
+        times = p.terms.get(monomial, ZERO) / c
+        return Poly.of(times) if p == divisor.scale(times) else p * inverse
+
+    return each(row, quotient)
+
+
+def _speed(twist: Row, rims: Sequence[Poly], values: Mapping[str, Poly]) -> Poly | None:
+    """The mean of the speeds ``rims``, of P where there are none; None of a standstill."""
+    size = [p * p for p in twist[:2] if p]
+    speeds = rims or ([p for p in twist[:2] if p] if len(size) == 1 else [sqrt_poly(Poly.sum(size))])
+    forward = [p.scale(Exact(1 if number(p, values).sign >= 0 else -1)) for p in speeds]
+    if all(abs(float(number(p, values))) < NEGLIGIBLE for p in forward):
+        return None
+    return Poly.sum(forward).scale(Fraction(1, len(forward)))
 
 
 def _axle(row: Row) -> tuple[Row, ...]:

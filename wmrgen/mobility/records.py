@@ -97,6 +97,8 @@ class Mobility:
     basis_wheels: tuple[str, ...]  # the steered wheels among them
     null_space: tuple[Row, ...]  # columns, working view
     null_space_symbolic: tuple[Row, ...]
+    scaled: tuple[Row, ...]  # the same columns, so that eta is a speed: see `basis.scaled`; working view
+    scaled_symbolic: tuple[Row, ...]
 
     @property
     def degree_of_maneuverability(self) -> int:

@@ -123,3 +123,15 @@ def test_a_step_is_printed_and_written(tmp_path: Path) -> None:
 )
 def test_a_step_that_cannot_be_is_refused(words: tuple[str, ...], message: str) -> None:
     assert message in wmrgen("model", ROBOTS / "bicycle.yaml", *words, code=2)
+
+
+def test_it_is_said_which_form_holds_where() -> None:
+    """Of a swerve drive, of a car and of a skid-steer, in words and as data."""
+    lines = wmrgen("model", ROBOTS / "wpilib_swervebot.yaml").splitlines()
+    told = {line.split()[0]: line for line in lines[lines.index("regular:") + 1 :]}
+    assert told["twist"].split(maxsplit=1)[1] == "in every motion"
+    assert "sin(back_right.steer) + cos(back_right.steer) = 0: G is unbounded" in told["posture"]
+    assert "the axles of front_left and back_right lie on one line" in told["eta"]
+    sets = json.loads(wmrgen("model", ROBOTS / "ackermann_car.yaml", "--json"))["singular_sets"]
+    assert [len(sets[form]) for form in ("posture", "twist", "eta")] == [1, 0, 0]
+    assert "wheels slide, as they do in every curve" in wmrgen("model", ROBOTS / "clearpath_a200.yaml")

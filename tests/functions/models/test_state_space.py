@@ -12,6 +12,7 @@ from types import ModuleType
 import casadi
 import numpy as np
 import pytest
+import sympy
 
 import wmrgen
 from tests.conftest import GALLERY, ROOT
@@ -295,3 +296,32 @@ def test_from_driving_sideways_to_turning_on_the_spot(name: str) -> None:
     twists = jacobian(x, u, [])[1].full()[:, :3]
     values = np.linalg.svd(twists)[1]
     assert values[1] > 0.1 and values[2] < 0.01  # one motion is left, turning on the spot
+
+
+@pytest.mark.parametrize("name", ["wpilib_swervebot", "agilex_ranger", "textbook_two_steer"])
+def test_eta_moves_nothing_on_its_singular_set_alone(name: str) -> None:
+    """Its condition is zero where both axles are one line, there G of eta1 is, and nowhere around."""
+    derivation = derivation_of(name)
+    system = derivation.system("eta")
+    (domain,) = system.domain
+    a, b = (derivation.robot.wheel(w) for w in derivation.mobility.basis_wheels)
+    across = 1j * (b.pivot - a.pivot)
+    on_line = {f"{w.name}_steer": np.angle(across / w.zero_heading) for w in (a, b)}
+    column = sympy.Matrix(system.by_input["eta1"])
+    for off in (0.0, 0.3):
+        names = {s.name: s for s in (*domain.expression.free_symbols, *column.free_symbols)}
+        values = {
+            s: 0.4 if n == "theta" else on_line[n] + off * (n == f"{a.name}_steer") for n, s in names.items()
+        }
+        assert (abs(float(domain.expression.subs(values))) < 1e-20) == (off == 0)
+        assert (float(column.subs(values).norm()) < 1e-12) == (off == 0)
+
+
+@pytest.mark.parametrize("name", ["tidybot2", "nomad_xr4000"])
+def test_driven_castors_have_a_model_without_singular_angles(name: str) -> None:
+    derivation = derivation_of(name)
+    space = derivation.default_state_space
+    assert space is not None and (space.form, space.singular) == ("twist", ())
+    assert derivation.system("posture").domain
+    rates = derivation.state_space()([0, 0, 0.5], [0.3, -0.2, 0.7], nominal(derivation)).full().ravel()
+    assert rates == pytest.approx([0.3 * cos(0.5) + 0.2 * sin(0.5), 0.3 * sin(0.5) - 0.2 * cos(0.5), 0.7])

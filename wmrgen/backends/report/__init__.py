@@ -13,6 +13,7 @@ from wmrgen.backends.report import numerics
 from wmrgen.backends.report.forward import forward, motion
 from wmrgen.backends.report.further import further
 from wmrgen.backends.report.inverse import inverse
+from wmrgen.backends.report.letters import regular
 from wmrgen.backends.report.markdown import foot, page
 from wmrgen.backends.report.mobility import analysis, singular, skid
 from wmrgen.backends.report.overview import layout, opening
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 FILE = "report.md"
 _LAYOUT = (opening, result, layout, wheel_rows, matrices, null_space, analysis, skid)
 _MOTION = (inverse, forward, motion)  # of the drive that turns as the robot does, where it skids
-_WHOLE = (singular, texts, further)
+_WHOLE = (regular, singular, texts, further)
 
 
 def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:

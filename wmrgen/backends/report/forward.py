@@ -314,7 +314,7 @@ def motion(d: Derivation) -> list[str]:
 
 
 def _posture(d: Derivation) -> list[str]:
-    columns = d.mobility.null_space
+    columns = d.mobility.scaled
     if not columns:
         return ["Nothing can move without sliding, so the posture model is empty: all rates are 0."]
     etas = [Poly.gen("input", f"eta{k}") for k in range(1, len(columns) + 1)]
@@ -328,7 +328,8 @@ def _posture(d: Derivation) -> list[str]:
         + (" and the steering rates." if steering else ".")
     ]
     in_eta = [
-        "With the values of section 1, each column scaled as in `dynamics`:",
+        "With the values of section 1, columns scaled as in `dynamics`, so that η are speeds, [m/s] or, of a rotation "
+        "whose centre no angle moves, [rad/s]:",
         *aligned(f"{notation.port(n)} &= {broken(p)}" for n, p in zip(TWIST_NAMES, rates, strict=True)),
     ]
     states = (

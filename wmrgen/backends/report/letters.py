@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.latex import Term, broken, latex, pulled_out, reduced, terms, total, width
-from wmrgen.backends.report.markdown import aligned, listed, math
+from wmrgen.backends.report.markdown import aligned, code, escape, listed, math, table
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.linalg import adjugate, determinant
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.sheet import latex as equations
 from wmrgen.functions.models.sheet import sheet_of
+from wmrgen.functions.models.state_space import regularity
 from wmrgen.kinematics.forward import normal_equations
 from wmrgen.kinematics.records import Formula
 from wmrgen.kinematics.sensing import Measured
@@ -128,6 +129,23 @@ def in_wheel_speeds(d: Derivation) -> list[str]:
     _, _, followers = sheet.text.removesuffix(" must follow").partition("; ")
     follow = f"; {listed(followers.split(', '))} must follow" if followers else ""
     return [f"In the speeds of driven wheels it is (`wmrgen model`){follow}", *math(text)]
+
+
+def regular(d: Derivation) -> list[str]:
+    """Which form of the model holds where, and which one is the state space."""
+    space = d.default_state_space
+    if space is None:
+        return []
+    rows = []
+    for form, where in regularity(d.robot, d.mobility).items():
+        conditions = [line.partition(" = 0: ") for line in where]
+        told = [f"{code(f'{at} = 0')}: {escape(why)}" if why else at for at, _, why in conditions]
+        rows.append([code(form), f"but where {'; '.join(told)}" if told else "in every motion"])
+    return [
+        f"The model has forms, of which {code(space.form)} is the state space ({code(f'{d.robot.name}_ode.casadi')}, "
+        f"{code('ode')} in {code(f'{d.robot.name}.py')}); `wmrgen model` prints them.",
+        *table(["form", "holds"], rows, "ll"),
+    ]
 
 
 def model(d: Derivation, f: Formula) -> list[str]:

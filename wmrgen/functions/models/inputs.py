@@ -25,6 +25,7 @@ from wmrgen.functions.models.frame import (
 )
 from wmrgen.functions.models.polynomials import (
     angles_in,
+    cleaned,
     divided,
     domain_of,
     essential,
@@ -33,8 +34,11 @@ from wmrgen.functions.models.polynomials import (
 )
 from wmrgen.functions.models.virtual import as_wheel, driving, steering_frame
 from wmrgen.functions.system import Domain
+from wmrgen.kinematics.pose import unit_of_eta
 from wmrgen.kinematics.records import joint_port
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.analyse import fixed
+from wmrgen.mobility.basis import scaled
 from wmrgen.mobility.ranks import numeric_rank
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role, output
@@ -111,10 +115,15 @@ def posture_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> 
 
 def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual: bool = False) -> Motion:
     """The motion in null-space coordinates, as ``dynamics`` has it; ``virtual`` takes the virtual angles."""
-    coordinates = (steering_frame if virtual else frame)(robot, mobility, symbolic)
-    size = range(len(coordinates.columns))
+    build = steering_frame if virtual else frame
+    cleared = build(robot, mobility, True)
+    per_eta = scaled(cleared.columns, cleared.wheels, robot)
+    columns = per_eta if symbolic else tuple(cleaned(fixed(column, robot)) for column in per_eta)
+    coordinates = replace(build(robot, mobility, symbolic), columns=columns)
+    size = range(len(columns))
     ports = tuple(
-        output(f"eta{k + 1}", "", f"coordinate along column {k + 1} of the null space") for k in size
+        output(f"eta{k}", unit_of_eta(column), f"speed along column {k} of the null space")
+        for k, column in enumerate(columns, 1)
     )
     inputs = (*ports, *_rate_ports(coordinates))
     etas = [tuple(Poly.of(int(i == k)) for i in size) for k in range(len(inputs))]

@@ -23,7 +23,7 @@ from dataclasses import replace
 
 import sympy
 
-from wmrgen.constraints import along, heading
+from wmrgen.constraints import along, heading, symbolic_view, working_view
 from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.models.frame import (
     ZERO,
@@ -38,12 +38,13 @@ from wmrgen.functions.models.inputs import Eta, Motion, best_motion, eta_motion
 from wmrgen.functions.models.polynomials import clean, domain_of, essential, quotient
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.registry import function, system, underivable
-from wmrgen.functions.system import System, guarded, rate_port
+from wmrgen.functions.system import Domain, System, guarded, rate_port
 from wmrgen.kinematics.records import Formula, Locals, joint_port, substituted
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.analyse import towards
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import POSE, Port, Role, output
-from wmrgen.symbolic import Expr, add, expression, rotated, signal, subtract, times
+from wmrgen.symbolic import Expr, add, expression, rotated, signal, square, subtract, times
 
 _COURSE = "course"  # stands for zeta - theta
 ZETA_STATE = (
@@ -97,7 +98,21 @@ def _summed(motion: Motion, i: int, names: Locals, memo: dict[Expr, Expr]) -> Ex
 @system("eta")
 def eta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
     """`dynamics` as a system."""
-    return system_of("dynamics", eta_motion(robot, mobility, symbolic))
+    model = system_of("dynamics", eta_motion(robot, mobility, symbolic))
+    lines = [s.wheels for s in mobility.singularities if s.kind == "shared_axle"]
+    return replace(model, domain=tuple(_one_line(robot, a, b, symbolic) for a, b in lines))
+
+
+def _one_line(robot: Robot, first: str, second: str, symbolic: bool) -> Domain:
+    """Where both axles that choose the centre of rotation lie on one line, and the only column of N vanishes."""
+    a, b = robot.wheel(first), robot.wheel(second)
+    view = symbolic_view if symbolic else working_view
+    conditions = (square(expression(essential(towards(v, w, view)))) for v, w in ((a, b), (b, a)))
+    return Domain(
+        add(*conditions),
+        f"the axles of {first} and {second} lie on one line, and eta1 moves nothing, though the robot can turn about "
+        "the points of that line (form twist has these motions)",
+    )
 
 
 @system("configuration")

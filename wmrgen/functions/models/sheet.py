@@ -115,8 +115,13 @@ def lines(sheet: Sheet) -> list[str]:
             rows.append(f"  {name}: [{', '.join(_written(printer, e) for e in field)}]")
     if sheet.state:
         rows += ["", "singular:" if sheet.domain else "singular: nowhere"]
-        rows += [f"  {_written(printer, d.expression)} = 0: {d.text}" for d in sheet.domain]
+        rows += [f"  {line}" for line in singular_sets(sheet, printer)]
     return [*rows, "", printer.note] if printer.note else rows
+
+
+def singular_sets(sheet: Sheet, printer: Writer) -> list[str]:
+    """Where the model does not hold, a condition each, and why."""
+    return [f"{_written(printer, d.expression)} = 0: {d.text}" for d in sheet.domain]
 
 
 def _with_unit(port: Port) -> str:

@@ -8,6 +8,7 @@ from math import inf
 from typing import Any
 
 from wmrgen.errors import NotDerivableError
+from wmrgen.functions.models.sheet import sheet_of, singular_sets
 from wmrgen.functions.models.twist import sliding
 from wmrgen.functions.registry import system_builder
 from wmrgen.functions.system import Lag, System, of_commands
@@ -17,17 +18,21 @@ from wmrgen.layout.skid import parallel
 from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
+from wmrgen.printing import Reader, Text
 from wmrgen.symbolic import Expr, number, over, signal, subtract
+
+ROLLING_ALONE = "wheels slide, as they do in every curve"
 
 
 @dataclass(frozen=True, slots=True)
 class StateSpace:
     """``rates``: ``state``, ``inputs`` and parameters (``geometry``) to the rates of the state, in this order;
     ``constraints``: the same to what has to be 0, None where nothing has to; ``bounds``: low and high by contract
-    name; ``text``: which model it is."""
+    name; ``text``: which model it is; ``singular``: where it does not hold."""
 
     form: str
     text: str
+    singular: tuple[str, ...]
     state: tuple[Port, ...]
     inputs: tuple[Port, ...]
     geometry: tuple[Port, ...]
@@ -37,10 +42,11 @@ class StateSpace:
 
 
 def default_form(robot: Robot, mobility: Mobility) -> str:
-    """Twist inputs, which are regular in every motion, where two axles or more steer and where parallel wheels slide
-    whatever the robot does; else driven speeds (`posture`)."""
-    skids = mobility.degenerate and parallel([w for w in robot.wheels if w.kind.fixed_axle])
-    return "twist" if mobility.degree_of_steerability > 1 or skids else "posture"
+    """Twist inputs, which are regular in every motion, where two axles or more steer, castors are driven or parallel
+    wheels slide whatever the robot does; else driven speeds (`posture`)."""
+    castors = any(w.kind.swivels and w.actuated for w in robot.wheels)
+    several = mobility.degree_of_steerability > 1 or mobility.degenerate or castors
+    return "twist" if several and parallel([w for w in robot.wheels if w.kind.fixed_axle]) else "posture"
 
 
 def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> StateSpace:
@@ -54,6 +60,7 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
     return StateSpace(
         form,
         of_commands(system.text, following),
+        _singular(form, system),
         system.state,
         inputs,
         system.geometry,
@@ -115,11 +122,31 @@ def _bounds(robot: Robot, name: str) -> tuple[float, float]:
     return (-inf, inf) if limit is None else (float(limit.low), float(limit.high))
 
 
+def regularity(robot: Robot, mobility: Mobility) -> dict[str, tuple[str, ...]]:
+    """Forms of the model that a robot has, and where they do not hold: nothing of one that does in every motion."""
+    robot, mobility = driving(robot, mobility)
+    sets = {}
+    for form in ("posture", "twist", "eta"):
+        try:
+            sets[form] = _singular(form, system_builder(form)(robot, mobility, True))
+        except NotDerivableError:
+            continue
+        if mobility.rank_C1f.value > 1 and form != "twist":
+            sets[form] += (ROLLING_ALONE,)
+    return sets
+
+
+def _singular(form: str, system: System) -> tuple[str, ...]:
+    sheet = sheet_of(form, system)
+    return tuple(singular_sets(sheet, Reader(Text(sheet.ports).doprint)))
+
+
 def data(space: StateSpace) -> dict[str, Any]:
     """For model.json; null is no bound."""
     return {
         "form": space.form,
         "text": space.text,
+        "singular": list(space.singular),
         "x": list(_entries(space, space.state)),
         "u": list(_entries(space, space.inputs)),
         "p": [

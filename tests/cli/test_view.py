@@ -84,7 +84,7 @@ def test_the_page_loads_itself_again(wmrgen_cli: Cli, tmp_path: Path) -> None:
     from wmrgen.pages.document import broken
 
     (tmp_path / "version.js").write_text('window.wmrgenVersion = "1";')
-    script = """const s = document.createElement("script"); s.src = "version.js"; s.onload = () => {
+    script = """const s = document.createElement("script"); s.src = "version.js?1"; s.onload = () => {
       document.title = JSON.stringify(window.wmrgenVersion); }; document.head.append(s); return 0;"""
     result, console = seen(broken("x", "1"), script, tmp_path)
     assert (result, console) == ("1", [])

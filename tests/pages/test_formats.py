@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import ROOT, Outcome
+from tests.pages.katex import mistakes
 from tests.tools import missing, need
 from wmrgen.compiler import _BROWSERS
 from wmrgen.pages.document import Report, page
@@ -146,19 +147,23 @@ def test_chapters_link_each_other() -> None:
     assert {"a-report.md", "a-numerics.md"} <= set(elements.attributes("id"))
 
 
+_MATH = re.compile(  # in turn: formulas and code, of which only the former is in a group
+    r"^```math\n(.*?)^```|^```.*?^```|\$\$(.+?)\$\$|\$`([^`]+)`\$|`[^`\n]*`|(?<!\\)\$([^$\n]+)\$",
+    re.DOTALL | re.MULTILINE,
+)
+
+
 @pytest.mark.slow
 def test_every_formula_is_one_to_katex() -> None:
-    """Strict, in every report that is checked in."""
+    """Strict, in every report and page that is checked in."""
     need("node")
-    from tests.pages.katex import mistakes
-
-    reports = sorted((ROOT / "generated").rglob("*.md"))
-    assert len(reports) > 30
-    assert mistakes([r"a+\frac{1}{2}", r"\foo", r"a ü"]) != [] and mistakes([r"a+\frac{1}{2}"]) == []
-    formulas = [
-        f
-        for path in reports
-        for f in re.findall(r"```math\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
+    pages = [
+        ROOT / "README.md",
+        *sorted((ROOT / "docs").glob("*.md")),
+        *sorted((ROOT / "generated").rglob("*.md")),
     ]
+    assert mistakes([r"a+\frac{1}{2}", r"\foo", r"a ü"]) != [] and mistakes([r"a+\frac{1}{2}"]) == []
+    texts = [path.read_text(encoding="utf-8") for path in pages]
+    formulas = [formula for text in texts for groups in _MATH.findall(text) if (formula := "".join(groups))]
     assert len(formulas) > 900
     assert mistakes(formulas) == []

@@ -70,10 +70,12 @@ def test_the_posture_model_in_wheel_speeds(name: str) -> None:
         values[notation.port(f"{w.name}.spin")] = rim / float(w.nominal.r)
     c, s = cos(theta), sin(theta)
     rates = c * twist[0] - s * twist[1], s * twist[0] + c * twist[1], twist[2]
-    lines = [
-        line.removesuffix(r" \\") for line in speeds(name).splitlines() if line.startswith(r"\frac{d}{dt}")
+    lines = [line.removesuffix(r" \\") for line in speeds(name).splitlines() if " &= " in line]
+    assert [line.partition(" &= ")[0] for line in lines[:3]] == [r"\dot{x}", r"\dot{y}", r"\dot{\theta}"][
+        : len(lines)
     ]
-    for line, rate in zip(lines[:3], rates, strict=True):
+    assert len(lines) >= 3 or name in ("locked_bicycle", "synchro_drive")
+    for line, rate in zip(lines[:3], rates, strict=False):
         assert read(line.partition("&= ")[2], values) == pytest.approx(rate, rel=1e-6, abs=1e-12), line
 
 
@@ -123,8 +125,7 @@ def test_trailers_are_listed_and_derived(name: str) -> None:
     for t in robot.trailers:
         assert f"| `{t.name}` | {float(t.length.nominal):g} | {float(t.hitch.nominal):g} |" in page
         assert (
-            rf"\frac{{d}}{{dt}} \theta_{{\mathrm{{{t.name}}}}} &="
-            in page.partition("## 8 ")[2].partition("## 9 ")[0]
+            rf"\dot{{\theta}}_{{\mathrm{{{t.name}}}}} &=" in page.partition("## 8 ")[2].partition("## 9 ")[0]
         )
 
 

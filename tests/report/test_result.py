@@ -105,7 +105,7 @@ def test_the_joints_of_a_twist(name: str) -> None:
     for w in robot.wheels:
         x, y, r = place(w)
         a, b = vx - y * omega, vy + x * omega
-        if w.kind.steers:
+        if w.kind.steers or (w.kind.swivels and w.actuated):
             (line,) = [
                 line for line in text.split("\n")
                 if line.startswith("a &=") and notation.wheel(w.name) in line.partition("&& ")[2]
@@ -114,12 +114,8 @@ def test_the_joints_of_a_twist(name: str) -> None:
             assert (read(one, values), read(two, values)) == pytest.approx((a, b), rel=1e-5, abs=1e-9)
         elif w.has_spin and w.actuated:
             gamma = float(w.gamma) if w.kind.rollers else 0.0
-            h = float(w.heading) + gamma + (0.4 if w.kind.swivels else 0.0)
+            h = float(w.heading) + gamma
             rim = (a * cos(h) + b * sin(h)) / cos(gamma)
-            if (
-                w.kind.swivels
-            ):  # the contact is d along and o across: v_A + (omega + steer rate) z x (d e + o n)
-                rim += float(w.nominal.o) / float(w.nominal.d) * (b * cos(h) - a * sin(h))
             own = shown[notation.port(f"{w.name}.spin")]
             assert read(own, values) == pytest.approx(rim / r, rel=1e-5, abs=1e-9)
 
@@ -135,6 +131,26 @@ def test_a_steered_wheel_rolls_at_both_angles(turned: float) -> None:
     psi = atan2(b, a) + (np.pi if turned else 0.0)
     spin = read(r"\frac{1}{r}\left(a\cos\psi + b\sin\psi\right)", {"a": a, "b": b, "r": r, r"\psi": psi})
     assert (spin * r * cos(psi), spin * r * sin(psi)) == pytest.approx((a, b))
+
+
+@pytest.mark.parametrize("name", ["nomad_xr4000", "neobotix_mpo_700", "tidybot2"])
+def test_the_rates_of_a_driven_castor(name: str) -> None:
+    """With them the contact, d along and o across, neither slides nor slips."""
+    text = part(name, "Inverse", "Forward")
+    shown = re.search(r"\\dot\{\\psi\} &= (.*), & \\dot\{\\varphi\} &= (.*)", text)
+    assert shown
+    a, b, omega, r, d, o, psi, h = 0.4, -0.3, 0.7, 0.05, -0.04, 0.02, 0.6, 2.1
+    if "o\\left" not in shown[2]:
+        o = 0.0
+    if "h+" not in shown[2]:
+        h = 0.0
+    values = {"a": a, "b": b, r"\omega": omega, "r": r, "d": d, "o": o, r"\psi": psi, "h": h}
+    rate = read(shown[1], values)
+    spin = read(shown[2], values | {r"\dot{\psi}": rate})
+    along, left = np.array([cos(h + psi), sin(h + psi)]), np.array([-sin(h + psi), cos(h + psi)])
+    arm = d * along + o * left
+    contact = np.array([a, b]) + (omega + rate) * np.array([-arm[1], arm[0]])
+    assert (contact @ left, contact @ along) == pytest.approx((0.0, r * spin))
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -89,7 +89,10 @@ def forward(d: Derivation) -> list[str]:
         return [*blocks, *_rigid(d, measured.contacts)]
     rows = _distinct(measured)
     once = " The same equation of several wheels stands once." if len(rows) < len(measured.rows) else ""
-    blocks += [f"Stacked, they are H ξ = z.{once}", *_stacked(rows)]
+    if measured.constant_normal or any(c.wheel.turns for c in measured.contacts):
+        blocks += [f"Stacked, they are H ξ = z.{once}", *_stacked(rows)]
+    else:
+        blocks[-1] += " H has these rows of section 3, and z has r φ̇ for a rolling row, 0 for a sliding row."
     if measured.constant_normal:
         return [*blocks, *_constant(d, measured, rows), *_residual(d), *cut_note(d.robot.wheels)]
     locals_ = {symbol.name for symbol, _ in d.program.formula("forward").locals}

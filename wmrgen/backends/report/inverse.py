@@ -18,7 +18,6 @@ from wmrgen.backends.report.markdown import (
     in_degrees,
     listed,
     math,
-    pictures,
 )
 from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
@@ -43,29 +42,43 @@ def closed_inverse(d: Derivation) -> list[str]:
     if not any(w.actuated for w in robot.wheels):
         return ["No joint is driven, so there is nothing to command."]
     lines = [_spin(w, twist) for w in wheels if not w.turns]
-    powered = [w for w in wheels if w.kind.swivels and w.actuated]
-    lines += [line for w in powered for line in (_spin(w, twist), _swivel(w, twist))]
     shown = "".join(lines)
     stars = [line for line in _projected(projection) if line.partition(" &=")[0] in shown]
     blocks = aligned([*stars, *lines]) if lines else []
-    steered = [w for w in wheels if w.kind.steers]
-    return [*blocks, *(_pivots(steered, twist) if steered else []), *cut_note(robot.wheels)]
+    for turning in (
+        [w for w in wheels if w.kind.steers],
+        [w for w in wheels if w.kind.swivels and w.actuated],
+    ):
+        blocks += _pivots(turning, twist) if turning else []
+    return [*blocks, *cut_note(robot.wheels)]
 
 
 def _pivots(wheels: list[Wheel], twist: Row) -> list[str]:
-    """Where steered wheels point, with the velocity of each one's pivot."""
+    """What steered wheels or driven castors do, with the velocity of each one's pivot."""
     velocities = grouped((_velocity(w, twist), notation.wheel(w.name)) for w in wheels)
+    castors = wheels[0].kind.swivels
     turned = any(w.heading for w in wheels)
     psi = r"\left(h+\psi\right)" if turned else r"\psi"
-    shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
-    zero = ", with h its heading at ψ = 0" if turned else ""
-    many = "Each steered wheel" if len(wheels) > 1 else f"The steered wheel {code(wheels[0].name)}"
+    zero = "with h its heading at ψ = 0" if turned else ""
+    noun = "driven castor" if castors else "steered wheel"
+    who = f"Each {noun}" if len(wheels) > 1 else f"The {noun} {code(wheels[0].name)}"
+    along = rf"a\cos{psi} + b\sin{psi}"
+    if castors:
+        shift = r"-o\left(\omega + \dot{\psi}\right)" if any(w.nominal.o for w in wheels) else ""
+        words = f"{who} has both rates from the velocity (a, b) of its pivot{f', {zero}' if zero else ''}:"
+        first = rf"\dot{{\psi}} &= \frac{{1}}{{d}}\left(a\sin{psi} - b\cos{psi}\right) - \omega"
+    else:
+        shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
+        words = (
+            f"{who} stands along the velocity (a, b) of its pivot{f', {zero},' if zero else ','} and rolls as fast, "
+            "forwards or backwards:"
+        )
+        first = rf"\tan{psi} &= \frac{{b}}{{a}}"
     return [
-        f"{many} stands along the velocity (a, b) of its pivot{zero}, and rolls as fast, forwards or backwards:",
+        words,
         *aligned([
-            *(f"{text} && ({', '.join(who)})" for text, who in velocities.items()),
-            rf"\tan{psi} &= \frac{{b}}{{a}}, & "
-            rf"\dot{{\varphi}} &= \frac{{1}}{{r}}\left(a\cos{psi} + b\sin{psi}{shift}\right)",
+            *(f"{text} && ({', '.join(names)})" for text, names in velocities.items()),
+            rf"{first}, & \dot{{\varphi}} &= \frac{{1}}{{r}}\left({along}{shift}\right)",
         ]),
     ]  # fmt: skip
 
@@ -97,8 +110,7 @@ def inverse(d: Derivation) -> list[str]:
         blocks += aligned([_spin(passive[0], twist), _swivel(passive[0], twist)])
     if steered:
         blocks += [*circle(d.robot), *_steering(robot, steered, twist)]
-    blocks += [*_coupled(robot, twist), *_slip(robot, projection, twist)]
-    return blocks + pictures(d.figures, "reach.svg")
+    return [*blocks, *_coupled(robot, twist), *_slip(robot, projection, twist)]
 
 
 def _spin(w: Wheel, twist: Row) -> str:

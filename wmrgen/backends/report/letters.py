@@ -3,6 +3,7 @@ such as r / (4 (a + b)), and the posture model in wheel speeds."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,7 @@ _WORK = 120  # terms of adj(H^T H) H^T z and of the determinant, times the numbe
 _WIDEST = 240  # glyphs of what is printed
 _DIGITS = 10**6  # of numerators and denominators
 _LINE = 112  # glyphs of a line of a model
+_RATE = re.compile(r"\\frac\{d\}\{dt\} (\\?[a-z]+)")
 _MODELS = ("posture", "configuration", "zeta", "trailer")  # functions that `wmrgen model` writes
 
 
@@ -128,7 +130,15 @@ def in_wheel_speeds(d: Derivation) -> list[str]:
         return []
     _, _, followers = sheet.text.removesuffix(" must follow").partition("; ")
     follow = f"; {listed(followers.split(', '))} must follow" if followers else ""
-    return [f"In the speeds of driven wheels it is (`wmrgen model`){follow}", *math(text)]
+    return [f"In the speeds of driven wheels it is (`wmrgen model`){follow}", *math(dotted(text))]
+
+
+def dotted(text: str) -> str:
+    """Rates with a dot, without those that are inputs themselves."""
+    lines = _RATE.sub(r"\\dot{\1}", text).split("\n")
+    kept = [line for line in lines[1:-1] if len(set(line.removesuffix(r" \\").split(" &= "))) > 1]
+    kept[-1] = kept[-1].removesuffix(r" \\")
+    return "\n".join([lines[0], *kept, lines[-1]])
 
 
 def regular(d: Derivation) -> list[str]:

@@ -173,9 +173,9 @@ def integrability(d: Derivation) -> list[str]:
     products = {-(w.nominal.ch * w.nominal.ch + w.nominal.sh * w.nominal.sh) for w in wheels}
     value = " or ".join(f"{float(v):g}" for v in sorted(products, key=float))
     return [
-        f"Can they be integrated? The sliding row of {some(wheels)} is c(q) q̇ = 0 in the coordinates q = (x, y, θ) of "
-        f"the world{held}, with χ the direction in which the wheel rolls, seen from the world, and k the third entry "
-        "of its row. Frobenius asks for c · curl c:",
+        f"Can they be integrated? A wheel's sliding row ({some(wheels)}) is c(q) q̇ = 0 in the coordinates "
+        f"q = (x, y, θ) of the world{held}; χ is the direction in which it rolls, seen from the world, and k the third "
+        "entry. Frobenius asks for c · curl c:",
         *math(
             r"c = \begin{bmatrix} -\sin\chi & \cos\chi & k \end{bmatrix}, \qquad "
             r"c\cdot\mathrm{curl}\,c = c\cdot\begin{bmatrix} \sin\chi & -\cos\chi & 0 \end{bmatrix}"
@@ -224,10 +224,13 @@ def skid(d: Derivation) -> list[str]:
 
 def singular(d: Derivation) -> list[str]:
     """Section 9."""
-    blocks = ["## 9 Singular configurations"]
+    title = "## 9 Singular configurations" + (" and reachable twists" if "reach.svg" in d.figures else "")
+    blocks = [title, *pictures(d.figures, "singular.svg", "reach.svg")]
     if not d.mobility.singularities:
-        return [*blocks, "There are none: no rank drops and no angle is undefined, whatever the robot does."]
-    blocks += pictures(d.figures, "singular.svg")
+        none = (
+            "No configuration is singular: no rank drops and no angle is undefined, whatever the robot does."
+        )
+        return [*blocks, none]
     pivots = [s for s in d.mobility.singularities if s.kind == "icr_on_pivot"]
     blocks += _pivots(d, pivots) if pivots else []
     for s in d.mobility.singularities:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from wmrgen.wheels import WheelType
 
 _MATRIX = 12  # rows of a printed matrix
+_ICR = 120  # glyphs of two fractions side by side
 _LINE = 70  # glyphs of matrices side by side
 
 
@@ -71,16 +72,19 @@ def _worked(d: Derivation, wheels: list[Wheel]) -> list[str]:
     own = [c for c in (*d.constraints.rolling, *d.constraints.sliding) if c.wheel.index == first.index]
     return [
         f"For {code(first.name)}, with x = l cos α and y = l sin α, that is",
-        *math(_plugged(first)),
-        *aligned([*_equations(own), *(_rollers(first) if first.kind.rollers else [])]),
+        *_plugged(first, [*_equations(own), *(_rollers(first) if first.kind.rollers else [])]),
     ]
 
 
-def _plugged(w: Wheel) -> str:
-    """sin and cos of alpha + beta (+ gamma): e = (sin, -cos)."""
+def _plugged(w: Wheel, equations: list[str]) -> list[str]:
+    """sin and cos of alpha + beta (+ gamma), e = (sin, -cos), above the equations that follow."""
     ex, ey = rolling_direction(w, symbolic_view(w))
     angle = r"\alpha+\beta" + (r"+\gamma" if w.kind.rollers else "") + ("(t)" if w.turns else "")
-    return rf"\sin({angle}) = {latex(ex)}, \qquad \cos({angle}) = {latex(-ey)}"
+    sine, cosine = rf"\sin({angle}) &= {latex(ex)}", rf"\cos({angle}) = {latex(-ey)}"
+    lefts = [width(e.partition("&=")[0]) for e in equations]
+    if max(lefts) + width(sine) + width(cosine) > _LINE:
+        return [*math(rf"{sine.replace('&', '')}, \qquad {cosine}"), *aligned(equations)]
+    return aligned([rf"{sine}, \qquad {cosine}", *equations])
 
 
 def _equations(rows: list[ConstraintRow]) -> list[str]:
@@ -163,26 +167,22 @@ def _capped(rows: list[Row]) -> str:
 
 def _pfaffian(d: Derivation) -> list[str]:
     """All velocities in one vector: A(q) q' = 0, by blocks."""
-    if not d.constraints.joints:
+    c = d.constraints
+    if not c.joints:
         return []
-    turning = [w for w in d.robot.wheels if w.kind.swivels or w.nominal.o]
-    rows = [("J_1", "-J_2", "-O"), (r"C_{1f}", "0", "0"), (r"C_{1s}", "0", "0"), ("C_c", "0", "D")]
-    present = (
-        d.constraints.rolling, d.constraints.sliding_fixed, d.constraints.sliding_steered,
-        [w for w in turning if w.kind.swivels],
-    )  # fmt: skip
-    blocks = [row[: 3 if turning else 2] for row, there in zip(rows, present, strict=True) if there]
-    if not any(w.nominal.o for w in turning):
-        blocks = [tuple("0" if entry == "-O" else entry for entry in row) for row in blocks]
-    rates = r"\xi \\ \dot{\varphi} \\ \dot{\psi}" if turning else r"\xi \\ \dot{\varphi}"
-    words = "With every joint rate in one vector the same equations are the Pfaffian form A(q) q̇ = 0"
-    if any(w.kind.swivels for w in turning):
-        words += (
-            ", with the sliding rows of the castors, C<sub>c</sub> ξ + D ψ̇ = 0, and their offsets D = diag(d)"
-        )
-    if any(w.nominal.o for w in turning):
-        words += ", and O = diag(o)"
-    return [f"{words}:", *math(rf"{matrix(blocks)} \begin{{bmatrix}} {rates} \end{{bmatrix}} = 0")]
+    castors = [w for w in d.robot.wheels if w.kind.swivels]
+    turning = castors or [w for w in d.robot.wheels if w.nominal.o]
+    offset = any(w.nominal.o for w in turning)
+    last = (" −O" if offset else " 0", " 0", " D") if turning else ("", "", "")
+    rows = [f"J₁ −J₂{last[0]}" if c.rolling else "", f"C₁ 0{last[1]}" if c.sliding_fixed or c.sliding_steered else "",
+            f"C<sub>c</sub> 0{last[2]}" if castors else ""]  # fmt: skip
+    words = (
+        f"With q̇ = (ξ, φ̇{', ψ̇' if turning else ''}) the same equations are the Pfaffian form A(q) q̇ = 0, "
+        f"A = [{'; '.join(filter(None, rows))}]"
+    )
+    if castors:
+        words += ", with the sliding rows of the castors, C<sub>c</sub> ξ + D ψ̇ = 0, and D = diag(d)"
+    return [words + (", O = diag(o)." if offset else ".")]
 
 
 def null_space(d: Derivation) -> list[str]:
@@ -214,7 +214,8 @@ def _meaning(columns: Sequence[Row]) -> list[str]:
     if len(columns) == 1 and w and any(p.constant is None for p in columns[0]):
         x, y = (rf"\frac{{{readable(a)}}}{{{readable(w)}}}" if a else "0" for a in (-vy, vx))
         blocks[0] += " It lies at (−N₂/N₃, N₁/N₃):"
-        blocks += aligned([f"x_{{ICR}} &= {x}", f"y_{{ICR}} &= {y}"])
+        both = rf"x_{{ICR}} = {x}, \qquad y_{{ICR}} = {y}"
+        blocks += math(both) if width(both) < _ICR else aligned([f"x_{{ICR}} &= {x}", f"y_{{ICR}} &= {y}"])
     return blocks
 
 

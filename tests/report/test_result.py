@@ -133,7 +133,7 @@ def test_a_steered_wheel_rolls_at_both_angles(turned: float) -> None:
     assert (spin * r * cos(psi), spin * r * sin(psi)) == pytest.approx((a, b))
 
 
-@pytest.mark.parametrize("name", ["nomad_xr4000", "neobotix_mpo_700", "tidybot2"])
+@pytest.mark.parametrize("name", ["nomad_xr4000", "tidybot2"])
 def test_the_rates_of_a_driven_castor(name: str) -> None:
     """With them the contact, d along and o across, neither slides nor slips."""
     text = part(name, "Inverse", "Forward")

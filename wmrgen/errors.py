@@ -39,7 +39,8 @@ def message(level: str, code: str, what: str, mark: Mark | None, remarks: Iterab
 
 
 class Code(StrEnum):
-    """The kinds of mistakes in robot files; `wmrgen.spec.mistakes` explains them. Those of lint are in its rules."""
+    """The kinds of mistakes in robot files, in other files and in calls; `wmrgen.spec.mistakes` explains them. Those
+    of lint are in its rules."""
 
     NOT_YAML = "WMR101"
     UNKNOWN_KEY = "WMR102"
@@ -50,6 +51,9 @@ class Code(StrEnum):
     UNDECLARED = "WMR107"
     OPEN = "WMR108"
     VALUE = "WMR109"
+    FILE = "WMR110"
+    DESCRIPTION = "WMR111"
+    USAGE = "WMR112"
     CONSEQUENCE = ""  # of another mistake; never told
 
 
@@ -150,6 +154,9 @@ class UsageError(WmrgenError):
     """A command called with names or values it does not have."""
 
     exit_code = 2
+
+    def __init__(self, what: str) -> None:
+        super().__init__(what, code=Code.USAGE)
 
 
 class NotDerivableError(WmrgenError):

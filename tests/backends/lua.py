@@ -7,7 +7,8 @@ import re
 from collections.abc import Mapping, Sequence
 
 from wmrgen.backends.expression import Style, body
-from wmrgen.backends.registry import Entry, Facts, Files, Place, reserved
+from wmrgen.backends.registry import Entry, Facts, Files, Place
+from wmrgen.backends.words import reserved
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import complete, self_contained
 from wmrgen.ir.nodes import Function, Module

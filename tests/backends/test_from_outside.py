@@ -83,7 +83,10 @@ def test_its_words_are_reserved_while_it_is_there(wmrgen_cli: Cli, robot_file: P
 def test_an_unknown_word_lists_the_backends(wmrgen_cli: Cli, robot_file: Path) -> None:
     done = wmrgen_cli("eval", robot_file, "inverse", "--backend", "lua")
     assert (done.code, done.out) == (2, "")
-    assert done.err == "error: there is no backend 'lua'. There are: exact c numpy casadi rust javascript.\n"
+    assert (
+        done.err
+        == "error[WMR112]: there is no backend 'lua'. There are: exact c numpy casadi rust javascript.\n"
+    )
 
 
 @pytest.mark.parametrize(

@@ -93,11 +93,11 @@ def test_values_stand_one_below_the_other(capsys: pytest.CaptureFixture[str]) ->
 @pytest.mark.parametrize(
     ("error", "code", "words"),
     [
-        (OverflowError(), 2, "error: a result is beyond the range of a double. Give smaller values."),
+        (OverflowError(), 2, "error[WMR112]: a result is beyond the range of a double. Give smaller values."),
         (KeyboardInterrupt(), 130, "interrupted"),
         (console.Stopped("SIGTERM", 15), 143, "terminated"),
         (console.Stopped("SIGHUP", 1), 129, "the terminal was closed"),
-        (UsageError("no such word"), 2, "error: no such word"),
+        (UsageError("no such word"), 2, "error[WMR112]: no such word"),
         (NotDerivableError("it cannot move"), 3, "error: it cannot move"),
         (EnvironmentFailure("no compiler"), 4, "error: no compiler"),
     ],

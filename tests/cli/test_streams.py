@@ -94,7 +94,7 @@ def test_files_without_an_end(wmrgen_cli: Cli, robot_file: Path) -> None:
     assert "it is a device, not a regular file" in done.err
     code, said = shell(f"wmrgen eval {robot_file} inverse --cases - </dev/zero")
     assert code == 2
-    assert said.startswith("error: standard input is larger than 16 MiB")
+    assert said.startswith("error[WMR112]: standard input is larger than 16 MiB")
 
 
 def test_a_huge_file_of_cases(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:

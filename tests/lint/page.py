@@ -27,7 +27,8 @@ SDF, parameters of wheel controllers, headers that wmrgen wrote. What they say d
 their examples are two files, parted by `---`. Lengths within 0.2 % and angles within 0.002 rad are equal. A comment
 beside the number in either file keeps it.
 
-Codes from WMR101 on are not findings: they are the kinds of errors for which a robot file is refused, with exit code 2.
+Codes from WMR101 on are not findings: they are the kinds of errors for which a robot file, another file or a call is
+refused, with exit code 2.
 All errors of a file are told in one run, in the order of the file; what only follows from another one is not.
 """
 
@@ -40,8 +41,9 @@ def page() -> str:
 
 
 def _section(rule: Rule | Mistake) -> str:
+    form = getattr(rule, "form", "yaml")
     examples = (
-        f"{word}:\n\n```yaml\n{text}```\n" for word, text in (("Wrong", rule.wrong), ("Right", rule.right))
+        f"{word}:\n\n```{form}\n{text}```\n" for word, text in (("Wrong", rule.wrong), ("Right", rule.right))
     )
     return "\n".join(
         [f"\n## {rule.code}\n\n{rule.title[0].upper()}{rule.title[1:]}. {rule.text}\n", *examples]

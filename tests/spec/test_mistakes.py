@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import wmrgen
+from tests.conftest import Outcome
 from tests.spec.files import HEAD
 from wmrgen.errors import Code, RobotFileError
-from wmrgen.spec.mistakes import MISTAKES, Mistake
+from wmrgen.spec.mistakes import CALLS, MISTAKES, Mistake
 
 
 @pytest.mark.parametrize("mistake", MISTAKES.values(), ids=MISTAKES)
@@ -24,5 +26,32 @@ def test_examples(mistake: Mistake, tmp_path: Path) -> None:
     assert wmrgen.load(right).wheels
 
 
+@pytest.mark.parametrize("code", [Code.FILE, Code.USAGE])
+def test_examples_of_calls(
+    code: Code, wmrgen_cli: Callable[..., Outcome], robot_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = robot_file.parent
+    monkeypatch.chdir(folder)
+    (folder / "robots").mkdir()
+    for name in ("robots/my_robot.yaml", "my_robot.yaml"):
+        (folder / name).write_text(robot_file.read_text())
+    wrong, right = (wmrgen_cli(*text.split()[1:]) for text in (CALLS[code].wrong, CALLS[code].right))
+    assert wrong.code == 2 and wrong.err.startswith(f"error[{code}]: ")
+    assert right.code == 0
+
+
+def test_examples_of_descriptions(wmrgen_cli: Callable[..., Outcome], tmp_path: Path) -> None:
+    """The place of what is no XML; the right one is XML, and a robot without a wheel."""
+    for name in ("wrong", "right"):
+        (tmp_path / name).write_text(getattr(CALLS[Code.DESCRIPTION], name))
+    wrong, right = (wmrgen_cli("import", tmp_path / name) for name in ("wrong", "right"))
+    assert wrong.err.splitlines()[:3] == [
+        "error[WMR111]: wrong: not XML: 'mismatched tag'",
+        " --> wrong:3:3",
+        "3 | </robot>",
+    ]
+    assert right.err.startswith("error[WMR111]: right: ") and " --> " not in right.err
+
+
 def test_every_code_is_explained() -> None:
-    assert list(MISTAKES) == [code for code in Code if code]
+    assert [*MISTAKES, *CALLS] == [code for code in Code if code]

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
+from wmrgen.backends.words import AVR, C_LIBRARY, CASADI, JAVASCRIPT, PYTHON, RUST, C, Reserved
 from wmrgen.errors import UsageError
 from wmrgen.ports import NO_SITE, Site
 
@@ -75,67 +76,6 @@ class Backend(Protocol):
         self, module: Module, function: str, cases: Sequence[Mapping[str, float]], **options: str
     ) -> list[dict[str, float]]:
         """Outputs by contract name for each case (inputs by contract name; a tunable may be left out)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Reserved:
-    """Words, in lower case, and why no robot, wheel or parameter may bear one of them."""
-
-    words: frozenset[str]
-    why: str
-
-
-def reserved(words: str, why: str) -> Reserved:
-    """The words of a text, separated by white space."""
-    return Reserved(frozenset(words.split()), why)
-
-
-C = reserved(
-    """
-alignas alignof and and_eq asm atomic_cancel atomic_commit atomic_noexcept auto bitand bitor bool break
-case catch char class compl concept const const_cast consteval constexpr constinit continue co_await
-co_return co_yield decltype default delete do double dynamic_cast else enum explicit export extern false
-final float for friend goto if import inline int long module mutable namespace new noexcept not not_eq
-nullptr operator or or_eq override private protected public reflexpr register reinterpret_cast requires
-restrict return short signed sizeof static static_assert static_cast struct switch synchronized template
-this thread_local throw true try typedef typeid typename typeof typeof_unqual union unsigned using virtual
-void volatile wchar_t while xor xor_eq main fortran unix linux near far errno offsetof complex imaginary
-""",
-    "C or C++ keeps that word for itself.",
-)
-C_LIBRARY = reserved(
-    """
-acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 exp10 expm1 fabs fdim
-floor fma fmax fmin fmod frexp gamma hypot ilogb j0 j1 jn ldexp lgamma llrint llround log log10 log1p log2
-logb lrint lround modf nearbyint nextafter nexttoward pow pow10 powi remainder remquo rint round roundeven
-scalbln scalbn scalb sin sincos sinh sqrt tan tanh tgamma trunc y0 y1 yn drem finite significand signbit
-isnan isinf isfinite isnormal fpclassify signgam abs labs llabs div ldiv lldiv min max clearerr fclose
-feof ferror fflush fgetc fgetpos fgets fopen fprintf fputc fputs fread freopen fscanf fseek fsetpos ftell
-fwrite getc getchar gets perror printf putc putchar puts remove rename rewind scanf setbuf setvbuf
-snprintf sprintf sscanf tmpfile tmpnam ungetc vfprintf vfscanf vprintf vscanf vsnprintf vsprintf vsscanf
-stdin stdout stderr dprintf getline getdelim fileno fdopen popen pclose abort atexit atof atoi atol atoll
-bsearch calloc exit free getenv malloc mblen mbstowcs mbtowc qsort rand realloc srand strtod strtof strtol
-strtold strtoll strtoul strtoull system wcstombs wctomb random srandom memchr memcmp memcpy memmove memset
-strcat strchr strcmp strcoll strcpy strcspn strerror strlen strncat strncmp strncpy strpbrk strrchr strspn
-strstr strtok strxfrm index rindex bcmp bcopy bzero asctime clock ctime difftime gmtime localtime mktime
-strftime time signal raise setjmp longjmp bufsiz eof exit_failure exit_success huge_val null seek_cur seek_end
-seek_set
-""",
-    "The C library has a function, variable or macro of that name.",
-)
-PYTHON = reserved(
-    """
-and as assert async await break class continue def del elif else except false finally for from global if
-import in is lambda none nonlocal not or pass raise return true try while with yield
-""",
-    "Python keeps that word for itself.",
-)
-RUST = reserved("crate self super", "Rust keeps that word for itself.")  # other words may be names: r#box
-JAVASCRIPT = reserved(
-    "constructor hasownproperty isprototypeof propertyisenumerable tolocalestring tostring valueof",
-    "Every object of JavaScript has a property of that name.",
-)
-CASADI = reserved("null jac hess nan inf infinity", "CasADi keeps that word for itself.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,11 +163,9 @@ def unasked() -> list[Entry]:
     return [entry for entry in BACKENDS.values() if not entry.package]
 
 
-def why_reserved(word: str) -> str:
-    """Why no name may be ``word``, by the first language that keeps it; nothing where none does."""
-    return next(
-        (kept.why for entry in BACKENDS.values() for kept in entry.reserved if word in kept.words), ""
-    )
+def why_reserved(name: str) -> str:
+    """Why no name may be ``name``, by the first language that keeps it; nothing where none does."""
+    return next((kept.why for entry in BACKENDS.values() for kept in entry.reserved if kept.keeps(name)), "")
 
 
 def of_word(word: str) -> Entry | None:
@@ -253,7 +191,7 @@ for _entry in (
             Files(("test/{robot}_fuzz.c",)),
             Files(("example/main.c",), "the loop from sensors to motors, a figure of eight"),
         ),
-        reserved=(C, C_LIBRARY), options=("scalar", "math", "target"), switches=("fuzz",), proved=True,
+        reserved=(C, C_LIBRARY, AVR), options=("scalar", "math", "target"), switches=("fuzz",), proved=True,
     ),
     Entry(
         "numpy", "wmrgen.backends.numpy", "module", "numpy",

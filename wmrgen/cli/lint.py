@@ -66,9 +66,9 @@ def explained() -> dict[str, Rule | Mistake]:
     """What `explain` knows by its code: rules, and the mistakes for which a robot file is refused."""
     from wmrgen.comparing.rules import BETWEEN
     from wmrgen.lint import RULES
-    from wmrgen.spec.mistakes import MISTAKES
+    from wmrgen.spec.mistakes import CALLS, MISTAKES
 
-    return {**RULES, **BETWEEN, **MISTAKES}
+    return {**RULES, **BETWEEN, **MISTAKES, **CALLS}
 
 
 def explain(code: str | None, as_json: bool) -> int:

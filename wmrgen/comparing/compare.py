@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -67,7 +68,11 @@ def findings(c: Comparison) -> list[Finding]:
     """The differences as findings, each where the second file says it; with the first, what they do together."""
     does = "; ".join(effect.words for effect in c.effects if effect.words)
     instead = f"The first number is that of {c.a.source}."
-    instead += f" Commanded by {c.b.source}, the robot {does}." if does else ""
+    instead += (
+        f" Commanded by {c.b.source}, the robot {re.sub('^yaw rate', 'turns with a yaw rate', does)}."
+        if does
+        else ""
+    )
     nowhere = Mark(c.b.file, 1, 1, "")
     told = [Finding((*d.marks, nowhere)[0], d.words, "", d.code) for d in c.differences]
     return [*(replace(first, instead=instead) for first in told[:1]), *told[1:]]

@@ -23,10 +23,10 @@ from wmrgen.spec.text import (
     Node,
     Scalar,
     SequenceNode,
+    bytes_of,
     decode,
     printable,
     quoted,
-    read_at_most,
 )
 
 LENGTHS = {  # what a parameter gives: the words by which it is known
@@ -94,12 +94,7 @@ def read_controllers(path: Path, arguments: Mapping[str, str] | None = None) -> 
     """The controllers of a YAML file; ``arguments`` stand for ``$(arg name)``. RobotFileError where it cannot be read,
     or a length is no number."""
     name = printable(str(path))
-    try:
-        data = read_at_most(path, MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise RobotFileError(f"{name}: cannot be read: {printable(reason)}") from None
-    tree = read_tree(decode(data, name), name, aliases=True)
+    tree = read_tree(decode(bytes_of(path, MAX_BYTES + 1), name), name, aliases=True)
     return controllers_of(tree, arguments or {})
 
 

@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from fractions import Fraction
 from xml.etree.ElementTree import Element, ParseError
 
-from wmrgen.errors import EnvironmentFailure, RobotFileError
+from wmrgen.errors import Code, EnvironmentFailure, Mark, RobotFileError
 from wmrgen.importing.frames import unit
 from wmrgen.importing.records import Vector
-from wmrgen.spec.text import quoted
+from wmrgen.spec.text import printable, quoted
 
 MAX_BYTES = 4 * 1024 * 1024
 MAX_ELEMENTS = 100_000
@@ -25,8 +25,8 @@ ONES: Vector = (Fraction(1), Fraction(1), Fraction(1))
 ZERO: Vector = (Fraction(0), Fraction(0), Fraction(0))
 
 
-def refuse(what: str, why: str = "", instead: str = "") -> RobotFileError:
-    return RobotFileError(what, None, why, instead)
+def refuse(what: str, why: str = "", instead: str = "", mark: Mark | None = None) -> RobotFileError:
+    return RobotFileError(what, mark, why, instead, Code.DESCRIPTION)
 
 
 def parse(text: bytes, file: str, most: int = MAX_BYTES) -> Element:
@@ -50,9 +50,20 @@ def parse(text: bytes, file: str, most: int = MAX_BYTES) -> Element:
             f"{file}: has a document type or entities", "They are refused.", "Delete them."
         ) from None
     except (ParseError, ValueError, LookupError) as error:
-        raise refuse(f"{file}: not XML: {quoted(str(error), 100)}") from None
+        words = re.sub(r": line \d+, column \d+$", "", str(error))
+        raise refuse(f"{file}: not XML: {quoted(words, 100)}", mark=_place(error, text, file)) from None
     _cap(root, file)
     return root
+
+
+def _place(error: Exception, text: bytes, file: str) -> Mark | None:
+    """Where the parser stopped, in a text of UTF-8; None where it does not say."""
+    if not isinstance(error, ParseError):
+        return None
+    line, column = error.position
+    lines = text.decode("utf-8", "replace").splitlines()
+    shown = lines[line - 1] if line <= len(lines) else ""
+    return Mark(file, line, column + 1, printable(shown))
 
 
 def _bound(text: bytes) -> bytes:

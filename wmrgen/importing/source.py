@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from wmrgen.errors import RobotFileError, UsageError
+from wmrgen.errors import UsageError
 from wmrgen.importing import meshes, sdf, urdf
 from wmrgen.importing.controllers import plugin_controllers
 from wmrgen.importing.read import MAX_BYTES, below, children, local, parse, refuse
 from wmrgen.importing.records import Description
 from wmrgen.importing.xacro import macros, resolve
-from wmrgen.spec.text import printable, quoted, read_at_most
+from wmrgen.spec.text import bytes_of, printable, quoted, read_at_most
 
 
 def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]) -> Description:
@@ -21,7 +21,7 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     values = _pairs(arguments, ":=")
     given = {name: Path(folder) for name, folder in _pairs(packages, "=").items()}
     name = printable(file.name)
-    root = parse(_bytes(file), name)
+    root = parse(bytes_of(file, MAX_BYTES + 1), name)
     folders = _own_package(file) | given
     substituted = _is_xacro(root)
     if values and not substituted:
@@ -64,10 +64,14 @@ def _model(path: Path | None) -> Element | None:
     """The SDF of a model: of a file, or of a folder by its model.config, whose last version counts."""
     if path is not None and path.is_dir():
         config = path / "model.config"
-        versions = list(below(parse(_bytes(config), config.name), "sdf")) if config.is_file() else []
+        versions = (
+            list(below(parse(bytes_of(config, MAX_BYTES + 1), config.name), "sdf"))
+            if config.is_file()
+            else []
+        )
         inside = (path / (versions[-1].text or "" if versions else "model.sdf").strip()).resolve()
         path = inside if inside.is_relative_to(path) else None
-    return None if path is None else parse(_bytes(path), printable(path.name))
+    return None if path is None else parse(bytes_of(path, MAX_BYTES + 1), printable(path.name))
 
 
 def _mesh(path: Path | None) -> bytes | None:
@@ -84,7 +88,9 @@ def _own_package(file: Path) -> dict[str, Path]:
         if (folder / "model.config").is_file():
             return {folder.name: folder}
         if (folder / "package.xml").is_file():
-            title = next(below(parse(_bytes(folder / "package.xml"), "package.xml"), "name"), None)
+            title = next(
+                below(parse(bytes_of(folder / "package.xml", MAX_BYTES + 1), "package.xml"), "name"), None
+            )
             name = "" if title is None else (title.text or "").strip()
             return {folder.name: folder, name or folder.name: folder}
     return {}
@@ -98,17 +104,6 @@ def _pairs(words: Sequence[str], sign: str) -> dict[str, str]:
             raise UsageError(f"write NAME{sign}VALUE, not {quoted(word)}")
         pairs[name] = value
     return pairs
-
-
-def _bytes(file: Path) -> bytes:
-    name = printable(str(file))
-    try:
-        return read_at_most(file, MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise RobotFileError(f"{name}: no such file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise RobotFileError(f"{name}: cannot be read: {printable(reason)}") from None
 
 
 def _is_xacro(root: Element) -> bool:

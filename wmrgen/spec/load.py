@@ -35,10 +35,9 @@ from wmrgen.spec.text import (
     Scalar,
     SequenceNode,
     Source,
+    bytes_of,
     decode,
-    printable,
     quoted,
-    read_at_most,
 )
 from wmrgen.spec.wheels import declared_types, read_couplings, read_wheels, wheel_called
 from wmrgen.wheels import WHEEL_TYPES, WheelType
@@ -54,17 +53,7 @@ def read_robot(path: str | Path, several: Several | None = None) -> RobotSpec:
 
 def text_of(path: str | Path) -> str:
     """The text of a robot file. RobotFileError where it cannot be read."""
-    name = printable(str(path))
-    try:
-        data = read_at_most(path, MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise RobotFileError(f"{name}: no such file", None, "", "Give the path of a robot file.") from None
-    except IsADirectoryError:
-        raise RobotFileError(f"{name}: is a directory", None, "", "Give the robot file in it.") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise RobotFileError(f"{name}: cannot be read: {printable(reason)}") from None
-    return decode(data, str(path))
+    return decode(bytes_of(path, MAX_BYTES + 1), str(path))
 
 
 def read_text(text: str, file_name: str, several: Several | None = None) -> RobotSpec:

@@ -10,13 +10,14 @@ from wmrgen.errors import Code
 @dataclass(frozen=True, slots=True)
 class Mistake:
     """``title``: the mistake. ``text``: why it is one. ``wrong``, ``right``: robot files without their first two lines;
-    the first has this mistake and no other, the second none."""
+    the first has this mistake and no other, the second none. ``form``: what the examples are instead."""
 
     code: str
     title: str
     text: str
     wrong: str
     right: str
+    form: str = "yaml"
 
 
 _WHEELS = "wheels:\n  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 50 mm}\n"
@@ -82,6 +83,31 @@ MISTAKES = {
             "The value can be computed, or has a division by zero in it, and no wheel or robot can have it: a radius "
             "of 0, a castor with d = 0 (it is a steered wheel), limits of which the lower is above the upper.",
             _WHEELS.replace("50 mm", "0"), _WHEELS,
+        ),
+    )
+}  # fmt: skip
+
+CALLS = {
+    mistake.code: mistake
+    for mistake in (
+        Mistake(
+            Code.FILE, "a file that cannot be read",
+            "There is none of that name, it is a folder, it may not be read, it is too large or in another encoding."
+            " Nothing of it was read.",
+            "wmrgen derive robots/\n", "wmrgen derive robots/my_robot.yaml\n", "sh",
+        ),
+        Mistake(
+            Code.DESCRIPTION, "a robot description that cannot be imported",
+            "It is no XML, its numbers are none, its joints go in a circle or to links that are not there, or it has "
+            "no wheel. Document types and entities are refused, and xacro that would read or run something else.",
+            "<robot name='my_robot'>\n  <link name='base_link'>\n</robot>\n",
+            "<robot name='my_robot'>\n  <link name='base_link'/>\n</robot>\n", "xml",
+        ),
+        Mistake(
+            Code.USAGE, "a call with words that the command does not take",
+            "An option, a name or a value that it does not have, too many or too few. `wmrgen COMMAND --help` lists "
+            "its words, `wmrgen functions ROBOT.yaml` the functions of a robot.",
+            "wmrgen eval my_robot.yaml invers vx=1\n", "wmrgen eval my_robot.yaml inverse vx=1 vy=0 omega=0\n", "sh",
         ),
     )
 }  # fmt: skip

@@ -40,8 +40,8 @@ def _reserved(name: str) -> str:
         return "POSIX keeps names that end in _t for types."
     if "__" in name:
         return "C++ keeps names with a double underscore for the implementation."
-    word = name.lower()
-    return why_reserved(word) or ("Windows keeps that name for a device." if word in _DEVICES else "")
+    device = name.lower() in _DEVICES
+    return why_reserved(name) or ("Windows keeps that name for a device." if device else "")
 
 
 def _check(node: Scalar, what: str) -> str:
@@ -63,7 +63,9 @@ def _no_name(node: Scalar, what: str, why: str, instead: str) -> RobotFileError:
 
 
 def _free(name: str) -> str:
-    """A name near a reserved one that is not reserved."""
+    """A name near a reserved one that is not reserved: in lower case where that will do."""
+    if not _reserved(name.lower()):
+        return name.lower()
     return re.sub(r"__+", "_", name.removesuffix("_t"))[:28].rstrip("_") + "_1"
 
 

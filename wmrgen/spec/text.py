@@ -81,6 +81,7 @@ def too_large(size: str, file: str) -> RobotFileError:
         None,
         "A robot file is a page of text; larger input is refused unread.",
         "Give the robot file itself, not a log, an image or a generated file.",
+        Code.FILE,
     )
 
 
@@ -90,7 +91,11 @@ def decode(data: bytes, file: str) -> str:
         raise too_large("", file)
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise RobotFileError(
-            f"{printable(file)}: the file is UTF-16", None, "Robot files are UTF-8.", "Save it as UTF-8."
+            f"{printable(file)}: the file is UTF-16",
+            None,
+            "Robot files are UTF-8.",
+            "Save it as UTF-8.",
+            Code.FILE,
         )
     try:
         return data.decode("utf-8-sig")
@@ -213,6 +218,20 @@ _KINDS = {
     stat.S_IFBLK: "a device",
     stat.S_IFSOCK: "a socket",
 }
+
+
+def bytes_of(path: str | Path, limit: int) -> bytes:
+    """`read_at_most`; RobotFileError where the file cannot be read."""
+    try:
+        return read_at_most(path, limit)
+    except FileNotFoundError:
+        what, instead = "no such file", "Give the path of a file."
+    except IsADirectoryError:
+        what, instead = "is a directory", "Give the file in it."
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        what, instead = f"cannot be read: {printable(reason)}", ""
+    raise RobotFileError(f"{printable(str(path))}: {what}", None, "", instead, Code.FILE)
 
 
 def read_at_most(path: str | Path, limit: int) -> bytes:

@@ -1,0 +1,84 @@
+"""The words that languages and their libraries keep for themselves: no robot, wheel or parameter may bear one."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Reserved:
+    """Words, in lower case, and why no robot, wheel or parameter may bear one of them in any case; ``exact``: those
+    that are kept as they are written alone."""
+
+    words: frozenset[str]
+    why: str
+    exact: re.Pattern[str] | None = None
+
+    def keeps(self, name: str) -> bool:
+        return name.lower() in self.words or bool(self.exact and self.exact.fullmatch(name))
+
+
+def reserved(words: str, why: str) -> Reserved:
+    """The words of a text, separated by white space."""
+    return Reserved(frozenset(words.split()), why)
+
+
+C = reserved(
+    """
+alignas alignof and and_eq asm atomic_cancel atomic_commit atomic_noexcept auto bitand bitor bool break
+case catch char class compl concept const const_cast consteval constexpr constinit continue co_await
+co_return co_yield decltype default delete do double dynamic_cast else enum explicit export extern false
+final float for friend goto if import inline int long module mutable namespace new noexcept not not_eq
+nullptr operator or or_eq override private protected public reflexpr register reinterpret_cast requires
+restrict return short signed sizeof static static_assert static_cast struct switch synchronized template
+this thread_local throw true try typedef typeid typename typeof typeof_unqual union unsigned using virtual
+void volatile wchar_t while xor xor_eq main fortran unix linux near far errno offsetof complex imaginary
+""",
+    "C or C++ keeps that word for itself.",
+)
+C_LIBRARY = reserved(
+    """
+acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 exp10 expm1 fabs fdim
+floor fma fmax fmin fmod frexp gamma hypot ilogb j0 j1 jn ldexp lgamma llrint llround log log10 log1p log2
+logb lrint lround modf nearbyint nextafter nexttoward pow pow10 powi remainder remquo rint round roundeven
+scalbln scalbn scalb sin sincos sinh sqrt tan tanh tgamma trunc y0 y1 yn drem finite significand signbit
+isnan isinf isfinite isnormal fpclassify signgam abs labs llabs div ldiv lldiv min max clearerr fclose
+feof ferror fflush fgetc fgetpos fgets fopen fprintf fputc fputs fread freopen fscanf fseek fsetpos ftell
+fwrite getc getchar gets perror printf putc putchar puts remove rename rewind scanf setbuf setvbuf
+snprintf sprintf sscanf tmpfile tmpnam ungetc vfprintf vfscanf vprintf vscanf vsnprintf vsprintf vsscanf
+stdin stdout stderr dprintf getline getdelim fileno fdopen popen pclose abort atexit atof atoi atol atoll
+bsearch calloc exit free getenv malloc mblen mbstowcs mbtowc qsort rand realloc srand strtod strtof strtol
+strtold strtoll strtoul strtoull system wcstombs wctomb random srandom memchr memcmp memcpy memmove memset
+strcat strchr strcmp strcoll strcpy strcspn strerror strlen strncat strncmp strncpy strpbrk strrchr strspn
+strstr strtok strxfrm index rindex bcmp bcopy bzero asctime clock ctime difftime gmtime localtime mktime
+strftime time signal raise setjmp longjmp bufsiz eof exit_failure exit_success huge_val null seek_cur seek_end
+seek_set
+""",
+    "The C library has a function, variable or macro of that name.",
+)
+# Of the nine usual chips, what has up to three letters and what somebody may call a wheel or a parameter.
+AVR = Reserved(
+    frozenset(),
+    "avr-libc or Arduino's core has a macro of that name.",
+    re.compile(
+        "B[01]{1,8}|P[A-L][0-7]|DD[A-L]?[0-7]|(PORT|PIN)([0-7]|[A-L][0-7]?)|DDR[A-L]|[XYZ][HL]|SP[EHL]?|S[EM]|SM[0-2]|"
+        "PE|PI|ID|AVR|AC[DIO]|ADC[HLW]?|AS[0-2]|BIN|OCT|DEC|HEX|NAN|EOF|DT[1-8]|IPR|ISR|JTD|LSM|PRR[0-2]?|PUD|RCE|SRE|"
+        "TSM|WDE|INT[0-7]|(DOR|FE|RXC|TXC|U2X|UDR)[0-3]?|(CAL|MUX|TWA|TWD|TWS)[0-7]|CS[0-5][0-3]|(ICR|OCR|TCNT)[0-5]"
+        "[A-D]?[HL]?|TCCR[0-5][A-E]?|ALLOC|ARDUINO|CHANGE|DEFAULT|DETACH|DISPLAY|EULER|EXTERNAL|FALLING|FUSES|HIGH|HOST|"
+        "INFINITY|INPUT|INTERNAL|LOCKBITS|LOW|NULL|OUTPUT|PROGMEM|RISING|SERIAL|SPEED|VBUS"
+    ),
+)
+PYTHON = reserved(
+    """
+and as assert async await break class continue def del elif else except false finally for from global if
+import in is lambda none nonlocal not or pass raise return true try while with yield
+""",
+    "Python keeps that word for itself.",
+)
+RUST = reserved("crate self super", "Rust keeps that word for itself.")  # other words may be names: r#box
+JAVASCRIPT = reserved(
+    "constructor hasownproperty isprototypeof propertyisenumerable tolocalestring tostring valueof",
+    "Every object of JavaScript has a property of that name.",
+)
+CASADI = reserved("null jac hess nan inf infinity", "CasADi keeps that word for itself.")

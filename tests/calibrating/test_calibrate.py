@@ -16,9 +16,12 @@ import wmrgen
 from tests.calibrating.simulated import LAYOUTS, Encoders, Layout, Tracker, csv, drive
 from tests.conftest import Outcome
 from wmrgen.calibrating.calibrate import Calibration, calibrate, problem_of
+from wmrgen.calibrating.certainty import fit
 from wmrgen.calibrating.fit import Problem, Sums, serial
+from wmrgen.calibrating.logs import read
 from wmrgen.calibrating.observability import blind, courses, offers, plan
 from wmrgen.calibrating.path import reckoned
+from wmrgen.calibrating.starts import laid
 from wmrgen.calibrating.written import with_values
 from wmrgen.errors import UsageError
 
@@ -282,9 +285,53 @@ def test_the_solver_halts_where_readings_are_rough(tmp_path: Path) -> None:
         evaluations.append(unknowns)
         return serial(problem, unknowns)
 
-    result = calibrate(derivation, paths[:1], [], each)
+    problem = problem_of(derivation)
+    drive = read(paths[0], paths[0].with_suffix(".truth.csv"), problem.increments.joints, {})
+    best = fit(laid(replace(problem, drives=(drive,))), each)
     assert len(evaluations) < 20
-    assert result.parameters["half_track"].value == pytest.approx(layout.true["half_track"], rel=2e-3)
+    half_track = best.values[problem.increments.parameters.index("half_track")]
+    assert half_track == pytest.approx(layout.true["half_track"], rel=2e-3)
+
+
+SLIPS = ((7.0, 7.6, 1.8), (20.0, 20.4, 0.3))
+
+
+SLIPPING = [
+    pytest.param(name, marks=[] if name == "mecanum" else pytest.mark.slow)
+    for name in ("mecanum", "car", "swerve", "tricycle")
+]
+
+
+@pytest.mark.parametrize("name", SLIPPING)
+def test_slips_are_found_and_left_out(tmp_path: Path, name: str) -> None:
+    """A wheel that spins and one that is held: where they stand, by the joints or by the path, and nowhere else."""
+    layout = LAYOUTS[name]
+    first = next(iter(layout.wheels(layout.true)))
+    episodes = tuple((start, end, first, factor) for start, end, factor in SLIPS)
+    encoders = Encoders(2 * np.pi / 400, slip=0.01, episodes=episodes)
+    tracker = Tracker(0.04, 0.1, noise=(0.003, 0.005), every=2)
+    clean = [replace(encoders, episodes=()), encoders, encoders]
+    paths = []
+    for index, readings in enumerate(clean):
+        recorded = drive(layout, layout.drives[index], tracker=tracker, encoders=readings, seed=index)
+        paths.append(tmp_path / f"run-{index}.csv")
+        paths[-1].write_text(csv(recorded.log), encoding="utf-8")
+        paths[-1].with_suffix(".truth.csv").write_text(csv(recorded.truth), encoding="utf-8")
+    result = calibrate(derivation_of(tmp_path, layout), paths, [])
+    assert {slip.drive for slip in result.outliers} == {"run-1", "run-2"}
+    for slip in result.outliers:
+        assert any(slip.start < end and start < slip.end for start, end, _ in SLIPS)
+    for parameter, value in layout.true.items():
+        estimate = result.parameters[parameter]
+        assert abs(estimate.value - value) < 3 * estimate.sigma
+
+
+def test_one_drive_is_held_out_by_parts(tmp_path: Path) -> None:
+    layout = LAYOUTS["differential"]
+    paths = written(tmp_path, layout, tracker=Tracker(noise=(0.002, 0.003)))
+    result = calibrate(derivation_of(tmp_path, layout), paths[:1], [])
+    assert result.held_out is not None and result.held_out.position < 0.01
+    assert [drive.name for drive in result.fit.problem.drives] == ["run-0"]
 
 
 def test_headings_alone(tmp_path: Path) -> None:

@@ -3,17 +3,19 @@ what stands in the way."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 
-from wmrgen.calibrating.certainty import Fit, fit, without
-from wmrgen.calibrating.fit import Each, Problem, drawn, serial
+from wmrgen.calibrating import certainty
+from wmrgen.calibrating.certainty import Fit, fit
+from wmrgen.calibrating.fit import Each, Problem, drawn, serial, start_of
 from wmrgen.calibrating.logs import Drive, pairs, read
+from wmrgen.calibrating.mistakes import refuse_strangers
 from wmrgen.calibrating.observability import unobservable
+from wmrgen.calibrating.outliers import Outlier, cut, outliers, without
 from wmrgen.calibrating.path import Increments, Reals
 from wmrgen.calibrating.starts import laid, near
 from wmrgen.errors import UsageError
@@ -22,12 +24,9 @@ from wmrgen.layout.records import Robot
 from wmrgen.robot import Derivation
 
 _FOLDS = 5  # parts that drives are left out in, one after the other
+_PASSES = 3  # in which slips are looked for
 _FEWEST = 3  # parts whose spread is a standard deviation
 _ALONE = 3.0  # times as uncertain as with all drives: the drives that are left do not tell a parameter
-_FAR = 0.1  # of the truth's extent: where residuals stay so large, joints and truth do not belong together
-_TURNED = 1.0  # [rad] the same for headings
-_SURE = 5.0  # standard deviations from zero: a sign that is sure
-_BETTER = 0.25  # of the residual: what another reading of the columns has to come to, to be proposed
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +51,8 @@ class Errors:
 class Calibration:
     """``unobservable``: parameters that the drives do not tell, those together that scale together. ``before`` and
     ``after``: errors of all drives with the nominal and the new parameters; ``held_out``: of each drive with the
-    parameters of others, None where there is one drive alone."""
+    parameters of others, or of each part of a drive with those of its others; None where it is too short for parts;
+    ``outliers``: what was left out of all this."""
 
     parameters: Mapping[str, Estimate]
     unobservable: tuple[tuple[str, ...], ...]
@@ -60,6 +60,15 @@ class Calibration:
     before: Errors
     after: Errors
     held_out: Errors | None
+    outliers: tuple[Outlier, ...]
+
+    @property
+    def clocks(self) -> dict[str, float]:
+        """What each drive's truth is off by [s], later than the log; of its parts the median."""
+        by_name: dict[str, list[float]] = {}
+        for drive, offset in zip(self.fit.problem.drives, self.fit.offsets, strict=True):
+            by_name.setdefault(drive.name, []).append(offset)
+        return {name: float(np.median(offsets)) for name, offsets in by_name.items()}
 
 
 def problem_of(derivation: Derivation, drives: Sequence[Drive] = ()) -> Problem:
@@ -88,16 +97,28 @@ def calibrate(
     """The parameters that the logs tell. UsageError for logs that cannot be read or do not belong to the robot."""
     problem = problem_of(derivation)
     turns = counts_per_turn(derivation.robot)
-    drives = [read(log, truth, problem.increments.joints, turns) for log, truth in pairs(logs, truths)]
-    best = _fitted(replace(problem, drives=tuple(drives)), each)
-    _refuse_strangers(best, drives, each)
-    others = _without_each(best, each)
+    drives = _named(
+        [read(log, truth, problem.increments.joints, turns) for log, truth in pairs(logs, truths)]
+    )
+    best, slips = _without_slips(_fitted(replace(problem, drives=tuple(drives)), each), each)
+    refuse_strangers(best, drives, lambda others: _fitted(replace(problem, drives=tuple(others)), each))
+    parts = best if len(drives) > 1 else _in_parts(best, each)
+    others = _without_each(parts, each)
     weak = _unobservable(derivation.robot, best)
     return Calibration(
-        _estimates(derivation.robot, best, _deviations(best, others), weak), weak, best,
+        _estimates(derivation.robot, best, _deviations(best, others if len(drives) > 1 else ()), weak), weak, best,
         _errors(best, best.problem.shared(0 * best.unknowns)), _errors(best, best.problem.shared(best.unknowns)),
-        _held_out(best, others),
+        _held_out(parts, others), tuple(slips),
     )  # fmt: skip
+
+
+def _named(drives: Sequence[Drive]) -> list[Drive]:
+    """Drives of one name told apart by numbers: logs of several folders may be called alike."""
+    names = [drive.name for drive in drives]
+    again = [names[:i].count(name) for i, name in enumerate(names)]
+    return [
+        replace(d, name=f"{d.name} ({k + 1})" if k else d.name) for d, k in zip(drives, again, strict=True)
+    ]
 
 
 def _fitted(problem: Problem, each: Each) -> Fit:
@@ -137,20 +158,54 @@ def _mean(parts: Sequence[tuple[Reals, Reals]]) -> Errors:
     return Errors(rms([position for position, _ in parts]), rms([heading for _, heading in parts]))
 
 
+def _without_slips(best: Fit, each: Each) -> tuple[Fit, list[Outlier]]:
+    """The fit without what is unusual in the drives; large slips hide smaller ones."""
+    slips: list[Outlier] = []
+    for _ in range(_PASSES):
+        unusual = outliers(best)
+        if not any(unusual):
+            break
+        slips += [slip for of_drive in unusual for slip in of_drive]
+        best = _again(best, without(best, unusual), each)
+    return best, sorted(slips, key=lambda slip: (slip.drive, slip.start))
+
+
+def _in_parts(best: Fit, each: Each) -> Fit:
+    """The fit of `_FOLDS` parts of one drive, each with a start of its own."""
+    drive = best.problem.drives[0]
+    edges = np.linspace(drive.t[0], drive.t[-1], _FOLDS + 1).tolist()
+    parts = tuple(cut(drive, edges[:-1], edges[1:], best.offsets[0]))
+    return _again(best, replace(best.problem, drives=parts), each) if len(parts) == _FOLDS else best
+
+
+def _again(best: Fit, problem: Problem, each: Each) -> Fit:
+    """The fit of parts of the drives, from that of the whole on."""
+    ready = laid(problem)
+    shared = len(ready.units)
+    return fit(ready, each, np.concatenate([best.unknowns[:shared], start_of(ready)[shared:]]))
+
+
+def _folds(problem: Problem) -> list[list[int]]:
+    """Which drives are left out together: every `_FOLDS`-th, all parts of a drive together; of one drive its parts."""
+    names = list(dict.fromkeys(drive.name for drive in problem.drives))
+    which = [names.index(d.name) if len(names) > 1 else i for i, d in enumerate(problem.drives)]
+    count = min(len(set(which)), _FOLDS)
+    return (
+        [[i for i, k in enumerate(which) if k % _FOLDS == fold] for fold in range(count)] if count > 1 else []
+    )
+
+
 def _without_each(best: Fit, each: Each) -> list[Fit]:
-    """The fits without every `_FOLDS`-th drive in turn, of two drives at least."""
-    count = len(best.problem.drives)
-    folds = range(min(count, _FOLDS)) if count > 1 else ()
-    return [without(best, range(fold, count, _FOLDS), each) for fold in folds]
+    """The fits without each of the `_folds` in turn."""
+    return [certainty.without(best, fold, each) for fold in _folds(best.problem)]
 
 
 def _held_out(best: Fit, others: Sequence[Fit]) -> Errors | None:
     """Every drive's errors with the parameters that the others give; its clock is that of the ``best`` fit."""
     parts = []
-    for fold, rest in enumerate(others):
+    for fold, rest in zip(_folds(best.problem), others, strict=True):
         shared = rest.problem.shared(rest.unknowns)
-        drives = range(fold, len(best.offsets), _FOLDS)
-        parts += [drawn(best.problem, shared, best.offsets[index], index) for index in drives]
+        parts += [drawn(best.problem, shared, best.offsets[index], index) for index in fold]
     return _mean(parts) if parts else None
 
 
@@ -166,84 +221,3 @@ def _deviations(best: Fit, others: Sequence[Fit]) -> Reals:
     middle = np.sum(values * tells, axis=0) / np.maximum(1, np.sum(tells, axis=0))
     between = np.sqrt((len(others) - 1) * np.mean(tells * (values - middle) ** 2, axis=0))
     return np.asarray(np.maximum(inside, between))
-
-
-def _refuse_strangers(best: Fit, drives: Sequence[Drive], each: Each) -> None:
-    """UsageError where no parameters bring joints and truth together, with the reading of the columns of ``drives``, as
-    they were read, that would."""
-    if not _strange(best):
-        return
-    turned, reversed_ = best.rms[1] > _TURNED, _reversed(best)
-    hint = "do log and truth belong to one drive of this robot?"
-    for text, other in _readings(drives[:2]):
-        other_fit = _fitted(replace(best.problem, drives=other, scale=0.01), each)
-        better = reversed_ or other_fit.rms[turned] < _BETTER * best.rms[turned]
-        if better and not _strange(other_fit):
-            hint = f"they would agree with {text}"
-            break
-    if reversed_:
-        raise UsageError(f"log and truth agree only where {reversed_} has the other sign: {hint}")
-    if turned:
-        raise UsageError(
-            f"whatever the parameters are, headings stay {best.rms[1]:.2g} rad from the truth: {hint}"
-        )
-    raise UsageError(
-        f"whatever the parameters are, positions stay {best.rms[0]:.2g} m from the truth, which extends over "
-        f"{_extent(best):.2g} m: {hint}"
-    )
-
-
-def _strange(best: Fit) -> bool:
-    """Whether joints and truth stay so far apart that they cannot belong together, or a length had to be negative."""
-    return best.rms[0] > _FAR * _extent(best) or best.rms[1] > _TURNED or bool(_reversed(best))
-
-
-def _reversed(best: Fit) -> str:
-    """The parameters whose sign is not that of their nominal value, by far."""
-    rows = zip(
-        best.problem.increments.parameters, best.problem.nominal, best.values, best.deviations, strict=True
-    )
-    wrong = [
-        name for name, nominal, value, sigma in rows if value * nominal < 0 and abs(value) > _SURE * sigma
-    ]
-    return " and ".join(wrong)
-
-
-def _extent(best: Fit) -> float:
-    """How far [m] the truth extends along x or y; 0 where it has headings alone."""
-    every = [axis for drive in best.problem.drives for axis in (drive.truth.x, drive.truth.y)]
-    axes = [axis[np.isfinite(axis)] for axis in every]
-    return max((float(np.ptp(axis)) for axis in axes if len(axis)), default=0.0)
-
-
-def _readings(drives: Sequence[Drive]) -> Iterator[tuple[str, tuple[Drive, ...]]]:
-    """Mistakes that users make with columns, in words, and the drives without them."""
-    yield (
-        "theta of the truth in radians, which seems to be in degrees",
-        tuple(replace(d, truth=replace(d.truth, theta=np.radians(d.truth.theta))) for d in drives),
-    )
-    spins = [name for name in drives[0].columns if name.endswith(".spin")]
-    for a, b in combinations(spins, 2):
-        swapped = tuple(replace(d, columns={**d.columns, a: d.columns[b], b: d.columns[a]}) for d in drives)
-        yield f"the columns of {a} and {b} exchanged", swapped
-    for name in drives[0].columns:
-        yield (
-            f"{name} counted the other way",
-            tuple(replace(d, columns={**d.columns, name: -d.columns[name]}) for d in drives),
-        )
-    yield (
-        "x and y of the truth exchanged",
-        tuple(replace(d, truth=replace(d.truth, x=d.truth.y, y=d.truth.x)) for d in drives),
-    )
-    yield (
-        "theta of the truth counted the other way",
-        tuple(replace(d, truth=replace(d.truth, theta=-d.truth.theta)) for d in drives),
-    )
-    yield (
-        "x and y of the truth in metres, which seem to be in millimetres",
-        tuple(replace(d, truth=replace(d.truth, x=d.truth.x / 1000, y=d.truth.y / 1000)) for d in drives),
-    )
-    yield (
-        "angles of the joints in radians, which seem to be in degrees",
-        tuple(replace(d, columns={k: np.radians(v) for k, v in d.columns.items()}) for d in drives),
-    )

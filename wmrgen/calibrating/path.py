@@ -42,6 +42,7 @@ class Increments:
     sensitivity: Callable[
         [Reals], Reals
     ]  # of columns of all inputs: vx, vy, omega, and these by each parameter
+    disagreement: Callable[[Reals], Reals]  # of the same columns: `slip` of forward, and nothing else
 
     @staticmethod
     def of(forward: Function) -> Increments:
@@ -49,7 +50,15 @@ class Increments:
         names = [port.name for port in forward.inputs]
         joints = tuple(name for name in names if "." in name)
         parameters = tuple(name for name in names if "." not in name)
-        return Increments(joints, parameters, sensitivity(forward, ("vx", "vy", "omega"), joints, parameters))
+        twist = sensitivity(forward, ("vx", "vy", "omega"), joints, parameters)
+        slip = sensitivity(forward, ("slip",), (*joints, *parameters), ())
+        return Increments(joints, parameters, twist, slip)
+
+    def slip(self, columns: Mapping[str, Reals], values: Reals | Sequence[float]) -> Reals:
+        """What the joints disagree by in each step [m]; 0 where they tell no more than a twist."""
+        inputs = np.array([columns[name] for name in self.joints])
+        constant = np.repeat(np.asarray(values, dtype=float)[:, None], inputs.shape[1], axis=1)
+        return np.asarray(self.disagreement(np.vstack([inputs, constant]))[0])
 
     def __call__(self, columns: Mapping[str, Reals], values: Reals | Sequence[float]) -> Reckoning:
         """Displacement (vx + i vy) and turn of each step, as a path of single steps."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from math import degrees, isfinite, pi
+from math import degrees, isfinite, isnan, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -64,9 +64,12 @@ def _as_data(result: Calibration) -> dict[str, Any]:
         "rms": result.fit.rms[0],
         "rms_heading": result.fit.rms[1],
         "mount": dict(zip(("x", "y", "theta"), result.fit.mount, strict=True)),
-        "clock_offsets": {
-            d.name: o for d, o in zip(result.fit.problem.drives, result.fit.offsets, strict=True)
-        },
+        "clock_offsets": result.clocks,
+        "outliers": [
+            {name: None if isnan(value) else value for name, value in asdict(slip).items() if name != "drive"}
+            | {"drive": slip.drive}
+            for slip in result.outliers
+        ],
         "errors": {
             name: None if errors is None else asdict(errors)
             for name, errors in (
@@ -83,7 +86,8 @@ def _tell(derivation: Derivation, result: Calibration) -> None:
 
     drives = result.fit.problem.drives
     seconds = sum(float(d.t[-1] - d.t[0]) for d in drives)
-    console.result(f"{derivation.robot.name}: {len(drives)} drive{'s' * (len(drives) > 1)}, {seconds:.0f} s")
+    count = len(result.clocks)
+    console.result(f"{derivation.robot.name}: {count} drive{'s' * (count > 1)}, {seconds:.0f} s")
     width = max(map(len, result.parameters))
     for name, e in result.parameters.items():
         change = f" ({100 * (e.value / e.nominal - 1):+.2f} %)" if e.nominal else ""
@@ -106,9 +110,18 @@ def _tell(derivation: Derivation, result: Calibration) -> None:
             console.result(
                 f"  odometry {title}: {1000 * errors.position:.1f} mm and {degrees(errors.heading):.2f} deg (rms)"
             )
-    for drive, offset in zip(drives, result.fit.offsets, strict=True):
+    for name, offset in result.clocks.items():
         if abs(offset) > 0.02:
-            console.note(f"{drive.name}: the truth's clock is {offset:+.3f} s off")
+            console.note(f"{name}: the truth's clock is {offset:+.3f} s off")
+    for slip in result.outliers:
+        how = (
+            "its joints disagree"
+            if isnan(slip.moved)
+            else f"{slip.moved:.2g} m and {slip.turned:.2g} rad off"
+        )
+        console.note(
+            f"{slip.drive}: left out from t = {slip.start:.1f} to {slip.end:.1f} s, where wheels slip: {how}"
+        )
     if result.unobservable:
         choices = offers(result.fit.problem, derivation)
         never = blind(result.fit.problem, choices)

@@ -28,6 +28,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc"]
 myst_enable_extensions = ["dollarmath", "html_image"]
 myst_fence_as_directive = ["math"]
 myst_heading_anchors = 4
+default_role = "code"  # single backticks in docstrings
 autodoc_member_order = "bysource"
 # Bases and defaults as they are written; annotations are text of the signature.
 autodoc_preserve_defaults = True
@@ -40,6 +41,11 @@ html_theme = "furo"
 html_title = f"wmrgen {release}"
 html_show_copyright = False
 html_copy_source = False
+# Formulas by the KaTeX that reports have too, in the place of MathJax, which Sphinx would fetch.
+html_static_path = ["../templates/html/katex", "formulas.js"]
+html_css_files = ["katex.min.css"]
+mathjax_path = "katex.min.js"
+html_js_files = [("formulas.js", {"defer": "defer", "priority": 900})]
 
 
 def folders(app: Any, document: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 
 from tests.conftest import ROOT, Outcome
 from tests.packaging.blocks import NOTES, PAGES, Block, Session, blocks, matches
+from tests.pages.katex import mistakes
 from tests.tools import need
 
 Cli = Callable[..., Outcome]
@@ -72,6 +74,18 @@ def test_a_wrong_block_is_seen(
         pytest.skip("no C compiler")
     with pytest.raises(Exception):  # noqa: B017 - of many kinds
         session(tmp_path, wmrgen_cli, monkeypatch).run(block)
+
+
+@pytest.mark.slow
+def test_every_formula_is_one_to_katex() -> None:
+    """Between dollars, too, which those of generated/ are not."""
+    need("node")
+    texts = [re.sub(r"^```(?!math).*?^```$", "", p.read_text("utf-8"), flags=re.M | re.S) for p in PAGES]
+    texts.append((ROOT / "generated" / "errata.md").read_text(encoding="utf-8"))
+    displayed = [f for text in texts for f in re.findall(r"^```math\n(.*?)^```$", text, re.M | re.S)]
+    inline = [f for text in texts for f in re.findall(r"(?<![`\w])\$`?([^$\n]+?)`?\$(?![`\w])", text)]
+    assert len(displayed) > 80 and len(inline) > 200
+    assert mistakes(displayed + inline) == [] and mistakes([r"\foo"]) != []
 
 
 def test_dots_stand_for_anything() -> None:

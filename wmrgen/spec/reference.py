@@ -72,14 +72,14 @@ def _units() -> Iterator[str]:
 
 
 def _table(section: Section) -> Iterator[str]:
-    yield "| key | value | when not given | such as | refused | meaning |"
+    yield "| key | meaning | value | when not given | such as | refused |"
     yield "|---|---|---|---|---|---|"
     for f in section.fields:
         spelled = " or ".join(f"`{word}`" for word in f.spellings)
         right, (wrong, code) = example(f), mistake(f)
         cells = (
-            _in_words(f.value), _default(section, f), f"`{right}`", f"`{wrong}` ([{code}](lint.md#{code.lower()}))",
-            f.meaning,
+            f.meaning, _in_words(f.value), _default(section, f), f"`{right}`",
+            f"`{wrong}` ([{code}](lint.md#{code.lower()}))",
         )  # fmt: skip
         yield f"| {spelled} | {' | '.join(cells)} |"
 

@@ -45,7 +45,7 @@ generate: setup
 
 # docs/, README and the reports as a site, build/docs/docs/index.html.
 docs: $(VENV)/.docs
-	$(BIN)/python -m sphinx -q -n -W --keep-going -b html -c docs . build/docs
+	$(BIN)/python -m sphinx -q -n -W --keep-going -j auto -b html -c docs . build/docs
 
 $(VENV)/.docs: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,docs]'

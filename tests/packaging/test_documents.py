@@ -17,6 +17,7 @@ DOCUMENTS = (
     *(p for p in sorted(ROOT.glob("*.md"))),
     *sorted((ROOT / "docs").glob("*.md")),
     ROOT / "tests" / "README.md",
+    ROOT / "examples" / "README.md",
     *sorted((ROOT / "generated").rglob("*.md")),
 )
 SHOWN = "\n".join((ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "docs/commands.md"))

@@ -21,7 +21,14 @@ project = "wmrgen"
 version = release
 language = "en"
 root_doc = "docs/index"
-include_patterns = ["docs/**", "*.md", "tests/README.md", "examples/README.md", "generated/*.md", "generated/*/*.md"]
+include_patterns = [
+    "docs/**",
+    "*.md",
+    "tests/README.md",
+    "examples/README.md",
+    "generated/*.md",
+    "generated/*/*.md",
+]
 exclude_patterns = [".*", "build", "dist", "tests/*/**", "docs/conf.py"]
 
 extensions = ["myst_parser", "sphinx.ext.autodoc"]

@@ -24,8 +24,11 @@ def seen(page: str, script: str, folder: Path, size: tuple[int, int] = (1200, 90
     browser = next((path for name in _BROWSERS if (path := find_tool(name))), None) or missing("no Chromium")
     text = f"document.title = JSON.stringify((() => {{ {script} }})());"
     digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
-    assert page.count("script-src ") == 1
-    page = page.replace("script-src ", f"script-src 'sha256-{digest}' ")
+    assert page.count("default-src 'none';") == 1
+    own, none = f"script-src 'sha256-{digest}'", "default-src 'none';"
+    page = (
+        page.replace("script-src", own, 1) if "script-src" in page else page.replace(none, f"{none} {own};")
+    )
     path = folder / "page.html"
     path.write_text(page.replace("</body>", f"<script>{text}</script></body>"), encoding="utf-8")
     root = ["--no-sandbox"] if os.geteuid() == 0 else []

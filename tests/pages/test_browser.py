@@ -86,6 +86,19 @@ def test_a_console_error_is_seen(tmp_path: Path) -> None:
     assert result == "x" and len(console) == 1 and "Content Security Policy" in console[0]
 
 
+def test_the_gallery(tmp_path: Path) -> None:
+    generated = ROOT / "generated"
+    for path in generated.glob("*/layout.svg"):
+        (tmp_path / path.parent.name).mkdir()
+        (tmp_path / path.parent.name / path.name).write_bytes(path.read_bytes())
+    script = """
+    const images = [...document.images];
+    images.forEach((image) => image.loading = "eager");
+    window.onload = () => document.title = JSON.stringify(images.filter((image) => image.naturalWidth > 0).length);"""
+    result, console = seen((generated / "index.html").read_text(encoding="utf-8"), script, tmp_path)
+    assert (result, console) == (len(GALLERY), [])
+
+
 def test_a_moved_slider_moves_the_picture(
     reports: list[Report], derivations: dict[str, Derivation], tmp_path: Path
 ) -> None:

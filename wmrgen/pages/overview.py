@@ -23,7 +23,7 @@ def overview(directory: Path) -> dict[str, bytes]:
     if not models:
         return {}
     texts = (
-        render(f"html/{name}.j2", robots=[_row(model, how) for model in models])
+        render(f"html/{name}.j2", robots=[_row(model, how, directory) for model in models])
         for name, how in zip(PAGES, (escape, html_escape), strict=True)
     )
     return dict(zip(PAGES, (text.encode() for text in texts), strict=True))
@@ -39,10 +39,10 @@ def _model(path: Path) -> dict[str, Any]:
     return model if whole and (path.parent / _PICTURE).is_file() else {}
 
 
-def _row(model: Mapping[str, Any], quoted: Any) -> dict[str, Any]:
+def _row(model: Mapping[str, Any], quoted: Any, directory: Path) -> dict[str, Any]:
     """What the pages show of a robot, texts ``quoted`` for their language."""
     kind: Sequence[int] | None = model["robot_type"]
-    costs = model["operations"]
+    costs, html = model["operations"], f"{model['name']}/report.html"
     return {
         "name": model["name"],
         "title": quoted(model["name"]),
@@ -52,5 +52,6 @@ def _row(model: Mapping[str, Any], quoted: Any) -> dict[str, Any]:
         "holonomic": "holonomic" if model["holonomic"] else "nonholonomic",
         "wheels": len(model["wheels"]),
         "costs": [sum(costs[name].values()) if name in costs else "—" for name in _COUNTED],
+        "report": html if (directory / html).is_file() else f"{model['name']}/report.md",
         "picture": f"{model['name']}/{_PICTURE}",
     }

@@ -195,7 +195,7 @@ def test_the_path_is_the_arc_of_the_twist(name: str) -> None:
     if shown is None:
         return
     _, (_, scale, (px, py)) = panels(page(name, "motion.svg"))
-    paths = [e for e in of_class(page(name, "motion.svg"), "path") if e.tag == f"{SVG}polyline"]
+    paths = [e for e in of_class(page(name, "motion.svg"), "course") if e.tag == f"{SVG}polyline"]
     if not paths:
         return
     on = np.array(points(paths[0]))

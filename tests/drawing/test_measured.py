@@ -19,8 +19,9 @@ for (const place of document.querySelectorAll("[data-figure]")) {
   const page = place.querySelector("svg").getBoundingClientRect();
   result[place.dataset.figure] = [...place.querySelectorAll("text")].map((text) => {
     const box = text.getBoundingClientRect();
-    return [text.textContent, text.getAttribute("class"), box.left - page.left, box.top - page.top,
-            box.right - page.left, box.bottom - page.top, page.width, page.height];
+    const pixel = page.width / place.querySelector("svg").viewBox.baseVal.width;
+    const sides = [box.left - page.left, box.top - page.top, box.right - page.left, box.bottom - page.top];
+    return [text.textContent, text.getAttribute("class"), ...[...sides, page.width, page.height].map((v) => v / pixel)];
   });
 }
 return result;

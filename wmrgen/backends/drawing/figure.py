@@ -11,7 +11,7 @@ from wmrgen.backends.drawing.view import View
 from wmrgen.render import render
 from wmrgen.wheels import WHEEL_TYPES
 
-WIDTH = 480.0  # of every figure: at 400 px words are 10 px high
+WIDTH, SHOWN = 480.0, 420.0  # of every figure, and how wide it is shown: two side by side, words 10.5 px high
 Group = tuple[str, Sequence[str]]  # attributes and elements
 
 
@@ -27,7 +27,8 @@ class Figure:
 def figure(file: str, alt: str, height: float, groups: Iterable[Group]) -> Figure:
     """The figure of finished elements."""
     svg = render(
-        "drawing/figure.svg.j2", width=num(WIDTH), height=num(height), title=escape(alt), groups=list(groups),
+        "drawing/figure.svg.j2", width=num(WIDTH), height=num(height), title=escape(alt),
+        shown_width=num(SHOWN), shown_height=num(height * SHOWN / WIDTH), groups=list(groups),
         fills=[(name, kind.glyph.fill) for name, kind in WHEEL_TYPES.items()],
     )  # fmt: skip
     return Figure(file, alt, svg)

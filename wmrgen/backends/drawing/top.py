@@ -33,17 +33,17 @@ if TYPE_CHECKING:
     from wmrgen.robot import Derivation
 
 FILE = "layout.svg"
-_TALL, _SIDE, _EDGE = 290.0, 84.0, 36.0
+_TALL, _SIDE, _EDGE, _TYRE = 290.0, 84.0, 36.0, 48.0
 
 
 def top_view(derivation: Derivation) -> Figure:
     """``layout.svg``"""
     robot = derivation.robot
     trailers = train(derivation)
-    r = 2.5 * max(float(w.nominal.r) for w in robot.wheels)  # a lone wheel does not fill the page
-    points = [p for w in robot.wheels for p in extremes(w, w.heading)] + [(-r, -r), (r, r), (0.0, 0.0)]
+    points = [p for w in robot.wheels for p in extremes(w, w.heading)] + [(0.0, 0.0)]
     points += [axle for *_, axle in trailers]
-    view = fitted(points, (_SIDE, _EDGE, WIDTH - _SIDE, _TALL))
+    largest = max(float(w.nominal.r) for w in robot.wheels)
+    view = fitted(points, (_SIDE, _EDGE, WIDTH - _SIDE, _TALL), most=_TYRE / largest)
     top, bottom = bounds([view.on(p) for p in points])[1::2]
     view = View(view.scale, (view.origin[0], view.origin[1] + _EDGE - top))
     height = bottom - top + 2 * _EDGE
@@ -51,6 +51,7 @@ def top_view(derivation: Derivation) -> Figure:
     paper = Paper((4.0, 4.0, WIDTH - 4.0, height + 30.0))
     axes = min(34.0, max(18.0, 0.12 * height))
     signs = frame(view, ("x", "y", "P"), paper, axes)
+    _occupy(wheels, paper)
     sizes = dimensions(robot, wheels, view, paper, height - 14.0, axes)
     height += 26.0
     kinds = [kind for name, kind in WHEEL_TYPES.items() if any(w.type == name for w in robot.wheels)]
@@ -78,13 +79,17 @@ def _group(p: Placed) -> Group:
     return attributes, [text((0, 0), f"{name}: {kind}", "").replace("text", "title"), *body(p)]
 
 
-def _names(wheels: list[Placed], paper: Paper) -> list[str]:
-    """Names of all wheels, clear of what is drawn."""
+def _occupy(wheels: list[Placed], paper: Paper) -> None:
+    """Keep words off what is drawn of wheels."""
     for p in wheels:
         paper.boxes.append(p.box)
         if p.wheel.has_spin:
             paper.boxes.append(bounds([along(p.centre, p.ahead, p.half[0]), p.nose], 3))
         if p.wheel.turns:
             paper.boxes.append(bounds([p.pivot], 4))
+
+
+def _names(wheels: list[Placed], paper: Paper) -> list[str]:
+    """Names of all wheels, clear of what is drawn."""
     away = middle(bounds([p.centre for p in wheels]))
     return [e for p in wheels for e in paper.put(p.wheel.name, p.reach, away)]

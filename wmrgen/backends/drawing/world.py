@@ -73,7 +73,7 @@ def _path(path: list[Point], icr: Point | None, view: View, paper: Paper) -> lis
         elements += [line(icr, first, "help"), line(icr, last, "help"), *icr_mark(icr)]
         elements += paper.put("ICR", bounds([icr], 6), first)
     if distance(first, last) > 6:
-        elements += [lines(path, "path"), *arrow(path[-3], last, "path", 4.5)[1:]]
+        elements += [lines(path, "course"), *arrow(path[-3], last, "course", 4.5)[1:]]
     for p, other in ((first, last), (last, first)):
         elements += [circle(p, 2.2, "dot"), *paper.put("P", bounds([p], 4), other, "letter")]
     return elements

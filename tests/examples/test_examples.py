@@ -10,7 +10,7 @@ import pytest
 
 from examples import by_hand, car, car_acados, skid_steer, swerve, trailers
 from examples.model import Model, generated
-from examples.mpc import OPTIONS, off_course
+from examples.mpc import OPTIONS, off_course, rk4
 
 MOST = 0.005  # m off the course
 SOLVERS = pytest.mark.parametrize("solver", OPTIONS)
@@ -40,6 +40,25 @@ def test_the_model_is_what_one_types_by_hand(name: str) -> None:
             assert (a is None) == (b is None)
             if a is not None and b is not None:
                 np.testing.assert_allclose(a(x, u, ours.p), b(x, u, ours.p), rtol=1e-12, atol=1e-12)
+
+
+def operations(m: Model) -> int:
+    """Of a step of a model with its first and second derivatives, as a solver evaluates them."""
+    x, u, weights = (
+        ca.SX.sym(name, n) for name, n in (("x", len(m.state)), ("u", len(m.inputs)), ("w", len(m.state)))
+    )
+    both, after = ca.vertcat(x, u), rk4(m.ode, 0.1)(x, u, list(m.p))
+    second = ca.triu(ca.hessian(ca.dot(weights, after), both)[0])
+    return int(
+        ca.Function("all", [both, weights], [after, ca.jacobian(after, both), second]).n_instructions()
+    )
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_a_solver_computes_no_more_with_it(name: str) -> None:
+    read, typed = MODELS[name]
+    ours = read()
+    assert operations(ours) <= 1.05 * operations(typed(ours))
 
 
 def test_the_car_begins_well() -> None:

@@ -52,12 +52,13 @@ class System:
         pairs = [(field, signal(u.name)) for field, u in zip(self.fields, self.inputs, strict=True)]
         return tuple(add(*(times(field[i], u) for field, u in pairs)) for i in range(len(self.state)))
 
-    def formula(self) -> Formula:
-        """State and inputs to the rates of the state. Where a divisor of the model vanishes its quotient reads 0."""
+    def formula(self, guards: bool = True) -> Formula:
+        """State and inputs to the rates of the state. Where a divisor of the model vanishes its quotient reads 0, but
+        without ``guards``, which cost an optimiser time."""
         names = Locals()
         memo: dict[Expr, Expr] = {}
         outputs = tuple(
-            (rate_port(port), guarded(rate, names, memo))
+            (rate_port(port), guarded(rate, names, memo) if guards else rate)
             for port, rate in zip(self.state, self.rates, strict=True)
         )
         inputs = (*self.state, *self.inputs, *self.geometry)

@@ -64,7 +64,7 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
         system.state,
         inputs,
         system.geometry,
-        _commanded(system.formula(), following),
+        _commanded(system.formula(guards=False), following),
         rolling and _commanded(rolling, following),
         {port.name: _bounds(robot, port.name) for port in (*system.state, *inputs)},
     )

@@ -240,16 +240,13 @@ def ode(x, u, p=NOMINAL):
     """
     x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
     shape = _vectors(x=x, u=u, p=p)
-    _t0 = np.cos(x[..., 3])
-    _t1 = np.where(np.abs(_t0) < 1e-09, np.copysign(1e-09, _t0), _t0)
-    _t2 = np.where(np.abs(_t0) < 1e-09, 0.0, 1.0 / _t1)
-    _t3 = _t2 * np.sin(x[..., 3])
-    _t4 = 0.09 * _t3 + 0.3
+    _t0 = np.sin(x[..., 3]) / np.cos(x[..., 3])
+    _t1 = 0.09 * _t0 + 0.3
     return np.stack(
         [
-            np.broadcast_to(_t4 * np.cos(x[..., 2]) * u[..., 0], shape),
-            np.broadcast_to(u[..., 0] * (_t4 * np.sin(x[..., 2])), shape),
-            np.broadcast_to(0.12 * (_t3 * u[..., 0]), shape),
+            np.broadcast_to(_t1 * np.cos(x[..., 2]) * u[..., 0], shape),
+            np.broadcast_to(u[..., 0] * (_t1 * np.sin(x[..., 2])), shape),
+            np.broadcast_to(0.12 * (_t0 * u[..., 0]), shape),
             np.broadcast_to(u[..., 1], shape),
         ],
         -1,

@@ -226,15 +226,12 @@ def ode(x, u, p=NOMINAL):
     x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
     shape = _vectors(x=x, u=u, p=p)
     _t0 = 0.34 * u[..., 0]
-    _t1 = np.cos(x[..., 3])
-    _t2 = np.where(np.abs(_t1) < 1e-09, np.copysign(1e-09, _t1), _t1)
-    _t3 = np.where(np.abs(_t1) < 1e-09, 0.0, 1.0 / _t2)
-    _t4 = 0.3090909090909091 * (u[..., 0] * (_t3 * np.sin(x[..., 3])))
+    _t1 = u[..., 0] * (np.sin(x[..., 3]) / np.cos(x[..., 3]))
     return np.stack(
         [
             np.broadcast_to(np.cos(x[..., 2]) * _t0, shape),
             np.broadcast_to(_t0 * np.sin(x[..., 2]), shape),
-            np.broadcast_to(_t4, shape),
+            np.broadcast_to(0.3090909090909091 * _t1, shape),
             np.broadcast_to(u[..., 1], shape),
         ],
         -1,

@@ -330,15 +330,12 @@ def ode(x, u, p=NOMINAL):
     """
     x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
     shape = _vectors(x=x, u=u, p=p)
-    _t0 = np.cos(x[..., 3])
-    _t1 = np.where(np.abs(_t0) < 1e-09, np.copysign(1e-09, _t0), _t0)
-    _t2 = np.where(np.abs(_t0) < 1e-09, 0.0, 1.0 / _t1)
-    _t3 = 0.7142857142857143 * (u[..., 0] * (_t2 * np.sin(x[..., 3])))
+    _t0 = u[..., 0] * (np.sin(x[..., 3]) / np.cos(x[..., 3]))
     return np.stack(
         [
             np.broadcast_to(np.cos(x[..., 2]) * u[..., 0], shape),
             np.broadcast_to(u[..., 0] * np.sin(x[..., 2]), shape),
-            np.broadcast_to(_t3, shape),
+            np.broadcast_to(0.7142857142857143 * _t0, shape),
             np.broadcast_to(u[..., 1], shape),
         ],
         -1,

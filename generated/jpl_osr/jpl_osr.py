@@ -296,16 +296,14 @@ def ode(x, u, p=NOMINAL):
     x, u, p = (np.asarray(values, dtype=np.float64) for values in (x, u, p))
     shape = _vectors(x=x, u=u, p=p)
     _t0 = np.cos(x[..., 3])
-    _t1 = 0.021024 * (_t0 * _t0) + 0.075076
-    _t2 = np.where(np.abs(_t1) < 1e-09, np.copysign(1e-09, _t1), _t1)
-    _t3 = np.where(np.abs(_t1) < 1e-09, 0.0, 1.0 / np.sqrt(_t2))
-    _t4 = _t3 * np.sin(x[..., 3])
-    _t5 = 0.02325 * (_t0 * _t3) - 0.013275 * _t4
+    _t1 = 1.0 / np.sqrt(0.021024 * (_t0 * _t0) + 0.075076)
+    _t2 = _t1 * np.sin(x[..., 3])
+    _t3 = 0.02325 * (_t0 * _t1) - 0.013275 * _t2
     return np.stack(
         [
-            np.broadcast_to(_t5 * np.cos(x[..., 2]) * u[..., 0], shape),
-            np.broadcast_to(u[..., 0] * (_t5 * np.sin(x[..., 2])), shape),
-            np.broadcast_to((-0.075) * (_t4 * u[..., 0]), shape),
+            np.broadcast_to(_t3 * np.cos(x[..., 2]) * u[..., 0], shape),
+            np.broadcast_to(u[..., 0] * (_t3 * np.sin(x[..., 2])), shape),
+            np.broadcast_to((-0.075) * (_t2 * u[..., 0]), shape),
             np.broadcast_to(u[..., 1], shape),
         ],
         -1,

@@ -6,9 +6,10 @@ textbook library, a package of its own beside this one.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from importlib import import_module
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import wmrgen
@@ -136,9 +137,17 @@ def _summary(derivation: Derivation, written: Written, out: Path, alone: bool) -
             console.result(f"    {line}".rstrip())
     files = written.changed + written.unchanged
     state = f"{len(written.changed)} new or changed" if written.changed else "all up to date"
-    console.result(f"  {(out / name).as_posix()}/ ({state}): {' '.join(sorted(files))}")
+    console.result(f"  {(out / name).as_posix()}/ ({state}): {_listed(files)}")
     for file in written.removed:
         console.note(f"{name}: removed {file}, which is no longer produced")
+
+
+def _listed(files: Sequence[str]) -> str:
+    """Names of files; where more than four end alike, how many they are."""
+    endings = [PurePosixPath(file).suffix for file in files]
+    count = Counter(endings)
+    words = {f"*{e} ({count[e]})" if count[e] > 4 else file for file, e in zip(files, endings, strict=True)}
+    return " ".join(sorted(words))
 
 
 def check(robots: Sequence[Path] | None, out: Path, as_json: bool) -> int:

@@ -110,6 +110,7 @@ def test_every_operation_at_the_ends_of_numbers() -> None:
                 )
 
 
+@pytest.mark.slow
 def test_the_package(wmrgen_cli: Cli, robot_file: Path) -> None:
     need("node")
     text = robot_file.read_text()
@@ -134,6 +135,7 @@ def test_the_package(wmrgen_cli: Cli, robot_file: Path) -> None:
     assert wmrgen_cli("check", robot_file, "-o", out).code == 0
 
 
+@pytest.mark.slow
 def test_words_of_javascript(wmrgen_cli: Cli, robot_file: Path) -> None:
     """Its keywords may be names; a tunable parameter that every object has would hide its nominal value."""
     need("node")

@@ -149,6 +149,15 @@ def _as_numpy_says(d: Derivation, what: str, before: dict[str, Any], after: dict
         assert [float(v) for v in before["icr"][:2]] == pytest.approx(
             [-vy / omega, vx / omega], rel=1e-6, abs=1e-9
         )
+        if before["slip"] < 1e-9:  # the picture alone: every zero-motion line goes through the ICR
+            icr = complex(-vy / omega, vx / omega)
+            for wheel in (w for w in d.robot.wheels if w.kind.sliding_row and not w.kind.swivels):
+                x, y, turned = _transform(before["wheels"][wheel.name])
+                ahead = np.exp(1j * turned)
+                contact = complex(x, y) + ahead * complex(float(wheel.nominal.d), float(wheel.nominal.o))
+                assert ((icr - contact) * ahead.conjugate()).real == pytest.approx(
+                    0, abs=1e-7 * (1 + abs(icr))
+                )
     # The pose by the exponential of the twist, which no odometry is asked for. Castors turn during the step, a robot
     # that goes by their angles then drives another twist.
     still = expm(0.5 * np.array([[0, -omega, vx], [omega, 0, vy], [0, 0, 0]]))

@@ -64,7 +64,11 @@ def _body(report: Report, ids: set[str]) -> str:
     texts = {name: html(report.files[name].decode(), figures, ids) for name in chapters}
     for name, place in chapters.items():  # links between them stay in the page
         texts = {key: text.replace(f'href="{name}"', f'href="#{place}"') for key, text in texts.items()}
-    return "\n".join(f'<section id="{chapters[key]}">\n{text}</section>' for key, text in texts.items())
+    parts = {key: f'<section id="{chapters[key]}">\n{text}</section>' for key, text in texts.items()}
+    return "\n".join(
+        part if key == REPORT else f"<details><summary>{key.removesuffix('.md')}</summary>\n{part}</details>"
+        for key, part in parts.items()
+    )
 
 
 def _document(title: str, bodies: Sequence[str], live: str, version: str, driven: bool) -> str:

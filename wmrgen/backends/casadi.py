@@ -10,6 +10,7 @@ points where they have no derivative; there the derivative given is 0.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -159,12 +160,24 @@ def _ode_of(model: ca.Function) -> ca.Function:
 
 
 def _exact(model: ca.Function, odometry: ca.Function, vectors: Sequence[ca.SX], dt: float) -> ca.SX:
-    """x y theta by odometry, which is exact where the twist is constant; what else there is by its rate."""
+    """x y theta by odometry, which is exact where the twist is constant; what else there is by a constant rate or by
+    one that falls off at first order."""
     x, u, p = vectors
-    body = model(ca.vertcat(x[:2], 0, x[3:]), u, p)  # at heading 0 the world's axes are the robot's
-    if any(ca.which_depends(body[:3], x[3:], 1, True)):
-        raise UsageError(
-            "the exact step needs a twist that the inputs alone decide: form twist, or rk4, collocation"
-        )
+    rest = x[3:]
+    body = model(ca.vertcat(x[:2], 0, rest), u, p)  # at heading 0 the world's axes are the robot's
+    decay = ca.jacobian(body[3:], rest)
+    if any(ca.which_depends(body[:3], rest, 1, True)) or decay.nnz() != ca.diag(ca.diag(decay)).nnz():
+        raise UsageError(_NOT_EXACT)
+    if any(ca.which_depends(ca.vertcat(model(x, u, p)[3:], ca.diag(decay)), x[:3], 1, True)) or ca.symvar(
+        decay
+    ):
+        raise UsageError(_NOT_EXACT)
     pose = odometry(x[0], x[1], x[2], body[0], body[1], body[2], dt)
-    return ca.vertcat(*pose, x[3:] + dt * body[3:])
+    per_rate = [dt if k == 0 else math.expm1(k * dt) / k for k in ca.evalf(ca.diag(decay)).full().ravel()]
+    return ca.vertcat(*pose, rest + ca.DM(per_rate) * body[3:])
+
+
+_NOT_EXACT = (
+    "the exact step needs a twist that the inputs alone decide, and no angles that follow the motion: form twist, or "
+    "rk4, collocation"
+)

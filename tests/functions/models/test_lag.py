@@ -70,6 +70,19 @@ def test_a_step_of_the_command_is_answered_by_an_exponential(
     assert derivation.numpy().INPUTS == ("rear.spin", "front.steer_command")
 
 
+def test_the_exact_step_takes_the_lag_in(tmp_path: Path) -> None:
+    """Twist form: the angle falls off exactly over a step of seconds; its limits and that of its rate are told."""
+    derivation = car(tmp_path, "lag: {steer: 150 ms}")
+    step = derivation.state_space("twist", "exact", 0.4)
+    after, a, b, _ = step([1, 2, 0.3, 0.1], [0.0, 0.0, 0.5], [1.1])
+    assert after.full().ravel() == pytest.approx([1, 2, 0.3, 0.5 - 0.4 * exp(-0.4 / 0.15)], abs=1e-15)
+    assert float(a[3, 3]) == pytest.approx(exp(-0.4 / 0.15)) and float(b[3, 2]) == pytest.approx(
+        1 - exp(-0.4 / 0.15)
+    )
+    steer = derivation.model()["state_space"]["x"][3]
+    assert (steer["rate_lower"], steer["rate_upper"]) == (-2, 2)
+
+
 def test_without_lag_the_rate_is_the_input(tmp_path: Path) -> None:
     space = car(tmp_path).default_state_space
     assert space is not None

@@ -177,6 +177,29 @@ def test_a_step_is_many_small_ones(name: str, kind: str) -> None:
         assert b[:, index] == pytest.approx((high - low) / 2e-6, abs=1e-7)
 
 
+def test_a_trailer_has_no_exact_step(tmp_path: Path) -> None:
+    """Its angle follows the motion, though the inputs alone decide the twist; a wheel's angle does not."""
+    text = """\
+wmrgen: 1
+name: pulled
+trailers: [{length: 0.8, hitch: 0.3}]
+wheels:
+  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0, y: -0.3, heading: 0, r: 0.1}
+"""
+    (tmp_path / "pulled.yaml").write_text(text)
+    derivation = wmrgen.derive(wmrgen.load(tmp_path / "pulled.yaml"))
+    with pytest.raises(UsageError, match="rk4"):
+        derivation.state_space("trailer", "exact", 0.1)
+    after = derivation.state_space("configuration", "exact", 2.0)([0, 0, 0, 1, 2], [3, -4], [])[0]
+    assert after.full().ravel()[3:] == pytest.approx([7, -6])
+
+
+def test_rates_of_inputs_are_bounded_as_the_file_says() -> None:
+    vx, *_, steer_rate = derivation_of("wpilib_swervebot").model()["state_space"]["u"]
+    assert (vx["rate_lower"], vx["rate_upper"]) == (-9, 9) and "rate_lower" not in steer_rate
+
+
 def test_a_step_of_no_known_kind_is_refused() -> None:
     with pytest.raises(UsageError, match="exact, rk4 or collocation"):
         derivation_of("lekiwi").state_space(discrete="euler", dt=0.1)

@@ -28,7 +28,7 @@ ROLLING_ALONE = "wheels slide, as they do in every curve"
 class StateSpace:
     """``rates``: ``state``, ``inputs`` and parameters (``geometry``) to the rates of the state, in this order;
     ``constraints``: the same to what has to be 0, None where nothing has to; ``bounds``: low and high by contract
-    name; ``text``: which model it is; ``singular``: where it does not hold."""
+    name, of its rate as ``<name>_rate``; ``text``: which model it is; ``singular``: where it does not hold."""
 
     form: str
     text: str
@@ -66,7 +66,11 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
         system.geometry,
         _commanded(system.formula(guards=False), following),
         rolling and _commanded(rolling, following),
-        {port.name: _bounds(robot, port.name) for port in (*system.state, *inputs)},
+        {
+            name: _bounds(robot, name)
+            for port in (*system.state, *inputs)
+            for name in (port.name, f"{port.name}_rate")
+        },
     )
 
 
@@ -163,5 +167,10 @@ def data(space: StateSpace) -> dict[str, Any]:
 
 def _entries(space: StateSpace, ports: Iterable[Port]) -> Iterable[dict[str, Any]]:
     for port in ports:
-        low, high = (None if abs(v) == inf else v for v in space.bounds[port.name])
-        yield {"name": port.name, "unit": port.unit, "lower": low, "upper": high}
+        low, high, *rate = (
+            None if abs(v) == inf else v
+            for name in (port.name, f"{port.name}_rate")
+            for v in space.bounds[name]
+        )
+        rates = {} if rate == [None, None] else {"rate_lower": rate[0], "rate_upper": rate[1]}
+        yield {"name": port.name, "unit": port.unit, "lower": low, "upper": high, **rates}

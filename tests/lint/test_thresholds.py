@@ -51,6 +51,18 @@ def polar(alpha: str, head: str = "") -> str:
         (differential("track_width/2", head="parameters: {track_width: 0.4}\n"), []),
         (differential(r="wheel_diameter", head="parameters: {wheel_diameter: 0.2}\n"), ["WMR005", "WMR005"]),
         (differential(r="wheel_diameter/2", head="parameters: {wheel_diameter: 0.2}\n"), []),
+        (differential().replace("r: 0.1}", "r: 0.1}   # wheel diameter 100 mm"), ["WMR005", "WMR005"]),
+        (differential().replace("r: 0.1}", "r: 0.1}   # diameter 200 mm, / 2"), []),
+        (differential().replace("r: 0.1}", "r: 0.1}   # radius, not diameter"), []),
+        (differential(head="description: Track 0.2 m, diameter 20 cm\n"), ["WMR005"]),
+        (differential(head="description: Track 200 mm and dia. 0.1\n"), ["WMR005", "WMR005", "WMR005"]),
+        (differential(head="description: Track 0.4 m, half track 0.2 m, wheelbase 0\n"), []),
+        (differential().replace("y: 0.2,", "y: 0.4,"), ["WMR005"]),
+        (differential().replace("y: 0.2,", "y: 0.39,"), []),
+        (differential().replace("r: 0.1}", "r: 0.2}", 1), ["WMR005"]),
+        (differential().replace("r: 0.1}", "r: 0.19}", 1), []),
+        (differential(r="0.41"), ["WMR005"]),
+        (differential(r="0.39"), []),
         (differential(x="-0.05"), ["WMR014"]),
         (differential(x="-0.0"), []),
         (differential(heading="pi"), []),  # both backwards: not against each other
@@ -58,6 +70,23 @@ def polar(alpha: str, head: str = "") -> str:
 )  # fmt: skip
 def test_differential_drives(text: str, expected: list[str], tmp_path: Path) -> None:
     assert sorted(codes(tmp_path / "robot.yaml", text)) == expected
+
+
+@pytest.mark.parametrize(
+    ("comment", "expected"),
+    [
+        ("diameter", 2),
+        ("wheel diameter", 2),
+        ("Ø", 2),
+        ("half the diameter", 0),
+        ("radius", 0),
+        ("Ø 200 mm", 0),
+    ],
+)
+def test_a_comment_beside_a_radius_alone(comment: str, expected: int, tmp_path: Path) -> None:
+    one = "  - name: {}\n    type: fixed\n    x: 0\n    y: {}\n    heading: 0\n    r: 0.1   # {}\n"
+    text = "wheels:\n" + one.format("left", "0.2", comment) + one.format("right", "-0.2", comment)
+    assert codes(tmp_path / "robot.yaml", text) == ["WMR005"] * expected
 
 
 @pytest.mark.parametrize(

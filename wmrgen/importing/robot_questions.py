@@ -136,5 +136,5 @@ def _castor(robot: Robot, c: Candidate) -> tuple[str, tuple[str, ...]]:
 
 
 def _on_a_line(places: Sequence[tuple[Fraction, Fraction]]) -> bool:
-    (x0, y0), (x1, y1), *rest = places
+    (x0, y0), (x1, y1), *rest = (*places, *places) if len(places) == 1 else places
     return all(abs((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) < _STRAIGHT for x, y in rest)

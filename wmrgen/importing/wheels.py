@@ -39,11 +39,11 @@ _TURN = Fraction(6)  # [rad] a range of steering angles beyond which it is not o
 def import_wheels(description: Description, base: str | None = None, forward: str | None = None) -> Imported:
     """The wheels of a description in the frame of its link ``base``, turned so that its direction ``forward`` is x.
 
-    RobotFileError where there are fewer than two.
+    RobotFileError where there is none, or one that nothing drives: it may be anything that turns.
     """
     robot = Robot(description, base_link(description, base), DIRECTIONS[forward or "x"])
     wheels = candidates(robot)
-    if len(wheels) < 2:
+    if len(wheels) < 2 and not any(c.shape and not c.doubt and _actuated(robot, c) for c in wheels):
         raise refuse(
             "1 joint is a wheel" if len(wheels) == 1 else f"{len(wheels)} joints are wheels",
             " ".join(

@@ -1,4 +1,4 @@
-"""Numbers that were likely meant otherwise: degrees without their unit, millimetres, diameters, full tracks."""
+"""Numbers that were likely meant otherwise: degrees without their unit, millimetres, sizes that do not go together."""
 
 from __future__ import annotations
 
@@ -15,11 +15,6 @@ LARGEST, APART = 20.0, 100.0  # of a robot [m]; the largest of its sizes over th
 FASTEST = 10 * tau  # a body that turns faster is no robot [rad/s]
 _ANGLES = ("alpha", "beta", "heading", "gamma")
 _UNIT = re.compile(r"deg|rad|°|pi|π|/s")
-_SPANS = {
-    "x": re.compile(r"(wheel_?)?base(?!_?(radius|link))|length"),
-    "y": re.compile(r"track|width|separation|gauge"),
-}
-_CLOSE = 1e-6
 ROUNDED = 2e-3  # a turn written as 6.28 or 6.2832 [rad]
 
 
@@ -152,47 +147,6 @@ def sizes(subject: Subject) -> Iterator[Finding]:
     if extent and not odd and not 1 / APART < usual / extent < APART:
         what = f"wheels of a radius of {usual:.4g} m stand {extent:.4g} m apart"
         yield Finding(subject.mark(wheels[0]), what, "Write the unit where it is not metres: 97 mm.")
-
-
-@rule(
-    "WMR005",
-    "a full track or a diameter for a half",
-    """A parameter that is called track, wheelbase or width is the distance between wheels; one called diameter is twice
-    a radius. Where a wheel stands that far from the middle, or has that radius, the robot is twice as large as meant,
-    and it turns half as fast. Divide by 2, or call the parameter half_track where it is the half.""",
-    """
-parameters: {track: 0.331, diameter: 0.195}
-wheels:
-  - {name: left,  type: fixed, x: 0, y: track,  heading: 0, r: diameter}
-  - {name: right, type: fixed, x: 0, y: -track, heading: 0, r: diameter}
-""",
-    """
-parameters: {track: 0.331, diameter: 0.195}
-wheels:
-  - {name: left,  type: fixed, x: 0, y: track/2,  heading: 0, r: diameter/2}
-  - {name: right, type: fixed, x: 0, y: -track/2, heading: 0, r: diameter/2}
-""",
-)
-def full(subject: Subject) -> Iterator[Finding]:
-    places = [*(w.pivot for w in subject.robot.wheels)]
-    along = {"x": [p.real for p in places], "y": [p.imag for p in places]}
-    for p in subject.spec.parameters:
-        size, name = subject.value(p.value), p.name.lower()
-        if "half" in name:
-            continue
-        for axis, pattern in _SPANS.items():
-            at = along[axis]
-            if pattern.search(name) and abs(max(at) - min(at) - 2 * size) < _CLOSE * abs(size):
-                yield Finding(
-                    p.value.mark,
-                    f"{p.name} = {p.value.text}, and the wheels stand twice as far apart in {axis}",
-                    f"Write {p.name}/2 in the places of the wheels, or call it half_{p.name}.",
-                )
-        for w in subject.spec.wheels if "diameter" in name else ():
-            if w.r and w.r.text == p.name:
-                yield Finding(
-                    w.r.mark, f"{w.name}: the radius is {p.name}, a diameter", f"Write r: {p.name}/2."
-                )
 
 
 @rule(

@@ -1,0 +1,139 @@
+"""Full sizes where halves are meant: tracks, wheelbases and diameters in the places of distances and radii."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import combinations, permutations
+
+from wmrgen.errors import Mark
+from wmrgen.lint.record import Finding, Subject, rule
+
+_SPANS = {
+    "x": re.compile(r"(wheel_?)?base(?!_?(radius|link))|length"),
+    "y": re.compile(r"track|width|separation|gauge"),
+}
+_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
+_NUMBER = r"(?:\s+(?:of|is|width))*[\s:=~]*(\d+(?:\.\d+)?)\s*(mm|cm|m|in)?\b"
+_WRITTEN = {
+    "diameter": re.compile(rf"(?:\bdia(?:meter|m)?\b\.?|[Øø⌀]){_NUMBER}", re.IGNORECASE),
+    "x": re.compile(rf"(?<!half )\bwheel[ -]?base\b{_NUMBER}", re.IGNORECASE),
+    "y": re.compile(rf"(?<!half[ -])\b(?:track|wheel separation|gauge)\b{_NUMBER}", re.IGNORECASE),
+}
+_DIAMETER = re.compile(r"(?:the )?(?:wheel )?(?:diameter|dia\.?|[Øø⌀])", re.IGNORECASE)
+_CLOSE, _ABOUT = 1e-6, 1e-3
+
+
+@rule(
+    "WMR005",
+    "a full track or a diameter for a half",
+    """A parameter that is called track, wheelbase or width is the distance between wheels; one called diameter is twice
+    a radius. Where a wheel stands that far from the middle, or has that radius, the robot is twice as large as meant,
+    and it turns half as fast. Divide by 2, or call the parameter half_track where it is the half. The same is told
+    where the comment beside a number or the description says such a size, where of two wheels that face each other one
+    has twice the size of the other, and of wheels that are larger than the robot.""",
+    """
+parameters: {track: 0.331, diameter: 0.195}
+wheels:
+  - {name: left,  type: fixed, x: 0, y: track,  heading: 0, r: diameter}
+  - {name: right, type: fixed, x: 0, y: -track, heading: 0, r: diameter}
+""",
+    """
+parameters: {track: 0.331, diameter: 0.195}
+wheels:
+  - {name: left,  type: fixed, x: 0, y: track/2,  heading: 0, r: diameter/2}
+  - {name: right, type: fixed, x: 0, y: -track/2, heading: 0, r: diameter/2}
+""",
+)
+def full(subject: Subject) -> Iterator[Finding]:
+    yield from _called(subject)
+    yield from _said(subject)
+    yield from _faced(subject)
+    rolling = [w for w in subject.robot.wheels if w.has_spin]
+    extent = max((abs(b.pivot - a.pivot) for a, b in combinations(subject.robot.wheels, 2)), default=0.0)
+    large = [w for w in rolling if float(w.nominal.r) > extent > 0]
+    if large and len(large) == len(rolling):
+        what = f"a wheel of radius {float(large[0].nominal.r):.4g} m is larger than the robot, which is {extent:.4g} m"
+        yield Finding(subject.mark(large[0]), what, "r is the radius, not the diameter.")
+
+
+def _extent(subject: Subject, axis: str) -> float:
+    """How far apart the outermost pivots stand along x or y [m]."""
+    at = [w.pivot.real if axis == "x" else w.pivot.imag for w in subject.robot.wheels]
+    return max(at) - min(at)
+
+
+def _called(subject: Subject) -> Iterator[Finding]:
+    """Sizes that are parameters, by their names."""
+    for p in subject.spec.parameters:
+        size, name = subject.value(p.value), p.name.lower()
+        if "half" in name:
+            continue
+        for axis, pattern in _SPANS.items():
+            if pattern.search(name) and abs(_extent(subject, axis) - 2 * size) < _CLOSE * abs(size):
+                yield Finding(
+                    p.value.mark,
+                    f"{p.name} = {p.value.text}, and the wheels stand twice as far apart in {axis}",
+                    f"Write {p.name}/2 in the places of the wheels, or call it half_{p.name}.",
+                )
+        for w in subject.spec.wheels if "diameter" in name else ():
+            if w.r and w.r.text == p.name:
+                yield Finding(
+                    w.r.mark, f"{w.name}: the radius is {p.name}, a diameter", f"Write r: {p.name}/2."
+                )
+
+
+def _said(subject: Subject) -> Iterator[Finding]:
+    """Sizes that a comment beside a number says, or the description."""
+    about = subject.spec.description or ""
+    for spec, w in subject.wheels:
+        r = float(w.nominal.r)
+        beside = _beside(spec.r.mark) if spec.r else ""
+        alone = spec.r is not None and spec.r.mark.text.lstrip(" -").startswith("r:")
+        if r and (_says(f"{beside}; {about}", "diameter", r) or (alone and _DIAMETER.fullmatch(beside))):
+            yield Finding(
+                spec.r.mark if spec.r else spec.mark,
+                f"{w.name}: a diameter of {r:.4g} m is written here, and r is as large",
+                "Write half of it: r is the radius.",
+            )
+    lines = {spec.mark.line: spec.mark for spec in subject.spec.wheels}
+    lines |= {q.mark.line: q.mark for w in subject.spec.wheels for q in (w.x, w.y, w.l) if q}
+    for axis in _SPANS:
+        half = _extent(subject, axis) / 2
+        for mark in lines.values():
+            if half and _says(f"{_beside(mark)}; {about}", axis, half):
+                what = f"a size of {half:.4g} m is written here, and the wheels stand twice as far apart in {axis}"
+                yield Finding(mark, what, "Write half of it: x and y are distances from P.")
+                break
+
+
+def _beside(mark: Mark) -> str:
+    """The comment of a line."""
+    return mark.text.partition("#")[2].strip()
+
+
+def _says(text: str, what: str, size: float) -> bool:
+    """Whether a text gives ``size`` [m] as a diameter, or as the whole extent in x or y. Of a number without a unit it
+    is open whether metres or millimetres are meant."""
+    for match in _WRITTEN[what].finditer(text):
+        scales = [_UNITS[match[2].lower()]] if match[2] else [1.0, 1e-3]
+        if any(abs(float(match[1]) * scale - size) < _ABOUT * size for scale in scales):
+            return True
+    return False
+
+
+def _faced(subject: Subject) -> Iterator[Finding]:
+    """Two wheels that face each other across the x axis, of which one has exactly twice what the other has."""
+    for (spec, a), (_, b) in permutations(subject.wheels, 2):
+        fellows = [
+            w for w in subject.robot.wheels if w.kind is a.kind and abs(w.pivot.real - a.pivot.real) < _CLOSE
+        ]
+        if b not in fellows or len(fellows) != 2 or a.pivot.imag * b.pivot.imag >= 0:
+            continue
+        radii, sides = float(a.nominal.r) / (float(b.nominal.r) or 1), abs(a.pivot.imag / b.pivot.imag)
+        if abs(radii - 2) < _CLOSE and abs(sides - 1) < _CLOSE:
+            what = f"{a.name}: r is twice that of {b.name}, which faces it: a diameter?"
+            yield Finding(spec.r.mark if spec.r else spec.mark, what, "Write the radius of both.")
+        if abs(sides - 2) < _CLOSE and abs(radii - 1) < _CLOSE:
+            what = f"{a.name} stands twice as far from the x axis as {b.name}, which faces it: a full track?"
+            yield Finding(spec.mark, what, f"Write the distance from P, as of {b.name}.")

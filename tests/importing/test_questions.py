@@ -166,7 +166,37 @@ def test_steering_that_mimics(read: Import) -> None:
     said = read(robot(arms, driven))
     assert said["asked"] == [] and "  - {equal: [a.steer, b.steer]}   # mimic" in said["text"]
     half = read(robot(arm("a", 0.2) + arm("b", -0.2, '<mimic joint="a_turn" multiplier="0.5"/>'), driven))
-    assert "0.5 times 'a_turn'" in half["notes"] and "couplings" not in half["text"]
+    assert "0.5 times 'a_turn'" in half["notes"] and "leave steer out of actuated of b" in half["notes"]
+    assert "couplings:" not in half["text"]
+
+
+@pytest.mark.parametrize(
+    ("axis", "factor", "coupled"), [("0 0 1", -1, False), ("0 0 -1", -1, True), ("0 0 -1", 1, False)]
+)
+def test_steering_that_mimics_the_other_way_round(
+    read: Import, axis: str, factor: int, coupled: bool
+) -> None:
+    """About an axis that points down the angle of a robot file is that of the file negated."""
+    mimic = f'<mimic joint="a_turn" multiplier="{factor}"/>'
+    said = read(
+        robot(arm("a", 0.2), arm("b", -0.2, mimic, axis=axis), control("a_joint", "a_turn", "left_joint"))
+    )
+    assert ("  - {equal: [a.steer, b.steer]}   # mimic" in said["text"]) == coupled
+    assert ("times 'a_turn'" in said["notes"]) != coupled
+
+
+def test_what_follows_one_leader_in_one_ratio_turns_alike(read: Import) -> None:
+    """Both follow a steering column, which is no wheel's."""
+    column = link("column") + joint("column", "base_link", "column", "0 0 0.5", "revolute", "0 0 1",
+                                    more='<limit lower="-6" upper="6"/>')  # fmt: skip
+    mimic = '<mimic joint="column" multiplier="0.1"/>'
+    said = read(
+        robot(column, arm("a", 0.2, mimic), arm("b", -0.2, mimic), control("a_joint", "column", "b_joint"))
+    )
+    assert "  - {equal: [a.steer, b.steer]}   # mimic" in said["text"] and "times" not in said["notes"]
+    odd = arm("b", -0.2, mimic.replace("0.1", "0.2"))
+    said = read(robot(column, arm("a", 0.2, mimic), odd, control("a_joint", "column", "b_joint")))
+    assert "couplings:" not in said["text"] and "0.2 times 'column'" in said["notes"]
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 
-from wmrgen.importing.records import Description, Question, Wheel
+from wmrgen.importing.records import Question, Wheel
+from wmrgen.importing.view import Robot
 from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import FIXED
 
@@ -13,28 +15,34 @@ _LEVEL = 1e-6  # [m]
 
 
 def couplings(
-    description: Description, wheels: Sequence[Wheel]
+    robot: Robot, wheels: Sequence[Wheel]
 ) -> tuple[tuple[Coupling, ...], list[Question], list[str]]:
     """Pairs that turn alike; questions where that may be the simulator's way alone; notes on what turns in a ratio."""
+    description = robot.description
     roles = {w.joint: f"{w.name}.spin" for w in wheels if w.joint}
     roles |= {w.steer_joint: f"{w.name}.steer" for w in wheels if w.steer_joint}
-    first: dict[tuple[str, str], str] = {}
+    down = {j.name for j in description.joints if j.name not in roles or roles[j.name].endswith(".steer")}
+    down &= {
+        j.name for j in description.joints if robot.axis(j)[2] < 0
+    }  # there the angle is that of the file negated
+    first = {(name, role.rpartition(".")[2], Fraction(1)): role for name, role in roles.items()}
     pairs, notes = [], []
     for joint in description.joints:
         if joint.name not in roles or not joint.mimic:
             continue
         leader, factor, offset = joint.mimic
-        kind = roles[joint.name].split(".")[1]
-        if (leader in roles and not roles[leader].endswith(f".{kind}")) or factor != 1 or offset:
+        wheel, _, kind = roles[joint.name].rpartition(".")
+        turned = kind == "steer" and (leader in down) != (joint.name in down)
+        other = first.setdefault((leader, kind, -factor if turned else factor), roles[joint.name])
+        if not offset and other != roles[joint.name]:
+            pairs.append((other, roles[joint.name]))
+        elif offset or leader in roles or sum(key[:2] == (leader, kind) for key in first) > 1:
             ratio = f"{float(factor):g} times {quoted(leader)}" + (f" + {float(offset):g}" if offset else "")
             notes.append(
-                f"joint {quoted(joint.name)} turns as {ratio}: a robot file couples equal angles alone, so this is "
-                "not taken over"
+                f"joint {quoted(joint.name)} turns as {ratio}. Couplings of a robot file join what turns equally, so "
+                f"there {wheel}.{kind} turns by itself, and inverse may ask of it what this gear cannot give. Where "
+                f"{quoted(leader)} has the only motor, leave {kind} out of actuated of {wheel}"
             )
-            continue
-        other = first.setdefault((leader, kind), roles.get(leader, roles[joint.name]))
-        if other != roles[joint.name]:
-            pairs.append((other, roles[joint.name]))
     sure = [pair for pair in pairs if not _doubted(pair, wheels)]
     questions = [_asked(pair, "turn alike in the file") for pair in pairs if pair not in sure]
     bodies = {joint.child: roles[joint.name] for joint in description.joints if joint.name in roles}

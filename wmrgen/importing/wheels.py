@@ -58,7 +58,7 @@ def import_wheels(description: Description, base: str | None = None, forward: st
     rolling = rollers_said(robot, wheels)
     read = [_wheel(robot, c, name, rolling) for c, name in zip(wheels, names, strict=True)]
     result = [wheel for wheel, _ in read]
-    coupled, doubts, notes = couplings(description, result)
+    coupled, doubts, notes = couplings(robot, result)
     questions = [
         *(question for _, asked in read for question in asked),
         *motors_unknown(result),

@@ -8,9 +8,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import yaml
 
 import wmrgen
 from tests.calibrating.simulated import LAYOUTS, Encoders, Layout, Tracker, csv, drive
@@ -413,6 +415,8 @@ def test_the_command(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None
     assert data["unobservable"] == [] and data["rms"] < 0.001
     tuned = {p.name: float(p.nominal) for p in wmrgen.load(new).tunable}
     assert tuned == pytest.approx(layout.true, rel=3e-4)
+    tenths = data["residuals"]["by_time"]["run-0"]
+    assert len(tenths) == 10 and max(row["position"] for row in tenths) < 0.002
     told = wmrgen_cli("calibrate", str(tmp_path / "robot.yaml"), *paths)
     assert "half_track = 0.207" in told.out and told.code == 0
     planned = wmrgen_cli("calibrate", str(tmp_path / "robot.yaml"), "--plan")
@@ -448,3 +452,30 @@ def test_a_truth_that_lasts_longer_than_the_log(tmp_path: Path) -> None:
     result = calibrate(derivation_of(tmp_path, layout), paths, [])
     for parameter, value in layout.true.items():
         assert result.parameters[parameter].value == pytest.approx(value, rel=3e-4)
+
+
+def test_files_for_others(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
+    """A picture of all drives and each parameter, what diff_drive_controller reads, and a macro for the C."""
+    layout = LAYOUTS["differential_with_castor"]
+    (tmp_path / "robot.yaml").write_text(layout.text, encoding="utf-8")
+    paths = [str(path) for path in written(tmp_path, layout)]
+    texts = []
+    for name in ("one", "two"):
+        folder = tmp_path / name
+        outcome = wmrgen_cli("calibrate", str(tmp_path / "robot.yaml"), *paths, "--files", str(folder))
+        assert outcome.code == 0, outcome.err
+        texts.append({path.name: path.read_text(encoding="utf-8") for path in sorted(folder.iterdir())})
+    assert texts[0] == texts[1]
+    files = texts[0]
+    picture = ElementTree.fromstring(files["differential_with_castor_calibration.svg"])
+    drawn = [e.get("class") for e in picture.iter("{http://www.w3.org/2000/svg}polyline")]
+    assert (drawn.count("truth"), drawn.count("before"), drawn.count("after")) == (1 + 3, 1 + 6, 1 + 6)
+    assert {"radius", "track"} <= {e.text for e in picture.iter("{http://www.w3.org/2000/svg}text")}
+    ros = yaml.safe_load(files["differential_with_castor_controllers.yaml"])
+    parameters = ros["base_controller"]["ros__parameters"]
+    assert parameters["wheel_separation"] == pytest.approx(layout.true["track"], rel=1e-3)
+    assert parameters["wheel_radius"] == pytest.approx(layout.true["radius"], rel=1e-3)
+    macro = re.search(r"_CALIBRATED \{(.*)\}", files["differential_with_castor_calibrated.h"])
+    assert macro is not None
+    entries = dict(entry.strip().removeprefix(".").split(" = ") for entry in macro[1].split(","))
+    assert {name: float(value) for name, value in entries.items()} == pytest.approx(layout.true, rel=1e-3)

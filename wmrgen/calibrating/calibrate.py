@@ -11,7 +11,8 @@ import numpy as np
 
 from wmrgen.calibrating import certainty
 from wmrgen.calibrating.certainty import Fit, fit
-from wmrgen.calibrating.fit import Each, Problem, drawn, serial, start_of
+from wmrgen.calibrating.drawn import drawn
+from wmrgen.calibrating.fit import Each, Problem, serial, start_of
 from wmrgen.calibrating.logs import Drive, pairs, read
 from wmrgen.calibrating.mistakes import refuse_strangers
 from wmrgen.calibrating.observability import unobservable
@@ -145,7 +146,9 @@ def _estimates(robot: Robot, best: Fit, sigma: Reals, groups: Sequence[Sequence[
 
 
 def _errors(best: Fit, shared: Reals) -> Errors:
-    return _mean([drawn(best.problem, shared, offset, index) for index, offset in enumerate(best.offsets)])
+    return _mean(
+        [drawn(best.problem, shared, offset, index).off for index, offset in enumerate(best.offsets)]
+    )
 
 
 def _mean(parts: Sequence[tuple[Reals, Reals]]) -> Errors:
@@ -205,7 +208,7 @@ def _held_out(best: Fit, others: Sequence[Fit]) -> Errors | None:
     parts = []
     for fold, rest in zip(_folds(best.problem), others, strict=True):
         shared = rest.problem.shared(rest.unknowns)
-        parts += [drawn(best.problem, shared, best.offsets[index], index) for index in fold]
+        parts += [drawn(best.problem, shared, best.offsets[index], index).off for index in fold]
     return _mean(parts) if parts else None
 
 

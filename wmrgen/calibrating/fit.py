@@ -86,18 +86,18 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     mount, mount_heading = complex(shared[count], shared[count + 1]), shared[count + 2]
     path = reckoned(increments(drive.columns, shared[:count]))
     at = drive.truth.t + own[3]
-    step, length, share = _place(drive.t, at)
+    step, length, share = place_at(drive.t, at)
     moving = (at >= drive.t[0] - BEYOND) & (at <= drive.t[-1] + BEYOND)
 
-    def between(samples: Samples) -> Samples:
-        return _between(samples, step, share)
+    def there(samples: Samples) -> Samples:
+        return between(samples, step, share)
 
-    heading = between(path.heading)
+    heading = there(path.heading)
     start = np.exp(1j * own[2])
     turned = start * np.exp(1j * heading)
-    reached = start * between(path.position) + turned * mount  # from the start
-    turn_by = between(path.heading_by)
-    place_by = start * between(path.position_by) + 1j * turned * mount * turn_by
+    reached = start * there(path.position) + turned * mount  # from the start
+    turn_by = there(path.heading_by)
+    place_by = start * there(path.position_by) + 1j * turned * mount * turn_by
     speed = (path.position[step + 1] - path.position[step]) / length * moving
     turn = (path.heading[step + 1] - path.heading[step]) / length * moving
     rows, ones = len(at), np.ones_like(at)
@@ -118,7 +118,7 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     return Residuals(np.where(measured, values, 0.0), by, measured * _weights(drive.truth.t), off)
 
 
-def _place(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
+def place_at(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
     """The step of ``t`` that each time ``at`` falls into, how long it is, and what share of it is over: up to `BEYOND`
     before the first and after the last time the robot is taken to go on as in the nearest step."""
     step = np.clip(np.searchsorted(t, at, "right") - 1, 0, len(t) - 2)
@@ -126,30 +126,9 @@ def _place(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
     return step, length, (np.clip(at, t[0] - BEYOND, t[-1] + BEYOND) - t[step]) / length
 
 
-def _between(samples: Samples, step: NDArray[np.intp], share: Reals) -> Samples:
+def between(samples: Samples, step: NDArray[np.intp], share: Reals) -> Samples:
     """What samples along the last axis are, a ``share`` of a step behind its start."""
     return samples[..., step] * (1 - share) + samples[..., step + 1] * share
-
-
-def drawn(problem: Problem, shared: Reals, offset: float, index: int) -> tuple[Reals, Reals]:
-    """How far odometry, drawn from a drive's first measured pose with ``shared`` parameters and mount, is from the
-    truth, whose clock is off by ``offset`` [s]: distances [m] and headings [rad] where both are measured."""
-    drive, count = problem.drives[index], len(problem.nominal)
-    path = reckoned(problem.increments(drive.columns, shared[:count]))
-    step, _, share = _place(drive.t, drive.truth.t + offset)
-    heading = _between(path.heading, step, share)
-    place = _between(path.position, step, share) + np.exp(1j * heading) * complex(
-        shared[count], shared[count + 1]
-    )
-    true, true_heading = drive.truth.x + 1j * drive.truth.y, drive.truth.theta
-    measured = np.isfinite(true) & np.isfinite(true_heading)
-    if not measured.any():
-        return np.empty(0), np.empty(0)
-    first = int(np.argmax(measured))
-    heading = heading + shared[count + 2]
-    turn = true_heading[first] - heading[first]
-    off = true[first] + np.exp(1j * turn) * (place - place[first]) - true
-    return np.abs(off[measured]), (heading + turn - true_heading)[measured]
 
 
 def _weights(times: Reals) -> Reals:
@@ -198,11 +177,11 @@ def solved(problem: Problem, each: Each = serial, start: Reals | None = None) ->
 
 def _during(problem: Problem, unknowns: Reals) -> tuple[Drive, ...]:
     """The drives, where enough is left, without what the truth says of times before the first and after the last
-    reading, by the clocks as they are known."""
+    reading, by the clocks as they are known; where a robot stands then, it stays."""
     drives = []
     for index, drive in enumerate(problem.drives):
         at = drive.truth.t + problem.own(unknowns, index)[3]
-        inside = (at >= drive.t[0]) & (at <= drive.t[-1])
+        inside = ((at >= drive.t[0]) | drive.stands(0)) & ((at <= drive.t[-1]) | drive.stands(-1))
         drives.append(drive.seen(inside) if _FEW <= inside.sum() < len(at) else drive)
     return tuple(drives)
 

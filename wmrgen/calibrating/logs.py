@@ -17,6 +17,7 @@ from wmrgen.errors import UsageError
 
 _GAP = 20.0  # times the median step: during a longer one nobody knows how the robot moved
 _JUMP = 3.0  # [rad] in one step, where ten times less is usual: a reading that wrapped
+_STANDS = (1.0, 0.02)  # [s], [rad]
 _TRUTH = ("x", "y", "theta")
 
 
@@ -41,6 +42,12 @@ class Drive:
     columns: Mapping[str, Reals]
     truth: Truth
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def stands(self, end: int) -> bool:
+        """Whether no wheel turns in the second next to the first (0) or the last (-1) reading."""
+        near = np.abs(self.t[:-1] - self.t[end]) < _STANDS[0]
+        turned = (np.abs(v[near]).sum() for k, v in self.columns.items() if not k.endswith(".steer"))
+        return all(angle < _STANDS[1] for angle in turned)
 
     def seen(self, rows: NDArray[np.bool_]) -> Drive:
         """The drive with these ``rows`` of its truth alone."""

@@ -1,10 +1,15 @@
-"""A robot file with other values of its parameters, every other character as it was."""
+"""What a calibration gives to others: the robot file with other values, every other character as it was, parameters
+for ROS, and the numbers for the C."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
 
+from wmrgen.errors import NotDerivableError
+from wmrgen.exporting.ros2_control import ros2_control
+from wmrgen.ir.nodes import Module
+from wmrgen.layout.records import Robot
 from wmrgen.spec.load import read_robot
 
 
@@ -18,3 +23,31 @@ def with_values(path: Path, values: Mapping[str, float]) -> str:
         start = text.index(p.value.text, column)
         lines[line] = f"{text[:start]}{values[p.name]:.8g}{text[start + len(p.value.text) :]}"
     return "\n".join(lines)
+
+
+def controllers(robot: Robot) -> tuple[str, str]:
+    """The parameters of the controller of ros2_controllers that fits a calibrated ``robot``, and why there are none."""
+    try:
+        return ros2_control(robot)[f"{robot.name}_controllers.yaml"], ""
+    except NotDerivableError as error:
+        return "", error.what
+
+
+def c_values(module: Module, values: Mapping[str, float]) -> str:
+    """A header for the robot's C99: a macro that initialises its struct of parameters. Empty where it has none."""
+    ports = module.prepare.inputs if module.prepare is not None else ()
+    if not ports:
+        return ""
+    name = module.name
+    entries = ", ".join(f".{port.name} = {_literal(values[port.name])}" for port in ports)
+    macro = f"{name.upper()}_CALIBRATED"
+    return (
+        f"/* {name}_params params = {macro}; then {name}_prepare(&params, &prepared). Parameters in m and rad. */\n"
+        f"#ifndef {macro}\n#define {macro} {{{entries}}}\n#endif\n"
+    )
+
+
+def _literal(value: float) -> str:
+    """A number of nine digits, which float and double take alike."""
+    digits = f"{value:.9g}"
+    return digits if any(c in digits for c in ".e") else f"{digits}.0"

@@ -8,10 +8,13 @@ from math import degrees, isfinite, isnan, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import wmrgen
 from wmrgen.artifacts import write_file
 from wmrgen.cli import console
 from wmrgen.cli.loading import derived
 from wmrgen.errors import UsageError
+
+_SHOWN = 1e-9  # [rad] rounding
 
 if TYPE_CHECKING:
     from wmrgen.calibrating.calibrate import Calibration
@@ -24,6 +27,7 @@ def calibrate(
     logs: Sequence[Path] | None,
     truth: Sequence[Path] | None,
     out: Path | None,
+    files: Path | None,
     plan: bool,
     precision: float,
     as_json: bool,
@@ -41,11 +45,13 @@ def calibrate(
             )
         return _planned(derivation, precision, as_json)
     result = work.calibrate(derivation, logs, truth or ())
+    values = {name: e.value for name, e in result.parameters.items() if e.observable}
     if out is not None:
-        values = {name: e.value for name, e in result.parameters.items() if e.observable}
         write_file(out, with_values(robot, values).encode())
+    if files is not None:
+        _write_all(files, robot, derivation, result, values)
     if as_json:
-        console.data(_as_data(result))
+        console.data(_as_data(derivation, result))
         return 0
     _tell(derivation, result)
     if plan:
@@ -53,7 +59,29 @@ def calibrate(
     return 0
 
 
-def _as_data(result: Calibration) -> dict[str, Any]:
+def _write_all(
+    folder: Path, robot: Path, derivation: Derivation, result: Calibration, values: dict[str, float]
+) -> None:
+    """The new robot file, the picture, parameters for ROS and the numbers for the C."""
+    from wmrgen.calibrating.picture import picture
+    from wmrgen.calibrating.written import c_values, controllers, with_values
+
+    name = derivation.robot.name
+    write_file(folder / robot.name, with_values(robot, values).encode())
+    write_file(folder / f"{name}_calibration.svg", picture(result).encode())
+    nominal = {p.name: float(p.nominal) for p in derivation.robot.tunable}
+    if header := c_values(derivation.c_module, nominal | values):
+        write_file(folder / f"{name}_calibrated.h", header.encode())
+    ros, why = controllers(wmrgen.load(folder / robot.name))
+    if ros:
+        write_file(folder / f"{name}_controllers.yaml", ros.encode())
+    else:
+        console.note(f"no parameters for ROS: {why}")
+
+
+def _as_data(derivation: Derivation, result: Calibration) -> dict[str, Any]:
+    from wmrgen.calibrating.leftover import by_joint, by_time
+
     estimates = {
         name: {"value": e.value, "sigma": e.sigma, "observable": e.observable, "nominal": e.nominal}
         for name, e in result.parameters.items()
@@ -65,6 +93,13 @@ def _as_data(result: Calibration) -> dict[str, Any]:
         "rms_heading": result.fit.rms[1],
         "mount": dict(zip(("x", "y", "theta"), result.fit.mount, strict=True)),
         "clock_offsets": result.clocks,
+        "residuals": {
+            "by_time": {
+                name: [dict(zip(("t", "position", "heading"), row, strict=True)) for row in rows]
+                for name, rows in by_time(result.fit).items()
+            },
+            "by_joint": by_joint(derivation, result.fit),
+        },
         "outliers": [
             {name: None if isnan(value) else value for name, value in asdict(slip).items() if name != "drive"}
             | {"drive": slip.drive}
@@ -82,6 +117,7 @@ def _as_data(result: Calibration) -> dict[str, Any]:
 
 
 def _tell(derivation: Derivation, result: Calibration) -> None:
+    from wmrgen.calibrating.leftover import by_joint
     from wmrgen.calibrating.observability import blind, offers
 
     drives = result.fit.problem.drives
@@ -122,6 +158,10 @@ def _tell(derivation: Derivation, result: Calibration) -> None:
         console.note(
             f"{slip.drive}: left out from t = {slip.start:.1f} to {slip.end:.1f} s, where wheels slip: {how}"
         )
+    joints = {joint: value for joint, value in by_joint(derivation, result.fit).items() if value > _SHOWN}
+    if joints:
+        told = ", ".join(f"{joint} {value:.2g}" for joint, value in joints.items())
+        console.result(f"  what joints disagree by in each reading, rad (rms): {told}")
     if result.unobservable:
         choices = offers(result.fit.problem, derivation)
         never = blind(result.fit.problem, choices)

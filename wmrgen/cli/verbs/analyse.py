@@ -160,6 +160,10 @@ def calibrate(
         Path | None,
         typer.Option("-o", "--out", metavar="ROBOT.yaml", help="Write the robot file with the new values."),
     ] = None,
+    files: Annotated[
+        Path | None,
+        option("Write the robot file, a picture, parameters for ROS and the numbers for the C.", "DIR"),
+    ] = None,
     plan: Annotated[bool, typer.Option("--plan", help="Say which drives would tell the parameters.")] = False,
     precision: Annotated[float, option("What --plan aims at, relative to nominal.", "0.01")] = 0.01,
     as_json: Json = False,

@@ -13,6 +13,8 @@ import pytest
 
 import wmrgen
 from tests.conftest import GALLERY, Outcome
+from tests.depth import everyday
+from tests.laws.common import NAMES, derived, gallery
 from tests.lint.test_rules import codes
 from wmrgen.errors import RobotFileError
 from wmrgen.layout import build
@@ -194,6 +196,28 @@ def test_nothing_else_is_moved() -> None:
 @pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
 def test_the_gallery_is_exact(path: Path) -> None:
     assert not [near for near in wmrgen.load(path).near if near.moves]
+
+
+@pytest.mark.parametrize("name", everyday(NAMES, ["ackermann_car"]))
+def test_measured_gallery_robots_have_their_degrees(name: str) -> None:
+    """Every place and heading is off by a random share of the tolerance, in three files."""
+    model, layout = gallery(name)
+    degrees, tolerance = model.derivation.mobility, model.derivation.robot.tolerance
+    random = np.random.default_rng(len(name))
+    for _ in range(3):
+        off = random.uniform(-0.3, 0.3, (len(layout["wheels"]), 3)) * (
+            tolerance.length,
+            tolerance.length,
+            tolerance.angle,
+        )
+        wheels = [
+            w | {k: w[k] + float(by) for k, by in zip(("x", "y", "heading"), row, strict=True)} | {"text": {}}
+            for w, row in zip(layout["wheels"], off, strict=True)
+        ]
+        measured = derived(layout | {"wheels": wheels}, extra="snap: false\n").derivation.mobility
+        assert (measured.degree_of_mobility, measured.degree_of_steerability, measured.dof) == (
+            degrees.degree_of_mobility, degrees.degree_of_steerability, degrees.dof,
+        )  # fmt: skip
 
 
 @pytest.mark.parametrize("gap", ["0.00065", "0.0051234567", "0.02"])

@@ -51,6 +51,7 @@ def test_pages_are_small_enough(reports: list[Report]) -> None:
 def test_texts_formulas_and_figures(reports: list[Report], tmp_path: Path) -> None:
     """On one page: no console error, every formula typeset, no text outside its figure, nothing wider than the page."""
     script = """
+    for (const folded of document.querySelectorAll("details")) folded.open = true;
     const figures = [...document.querySelectorAll(".figure > svg")];
     const outside = [];
     for (const figure of figures) {

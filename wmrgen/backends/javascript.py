@@ -125,8 +125,9 @@ def text(module: Module, facts: Facts) -> str:
 
 
 def expression(module: Module) -> str:
-    """An expression of an object with the functions, for a script that cannot import a module."""
-    script = text(module, Facts()).replace("\nexport function ", "\nfunction ")
+    """An expression of an object with the functions, for a script that cannot import a module; without comments."""
+    lines = (line for line in text(module, Facts()).splitlines(keepends=True) if not line.startswith("//"))
+    script = "".join(line.removeprefix("export ") for line in lines)
     return f"(() => {{\n{script}return {_object([f.name for f in module.functions], '')};\n}})()"
 
 

@@ -38,21 +38,27 @@ class Report:
 def page(reports: Sequence[Report], version: str = "") -> str:
     """The page of some robots, the live figures side by side. ``version``: it is loaded again when the script
     ``version.js`` beside it says another."""
-    lives = [report for report in reports if report.robot]
-    code = f"const robots = [{', '.join(report.code for report in lives)}];" if lives else ""
-    data, ids = [report.robot for report in lives], {"live"}
+    ids = {"live"}
     return _document(
         " and ".join(report.name for report in reports),
         [_body(report, ids) for report in reports],
-        _escaped(f"(() => {{\n{code}\nconst data = {json.dumps(data)};\n{_asset('live.js')}}})();"),
+        _live([report for report in reports if report.robot]),
         version,
-        bool(lives),
     )
+
+
+def _live(reports: Sequence[Report]) -> str:
+    """The script of the live figures; nothing where there is none."""
+    if not reports:
+        return ""
+    code = ", ".join(report.code for report in reports)
+    data = json.dumps([report.robot for report in reports]).replace("<", "\\u003c")  # no tag ends the script
+    return f"(() => {{\nconst robots = [{code}];\nconst data = {data};\n{_asset('live.js')}}})();"
 
 
 def broken(text: str, version: str = "") -> str:
     """The page of a robot file that cannot be derived: why."""
-    return _document("error", [f"<pre class='error'>{escape(text)}</pre>"], "", version, False)
+    return _document("error", [f"<pre class='error'>{escape(text)}</pre>"], "", version)
 
 
 def _body(report: Report, ids: set[str]) -> str:
@@ -71,7 +77,7 @@ def _body(report: Report, ids: set[str]) -> str:
     )
 
 
-def _document(title: str, bodies: Sequence[str], live: str, version: str, driven: bool) -> str:
+def _document(title: str, bodies: Sequence[str], live: str, version: str) -> str:
     reload = _asset("reload.js").replace("VERSION", json.dumps(version)) if version else ""
     scripts = [script for script in (_katex_script(), live, reload) if script]
     policy = " ".join(f"'sha256-{_digest(script)}'" for script in scripts) + (" file:" if version else "")
@@ -82,17 +88,12 @@ def _document(title: str, bodies: Sequence[str], live: str, version: str, driven
         style=_style(),
         bodies=bodies,
         scripts=scripts,
-        driven=driven,
+        driven=bool(live),
     )
 
 
 def _digest(script: str) -> str:
     return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-
-
-def _escaped(script: str) -> str:
-    """``script`` without what would end it in a page: a tag can only stand in its strings and comments."""
-    return re.sub(r"<(?=[!/]|script)", r"\\x3c", script, flags=re.IGNORECASE)
 
 
 def _path(name: str) -> Path:

@@ -304,6 +304,16 @@ def test_base_is_the_callers_choice(read: Import) -> None:
     )
 
 
+def test_hyphens_in_comments_are_no_harm(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """XML forbids --, and the readers of simulators do not; what is no XML is told at its own line."""
+    comment = "<!--\nrun with --levels\n-->"
+    assert list(read(robot(comment + pair()))["wheels"]) == ["left", "right"]
+    path = tmp_path / "broken.urdf"
+    path.write_text(f"<robot name='a'>\n{comment}\n<link name='b'>\n</robot>\n", encoding="utf-8")
+    done = wmrgen_cli("import", path)
+    assert done.code == 2 and done.err.splitlines()[1] == " --> broken.urdf:6:3"
+
+
 def test_mimic_one_to_one_is_a_coupling(read: Import, tmp_path: Path) -> None:
     read(
         robot(

@@ -85,6 +85,17 @@ def test_elements_without_the_prefix_are_named(wmrgen_cli: Cli, tmp_path: Path) 
     assert "Write xacro: before such names" in done.err
 
 
+def test_calls_of_macros_without_the_prefix_are_noted(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """Xacro hands them through, and nothing of URDF reads them; a prefix of another kind is somebody's own."""
+    wheels = f"<xacro:macro name='wheels'>{WHEELS.replace('$(arg ahead)', '0')}</xacro:macro>"
+    wheels = wheels.replace("${size.wheel / 2}", "0.1")
+    done = wmrgen_cli("import", write(tmp_path, wheels, "<wheels/>"))
+    assert done.code == 2 and "0 joints are wheels" in done.err
+    assert "<wheels> is passed over: write xacro: before it" in done.err
+    done = wmrgen_cli("import", write(tmp_path, wheels, "<xacro:wheels/><gazebo/><transmission/>"))
+    assert done.code == 0 and "passed over" not in done.err
+
+
 def test_a_file_that_is_included_and_not_there(wmrgen_cli: Cli, tmp_path: Path) -> None:
     done = wmrgen_cli("import", write(tmp_path, '<xacro:include filename="parts.xacro"/>'))
     assert done.code == 2 and "it includes 'parts.xacro', which is not there" in done.err

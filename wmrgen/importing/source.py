@@ -15,6 +15,23 @@ from wmrgen.importing.records import Description
 from wmrgen.importing.xacro import macros, resolve
 from wmrgen.spec.text import bytes_of, printable, quoted, read_at_most
 
+_URDF = (
+    *(
+        "link",
+        "joint",
+        "material",
+        "transmission",
+        "gazebo",
+        "ros2_control",
+        "sensor",
+        "plugin",
+        "model",
+        "world",
+    ),
+    *("author", "version", "group", "default", "static", "safety_controller", "calibration"),
+)
+_PREFIX = "write xacro: before it, if it is a macro"
+
 
 def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]) -> Description:
     """What the file says. RobotFileError for what cannot be read, UsageError for words of a wrong form."""
@@ -39,7 +56,17 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     else:
         description = urdf.describe(root, name)
     seen = plugin_controllers(root)
-    return replace(description, controllers=seen, file_of=lambda uri: _mesh(located(uri, file, folders)))
+    passed = dict.fromkeys(local(e) for e in root if "}" not in str(e.tag)) if substituted else {}
+    notes = [
+        f"<{printable(tag)[:40]}> is passed over: {_PREFIX}" for tag in passed if tag and tag not in _URDF
+    ]
+    notes += description.notes
+    return replace(
+        description,
+        notes=tuple(notes),
+        controllers=seen,
+        file_of=lambda uri: _mesh(located(uri, file, folders)),
+    )
 
 
 def located(uri: str, file: Path, packages: Mapping[str, Path]) -> Path | None:

@@ -60,6 +60,10 @@ ODD = {
     + "  - {name: across, type: fixed, x: 0.5, y: 0.1, heading: 1, r: 0.1}\n" * 1
     + "  - {name: more, type: fixed, x: -0.7, y: 0.3, heading: 2, r: 0.1}\n",
     "mecanum X": MECANUM,
+    "balls without radius": "".join(
+        f"  - {{name: ball{k}, type: spherical, x: {x}, y: 0.1}}\n" for k, x in enumerate((0.1, -0.2, 0.3))
+    ),
+    "one ball": "  - {name: ball, type: spherical, x: 0, y: 0}\n",
     "castor": PAIR + CASTOR.format(0.1),
     "three": THREE,
 }

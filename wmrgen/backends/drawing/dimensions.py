@@ -20,6 +20,7 @@ from wmrgen.backends.drawing.paper import (
     metres,
     middle,
     unit,
+    width,
 )
 from wmrgen.backends.drawing.view import View
 
@@ -49,7 +50,8 @@ def dimensions(
         xs = [xs[0], 0.0, xs[1]]  # P stands between its axles, nearer to one
     if any((b - a) * view.scale < _GAP for a, b in pairwise(xs)) or len(xs) > 4:
         xs = [xs[0], xs[-1]]
-    left = min(*(p.reach[0] for p in wheels), view.origin[0] - frame) - 16.0
+    widest = max((width(metres(b - a)) for a, b in pairwise(xs)), default=0.0)
+    left = max(min(*(p.reach[0] for p in wheels), view.origin[0] - frame) - 16.0, widest + 12.0)
     for a, b in pairwise(xs):
         if (b - a) * view.scale >= _GAP:
             ends = [(left, view.on((x, 0.0))[1]) for x in (a, b)]

@@ -38,6 +38,11 @@ def extent(wheels: tuple[Wheel, ...]) -> tuple[Point, float]:
     return middle(box), max(size, 2 * max(float(w.nominal.r) for w in wheels), 1e-3)
 
 
+def largest_radius(wheels: tuple[Wheel, ...]) -> float:
+    """Of the wheels that have one [m]."""
+    return max(*(float(w.nominal.r) for w in wheels), 1e-9)
+
+
 def example(robot: Robot, mobility: Mobility) -> Example | None:
     """A motion that the steering limits allow if a candidate does; None where the robot cannot move."""
     twist = _twist(robot, mobility, [w for w in robot.wheels if w.kind.steers])

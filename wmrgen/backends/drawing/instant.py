@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import atan2, degrees, hypot
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.drawing.example import Example, extent
+from wmrgen.backends.drawing.example import Example, extent, largest_radius
 from wmrgen.backends.drawing.figure import Group, panel
 from wmrgen.backends.drawing.marks import Placed, body, chassis, contact, extremes, frame, icr_mark, placed
 from wmrgen.backends.drawing.paper import (
@@ -49,7 +49,7 @@ def instant(robot: Robot, shown: Example, area: Box, title: str, words: Sequence
     if near and shown.icr:
         points.append(shown.icr)
     inner = (area[0] + 26, area[1] + 22, area[2] - 26, area[3] - 26)
-    view = fitted(points, inner, most=40.0 / max(float(w.nominal.r) for w in robot.wheels))
+    view = fitted(points, inner, most=40.0 / largest_radius(robot.wheels))
     paper = Paper(area)
     wheels = [placed(w, shown.headings[w.name], view) for w in robot.wheels]
     icr = view.on(shown.icr) if near and shown.icr else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import atan2, cos, degrees, sin
+from math import atan2, cos, degrees, hypot, sin
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.paper import (
@@ -90,7 +90,8 @@ def extremes(w: Wheel, heading: float) -> list[Point]:
     """Points [m] around what is drawn of a wheel."""
     (x, y), r = contact(w, heading), float(w.nominal.r)
     c, s = (r, r) if w.kind.glyph.ball else (r * cos(heading), r * sin(heading))
-    return [(w.pivot.real, w.pivot.imag), (x + c, y + s), (x - c, y - s)]
+    a, b, arm = w.pivot.real, w.pivot.imag, hypot(float(w.nominal.d), float(w.nominal.o)) * w.kind.swivels
+    return [(a + arm, b + arm), (a - arm, b - arm), (x + c, y + s), (x - c, y - s)]
 
 
 def body(p: Placed, fine: bool = True) -> list[str]:

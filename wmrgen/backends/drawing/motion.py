@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 FILE = "motion.svg"
 _LEFT: Box = (8.0, 24.0, 236.0, 268.0)
 _RIGHT: Box = (248.0, 24.0, 472.0, 268.0)
-_HEIGHT = 304.0
 
 
 def motion(derivation: Derivation) -> Figure | None:
@@ -39,5 +38,6 @@ def drawn(robot: Robot, shown: Example) -> Figure:
         f"{robot.name} moving: left the instantaneous centre of rotation {where}, right the same motion in the world, "
         f"{path}."
     )
-    groups = [*instant(robot, shown, _LEFT, "robot frame", wrapped(words, 222)), *world(robot, shown, _RIGHT)]
-    return figure(FILE, alt, _HEIGHT, groups)
+    lines = wrapped(words, 222)
+    groups = [*instant(robot, shown, _LEFT, "robot frame", lines), *world(robot, shown, _RIGHT)]
+    return figure(FILE, alt, _LEFT[3] + 6 + 15 * len(lines), groups)

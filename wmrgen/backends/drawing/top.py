@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.dimensions import dimensions
+from wmrgen.backends.drawing.example import largest_radius
 from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, attribute, figure, panel
 from wmrgen.backends.drawing.marks import (
     Placed,
@@ -42,14 +43,13 @@ def top_view(derivation: Derivation) -> Figure:
     trailers = train(derivation)
     points = [p for w in robot.wheels for p in extremes(w, w.heading)] + [(0.0, 0.0)]
     points += [axle for *_, axle in trailers]
-    largest = max(float(w.nominal.r) for w in robot.wheels)
-    view = fitted(points, (_SIDE, _EDGE, WIDTH - _SIDE, _TALL), most=_TYRE / largest)
+    view = fitted(points, (_SIDE, _EDGE, WIDTH - _SIDE, _TALL), most=_TYRE / largest_radius(robot.wheels))
     top, bottom = bounds([view.on(p) for p in points])[1::2]
     view = View(view.scale, (view.origin[0], view.origin[1] + _EDGE - top))
     height = bottom - top + 2 * _EDGE
     wheels = [placed(w, w.heading, view) for w in robot.wheels]
     paper = Paper((4.0, 4.0, WIDTH - 4.0, height + 30.0))
-    axes = min(34.0, max(18.0, 0.12 * height))
+    axes = min(30.0, max(18.0, 0.12 * height))
     signs = frame(view, ("x", "y", "P"), paper, axes)
     _occupy(wheels, paper)
     sizes = dimensions(robot, wheels, view, paper, height - 14.0, axes)

@@ -11,7 +11,8 @@ points where they have no derivative; there the derivative given is 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -68,9 +69,20 @@ def functions(module: Module) -> dict[str, ca.Function]:
     }
 
 
+@dataclass(frozen=True, slots=True)
+class OfColumns:
+    """A CasADi function of columns, each of which is one call of it; other processes can be sent it."""
+
+    function: ca.Function
+
+    def __call__(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Results (outputs, N) of inputs (inputs, N)."""
+        return np.asarray(self.function(columns))
+
+
 def sensitivity(
     function: Function, outputs: Sequence[str], inputs: Sequence[str], parameters: Sequence[str]
-) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+) -> OfColumns:
     """``outputs`` of ``function`` and their exact derivatives by ``parameters``, (outputs x (1 + parameters), N) by
     parameter, of columns of ``inputs`` and ``parameters``, (inputs + parameters, N)."""
     whole = to_casadi(function, "whole")
@@ -79,8 +91,7 @@ def sensitivity(
     results = whole(**{name: symbols[i] for i, name in enumerate(names)})
     values = ca.vertcat(*(results[name] for name in outputs))
     by = ca.jacobian(values, symbols[len(inputs) :])
-    both = ca.Function("sensitivity", [symbols], [ca.densify(ca.vertcat(values, ca.vec(by)))])
-    return lambda columns: np.asarray(both(columns))
+    return OfColumns(ca.Function("sensitivity", [symbols], [ca.densify(ca.vertcat(values, ca.vec(by)))]))
 
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:

@@ -228,8 +228,8 @@ def _prior(problem: Problem) -> Reals:
     return np.concatenate([np.full(shared, _PRIOR**2), np.full(_OWN * len(problem.drives), _PRIOR_OWN**2)])
 
 
-def _columns(problem: Problem, index: int) -> NDArray[np.intp]:
-    """Where a drive's unknowns stand among all."""
+def own_columns(problem: Problem, index: int) -> NDArray[np.intp]:
+    """Where a drive's unknowns, shared ones and its own, stand among all."""
     shared = len(problem.nominal) + _MOUNT
     return np.concatenate([np.arange(shared), shared + _OWN * index + np.arange(_OWN)])
 
@@ -246,7 +246,7 @@ def nearest(problem: Problem, start: Reals, each: Each = serial) -> Reals:
             gradient, matrix = prior * unknowns, np.diag(prior)
             cost = 0.5 * float(gradient @ unknowns)
             for index, part in enumerate(each(problem, unknowns)):
-                columns = _columns(problem, index)
+                columns = own_columns(problem, index)
                 cost += part.cost
                 gradient[columns] += part.gradient
                 matrix[np.ix_(columns, columns)] += part.matrix

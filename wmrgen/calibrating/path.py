@@ -7,14 +7,14 @@ u exp(i omega / 2) sinc(omega / 2): the exponential map of SE(2), which `wmrgen.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmrgen.backends.casadi import sensitivity
+from wmrgen.backends.casadi import OfColumns, sensitivity
 from wmrgen.ir.nodes import Function
 
 Reals = NDArray[np.float64]
@@ -39,10 +39,8 @@ class Increments:
 
     joints: tuple[str, ...]
     parameters: tuple[str, ...]
-    sensitivity: Callable[
-        [Reals], Reals
-    ]  # of columns of all inputs: vx, vy, omega, and these by each parameter
-    disagreement: Callable[[Reals], Reals]  # of the same columns: `slip` of forward, and nothing else
+    sensitivity: OfColumns  # of columns of all inputs: vx, vy, omega, and these by each parameter
+    disagreement: OfColumns  # of the same columns: `slip` of forward, and nothing else
 
     @staticmethod
     def of(forward: Function) -> Increments:

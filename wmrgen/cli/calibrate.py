@@ -30,6 +30,7 @@ def calibrate(
     files: Path | None,
     plan: bool,
     precision: float,
+    scheduler: str | None,
     as_json: bool,
 ) -> int:
     """Print what the logs tell of the parameters, and which drives would tell more."""
@@ -44,7 +45,13 @@ def calibrate(
                 "no log is given: wmrgen calibrate ROBOT.yaml LOG.csv…, or --plan for drives to make"
             )
         return _planned(derivation, precision, as_json)
-    result = work.calibrate(derivation, logs, truth or ())
+    if scheduler is None:
+        result = work.calibrate(derivation, logs, truth or ())
+    else:
+        from wmrgen.calibrating.cluster import cluster
+
+        with cluster(scheduler) as each:
+            result = work.calibrate(derivation, logs, truth or (), each)
     values = {name: e.value for name, e in result.parameters.items() if e.observable}
     if out is not None:
         write_file(out, with_values(robot, values).encode())

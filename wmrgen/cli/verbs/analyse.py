@@ -166,6 +166,9 @@ def calibrate(
     ] = None,
     plan: Annotated[bool, typer.Option("--plan", help="Say which drives would tell the parameters.")] = False,
     precision: Annotated[float, option("What --plan aims at, relative to nominal.", "0.01")] = 0.01,
+    scheduler: Annotated[
+        str | None, option("Add the drives up on the Dask cluster of this scheduler.", "ADDRESS")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Example:  wmrgen calibrate robot.yaml run-1.csv run-2.csv

@@ -23,7 +23,7 @@ SAME = 1e-9
 def reasons(at: Configuration, deciding: tuple[Wheel, ...]) -> tuple[str, ...]:
     """Why the degrees are what they are, one sentence each; ``deciding``: the steered wheels that give a row of C1."""
     return (
-        *_taken_for_one(at), *_fixed(at), *_couplings(at), *_steered(at, deciding), *_free_wheels(at),
+        *_fixed(at), *_taken_for_one(at), *_couplings(at), *_steered(at, deciding), *_free_wheels(at),
         *_degrees(at), *_verdict(at), *_doubts(at), *_coincidences(at),
     )  # fmt: skip
 

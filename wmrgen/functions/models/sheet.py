@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -115,13 +115,19 @@ def lines(sheet: Sheet) -> list[str]:
             rows.append(f"  {name}: [{', '.join(_written(printer, e) for e in field)}]")
     if sheet.state:
         rows += ["", "singular:" if sheet.domain else "singular: nowhere"]
-        rows += [f"  {line}" for line in singular_sets(sheet, printer)]
+        rows += [f"  {line}" for line in _sets(sheet.domain, printer)]
     return [*rows, "", printer.note] if printer.note else rows
 
 
-def singular_sets(sheet: Sheet, printer: Writer) -> list[str]:
-    """Where the model does not hold, a condition each, and why."""
-    return [f"{_written(printer, d.expression)} = 0: {d.text}" for d in sheet.domain]
+def singular_sets(system: System) -> tuple[str, ...]:
+    """Where a model does not hold, a condition each, and why."""
+    domain = (Domain(tidy(d.expression), d.text) for d in system.domain)
+    ports = (*system.state, *system.inputs, *system.geometry)
+    return tuple(_sets(domain, Reader(Text(ports).doprint)))
+
+
+def _sets(domain: Iterable[Domain], printer: Writer) -> list[str]:
+    return [f"{_written(printer, d.expression)} = 0: {d.text}" for d in domain]
 
 
 def _with_unit(port: Port) -> str:

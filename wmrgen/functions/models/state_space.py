@@ -8,7 +8,7 @@ from math import inf
 from typing import Any
 
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.models.sheet import sheet_of, singular_sets
+from wmrgen.functions.models.sheet import singular_sets
 from wmrgen.functions.models.twist import sliding
 from wmrgen.functions.registry import system_builder
 from wmrgen.functions.system import Lag, System, of_commands
@@ -18,7 +18,6 @@ from wmrgen.layout.skid import parallel
 from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.printing import Reader, Text
 from wmrgen.symbolic import Expr, number, over, signal, subtract
 
 ROLLING_ALONE = "wheels slide, as they do in every curve"
@@ -60,7 +59,7 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
     return StateSpace(
         form,
         of_commands(system.text, following),
-        _singular(form, system),
+        singular_sets(system),
         system.state,
         inputs,
         system.geometry,
@@ -132,17 +131,12 @@ def regularity(robot: Robot, mobility: Mobility) -> dict[str, tuple[str, ...]]:
     sets = {}
     for form in ("posture", "twist", "eta"):
         try:
-            sets[form] = _singular(form, system_builder(form)(robot, mobility, True))
+            sets[form] = singular_sets(system_builder(form)(robot, mobility, True))
         except NotDerivableError:
             continue
         if mobility.rank_C1f.value > 1 and form != "twist":
             sets[form] += (ROLLING_ALONE,)
     return sets
-
-
-def _singular(form: str, system: System) -> tuple[str, ...]:
-    sheet = sheet_of(form, system)
-    return tuple(singular_sets(sheet, Reader(Text(sheet.ports).doprint)))
 
 
 def data(space: StateSpace) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 from functools import cache
-from math import cos, inf, sin
+from math import atan, cos, inf, radians, sin, tan
 from pathlib import Path
 from types import ModuleType
 
@@ -348,3 +348,14 @@ def test_driven_castors_have_a_model_without_singular_angles(name: str) -> None:
     assert derivation.system("posture").domain
     rates = derivation.state_space()([0, 0, 0.5], [0.3, -0.2, 0.7], nominal(derivation)).full().ravel()
     assert rates == pytest.approx([0.3 * cos(0.5) + 0.2 * sin(0.5), 0.3 * sin(0.5) - 0.2 * cos(0.5), 0.7])
+
+
+def test_a_virtual_wheel_keeps_the_limits_of_those_that_it_steers() -> None:
+    """Cotangents of the angles of front wheels differ by distance over wheelbase (Ackermann): the inner one decides."""
+    derivation = derivation_of("car_with_trailers")
+    entry = derivation.model()["state_space"]["x"][3]
+    left, right = (derivation.robot.wheel(f"front_{side}") for side in ("left", "right"))
+    rear = derivation.robot.wheel("rear_left")
+    middle = (left.pivot.imag - right.pivot.imag) / 2 / (left.pivot.real - rear.pivot.real)
+    bound = atan(1 / (1 / tan(radians(40)) + middle))
+    assert (entry["lower"], entry["upper"]) == pytest.approx((-bound, bound))

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from cmath import exp, phase
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, pi
 from typing import Any
+
+import numpy as np
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.sheet import singular_sets
@@ -13,8 +16,9 @@ from wmrgen.functions.models.twist import sliding
 from wmrgen.functions.registry import system_builder
 from wmrgen.functions.system import Lag, System, of_commands
 from wmrgen.kinematics.records import Formula, substituted
-from wmrgen.layout.records import Robot
+from wmrgen.layout.records import Robot, Virtual, Wheel
 from wmrgen.layout.skid import parallel
+from wmrgen.mobility.admissible import along
 from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
@@ -113,16 +117,41 @@ def default_state_space(robot: Robot, mobility: Mobility) -> StateSpace | None:
 def _bounds(robot: Robot, name: str) -> tuple[float, float]:
     """The limits that the robot file sets, infinite where it sets none."""
     wheel, _, quantity = name.rpartition(".")
-    names = {w.name: w for w in robot.wheels}
     quantity = quantity.removesuffix("_command")
-    limit = (
-        robot.limits.get(quantity)
-        if not wheel
-        else robot.limit(names[wheel], quantity)
-        if wheel in names
-        else None
-    )
+    real = {w.name: w for w in robot.wheels}
+    virtual = {v.name: v for v in robot.virtual}
+    if wheel in virtual and quantity == "steer":
+        return _virtual_range(robot, virtual[wheel])
+    if wheel and wheel not in real:
+        return (-inf, inf)
+    limit = robot.limit(real[wheel], quantity) if wheel else robot.limits.get(quantity)
     return (-inf, inf) if limit is None else (float(limit.low), float(limit.high))
+
+
+def _virtual_range(robot: Robot, v: Virtual) -> tuple[float, float]:
+    """The angles of a virtual wheel at which all that it steers keep their limits: where one of them is at a limit, the
+    centre of rotation lies on its axle and on that of the fixed wheels. Limits beyond a right angle bound nothing."""
+    fixed = next((w for w in robot.wheels if w.kind.fixed_axle), None)
+    low, high = -inf, inf
+    for w in map(robot.wheel, v.wheels):
+        limit = robot.limit(w, "steer")
+        if limit is None or fixed is None:
+            continue
+        ends = [
+            _seen_by(v, w, fixed, float(end)) for end in (limit.low, limit.high) if abs(float(end)) < pi / 2
+        ]
+        if len(ends) == 2:
+            low, high = max(low, min(ends)), min(high, max(ends))
+    return low, high
+
+
+def _seen_by(v: Virtual, w: Wheel, fixed: Wheel, angle: float) -> float:
+    """The angle of the virtual wheel while ``w`` stands at ``angle`` [rad]: both roll, and the fixed wheel."""
+    rows = along(fixed, 1j * fixed.zero_heading), along(w, 1j * w.zero_heading * exp(1j * angle))
+    vx, vy, omega = np.cross(rows[0], rows[1])
+    x, y = float(v.x.nominal), float(v.y.nominal)
+    direction = phase(complex(vx - omega * y, vy + omega * x) / w.zero_heading)
+    return direction - pi * round(direction / pi)
 
 
 def regularity(robot: Robot, mobility: Mobility) -> dict[str, tuple[str, ...]]:

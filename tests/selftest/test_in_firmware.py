@@ -33,6 +33,15 @@ def folder(robot_file: Path, wmrgen_cli: Callable[..., Outcome], tmp_path: Path)
     return tmp_path / "out" / "pair"
 
 
+def test_check_looks_after_the_harness(
+    folder: Path, robot_file: Path, wmrgen_cli: Callable[..., Outcome]
+) -> None:
+    assert wmrgen_cli("check", robot_file, "-o", folder.parent).code == 0
+    (folder / "test" / "pair_fuzz.c").unlink()
+    stale = wmrgen_cli("check", robot_file, "-o", folder.parent)
+    assert stale.code == 1 and "pair_fuzz.c" in stale.out + stale.err
+
+
 @needs_compiler
 @pytest.mark.parametrize("pattern", ["*.c", "**/*.c"])
 @pytest.mark.parametrize("compiler", COMPILERS)

@@ -55,7 +55,7 @@ def derive(
     kinds = _kinds(package) if package else []
     chosen = choice(scalar, math, target)
     formats = [name for name, wanted in (("html", html), ("pdf", pdf)) if wanted]
-    words = chosen.words() | ({"formats": " ".join(formats)} if formats else {})
+    options = chosen.words() | ({"fuzz": "yes"} if fuzz else {})
     results: list[tuple[Derivation, dict[str, bytes]]] = []
     with console.progress() as step:
         for spec, robot in _load_all(robots):
@@ -72,9 +72,10 @@ def derive(
         for d, files in results
         for kind in kinds
     ]
-    written = [write_tree(out / d.robot.name, files, words) for d, files in results]
+    noted_formats = {"formats": " ".join(formats)} if formats else {}
+    written = [write_tree(out / d.robot.name, files, options | noted_formats) for d, files in results]
     for folder, files in packages:
-        write_tree(folder, files, chosen.words())
+        write_tree(folder, files, options)
     if as_json:
         models = [files[MODEL].decode().rstrip("\n") for _, files in results]
         console.result(models[0] if len(models) == 1 else "[\n" + ",\n".join(models) + "\n]")
@@ -213,11 +214,11 @@ def _differing_robot(path: Path, out: Path) -> tuple[str, list[Difference]]:
     for folder in (out / robot.name, *(folder for folder in folders if folder.is_dir())):
         options = made_with(folder)
         choice = noted_choice(options)
-        files, words = artifacts(derivation, choice), choice.words()
+        files, words = artifacts(derivation, choice, "fuzz" in options), choice.words()
         if folder in folders:
             files = packaged(folders[folder], derivation, choice, files)
-        elif "formats" in options:
-            words["formats"] = options["formats"]
+        words |= {key: options[key] for key in ("fuzz", "formats") if key in options}
+        if "formats" in options:
             files |= _noted_formats(derivation, files, folder, options["formats"].split())
         stale += differences(folder, files, words)
     return robot.name, stale

@@ -91,6 +91,14 @@ def test_a_castor_trails(d: float, omega: float, tmp_path: Path) -> None:
         assert abs(axle_misses(base, shown)["castor"]) < 1e-12
 
 
+def test_castors_on_a_belt_stand_at_their_zero(tmp_path: Path) -> None:
+    two = CASTOR.format(-0.1) + CASTOR.format(-0.1).replace("castor,", "other,", 1).replace("y: 0", "y: 0.1")
+    belt = "couplings: [{equal: [castor.steer, other.steer]}]\n"
+    for more in (belt, ""):
+        shown = moving(robot(tmp_path, PAIR + two, more).robot, (0.5, 0.0, 1.0))
+        assert (shown.headings["castor"] == 0 == shown.headings["other"]) == bool(more)
+
+
 @pytest.mark.parametrize("steer", ["[-2, 2]", "[1.6, 3.1]", "[-3.1, -1.6]"])
 def test_the_opposite_heading_where_only_that_is_within_limits(steer: str, tmp_path: Path) -> None:
     front = FRONT.format(0).replace("r: 0.1}", f"r: 0.1, limits: {{steer: {steer}}}}}")

@@ -50,10 +50,11 @@ def example(robot: Robot, mobility: Mobility) -> Example | None:
 
 
 def moving(robot: Robot, twist: Twist) -> Example:
-    """What the wheels do under an admissible twist; castors stand as they trail when it lasts."""
+    """What the wheels do under an admissible twist; castors stand as they trail when it lasts, on belts at 0."""
     headings = {}
+    free = {m[0].index for m in robot.together("steer", robot.wheels) if len(m) == 1 and m[0].kind.swivels}
     for w in robot.wheels:
-        swing = swung(robot, w, twist) if w.kind.steers else _trail(w, twist) if w.kind.swivels else 0.0
+        swing = swung(robot, w, twist) if w.kind.steers else _trail(w, twist) if w.index in free else 0.0
         headings[w.name] = w.heading + swing
     return Example(twist, headings, icr(twist, extent(robot.wheels)[1]))
 

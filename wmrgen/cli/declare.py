@@ -79,6 +79,7 @@ def _unusable(error: Any, as_json: bool) -> int:
         text = f"there is no option {quoted(wrong)}.{hint}"
     if text.startswith("Usage:"):
         return console.failed(text, error.exit_code, as_json)
+    text = " ".join(text.split())
     if error.ctx is not None:
         console.note(f"{error.ctx.get_usage()}\nTry '{error.ctx.command_path} --help' for help.\n")
     return console.failed(str(UsageError(text)), error.exit_code, as_json, [UsageError(text)])

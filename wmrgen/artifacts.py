@@ -79,14 +79,15 @@ def write_tree(
 def differences(
     directory: Path, files: Mapping[str, bytes], made_with: Mapping[str, str] | None = None
 ) -> list[Difference]:
-    """How ``directory`` differs from what `write_tree` would leave there, by file, in order; `BUDGET` may be there."""
+    """How ``directory`` differs from what `write_tree` would leave there, by file, in order; `BUDGET` may be there, and
+    what Python keeps beside a module that was imported."""
     wanted = with_manifest(files, made_with)
     unlike = []
     for name, content in wanted.items():
         unlike += file_difference(directory / name, content)
     kept = {directory / name for name in (*wanted, BUDGET)}
     extra = [p for p in sorted(directory.rglob("*")) if (p.is_symlink() or not p.is_dir()) and p not in kept]
-    return unlike + [Difference(p, "not produced") for p in extra]
+    return unlike + [Difference(p, "not produced") for p in extra if p.parent.name != "__pycache__"]
 
 
 def write_file(path: Path, content: bytes) -> bool:

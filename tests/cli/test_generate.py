@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import py_compile
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -66,6 +67,14 @@ def test_derive_json_is_the_model(wmrgen_cli: Cli, robot_file: Path, tmp_path: P
 def test_derive_several(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
     done = wmrgen_cli("derive", robot_file, REAL, "-o", tmp_path / "out", "--json")
     assert [model["name"] for model in json.loads(done.out)] == ["pair", "pioneer3dx"]
+
+
+def test_a_module_that_was_imported_stays_fresh(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert wmrgen_cli("derive", robot_file, "-o", out).code == 0
+    py_compile.compile(str(out / "pair" / "pair.py"))
+    assert (out / "pair" / "__pycache__").is_dir()
+    assert wmrgen_cli("check", robot_file, "-o", out).code == 0
 
 
 def test_check_regenerates_with_the_options_of_the_manifest(

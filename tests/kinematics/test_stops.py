@@ -32,7 +32,16 @@ def forklift(low: float, width: float, across: float = 0.0) -> Model:
     return derived({"wheels": [*AXLE, *rear], "couplings": [("steer", list(names))] if across else []})
 
 
-@pytest.mark.parametrize(("low", "width"), [(-90, 180), (-75, 150), (-92, 184), (-120, 180), (-110, 220)])
+@pytest.mark.parametrize(
+    ("low", "width"),
+    [
+        (-90, 180),
+        pytest.param(-75, 150, marks=pytest.mark.slow),
+        (-92, 184),
+        pytest.param(-120, 180, marks=pytest.mark.slow),
+        pytest.param(-110, 220, marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize("across", [0.0, 0.2])
 def test_noise_does_not_swing_a_wheel_from_stop_to_stop(low: int, width: int, across: float) -> None:
     """1 mm/s of noise about a turn on the spot, and about every line at which a wheel may swing over: it does once."""

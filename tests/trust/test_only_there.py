@@ -39,6 +39,7 @@ def test_nothing_outside_the_directory(name: str, tmp_path: Path) -> None:
 
 
 @LINUX
+@pytest.mark.slow
 def test_the_hook_sees_a_file_elsewhere(tmp_path: Path) -> None:
     robot = next(p for p in GALLERY if p.stem == "unicycle")
     _, events = watched(tmp_path / "in", tmp_path / "log", "derive", robot, "-o", tmp_path / "out")

@@ -11,7 +11,7 @@ from tests.report.common import derivation, derived
 from wmrgen.robot import Derivation
 
 SVG = "{http://www.w3.org/2000/svg}"
-FILES = ("layout.svg", "symbols.svg", "motion.svg", "singular.svg", "reach.svg")
+FILES = ("layout.svg", "symbols.svg", "motion.svg", "singular.svg", "reach.svg", "wiring.svg")
 Box = tuple[float, float, float, float]
 Point = tuple[float, float]
 

@@ -31,7 +31,12 @@ from tests.oracle.draw import robot as drawn_robot
 from tests.oracle.harness import robot_text
 from tests.report.common import ROBOTS, derivation, derived
 from wmrgen import derive, load
-from wmrgen.errors import NotDerivableError
+from wmrgen.backends.drawing.motion import motion
+from wmrgen.backends.drawing.reach import reach
+from wmrgen.backends.drawing.singular import singular
+from wmrgen.backends.drawing.symbols import symbols
+from wmrgen.backends.drawing.top import top_view
+from wmrgen.backends.drawing.wiring import wiring
 from wmrgen.robot import Derivation
 
 OKABE_ITO = {"000000", "e69f00", "56b4e9", "009e73", "f0e442", "0072b2", "d55e00", "cc79a7"}
@@ -118,7 +123,7 @@ def test_every_wheel_is_named_and_stands_where_the_layout_says(name: str) -> Non
 @pytest.mark.parametrize("name", ROBOTS)
 def test_figures_are_few_and_described(name: str) -> None:
     d = derivation(name)
-    assert set(d.figures) <= set(FILES) and 2 <= len(d.figures) <= 5 and next(iter(d.figures)) == "layout.svg"
+    assert set(d.figures) <= set(FILES) and 2 <= len(d.figures) <= 6 and next(iter(d.figures)) == "layout.svg"
     for alt, svg in d.figures.values():
         assert name in alt and ET.fromstring(svg).findtext(f"{SVG}title") == alt
     assert ("motion.svg" in d.figures) == (d.mobility.degree_of_mobility > 0)
@@ -169,7 +174,12 @@ def test_names_are_text_and_no_markup() -> None:
         d.robot, name=bad, wheels=tuple(replace(w, name=f"{bad}{w.index}") for w in d.robot.wheels),
         trailers=tuple(replace(t, name=bad) for t in d.robot.trailers),
     )  # fmt: skip
-    for _, svg in derive(renamed).figures.values():
+    d = derive(renamed)
+    drawn = (top_view(d), symbols(renamed), motion(d), singular(d), reach(d))
+    sheet = wiring(
+        derive(replace(derivation("pioneer3dx").robot, name=bad))
+    )  # it computes: wheels as files have them
+    for svg in (f.svg for f in (sheet, *drawn) if f):
         root = ET.fromstring(svg)
         assert not list(root.iter(f"{SVG}script")) and bad in (root.findtext(f"{SVG}title") or "")
     groups = [g.attrib["data-wheel"] for g in root.iter(f"{SVG}g") if "data-wheel" in g.attrib]

@@ -215,13 +215,14 @@ for _entry in (
     ),
     Entry(
         "drawing", "wmrgen.backends.drawing", "itself",
-        files=(Files(("layout.svg", "symbols.svg", "motion.svg", "singular.svg", "reach.svg")),),
+        files=(Files(("layout.svg", "symbols.svg", "motion.svg", "singular.svg", "reach.svg", "wiring.svg")),),
     ),
     Entry(
         "report", "wmrgen.backends.report", "itself",
         files=(
             Files(("report.md",)),
             Files(("numerics.md",), "costs, proved ranges and rounding errors, lines of the code"),
+            Files(("wiring.md",), "a check sheet for the bench: the sign of every joint for each motion"),
         ),
     ),
 ):  # fmt: skip

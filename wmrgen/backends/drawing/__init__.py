@@ -12,6 +12,7 @@ from wmrgen.backends.drawing.singular import singular
 from wmrgen.backends.drawing.sketch import sketch
 from wmrgen.backends.drawing.symbols import symbols
 from wmrgen.backends.drawing.top import top_view
+from wmrgen.backends.drawing.wiring import wiring
 
 __all__ = ["emit", "figures", "sketch"]
 
@@ -29,5 +30,6 @@ def figures(derivation: Derivation) -> list[Figure]:
     """Those figures that say something about this robot."""
     drawn = (
         top_view(derivation), symbols(derivation.robot), motion(derivation), singular(derivation), reach(derivation),
+        wiring(derivation),
     )  # fmt: skip
     return [figure for figure in drawn if figure]

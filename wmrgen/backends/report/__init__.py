@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.registry import Facts
-from wmrgen.backends.report import numerics
+from wmrgen.backends.report import numerics, wiring
 from wmrgen.backends.report.forward import forward, motion
 from wmrgen.backends.report.further import further
 from wmrgen.backends.report.inverse import inverse
@@ -31,11 +31,12 @@ _WHOLE = (regular, singular, texts, further)
 
 
 def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
-    """``report.md``, whose pictures are another backend's, and ``numerics.md``."""
+    """``report.md``, whose pictures are another backend's, ``numerics.md`` and ``wiring.md``."""
     blocks = [block for section in _LAYOUT for block in section(derivation)]
     blocks += [block for section in _MOTION for block in section(derivation.driven)]
     blocks += [block for section in _WHOLE for block in section(derivation)]
     return {
         FILE: page([*blocks, *foot(facts)]).encode(),
         numerics.FILE: numerics.numerics(derivation, facts).encode(),
+        wiring.FILE: wiring.wiring(derivation, facts).encode(),
     }

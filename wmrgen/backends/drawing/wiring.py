@@ -1,0 +1,56 @@
+"""The motions of a wiring check: which way every driven wheel must turn."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, figure, panel
+from wmrgen.backends.drawing.marks import body, chassis, extremes, frame, placed
+from wmrgen.backends.drawing.paper import Box, Paper, along, arrow
+from wmrgen.backends.drawing.view import fitted
+from wmrgen.wiring import Joints, motions
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Robot
+    from wmrgen.robot import Derivation
+
+FILE = "wiring.svg"
+_HEIGHT, _ARROW, _SLOWEST = 190.0, 26.0, 1e-9
+
+
+def wiring(derivation: Derivation) -> Figure | None:
+    """``wiring.svg``: a panel for each motion; None where the robot drives none of them."""
+    possible = [(m.title, m.joints) for m in motions(derivation) if m.joints]
+    if not possible:
+        return None
+    wide = WIDTH / len(possible)
+    groups: list[Group] = []
+    for k, (title, joints) in enumerate(possible):
+        groups += _panel(
+            derivation.robot, joints, (k * wide + 8, 24.0, (k + 1) * wide - 8, _HEIGHT - 8), title
+        )
+    titles = "; ".join(title for title, _ in possible)
+    return figure(FILE, f"{derivation.robot.name}: which way wheels turn for {titles}.", _HEIGHT, groups)
+
+
+def _panel(robot: Robot, joints: Joints, area: Box, title: str) -> list[Group]:
+    """The robot from above, steered wheels where they must stand, with an arrow along each wheel that turns."""
+    headings = {w.name: w.heading + joints.get(f"{w.name}.steer", 0.0) for w in robot.wheels}
+    points = [p for w in robot.wheels for p in extremes(w, headings[w.name])] + [(0.0, 0.0)]
+    inner = (area[0] + 24, area[1] + 26, area[2] - 24, area[3] - 26)
+    view = fitted(points, inner, most=40.0 / max(float(w.nominal.r) for w in robot.wheels))
+    paper = Paper(area)
+    wheels = [placed(w, headings[w.name], view) for w in robot.wheels]
+    arrows: list[str] = []
+    for p in wheels:
+        spin = joints.get(f"{p.wheel.name}.spin", 0.0)
+        if abs(spin) > _SLOWEST:
+            arrows += arrow(
+                p.centre, along(p.centre, p.ahead, _ARROW if spin > 0 else -_ARROW), "velocity", 4.0
+            )
+    signs = [*frame(view, ("x", "y", "P"), paper, 20.0), paper.write((area[0], area[1] - 8), title, "title")]
+    return [
+        (panel(view), chassis([p.pivot for p in wheels])),
+        *(("", body(p)) for p in wheels),
+        ("", [*arrows, *signs]),
+    ]

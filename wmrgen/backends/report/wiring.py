@@ -1,0 +1,92 @@
+"""``wiring.md``, a check sheet for the bench: the sign of every driven joint for each motion, what is wrong when."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import TYPE_CHECKING
+
+from wmrgen.backends.report.markdown import code, foot, items, page, pictures, table
+from wmrgen.wiring import Motion, faults, motions
+
+if TYPE_CHECKING:
+    from wmrgen.backends.registry import Facts
+    from wmrgen.robot import Derivation
+
+FILE = "wiring.md"
+_STILL = 1e-9
+
+
+def wiring(d: Derivation, facts: Facts) -> str:
+    """The page."""
+    name = code(d.robot.name)
+    blocks = [f"# Wiring check of {name}"]
+    every = motions(d)
+    possible = [m for m in every if m.joints]
+    if not possible:
+        return page(
+            [*blocks, "No joint of this robot is driven, so there is nothing to check.", *foot(facts)]
+        )
+    forbidden = [m.title.partition(",")[0] for m in every if m.joints is None]
+    return page([
+        *blocks,
+        "Lift the robot, so that its wheels turn freely, and go through the list from the top. Arrows in the "
+        "[top view](layout.svg) show the way of positive rolling.",
+        *items(_steps(d), lambda k: f"{k}."),
+        *pictures(d.figures, "wiring.svg"),
+        *table(["joint", *(m.title for m in possible)], _rows(possible), "l"),
+        "All angles are 0 before; an arrow shows which way a wheel rolls."
+        + (f" The wheels forbid {' and '.join(forbidden)}." if forbidden else ""),
+        *_faults(d, possible),
+        *foot(facts),
+    ])  # fmt: skip
+
+
+def _steps(d: Derivation) -> list[str]:
+    robot = d.robot
+    driven = [w for w in robot.wheels if w.actuated]
+    counted = any(w.sensed for w in robot.wheels)
+    steers = any("steer" in w.actuated for w in driven)
+    twist = next(m.twist for m in reversed(motions(d)) if m.joints)
+    words = " ".join(f"{n}={float(v):g}" for n, v in twist.items() if v)
+    steps = [
+        "Command one motor at a time, slowly and by a positive speed: its wheel, and no other, rolls the way of its "
+        "arrow. If another wheel turns, exchange the two motor plugs; if it rolls backwards, exchange the motor's two "
+        "leads, or invert it in the controller, not both."
+    ]
+    if counted:
+        steps.append(
+            "Watch the encoder of that wheel: it counts up. If it counts down, exchange its channels A and B, or "
+            "invert it in the controller; if another one counts, exchange the two plugs."
+        )
+    if steers:
+        steps.append(
+            "Set every steering angle to 0: each wheel points along its heading of the layout table. A small positive "
+            "angle turns it counter-clockwise, seen from above. If it turns the other way, invert motor and encoder "
+            "of the steering together."
+        )
+    steps.append(
+        f"Command each motion below (`wmrgen eval {robot.name}.yaml inverse {words}` prints the numbers): every "
+        "sign is that of the table."
+    )
+    return steps
+
+
+def _rows(possible: list[Motion]) -> list[list[str]]:
+    names = list(dict.fromkeys(n for m in possible for n in m.joints or {}))
+    return [[code(n), *(_cell(n, (m.joints or {}).get(n, 0.0)) for m in possible)] for n in names]
+
+
+def _cell(name: str, value: float) -> str:
+    """A sign; of a steering angle the angle."""
+    if name.endswith(".steer"):
+        return f"{round(degrees(value), 1) + 0.0:g}°".replace("-", "−")
+    return "0" if abs(value) < _STILL else "+" if value > 0 else "−"
+
+
+def _faults(d: Derivation, possible: list[Motion]) -> list[str]:
+    """What the robot on the ground does instead."""
+    rows = [[f.text, *f.seen] for f in faults(d)]
+    if not rows:
+        return []
+    head = ["what is wrong", *(m.title for m in possible)]
+    return ["On the ground a robot that is wired wrongly does this instead:", *table(head, rows, "l")]

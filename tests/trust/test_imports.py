@@ -28,8 +28,8 @@ ROOMS = (
     " wheels spec layout importing constraints symbolic printing mobility kinematics"
     " functions functions/models functions/trailers functions/motion"
     " functions/control functions/space"
-    " lower program bounds model_json robot __init__ lint exporting comparing calibrating wiring"
-    " backends/drawing backends/report emit pages cli __main__"
+    " lower program bounds model_json robot __init__ lint exporting comparing wiring"
+    " backends/drawing calibrating backends/report emit pages cli __main__"
 ).split()
 HEAVY = {"sympy", "numpy", "casadi", "jinja2", "mpmath"}
 MAY_IMPORT_SYMPY = ("ir/verify", "backends/report/latex")  # of spec, ir, backends and cli

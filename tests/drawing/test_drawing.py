@@ -37,6 +37,7 @@ from wmrgen.backends.drawing.singular import singular
 from wmrgen.backends.drawing.symbols import symbols
 from wmrgen.backends.drawing.top import top_view
 from wmrgen.backends.drawing.wiring import wiring
+from wmrgen.errors import NotDerivableError
 from wmrgen.robot import Derivation
 
 OKABE_ITO = {"000000", "e69f00", "56b4e9", "009e73", "f0e442", "0072b2", "d55e00", "cc79a7"}

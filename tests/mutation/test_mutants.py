@@ -23,8 +23,9 @@ from wmrgen.ir.kernels.choice import LIBM, Choice
 PLAIN = Choice("float", LIBM)
 LEAST = 70
 MOST_EQUIVALENT = 0.15  # of all mutants; more would say that the faults are badly chosen
-EVERYDAY = {"differential": "turtlebot3_burger", "ackermann": "ackermann_car"}
+EVERYDAY = {"differential": "turtlebot3_burger"}
 FAMILIES = {
+    "ackermann": "ackermann_car",
     "swerve": "wpilib_swervebot",
     "tunable": "pioneer3dx",
     "mecanum": "clearpath_do100",

@@ -35,6 +35,7 @@ DRIVEN = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_who_has_a_model_in_wheel_speeds() -> None:
     """And the car with trailers, whose model has a virtual wheel."""
     assert {n for n in ROBOTS if speeds(n)} == {*DRIVEN, "car_with_trailers"}

@@ -54,6 +54,7 @@ def test_nothing_beyond_the_deviations(found: list[tuple[str, Finding]]) -> None
     assert [(tool, f) for tool, f in found if kept(tool, f[1], f[0]) is None] == []
 
 
+@pytest.mark.slow
 def test_every_deviation_is_needed_and_written_down(found: list[tuple[str, Finding]]) -> None:
     assert {kept(tool, check, file) for tool, (file, check, _) in found} == needed(ONE)
     text = (ROOT / "docs" / "misra.md").read_text()

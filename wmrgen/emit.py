@@ -17,7 +17,6 @@ from wmrgen.bounds.robot import header_lines, reach
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import JOINTS, TWIST, TWIST_NAMES, Site
-from wmrgen.wheels import WheelType
 
 if TYPE_CHECKING:
     from wmrgen.backends.packages import Package
@@ -143,22 +142,23 @@ def constants(robot: Robot, where: Site) -> tuple[tuple[str, float, str], ...]:
     return tuple(numbers)
 
 
-_LEGEND: tuple[tuple[Callable[[WheelType], bool], str], ...] = (
-    (lambda kind: True,
+_LEGEND: tuple[tuple[Callable[[Wheel], bool], str], ...] = (
+    (lambda w: True,
      "x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track."),
-    (lambda kind: kind.directed,
+    (lambda w: w.kind.directed,
      "heading: rolling direction at spin > 0, from the x axis (steered: at steer 0)."),
-    (lambda kind: kind.swivels,
+    (lambda w: w.kind.swivels,
      "d: contact point minus pivot, along the rolling direction."),
-    (lambda kind: kind.rollers,
-     "gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top "
-     "lean the other way."),
+    (lambda w: w.kind.rollers,
+     "gamma: from the wheel plane to the axis of the roller at the ground."),
+    (lambda w: w.kind.rollers and bool(w.gamma),
+     "The rollers seen on top lean the other way than those at the ground."),
 )  # fmt: skip
 
 
 def wheel_lines(robot: Robot) -> tuple[str, ...]:
-    """The wheel table of a banner: one line per wheel in file order, then the legend that these wheel types need."""
-    legend = (text for concerns, text in _LEGEND if any(concerns(w.kind) for w in robot.wheels))
+    """The wheel table of a banner: one line per wheel in file order, then the legend that these wheels need."""
+    legend = (text for concerns, text in _LEGEND if any(concerns(w) for w in robot.wheels))
     return (*map(wheel_line, robot.wheels), *legend)
 
 

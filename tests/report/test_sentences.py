@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.report.common import ROBOTS, derivation, numerics_of, page_of, page_written
+from wmrgen.emit import wheel_lines
 from wmrgen.kinematics.pose import WORST_ERROR
 
 EVERY_TWIST = "Every twist is admissible"
@@ -107,3 +108,9 @@ def test_words(name: str) -> None:
     assert not re.search(r"\bcasters?\b", page.split("## 1 ")[1])
     for before, word in pairwise(re.findall(r"\w+", page)):
         assert word not in ("freedom", "freedoms") or before == "of"
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_headers_say_it_of_the_same_robots(name: str) -> None:
+    lines = wheel_lines(derivation(name).robot)
+    assert any("lean the other way" in line for line in lines) == (LEAN in page_of(name))

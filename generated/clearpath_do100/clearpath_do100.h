@@ -14,8 +14,8 @@
  *   rear_right: swedish, x -0.285 m, y -0.2104 m, heading 0 deg, r 0.05 m, gamma -45 deg
  *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
  *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
+ *   gamma: from the wheel plane to the axis of the roller at the ground.
+ *   The rollers seen on top lean the other way than those at the ground.
  *
  * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
  *     clearpath_do100_twist twist = {0.5f, 0.0f, 0.2f};
@@ -32,7 +32,7 @@
 
 #define CLEARPATH_DO100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_DO100_MODEL_HASH "6fc6bfd5303a14d472eb84203b673376" /**< digest of the model */
-#define CLEARPATH_DO100_PAIR_44692b88ca8cc534 1 /**< header and source that were written together have the same */
+#define CLEARPATH_DO100_PAIR_10d18f5ba1500b89 1 /**< header and source that were written together have the same */
 #define CLEARPATH_DO100_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_DO100_FRONT_LEFT_X 0.285f /**< [m] pivot, forward of P */
 #define CLEARPATH_DO100_FRONT_LEFT_Y 0.2104f /**< [m] pivot, to the left of P */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_DO100_PAIR_44692b88ca8cc534)
+#if !defined(CLEARPATH_DO100_PAIR_10d18f5ba1500b89)
 #error "clearpath_do100_checked.c and clearpath_do100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

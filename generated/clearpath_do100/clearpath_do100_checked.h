@@ -21,7 +21,7 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_44692b88ca8cc534)
+#if !defined(CLEARPATH_DO100_PAIR_10d18f5ba1500b89)
 #error "clearpath_do100_checked.h and clearpath_do100.h were not generated together: copy both"
 #endif
 

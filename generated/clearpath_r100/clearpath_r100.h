@@ -14,8 +14,8 @@
  *   rear_right: swedish, x -0.319 m, y -0.2755 m, heading 0 deg, r 0.0759 m, gamma -45 deg
  *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
  *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
+ *   gamma: from the wheel plane to the axis of the roller at the ground.
+ *   The rollers seen on top lean the other way than those at the ground.
  *
  * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
  *     clearpath_r100_params params;
@@ -36,7 +36,7 @@
 
 #define CLEARPATH_R100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_R100_MODEL_HASH "68a3669e85fcb7a79e28066fdfeabf21" /**< digest of the model */
-#define CLEARPATH_R100_PAIR_fd9d8a3c805f372d 1 /**< header and source that were written together have the same */
+#define CLEARPATH_R100_PAIR_c0228df1031672f6 1 /**< header and source that were written together have the same */
 #define CLEARPATH_R100_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_R100_FRONT_LEFT_X 0.319f /**< [m] pivot, forward of P */
 #define CLEARPATH_R100_FRONT_LEFT_Y 0.2755f /**< [m] pivot, to the left of P */

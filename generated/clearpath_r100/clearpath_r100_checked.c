@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_R100_PAIR_fd9d8a3c805f372d)
+#if !defined(CLEARPATH_R100_PAIR_c0228df1031672f6)
 #error "clearpath_r100_checked.c and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -13,8 +13,7 @@
  *   wheel2: swedish, x 0.065 m, y -0.11 m, heading 30 deg, r 0.04 m, gamma 0 deg
  *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
  *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
+ *   gamma: from the wheel plane to the axis of the roller at the ground.
  *
  * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
  *     festo_robotino_twist twist = {0.5f, 0.0f, 0.2f};
@@ -31,7 +30,7 @@
 
 #define FESTO_ROBOTINO_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define FESTO_ROBOTINO_MODEL_HASH "96ec5ad80432d610ad16e8b57d094cf2" /**< digest of the model */
-#define FESTO_ROBOTINO_PAIR_8ce745ccadd96047 1 /**< header and source that were written together have the same */
+#define FESTO_ROBOTINO_PAIR_7316ed23b258cfe1 1 /**< header and source that were written together have the same */
 #define FESTO_ROBOTINO_WHEELS 3 /**< how many wheels the robot has */
 #define FESTO_ROBOTINO_WHEEL0_X 0.065f /**< [m] pivot, forward of P */
 #define FESTO_ROBOTINO_WHEEL0_Y 0.11f /**< [m] pivot, to the left of P */

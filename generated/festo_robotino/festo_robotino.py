@@ -12,7 +12,7 @@ Wheels, in the order of the robot file:
     wheel2: swedish, x 0.065 m, y -0.11 m, heading 30 deg, r 0.04 m, gamma 0 deg
     x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
     heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
-    gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top lean the other way.
+    gamma: from the wheel plane to the axis of the roller at the ground.
 """
 
 import numpy as np

@@ -21,7 +21,7 @@
 
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_8ce745ccadd96047)
+#if !defined(FESTO_ROBOTINO_PAIR_7316ed23b258cfe1)
 #error "festo_robotino_checked.h and festo_robotino.h were not generated together: copy both"
 #endif
 

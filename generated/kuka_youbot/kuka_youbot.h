@@ -14,8 +14,8 @@
  *   br: swedish, x -0.228 m, y -0.158 m, heading 0 deg, r 0.05 m, gamma -45 deg
  *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
  *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
+ *   gamma: from the wheel plane to the axis of the roller at the ground.
+ *   The rollers seen on top lean the other way than those at the ground.
  *
  * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
  *     kuka_youbot_params params;
@@ -36,7 +36,7 @@
 
 #define KUKA_YOUBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KUKA_YOUBOT_MODEL_HASH "4453d96d8372f8efe7189550328eae61" /**< digest of the model */
-#define KUKA_YOUBOT_PAIR_b183e572589cdce9 1 /**< header and source that were written together have the same */
+#define KUKA_YOUBOT_PAIR_a24402f3745bf30a 1 /**< header and source that were written together have the same */
 #define KUKA_YOUBOT_WHEELS 4 /**< how many wheels the robot has */
 #define KUKA_YOUBOT_FL_X 0.228f /**< [m] pivot, forward of P */
 #define KUKA_YOUBOT_FL_Y 0.158f /**< [m] pivot, to the left of P */

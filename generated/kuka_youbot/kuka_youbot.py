@@ -13,7 +13,8 @@ Wheels, in the order of the robot file:
     br: swedish, x -0.228 m, y -0.158 m, heading 0 deg, r 0.05 m, gamma -45 deg
     x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
     heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
-    gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top lean the other way.
+    gamma: from the wheel plane to the axis of the roller at the ground.
+    The rollers seen on top lean the other way than those at the ground.
 """
 
 import numpy as np

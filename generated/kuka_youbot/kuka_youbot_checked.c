@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_b183e572589cdce9)
+#if !defined(KUKA_YOUBOT_PAIR_a24402f3745bf30a)
 #error "kuka_youbot_checked.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -26,7 +26,7 @@
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_b183e572589cdce9)
+#if !defined(KUKA_YOUBOT_PAIR_a24402f3745bf30a)
 #error "kuka_youbot_checked.h and kuka_youbot.h were not generated together: copy both"
 #endif
 

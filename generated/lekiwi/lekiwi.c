@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LEKIWI_PAIR_2c399e9a7574afa4)
+#if !defined(LEKIWI_PAIR_039c4c7afe2b7940)
 #error "lekiwi.c and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -13,8 +13,7 @@
  *   right_wheel: swedish, x 0.0625 m, y -0.108253 m, heading 30 deg, r 0.05 m, gamma 0 deg
  *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
  *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
+ *   gamma: from the wheel plane to the axis of the roller at the ground.
  *
  * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
  *     lekiwi_twist twist = {0.5f, 0.0f, 0.2f};
@@ -31,7 +30,7 @@
 
 #define LEKIWI_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define LEKIWI_MODEL_HASH "3601ec4cc18ef1bacc11874527bd3540" /**< digest of the model */
-#define LEKIWI_PAIR_2c399e9a7574afa4 1 /**< header and source that were written together have the same */
+#define LEKIWI_PAIR_039c4c7afe2b7940 1 /**< header and source that were written together have the same */
 #define LEKIWI_WHEELS 3 /**< how many wheels the robot has */
 #define LEKIWI_LEFT_WHEEL_X 0.0625f /**< [m] pivot, forward of P */
 #define LEKIWI_LEFT_WHEEL_Y 0.10825317f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_2c399e9a7574afa4)
+#if !defined(LEKIWI_PAIR_039c4c7afe2b7940)
 #error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
 #endif
 

@@ -14,8 +14,8 @@
  *   lower_right: swedish, x -0.15 m, y -0.15 m, heading 180 deg, r 0.05 m, gamma -45 deg
  *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
  *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
+ *   gamma: from the wheel plane to the axis of the roller at the ground.
+ *   The rollers seen on top lean the other way than those at the ground.
  *
  * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
  *     nexus_4wd_twist twist = {0.5f, 0.0f, 0.2f};
@@ -32,7 +32,7 @@
 
 #define NEXUS_4WD_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEXUS_4WD_MODEL_HASH "00b8f9e6c9c56d809de5fb8b72d54d5b" /**< digest of the model */
-#define NEXUS_4WD_PAIR_2dfa2f0ea0327132 1 /**< header and source that were written together have the same */
+#define NEXUS_4WD_PAIR_9ae88f5ac3645d18 1 /**< header and source that were written together have the same */
 #define NEXUS_4WD_WHEELS 4 /**< how many wheels the robot has */
 #define NEXUS_4WD_UPPER_LEFT_X 0.15f /**< [m] pivot, forward of P */
 #define NEXUS_4WD_UPPER_LEFT_Y 0.15f /**< [m] pivot, to the left of P */

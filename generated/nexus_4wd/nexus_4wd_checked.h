@@ -21,7 +21,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_2dfa2f0ea0327132)
+#if !defined(NEXUS_4WD_PAIR_9ae88f5ac3645d18)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -14,8 +14,7 @@
  *   wheel4: swedish, x 0.045 m, y -0.0779423 m, heading 210 deg, r 0.027 m, gamma 0 deg
  *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
  *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
+ *   gamma: from the wheel plane to the axis of the roller at the ground.
  *
  * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
  *     ssl_parsian_twist twist = {0.5f, 0.0f, 0.2f};
@@ -32,7 +31,7 @@
 
 #define SSL_PARSIAN_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define SSL_PARSIAN_MODEL_HASH "e460599d7a9ae45566b3dbe10d53181c" /**< digest of the model */
-#define SSL_PARSIAN_PAIR_c90c79a85e5603fd 1 /**< header and source that were written together have the same */
+#define SSL_PARSIAN_PAIR_62ced1e58db38693 1 /**< header and source that were written together have the same */
 #define SSL_PARSIAN_WHEELS 4 /**< how many wheels the robot has */
 #define SSL_PARSIAN_WHEEL1_X 0.045f /**< [m] pivot, forward of P */
 #define SSL_PARSIAN_WHEEL1_Y 0.07794229f /**< [m] pivot, to the left of P */

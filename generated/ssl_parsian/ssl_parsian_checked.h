@@ -21,7 +21,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_c90c79a85e5603fd)
+#if !defined(SSL_PARSIAN_PAIR_62ced1e58db38693)
 #error "ssl_parsian_checked.h and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_fe7465f4e108d118)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0c39c742ba4a85d2)
 #error "textbook_omnidirectional.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -13,8 +13,7 @@
  *   w3: swedish, x 0.175 m, y -0.303109 m, heading -150 deg, r 0.08 m, gamma 0 deg
  *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
  *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
+ *   gamma: from the wheel plane to the axis of the roller at the ground.
  *
  * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
  *     textbook_omnidirectional_twist twist = {0.5f, 0.0f, 0.2f};
@@ -31,7 +30,7 @@
 
 #define TEXTBOOK_OMNIDIRECTIONAL_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_OMNIDIRECTIONAL_MODEL_HASH "e3ee19e6a8d39e48e91582da14209599" /**< digest of the model */
-#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_fe7465f4e108d118 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_0c39c742ba4a85d2 1 /**< header and source that were written together have the same */
 #define TEXTBOOK_OMNIDIRECTIONAL_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_OMNIDIRECTIONAL_W1_X 0.175f /**< [m] pivot, forward of P */
 #define TEXTBOOK_OMNIDIRECTIONAL_W1_Y 0.3031089f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_fe7465f4e108d118)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0c39c742ba4a85d2)
 #error "textbook_omnidirectional_checked.h and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_DO100_PAIR_44692b88ca8cc534)
+#if !defined(CLEARPATH_DO100_PAIR_10d18f5ba1500b89)
 #error "clearpath_do100_selftest.c and clearpath_do100.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_R100_PAIR_fd9d8a3c805f372d)
+#if !defined(CLEARPATH_R100_PAIR_c0228df1031672f6)
 #error "clearpath_r100_selftest.c and clearpath_r100.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(FESTO_ROBOTINO_PAIR_8ce745ccadd96047)
+#if !defined(FESTO_ROBOTINO_PAIR_7316ed23b258cfe1)
 #error "festo_robotino_selftest.c and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KUKA_YOUBOT_PAIR_b183e572589cdce9)
+#if !defined(KUKA_YOUBOT_PAIR_a24402f3745bf30a)
 #error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LEKIWI_PAIR_2c399e9a7574afa4)
+#if !defined(LEKIWI_PAIR_039c4c7afe2b7940)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SSL_PARSIAN_PAIR_c90c79a85e5603fd)
+#if !defined(SSL_PARSIAN_PAIR_62ced1e58db38693)
 #error "ssl_parsian_selftest.c and ssl_parsian.h were not generated together: copy both"
 #endif
 

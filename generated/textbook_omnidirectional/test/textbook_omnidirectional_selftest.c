@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_fe7465f4e108d118)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0c39c742ba4a85d2)
 #error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

@@ -28,6 +28,10 @@ from wmrgen.calibrating.fit import (
 )
 from wmrgen.calibrating.path import Reals
 
+_COMMON, _GLITCH = (
+    0.95,
+    100.0,
+)  # the share of squares that is usual, and how many times larger a glitch counts
 _SHORT, _LONG = (
     1.0,
     10.0,
@@ -99,7 +103,7 @@ def fit_at(problem: Problem, unknowns: Reals, each: Each = serial) -> Fit:
         (float(x), float(y), float(np.angle(np.exp(1j * heading)))),
         inverse @ spread @ inverse,
         told,
-        _squares(every, slice(0, 3)) / problem.scale**2,
+        _usual(np.concatenate([r.values[r.weights > 0] for r in every]) ** 2) / problem.scale**2,
         (float(np.sqrt(2 * position)), float(np.sqrt(turn)) / LEVER),
         tuple(float(problem.own(unknowns, index)[3]) for index in range(len(problem.drives))),
     )
@@ -109,6 +113,12 @@ def _squares(every: list[Residuals], rows: slice) -> float:
     """The mean square of what was measured of x, y, heading; nan where nothing was."""
     values = np.concatenate([r.values[rows][r.weights[rows] > 0] for r in every])
     return float(np.mean(values**2)) if len(values) else float("nan")
+
+
+def _usual(squares: Reals) -> float:
+    """The mean of squares, the few that a tracker's glitches make 100 times as large as the others counted so."""
+    lower = np.sort(squares)[: max(1, round(_COMMON * len(squares)))]
+    return float(np.mean(np.minimum(squares, _GLITCH * np.mean(lower))))
 
 
 def _spread(problem: Problem, rows: Residuals, eliminated: Reals, index: int, freedom: float) -> Reals:
@@ -153,10 +163,7 @@ def _walk(
         turned, way = heading[lag:] - heading[:-lag], at[lag:] - at[:-lag]
         moved = place[lag:] - place[:-lag] - 1j * way * heading[:-lag]
         spans.append(
-            [
-                float(np.mean(part))
-                for part in (t[lag:] - t[:-lag], turned**2, np.abs(moved) ** 2, np.abs(way) ** 2)
-            ]
+            [_usual(part) for part in (t[lag:] - t[:-lag], turned**2, np.abs(moved) ** 2, np.abs(way) ** 2)]
         )
     short, long = spans
     turn, turn_noise = _grows(short[0], short[1], long[0], long[1])

@@ -16,6 +16,7 @@ from wmrgen.calibrating.path import Reals
 from wmrgen.errors import UsageError
 
 _GAP = 20.0  # times the median step: during a longer one nobody knows how the robot moved
+_MOSTLY = 75  # percent of the steps; a fast wheel that wraps makes a jump of every sixth or so
 _JUMP = 3.0  # [rad] in one step, where ten times less is usual: a reading that wrapped
 _STANDS = (1.0, 0.02)  # [s], [rad]
 _TRUTH = ("x", "y", "theta")
@@ -175,9 +176,11 @@ def _column(path: Path, table: Mapping[str, Reals], names: Sequence[str]) -> Rea
 
 def _no_jump(path: Path, name: str, angle: Reals) -> None:
     """Refuse a reading that wraps, or restarts at 0: one step far above the usual ones."""
-    steps = np.abs(np.diff(angle))
-    at, usual = int(np.argmax(steps)), np.percentile(steps, 90)
-    if steps[at] > _JUMP and steps[at] > 10 * usual:
+    signed = np.diff(angle)
+    steps = np.abs(signed)
+    at, usual = int(np.argmax(steps)), np.percentile(steps, _MOSTLY)
+    back = signed[max(0, at - 1) : at + 2] * np.sign(signed[at])  # a wrap goes against the steps beside it
+    if steps[at] > _JUMP and (steps[at] > 10 * usual or (steps[at] > 3 * usual and np.sum(back < 0) >= 2)):
         raise UsageError(
             f"{path}:{at + 3}: {name} jumps by {angle[at + 1] - angle[at]:.4g} rad in one step, most move by "
             f"{usual:.2g} at most: readings have to be cumulative, without wrapping or restarts"

@@ -14,7 +14,8 @@ from wmrgen.errors import UsageError
 
 _FAR = 0.1  # of the truth's extent: where residuals stay so large, joints and truth do not belong together
 _TURNED = 1.0  # [rad] the same for headings
-_SURE = 5.0  # standard deviations from zero: a sign that is sure
+_SURE = 5.0  # standard deviations from zero: a value that is sure
+_TIMES = 4.0  # nominal values are nearer than that; units and encoders that are wrong are not
 _BETTER = 0.25  # of the residual: what another reading of the columns has to come to, to be proposed
 
 
@@ -23,16 +24,16 @@ def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Callable[[Seque
     they were read, that would."""
     if not _strange(best):
         return
-    turned, reversed_ = best.rms[1] > _TURNED, _reversed(best)
+    turned, unlikely = best.rms[1] > _TURNED, _unlikely(best)
     hint = "do log and truth belong to one drive of this robot?"
     for text, other in _readings(drives[:2]):
         other_fit = fitted(other)
-        better = reversed_ or other_fit.rms[turned] < _BETTER * best.rms[turned]
+        better = unlikely or other_fit.rms[turned] < _BETTER * best.rms[turned]
         if better and not _strange(other_fit):
             hint = f"they would agree with {text}"
             break
-    if reversed_:
-        raise UsageError(f"log and truth agree only where {reversed_} has the other sign: {hint}")
+    if unlikely:
+        raise UsageError(f"log and truth agree only where {unlikely}: {hint}")
     if turned:
         raise UsageError(
             f"whatever the parameters are, headings stay {best.rms[1]:.2g} rad from the truth: {hint}"
@@ -44,19 +45,20 @@ def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Callable[[Seque
 
 
 def _strange(best: Fit) -> bool:
-    """Whether joints and truth stay so far apart that they cannot belong together, or a length had to be negative."""
-    return best.rms[0] > _FAR * _extent(best) or best.rms[1] > _TURNED or bool(_reversed(best))
+    """Whether joints and truth stay so far apart that they cannot belong together, or a length had to be negative,
+    or another length altogether."""
+    return best.rms[0] > _FAR * _extent(best) or best.rms[1] > _TURNED or bool(_unlikely(best))
 
 
-def _reversed(best: Fit) -> str:
-    """The parameters whose sign is not that of their nominal value, by far."""
-    rows = zip(
-        best.problem.increments.parameters, best.problem.nominal, best.values, best.deviations, strict=True
+def _unlikely(best: Fit) -> str:
+    """The parameters whose sign is not that of their nominal value, or whose size is far from it, in words."""
+    names = best.problem.increments.parameters
+    rows = zip(names, best.problem.nominal, best.values, best.deviations, strict=True)
+    return " and ".join(
+        f"{name} is {value:.3g}, not about {nominal:g}"
+        for name, nominal, value, sigma in rows
+        if nominal and abs(value) > _SURE * sigma and not 1 / _TIMES < value / nominal < _TIMES
     )
-    wrong = [
-        name for name, nominal, value, sigma in rows if value * nominal < 0 and abs(value) > _SURE * sigma
-    ]
-    return " and ".join(wrong)
 
 
 def _extent(best: Fit) -> float:
@@ -96,4 +98,8 @@ def _readings(drives: Sequence[Drive]) -> Iterator[tuple[str, tuple[Drive, ...]]
     yield (
         "angles of the joints in radians, which seem to be in degrees",
         tuple(replace(d, columns={k: np.radians(v) for k, v in d.columns.items()}) for d in drives),
+    )
+    yield (
+        "angles of the joints in radians, which seem to be in turns",
+        tuple(replace(d, columns={k: 2 * np.pi * v for k, v in d.columns.items()}) for d in drives),
     )

@@ -25,6 +25,7 @@ _SURE = 0.05  # [m] of ways in all, below which the tracked body is taken to loo
 _LOST = 1.0  # [rad] that nominal odometry may be off by in the end, to be a start
 _ASTRAY = 0.2  # the same of places, of how far the drive goes
 _PIECE = 5.0  # [s] of a drive in which odometry does not lose its way
+_LONGER = 8.0  # times: what pieces tell, odometry over so much longer ones needs
 _PIECES = 12  # of all drives
 _FEWEST = 4  # rows of truth that a piece has
 _TURNS = 2.0  # [rad] that nominal odometry may have turned by, before it is off by too much
@@ -47,14 +48,18 @@ def laid(problem: Problem) -> Problem:
 
 def near(problem: Problem, each: Each = serial) -> Reals:
     """Unknowns to start from: nominal ones, or where odometry with them loses its way, what short pieces of the drives
-    say, in which it does not."""
+    say, in which it does not, and with that longer ones."""
     start = start_of(problem)
-    if all(_finds(problem, start, index) for index in range(len(problem.drives))):
-        return start
-    pieces = tuple(piece for drive in problem.drives for piece in _pieces(drive, len(problem.drives)))
-    short = laid(replace(problem, drives=pieces))
-    shared = len(problem.units)
-    return np.concatenate([nearest(short, start_of(short), each)[:shared], start[shared:]])
+    shared, seconds = len(problem.units), _PIECE
+    longest = max(float(np.ptp(drive.t)) for drive in problem.drives)
+    while seconds < longest and not all(_finds(problem, start, i) for i in range(len(problem.drives))):
+        count = len(problem.drives)
+        pieces = tuple(piece for drive in problem.drives for piece in _pieces(drive, count, seconds))
+        short = laid(replace(problem, drives=pieces))
+        ahead = np.concatenate([start[:shared], start_of(short)[shared:]])
+        start = np.concatenate([nearest(short, ahead, each)[:shared], start[shared:]])
+        seconds *= _LONGER
+    return start
 
 
 def _finds(problem: Problem, unknowns: Reals, index: int) -> bool:
@@ -66,9 +71,9 @@ def _finds(problem: Problem, unknowns: Reals, index: int) -> bool:
     return bool(np.max(np.abs(rows.values[:2])) < _ASTRAY * np.max(np.abs(z - z[:1]), initial=0.0))
 
 
-def _pieces(drive: Drive, count: int) -> list[Drive]:
-    """Parts of `_PIECE` seconds, as many as `_PIECES` allow of each of ``count`` drives; of sparse truth the whole."""
-    firsts = np.searchsorted(drive.t, np.arange(drive.t[0], drive.t[-1], _PIECE))
+def _pieces(drive: Drive, count: int, seconds: float) -> list[Drive]:
+    """Parts of so many seconds, as many as `_PIECES` allow of each of ``count`` drives; of sparse truth the whole."""
+    firsts = np.searchsorted(drive.t, np.arange(drive.t[0], drive.t[-1], seconds))
     bounds = list(pairwise([*firsts, len(drive.t) - 1]))
     wanted = np.unique(np.linspace(0, len(bounds) - 1, max(1, _PIECES // count)).round().astype(int))
     parts = [part for k in wanted if (part := _part(drive, *bounds[k])) is not None]

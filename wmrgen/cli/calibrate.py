@@ -145,7 +145,7 @@ def _tell(derivation: Derivation, result: Calibration) -> None:
     if abs(theta) > pi / 2:
         console.note(
             f"the tracked body is turned by {degrees(theta):.0f} deg on the robot; if it is not, the wheels "
-            "count the other way"
+            "count the other way, or left and right are exchanged"
         )
     rows = [("before", result.before), ("after", result.after), ("of drives left out", result.held_out)]
     for title, errors in rows:

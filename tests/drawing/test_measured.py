@@ -26,7 +26,9 @@ for (const place of document.querySelectorAll("[data-figure]")) {
 }
 return result;
 """
-POLICY = "<meta http-equiv='Content-Security-Policy' content=\"script-src 'self'\">"
+POLICY = (
+    "<meta http-equiv='Content-Security-Policy' content=\"default-src 'none'; style-src 'unsafe-inline'\">"
+)
 Text = tuple[str, str, float, float, float, float, float, float]
 
 

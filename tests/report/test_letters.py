@@ -137,7 +137,7 @@ def test_further_functions_without_names_of_the_code() -> None:
 
 
 def test_a_model_that_cannot_be_written_leaves_the_one_in_eta(monkeypatch: pytest.MonkeyPatch) -> None:
-    from wmrgen.backends.report.forward import motion
+    from wmrgen.backends.report.motion import motion
     from wmrgen.errors import NotDerivableError
     from wmrgen.robot import Derivation
 

@@ -1,4 +1,4 @@
-"""From a twist to every joint: the closed form of the result, and section 6 with how a steered wheel chooses."""
+"""Section 6: from a twist to every joint; which way a steered wheel turns, also when limits leave little room."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.car import circle
-from wmrgen.backends.report.latex import broken, latex
+from wmrgen.backends.report.closed import driven_twist, pivot_velocity, projected, spin_rate, swivel_rate
+from wmrgen.backends.report.latex import latex
 from wmrgen.backends.report.markdown import (
     CAP,
     aligned,
     code,
-    cut_note,
     grouped,
     in_degrees,
     listed,
     math,
 )
-from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.constraints import XI, seen, symbolic_view
+from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.steer import NARROW, turning_points
 from wmrgen.ports import TWIST_NAMES
@@ -29,65 +29,14 @@ if TYPE_CHECKING:
     from wmrgen.layout.records import Interval, Robot, Wheel
     from wmrgen.robot import Derivation
 
-ONE, ZERO = Poly.of(1), Poly({})
 _WORDS = {"vx": "v<sub>x</sub>", "vy": "v<sub>y</sub>", "omega": "ω"}
-
-
-def closed_inverse(d: Derivation) -> list[str]:
-    """The joint rates that a twist asks for, and of steered wheels the angle."""
-    robot = seen(d.robot, symbolic_view)
-    projection = project(robot, d.mobility)
-    twist = _driven(projection)
-    wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
-    if not any(w.actuated for w in robot.wheels):
-        return ["No joint is driven, so there is nothing to command."]
-    lines = [_spin(w, twist) for w in wheels if not w.turns]
-    shown = "".join(lines)
-    stars = [line for line in _projected(projection) if line.partition(" &=")[0] in shown]
-    blocks = aligned([*stars, *lines]) if lines else []
-    for turning in (
-        [w for w in wheels if w.kind.steers],
-        [w for w in wheels if w.kind.swivels and w.actuated],
-    ):
-        blocks += _pivots(turning, twist) if turning else []
-    return [*blocks, *cut_note(robot.wheels)]
-
-
-def _pivots(wheels: list[Wheel], twist: Row) -> list[str]:
-    """What steered wheels or driven castors do, with the velocity of each one's pivot."""
-    velocities = grouped((_velocity(w, twist), notation.wheel(w.name)) for w in wheels)
-    castors = wheels[0].kind.swivels
-    turned = any(w.heading for w in wheels)
-    psi = r"\left(h+\psi\right)" if turned else r"\psi"
-    zero = "with h its heading at ψ = 0" if turned else ""
-    noun = "driven castor" if castors else "steered wheel"
-    who = f"Each {noun}" if len(wheels) > 1 else f"The {noun} {code(wheels[0].name)}"
-    along = rf"a\cos{psi} + b\sin{psi}"
-    if castors:
-        shift = r"-o\left(\omega + \dot{\psi}\right)" if any(w.nominal.o for w in wheels) else ""
-        words = f"{who} has both rates from the velocity (a, b) of its pivot{f', {zero}' if zero else ''}:"
-        first = rf"\dot{{\psi}} &= \frac{{1}}{{d}}\left(a\sin{psi} - b\cos{psi}\right) - \omega"
-    else:
-        shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
-        words = (
-            f"{who} stands along the velocity (a, b) of its pivot{f', {zero},' if zero else ','} and rolls as fast, "
-            "forwards or backwards:"
-        )
-        first = rf"\tan{psi} &= \frac{{b}}{{a}}"
-    return [
-        words,
-        *aligned([
-            *(f"{text} && ({', '.join(names)})" for text, names in velocities.items()),
-            rf"{first}, & \dot{{\varphi}} &= \frac{{1}}{{r}}\left({along}{shift}\right)",
-        ]),
-    ]  # fmt: skip
 
 
 def inverse(d: Derivation) -> list[str]:
     """Section 6."""
     robot = seen(d.robot, symbolic_view)
     projection = project(robot, d.mobility)
-    twist = _driven(projection)
+    twist = driven_twist(projection)
     wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
     blocks = ["## 6 Inverse kinematics", *_projection(projection)]
     if not wheels:
@@ -107,31 +56,10 @@ def inverse(d: Derivation) -> list[str]:
         blocks += [
             f"{code(passive[0].name)} is not driven but follows: its rolling row gives φ̇, its sliding row ψ̇{others}."
         ]
-        blocks += aligned([_spin(passive[0], twist), _swivel(passive[0], twist)])
+        blocks += aligned([spin_rate(passive[0], twist), swivel_rate(passive[0], twist)])
     if steered:
         blocks += [*circle(d.robot), *_steering(robot, steered, twist)]
     return [*blocks, *_coupled(robot, twist), *_slip(robot, projection, twist)]
-
-
-def _spin(w: Wheel, twist: Row) -> str:
-    g = working_view(w)
-    spin = dot(driving_row(w, g), twist) * g.rolling_radius.inverse()
-    return f"{notation.port(f'{w.name}.spin')} &= {broken(spin)}"
-
-
-def _swivel(w: Wheel, twist: Row) -> str:
-    g = working_view(w)
-    rate = -(dot(sliding_row(w, g).row, twist) * g.d.inverse())
-    return f"{notation.port(f'{w.name}.steer_rate')} &= {broken(rate)}"
-
-
-def _driven(projection: Projection) -> Row:
-    """The twist that is driven; components that the projection changed carry a star."""
-    vx, vy, omega = (
-        p if p == q or not p else Poly.gen("input", f"{n}_driven")
-        for p, q, n in zip(projection.twist, XI, TWIST_NAMES, strict=True)
-    )
-    return vx, vy, omega
 
 
 def _projection(projection: Projection) -> list[str]:
@@ -145,15 +73,7 @@ def _projection(projection: Projection) -> list[str]:
         return [f"Not every ξ is admissible: the wheels forbid {names}, which is taken away first."]
     return [
         "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the rest is driven:",
-        *aligned(_projected(projection)),
-    ]
-
-
-def _projected(projection: Projection) -> list[str]:
-    """The components that change."""
-    parts = zip(projection.twist, XI, TWIST_NAMES, strict=True)
-    return [
-        f"{notation.port(n)}^{{*}} &= {broken(p)}" for n, p, q in ((n, p, q) for p, q, n in parts) if p != q
+        *aligned(projected(projection)),
     ]
 
 
@@ -195,13 +115,6 @@ def _nearer(shift: str) -> list[str]:
     ]  # fmt: skip
 
 
-def _velocity(w: Wheel, twist: Row) -> str:
-    """The components of the pivot's velocity, aligned."""
-    g = working_view(w)
-    a, b = dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
-    return f"a &= {latex(a)}, & b &= {latex(b)}"
-
-
 def _partners(robot: Robot, w: Wheel) -> list[Wheel]:
     """The wheels that turn with it, itself among them."""
     group = robot.steer_group
@@ -210,7 +123,7 @@ def _partners(robot: Robot, w: Wheel) -> list[Wheel]:
 
 def _alike(wheels: list[Wheel], twist: Row) -> bool:
     """One velocity and one zero heading: each single solution is the common one."""
-    return len({(_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
+    return len({(pivot_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
 
 
 def _wide(ranges: str) -> list[str]:

@@ -1,0 +1,105 @@
+"""Inverse kinematics in closed form, as the result has it: the rates of wheels, and where steered wheels point."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmrgen import notation
+from wmrgen.backends.report.latex import broken, latex
+from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped
+from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
+from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.kinematics.least_squares import Projection, project
+from wmrgen.ports import TWIST_NAMES
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Wheel
+    from wmrgen.robot import Derivation
+
+ONE, ZERO = Poly.of(1), Poly({})
+
+
+def closed_inverse(d: Derivation) -> list[str]:
+    """The joint rates that a twist asks for, and of steered wheels the angle."""
+    robot = seen(d.robot, symbolic_view)
+    projection = project(robot, d.mobility)
+    twist = driven_twist(projection)
+    wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
+    if not any(w.actuated for w in robot.wheels):
+        return ["No joint is driven, so there is nothing to command."]
+    lines = [spin_rate(w, twist) for w in wheels if not w.turns]
+    shown = "".join(lines)
+    stars = [line for line in projected(projection) if line.partition(" &=")[0] in shown]
+    blocks = aligned([*stars, *lines]) if lines else []
+    for turning in (
+        [w for w in wheels if w.kind.steers],
+        [w for w in wheels if w.kind.swivels and w.actuated],
+    ):
+        blocks += _pivots(turning, twist) if turning else []
+    return [*blocks, *cut_note(robot.wheels)]
+
+
+def _pivots(wheels: list[Wheel], twist: Row) -> list[str]:
+    """What steered wheels or driven castors do, with the velocity of each one's pivot."""
+    velocities = grouped((pivot_velocity(w, twist), notation.wheel(w.name)) for w in wheels)
+    castors = wheels[0].kind.swivels
+    turned = any(w.heading for w in wheels)
+    psi = r"\left(h+\psi\right)" if turned else r"\psi"
+    zero = "with h its heading at ψ = 0" if turned else ""
+    noun = "driven castor" if castors else "steered wheel"
+    who = f"Each {noun}" if len(wheels) > 1 else f"The {noun} {code(wheels[0].name)}"
+    along = rf"a\cos{psi} + b\sin{psi}"
+    if castors:
+        shift = r"-o\left(\omega + \dot{\psi}\right)" if any(w.nominal.o for w in wheels) else ""
+        words = f"{who} has both rates from the velocity (a, b) of its pivot{f', {zero}' if zero else ''}:"
+        first = rf"\dot{{\psi}} &= \frac{{1}}{{d}}\left(a\sin{psi} - b\cos{psi}\right) - \omega"
+    else:
+        shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
+        words = (
+            f"{who} stands along the velocity (a, b) of its pivot{f', {zero},' if zero else ','} and rolls as fast, "
+            "forwards or backwards:"
+        )
+        first = rf"\tan{psi} &= \frac{{b}}{{a}}"
+    return [
+        words,
+        *aligned([
+            *(f"{text} && ({', '.join(names)})" for text, names in velocities.items()),
+            rf"{first}, & \dot{{\varphi}} &= \frac{{1}}{{r}}\left({along}{shift}\right)",
+        ]),
+    ]  # fmt: skip
+
+
+def spin_rate(w: Wheel, twist: Row) -> str:
+    g = working_view(w)
+    spin = dot(driving_row(w, g), twist) * g.rolling_radius.inverse()
+    return f"{notation.port(f'{w.name}.spin')} &= {broken(spin)}"
+
+
+def swivel_rate(w: Wheel, twist: Row) -> str:
+    g = working_view(w)
+    rate = -(dot(sliding_row(w, g).row, twist) * g.d.inverse())
+    return f"{notation.port(f'{w.name}.steer_rate')} &= {broken(rate)}"
+
+
+def driven_twist(projection: Projection) -> Row:
+    """The twist that is driven; components that the projection changed carry a star."""
+    vx, vy, omega = (
+        p if p == q or not p else Poly.gen("input", f"{n}_driven")
+        for p, q, n in zip(projection.twist, XI, TWIST_NAMES, strict=True)
+    )
+    return vx, vy, omega
+
+
+def projected(projection: Projection) -> list[str]:
+    """The components that change."""
+    parts = zip(projection.twist, XI, TWIST_NAMES, strict=True)
+    return [
+        f"{notation.port(n)}^{{*}} &= {broken(p)}" for n, p, q in ((n, p, q) for p, q, n in parts) if p != q
+    ]
+
+
+def pivot_velocity(w: Wheel, twist: Row) -> str:
+    """The components of the pivot's velocity, aligned."""
+    g = working_view(w)
+    a, b = dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
+    return f"a &= {latex(a)}, & b &= {latex(b)}"

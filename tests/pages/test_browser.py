@@ -48,6 +48,21 @@ def test_pages_are_small_enough(reports: list[Report]) -> None:
     assert max(sizes.values()) < 1_500_000, sizes
 
 
+def test_reports_are_a_few_screens_long(
+    reports: list[Report], derivations: dict[str, Derivation], tmp_path: Path
+) -> None:
+    """Six of 900 px, eight where several wheels are free to steer; numerics stand folded below."""
+    bare = [Report(report.name, report.files) for report in reports]
+    script = """
+    const tops = [...document.querySelectorAll("h1")].map((e) => [e.textContent, e.getBoundingClientRect().top]);
+    const ends = [...tops.slice(1).map(([, top]) => top), document.documentElement.scrollHeight];
+    return Object.fromEntries(tops.map(([name, top], i) => [name, (ends[i] - top) / 900]));"""
+    screens, console = seen(page(bare), script, tmp_path)
+    assert console == [] and screens.keys() >= derivations.keys()
+    for name, d in derivations.items():
+        assert 3 < screens[name] <= (8 if d.mobility.degree_of_steerability > 1 else 6), (name, screens[name])
+
+
 def test_texts_formulas_and_figures(reports: list[Report], tmp_path: Path) -> None:
     """On one page: no console error, every formula typeset, no text outside its figure, nothing wider than the page."""
     script = """

@@ -110,3 +110,14 @@ def test_arrows(name: str) -> None:
     arrows = [e for e in root.iter() if e.get("class") == "velocity" and e.tag.endswith("line")]
     signs = [c for n, row in sheet(name).items() if n.endswith(".spin") for c in row if c in "+−"]
     assert len(arrows) == len(signs) > 3
+
+
+def test_large_wheels_do_not_hide_their_arrows() -> None:
+    """Heads stand beyond the tyres of two wheels whose radius is more than a quarter of the robot's size."""
+    root = ET.fromstring(derivation("pioneer3dx").figures["wiring.svg"][1])
+    shapes = [(e.attrib.get("class", ""), e) for e in root.iter()]
+    tyres = [e for kind, e in shapes if kind == "wheel fixed"]
+    heads = [e.attrib["points"].split() for kind, e in shapes if kind == "velocity head"]
+    assert len(tyres) == len(heads) == 4
+    top, high = float(tyres[0].attrib["y"]), float(tyres[0].attrib["height"])
+    assert all(not top - 1 < float(p.split(",")[1]) < top + high + 1 for head in heads for p in head)

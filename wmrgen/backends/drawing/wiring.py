@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from wmrgen.robot import Derivation
 
 FILE = "wiring.svg"
-_HEIGHT, _ARROW, _SLOWEST = 190.0, 26.0, 1e-9
+_HEIGHT, _SLOWEST = 190.0, 1e-9
+_ARROW, _BEYOND = 26.0, 14.0  # an arrow at least, and what of it a large wheel does not hide
 
 
 def wiring(derivation: Derivation) -> Figure | None:
@@ -45,9 +46,9 @@ def _panel(robot: Robot, joints: Joints, area: Box, title: str) -> list[Group]:
     for p in wheels:
         spin = joints.get(f"{p.wheel.name}.spin", 0.0)
         if abs(spin) > _SLOWEST:
-            arrows += arrow(
-                p.centre, along(p.centre, p.ahead, _ARROW if spin > 0 else -_ARROW), "velocity", 4.0
-            )
+            reach = max(_ARROW, p.half[0] + _BEYOND)
+            tip = along(p.centre, p.ahead, reach if spin > 0 else -reach)
+            arrows += arrow(p.centre, tip, "velocity", 4.0)
     signs = [*frame(view, ("x", "y", "P"), paper, 20.0), paper.write((area[0], area[1] - 8), title, "title")]
     return [
         (panel(view), chassis([p.pivot for p in wheels])),

@@ -89,10 +89,11 @@ def derive(
 
 def derived(spec: RobotSpec, robot: Robot) -> Derivation:
     """The derivation of a robot, with its notes and likely mistakes told. NotDerivableError for one that stops it."""
-    noted(robot)
-    warn_of_gains(robot)
     derivation = wmrgen.derive(robot)
-    for finding in linted(spec, derivation):
+    findings = linted(spec, derivation)
+    noted(robot, but={finding.what for finding in findings})
+    warn_of_gains(robot)
+    for finding in findings:
         if finding.stops:
             ignored = f"To derive it all the same write beside the line: # wmrgen: ignore {finding.code}"
             raise NotDerivableError(finding.what, finding.mark, finding.instead, ignored, finding.code)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,10 +17,11 @@ if TYPE_CHECKING:
     from wmrgen.spec.records import RobotSpec
 
 
-def noted(robot: Robot) -> Robot:
-    """The robot, its notes told."""
+def noted(robot: Robot, but: Container[str] = ()) -> Robot:
+    """The robot, its notes told, ``but`` those that are told elsewhere."""
     for text in robot.notes:
-        console.note(f"note: {robot.name}: {text}")
+        if text not in but:
+            console.note(f"note: {robot.name}: {text}")
     return robot
 
 

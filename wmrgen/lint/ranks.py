@@ -170,7 +170,7 @@ def conditioned(subject: Subject) -> Iterator[Finding]:
 
 @rule(
     "WMR034",
-    "a rank by a hair's breadth",
+    "two axles that nearly are one, or a rank that nearly is another",
     """Two axles that nearly are one. Above the `tolerance` the robot is taken for one with two axles, which hardly
     turns; below, for one with one axle, and its wheels are moved a little. Write numbers alike, or with all their
     digits; a robot file that names its `tolerance` is told nothing of what lies within it.""",

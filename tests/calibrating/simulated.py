@@ -191,6 +191,24 @@ LAYOUTS = {
         AHEAD,
         together=("y_left", "y_right"),
     ),
+    "skid_steer": Layout(
+        _robot(
+            "skid_steer",
+            _tunable(r=0.1, track=0.5) + "effective_track: track\n",
+            *(
+                f"name: {end}_{side}, type: fixed, x: {x}, y: {y}, heading: 0, r: r"
+                for end, x in (("front", 0.25), ("rear", -0.25))
+                for side, y in (("left", 0.2), ("right", -0.2))
+            ),
+        ),
+        lambda p: {
+            f"{end}_{side}": Wheel(0, sign * p["track"] / 2, 0, p["r"])  # what skids rolls as on a wider robot
+            for end in ("front", "rear")
+            for side, sign in (("left", 1), ("right", -1))
+        },
+        {"r": 0.1034, "track": 0.71},
+        AHEAD,
+    ),
     "tricycle": Layout(
         _robot(
             "tricycle",

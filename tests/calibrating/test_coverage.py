@@ -11,7 +11,7 @@ from tests.calibrating.simulated import LAYOUTS
 
 @pytest.mark.slow
 def test_true_parameters_lie_within_three_standard_deviations() -> None:
-    """Of 48 runs of twelve layouts in 44 at least, every parameter of a run counted; standard deviations are not large
+    """Of 52 runs of 13 layouts in 48 at least, every parameter of a run counted; standard deviations are not large
     for it: errors are between 0.6 and 1.4 of them. What no drive tells is named every time."""
     rows = [coverage(name, 4) for name in LAYOUTS]
     assert sum(row.runs - row.within for row in rows) <= 4

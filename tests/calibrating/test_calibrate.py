@@ -65,6 +65,51 @@ def test_real_drives_give_the_recorded_parameters(name: str) -> None:
     assert result.after.position < 0.75 * result.before.position
 
 
+@pytest.mark.parametrize("name", ["differential", pytest.param("tricycle", marks=pytest.mark.slow)])
+def test_large_logs_begin_with_fewer_readings(
+    tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And give what all readings give."""
+    derivation = derivation_of(tmp_path, LAYOUTS[name])
+    tracker = Tracker(0.04 - 0.07j, late=0.13, noise=(0.001, 0.002))
+    encoders = Encoders(resolution=2 * np.pi / 1000, slip=0.003)
+    logs = written(tmp_path, LAYOUTS[name], tracker=tracker, encoders=encoders)
+    whole = calibrate(derivation, logs, [])
+    seen = list[int]()
+
+    def each(problem: Problem, unknowns: Any) -> list[Sums]:
+        seen.append(sum(len(drive.t) for drive in problem.drives))
+        return serial(problem, unknowns)
+
+    monkeypatch.setattr("wmrgen.calibrating.calibrate._ENOUGH", 500)
+    begun = calibrate(derivation, logs, [], each)
+    assert min(seen) < 0.3 * max(seen)
+    for parameter, estimate in begun.parameters.items():
+        other = whole.parameters[parameter]
+        assert abs(estimate.value - other.value) < 0.1 * other.sigma
+        assert 0.5 < estimate.sigma / other.sigma < 2
+    assert begun.unobservable == whole.unobservable
+
+
+def test_a_coarser_drive_goes_as_far(tmp_path: Path) -> None:
+    """In as long a time, by as large angles, as often as the readings are no multiple of the steps."""
+    layout = LAYOUTS["tricycle"]
+    (log, *_) = written(tmp_path, layout)
+    joints = problem_of(derivation_of(tmp_path, layout)).increments.joints
+    fine = read(log, log.with_suffix(".truth.csv"), joints, {})
+    for times in (2, 7, 100):
+        coarse = fine.coarser(times, 0.25)
+        assert len(coarse.t) == -(-(len(fine.t) - 1) // times) + 1
+        assert (coarse.t[0], coarse.t[-1]) == (fine.t[0], fine.t[-1])
+        lasting, finely = np.diff(coarse.t), np.diff(fine.t)
+        for joint, column in coarse.columns.items():
+            if joint.endswith(".steer"):
+                assert column @ lasting == pytest.approx(fine.columns[joint] @ finely, rel=2e-2, abs=1e-2)
+            else:
+                assert column.sum() == pytest.approx(fine.columns[joint].sum())
+        assert set(coarse.truth.t) <= set(fine.truth.t) and np.diff(coarse.truth.t).max() < 0.3
+
+
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[] if name == "mecanum" else pytest.mark.slow) for name in LAYOUTS]
 )

@@ -12,7 +12,7 @@ import numpy as np
 from wmrgen.calibrating import certainty
 from wmrgen.calibrating.certainty import Fit, fit
 from wmrgen.calibrating.drawn import drawn
-from wmrgen.calibrating.fit import Each, Problem, serial, start_of
+from wmrgen.calibrating.fit import Each, Problem, serial, solved, start_of
 from wmrgen.calibrating.logs import Drive, pairs, read
 from wmrgen.calibrating.mistakes import refuse_strangers
 from wmrgen.calibrating.observability import unobservable
@@ -27,6 +27,7 @@ from wmrgen.robot import Derivation
 _FOLDS = 5  # parts that drives are left out in, one after the other
 _PASSES = 3  # in which slips are looked for
 _FEWEST = 3  # parts whose spread is a standard deviation
+_ENOUGH, _COARSE = 50_000, 0.25  # readings, and [s] between them, that tell nearly what all tell
 _ALONE = 3.0  # times as uncertain as with all drives: the drives that are left do not tell a parameter
 
 
@@ -104,7 +105,7 @@ def calibrate(
     best, slips = _without_slips(_fitted(replace(problem, drives=tuple(drives)), each), each)
     refuse_strangers(best, drives, lambda others: _fitted(replace(problem, drives=tuple(others)), each))
     parts = best if len(drives) > 1 else _in_parts(best, each)
-    others = _without_each(parts, each)
+    others = _without_each(replace(parts, problem=_coarser(parts.problem)), each)
     weak = _unobservable(derivation.robot, best)
     return Calibration(
         _estimates(derivation.robot, best, _deviations(best, others if len(drives) > 1 else ()), weak), weak, best,
@@ -123,9 +124,21 @@ def _named(drives: Sequence[Drive]) -> list[Drive]:
 
 
 def _fitted(problem: Problem, each: Each) -> Fit:
-    """The fit, of drives as they were read."""
+    """The fit, of drives as they were read; of large logs from that of a coarser problem on."""
     ready = laid(problem)
-    return fit(ready, each, near(ready, each))
+    coarse = _coarser(ready)
+    start = near(coarse, each)
+    return fit(ready, each, start if coarse is ready else solved(coarse, each, start)[1])
+
+
+def _coarser(problem: Problem) -> Problem:
+    """The problem with about `_ENOUGH` readings, where there are twice as many that come often enough."""
+    steps = [np.median(np.diff(drive.t)) for drive in problem.drives]
+    most = sum(len(drive.t) for drive in problem.drives) // _ENOUGH
+    times = min(most, int(_COARSE / float(np.median(steps))))
+    if times < 2:
+        return problem
+    return replace(problem, drives=tuple(drive.coarser(times, _COARSE) for drive in problem.drives))
 
 
 def _unobservable(robot: Robot, best: Fit) -> tuple[tuple[str, ...], ...]:
@@ -175,10 +188,11 @@ def _without_slips(best: Fit, each: Each) -> tuple[Fit, list[Outlier]]:
 
 def _in_parts(best: Fit, each: Each) -> Fit:
     """The fit of `_FOLDS` parts of one drive, each with a start of its own."""
-    drive = best.problem.drives[0]
+    problem = _coarser(best.problem)
+    drive = problem.drives[0]
     edges = np.linspace(drive.t[0], drive.t[-1], _FOLDS + 1).tolist()
     parts = tuple(cut(drive, edges[:-1], edges[1:], best.offsets[0]))
-    return _again(best, replace(best.problem, drives=parts), each) if len(parts) == _FOLDS else best
+    return _again(best, replace(problem, drives=parts), each) if len(parts) == _FOLDS else best
 
 
 def _again(best: Fit, problem: Problem, each: Each) -> Fit:

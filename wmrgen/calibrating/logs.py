@@ -55,6 +55,19 @@ class Drive:
         truth = self.truth
         return replace(self, truth=Truth(truth.t[rows], truth.x[rows], truth.y[rows], truth.theta[rows]))
 
+    def coarser(self, times: int, seconds: float) -> Drive:
+        """The drive with so many ``times`` fewer readings, increments added and angles averaged, and as many times
+        fewer rows of truth, but one in about so many ``seconds`` at least."""
+        firsts = np.arange(0, len(self.t) - 1, times)
+        counts = np.diff(firsts, append=len(self.t) - 1)
+        columns = {
+            joint: np.add.reduceat(column, firsts) / (counts if joint.endswith(".steer") else 1)
+            for joint, column in self.columns.items()
+        }
+        often = min(times, max(1, int(seconds / float(np.median(np.diff(self.truth.t))))))
+        rows = np.arange(len(self.truth.t)) % often == 0
+        return replace(self.seen(rows), t=self.t[[*firsts, -1]], columns=columns)
+
 
 def read(log: Path, truth: Path, joints: Sequence[str], turns: Mapping[str, float]) -> Drive:
     """A log and its truth. ``joints``: the readings that the robot's `forward` takes; ``turns``: counts per turn by

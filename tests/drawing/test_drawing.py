@@ -34,7 +34,7 @@ from wmrgen import derive, load
 from wmrgen.backends.drawing.motion import motion
 from wmrgen.backends.drawing.reach import reach
 from wmrgen.backends.drawing.singular import singular
-from wmrgen.backends.drawing.symbols import symbols
+from wmrgen.backends.drawing.symbols import wheel_symbols
 from wmrgen.backends.drawing.top import top_view
 from wmrgen.backends.drawing.wiring import wiring
 from wmrgen.errors import NotDerivableError
@@ -176,7 +176,7 @@ def test_names_are_text_and_no_markup() -> None:
         trailers=tuple(replace(t, name=bad) for t in d.robot.trailers),
     )  # fmt: skip
     d = derive(renamed)
-    drawn = (top_view(d), symbols(renamed), motion(d), singular(d), reach(d))
+    drawn = (top_view(d), wheel_symbols(renamed), motion(d), singular(d), reach(d))
     sheet = wiring(
         derive(replace(derivation("pioneer3dx").robot, name=bad))
     )  # it computes: wheels as files have them

@@ -67,6 +67,18 @@ def test_random_robots(text: str) -> None:
         derive(text.encode())
 
 
+def test_a_lone_wheel_whose_joint_does_not_tell_the_twist() -> None:
+    """Its report solved for it, by a determinant of 0, in a recursion without end."""
+    derive(
+        robot("name: a, type: swedish, x: 0, y: p, heading: 0, r: 0.1", top="parameters: {p: 0.5}\n").encode()
+    )
+
+
+def test_a_lever_of_an_astronomic_length() -> None:
+    """What the speeds of its wheels have in common was asked of rows of 1 and of 1e30."""
+    derive(robot(wheel("a", "fixed", x="0", y="0"), wheel("b", "fixed", x="0", y="1e30")).encode())
+
+
 def test_a_parameter_of_which_no_code_depends() -> None:
     """A passive castor has no joint in the C: its length is in the formulas alone. It was a crash."""
     top = "parameters: {p: {value: 0.5, tunable: true}}\n"

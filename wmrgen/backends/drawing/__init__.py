@@ -10,7 +10,7 @@ from wmrgen.backends.drawing.motion import motion
 from wmrgen.backends.drawing.reach import reach
 from wmrgen.backends.drawing.singular import singular
 from wmrgen.backends.drawing.sketch import sketch
-from wmrgen.backends.drawing.symbols import symbols
+from wmrgen.backends.drawing.symbols import wheel_symbols
 from wmrgen.backends.drawing.top import top_view
 from wmrgen.backends.drawing.wiring import wiring
 
@@ -29,7 +29,7 @@ def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
 def figures(derivation: Derivation) -> list[Figure]:
     """Those figures that say something about this robot."""
     drawn = (
-        top_view(derivation), symbols(derivation.robot), motion(derivation), singular(derivation), reach(derivation),
-        wiring(derivation),
+        top_view(derivation), wheel_symbols(derivation.robot), motion(derivation), singular(derivation),
+        reach(derivation), wiring(derivation),
     )  # fmt: skip
     return [figure for figure in drawn if figure]

@@ -42,7 +42,7 @@ _PSI = radians(28)  # the steering angle that is shown
 _FLAT = radians(3)  # an angle below has no arc
 
 
-def symbols(robot: Robot) -> Figure:
+def wheel_symbols(robot: Robot) -> Figure:
     """``symbols.svg``"""
     kinds = dict.fromkeys(w.type for w in robot.wheels)
     chosen = [max((w for w in robot.wheels if w.type == kind), key=_telling) for kind in kinds]

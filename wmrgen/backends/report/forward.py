@@ -51,7 +51,8 @@ def closed_forward(d: Derivation) -> list[str]:
     if not measured.rows:
         return ["No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
     if measured.constant_normal:
-        return in_letters(d, _distinct(measured)) or _closed(d)
+        rank = nominal_rank(measurements(seen(d.robot, nominal_view)).rows, d.robot).value
+        return (in_letters(d, _distinct(measured)) if rank == 3 else []) or _closed(d)
     if not measured.components:
         return _rigid_motion(len(measured.contacts))
     blocks = ["The twist that explains all measurements best, with H and z of section 7:"]

@@ -69,9 +69,9 @@ def relations(robot: Robot, mobility: Mobility, view: View = working_view) -> li
     rims = [tuple(dot(driving_row(w, view(w)), column) for column in columns) for w in driven]
     numbers = np.zeros((len(driven), 3))
     numbers[:, : len(columns)] = [[nominal_at(p, robot, generic(robot)) for p in row] for row in rims]
-    rank, _ = numeric_rank(unit_rows(numbers))
-    rows = independent(numbers, rank)
-    keep = independent(np.pad(numbers[rows].T, ((0, 0), (0, 3 - rank))), rank) if rank else []
+    numbers = unit_rows(numbers)
+    rows = independent(numbers, numeric_rank(numbers)[0])
+    keep = independent(np.pad(numbers[rows].T, ((0, 0), (0, 3 - len(rows)))), len(rows)) if rows else []
     radii = [view(w).rolling_radius for w in driven]
     result = []
     for other in (i for i in range(len(driven)) if i not in rows):

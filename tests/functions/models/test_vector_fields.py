@@ -85,6 +85,21 @@ def test_a_trailer_off_the_axle_grows_too() -> None:
     assert span.controllable and span.vector[0] == 2 and span.vector[-1] == 4
 
 
+@pytest.mark.parametrize("length", ["pi/9", "atan2(a, 0.7)", "1/(a + pi)", "sqrt(a*pi)"])
+@pytest.mark.parametrize("a", ["0.3", "{value: 0.3, tunable: true}"])
+def test_lengths_need_be_no_rationals(tmp_path: Path, length: str, a: str) -> None:
+    """pi and angles of lengths are numbers as others are. They were a crash, of the report too."""
+    path = tmp_path / "robot.yaml"
+    path.write_text(
+        f"wmrgen: 1\nname: odd\nparameters: {{a: {a}}}\nwheels:\n"
+        f'  - {{name: left, type: fixed, x: 0, y: "{length}", heading: 0, r: 0.1}}\n'
+        "  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}\n"
+        f'trailers: [{{name: t, length: 0.8, hitch: "{length}"}}]\n',
+        encoding="utf-8",
+    )
+    assert wmrgen.derive(wmrgen.load(path)).growth.vector == (2, 3, 4)
+
+
 def test_what_is_not_reached_is_said() -> None:
     wheel = "{name: w%d, type: fixed, x: %s, y: 0, heading: 0, r: r}"
     span = derived("\n".join((wheel % (1, "0.6"), wheel % (2, "-0.6")))).growth

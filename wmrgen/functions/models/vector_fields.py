@@ -15,7 +15,7 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.evaluate import CosSin, add_angles, circle, multiple, number, sqrt_poly
+from wmrgen.exact.evaluate import CosSin, add_angles, circle, function, multiple, number, sqrt_poly
 from wmrgen.exact.linalg import rank
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, derivative
@@ -39,6 +39,8 @@ def to_poly(expr: Expr) -> Poly:
     match expr:
         case sympy.Rational():
             return Poly.of(Fraction(int(expr.p), int(expr.q)))
+        case sympy.core.numbers.Pi():
+            return Poly.gen("pi")
         case Parameter():
             return Poly.gen("param", expr.name)
         case Quantity():
@@ -59,6 +61,8 @@ def to_poly(expr: Expr) -> Poly:
         case sympy.tan():
             c, s = _circle(expr.args[0])
             return s * c.inverse()
+        case sympy.atan2():
+            return function("atan2", "", tuple(to_poly(a) for a in expr.args))
     raise ValueError(f"no polynomial: {expr}")
 
 

@@ -23,6 +23,7 @@ from wmrgen.errors import EnvironmentFailure, NotDerivableError, Several, StaleE
 
 if TYPE_CHECKING:
     from wmrgen.backends.packages import Package
+    from wmrgen.ir.kernels.choice import Choice
     from wmrgen.layout.records import Robot
     from wmrgen.robot import Derivation
     from wmrgen.spec.records import RobotSpec
@@ -55,7 +56,6 @@ def derive(
     kinds = _kinds(package) if package else []
     chosen = choice(scalar, math, target)
     formats = [name for name, wanted in (("html", html), ("pdf", pdf)) if wanted]
-    options = chosen.words() | ({"fuzz": "yes"} if fuzz else {})
     results: list[tuple[Derivation, dict[str, bytes]]] = []
     with console.progress() as step:
         for spec, robot in _load_all(robots):
@@ -72,10 +72,10 @@ def derive(
         for d, files in results
         for kind in kinds
     ]
-    noted_formats = {"formats": " ".join(formats)} if formats else {}
-    written = [write_tree(out / d.robot.name, files, options | noted_formats) for d, files in results]
+    options = _options(chosen, fuzz, formats)
+    written = [write_tree(out / d.robot.name, files, options) for d, files in results]
     for folder, files in packages:
-        write_tree(folder, files, options)
+        write_tree(folder, files, _options(chosen, fuzz))
     if as_json:
         models = [files[MODEL].decode().rstrip("\n") for _, files in results]
         console.result(models[0] if len(models) == 1 else "[\n" + ",\n".join(models) + "\n]")
@@ -85,6 +85,12 @@ def derive(
     for folder, files in packages:
         console.result(f"  {folder.as_posix()}/: {' '.join(files)}")
     return 0
+
+
+def _options(choice: Choice, fuzz: bool, formats: Sequence[str] = ()) -> dict[str, str]:
+    """What the manifest of a folder notes of how its files were made."""
+    said = {"fuzz": "yes" if fuzz else "", "formats": " ".join(formats)}
+    return choice.words() | {key: words for key, words in said.items() if words}
 
 
 def derived(spec: RobotSpec, robot: Robot) -> Derivation:
@@ -187,8 +193,8 @@ def _tell_stale(
 ) -> None:
     files = [(difference.path.as_posix(), _WHY[difference.why]) for difference in stale]
     if as_json:
-        found = {"robots": robots, "stale": [{"file": file, "why": why} for file, why in files]}
-        console.data({**found, **all_as_data(errors)})
+        entries = [{"file": file, "why": why} for file, why in files]
+        console.data({"robots": robots, "stale": entries, **all_as_data(errors)})
         return
     for file, why in files:
         console.result(f"{file}: {why}")
@@ -213,15 +219,14 @@ def _differing_robot(path: Path, out: Path) -> tuple[str, list[Difference]]:
     folders = {out / kind.folder / robot.name: kind for kind in PACKAGES.values()}
     stale: list[Difference] = []
     for folder in (out / robot.name, *(folder for folder in folders if folder.is_dir())):
-        options = made_with(folder)
-        choice = noted_choice(options)
-        files, words = artifacts(derivation, choice, "fuzz" in options), choice.words()
+        words = made_with(folder)
+        choice, fuzz, formats = noted_choice(words), "fuzz" in words, words.get("formats", "").split()
+        files = artifacts(derivation, choice, fuzz)
         if folder in folders:
             files = packaged(folders[folder], derivation, choice, files)
-        words |= {key: options[key] for key in ("fuzz", "formats") if key in options}
-        if "formats" in options:
-            files |= _noted_formats(derivation, files, folder, options["formats"].split())
-        stale += differences(folder, files, words)
+        if formats:
+            files |= _noted_formats(derivation, files, folder, formats)
+        stale += differences(folder, files, _options(choice, fuzz, formats))
     return robot.name, stale
 
 

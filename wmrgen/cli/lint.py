@@ -75,8 +75,8 @@ def explain(code: str | None, as_json: bool) -> int:
     """Print a rule with its examples; without a code, all of them in a line each."""
     from wmrgen.lint import rule_called
 
-    known = explained()
-    rules = [rule_called(code, known)] if code else list(known.values())
+    codes = explained()
+    rules = [rule_called(code, codes)] if code else list(codes.values())
     if as_json:
         data = [_told(rule) for rule in rules]
         console.data(data[0] if code else {"rules": data})

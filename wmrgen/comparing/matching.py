@@ -30,8 +30,8 @@ def matched(a: Sequence[Side], b: Sequence[Side]) -> tuple[list[tuple[Side, Side
     partner: dict[int, int] = {}
     for key in _KEYS:
         for i, w in enumerate(a):
-            left = [j for j in range(len(b)) if j not in partner.values()]
-            candidates = [j for j in left if key(w) & key(b[j])]
+            single = [j for j in range(len(b)) if j not in partner.values()]
+            candidates = [j for j in single if key(w) & key(b[j])]
             rivals = [k for k in range(len(a)) if k not in partner and key(w) & key(a[k])]
             if i not in partner and len(candidates) == 1 and rivals == [i]:
                 partner[i] = candidates[0]

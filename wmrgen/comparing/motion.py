@@ -140,9 +140,9 @@ def _effect(motion: str, mine: Array, got: Array, forward: complex, arm: float) 
     if was[motion] < {"straight": 0.5, "strafe": 0.99, "turn": 1e-3 * arm}[motion]:
         return None
     ratio = now[motion] / was[motion]
-    beside = {m: (now[m] - was[m] * ratio) / abs(was[motion]) for m in now if m != motion}
+    others = {m: (now[m] - was[m] * ratio) / abs(was[motion]) for m in now if m != motion}
     slip = float(np.linalg.norm(got[3:]) - np.linalg.norm(mine[3:]) * abs(ratio)) / abs(was[motion])
-    return Effect(motion, ratio, ", ".join(_words(motion, ratio, beside, slip)))
+    return Effect(motion, ratio, ", ".join(_words(motion, ratio, others, slip)))
 
 
 _SAY = {  # the wrong way, not at all, more, less
@@ -154,7 +154,7 @@ _BESIDE = {"straight": "drives ahead or back", "strafe": "drifts sideways", "tur
 _WHILE = {"straight": "driving straight", "strafe": "strafing", "turn": "turning"}
 
 
-def _words(motion: str, ratio: float, beside: Mapping[str, float], slip: float) -> Iterator[str]:
+def _words(motion: str, ratio: float, others: Mapping[str, float], slip: float) -> Iterator[str]:
     wrong, none, more, less = _SAY[motion]
     if abs(ratio) < _SEEN:
         yield none
@@ -162,7 +162,7 @@ def _words(motion: str, ratio: float, beside: Mapping[str, float], slip: float) 
         yield wrong
     if abs(ratio) >= _SEEN and abs(abs(ratio) - 1) >= _SEEN:
         yield (more if abs(ratio) > 1 else less).format(f"{abs(abs(ratio) - 1):.1%}".replace("%", " %"))
-    for other, share in beside.items():
+    for other, share in others.items():
         if abs(share) >= SAME:
             yield f"{_BESIDE[other]} while {_WHILE[motion]}"
     if slip >= 5 * SAME:

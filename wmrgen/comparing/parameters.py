@@ -175,10 +175,10 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
         values, marks = {"x": place.real, "y": place.imag}, {}
         if signs and "gamma" in w.values:
             values["gamma"] = w.values["gamma"] * signs.real * signs.imag  # the rollers that are usual there
-        given = next((c.places[k] for k in c.places if _is(w, k) or k in (word, f"middle {word}")), None)
-        if given:
-            values = {axis: float(s.value) for axis, s in zip("xy", given, strict=True)}
-            marks = {axis: s.mark for axis, s in zip("xy", given, strict=True) if s.mark}
+        pivot = next((c.places[k] for k in c.places if _is(w, k) or k in (word, f"middle {word}")), None)
+        if pivot:
+            values = {axis: float(s.value) for axis, s in zip("xy", pivot, strict=True)}
+            marks = {axis: s.mark for axis, s in zip("xy", pivot, strict=True) if s.mark}
         for key in (*(f"{side}_radius" for side in told.split()), "radius"):
             if key in said:
                 values.setdefault("r", said[key])

@@ -60,10 +60,8 @@ _LETTERS = {"f": "front", "m": "middle", "r": "rear", "b": "rear"}
 _NAMES = re.compile(r"(names?|joints?|wheels?|steer|drive|steering|axle)$")
 _NO_NAMES = re.compile(r"topic|frame|interface|sensor|broadcaster|states?_|plugin")
 _ROLLS, _STEERS = re.compile("traction|drive|command"), re.compile("steer|axle_joint|pivot")
-_SIGN, _PLACE = (
-    re.compile(r"(rot_sign|directions?|signs?)$"),
-    re.compile(r"(?:center_pos_|pos_|position_)?([xy])$"),
-)
+_SIGN = re.compile(r"(rot_sign|directions?|signs?)$")
+_PLACE = re.compile(r"(?:center_pos_|pos_|position_)?([xy])$")
 _SUBSTITUTION = re.compile(r"\$\(arg ([^()\s]+)\)|\$[({][^(){}]*[)}]")
 _NODE, _PASSED = "ros__parameters", ("**", "*", "<<", "")
 _ROVER = [  # role, x and y of the wheels of JPL's rover

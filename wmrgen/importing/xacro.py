@@ -146,8 +146,8 @@ def _evaluated(text: str, context: Mapping[str, Any], symbols: Mapping[str, Any]
     import xacro
     from xacro.substitution_args import convert_value
 
-    given = {name: convert_value(str(value), "auto") for name, value in context.get("arg", {}).items()}
-    return str(xacro.safe_eval(text, {**symbols, **given}))
+    arguments = {name: convert_value(str(value), "auto") for name, value in context.get("arg", {}).items()}
+    return str(xacro.safe_eval(text, {**symbols, **arguments}))
 
 
 def _no_environment(name: str) -> str:

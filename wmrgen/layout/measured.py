@@ -18,7 +18,8 @@ from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.expressions import Scope
 from wmrgen.layout.joints import constant
-from wmrgen.layout.records import Geometry, Near, Tolerance, Wheel
+from wmrgen.layout.records import Geometry, Wheel
+from wmrgen.layout.tolerance import Near, Tolerance
 from wmrgen.notation import listed
 from wmrgen.spec.records import Quantity
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
-from math import ceil
 from typing import Generic, TypeVar
 
 from wmrgen.errors import Mark
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
+from wmrgen.layout.tolerance import EXACT, Near, Tolerance
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 T = TypeVar("T", Poly, Exact)
@@ -191,56 +191,6 @@ class Virtual:
 
 
 @dataclass(frozen=True, slots=True)
-class Tolerance:
-    """Axles that miss one another by ``length`` [m] or less are taken for one. ``size`` [m]: from the rim of one wheel
-    to that of another, the largest there is. ``written``: the robot file says it."""
-
-    length: float
-    size: float
-    written: bool
-
-    @property
-    def angle(self) -> float:
-        """The angle [rad] by which an axle as long as the robot misses by ``length``."""
-        return self.length / self.size if self.size else 0.0
-
-    def __str__(self) -> str:
-        default = "" if self.written else " (1 mm per metre of the robot's size)"
-        return f"the tolerance of {1000 * self.length:.3g} mm{default}"
-
-
-@dataclass(frozen=True, slots=True)
-class Near:
-    """Axles that are nearly one: ``text`` says which and how near, ``instead`` what to write for one axle.
-
-    ``tolerance`` [m] takes them for one; ``moves`` says how wheels were moved for that, and is empty where the robot's
-    own is smaller. ``wheel``: the last of them.
-    """
-
-    text: str
-    wheel: str
-    tolerance: float
-    instead: str
-    moves: str = ""
-
-    def sentence(self, tolerance: Tolerance) -> str:
-        """The text, with the robot's tolerance and what follows; no full stop."""
-        if self.moves:
-            return f"{self.text}, within {tolerance}, and are taken for one: {self.moves}"
-        return f"{self.text}, more than {tolerance}"
-
-    @property
-    def remedies(self) -> str:
-        """What to write in the robot file."""
-        if self.moves:
-            return f"Write {self.instead}; or tolerance: 0, which keeps them apart."
-        enough = f"{ceil(round(self.tolerance * 1e5, 6)) / 100:.6g} mm"
-        return (
-            f"If one axle bears them, write {self.instead}, or tolerance: {enough}, which takes them for one."
-        )
-
-
-@dataclass(frozen=True, slots=True)
 class Point:
     """A point in the robot frame [m], z above the ground."""
 
@@ -279,7 +229,7 @@ class Robot:
     noise: Mapping[str, Noise] = field(default_factory=dict)
     encoders: Mapping[str, Encoder] = field(default_factory=dict)
     lag: Mapping[str, Exact] = field(default_factory=dict)
-    tolerance: Tolerance = Tolerance(0.0, 0.0, True)
+    tolerance: Tolerance = EXACT
     near: tuple[Near, ...] = ()
 
     @property

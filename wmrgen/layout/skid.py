@@ -18,9 +18,8 @@ from wmrgen.layout.expressions import Scope
 from wmrgen.layout.records import Geometry, Length, Robot, Wheel
 from wmrgen.spec.records import Quantity
 
-_PARALLEL = (
-    1e-9  # sine of the angle between axles that are taken for parallel, share of the track in the middle
-)
+_PARALLEL = 1e-9  # sine of the angle between axles that are taken for parallel
+_MIDDLE = 1e-9  # of the track: as far from the middle a wheel is on neither side
 _LEFT, _RIGHT = 1, -1
 
 
@@ -37,10 +36,8 @@ def effective_track(quantity: Quantity | None, scope: Scope, wheels: Sequence[Wh
         what = f"effective_track of a robot with the {others[0].kind.noun} {others[0].name}"
         why = "It says how a robot turns whose wheels are all fixed."
     elif not parallel(fixed):
-        what, why = (
-            "effective_track of a robot whose fixed wheels are not parallel",
-            "They have no left and right.",
-        )
+        what = "effective_track of a robot whose fixed wheels are not parallel"
+        why = "They have no left and right."
     elif not fixed or not {*sides(fixed)} >= {_LEFT, _RIGHT}:
         what = "effective_track of a robot with fixed wheels on one side alone"
         why = "It is the distance between left and right wheels."
@@ -61,7 +58,7 @@ def sides(wheels: Sequence[Wheel]) -> list[int]:
     """On which side of the middle each of parallel wheels stands, seen along the first: 1 left, -1 right, 0 neither."""
     across = [(w.pivot * wheels[0].zero_heading.conjugate()).imag for w in wheels]
     middle, width = (max(across) + min(across)) / 2, max(across) - min(across)
-    return [0 if abs(y - middle) <= _PARALLEL * width else _LEFT if y > middle else _RIGHT for y in across]
+    return [0 if abs(y - middle) <= _MIDDLE * width else _LEFT if y > middle else _RIGHT for y in across]
 
 
 def driven(robot: Robot) -> Robot:

@@ -171,8 +171,8 @@ def _promised(subject: Subject) -> Iterator[tuple[str, Array]]:
     if free.dimension == 3 and omega:
         yield "turning on the spot", np.array([0.0, 0.0, omega])
     if free.dimension == 2 and vx and omega:
-        known = free.basis[:, [0, 2]]
-        if abs(float(np.linalg.det(known))) > 1e-9:
+        columns = free.basis[:, [0, 2]]
+        if abs(float(np.linalg.det(columns))) > 1e-9:
             for rate in (omega, -omega):
-                twist = np.linalg.solve(known.T, np.array([vx, rate])) @ free.basis
+                twist = np.linalg.solve(columns.T, np.array([vx, rate])) @ free.basis
                 yield f"omega = {rate:.4g} rad/s at vx = {vx:.4g} m/s or less", twist

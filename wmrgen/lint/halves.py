@@ -88,9 +88,9 @@ def _said(subject: Subject) -> Iterator[Finding]:
     about = subject.spec.description or ""
     for spec, w in subject.wheels:
         r = float(w.nominal.r)
-        beside = _beside(spec.r.mark) if spec.r else ""
+        comment = _comment(spec.r.mark) if spec.r else ""
         alone = spec.r is not None and spec.r.mark.text.lstrip(" -").startswith("r:")
-        if r and (_says(f"{beside}; {about}", "diameter", r) or (alone and _DIAMETER.fullmatch(beside))):
+        if r and (_says(f"{comment}; {about}", "diameter", r) or (alone and _DIAMETER.fullmatch(comment))):
             yield Finding(
                 spec.r.mark if spec.r else spec.mark,
                 f"{w.name}: a diameter of {r:.4g} m is written here, and r is as large",
@@ -101,13 +101,13 @@ def _said(subject: Subject) -> Iterator[Finding]:
     for axis in _SPANS:
         half = _extent(subject, axis) / 2
         for mark in lines.values():
-            if half and _says(f"{_beside(mark)}; {about}", axis, half):
+            if half and _says(f"{_comment(mark)}; {about}", axis, half):
                 what = f"a size of {half:.4g} m is written here, and the wheels stand twice as far apart in {axis}"
                 yield Finding(mark, what, "Write half of it: x and y are distances from P.")
                 break
 
 
-def _beside(mark: Mark) -> str:
+def _comment(mark: Mark) -> str:
     """The comment of a line."""
     return mark.text.partition("#")[2].strip()
 

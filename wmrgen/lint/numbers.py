@@ -171,10 +171,11 @@ def overlapping(subject: Subject) -> Iterator[Finding]:
         apart = back * (b.pivot - a.pivot)
         turned = abs((back * b.zero_heading).imag)
         ahead, aside = abs(apart.real), abs(apart.imag) + abs(float(a.nominal.o - b.nominal.o))
-        room = float(a.nominal.r + b.nominal.r)
-        if turned < 1e-3 and aside < 0.05 * room and 0.05 * room < ahead < room:
+        radii = float(a.nominal.r + b.nominal.r)
+        if turned < 1e-3 and aside < 0.05 * radii and 0.05 * radii < ahead < radii:
             yield Finding(
                 subject.mark(b),
-                f"{b.name} stands {ahead:.4g} m from {a.name}, in line with it, and their radii add up to {room:.4g} m",
+                f"{b.name} stands {ahead:.4g} m from {a.name}, in line with it, "
+                f"and their radii add up to {radii:.4g} m",
                 "r is the radius, not the diameter; x and y are distances from P.",
             )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import replace
+from typing import TypeVar
 
 from wmrgen.errors import Several
 from wmrgen.spec.expressions import read_quantity
@@ -15,20 +16,14 @@ from wmrgen.spec.records import EncoderSpec, Limit, Neg, NoiseSpec, Quantity
 from wmrgen.spec.tables import Table, table_of
 from wmrgen.spec.text import Node, SequenceNode
 
+T = TypeVar("T")
+
 
 def read_limits(
     node: Node | None, what: str, scope: Scope, valid: tuple[str, ...] | None = None
 ) -> tuple[Limit, ...]:
     """Limits in the order of the file, of those that are ``valid``. A single value v means [-v, v]."""
-    if node is None:
-        return ()
-    several, limits = Several(), []
-    table = table_of(node, LIMITS, several, f"limits of {what}", valid)
-    for name in table.values:
-        with several:
-            limits.append(_limit(name, table, scope))
-    several.end()
-    return tuple(limits)
+    return _each(node, LIMITS, f"limits of {what}", valid, lambda name, table, _: _limit(name, table, scope))
 
 
 def _limit(name: str, table: Table, scope: Scope) -> Limit:
@@ -60,59 +55,60 @@ def read_noise(
     node: Node | None, what: str, scope: Scope, valid: tuple[str, ...] | None = None
 ) -> tuple[NoiseSpec, ...]:
     """The noise of joints, of those that are ``valid``."""
-    if node is None:
-        return ()
-    several, noise = Several(), []
-    for joint, of in _by_joint(node, NOISE, "noise", what, several, valid):
-        name = f"the noise of {joint}"
-        with several:
-            noise.append(
-                NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
-            )
-    several.end()
-    return tuple(noise)
+
+    def noise(joint: str, table: Table, several: Several) -> NoiseSpec:
+        of, name = _of(joint, table, f"noise of {what}", several), f"the noise of {joint}"
+        return NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
+
+    return _each(node, NOISE, f"noise of {what}", valid, noise)
 
 
 def read_encoders(
     node: Node | None, what: str, scope: Scope, valid: tuple[str, ...] | None = None
 ) -> tuple[EncoderSpec, ...]:
     """The encoders of joints, of those that are ``valid``."""
-    if node is None:
-        return ()
-    several, encoders = Several(), []
-    for joint, of in _by_joint(node, ENCODER, "encoder", what, several, valid):
-        name = f"the encoder of {joint}"
+
+    def encoder(joint: str, table: Table, several: Several) -> EncoderSpec | None:
+        of, name = _of(joint, table, f"encoder of {what}", several), f"the encoder of {joint}"
         of.require_all(name, several)
-        with several:
-            counts, gear, bits = (of.amount(key, name, scope) for key in ("counts", "gear", "bits"))
-            if counts is not None:
-                encoders.append(EncoderSpec(joint, counts, gear, of.word("reversed"), bits))
-    several.end()
-    return tuple(encoders)
+        counts, gear, bits = (of.amount(key, name, scope) for key in ("counts", "gear", "bits"))
+        return None if counts is None else EncoderSpec(joint, counts, gear, of.word("reversed"), bits)
+
+    return _each(node, ENCODER, f"encoder of {what}", valid, encoder)
 
 
 def read_lag(
     node: Node | None, what: str, scope: Scope, valid: tuple[str, ...] | None = None
 ) -> tuple[tuple[str, Quantity], ...]:
     """Joints, of those that are ``valid``, each with its time constant."""
+
+    def lag(joint: str, table: Table, _: Several) -> tuple[str, Quantity]:
+        return joint, table.required_amount(joint, f"the lag of {what}", scope)
+
+    return _each(node, LAG, f"lag of {what}", valid, lag)
+
+
+def _each(
+    node: Node | None,
+    section: Section,
+    title: str,
+    valid: tuple[str, ...] | None,
+    read: Callable[[str, Table, Several], T | None],
+) -> tuple[T, ...]:
+    """What is read of every key of a mapping, in the order of the file; it may be nothing."""
     if node is None:
         return ()
-    several, lags = Several(), []
-    table = table_of(node, LAG, several, f"lag of {what}", valid)
-    for joint in table.values:
+    several, results = Several(), list[T | None]()
+    table = table_of(node, section, several, title, valid)
+    for name in table.values:
         with several:
-            value = table.amount(joint, f"the lag of {what}", scope)
-            lags += [] if value is None else [(joint, value)]
+            results.append(read(name, table, several))
     several.end()
-    return tuple(lags)
+    return tuple(result for result in results if result is not None)
 
 
-def _by_joint(
-    node: Node, section: Section, called: str, what: str, several: Several, valid: tuple[str, ...] | None
-) -> Iterator[tuple[str, Table]]:
-    """Each joint of a mapping, with the mapping that stands behind it."""
-    for joint, value in table_of(node, section, several, f"{called} of {what}", valid).values.items():
-        of = section.field(joint).value
-        assert isinstance(of, Section)
-        with several:
-            yield joint, table_of(value, of, several, f"{joint} of the {called} of {what}")
+def _of(joint: str, table: Table, title: str, several: Several) -> Table:
+    """The mapping that stands behind a joint."""
+    section = table.section.field(joint).value
+    assert isinstance(section, Section)
+    return table_of(table.values[joint], section, several, f"{joint} of the {title}")

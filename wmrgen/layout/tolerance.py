@@ -1,0 +1,59 @@
+"""How far axles may miss one another and count as one, and what is told of those that nearly do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """Axles that miss one another by ``length`` [m] or less are taken for one. ``size`` [m]: from the rim of one wheel
+    to that of another, the largest there is. ``written``: the robot file says it."""
+
+    length: float
+    size: float
+    written: bool
+
+    @property
+    def angle(self) -> float:
+        """The angle [rad] by which an axle as long as the robot misses by ``length``."""
+        return self.length / self.size if self.size else 0.0
+
+    def __str__(self) -> str:
+        default = "" if self.written else " (1 mm per metre of the robot's size)"
+        return f"the tolerance of {1000 * self.length:.3g} mm{default}"
+
+
+EXACT = Tolerance(0.0, 0.0, True)
+
+
+@dataclass(frozen=True, slots=True)
+class Near:
+    """Axles that are nearly one: ``text`` says which and how near, ``instead`` what to write for one axle.
+
+    ``tolerance`` [m] takes them for one; ``moves`` says how wheels were moved for that, and is empty where the robot's
+    own is smaller. ``wheel``: the last of them.
+    """
+
+    text: str
+    wheel: str
+    tolerance: float
+    instead: str
+    moves: str = ""
+
+    def sentence(self, tolerance: Tolerance) -> str:
+        """The text, with the robot's tolerance and what follows; no full stop."""
+        if self.moves:
+            return f"{self.text}, within {tolerance}, and are taken for one: {self.moves}"
+        return f"{self.text}, more than {tolerance}"
+
+    @property
+    def remedies(self) -> str:
+        """What to write in the robot file."""
+        if self.moves:
+            return f"Write {self.instead}; or tolerance: 0, which keeps them apart."
+        enough = f"{ceil(round(self.tolerance * 1e5, 6)) / 100:.6g} mm"
+        return (
+            f"If one axle bears them, write {self.instead}, or tolerance: {enough}, which takes them for one."
+        )

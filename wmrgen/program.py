@@ -195,16 +195,23 @@ def _with_read_inputs(function: Function, absent: frozenset[str]) -> Function:
 
 
 def vector_forms(robot: Robot, space: StateSpace | None) -> tuple[VectorForm, ...]:
-    """A state space, optimised, as functions of x, u and p: the rates ``ode`` and, where there are constraints,
-    ``rolling``. Nothing of none."""
+    """The rates of a state space and, where there are some, its constraints. Nothing of none."""
     if space is None:
         return ()
-    parts = {"ode": ("xdot", space.rates), "rolling": ("g", space.constraints)}
-    return tuple(
-        _vector_form(robot, space, name, result, formula)
-        for name, (result, formula) in parts.items()
-        if formula
-    )
+    rolling = constraints_form(robot, space)
+    return (rates_form(robot, space), *([rolling] if rolling else []))
+
+
+def rates_form(robot: Robot, space: StateSpace) -> VectorForm:
+    """``ode``, optimised: x, u and p to the rates of x."""
+    return _vector_form(robot, space, "ode", "xdot", space.rates)
+
+
+def constraints_form(robot: Robot, space: StateSpace) -> VectorForm | None:
+    """``rolling``, optimised: x, u and p to what has to be 0; None where nothing has to."""
+    if space.constraints is None:
+        return None
+    return _vector_form(robot, space, "rolling", "g", space.constraints)
 
 
 def _vector_form(robot: Robot, space: StateSpace, name: str, result: str, formula: Formula) -> VectorForm:

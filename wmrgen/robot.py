@@ -20,7 +20,6 @@ from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot
-from wmrgen.layout.skid import driven
 from wmrgen.lower import lower
 from wmrgen.mobility import Mobility, analyse
 from wmrgen.mobility.analyse import driving
@@ -28,10 +27,12 @@ from wmrgen.model_json import model
 from wmrgen.program import (
     Program,
     asked,
+    constraints_form,
     for_c,
     formula,
     optimised,
     program,
+    rates_form,
     standard,
     vector_forms,
     with_calls,
@@ -85,8 +86,8 @@ class Derivation:
     @cached_property
     def driven(self) -> Derivation:
         """The derivation of what wheel speeds and motion follow from: itself, unless it has an effective track."""
-        acting = driven(self.robot)
-        return self if acting is self.robot else Derivation(acting, self._functions)
+        acting = self.mobility.driven
+        return Derivation(acting[0], self._functions) if acting else self
 
     @cached_property
     def integrability(self) -> Integrability:
@@ -195,7 +196,7 @@ class Derivation:
 
         space = state_space(self.robot, self.mobility, form)
         casadi = BACKENDS["casadi"]
-        model = casadi.offers("of_vectors")(vector_forms(self.robot, space)[0], self.robot.name)
+        model = casadi.offers("of_vectors")(rates_form(self.robot, space), self.robot.name)
         if discrete is None:
             return model
         return casadi.offers("step")(model, lower(self.formula("odometry")), discrete, dt)
@@ -209,10 +210,8 @@ class Derivation:
         without steered wheels."""
         from wmrgen.functions.models.state_space import state_space
 
-        space = state_space(self.robot, self.mobility, "twist")
-        if space.constraints is None:
-            return None
-        return BACKENDS["casadi"].offers("of_vectors")(vector_forms(self.robot, space)[1], self.robot.name)
+        form = constraints_form(self.robot, state_space(self.robot, self.mobility, "twist"))
+        return form and BACKENDS["casadi"].offers("of_vectors")(form, self.robot.name)
 
     @cached_property
     def default_state_space(self) -> StateSpace | None:

@@ -135,9 +135,8 @@ def of_vectors(vector: VectorForm, robot: str) -> ca.Function:
     )  # fmt: skip
 
 
-_SCHEMES: dict[
-    str, tuple[Any, tuple[Any, ...]]
-] = {  # one step of CasADi's; collocation: Radau's, three points
+# One step of CasADi's; collocation: Radau's, three points.
+_SCHEMES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rk4": (ca.simpleRK, (1, 4)),
     "collocation": (ca.simpleIRK, (1, 3, "radau", "newton")),
 }

@@ -31,6 +31,7 @@ def analyse(robot: Robot) -> Mobility:
     symbolic = null_columns([row.row(symbolic_view) for row in rows]) if at.mobility else ()
     columns = tuple(fixed(column, robot) for column in symbolic)
     per_eta = scaled(symbolic, deciding(rows), robot)
+    acting = driven(robot)
     leaders = (robot.wheels[robot.steer_group[w.index]].name for w in deciding(rows))
     return Mobility(
         degree_of_mobility=at.mobility, degree_of_steerability=at.steerability,
@@ -42,13 +43,13 @@ def analyse(robot: Robot) -> Mobility:
         basis_rows=tuple(row.row(working_view) for row in rows), basis_wheels=tuple(dict.fromkeys(leaders)),
         null_space=columns, null_space_symbolic=symbolic,
         scaled=tuple(fixed(column, robot) for column in per_eta), scaled_symbolic=per_eta,
+        driven=None if acting is robot else (acting, analyse(acting)),
     )  # fmt: skip
 
 
 def driving(robot: Robot, mobility: Mobility) -> tuple[Robot, Mobility]:
     """The layout that wheel speeds and motion follow from, `layout.skid.driven`, and what that can do."""
-    acting = driven(robot)
-    return (robot, mobility) if acting is robot else (acting, analyse(acting))
+    return mobility.driven or (robot, mobility)
 
 
 def fixed(row: Row, robot: Robot) -> Row:

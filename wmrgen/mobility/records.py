@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.exact.poly import Poly, Row
+from wmrgen.layout.records import Robot
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-9  # relative to the largest singular value
@@ -99,6 +100,9 @@ class Mobility:
     null_space_symbolic: tuple[Row, ...]
     scaled: tuple[Row, ...]  # the same columns, so that eta is a speed: see `basis.scaled`; working view
     scaled_symbolic: tuple[Row, ...]
+    driven: tuple[Robot, Mobility] | None = (
+        None  # what wheel speeds follow from, where that is not the layout
+    )
 
     @property
     def degree_of_maneuverability(self) -> int:

@@ -119,7 +119,7 @@ def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual
     cleared = build(robot, mobility, True)
     per_eta = scaled(cleared.columns, cleared.wheels, robot)
     columns = per_eta if symbolic else tuple(cleaned(fixed(column, robot)) for column in per_eta)
-    coordinates = replace(build(robot, mobility, symbolic), columns=columns)
+    coordinates = replace(cleared if symbolic else build(robot, mobility, False), columns=columns)
     size = range(len(columns))
     ports = tuple(
         output(f"eta{k}", unit_of_eta(column), f"speed along column {k} of the null space")

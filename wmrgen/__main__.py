@@ -9,7 +9,7 @@ import sys
 def main() -> None:
     """Run the command line; exits with its code."""
     # A short run makes few cycles and many objects: collecting often costs a tenth of it.
-    gc.set_threshold(200_000, 20, 20)
+    gc.set_threshold(1_000_000, 20, 20)
     from wmrgen.cli import console
 
     console.prepare()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
@@ -69,8 +69,9 @@ def _rate(actuated: tuple[str, ...]) -> tuple[str, ...]:
     return ("steer_rate",) if "steer" in actuated else ()
 
 
-def faults(d: Derivation) -> list[Fault]:
-    """One wheel that runs backwards, two that are exchanged: what `forward` makes of it. Nothing where wheels turn."""
+def faults(d: Derivation, possible: Sequence[Motion]) -> list[Fault]:
+    """One wheel that runs backwards, two that are exchanged: what `forward` makes of the ``possible`` motions. Nothing
+    where wheels turn."""
     driven = [w for w in d.robot.wheels if w.actuated]
     if (
         any(w.turns or "spin" not in w.sensed for w in driven)
@@ -79,7 +80,6 @@ def faults(d: Derivation) -> list[Fault]:
     ):
         return []
     spins = [f"{w.name}.spin" for w in driven]
-    possible = [m.joints for m in motions(d) if m.joints is not None]
     wired: list[tuple[str, dict[str, tuple[str, int]]]] = [
         (f"`{s.removesuffix('.spin')}` runs backwards", {s: (s, -1)}) for s in spins
     ]
@@ -88,14 +88,17 @@ def faults(d: Derivation) -> list[Fault]:
         for a, b in combinations(spins, 2)
     ]
     size = max(abs(w.pivot) for w in driven)
-    found = []
-    for text, swaps in wired:
-        wrong = [
-            {s: joints[swaps[s][0]] * swaps[s][1] if s in swaps else joints[s] for s in spins}
-            for joints in possible
-        ]
-        found.append(Fault(text, tuple(_seen(d, joints, size) for joints in wrong)))
-    return found
+    every = [m.joints for m in possible if m.joints is not None]
+    return [
+        Fault(text, tuple(_seen(d, _swapped(joints, spins, swaps), size) for joints in every))
+        for text, swaps in wired
+    ]
+
+
+def _swapped(joints: Joints, spins: Sequence[str], swaps: Mapping[str, tuple[str, int]]) -> Joints:
+    """The speeds of wheels of which some hear what another is told, or its opposite."""
+    heard = {s: swaps.get(s, (s, 1)) for s in spins}
+    return {s: joints[other] * sign for s, (other, sign) in heard.items()}
 
 
 def _seen(d: Derivation, joints: Joints, size: float) -> str:

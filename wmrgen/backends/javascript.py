@@ -78,13 +78,13 @@ def _printed(function: Function) -> dict[str, Any]:
         + ("" if p.default is None else f" = {_literal(p.default)}")
         for p in function.inputs
     ]
-    given = [f'"{p.name}": {text}' for p, text in zip(function.outputs, code.results, strict=True)]
+    returned = [f'"{p.name}": {text}' for p, text in zip(function.outputs, code.results, strict=True)]
     return {
         "name": function.name,
         "document": _document(function),
         "signature": _object(taken, "") + " = {}" if taken else "",
         "lines": code.statements,
-        "results": _object(given, "  "),
+        "results": _object(returned, "  "),
         "ops": code.ops,
     }
 

@@ -25,7 +25,7 @@ from wmrgen.backends.drawing.paper import (
     pair,
     unit,
     width,
-)  # fmt: skip
+)
 from wmrgen.backends.drawing.view import View, fitted
 
 if TYPE_CHECKING:

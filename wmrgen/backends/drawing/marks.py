@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import atan2, cos, degrees, hypot, sin
+from math import atan2, cos, degrees, hypot, pi, sin
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.paper import (
@@ -24,7 +24,7 @@ from wmrgen.backends.drawing.paper import (
     metres,
     polygon,
     width,
-)  # fmt: skip
+)
 from wmrgen.backends.drawing.view import AT_ORIGIN, Pose, View, moved
 from wmrgen.wheels import WHEEL_TYPES
 
@@ -141,7 +141,7 @@ def chassis(pivots: Sequence[Point]) -> list[str]:
 def frame(view: View, names: tuple[str, str, str], paper: Paper, size: float = 34.0) -> list[str]:
     """The axes of a frame with their names and that of its origin."""
     p = view.origin
-    x, y = view.x, view.way(1.5707963267948966)
+    x, y = view.x, view.way(pi / 2)
     tips = along(p, x, size), along(p, y, size)
     paper.boxes += [bounds([p, tip], 3) for tip in tips]
     lines = [line(p, tip, "halo") for tip in tips]

@@ -9,16 +9,8 @@ from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.example import Twist, inside, swung
 from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, figure
-from wmrgen.backends.drawing.paper import (
-    Paper,
-    Point,
-    along,
-    arrow,
-    num,
-    pair,
-    polygon,
-    wrapped,
-)
+from wmrgen.backends.drawing.instant import number
+from wmrgen.backends.drawing.paper import Paper, Point, along, arrow, num, pair, polygon, wrapped
 from wmrgen.backends.drawing.view import UP
 
 if TYPE_CHECKING:
@@ -33,6 +25,7 @@ _HALVINGS = 20
 _SIZE, _ROW = 140.0, 15.0
 Plane = tuple[int, int]  # components that point up and to the left
 Measure = Callable[[Twist], float]  # by how much a twist may grow
+End = tuple[int, Point]  # the number of the limit that decides in a direction, and the corner there
 
 
 def reach(derivation: Derivation) -> Figure | None:
@@ -104,34 +97,34 @@ def outline(robot: Robot, twist: Callable[[float, float], Twist]) -> tuple[list[
     ends = [_most(measures, twist(*way)) for way in ((1.0, 0.0), (0.0, 1.0))]
     scales = [k if isfinite(k) and k > 0 else 1.0 for k, _ in ends]
 
-    def at(angle: float) -> tuple[float, int, Point]:
+    def at(angle: float) -> End:
         p, q = scales[0] * cos(angle), scales[1] * sin(angle)
         k, limit = _most(measures, twist(p, q))
-        return k, limit, (k * p if k else 0.0, k * q if k else 0.0)
+        return limit, (k * p if k else 0.0, k * q if k else 0.0)
 
     angles = [2 * pi * (k + 0.5) / _DIRECTIONS for k in range(_DIRECTIONS + 1)]
     points: list[Point] = []
     limits: set[int] = set()
-    for first, last in pairwise(angles):
-        _, limit, p = at(first)
+    for first, last in pairwise((angle, at(angle)) for angle in angles):
+        _, (limit, point) = first
         limits.add(limit)
-        points += [p, *_corner(at, first, last)]
+        points += [point, *_corner(at, first, last)]
     return points, limits
 
 
-def _corner(at: Callable[[float], tuple[float, int, Point]], first: float, last: float) -> Iterator[Point]:
-    low, high = at(first), at(last)
-    if low[1] == high[1]:
+def _corner(at: Callable[[float], End], first: tuple[float, End], last: tuple[float, End]) -> Iterator[Point]:
+    (low, start), (high, end) = first, last
+    if start[0] == end[0]:
         return
     for _ in range(_HALVINGS):
-        centre = (first + last) / 2
+        centre = (low + high) / 2
         between = at(centre)
-        if between[1] == low[1]:
-            first, low = centre, between
+        if between[0] == start[0]:
+            low, start = centre, between
         else:
-            last, high = centre, between
-    yield low[2]
-    yield high[2]
+            high, end = centre, between
+    yield start[1]
+    yield end[1]
 
 
 def _most(measures: Sequence[Measure], twist: Twist) -> tuple[float, int]:
@@ -224,11 +217,11 @@ def _panel(plane: Plane, points: list[Point], centre: Point, section: bool) -> G
     paper.segments += [(centre, tip) for tip in tips]
     top, side = max(p[0] for p in points), max(p[1] for p in points)
     words = [
-        paper.write((centre[0] + 8, centre[1] - half - 6), f"{SHOWN[a]} {_number(top)} {UNITS[a]}"),
+        paper.write((centre[0] + 8, centre[1] - half - 6), f"{SHOWN[a]} {number(top)} {UNITS[a]}"),
         paper.write((centre[0] - half - 12, centre[1] - half - 6), f"{SHOWN[third]} = 0") if section else "",
         paper.write(
             (centre[0] - half - 14, centre[1] + half + 18),
-            f"{SHOWN[b]} {_number(side)} {UNITS[b]} to the left",
+            f"{SHOWN[b]} {number(side)} {UNITS[b]} to the left",
         ),
     ]
     shape = polygon(_simplified([on(p) for p in points]), "reach")
@@ -263,10 +256,6 @@ def _bend(a: Point, b: Point, c: Point) -> float:
     return abs(x * (b[1] - a[1]) - y * (b[0] - a[0])) / size
 
 
-def _number(value: float) -> str:
-    return f"{value:.3g}"
-
-
 def _limits(robot: Robot) -> str:
     """The limits that bound twists, in words."""
     words = [
@@ -282,4 +271,4 @@ def _limits(robot: Robot) -> str:
 
 def _interval(limit: Interval) -> str:
     low, high = float(limit.low), float(limit.high)
-    return f"±{_number(high)}" if low == -high else f"{_number(low)} to {_number(high)}".replace("-", "−")
+    return f"±{number(high)}" if low == -high else f"{number(low)} to {number(high)}"

@@ -18,14 +18,7 @@ from wmrgen.backends.drawing.marks import (
     legend,
     placed,
 )
-from wmrgen.backends.drawing.paper import (
-    Paper,
-    along,
-    bounds,
-    middle,
-    pair,
-    text,
-)
+from wmrgen.backends.drawing.paper import Paper, along, bounds, middle, pair, text
 from wmrgen.backends.drawing.trailers import towed, train
 from wmrgen.backends.drawing.view import View, fitted
 from wmrgen.wheels import WHEEL_TYPES

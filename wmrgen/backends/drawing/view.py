@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, sin
 
-from wmrgen.backends.drawing.paper import Box, Point, arc, bounds, middle, polygon
+from wmrgen.backends.drawing.paper import Box, Point, along, arc, bounds, middle, polygon
 
 UP, RIGHT = (0.0, -1.0), (1.0, 0.0)  # where the x axis points on paper: top views, the world
 Pose = tuple[float, float, float]
@@ -34,15 +34,11 @@ class View:
     def around(self, centre: Point, radius: float, first: float, turn: float, cls: str) -> list[str]:
         """An arc that sweeps ``turn`` [rad] from the direction ``first``, with a head; ``centre`` and ``radius`` on
         paper."""
-        start, end = (_along(centre, self.way(first + k * turn), radius) for k in (0, 1))
+        start, end = (along(centre, self.way(first + k * turn), radius) for k in (0, 1))
         back = self.way(first + turn - (6.0 / radius if turn > 0 else -6.0 / radius))
-        root, out = _along(centre, back, radius), self.way(first + turn)
-        head = (end, _along(root, out, 2.4), _along(root, out, -2.4))
+        root, out = along(centre, back, radius), self.way(first + turn)
+        head = (end, along(root, out, 2.4), along(root, out, -2.4))
         return [arc(centre, start, end, turn, cls), polygon(head, f"{cls} head")]
-
-
-def _along(p: Point, way: Point, reach: float) -> Point:
-    return p[0] + reach * way[0], p[1] + reach * way[1]
 
 
 def fitted(points: Sequence[Point], area: Box, x: Point = UP, most: float = float("inf")) -> View:

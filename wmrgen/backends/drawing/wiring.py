@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wmrgen.backends.drawing.example import largest_radius
 from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, figure, panel
 from wmrgen.backends.drawing.marks import body, chassis, extremes, frame, placed
 from wmrgen.backends.drawing.paper import Box, Paper, along, arrow
@@ -39,7 +40,7 @@ def _panel(robot: Robot, joints: Joints, area: Box, title: str) -> list[Group]:
     headings = {w.name: w.heading + joints.get(f"{w.name}.steer", 0.0) for w in robot.wheels}
     points = [p for w in robot.wheels for p in extremes(w, headings[w.name])] + [(0.0, 0.0)]
     inner = (area[0] + 24, area[1] + 26, area[2] - 24, area[3] - 26)
-    view = fitted(points, inner, most=40.0 / max(float(w.nominal.r) for w in robot.wheels))
+    view = fitted(points, inner, most=40.0 / largest_radius(robot.wheels))
     paper = Paper(area)
     wheels = [placed(w, headings[w.name], view) for w in robot.wheels]
     arrows: list[str] = []

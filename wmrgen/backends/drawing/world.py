@@ -21,7 +21,7 @@ from wmrgen.backends.drawing.paper import (
     distance,
     line,
     lines,
-)  # fmt: skip
+)
 from wmrgen.backends.drawing.view import RIGHT, Pose, View, fitted, moved
 
 if TYPE_CHECKING:

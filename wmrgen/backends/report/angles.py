@@ -28,14 +28,14 @@ def readable(p: Poly) -> str:
 
 def gathered(summed: Sequence[Term]) -> list[Term]:
     """The sum with sin a cos b +- cos a sin b and cos a cos b +- sin a sin b as one sine or cosine."""
-    left = list(summed)
+    rest = list(summed)
     done: list[Term] = []
-    while left:
-        first = left.pop(0)
-        for other in left:
+    while rest:
+        first = rest.pop(0)
+        for other in rest:
             joined = _joined(first, other)
             if joined is not None:
-                left.remove(other)
+                rest.remove(other)
                 first = joined
                 break
         done.append(first)
@@ -87,16 +87,16 @@ def equation(p: Poly) -> Poly:
 
 def roots(p: Poly) -> str:
     """Where a cos psi + b sin psi = 0, in degrees, as LaTeX; "" for what is not of that form."""
-    found: dict[Gen, float] = {}
+    numbers: dict[Gen, float] = {}
     for monomial, c in p.terms.items():
         if len(monomial) != 1 or monomial[0][0].kind not in ("cos", "sin") or monomial[0][1] != 1:
             return ""
-        found[monomial[0][0]] = float(c)
-    joints = {g.name for g in found}
+        numbers[monomial[0][0]] = float(c)
+    joints = {g.name for g in numbers}
     if len(joints) != 1:
         return ""
     (joint,) = joints
-    a, b = (found.get(Gen(kind, joint), float(ZERO)) for kind in ("cos", "sin"))
+    a, b = (numbers.get(Gen(kind, joint), float(ZERO)) for kind in ("cos", "sin"))
     angle = atan2(-a, b) * 180 / pi
     low, high = sorted((angle % 180 - 180, angle % 180)) if angle % 180 else (0.0, 180.0)
     psi = notation.port(f"{joint}.steer")

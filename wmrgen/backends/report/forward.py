@@ -7,14 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.latex import (
-    latex,
-    matrix,
-    summands,
-    terms,
-    width,
-    wrapped,
-)
+from wmrgen.backends.report.latex import latex, matrix, summands, terms, width, wrapped
 from wmrgen.backends.report.letters import factored, heads, in_letters, square
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, math, some
 from wmrgen.constraints import XI, nominal_view, seen, symbolic_view
@@ -51,7 +44,7 @@ def closed_forward(d: Derivation) -> list[str]:
     if not measured.rows:
         return ["No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
     if measured.constant_normal:
-        rank = nominal_rank(measurements(seen(d.robot, nominal_view)).rows, d.robot).value
+        rank = nominal_rank(_numbers(d), d.robot).value
         return (in_letters(d, _distinct(measured)) if rank == 3 else []) or _closed(d)
     if not measured.components:
         return _rigid_motion(len(measured.contacts))
@@ -157,19 +150,25 @@ def _stacked(rows: list[Measured]) -> list[str]:
     return aligned([*(line + times[n] for line, n in Counter(lines).items()), *(rf"& {d}" for d in dots)])
 
 
+def _numbers(d: Derivation) -> list[Measured]:
+    """The measured rows at nominal values."""
+    return measurements(seen(d.robot, nominal_view)).rows
+
+
 def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> list[str]:
     """Everything but z is known at derivation time."""
-    numbers = measurements(seen(d.robot, nominal_view))
-    if len(rows) == 3 and nominal_rank(numbers.rows, d.robot).value == 3:
+    numbers = _numbers(d)
+    full = nominal_rank(numbers, d.robot).value == 3
+    if len(rows) == 3 and full:
         return square(d, rows)
-    normal, _ = normal_equations(numbers.rows)
+    normal, _ = normal_equations(numbers)
     why = "The matrix does not depend on any joint angle."
     if any(c.wheel.turns for c in measured.contacts):
         why = (
             "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x], and a rotation drops out of HᵀH: the "
             "matrix is constant whatever the steering does."
         )
-    if nominal_rank(numbers.rows, d.robot).value < 3:
+    if not full:
         return [
             "The rows leave a direction unseen, so that HᵀH is singular. Of all twists that explain the rates best the "
             "smallest is, with the Moore-Penrose inverse of HᵀH,",

@@ -10,15 +10,7 @@ from wmrgen import notation
 from wmrgen.backends.report.car import circle
 from wmrgen.backends.report.closed import driven_twist, pivot_velocity, projected, spin_rate, swivel_rate
 from wmrgen.backends.report.latex import latex
-from wmrgen.backends.report.markdown import (
-    CAP,
-    aligned,
-    code,
-    grouped,
-    in_degrees,
-    listed,
-    math,
-)
+from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, math
 from wmrgen.constraints import XI, seen, symbolic_view
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.least_squares import Projection, project

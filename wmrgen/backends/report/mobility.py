@@ -18,7 +18,7 @@ from wmrgen.backends.report.markdown import (
     plain,
     sentence,
     some,
-)  # fmt: skip
+)
 from wmrgen.constraints import XI, constrain, nominal_view, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix

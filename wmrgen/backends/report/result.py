@@ -69,8 +69,8 @@ def example(d: Derivation) -> list[tuple[str, Values, Values]]:
     sensed = [p.name for p in d.formula("forward").inputs if p.default is None]
     measured = {n: joints.get(n, ZERO) for n in sensed}
     if measured and len(measured) <= _MANY:
-        found = d.evaluate("forward", measured)
-        steps.append(("forward", measured, {n: found[n] for n in TWIST_NAMES}))
+        again = d.evaluate("forward", measured)
+        steps.append(("forward", measured, {n: again[n] for n in TWIST_NAMES}))
     pose = d.evaluate("odometry", {**twist, "dt": ONE})
     return [*steps, ("odometry", {**twist, "dt": ONE}, pose)]
 

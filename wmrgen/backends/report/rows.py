@@ -9,13 +9,7 @@ from wmrgen import notation
 from wmrgen.backends.report.angles import readable, whole
 from wmrgen.backends.report.latex import WIDE, broken, latex, matrix, pieces, terms, width, wrapped
 from wmrgen.backends.report.markdown import aligned, code, math, some
-from wmrgen.constraints import (
-    XI,
-    ConstraintRow,
-    along,
-    rolling_direction,
-    symbolic_view,
-)  # fmt: skip
+from wmrgen.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.exact.poly import Poly, Row, dot
 
 if TYPE_CHECKING:

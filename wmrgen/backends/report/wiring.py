@@ -31,7 +31,7 @@ def wiring(d: Derivation, facts: Facts) -> str:
         *blocks,
         "Lift the robot, so that its wheels turn freely, and go through the list from the top. Arrows in the "
         "[top view](layout.svg) show the way of positive rolling.",
-        *items(_steps(d), lambda k: f"{k}."),
+        *items(_steps(d, possible[-1]), lambda k: f"{k}."),
         *pictures(d.figures, "wiring.svg"),
         *table(["joint", *(m.title for m in possible)], _rows(possible), "l"),
         "All angles are 0 before; an arrow shows which way a wheel rolls."
@@ -41,13 +41,12 @@ def wiring(d: Derivation, facts: Facts) -> str:
     ])  # fmt: skip
 
 
-def _steps(d: Derivation) -> list[str]:
+def _steps(d: Derivation, last: Motion) -> list[str]:
     robot = d.robot
     driven = [w for w in robot.wheels if w.actuated]
     counted = any(w.sensed for w in robot.wheels)
     steers = any("steer" in w.actuated for w in driven)
-    twist = next(m.twist for m in reversed(motions(d)) if m.joints)
-    words = " ".join(f"{n}={float(v):g}" for n, v in twist.items() if v)
+    words = " ".join(f"{n}={float(v):g}" for n, v in last.twist.items() if v)
     steps = [
         "Command one motor at a time, slowly and by a positive speed: its wheel, and no other, rolls the way of its "
         "arrow. If another wheel turns, exchange the two motor plugs; if it rolls backwards, exchange the motor's two "
@@ -85,7 +84,7 @@ def _cell(name: str, value: float) -> str:
 
 def _faults(d: Derivation, possible: list[Motion]) -> list[str]:
     """What the robot on the ground does instead."""
-    rows = [[f.text, *f.seen] for f in faults(d)]
+    rows = [[f.text, *f.seen] for f in faults(d, possible)]
     if not rows:
         return []
     head = ["what is wrong", *(m.title for m in possible)]

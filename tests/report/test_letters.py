@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
 from math import atan2, cos, pi, sin
 from pathlib import Path
 
@@ -29,9 +30,9 @@ def speeds(name: str) -> str:
 # Robots whose driven wheels command every freedom, in a formula that is short.
 DRIVEN = (
     "ackermann_car", "andino", "bicycle", "clearpath_a200", "clearpath_do100", "clearpath_r100", "f1tenth",
-    "kuka_youbot", "locked_bicycle", "mir_100", "neobotix_mp_400", "nexus_4wd", "pioneer3dx", "synchro_drive",
-    "textbook_differential", "textbook_omnidirectional", "textbook_tricycle", "tractor_off_axle",
-    "turtlebot3_burger",
+    "festo_robotino", "kuka_youbot", "lekiwi", "locked_bicycle", "mir_100", "neobotix_mp_400", "nexus_4wd",
+    "pioneer3dx", "ssl_parsian", "synchro_drive", "textbook_differential", "textbook_omnidirectional",
+    "textbook_tricycle", "tractor_off_axle", "turtlebot3_burger",
 )  # fmt: skip
 
 
@@ -70,14 +71,38 @@ def test_the_posture_model_in_wheel_speeds(name: str) -> None:
         rim = (a * cos(turned) + b * sin(turned)) / share
         values[notation.port(f"{w.name}.spin")] = rim / float(w.nominal.r)
     c, s = cos(theta), sin(theta)
-    rates = c * twist[0] - s * twist[1], s * twist[0] + c * twist[1], twist[2]
-    lines = [line.removesuffix(r" \\") for line in speeds(name).splitlines() if " &= " in line]
-    assert [line.partition(" &= ")[0] for line in lines[:3]] == [r"\dot{x}", r"\dot{y}", r"\dot{\theta}"][
-        : len(lines)
-    ]
-    assert len(lines) >= 3 or name in ("locked_bicycle", "synchro_drive")
-    for line, rate in zip(lines[:3], rates, strict=False):
-        assert read(line.partition("&= ")[2], values) == pytest.approx(rate, rel=1e-6, abs=1e-12), line
+    rates = {
+        r"\dot{x}": c * twist[0] - s * twist[1], r"\dot{y}": s * twist[0] + c * twist[1],
+        r"\dot{\theta}": twist[2], "v_x": twist[0], "v_y": twist[1],
+    }  # fmt: skip
+    sides = [line.removesuffix(r" \\").split(" &= ") for line in speeds(name).splitlines() if " &= " in line]
+    assert [a for a, _ in sides if a.startswith(r"\dot")][:3] == list(rates)[:3]
+    for a, right in sides:
+        if a in rates:  # the turn of a tractor is that of its trailer, too
+            right = right.removeprefix(r"\omega = ")
+            assert read(right, values) == pytest.approx(rates[a], rel=1e-6, abs=1e-12), (a, right)
+            values |= {a: rates[a]} if a.startswith("v") else {}
+
+
+def test_the_posture_model_of_a_differential_drive_is_factored() -> None:
+    """Tzafestas (2.36)."""
+    speed = (
+        r"\frac{\mathit{radius}}{2}\left(\dot{\varphi}_{\mathrm{left}}+\dot{\varphi}_{\mathrm{right}}\right)"
+    )
+    assert rf"\dot{{x}} &= {speed}\cos\theta" in speeds("pioneer3dx")
+
+
+def test_trailers_turn_as_their_hitch_is_pulled() -> None:
+    """Tzafestas (2.70), the hitch h behind the axle: L theta' = v sin(delta) - h omega cos(delta)."""
+    text, robot = speeds("tractor_off_axle"), derivation("tractor_off_axle").robot
+    (cart,) = robot.trailers
+    values = {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+    values |= {r"\theta_{\mathrm{cart}}": 0.3, r"\theta": 0.9, "v_x": 0.7, r"\omega": 0.2}
+    shown = re.search(r"\\dot\{\\theta\}_\{\\mathrm\{cart\}\} &= (.*)", text)
+    length, hitch = float(cart.length.nominal), float(cart.hitch.nominal)
+    assert shown and read(shown[1], values) == pytest.approx(
+        (0.7 * sin(0.6) - hitch * 0.2 * cos(0.6)) / length
+    )
 
 
 def test_ackermann() -> None:
@@ -137,15 +162,14 @@ def test_further_functions_without_names_of_the_code() -> None:
 
 
 def test_a_model_that_cannot_be_written_leaves_the_one_in_eta(monkeypatch: pytest.MonkeyPatch) -> None:
-    from wmrgen.backends.report.motion import motion
     from wmrgen.errors import NotDerivableError
-    from wmrgen.robot import Derivation
 
     def refuse(*_: object, **__: object) -> None:
         raise NotDerivableError("too many terms")
 
-    monkeypatch.setattr(Derivation, "system", refuse)
-    text = "\n".join(motion(derivation("pioneer3dx")))
+    module = import_module("wmrgen.backends.report.motion")
+    monkeypatch.setattr(module, "best_motion", refuse)
+    text = "\n".join(module.motion(derivation("pioneer3dx")))
     assert "In the speeds" not in text and r"\eta_{1}" in text
 
 

@@ -42,6 +42,20 @@ def gathered(summed: Sequence[Term]) -> list[Term]:
     return done
 
 
+def with_tangents(summed: Sequence[Term]) -> list[Term]:
+    """The sum with sin a / cos a as tan a."""
+    return [Term(t.number, _with_tangent(t.factors)) for t in summed]
+
+
+def _with_tangent(factors: tuple[Factor, ...]) -> tuple[Factor, ...]:
+    for sine in (f for f in factors if f.power == 1 and f.base.startswith(r"\sin")):
+        cosine = next((f for f in factors if f.power == -1 and f.base == rf"\cos{sine.base[4:]}"), None)
+        if cosine:
+            rest = tuple(f for f in factors if f not in (sine, cosine))
+            return _with_tangent((*rest, replace(sine, base=rf"\tan{sine.base[4:]}")))
+    return factors
+
+
 def _joined(s: Term, t: Term) -> Term | None:
     """n (f a g b) +- n (f' a g' b), each function and its co-function, as one term."""
     if abs(s.number) != abs(t.number):

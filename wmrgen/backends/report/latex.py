@@ -256,7 +256,7 @@ def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[T
     taken = {f.base: f.power for f in shared}
     # The common magnitude; negative when all terms are and nothing is collected.
     first = abs(terms[0].number)
-    negative = all(t.number.sign < 0 for t in terms) and not any(map(_lead, terms))
+    negative = all(t.number.sign < 0 for t in terms) and _TWIST.isdisjoint(map(_lead, terms))
     number = (-ONE if negative else ONE) * (first if all(abs(t.number) == first for t in terms) else ONE)
     if not shared and number == ONE:
         return ONE, (), list(terms)

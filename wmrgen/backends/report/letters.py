@@ -1,16 +1,14 @@
-"""Results in the named parameters, where the code has numbers or other inputs: the least-squares twist, with factors
-such as r / (4 (a + b)), and the posture model in wheel speeds."""
+"""Results in the named parameters, where the code has numbers: the least-squares twist, with factors such as
+r / (4 (a + b)); the forms of the model, and the functions that are one."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.latex import Term, broken, latex, pulled_out, reduced, terms, total, width
 from wmrgen.backends.report.markdown import aligned, code, escape, listed, math, table
-from wmrgen.errors import NotDerivableError
 from wmrgen.exact.linalg import adjugate, determinant
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly
@@ -33,7 +31,6 @@ _WORK = 120  # terms of adj(H^T H) H^T z and of the determinant, times the numbe
 _WIDEST = 240  # glyphs of what is printed
 _DIGITS = 10**6  # of numerators and denominators
 _LINE = 112  # glyphs of a line of a model
-_RATE = re.compile(r"\\frac\{d\}\{dt\} (\\?[a-z]+)")
 _MODELS = ("posture", "configuration", "zeta", "trailer")  # functions that `wmrgen model` writes
 
 
@@ -116,29 +113,6 @@ def _worth(value: Exact, head: str) -> str:
     if not below:
         return f"= {fraction}" if fraction != head else ""
     return rf"= {fraction} \approx {decimal}"
-
-
-def in_wheel_speeds(d: Derivation) -> list[str]:
-    """The posture model with trailers as `wmrgen model` prints it, where wheels drive all of it and it is short."""
-    form, longest = ("trailer", 2 * _LINE) if d.robot.trailers else ("posture", _LINE)
-    try:
-        sheet = sheet_of(form, d.system(form, symbolic=True))
-    except NotDerivableError:
-        return []
-    text = equations(sheet)
-    if any(p.name.startswith("eta") for p in sheet.inputs) or max(map(width, text.split("\n"))) > longest:
-        return []
-    _, _, followers = sheet.text.removesuffix(" must follow").partition("; ")
-    follow = f"; {listed(followers.split(', '))} must follow" if followers else ""
-    return [f"In the speeds of driven wheels it is (`wmrgen model`){follow}", *math(dotted(text))]
-
-
-def dotted(text: str) -> str:
-    """Rates with a dot, without those that are inputs themselves."""
-    lines = _RATE.sub(r"\\dot{\1}", text).split("\n")
-    kept = [line for line in lines[1:-1] if len(set(line.removesuffix(r" \\").split(" &= "))) > 1]
-    kept[-1] = kept[-1].removesuffix(r" \\")
-    return "\n".join([lines[0], *kept, lines[-1]])
 
 
 def regular(d: Derivation) -> list[str]:

@@ -4,15 +4,27 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import sympy
+
 from wmrgen import notation
-from wmrgen.backends.report.latex import broken
-from wmrgen.backends.report.letters import in_wheel_speeds
-from wmrgen.backends.report.markdown import aligned, code
-from wmrgen.exact.poly import Poly
+from wmrgen.backends.report.angles import with_tangents
+from wmrgen.backends.report.latex import broken, pieces, terms, total, width
+from wmrgen.backends.report.markdown import aligned, code, listed
+from wmrgen.errors import NotDerivableError
+from wmrgen.exact.poly import Poly, Row
+from wmrgen.functions.models.axle import THROUGH_P, fixed_axle
+from wmrgen.functions.models.inputs import Motion, best_motion
+from wmrgen.functions.models.sheet import tidy
+from wmrgen.functions.trailers.trailer import convoy, state_ports
 from wmrgen.ports import TWIST_NAMES
+from wmrgen.printing import symbol_names
+from wmrgen.symbolic import signal
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
+
+_WIDEST = 90  # glyphs of a line of the model in wheel speeds
+_SHORT = 45  # glyphs of v_x that is written twice
 
 
 def motion(d: Derivation) -> list[str]:
@@ -54,4 +66,55 @@ def _posture(d: Derivation) -> list[str]:
     states = (
         f"where the steering of {steering} is the state; any other steered wheel follows through `inverse`."
     )
-    return [*general, *(in_wheel_speeds(d) or in_eta), *([states] if steering else [])]
+    return [*general, *(_in_wheel_speeds(d) or in_eta), *([states] if steering else [])]
+
+
+def _in_wheel_speeds(d: Derivation) -> list[str]:
+    """The posture model, with trailers, in the speeds of driven wheels: Tzafestas (2.36), (2.46), (2.53).
+
+    Nothing where they do not drive all of it, where it depends on more than one angle, and where it is long.
+    """
+    try:
+        motion = best_motion(d.robot, d.mobility, symbolic=True)
+    except NotDerivableError:
+        return []
+    if motion.inputs[0].name == "eta1" or motion.swivels or len(motion.frame.wheels) > 1:
+        return []
+    speeds = [Poly.gen("input", p.name) for p in motion.inputs]
+    vx, vy, omega = (
+        Poly.sum(twist[i] * u for twist, u in zip(motion.twists, speeds, strict=True)) for i in range(3)
+    )
+    lines = [*_rates((vx, vy, omega), bool(d.robot.trailers)), *_trailers(d, motion, bool(vy))]
+    if max(map(width, lines)) > _WIDEST:
+        return []
+    _, _, followers = motion.text.removesuffix(" must follow").partition("; ")
+    follow = f"; {listed(followers.split(', '))} must follow" if followers else ""
+    return [f"In the speeds of driven wheels it is (`wmrgen model`){follow}", *aligned(lines)]
+
+
+def _rates(twist: Row, towing: bool) -> list[str]:
+    """The rates of the pose; v_x and v_y by themselves where both move P or trailers follow them."""
+    vx, vy, omega = (with_tangents(terms(p)) for p in twist)
+    turn = (r"\dot{\theta} &= \omega = " if towing else r"\dot{\theta} &= ") + total(omega)
+    ahead = total(vx) if len(pieces(vx)) == 1 else rf"\left({total(vx)}\right)"
+    if vy:
+        parts = [f"{notation.port(n)} &= {total(p)}" for n, p in (("vx", vx), ("vy", vy))]
+        turned = r"v_x\cos\theta - v_y\sin\theta", r"v_x\sin\theta + v_y\cos\theta"
+        return [*parts, rf"\dot{{x}} &= {turned[0]}", rf"\dot{{y}} &= {turned[1]}", turn]
+    named = towing or width(ahead) > _SHORT
+    parts = [f"v_x &= {total(vx)}"] if named else []
+    speed = "v_x" if named else ahead
+    return [*parts, rf"\dot{{x}} &= {speed}\cos\theta", rf"\dot{{y}} &= {speed}\sin\theta", turn]
+
+
+def _trailers(d: Derivation, motion: Motion, sideways: bool) -> list[str]:
+    """The yaw rates of trailers from the twist of P (Tzafestas (2.70))."""
+    if not d.robot.trailers:
+        return []
+    axle = fixed_axle(motion.robot, d.mobility, motion.frame.view) or THROUGH_P
+    twist = signal("vx"), signal("vy") if sideways else sympy.S.Zero, signal("omega")
+    ports = symbol_names(state_ports(d.robot.trailers))
+    towed = zip(d.robot.trailers, convoy(motion, axle, twist, None), strict=True)
+    return [
+        rf"\dot{{\theta}}_{{{notation.wheel(t.name)}}} &= {broken(tidy(own.turn), ports)}" for t, own in towed
+    ]

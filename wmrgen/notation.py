@@ -50,6 +50,7 @@ def magnitude(value: Exact) -> tuple[str, str, bool]:
     elif value.den < 1000 and max(abs(n) for n in value.num) < 1000:
         pairs = zip(value.num, _ROOTS, strict=True)
         signed = [f"{n:+}{root}" if abs(n) != 1 or not root else f"{n:+}"[0] + root for n, root in pairs if n]
+        signed.sort(key=lambda part: part.startswith("-"))
         return "".join(signed).removeprefix("+"), "" if value.den == 1 else str(value.den), True
     shown = decimal(float(value))
     return "" if shown == "1" else shown, "", False

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import sympy
-
 from wmrgen import notation
 from wmrgen.backends.report.angles import with_tangents
 from wmrgen.backends.report.latex import broken, pieces, terms, total, width
 from wmrgen.backends.report.markdown import aligned, code, listed
 from wmrgen.errors import NotDerivableError
+from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.models.axle import THROUGH_P, fixed_axle
 from wmrgen.functions.models.inputs import Motion, best_motion
@@ -18,7 +17,7 @@ from wmrgen.functions.models.sheet import tidy
 from wmrgen.functions.trailers.trailer import convoy, state_ports
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.printing import symbol_names
-from wmrgen.symbolic import signal
+from wmrgen.symbolic import number, signal
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
@@ -112,7 +111,7 @@ def _trailers(d: Derivation, motion: Motion, sideways: bool) -> list[str]:
     if not d.robot.trailers:
         return []
     axle = fixed_axle(motion.robot, d.mobility, motion.frame.view) or THROUGH_P
-    twist = signal("vx"), signal("vy") if sideways else sympy.S.Zero, signal("omega")
+    twist = signal("vx"), signal("vy") if sideways else number(ZERO), signal("omega")
     ports = symbol_names(state_ports(d.robot.trailers))
     towed = zip(d.robot.trailers, convoy(motion, axle, twist, None), strict=True)
     return [

@@ -283,7 +283,7 @@ def _product(number: Exact, factors: Iterable[Factor], inner: str = "") -> str:
     if inner and bottom and not (above or leads or head):
         return rf"{sign}\frac{{{inner}}}{{{_times(bottom)}}}"
     leads += rf"\left({inner}\right)" if inner else ""
-    if is_sum and (above if bottom else above or leads or "-" in (sign, head[0])):  # two signs never meet
+    if is_sum and (above if bottom else above or leads or sign == "-"):
         head = rf"\left({head}\right)"
     top = _times([head, *above] if head else above)
     if bottom:

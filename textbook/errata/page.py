@@ -38,14 +38,17 @@ def blocks() -> list[str]:
 
 def _opening() -> list[str]:
     sizes = [sum(r.kind in kinds for r in ENTRIES) for _, kinds, _ in _PARTS]
+    ours, second = sum(bool(r.words) for r in ENTRIES), sum(r.second is not None for r in ENTRIES)
+    rest = sum(not r.words and r.second is None for r in ENTRIES)
     return [
         "# Corrections to our copies of five texts",
         "Our sources are text extractions of the works below; **the printed pages were not seen**, nor the figures. "
         "What is wrong in a copy may be right in print. The copies themselves are not part of this project: of most "
         "lines we have only what was noted when they were read, shown as `code`; what stands in “quotation marks” is "
-        "the copy's wording, verbatim. Page numbers are lost in the extractions. Whose mistake a line is was judged by "
-        "people; that it fails, and that the corrected line holds, is computed by the check beside it whenever this "
-        "page is written (by `wmrgen textbook`). Figures at a point are rounded to six digits.",
+        f"the wording of a copy, verbatim: of ours in {ours} of the {len(ENTRIES)} entries, of a second copy in "
+        f"{second}, which agrees with ours each time; {rest} could not be read again. Whose mistake a line is was "
+        "judged by people; that it fails, and that the corrected line holds, is computed by the check beside it "
+        "whenever this page is written (by `wmrgen textbook`). Figures at a point are rounded to six digits.",
         f"{sizes[0]} errors of the texts, {sizes[1]} places where the copy is damaged, {sizes[2]} lines to be read "
         f"with care, {len(HOLDS)} equations and statements that hold.",
         *items(f"**{name}**: {entry}" for name, entry in BIBLIOGRAPHY.items()),
@@ -87,7 +90,10 @@ def _line(r: Record) -> str:
     if r.words:
         shown.append(f"The copy, verbatim: “{_words(r.words)}”.")
     if r.line:
-        shown.append(f"As we noted it (the line itself is not at hand): {code(r.line)}.")
+        what = "the line itself" if r.second is None else "our copy"
+        shown.append(f"As we noted it ({what} is not at hand): {code(r.line)}.")
+    if r.second is not None:
+        shown.append(f"The second copy, page {r.second.page}, verbatim: “{_words(r.second.text)}”.")
     return " ".join(shown) or "The copy lacks the line."
 
 

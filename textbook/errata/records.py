@@ -32,6 +32,14 @@ class Finding:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class Quote:
+    """A line of a second copy, verbatim, and the printed page that it stands on."""
+
+    page: int
+    text: str
+
+
 Check = Callable[[Form], Finding]
 Slip = Callable[[Form], str]
 
@@ -40,10 +48,10 @@ Slip = Callable[[Form], str]
 class Record:
     """One equation of one text.
 
-    ``line``: our transcription of the copy's line; ``words``: words of the copy, verbatim. ``printed`` is the line
-    normalised, None where the copy lacks it; ``corrected`` is None where the line holds. ``part`` is the check on
-    the part where a condition (``condition``, in words) holds. ``slip`` says why a form is no statement, "" if it is
-    one.
+    ``line``: our transcription of the copy's line; ``words``: words of the copy, verbatim; ``second``: the line in a
+    second copy. ``printed`` is the line normalised, None where the copy lacks it; ``corrected`` is None where the
+    line holds. ``part`` is the check on the part where a condition (``condition``, in words) holds. ``slip`` says
+    why a form is no statement, "" if it is one.
     """
 
     text: str
@@ -57,6 +65,7 @@ class Record:
     kind: Class = Class.HOLDS
     line: str = ""
     words: str = ""
+    second: Quote | None = None
     remark: str = ""
 
 

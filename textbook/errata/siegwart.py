@@ -10,7 +10,7 @@ from textbook.errata import engine
 from textbook.errata.checks import identity, number, rights, shape_of, units, vanishes
 from textbook.errata.engine import ALPHA, BETA, GAMMA, L, R
 from textbook.errata.forms import AND, EQ, TIMES, Form, form, forms, symbol
-from textbook.errata.records import Check, Class, Finding, Record
+from textbook.errata.records import Check, Class, Finding, Quote, Record
 from textbook.library import formula
 from textbook.transforms import world_to_robot_rows
 
@@ -70,8 +70,9 @@ ROLLERS = Record(
     form(LEAD - R * phid * sin(GAMMA) - RSW * PSW, EQ, sympy.S.Zero),
     form(LEAD + R * phid * sin(GAMMA) - RSW * PSW, EQ, sympy.S.Zero), kind=Class.ERROR,
     line="[cos(a+b+g),sin(a+b+g),l sin(b+g)]xi - r f sin g - r_sw f_sw = 0",
+    second=Quote(59, "cos ( α + β + γ) sin ( α + β + γ) lsin ( β + γ) R θ()ξ – rϕsin – r ϕ · = 0 (3.20)"),
     remark="(3.19) and (3.20) project one velocity on two directions at right angles; with the minus sign a wheel "
-           "whose rollers are locked would roll 2γ off its own plane.")
+           "whose rollers are locked would roll 2γ off its own plane. Two copies, of two editions, have that sign.")
 
 ZERO_GLYPH = symbol("0")
 
@@ -104,8 +105,10 @@ STACKED = M([vx + L * omega, vx - L * omega, vy])
 STACK = Record(TEXT, "(3.29), (3.30)", _stack,
     form(STACKED, EQ, M([R * PHI1, R * PHI2, 0])), form(STACKED, EQ, M([R * DOT1, R * DOT2, 0])),
     slip=units({vx: (1, -1), vy: (1, -1), omega: (0, -1), L: (1, 0), R: (1, 0), DOT1: (0, -1), DOT2: (0, -1)}),
-    kind=Class.DAMAGE, line="[[1,0,l],[1,0,-l],[0,1,0]]R xi=[J2 phi;0]",
-    remark="The dots over φ are lost; right α = −π/2, β = π, left α = π/2, β = 0.")
+    kind=Class.LIKELY, line="[[1,0,l],[1,0,-l],[0,1,0]]R xi=[J2 phi;0]",
+    second=Quote(64, "· – 1 J ϕ – 1 J ϕ … ξ = R θ() 10 l = R θ() 0 0 1 (3.30)"),
+    remark="The dots over φ will have been lost; right α = −π/2, β = π, left α = π/2, β = 0. The second copy keeps the "
+           "dot over ξ and has none over φ either: the page may lack them.")
 
 rho, alpha, beta, v = symbol(r"\rho"), symbol(r"\alpha"), symbol(r"\beta"), symbol("v")
 RHO_D, ALPHA_D, BETA_D = symbol(r"\dot{\rho}"), symbol(r"\dot{\alpha}"), symbol(r"\dot{\beta}")
@@ -127,7 +130,10 @@ REVERSE = Record(TEXT, "(3.55)",
                        "the pose, differentiated, drives backwards at v and turns at ω"),
     _polar(1), _polar(-1), kind=Class.ERROR, words="v=-v",
     line="alpha in I2, v=-v: [[cos a,0],[-sin a/rho, 1],[sin a/rho,0]]",
-    remark="With v alone reversed ω keeps its sign. As it stands it is −(3.53), which reverses ω as well.")
+    second=Quote(85, "redefining the forward direction of the robot by setting v = v – , we obtain a system … "
+                     "α = – ----------- 1 ω (3.55)"),
+    remark="With v alone reversed ω keeps its sign. As it stands it is −(3.53), which reverses ω as well. Two copies, "
+           "of two editions, have it.")
 
 K_RHO, K_ALPHA, K_BETA = symbol(r"k_\rho"), symbol(r"k_\alpha"), symbol(r"k_\beta")
 GAINS = (sympy.Rational(1, 2), sympy.Rational(21, 2), sympy.Integer(-6))
@@ -185,6 +191,8 @@ STRONG = Record(TEXT, "(3.65)", _stays(pi, "α stays in I₁ for every β(0) in 
     _strong(sympy.Rational(5, 3)), _strong(sympy.Integer(2)),
     part=_stays(5 * pi / 6, "the same for |β| ≤ 5π/6"), condition="|β| ≤ 5π/6", kind=Class.ERROR,
     line="k_rho>0, k_beta<0, k_alpha+(5/3)k_beta-(2/pi)k_rho>0 implies alpha(t) in I1 for all t",
-    remark="The gains (3, 8, −1.5) of (3.59) satisfy the corrected condition.")
+    second=Quote(88, "k > 0 ; k < 0 ; k + 5 β 2 0 (3.65) … This implies that α ∈ I 1 for all t, whenever α 0() ∈ I 1"),
+    remark="The gains (3, 8, −1.5) of (3.59) satisfy the corrected condition. Two copies, of two editions, have the "
+           "claim.")
 
 ENTRIES = (RIM, STANDARD, ROLLERS, SPHERE, STACK, REVERSE, STRONG)

@@ -8,7 +8,7 @@ from textbook.errata import engine
 from textbook.errata.checks import each, identity, rights
 from textbook.errata.engine import ALPHA, BETA, D, L, R
 from textbook.errata.forms import EQ, Form, form, forms, symbol
-from textbook.errata.records import Check, Class, Finding, Record
+from textbook.errata.records import Check, Class, Finding, Quote, Record
 from textbook.errata.siegwart import TEXT, omega, vx, vy
 from textbook.inverses import generic_rank
 from wmrgen.robot import Derivation
@@ -42,6 +42,7 @@ CASTOR = Record(TEXT, "(3.17), (3.18)", identity(_contact, "sideways velocity of
     _castor(sympy.S.One), _castor(SIGMA),
     part=identity(_contact, "the same with B = A + d e", {SIGMA: sympy.S.One}), condition="σ = 1, that is B = A + d e",
     kind=Class.CARE, line="castor: [.. d+l sin b] xi + d bdot = 0; rolling row unchanged",
+    second=Quote(57, "cos ( α + β) sin ( α + β) d + lsin β R θ()ξ + dβ = 0 (3.18)"),
     remark="A castor that trails then has φ̇ < 0; for d > 0 with φ̇ > 0 read −d for d.")
 
 BICYCLE, OMNI_STEER = "fixed 0 0 0; steered 1.1 0 0", "steered 0.3 0 0; spherical -0.2 0.2; spherical -0.2 -0.2"
@@ -83,10 +84,11 @@ STEERABILITY = Record(TEXT, "(3.41)", _steerability(tuple(ROBOTS)),
     part=_steerability(("bicycle", "two-steer", "omni-steer")),
     condition="no steered wheel is tied to the ICR that others fix", kind=Class.CARE,
     line="delta_s = rank[C1s(beta_s)]; automobile: rank[C1s]=1",
-    remark="The text means it so: a sentence on the automobile's second steerable wheel says that the wheel adds no "
-           "constraint, and the text counts rank[C1s]=1. (Of that sentence we have the figure at hand, not the "
-           "wording.) The matrix itself has rank 2. All ranks with the wheels steered to one ICR; couplings (synchro "
-           "drive) reduce δ_s further.")
+    second=Quote(72, "Therefore, the second steerable wheel cannot impose any independent kinematic constraint and so "
+                     "rank C () = 1"),
+    remark="The sentence shows how the text means it: a wheel that must follow another is not counted. The matrix "
+           "itself has rank 2. All ranks with the wheels steered to one ICR; couplings (synchro drive) reduce δ_s "
+           "further.")
 
 PHI1, PHI2, X = symbol(r"\dot{\varphi}_1"), symbol(r"\dot{\varphi}_2"), symbol(r"\dot{x}")
 
@@ -104,6 +106,8 @@ LOCKED = Record(TEXT, "3.4.2, locked bicycle", _bicycle(pi / 2),
     forms((PHI1, EQ, X / R), (PHI2, EQ, X / R)), forms((PHI1, EQ, X / R), (PHI2, EQ, -X / R)),
     part=_bicycle(-pi / 2), condition="β₂ = −π/2", kind=Class.CARE,
     line="phi=(x/r)+phi_o for both wheels, beta=pi/2, alpha=(0,pi)",
-    remark="φ = x/r + φ₀ differentiated. With α₂ = π and β₂ = π/2 the second wheel points backwards.")
+    second=Quote(76, "{ β 12 = π 2 α = 0 α = π}"),
+    remark="φ = x/r + φ₀ differentiated; that line stands on the next page, which could not be read. With α₂ = π and "
+           "β₂ = π/2 the second wheel points backwards.")
 
 ENTRIES = (CASTOR, STEERABILITY, LOCKED)

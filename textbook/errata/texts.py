@@ -24,7 +24,9 @@ BIBLIOGRAPHY = {
     "Kelly": "Alonzo Kelly: *Mobile Robotics: Mathematics, Models, and Methods*. 1st edition, Cambridge University "
     "Press, 2013. Our copy is of the slides to chapter 4, not of the book; their date is not recorded.",
     "Siegwart": "Roland Siegwart, Illah R. Nourbakhsh, Davide Scaramuzza: *Introduction to Autonomous Mobile Robots*. "
-    "2nd edition, MIT Press, 2011. Section 2.3 and chapter 3.",
+    "2nd edition, MIT Press, 2011. Section 2.3 and chapter 3. The second copy is the text of some pages of the 1st "
+    "edition (without Scaramuzza, 2004), from the digital library of Universitas Pertamina; page numbers are that "
+    "edition's. It is quoted as it stands: dots, indices and some letters are out of their places.",
     "AA274": "Stanford University, course AA274: lecture 1, on the kinematics of wheeled robots. The year is not "
     "recorded with our copy.",
 }

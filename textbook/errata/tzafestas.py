@@ -208,9 +208,10 @@ def _omni4(f: Form) -> Finding:
 JINV, ONE_R = symbol("J^{-1}"), 1 / r
 OMNI4 = Record(TEXT, "(2.75c, d)", _omni4,
     form(JINV, EQ, ONE_R, TIMES, UT * BACK, PLUS, DD4), form(JINV, EQ, ONE_R, TIMES, UT * BACK, BAR, DD4),
-    kind=Class.ERROR, line="J^-1 = (1/r)(U^T R^-1(phi) + Dbar), Dbar=[D,D,D,]^T",
-    remark="The column stands beside the matrix. Its fourth D will have been lost after the last comma: damage of the "
-           "copy, and put back above. βᵢ is the angle of the wheel's position here, unlike in (2.72).")
+    kind=Class.LIKELY, line="J^-1 = (1/r)(U^T R^-1(phi) + Dbar), Dbar=[D,D,D,]^T",
+    remark="The column stands beside the matrix: the sign between two blocks will have become a plus, as the fourth D "
+           "was lost after the last comma (put back above). βᵢ is the angle of the wheel's position here, unlike in "
+           "(2.72).")
 
 RR, RS, D1, D2 = (symbol(n) for n in ("R", "r", "d_1", "d_2"))
 S = D1 + D2

@@ -15,7 +15,7 @@ import numpy as np
 
 from examples.car import HEIGHT, RATE, SECONDS, WIDTH, course
 from examples.model import Model, generated
-from examples.mpc import Array, Drive, drive, off_course
+from examples.mpc import Array, Drive, drive, tell
 
 STEPS, DT = 15, 0.1  # s
 SPEED = RATE * np.hypot(WIDTH, HEIGHT) / 0.3  # rad/s of the wheels
@@ -89,9 +89,7 @@ def main() -> None:
     if not installed():
         print(*(f"{name} = {value}" for name, value in expressions(car).items()), sep="\n")
         return
-    done = run(problem(car), car.ode)
-    print(f"{1000 * off_course(done.states, course, SECONDS):.2f} mm off the course at most")
-    print(f"{1000 * np.median(done.seconds):.2f} ms a step")
+    tell(run(problem(car), car.ode), course, SECONDS)
 
 
 if __name__ == "__main__":

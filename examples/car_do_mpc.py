@@ -9,7 +9,7 @@ import numpy as np
 
 from examples.car import HEIGHT, RATE, SECONDS, WIDTH, course
 from examples.model import Model, generated
-from examples.mpc import OPTIONS, Array, Drive, drive, off_course, rk4
+from examples.mpc import OPTIONS, Array, Drive, drive, rk4, tell
 
 with warnings.catch_warnings():  # of features that are not installed
     warnings.simplefilter("ignore")
@@ -63,9 +63,7 @@ def run(mpc: do_mpc.controller.MPC, plant: ca.Function, seconds: float = SECONDS
 
 def main() -> None:
     car = generated("ackermann_car")
-    done = run(problem(car), car.ode)
-    print(f"{1000 * off_course(done.states, course, SECONDS):.2f} mm off the course at most")
-    print(f"{1000 * np.median(done.seconds):.2f} ms a step")
+    tell(run(problem(car), car.ode), course, SECONDS)
 
 
 if __name__ == "__main__":

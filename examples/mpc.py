@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
@@ -141,3 +142,16 @@ def off_course(states: Array, course: Course, seconds: float) -> float:
         along = np.clip(((point[:, None] - starts) * edges).sum(axis=0) / squares, 0, 1)
         distances.append(np.hypot(*(starts + along * edges - point[:, None])).min())
     return float(max(distances))
+
+
+def chosen_solver(description: str | None) -> str:
+    """What the command line says of the solver."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--solver", choices=OPTIONS, default="ipopt")
+    return str(parser.parse_args().solver)
+
+
+def tell(done: Drive, course: Course, seconds: float) -> None:
+    """Print how well a robot kept to its course, and how long a step took."""
+    print(f"{1000 * off_course(done.states, course, seconds):.2f} mm off the course at most")
+    print(f"{1000 * np.median(done.seconds):.2f} ms a step")

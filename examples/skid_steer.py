@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
-
 import casadi as ca
 import numpy as np
 
 from examples.model import Model, generated
-from examples.mpc import OPTIONS, Array, Controller, Drive, controller, drive, follow, off_course
+from examples.mpc import Array, Controller, Drive, chosen_solver, controller, drive, follow, tell
 
 SIZE, RATE = 2.5, 0.2  # m, rad/s: 0.7 m/s in the middle
 SECONDS = 2 * np.pi / RATE
@@ -31,13 +29,8 @@ def run(c: Controller, plant: ca.Function, seconds: float = SECONDS) -> Drive:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--solver", choices=OPTIONS, default="ipopt")
-    chosen = parser.parse_args()
     robot = generated("clearpath_a200")
-    done = run(problem(robot, chosen.solver), robot.ode)
-    print(f"{1000 * off_course(done.states, course, SECONDS):.2f} mm off the course at most")
-    print(f"{1000 * np.median(done.seconds):.2f} ms a step")
+    tell(run(problem(robot, chosen_solver(__doc__)), robot.ode), course, SECONDS)
 
 
 if __name__ == "__main__":

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
-
 import casadi as ca
 import numpy as np
 
 from examples.model import ROOT, Model, generated
-from examples.mpc import OPTIONS, Array, Controller, Drive, controller, drive, follow, off_course
+from examples.mpc import Array, Controller, Drive, chosen_solver, controller, drive, follow, tell
 
 SIZE, RATE, TURN = 2.0, 0.4, 0.8  # m, rad/s of the figure, rad/s of the robot
 ON_THE_SPOT = 2.0  # s
@@ -39,13 +37,8 @@ def run(c: Controller, plant: ca.Function, seconds: float = SECONDS) -> Drive:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--solver", choices=OPTIONS, default="ipopt")
-    chosen = parser.parse_args()
     swerve = generated("wpilib_swervebot")
-    done = run(problem(swerve, chosen.solver), swerve.ode)
-    print(f"{1000 * off_course(done.states, course, SECONDS):.2f} mm off the course at most")
-    print(f"{1000 * np.median(done.seconds):.2f} ms a step")
+    tell(run(problem(swerve, chosen_solver(__doc__)), swerve.ode), course, SECONDS)
 
 
 if __name__ == "__main__":

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
-
 import casadi as ca
 import numpy as np
 
 import wmrgen
 from examples.model import ROOT, Model
-from examples.mpc import OPTIONS, Array, Controller, Course, Drive, controller, drive, follow, off_course, rk4
+from examples.mpc import Array, Controller, Course, Drive, chosen_solver, controller, drive, follow, rk4, tell
 
 START = (14.0, 2.5, 0, 0, 0, 0)  # x y theta front.steer trailer1.theta trailer2.theta; it ends at the origin
 STEPS, DT = 200, 0.1  # s
@@ -73,17 +71,12 @@ def last_axle(states: Array) -> Array:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--solver", choices=OPTIONS, default="ipopt")
-    chosen = parser.parse_args()
-    train = model()
+    solver, train = chosen_solver(__doc__), model()
     planned = plan(train)
-    done = run(problem(train, chosen.solver), planned, train.ode)
-    print(f"{1000 * off_course(done.states, course(planned), STEPS * DT):.2f} mm off the plan at most")
-    print(
-        f"{1000 * np.hypot(*(last_axle(done.states)[:, -1] + (2, 0))):.2f} mm between the last axle and its place"
-    )
-    print(f"{1000 * np.median(done.seconds):.2f} ms a step")
+    done = run(problem(train, solver), planned, train.ode)
+    tell(done, course(planned), STEPS * DT)
+    away = np.hypot(*(last_axle(done.states)[:, -1] + (2, 0)))
+    print(f"{1000 * away:.2f} mm between the last axle and its place")
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -70,12 +71,14 @@ def test_the_car_begins_well() -> None:
 
 @pytest.mark.slow
 @SOLVERS
-def test_the_car_keeps_to_its_course(solver: str) -> None:
-    ours, plant = model("car")
-    done = car.run(car.problem(ours, solver), plant)
-    assert off_course(done.states, car.course, car.SECONDS) < MOST
-    low, high = ours.state["front_left.steer"]
-    assert (done.states[3] > low).all() and (done.states[3] < high).all()
+@pytest.mark.parametrize(("name", "example"), [("car", car), ("skid_steer", skid_steer)])
+def test_a_robot_keeps_to_its_course(name: str, example: Any, solver: str) -> None:
+    """And its states within their bounds."""
+    ours, plant = model(name)
+    done = example.run(example.problem(ours, solver), plant)
+    assert off_course(done.states, example.course, example.SECONDS) < MOST
+    for row, (low, high) in zip(done.states, ours.state.values(), strict=True):
+        assert (row > low).all() and (row < high).all()
 
 
 @pytest.mark.slow
@@ -89,14 +92,6 @@ def test_the_swerve_drive_turns_on_the_spot_and_leaves(solver: str) -> None:
     assert np.abs(done.states[2] - swerve.TURN * times).max() < 0.02  # rad
     still = done.states[:2, times < swerve.ON_THE_SPOT]
     assert np.abs(still).max() < MOST  # m: it does not orbit
-
-
-@pytest.mark.slow
-@SOLVERS
-def test_the_skid_steer_robot_keeps_to_its_course(solver: str) -> None:
-    ours, plant = model("skid_steer")
-    done = skid_steer.run(skid_steer.problem(ours, solver), plant)
-    assert off_course(done.states, skid_steer.course, skid_steer.SECONDS) < MOST
 
 
 @pytest.mark.slow
@@ -152,7 +147,7 @@ def test_acados_keeps_to_the_course() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("example", [car, skid_steer, swerve, trailers])
 def test_the_program_says_how_well_it_drives(
-    example: object, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    example: Any, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sys.argv", ["example", "--solver", "sqpmethod"])
     example.main()

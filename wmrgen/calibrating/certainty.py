@@ -28,14 +28,9 @@ from wmrgen.calibrating.fit import (
 )
 from wmrgen.calibrating.path import Reals
 
-_COMMON, _GLITCH = (
-    0.95,
-    100.0,
-)  # the share of squares that is usual, and how many times larger a glitch counts
-_SHORT, _LONG = (
-    1.0,
-    10.0,
-)  # [s] times over which errors are compared; the long one is a third of the drive at most
+_COMMON = 0.95  # the share of squares that is usual
+_GLITCH = 100.0  # how many times larger a glitch counts
+_SHORT, _LONG = 1.0, 10.0  # [s] over which errors are compared; the long one is a third of the drive at most
 
 
 @dataclass(frozen=True, slots=True)

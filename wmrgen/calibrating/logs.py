@@ -31,6 +31,11 @@ class Truth:
     y: Reals
     theta: Reals
 
+    @property
+    def measured(self) -> int:
+        """How often that of x, y and theta was measured which was measured most often."""
+        return max(int(np.isfinite(column).sum()) for column in (self.x, self.y, self.theta))
+
 
 @dataclass(frozen=True, slots=True)
 class Drive:
@@ -54,6 +59,12 @@ class Drive:
         """The drive with these ``rows`` of its truth alone."""
         truth = self.truth
         return replace(self, truth=Truth(truth.t[rows], truth.x[rows], truth.y[rows], truth.theta[rows]))
+
+    def part(self, first: int, last: int, offset: float = 0.0) -> Drive:
+        """From one reading to another, with what the truth, whose clock is off by ``offset`` [s], says of that time."""
+        at, t = self.truth.t + offset, self.t[first : last + 1]
+        columns = {joint: column[first:last] for joint, column in self.columns.items()}
+        return replace(self.seen((at >= t[0]) & (at <= t[-1])), t=t, columns=columns)
 
     def coarser(self, times: int, seconds: float) -> Drive:
         """The drive with so many ``times`` fewer readings, increments added and angles averaged, and as many times
@@ -83,9 +94,10 @@ def read(log: Path, truth: Path, joints: Sequence[str], turns: Mapping[str, floa
     columns = {joint: _increments(log, table, joint, turns, t) for joint in joints}
     missing = np.full(len(at), np.nan)
     x, y, theta = (poses.get(name, missing) for name in _TRUTH)
-    if max(np.isfinite(column).sum() for column in (x, y, theta)) < 2:
+    result = Drive(log.stem, t, columns, Truth(at, x, y, theta))
+    if result.truth.measured < 2:
         raise UsageError(f"{truth}: of x, y and theta one at least has to be measured twice")
-    return Drive(log.stem, t, columns, Truth(at, x, y, theta))
+    return result
 
 
 def _table(path: Path, empty: bool) -> dict[str, Reals]:

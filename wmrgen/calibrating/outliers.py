@@ -150,10 +150,6 @@ def cut(drive: Drive, starts: Sequence[float], ends: Sequence[float], offset: fl
     parts = []
     for start, end in zip(starts, ends, strict=True):
         first, last = int(np.searchsorted(drive.t, start)), int(np.searchsorted(drive.t, end, "right")) - 1
-        if last <= first or drive.t[last] - drive.t[first] < _SHORTEST:
-            continue
-        seen = (drive.truth.t + offset >= drive.t[first]) & (drive.truth.t + offset <= drive.t[last])
-        if seen.sum() >= _FEWEST:
-            columns = {joint: column[first:last] for joint, column in drive.columns.items()}
-            parts.append(replace(drive.seen(seen), t=drive.t[first : last + 1], columns=columns))
-    return parts or [drive]
+        if last > first and drive.t[last] - drive.t[first] >= _SHORTEST:
+            parts.append(drive.part(first, last, offset))
+    return [part for part in parts if len(part.truth.t) >= _FEWEST] or [drive]

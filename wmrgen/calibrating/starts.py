@@ -18,9 +18,7 @@ from wmrgen.calibrating.fit import BEYOND, LEVER, Each, Problem, nearest, residu
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Complexes, Reals, Reckoning, reckoned
 
-_WAY = (
-    1.0  # [s] a way that is short: nominal odometry is right about it, and a pose's noise is small beside it
-)
+_WAY = 1.0  # [s] a short way: nominal odometry is right about it, and a pose's noise is small beside it
 _SURE = 0.05  # [m] of ways in all, below which the tracked body is taken to look ahead
 _LOST = 1.0  # [rad] that nominal odometry may be off by in the end, to be a start
 _ASTRAY = 0.2  # the same of places, of how far the drive goes
@@ -76,18 +74,8 @@ def _pieces(drive: Drive, count: int, seconds: float) -> list[Drive]:
     firsts = np.searchsorted(drive.t, np.arange(drive.t[0], drive.t[-1], seconds))
     bounds = list(pairwise([*firsts, len(drive.t) - 1]))
     wanted = np.unique(np.linspace(0, len(bounds) - 1, max(1, _PIECES // count)).round().astype(int))
-    parts = [part for k in wanted if (part := _part(drive, *bounds[k])) is not None]
-    return parts or [drive]
-
-
-def _part(drive: Drive, first: int, last: int) -> Drive | None:
-    """From one reading to another; None where too little of the truth lies between."""
-    truth, t = drive.truth, drive.t[first : last + 1]
-    inside = (truth.t >= t[0]) & (truth.t <= t[-1])
-    if max(np.isfinite(column[inside]).sum() for column in (truth.x, truth.y, truth.theta)) < _FEWEST:
-        return None
-    columns = {joint: column[first:last] for joint, column in drive.columns.items()}
-    return replace(drive.seen(inside), t=t, columns=columns)
+    parts = [drive.part(*bounds[k]) for k in wanted]
+    return [part for part in parts if part.truth.measured >= _FEWEST] or [drive]
 
 
 def _at(drive: Drive, path: Reckoning) -> tuple[Complexes, Reals]:

@@ -19,7 +19,7 @@ from tests.calibrating.simulated import LAYOUTS, Encoders, Layout, Tracker, csv,
 from tests.conftest import Outcome
 from wmrgen.calibrating.calibrate import Calibration, calibrate, problem_of
 from wmrgen.calibrating.certainty import fit
-from wmrgen.calibrating.fit import Problem, Sums, serial
+from wmrgen.calibrating.fit import Problem, serial, sums
 from wmrgen.calibrating.logs import read
 from wmrgen.calibrating.observability import blind, courses, offers, plan
 from wmrgen.calibrating.path import reckoned
@@ -77,9 +77,9 @@ def test_large_logs_begin_with_fewer_readings(
     whole = calibrate(derivation, logs, [])
     seen = list[int]()
 
-    def each(problem: Problem, unknowns: Any) -> list[Sums]:
+    def each(problem: Problem, unknowns: Any, task: Any) -> Any:
         seen.append(sum(len(drive.t) for drive in problem.drives))
-        return serial(problem, unknowns)
+        return serial(problem, unknowns, task)
 
     monkeypatch.setattr("wmrgen.calibrating.calibrate._ENOUGH", 500)
     begun = calibrate(derivation, logs, [], each)
@@ -338,9 +338,10 @@ def test_the_solver_halts_where_readings_are_rough(tmp_path: Path) -> None:
     paths = written(tmp_path, layout, tracker=Tracker(noise=(0.002, 0.003)), encoders=encoders)
     evaluations = []
 
-    def each(problem: Problem, unknowns: np.ndarray) -> list[Sums]:
-        evaluations.append(unknowns)
-        return serial(problem, unknowns)
+    def each(problem: Problem, unknowns: Any, task: Any) -> Any:
+        if task is sums:
+            evaluations.append(unknowns)
+        return serial(problem, unknowns, task)
 
     problem = problem_of(derivation)
     drive = read(paths[0], paths[0].with_suffix(".truth.csv"), problem.increments.joints, {})

@@ -3,12 +3,12 @@ the solver."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from wmrgen.calibrating.fit import Each, Problem, Sums, own_columns, sums
+from wmrgen.calibrating.fit import Each, Problem, Result, own_columns
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Reals
 from wmrgen.errors import EnvironmentFailure
@@ -29,19 +29,23 @@ def cluster(address: str) -> Iterator[Each]:
     with client:
         sent: dict[int, tuple[Drive, Any]] = {}  # the drive is kept, so that its id stays its own
 
-        def each(problem: Problem, unknowns: Reals) -> Sequence[Sums]:
+        def each(
+            problem: Problem, unknowns: Reals, task: Callable[[Problem, Reals, int], Result]
+        ) -> Sequence[Result]:
             bare = replace(problem, drives=())
             parts = []
             for index, drive in enumerate(problem.drives):
                 if id(drive) not in sent:
                     sent[id(drive)] = drive, client.scatter(drive, hash=False)
                 own = unknowns[own_columns(problem, index)]
-                parts.append(client.submit(part, bare, sent[id(drive)][1], own, pure=False))
+                parts.append(client.submit(of_drive, task, bare, sent[id(drive)][1], own, pure=False))
             return list(client.gather(parts))
 
         yield each
 
 
-def part(problem: Problem, drive: Drive, unknowns: Reals) -> Sums:
-    """What one drive adds: ``unknowns`` are the shared ones and its own."""
-    return sums(replace(problem, drives=(drive,)), unknowns, 0)
+def of_drive(
+    task: Callable[[Problem, Reals, int], Result], problem: Problem, drive: Drive, unknowns: Reals
+) -> Result:
+    """The task of one drive: ``unknowns`` are the shared ones and its own."""
+    return task(replace(problem, drives=(drive,)), unknowns, 0)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Complexes, Increments, Reals, reckoned
 
 Samples = TypeVar("Samples", Reals, Complexes)
+Result = TypeVar("Result")
 BEYOND = 1.0  # [s] that clocks may be apart: so far a truth may reach beyond its log
 LEVER = 0.15  # [m] a heading's residual is this times its error
 _SPACING = 1.0  # [s] truth that is denser than this counts no more than truth at this spacing
@@ -148,20 +149,29 @@ class Sums:
 
 
 def sums(problem: Problem, unknowns: Reals, index: int) -> Sums:
-    """A drive's part, with the soft L1 loss sqrt(1 + z^2) - 1 of z, a residual over the scale."""
-    rows = residuals(problem, unknowns, index)
+    """A drive's part."""
+    return summed(problem, residuals(problem, unknowns, index))
+
+
+def summed(problem: Problem, rows: Residuals) -> Sums:
+    """The part of a drive's residuals, with the soft L1 loss sqrt(1 + z^2) - 1 of z, a residual over the scale."""
     z, weights = rows.values.reshape(-1) / problem.scale, rows.weights.reshape(-1)
     root = np.sqrt(1 + z * z)
     by = rows.by.reshape(len(z), -1) / problem.scale
     return Sums(float(weights @ (root - 1)), by.T @ (weights * z / root), (by.T * (weights / root**3)) @ by)
 
 
-Each = Callable[[Problem, Reals], Sequence[Sums]]
+class Each(Protocol):
+    """What computes something of every drive of a problem, where its unknowns are known."""
+
+    def __call__(
+        self, problem: Problem, unknowns: Reals, task: Callable[[Problem, Reals, int], Result]
+    ) -> Sequence[Result]: ...
 
 
-def serial(problem: Problem, unknowns: Reals) -> list[Sums]:
-    """The parts of all drives, one after the other."""
-    return [sums(problem, unknowns, index) for index in range(len(problem.drives))]
+def serial(problem: Problem, unknowns: Reals, task: Callable[[Problem, Reals, int], Result]) -> list[Result]:
+    """The results of all drives, one after the other."""
+    return [task(problem, unknowns, index) for index in range(len(problem.drives))]
 
 
 def solved(problem: Problem, each: Each = serial, start: Reals | None = None) -> tuple[Problem, Reals]:
@@ -170,7 +180,8 @@ def solved(problem: Problem, each: Each = serial, start: Reals | None = None) ->
     unknowns = start_of(problem) if start is None else start
     for most in (np.inf, problem.scale, problem.scale):
         problem = replace(problem, drives=_during(problem, unknowns))
-        problem = replace(problem, scale=float(np.clip(1.5 * _typical(problem, unknowns), _FINEST, most)))
+        typical = float(np.median(each(problem, unknowns, _typical)))
+        problem = replace(problem, scale=float(np.clip(1.5 * typical, _FINEST, most)))
         unknowns = nearest(problem, unknowns, each)
     return problem, unknowns
 
@@ -186,16 +197,12 @@ def _during(problem: Problem, unknowns: Reals) -> tuple[Drive, ...]:
     return tuple(drives)
 
 
-def _typical(problem: Problem, unknowns: Reals) -> float:
-    """The median [m] of residuals, by drive and then of all drives. A drive of so few that its own unknowns take them
-    up counts with their root mean square."""
-
-    def of_drive(rows: Residuals) -> float:
-        sizes = np.abs(rows.values[rows.weights > 0])
-        few = len(sizes) < _FEW
-        return float(np.sqrt(np.mean(sizes**2)) if few else np.median(sizes)) if len(sizes) else 0.0
-
-    return float(np.median([of_drive(residuals(problem, unknowns, i)) for i in range(len(problem.drives))]))
+def _typical(problem: Problem, unknowns: Reals, index: int) -> float:
+    """The median [m] of a drive's residuals; of so few that its own unknowns take them up the root mean square."""
+    rows = residuals(problem, unknowns, index)
+    sizes = np.abs(rows.values[rows.weights > 0])
+    few = len(sizes) < _FEW
+    return float(np.sqrt(np.mean(sizes**2)) if few else np.median(sizes)) if len(sizes) else 0.0
 
 
 def start_of(problem: Problem) -> Reals:
@@ -245,7 +252,7 @@ def nearest(problem: Problem, start: Reals, each: Each = serial) -> Reals:
             last.clear()
             gradient, matrix = prior * unknowns, np.diag(prior)
             cost = 0.5 * float(gradient @ unknowns)
-            for index, part in enumerate(each(problem, unknowns)):
+            for index, part in enumerate(each(problem, unknowns, sums)):
                 columns = own_columns(problem, index)
                 cost += part.cost
                 gradient[columns] += part.gradient

@@ -10,7 +10,7 @@ from math import pi
 import numpy as np
 
 from wmrgen.calibrating.certainty import Fit
-from wmrgen.calibrating.fit import Problem, information, prior_of_shared, serial, start_of
+from wmrgen.calibrating.fit import Problem, information, prior_of_shared, serial, start_of, sums
 from wmrgen.calibrating.logs import Drive, Truth
 from wmrgen.calibrating.path import Reals, reckoned
 from wmrgen.robot import Derivation
@@ -154,7 +154,7 @@ def offers(problem: Problem, derivation: Derivation) -> list[Offer]:
     result = []
     for course in courses(problem, derivation):
         one = replace(problem, drives=(planned(problem, derivation, course),))
-        result.append(Offer(course, information(one, serial(one, start_of(one)))))
+        result.append(Offer(course, information(one, serial(one, start_of(one), sums))))
     return result
 
 

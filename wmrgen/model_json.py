@@ -73,7 +73,7 @@ def _identity(robot: Robot) -> dict[str, Any]:
             for p in robot.parameters
         ],
         "wheels": [_wheel(w) for w in robot.wheels],
-        "couplings": [{"joint": joint, "wheels": list(wheels)} for joint, wheels in robot.couplings],
+        "couplings": [_coupling(robot, joint, wheels) for joint, wheels in robot.couplings],
         "limits": {name: [float(i.low), float(i.high)] for name, i in robot.limits.items()},
         **({"noise": _noise(robot.noise)} if robot.noise else {}),
         **({"encoder": _encoders(robot.encoders)} if robot.encoders else {}),
@@ -82,6 +82,11 @@ def _identity(robot: Robot) -> dict[str, Any]:
         **({"deadband": float(robot.deadband)} if robot.deadband else {}),
         "notes": list(robot.notes),
     }
+
+
+def _coupling(robot: Robot, joint: str, wheels: Sequence[str]) -> dict[str, Any]:
+    ratios = robot.ratios(wheels) if joint == "spin" else ()
+    return {"joint": joint, "wheels": list(wheels), **({"ratios": [*map(float, ratios)]} if ratios else {})}
 
 
 def _mobility(m: Mobility) -> dict[str, Any]:

@@ -26,6 +26,11 @@ def listed(parts: Sequence[str]) -> str:
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
+def turning(ratios: Sequence[object]) -> str:
+    """What coupled wheels do whose spins are in these ratios; none are given of equal ones."""
+    return f"turn in the ratio {' : '.join(map(str, ratios))}" if ratios else "turn at one speed"
+
+
 def escape(name: str) -> str:
     """An identifier inside LaTeX braces."""
     return name.replace("_", r"\_")

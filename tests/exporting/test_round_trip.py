@@ -57,11 +57,18 @@ def same(robot: Robot, imported: Imported) -> None:
         assert got.actuated == (w.actuated if any(v.actuated for v in robot.wheels) else None)
     names = {w.name: w.joint.removesuffix("_spin") for w in imported.wheels if w.joint}
     pairs = {
-        (a.rpartition(".")[2], *sorted(names[s.rpartition(".")[0]] for s in (a, b)))
-        for a, b in imported.couplings
+        (c.first.rpartition(".")[2], *(names[s.rpartition(".")[0]] for s in (c.first, c.second))): float(
+            c.ratio
+        )
+        for c in imported.couplings
     }
-    wanted = {(j, *sorted((ws[0], w))) for j, ws in robot.couplings for w in ws[1:]}
-    assert pairs == wanted
+    wanted = {
+        (j, a.name, b.name): float(robot.spin_ratio(b)) if j == "spin" else 1.0
+        for j in ("spin", "steer")
+        for a, *others in robot.together(j, [w for w in robot.wheels if j in w.kind.joints])
+        for b in others
+    }
+    assert pairs == pytest.approx(wanted)
 
 
 @pytest.mark.parametrize("kind", WRITERS)
@@ -123,6 +130,19 @@ def drawn(draw: Random) -> tuple[list[str], str]:
 def test_drawn_robots_come_back(seed: int, kind: str, tmp_path: Path) -> None:
     wheels, more = drawn(Random(seed))
     robot = load(tmp_path, *wheels, more=more)
+    same(robot, back(robot, tmp_path, kind))
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_spins_in_a_ratio_come_back(kind: str, tmp_path: Path) -> None:
+    """The first of a set leads, whatever the shaft is that the file names."""
+    wheels = [
+        f"name: w{k}, type: swedish, x: {x}, y: {y}, heading: 0, gamma: {g} deg, r: 0.1"
+        for k, (x, y, g) in enumerate([(0.3, 0.2, 45), (0.3, -0.2, -45), (-0.3, 0.2, -45), (-0.3, -0.2, 45)])
+    ]
+    more = "couplings:\n  - {equal: [w0.spin, w3.spin, w1.spin], ratios: [2, -17/42, 1]}\n"
+    robot = load(tmp_path, *wheels, more=more)
+    assert [float(k) for k in robot.spin_ratios] == pytest.approx([1, 0.5, 1, -17 / 84])
     same(robot, back(robot, tmp_path, kind))
 
 

@@ -171,6 +171,39 @@ def test_steering_that_mimics(read: Import) -> None:
 
 
 @pytest.mark.parametrize(
+    ("multiplier", "ratios"),
+    [("2", ", ratios: [1, 2]"), ("-0.4", ", ratios: [1, -0.4]"), ("1", ""), ("0", None)],
+)
+def test_spins_that_mimic_in_a_ratio(read: Import, multiplier: str, ratios: str | None) -> None:
+    """A chain from the left wheel to one behind it; where a spin begins does not matter."""
+    mimic = f'<mimic joint="left_joint" multiplier="{multiplier}" offset="0.3"/>'
+    said = read(robot(pair(), wheel("back", "-0.3 0.25 0.1", more=mimic)))
+    if ratios is None:
+        assert "couplings:" not in said["text"] and "0 times 'left_joint'" in said["notes"]
+    else:
+        assert f"  - {{equal: [left.spin, back.spin]{ratios}}}   # mimic" in said["text"]
+
+
+def test_what_follows_through_another_joint_follows_its_leader(read: Import) -> None:
+    chain = [
+        wheel(name, f"{x} 0.25 0.1", more=f'<mimic joint="{leader}_joint" multiplier="{k}"/>')
+        for name, x, leader, k in (("last", -0.6, "mid", 3), ("mid", -0.3, "left", -0.5))
+    ]
+    said = read(robot(pair(), *chain))
+    assert "  - {equal: [left.spin, last.spin], ratios: [1, -1.5]}   # mimic" in said["text"]
+    assert "  - {equal: [left.spin, mid.spin], ratios: [1, -0.5]}   # mimic" in said["text"]
+
+
+def test_an_axle_that_turns_in_a_ratio_is_asked_about(read: Import) -> None:
+    both = pair(more='<mimic joint="left_joint" multiplier="1.2"/>').replace(
+        '<mimic joint="left_joint" multiplier="1.2"/>', "", 1
+    )
+    said = read(robot(both))
+    assert "turn in one ratio in the file" in said["text"]
+    assert "[left.spin, right.spin], ratios: [1, 1.2] where it does" in said["text"]
+
+
+@pytest.mark.parametrize(
     ("axis", "factor", "coupled"), [("0 0 1", -1, False), ("0 0 -1", -1, True), ("0 0 -1", 1, False)]
 )
 def test_steering_that_mimics_the_other_way_round(

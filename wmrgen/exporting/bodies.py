@@ -33,8 +33,8 @@ Frictions = tuple[tuple[str, tuple[str, ...]], ...]
 class Body:
     """A link of ``wheel`` and the joint of that ``part`` (spin, steer, ball) that carries it, at ``xyz`` [m] and
     ``yaw`` [rad] in the link ``parent``. ``moments`` [kg m2] about x, y, z. ``roles`` of its shape, each with friction:
-    mu, and its directions in base_link. ``leaders``: the joint that a coupling makes it equal to. ``driven``: it has a
-    motor of its own. What a body has not is a tuple of none."""
+    mu, and its directions in base_link. ``leaders``: the joint that it follows by a coupling, and how many times as
+    far. ``driven``: it has a motor of its own. What a body has not is a tuple of none."""
 
     wheel: Wheel
     part: str
@@ -49,7 +49,7 @@ class Body:
     roles: Mapping[str, Frictions] = field(default_factory=dict)
     axes: tuple[str, ...] = ()
     limits: tuple[Pairs, ...] = ()
-    leaders: tuple[str, ...] = ()
+    leaders: Pairs = ()
     remarks: tuple[str, ...] = ()
     driven: bool = False
 
@@ -132,9 +132,13 @@ def _jointed(robot: Robot, wheel: Wheel, part: str, rate: str, ends: Pairs) -> d
     limit = (*ends, ("effort", EFFORT), ("velocity", decimal(most)))
     return {
         "limits": (limit,) if ends or speed is not None else (),
-        "leaders": () if leads else (joint_of(together[0], part),),
+        "leaders": () if leads else ((joint_of(together[0], part), _ratio(robot, wheel, part)),),
         "driven": leads and any(part in w.actuated for w in together),
     }
+
+
+def _ratio(robot: Robot, wheel: Wheel, part: str) -> str:
+    return decimal(float(robot.spin_ratio(wheel))) if part == "spin" else "1"
 
 
 def _rollers(wheel: Wheel) -> tuple[Frictions, tuple[str]]:

@@ -132,14 +132,30 @@ class Wheel:
 
 
 @dataclass(frozen=True, slots=True)
+class Coupling:
+    """Joints of wheels, as `<wheel>.steer`, that turn alike: the second ``ratio`` times as far as the first."""
+
+    first: str
+    second: str
+    ratio: Fraction = Fraction(1)
+
+    @property
+    def joints(self) -> str:
+        """What a robot file says of them behind ``equal:``."""
+        number = f"{float(self.ratio):.12g}"
+        exact = number if Fraction(number) == self.ratio else str(self.ratio)
+        return f"[{self.first}, {self.second}]" + (f", ratios: [1, {exact}]" if self.ratio != 1 else "")
+
+
+@dataclass(frozen=True, slots=True)
 class Imported:
-    """What was read of a file; ``couplings`` are joints that turn alike, as `<wheel>.steer`."""
+    """What was read of a file."""
 
     name: str
     base: str
     wheels: tuple[Wheel, ...]
     questions: tuple[Question, ...]
-    couplings: tuple[tuple[str, str], ...]
+    couplings: tuple[Coupling, ...]
     notes: tuple[str, ...]
 
 

@@ -69,7 +69,7 @@ def text(robot: Imported, source: str) -> str:
     if robot.couplings or doubts:
         lines += [
             "couplings:",
-            *(f"  - {{equal: [{', '.join(each)}]}}   # mimic" for each in robot.couplings),
+            *(f"  - {{equal: {each.joints}}}   # mimic" for each in robot.couplings),
         ]
     for question in doubts:
         lines += [*_asked(question, "  "), f"  - {{equal: {OPEN}}}"]

@@ -27,7 +27,7 @@ from wmrgen.kinematics.steer_groups import nearest_steering
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import TWIST, TWIST_NAMES, Port, Role
-from wmrgen.symbolic import Expr, add, expression, root, square, subtract, times
+from wmrgen.symbolic import Expr, add, expression, number, root, square, subtract, times
 
 _MANY = 3  # castors of one offset from which dividing all velocities by it takes fewer operations
 
@@ -161,7 +161,7 @@ def _joints(
 
 
 def spins(robot: Robot, joints: dict[int, Joints]) -> dict[int, Expr]:
-    """Rim speeds to wheel speeds; wheels that must turn alike share the least-squares speed."""
+    """Rim speeds to wheel speeds; wheels that must turn alike share the least-squares speed, each in its ratio."""
     result = {}
     for members in robot.together("spin", (robot.wheels[i] for i in joints)):
         coupled = {w.index: joints[w.index] for w in members}
@@ -169,9 +169,10 @@ def spins(robot: Robot, joints: dict[int, Joints]) -> dict[int, Expr]:
             ((i, j),) = coupled.items()
             result[i] = _scaled(j.rim, j.radius.inverse()) if j.spin is None else j.spin
             continue
-        total = Poly.sum(j.radius * j.radius for j in coupled.values()).inverse()
-        shared = add(*(_scaled(j.rim, j.radius * total) for j in coupled.values()))
-        result.update(dict.fromkeys(coupled, shared))
+        rolled = {i: j.radius * robot.spin_ratios[i] for i, j in coupled.items()}
+        total = Poly.sum(r * r for r in rolled.values()).inverse()
+        shared = add(*(_scaled(j.rim, rolled[i] * total) for i, j in coupled.items()))
+        result |= {i: times(number(robot.spin_ratios[i]), shared) for i in coupled}
     return result
 
 
@@ -180,7 +181,8 @@ def turned_unlike(robot: Robot, joints: dict[int, Joints], speeds: dict[int, Exp
     unlike: list[list[Expr]] = []
     for members in robot.together("spin", (robot.wheels[i] for i in joints)):
         coupled = {w.index: joints[w.index] for w in members}
-        if len({(j.rim, j.radius.key) for j in coupled.values()}) > 1 and any(w.turns for w in members):
+        alike = {(j.rim, (j.radius * robot.spin_ratios[i]).key) for i, j in coupled.items()}
+        if len(alike) > 1 and any(w.turns for w in members):
             unlike.append([subtract(j.rim, _scaled(speeds[i], j.radius)) for i, j in coupled.items()])
     return unlike
 

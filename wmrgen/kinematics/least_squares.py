@@ -171,7 +171,7 @@ def _spin_residuals(robot: Robot) -> list[Poly]:
     for members in robot.together("spin", (w for w in robot.wheels if w.has_spin)):
         if len(members) == 1 or any(w.turns for w in members):
             continue
-        radii = [working_view(w).rolling_radius for w in members]
+        radii = [robot.per_turn(w, working_view(w)) for w in members]
         rims = [dot(rolling_row(w, working_view(w)).row, XI) for w in members]
         total = Poly.sum(r * r for r in radii).inverse()
         speed = Poly.sum(r * z for r, z in zip(radii, rims, strict=True)) * total

@@ -118,25 +118,25 @@ def turning_alike(robot: Robot, twist: Row, targets: Targets, names: Locals) -> 
         unsteered = [w for w in members if not w.turns]
         if len(units) + bool(unsteered) < 2:
             continue
-        chain = [_unsteered(w, twist) for w in unsteered] or _rolling(units.pop(0), result)
+        chain = [_unsteered(robot, w, twist) for w in unsteered] or _rolling(robot, units.pop(0), result)
         way = names.define(f"{members[0].name}_way", add(*chain))
         for unit in units:
             whole = [
                 w for w in robot.wheels if robot.steer_group[w.index] == robot.steer_group[unit[0].index]
             ]
-            result |= _reversed(robot, whole, times(way, add(*_rolling(unit, result))), result, names)
+            result |= _reversed(robot, whole, times(way, add(*_rolling(robot, unit, result))), result, names)
     return result
 
 
-def _unsteered(w: Wheel, twist: Row) -> Expr:
-    """r times the speed in the rolling row, of a wheel whose heading stands."""
+def _unsteered(robot: Robot, w: Wheel, twist: Row) -> Expr:
+    """r times the speed in the rolling row, of a wheel whose heading stands; r seen from the chain."""
     g = working_view(w)
-    return expression(dot(rolling_row(w, g).row, twist) * g.rolling_radius)
+    return expression(dot(rolling_row(w, g).row, twist) * robot.per_turn(w, g))
 
 
-def _rolling(unit: list[Wheel], targets: Targets) -> list[Expr]:
+def _rolling(robot: Robot, unit: list[Wheel], targets: Targets) -> list[Expr]:
     """The same of steered wheels on their targets."""
-    return [times(expression(working_view(w).r), targets[w.index].rim) for w in unit]
+    return [times(expression(robot.per_turn(w, working_view(w))), targets[w.index].rim) for w in unit]
 
 
 def _reversed(robot: Robot, unit: list[Wheel], agrees: Expr, targets: Targets, names: Locals) -> Targets:

@@ -12,7 +12,7 @@ from wmrgen.errors import RobotFileError, Several
 from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
-from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled
+from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled, spin_ratios
 from wmrgen.layout.expressions import PI, Scope, snap, to_poly
 from wmrgen.layout.joints import constant, deadband_of, encoders_of, lag_of, noise_of, weight_of
 from wmrgen.layout.measured import agreed, tolerance_of
@@ -61,7 +61,9 @@ def build(spec: RobotSpec) -> Robot:
                 raise RobotFileError(what, w.mark, "", "Write 0, or a length.") from None
     _check_names(spec, several)
     facts: dict[str, Any] = {}
-    steer_group = groups(spec, "steer")
+    steer_group, spin_group = groups(spec, "steer"), groups(spec, "spin")
+    with several:
+        facts["spin_ratios"] = spin_ratios(spec, spin_group, scope)
     with several:
         facts["tolerance"] = tolerance_of(spec.tolerance, wheels, scope)
     if not several.errors:
@@ -73,7 +75,7 @@ def build(spec: RobotSpec) -> Robot:
     several.end()
     robot = Robot(
         name=spec.name, description=spec.description, source=spec.source, parameters=parameters,
-        wheels=tuple(wheels), steer_group=steer_group, spin_group=groups(spec, "spin"),
+        wheels=tuple(wheels), steer_group=steer_group, spin_group=spin_group,
         couplings=tuple((c.joint, c.wheels) for c in spec.couplings), notes=tuple(notes), slip=spec.slip,
         functions=tuple(f.name for f in spec.functions), **facts,
     )  # fmt: skip

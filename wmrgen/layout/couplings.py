@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from wmrgen.errors import NotDerivableError, RobotFileError
+from wmrgen.exact.number import ONE, Exact
+from wmrgen.layout.expressions import Scope
+from wmrgen.layout.joints import constant
 from wmrgen.layout.records import Interval, Robot, Wheel
-from wmrgen.spec.records import RobotSpec
+from wmrgen.spec.records import Quantity, RobotSpec
 
 _LIMITED = {"steer": ("steer", "steer_rate"), "spin": ("spin",)}
 
@@ -22,6 +25,37 @@ def groups(spec: RobotSpec, joint: str) -> tuple[int, ...]:
         members = {leader[names.index(n)] for n in coupling.wheels}
         leader = [min(members) if k in members else k for k in leader]
     return tuple(leader)
+
+
+def spin_ratios(spec: RobotSpec, leaders: Sequence[int], scope: Scope) -> tuple[Exact, ...]:
+    """Per wheel its spin for a spin of 1 of the wheel that leads its set. RobotFileError for a ratio of 0, and where
+    couplings contradict each other."""
+    names = [w.name for w in spec.wheels]
+    turns = dict.fromkeys(leaders, ONE)
+    rest = [c for c in spec.couplings if c.joint == "spin"]
+    while rest:
+        coupling = next(c for c in rest if any(names.index(n) in turns for n in c.wheels))
+        rest.remove(coupling)
+        ratios = [_ratio(q, scope) for q in coupling.ratios] or [ONE] * len(coupling.wheels)
+        own = dict(zip(map(names.index, coupling.wheels), ratios, strict=True))
+        shaft = next(turns[i] / k for i, k in own.items() if i in turns)
+        for i, k in own.items():
+            if turns.setdefault(i, shaft * k) != shaft * k:
+                raise RobotFileError(
+                    f"this coupling contradicts the other couplings of {names[i]}.spin", coupling.mark,
+                    "Shafts that are geared together in two ratios cannot turn.", "Delete one of them.",
+                )  # fmt: skip
+    return tuple(turns[i] for i in range(len(names)))
+
+
+def _ratio(quantity: Quantity, scope: Scope) -> Exact:
+    value = constant("a ratio of the coupling", quantity, scope)
+    if not value:
+        raise RobotFileError(
+            f"a ratio of the coupling is {quantity.text}, which is zero", quantity.mark, "",
+            "Write the turns of the joint for one turn of the shaft.",
+        )  # fmt: skip
+    return value
 
 
 def refuse_unmodelled(spec: RobotSpec, robot: Robot) -> None:
@@ -62,9 +96,13 @@ def common_limits(spec: RobotSpec, robot: Robot) -> Robot:
     """
     wheels = list(robot.wheels)
     for joint, quantity, members in _coupled(robot):
-        limits = [limit for w in members if (limit := robot.limit(w, quantity))]
-        if not limits:
+        ratios = [robot.spin_ratio(w) if joint == "spin" else ONE for w in members]
+        told = [
+            (limit, k) for w, k in zip(members, ratios, strict=True) if (limit := robot.limit(w, quantity))
+        ]
+        if not told:
             continue
+        limits = [limit.times(ONE / k) for limit, k in told]
         common = Interval(max(limit.low for limit in limits), min(limit.high for limit in limits))
         if common.low > common.high:
             mark = next(
@@ -74,10 +112,9 @@ def common_limits(spec: RobotSpec, robot: Robot) -> Robot:
                 f"the {quantity} limits of {' and '.join(w.name for w in members)} have no value in common", mark,
                 "Coupled wheels turn as one.", "Write limits that overlap.",
             )  # fmt: skip
-        for w in members:
-            if robot.limit(w, quantity) != common:
-                k = w.index
-                wheels[k] = replace(wheels[k], limits={**wheels[k].limits, quantity: common})
+        for w, k in zip(members, ratios, strict=True):
+            if robot.limit(w, quantity) != (own := common.times(k)):
+                wheels[w.index] = replace(wheels[w.index], limits={**wheels[w.index].limits, quantity: own})
     return replace(robot, wheels=tuple(wheels))
 
 

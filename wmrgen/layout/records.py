@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from typing import Generic, TypeVar
@@ -64,6 +64,11 @@ class Interval:
 
     low: Exact
     high: Exact
+
+    def times(self, k: Exact) -> Interval:
+        """The interval of k times the quantity, k not 0."""
+        ends = self.low * k, self.high * k
+        return Interval(*ends) if k.sign > 0 else Interval(*reversed(ends))
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,8 +209,9 @@ class Robot:
     """A layout, ready for derivation.
 
     ``steer_group`` and ``spin_group`` give, per wheel index, the first wheel of its coupled set
-    (itself when uncoupled). ``notes`` are the snaps made. ``deadband``: share of the limits of the twist that counts
-    as standstill. ``near``: axles that are nearly one, those taken for one within the ``tolerance`` among them.
+    (itself when uncoupled), ``spin_ratios`` its spin for a spin of 1 of that wheel. ``notes`` are the snaps
+    made. ``deadband``: share of the limits of the twist that counts as standstill. ``near``: axles that are nearly one,
+    those taken for one within the ``tolerance`` among them.
     """
 
     name: str
@@ -216,6 +222,7 @@ class Robot:
     steer_group: tuple[int, ...]
     spin_group: tuple[int, ...]
     couplings: tuple[tuple[str, tuple[str, ...]], ...]
+    spin_ratios: tuple[Exact, ...]
     limits: dict[str, Interval]
     notes: tuple[str, ...]
     virtual: tuple[Virtual, ...] = ()
@@ -269,6 +276,19 @@ class Robot:
         for w in wheels:
             sets.setdefault(leaders[w.index], []).append(w)
         return list(sets.values())
+
+    def spin_ratio(self, wheel: Wheel) -> Exact:
+        """The spin of a wheel for a spin of 1 of the first that it is coupled to."""
+        return self.spin_ratios[wheel.index]
+
+    def per_turn(self, wheel: Wheel, g: Geometry[T]) -> T:
+        """What the wheel rolls per radian that the first of its coupled set turns [m]."""
+        return g.rolling_radius * self.spin_ratio(wheel)
+
+    def ratios(self, names: Sequence[str]) -> tuple[Exact, ...]:
+        """The spins of coupled wheels for a spin of 1 of the first of them; none where they are equal."""
+        spins = [self.spin_ratio(self.wheel(name)) for name in names]
+        return tuple(k / spins[0] for k in spins) if len(set(spins)) > 1 else ()
 
     def wheel(self, name: str) -> Wheel:
         """The wheel called ``name``. KeyError when there is none."""

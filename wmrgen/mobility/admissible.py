@@ -15,7 +15,7 @@ import numpy as np
 
 from wmrgen.constraints import ConstraintRow, Constraints
 from wmrgen.exact.linalg import left_null_space
-from wmrgen.exact.number import ZERO
+from wmrgen.exact.number import ONE, ZERO
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import null_basis
@@ -69,7 +69,11 @@ def _without_rates(row: ConstraintRow) -> bool:
 def _eliminate(robot: Robot, rows: Sequence[ConstraintRow]) -> list[Row]:
     """The combinations of ``rows`` (numeric joint coefficients) in which no joint rate occurs."""
     groups = {"spin": robot.spin_group, "steer": robot.steer_group}
-    rates = [[((joint, groups[joint][wheel]), k) for (wheel, joint), k in c.rates] for c in rows]
+    turns = {"spin": robot.spin_ratios, "steer": (ONE,) * len(robot.wheels)}
+    rates = [
+        [((joint, groups[joint][wheel]), k.scale(turns[joint][wheel])) for (wheel, joint), k in c.rates]
+        for c in rows
+    ]
     columns = sorted({key for row in rates for key, _ in row})
     table = [
         [sum((k.constant or ZERO for key, k in row if key == c), ZERO) for c in columns] for row in rates
@@ -84,7 +88,7 @@ def _eliminate(robot: Robot, rows: Sequence[ConstraintRow]) -> list[Row]:
 
 
 def geared(robot: Robot) -> list[tuple[int, int]]:
-    """Pairs of wheels with equal spins, of which the second steers; each wheel of a group once, after the first.
+    """Pairs of wheels with coupled spins, of which the second steers; each wheel of a group once, after the first.
 
     The first of a pair does not steer where the group has such a wheel. Wheels that steer together follow the first
     of them.
@@ -115,12 +119,12 @@ def quadrics(robot: Robot) -> list[Array]:
             forms.append(np.outer(p[0], q[1]) - np.outer(p[1], q[0]))
     for i, k in geared(robot):
         a, b = robot.wheels[i], robot.wheels[k]
+        ratio = float(robot.per_turn(a, a.nominal) / robot.per_turn(b, b.nominal))
         if robot.steer_group[i] == robot.steer_group[k]:
             # One angle for both: not only the sizes of the velocities are in proportion, seen from the wheels.
-            both = _pivot(a) - _pivot(b) * float(a.nominal.r / b.nominal.r)
+            both = _pivot(a) - _pivot(b) * ratio
             forms += [np.outer(row, row) / (row @ row) for row in both if np.abs(row).max() > SMALL]
         else:
-            ratio = float(a.nominal.rolling_radius / b.nominal.rolling_radius)
             forms.append((_speed_form(a) - _speed_form(b) * ratio**2) / max(1.0, ratio**2))
     forms = [(f + f.T) / 2 for f in forms]
     return [f for f in forms if np.abs(f).max() > SMALL]

@@ -77,12 +77,12 @@ def _slides(robot: Robot, w: Wheel) -> BasisRow:
 
 
 def _turns_alike(robot: Robot, a: Wheel, b: Wheel) -> BasisRow:
-    """r_b e_a - r_a e_b: the rolling rows of two wheels that turn alike."""
+    """r_b e_a - r_a e_b: the rolling rows of two wheels that turn alike, r per turn of what turns both."""
 
     def row(view: View) -> Row:
         p, q = view(a), view(b)
         x, y, k = (
-            u * q.rolling_radius - v * p.rolling_radius
+            u * robot.per_turn(b, q) - v * robot.per_turn(a, p)
             for u, v in zip(rolling_row(a, p).row, rolling_row(b, q).row, strict=True)
         )
         return _led(robot, (x, y, k))

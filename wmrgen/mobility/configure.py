@@ -200,11 +200,12 @@ def _steering(robot: Robot, twist: Array) -> dict[int, complex]:
 
 
 def _spin_row(robot: Robot, i: int, headings: dict[int, complex]) -> Array:
-    """The row that gives the spin [rad/s] of a twist; ``headings``: of steered wheels."""
+    """The row that gives the spin [rad/s] of a twist, of the first wheel coupled to it; ``headings``: of steered
+    wheels."""
     w = robot.wheels[i]
     g = w.nominal
     direction = headings[i] if i in headings else w.zero_heading * complex(float(g.cg), float(g.sg))
-    return along(w, direction) / float(g.rolling_radius)
+    return along(w, direction) / float(robot.per_turn(w, g))
 
 
 def _rank_C1(

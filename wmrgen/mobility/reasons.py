@@ -15,7 +15,7 @@ from wmrgen.mobility.admissible import along, coupled_sets
 from wmrgen.mobility.configure import Configuration, steering_for
 from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import TOLERANCE, Array
-from wmrgen.notation import listed
+from wmrgen.notation import listed, turning
 
 SAME = 1e-9
 
@@ -100,7 +100,8 @@ def _axles_meet(at: Configuration, wheels: list[Wheel]) -> str:
 def _couplings(at: Configuration) -> list[str]:
     sentences = []
     for joint, names in at.robot.couplings:
-        what = "their steer angles are equal" if joint == "steer" else "they turn at one speed"
+        spins = f"they {turning(at.robot.ratios(names))}"
+        what = "their steer angles are equal" if joint == "steer" else spins
         sentences.append(f"{listed(list(names))} are coupled: {what}.")
     normal = at.admissible.normal
     if normal is not None:

@@ -269,7 +269,7 @@ _PARTS: dict[str, Callable[[_Reading], Any]] = {  # of a RobotSpec
     "source": lambda r: _free_text(r.table, "source"),
     "snap": lambda r: r.table.word("snap"),
     "tolerance": lambda r: r.table.amount("tolerance", "the robot", r.scope),
-    "couplings": lambda r: read_couplings(r.table, r.types, r.several),
+    "couplings": lambda r: read_couplings(r.table, r.types, r.scope, r.several),
     "limits": lambda r: read_limits(r.table.get("limits"), "the robot", r.scope),
     "noise": lambda r: read_noise(r.table.get("noise"), "the robot", r.scope),
     "encoders": lambda r: read_encoders(r.table.get("encoder"), "the robot", r.scope),

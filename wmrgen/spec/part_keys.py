@@ -22,9 +22,14 @@ COUPLING = Section(
     (
         Field(
             "equal", ListOf(
-                OneOf("wheel.joint"), "[a.steer, b.steer]", least=2, once=True,
+                OneOf("wheel.joint"), "[a.spin, b.spin]", least=2, once=True,
                 few=("a coupling of {n} joint{s}", "It takes two to be equal.", "Write equal: [a.steer, b.steer]."),
             ), "joints of one kind whose angles a mechanism keeps equal", required=True,
+        ),
+        Field(
+            "ratios", ListOf(Amount(Kind.ANY, "1"), "[1, -17/42]"),
+            "of spins that gears keep in proportion: turns of each per turn of a common shaft, negative against it",
+            default="all 1",
         ),
     ),
 )  # fmt: skip

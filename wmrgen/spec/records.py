@@ -130,11 +130,13 @@ class WheelSpec:
 
 @dataclass(frozen=True, slots=True)
 class Coupling:
-    """Joints of several wheels that are mechanically equal. ``joint``: spin or steer."""
+    """Joints of several wheels that are mechanically equal. ``joint``: spin or steer. ``ratios``: of spins, the turns
+    of each per turn of their shaft; none where they are equal."""
 
     joint: str
     wheels: tuple[str, ...]
     mark: Mark
+    ratios: tuple[Quantity, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from wmrgen.errors import Code, Mark, RobotFileError, Several
 from wmrgen.spec.expressions import read_quantity, scalar_of
 from wmrgen.spec.fields import Amount, Choice, Field, ListOf, Section, Word
 from wmrgen.spec.keys import ROBOT, WHEEL
-from wmrgen.spec.numbers import Scope, plain_number
+from wmrgen.spec.numbers import Kind, Scope, plain_number
 from wmrgen.spec.records import Quantity
 from wmrgen.spec.text import (
     MappingNode,
@@ -122,9 +122,12 @@ class Table:
         assert isinstance(value, Amount)
         if node is None:
             return None
-        if value.unit == "1":
-            _refuse_units(scalar_of(node, f"{key} of {of}"), f"{key} of {of}")
-        return read_quantity(node, value.kind, f"{key} of {of}", scope)
+        what = f"{key} of {of}"
+        return (
+            read_number(node, what, scope)
+            if value.unit == "1"
+            else read_quantity(node, value.kind, what, scope)
+        )
 
     def required_amount(self, key: str, of: str, scope: Scope) -> Quantity:
         """The quantity of a key that `require_all` has seen."""
@@ -157,12 +160,15 @@ class Table:
         return chosen[0][1]
 
 
-def _refuse_units(scalar: Scalar, what: str) -> None:
+def read_number(node: Node, what: str, scope: Scope) -> Quantity:
+    """A quantity without a unit."""
+    scalar = scalar_of(node, what)
     plain = plain_number(scalar)
     if plain and plain[1] is not None:
         raise scalar.error(
             f"{what} is a number, and {quoted(scalar.text.strip())} has a unit", "", "Write the number alone."
         )
+    return read_quantity(node, Kind.ANY, what, scope)
 
 
 def spelled(key: str, section: Section) -> str:

@@ -15,7 +15,7 @@ from wmrgen.spec.names import Names, wheel_name
 from wmrgen.spec.numbers import Scope
 from wmrgen.spec.part_keys import COUPLING
 from wmrgen.spec.records import Coupling, WheelSpec
-from wmrgen.spec.tables import Table, table_of
+from wmrgen.spec.tables import Table, read_number, table_of
 from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, lookalike, quoted, suggestion
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
@@ -155,14 +155,14 @@ def keys_of_type(section: Section, kind: WheelType) -> tuple[str, ...]:
 
 
 def read_couplings(
-    robot: Table, types: Mapping[str, WheelType | None], several: Several
+    robot: Table, types: Mapping[str, WheelType | None], scope: Scope, several: Several
 ) -> tuple[Coupling, ...]:
     """Sets of joints that move alike: each names one joint of at least two wheels. ``types``: of the wheels."""
     couplings: dict[tuple[str, frozenset[str]], Coupling] = {}
     for item in robot.items("couplings"):
         with several:
             table = table_of(item, COUPLING, several)
-            coupling = _coupling(table, types)
+            coupling = _coupling(table, types, scope)
             key = coupling.joint, frozenset(coupling.wheels)
             if key in couplings:
                 what = f"this coupling stands on line {couplings[key].mark.line} already"
@@ -171,7 +171,7 @@ def read_couplings(
     return tuple(couplings.values())
 
 
-def _coupling(table: Table, types: Mapping[str, WheelType | None]) -> Coupling:
+def _coupling(table: Table, types: Mapping[str, WheelType | None], scope: Scope) -> Coupling:
     table.require("equal", "a coupling")
     several, joint, names = Several(), "", list[str]()
     for scalar in table.scalars("equal"):
@@ -185,8 +185,23 @@ def _coupling(table: Table, types: Mapping[str, WheelType | None]) -> Coupling:
                 )
             joint = this
             names.append(name)
+    ratios = []
+    for item in table.items("ratios"):
+        with several:
+            ratios.append(read_number(item, "a ratio of the coupling", scope))
     several.end()
-    return Coupling(joint, tuple(names), table.mark)
+    if ratios and joint != "spin":
+        raise table.keys["ratios"].error(
+            "ratios of steering angles",
+            "Wheels whose angles are in proportion have no common ICR in general; what is derived is equal angles.",
+            "Delete ratios:, or the coupling, and let each wheel steer by itself.",
+        )
+    if ratios and len(ratios) != len(names):
+        raise table.values["ratios"].error(
+            f"{len(ratios)} ratio{'s' * (len(ratios) != 1)} of {len(names)} joints", "Each joint has one.",
+            f"Write ratios: [{', '.join(['1'] * len(names))}], each the turns of that joint per turn of the shaft.",
+        )  # fmt: skip
+    return Coupling(joint, tuple(names), table.mark, tuple(ratios))
 
 
 def _joint(scalar: Scalar, types: Mapping[str, WheelType | None]) -> tuple[str, str]:

@@ -168,8 +168,12 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
     for joint, members in robot.couplings:
         wheels = [robot.wheel(n) for n in members]
         if joint == "spin":
+            ratios = robot.ratios(members)
+            share = "they share the least-squares rate Σ r·(r φ̇) / Σ r²"
+            if ratios:
+                share = "each takes its part k of it times the least-squares rate Σ k r·(r φ̇) / Σ (k r)²"
             blocks += [
-                f"{listed(members)} turn at one speed: they share the least-squares rate Σ r·(r φ̇) / Σ r² of the "
+                f"{listed(members)} {notation.turning(ratios)}: {share} of the "
                 f"single solutions above.{_way(robot, wheels)}"
             ]
         elif _alike(wheels, twist):

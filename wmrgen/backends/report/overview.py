@@ -81,8 +81,11 @@ def layout(d: Derivation) -> list[str]:
         texts = [f"{notation.listed(who)}, {what}" for what, who in named.items()]
         blocks += [f"Named parameters: {'; '.join(texts)}."]
     if robot.couplings:
-        joints = {"spin": "turn at one speed", "steer": "share one steering angle"}
-        couplings = items(f"{listed(names)} {joints[joint]}" for joint, names in robot.couplings)
+        couplings = items(
+            f"{listed(names)} "
+            + (notation.turning(robot.ratios(names)) if joint == "spin" else "share one steering angle")
+            for joint, names in robot.couplings
+        )
         blocks += ["Mechanical couplings:", *couplings]
     if robot.trailers:
         rows = [[code(t.name), plain(t.length.nominal), plain(t.hitch.nominal)] for t in robot.trailers]

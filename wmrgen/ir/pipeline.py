@@ -14,7 +14,7 @@ from wmrgen.ir.facts import geometry_only
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role, prune
 from wmrgen.ir.passes.forms import share_linear_forms
 from wmrgen.ir.passes.schedule import schedule
-from wmrgen.ir.passes.simplify import canonicalise, factor, reduce_strength, regroup_products, settle_signs
+from wmrgen.ir.passes.simplify import factor, reduce_strength, regroup_products, settle_signs
 from wmrgen.ir.verify import check_module, verify_function, verify_module
 
 # ---- what nothing needs
@@ -125,7 +125,7 @@ def _reference(
 Pass = Callable[[Function], Function]
 
 BEFORE_HOIST: tuple[Pass, ...] = (
-    canonicalise, reduce_strength, factor, share_linear_forms, regroup_products, settle_signs,
+    reduce_strength, factor, share_linear_forms, regroup_products, settle_signs,
 )  # fmt: skip
 AFTER_HOIST: tuple[Pass, ...] = (drop_dead_code, schedule)
 

@@ -1,4 +1,4 @@
-"""Rewriting operation by operation: canonical form, fewer divisions, common factors, shared products, signs.
+"""Rewriting operation by operation: fewer divisions, common factors, shared products, signs.
 
 Each pass walks a function in its order and builds it anew.
 """
@@ -30,11 +30,6 @@ def _rewritten(function: Function, rule: Rule) -> Function:
         built.append(rule(builder, i, node, built))
     results = [built[result] for result in function.results]
     return builder.function(function.name, function.inputs, function.outputs, results, function.text)
-
-
-def canonicalise(function: Function) -> Function:
-    """Constants folded, equal operations shared, constant factors in front, unneeded nodes gone."""
-    return _rewritten(function, lambda builder, i, node, built: builder.copy(node, _args(node, built)))
 
 
 def _args(node: Node, built: Built) -> list[int]:

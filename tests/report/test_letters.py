@@ -121,6 +121,13 @@ def test_ackermann() -> None:
     assert "Ackermann)" not in page_of("bicycle") and "Ackermann)" not in page_of("wpilib_swervebot")
 
 
+def test_a_differential_drive_is_stacked_as_in_the_book() -> None:
+    """Siegwart (3.29): the rolling rows of the right wheel and the left one, then the sliding row."""
+    rows = "1 & 0 & \\mathit{half\\_track} \\\\\n1 & 0 & -\\mathit{half\\_track} \\\\\n0 & 1 & 0"
+    section = page_of("pioneer3dx").partition("## 7 ")[2]
+    assert rows in section and r"\det H = 2\,\mathit{half\_track}" in section
+
+
 def test_square_systems() -> None:
     """(3.31) where three rolling rows are all there is; a determinant of those rows."""
     for name in ("lekiwi", "festo_robotino", "textbook_omnidirectional"):

@@ -5,22 +5,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from math import atan2, cos, sin
+from math import atan, atan2, cos, sin
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tests.conftest import Outcome
-from tests.report.common import ROBOTS, derivation, page_of
+from tests.report.common import ROBOTS, derivation, page_of, page_written
 from tests.report.reading import read
 from wmrgen import notation
 from wmrgen.layout.records import Robot, Wheel
 
 Cli = Callable[..., Outcome]
 UNITS = re.compile(r"([\w.]+) += (-?[\d.e+-]+)")
+AGREE = "Where the measurements agree"
 # Robots of which the twist is written out, not only the rule that gives it.
 WRITTEN = (
-    "agilex_ranger", "andino", "care_o_bot_4", "clearpath_a200", "clearpath_do100", "clearpath_r100", "festo_robotino",
+    "agilex_ranger", "andino", "bicycle", "care_o_bot_4", "clearpath_a200", "clearpath_do100", "clearpath_r100",
+    "f1tenth", "festo_robotino",
     "jpl_osr", "kuka_youbot", "lekiwi", "locked_bicycle", "mir_100", "neobotix_mp_400", "nexus_4wd", "pioneer3dx",
     "ssl_parsian", "synchro_drive", "textbook_differential", "textbook_omni_steer", "textbook_omnidirectional",
     "textbook_tricycle", "textbook_two_steer", "tractor_off_axle", "turtlebot3_burger", "unicycle", "wpilib_swervebot",
@@ -53,9 +56,10 @@ def place(w: Wheel) -> tuple[float, float, float]:
 
 @pytest.mark.slow
 def test_whose_twist_is_written_out() -> None:
-    assert tuple(
-        n for n in ROBOTS if r"\omega &=" in part(n, "Forward", "An example") and "B_i" not in result(n)
-    ) == (WRITTEN)
+    shown = {n: part(n, "Forward", "An example") for n in ROBOTS if "B_i" not in result(n)}
+    told = {n: AGREE in text for n, text in shown.items() if r"\omega &=" in text}
+    assert tuple(n for n, agree in told.items() if not agree) == WRITTEN
+    assert tuple(n for n, agree in told.items() if agree) == ("ackermann_car", "car_with_trailers")
 
 
 @pytest.mark.parametrize("name", WRITTEN)
@@ -82,6 +86,35 @@ def test_the_twist_of_measured_rates(name: str) -> None:
     shown = dict(formulas(part(name, "Forward", "An example")))
     for port, value in zip(("vx", "vy", "omega"), twist, strict=True):
         assert read(shown[notation.port(port)], values) == pytest.approx(value, rel=1e-5, abs=1e-7)
+
+
+CAR = """wmrgen: 1
+name: sample
+parameters: {half_track: 0.7, wheelbase: 2.5}
+wheels:
+  - {name: rl, type: fixed, x: 0, y: half_track, heading: 0, r: 0.3}
+  - {name: rr, type: fixed, x: 0, y: -half_track, heading: 0, r: 0.3, sensed: [SENSED]}
+  - {name: fl, type: steered, x: wheelbase, y: half_track, heading: 0, r: 0.3, actuated: [steer], sensed: [steer]}
+  - {name: fr, type: steered, x: wheelbase, y: -half_track, heading: 0, r: 0.3, actuated: [steer], sensed: [steer]}
+"""
+
+
+@pytest.mark.parametrize(("sensed", "angle"), [("spin", False), ("", True)])
+def test_the_twist_of_measurements_that_agree(sensed: str, angle: bool, tmp_path: Path) -> None:
+    """A car: of both rear wheels, or of one and of a steering angle, with the other rows left out."""
+    text = (
+        page_written(tmp_path, CAR.replace("SENSED", sensed)).partition("**Forward")[2].partition("**An ")[0]
+    )
+    assert AGREE in text and r"(H^T H)^{-1} H^T z" in text
+    shown = dict(formulas(text))
+    for vx, omega in ((1.3, 0.4), (-0.8, 0.1)):
+        values = {notation.parameter("half_track"): 0.7, notation.parameter("wheelbase"): 2.5}
+        for name, y in (("l", 0.7), ("r", -0.7)):
+            values[notation.port(f"r{name}.spin")] = (vx - y * omega) / 0.3
+            values[notation.port(f"f{name}.steer")] = atan(2.5 * omega / (vx - y * omega))
+        for port, value in zip(("v_x", "v_y", r"\omega"), (vx, 0.0, omega), strict=True):
+            assert read(shown[port], values) == pytest.approx(value, rel=1e-9, abs=1e-12)
+    assert (r"\psi" in shown[r"\omega"]) == angle
 
 
 @pytest.mark.parametrize("name", ROBOTS)

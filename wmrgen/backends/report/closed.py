@@ -1,15 +1,20 @@
-"""Inverse kinematics in closed form, as the result has it: the rates of wheels, and where steered wheels point."""
+"""Inverse and forward kinematics in closed form, as the result has them: the rates of wheels, and where steered wheels
+point; the twist of measured rates."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.latex import broken, latex
-from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped
+from wmrgen.backends.report.forward import distinct, fits_of, nominal_rows
+from wmrgen.backends.report.latex import broken, latex, summands, terms, wrapped
+from wmrgen.backends.report.letters import by_three, heads, in_letters
+from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, math
 from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.kinematics.forward import nominal_rank
 from wmrgen.kinematics.least_squares import Projection, project
+from wmrgen.kinematics.sensing import generic_rank, measurements
 from wmrgen.ports import TWIST_NAMES
 
 if TYPE_CHECKING:
@@ -17,6 +22,7 @@ if TYPE_CHECKING:
     from wmrgen.robot import Derivation
 
 ONE, ZERO = Poly.of(1), Poly({})
+_TERMS = 24  # summands of a printed formula
 
 
 def closed_inverse(d: Derivation) -> list[str]:
@@ -103,3 +109,52 @@ def pivot_velocity(w: Wheel, twist: Row) -> str:
     g = working_view(w)
     a, b = dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
     return f"a &= {latex(a)}, & b &= {latex(b)}"
+
+
+def closed_forward(d: Derivation) -> list[str]:
+    """The twist of measured rates: written out where the matrix is constant, else the rule that gives it."""
+    measured = measurements(seen(d.robot, symbolic_view))
+    if not measured.rows:
+        return ["No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
+    if measured.constant_normal:
+        rank = nominal_rank(nominal_rows(d), d.robot).value
+        return (in_letters(d, distinct(measured)) if rank == 3 else []) or _closed(d)
+    if not measured.components:
+        return _rigid_motion(len(measured.contacts))
+    blocks = ["The twist that explains all measurements best, with H and z of section 7:"]
+    if generic_rank(measured) < 3:
+        return [*blocks, *math(r"\xi = (H^T H)^{+} H^T z")]
+    three = by_three(d, measured.rows, nominal_rows(d))
+    if three and len(measured.rows) == 3:
+        return three
+    blocks += math(r"\xi = (H^T H)^{-1} H^T z = \frac{\mathrm{adj}(H^T H)\,H^T z}{\det(H^T H)}")
+    return [*blocks, "Where the measurements agree (`slip` is 0), that is", *three] if three else blocks
+
+
+def _rigid_motion(contacts: int) -> list[str]:
+    """Through the velocities of measured contact points."""
+    if contacts == 1:
+        return [
+            "The smallest twist (v, ω) that explains the velocity w of the contact point B (section 7 has both):",
+            *math(r"\omega = \frac{B \times w}{1 + |B|^2}, \qquad v = w - \omega\,\hat{z}\times B"),
+        ]
+    return [
+        "The rigid motion (v, ω) nearest to the velocities w that the wheels measure at their contact points B; a bar "
+        "is a mean over the wheels, and section 7 has B and w:",
+        *math(
+            r"\omega = \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}, \qquad "
+            r"v = \bar{w} - \omega\,\hat{z}\times\bar{B}"
+        ),
+    ]
+
+
+def _closed(d: Derivation) -> list[str]:
+    """The twist as the code computes it."""
+    outputs, fits, ports = fits_of(d)
+    lines, sums = [], []
+    for name in TWIST_NAMES:
+        sums.append((name, terms(fits.get(name, outputs[name]), ports)))
+        parts = summands(sums[-1][1])
+        shown = [*parts[:_TERMS], r"+\cdots"] if len(parts) > _TERMS else parts
+        lines.append(f"{notation.port(name)} &= {wrapped(shown)}")
+    return [*aligned(lines), *heads(d, sums)]

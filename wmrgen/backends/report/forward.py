@@ -1,14 +1,15 @@
-"""Section 7: from sensed joints to the twist, by least squares; its closed form for the result."""
+"""Section 7: from sensed joints to the twist, by least squares."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.latex import latex, matrix, summands, terms, width, wrapped
-from wmrgen.backends.report.letters import factored, heads, in_letters, square
+from wmrgen.backends.report.letters import factored, pair, square
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, math, some
 from wmrgen.constraints import XI, nominal_view, seen, symbolic_view
 from wmrgen.exact.linalg import determinant
@@ -16,14 +17,13 @@ from wmrgen.exact.poly import dot
 from wmrgen.kinematics.forward import nominal_rank, normal_equations
 from wmrgen.kinematics.rigid import spread
 from wmrgen.kinematics.sensing import Contact, Measured, Measurements, generic_rank, measurements
-from wmrgen.ports import TWIST_NAMES
 from wmrgen.printing import symbol_names
 
 if TYPE_CHECKING:
+    from wmrgen.layout.records import Robot
     from wmrgen.robot import Derivation
     from wmrgen.symbolic import Expr
 
-_TERMS = 24  # summands of a printed formula
 _ROWS = 14  # rows of a printed H
 _STACK = 62  # glyphs of H and z in one line
 _SHOWN = 2  # contact points that are written out
@@ -38,49 +38,16 @@ _WEIGHTS = (
 _INVARIANTS = r"M = H^T H,\quad c_1 = \mathrm{tr}\,M,\quad c_2 = \mathrm{tr}\,\mathrm{adj}\,M"
 
 
-def closed_forward(d: Derivation) -> list[str]:
-    """The twist of measured rates: written out where the matrix is constant, else the rule that gives it."""
-    measured = measurements(seen(d.robot, symbolic_view))
-    if not measured.rows:
-        return ["No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
-    if measured.constant_normal:
-        rank = nominal_rank(_numbers(d), d.robot).value
-        return (in_letters(d, _distinct(measured)) if rank == 3 else []) or _closed(d)
-    if not measured.components:
-        return _rigid_motion(len(measured.contacts))
-    blocks = ["The twist that explains all measurements best, with H and z of section 7:"]
-    if generic_rank(measured) < 3:
-        return [*blocks, *math(r"\xi = (H^T H)^{+} H^T z")]
-    return [*blocks, *math(r"\xi = (H^T H)^{-1} H^T z = \frac{\mathrm{adj}(H^T H)\,H^T z}{\det(H^T H)}")]
-
-
-def _rigid_motion(contacts: int) -> list[str]:
-    """Through the velocities of measured contact points."""
-    if contacts == 1:
-        return [
-            "The smallest twist (v, ω) that explains the velocity w of the contact point B (section 7 has both):",
-            *math(r"\omega = \frac{B \times w}{1 + |B|^2}, \qquad v = w - \omega\,\hat{z}\times B"),
-        ]
-    return [
-        "The rigid motion (v, ω) nearest to the velocities w that the wheels measure at their contact points B; a bar "
-        "is a mean over the wheels, and section 7 has B and w:",
-        *math(
-            r"\omega = \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}, \qquad "
-            r"v = \bar{w} - \omega\,\hat{z}\times\bar{B}"
-        ),
-    ]
-
-
 def forward(d: Derivation) -> list[str]:
     """Section 7."""
-    measured = measurements(seen(d.robot, symbolic_view))
+    measured = _stacking(measurements(seen(d.robot, symbolic_view)), d.robot)
     blocks = ["## 7 Forward kinematics"]
     if not measured.rows:
         return [*blocks, "No row of section 2 has joint rates that are all sensed."]
     blocks += _sources(measured)
     if not measured.constant_normal and not measured.components:
         return [*blocks, *_rigid(d, measured.contacts)]
-    rows = _distinct(measured)
+    rows = distinct(measured)
     once = " The same equation of several wheels stands once." if len(rows) < len(measured.rows) else ""
     if measured.constant_normal or any(c.wheel.turns for c in measured.contacts):
         blocks += [f"Stacked, they are H ξ = z.{once}", *_stacked(rows)]
@@ -92,11 +59,19 @@ def forward(d: Derivation) -> list[str]:
     return [
         *blocks,
         *_solution(generic_rank(measured), "over_c2" in locals_),
+        *_three(measured),
         "The residual `slip`, the norm of z − H ξ [m/s], is a signal for slip, a dead encoder or crossed wires.",
     ]
 
 
-def _distinct(measured: Measurements) -> list[Measured]:
+def _stacking(measured: Measurements, robot: Robot) -> Measurements:
+    """The measurements, of a differential drive in the order of the book."""
+    first = {w.index: k for k, w in enumerate(pair(robot))}
+    contacts = sorted(measured.contacts, key=lambda c: first.get(c.wheel.index, 0))
+    return replace(measured, contacts=tuple(contacts))
+
+
+def distinct(measured: Measurements) -> list[Measured]:
     """The rows, equal ones once where three that can be solved are left: they give what least squares gives."""
     rows = measured.rows
     if measured.weighted or not measured.constant_normal:
@@ -150,14 +125,14 @@ def _stacked(rows: list[Measured]) -> list[str]:
     return aligned([*(line + times[n] for line, n in Counter(lines).items()), *(rf"& {d}" for d in dots)])
 
 
-def _numbers(d: Derivation) -> list[Measured]:
+def nominal_rows(d: Derivation) -> list[Measured]:
     """The measured rows at nominal values."""
     return measurements(seen(d.robot, nominal_view)).rows
 
 
 def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> list[str]:
     """Everything but z is known at derivation time."""
-    numbers = _numbers(d)
+    numbers = nominal_rows(d)
     full = nominal_rank(numbers, d.robot).value == 3
     if len(rows) == 3 and full:
         return square(d, rows)
@@ -194,8 +169,8 @@ def _condition(rows: list[Measured]) -> list[str]:
     return [f"{words}:", *math(rf"\det(H^T H) = {det}")]
 
 
-def _outputs(d: Derivation) -> tuple[dict[str, Expr], dict[str, Expr], dict[str, str]]:
-    """The outputs of ``forward``, the fits before the residual is taken, and the names of its symbols."""
+def fits_of(d: Derivation) -> tuple[dict[str, Expr], dict[str, Expr], dict[str, str]]:
+    """The results of ``forward``, the fits before the residual is taken, and the names of its symbols."""
     formula = d.program.formula("forward")
     results = {result for call in formula.calls for result in call.results}
     vectors = {symbol: e for symbol, e in formula.locals if symbol in results}
@@ -204,21 +179,9 @@ def _outputs(d: Derivation) -> tuple[dict[str, Expr], dict[str, Expr], dict[str,
     return outputs, fits, symbol_names(formula.inputs)
 
 
-def _closed(d: Derivation) -> list[str]:
-    """The twist as the code computes it."""
-    outputs, fits, ports = _outputs(d)
-    lines, sums = [], []
-    for name in TWIST_NAMES:
-        sums.append((name, terms(fits.get(name, outputs[name]), ports)))
-        parts = summands(sums[-1][1])
-        shown = [*parts[:_TERMS], r"+\cdots"] if len(parts) > _TERMS else parts
-        lines.append(f"{notation.port(name)} &= {wrapped(shown)}")
-    return [*aligned(lines), *heads(d, sums)]
-
-
 def _residual(d: Derivation) -> list[str]:
     """What no twist can explain."""
-    outputs, _, ports = _outputs(d)
+    outputs, _, ports = fits_of(d)
     slip = latex(outputs["slip"], ports)
     if slip == "0":
         return ["The rates can never contradict each other, so the residual `slip` is 0."]
@@ -262,6 +225,21 @@ def _rigid(d: Derivation, contacts: Sequence[Contact]) -> list[str]:
         "The residual `slip`, the norm of all w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> [m/s], is a signal for slip, a "
         "dead encoder or crossed wires.",
     ]  # fmt: skip
+
+
+def _three(measured: Measurements) -> list[str]:
+    """The determinant of three rows, where it is short."""
+    if len(measured.rows) != 3 or measured.weighted:
+        return []
+    det = latex(determinant([list(row) for row, _, _ in measured.rows]))
+    return (
+        [
+            "Three rows make H square, and det(HᵀH) = (det H)²:",
+            *math(rf"\det H = {det}"),
+        ]
+        if width(det) <= _DET
+        else []
+    )
 
 
 def _solution(rank: int, may_fall: bool) -> list[str]:

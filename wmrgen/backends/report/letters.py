@@ -4,14 +4,27 @@ r / (4 (a + b)); the forms of the model, and the functions that are one."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.latex import Term, broken, latex, pulled_out, reduced, terms, total, width
+from wmrgen.backends.report.angles import with_tangents
+from wmrgen.backends.report.latex import (
+    Ports,
+    Term,
+    latex,
+    pulled_out,
+    reduced,
+    summands,
+    terms,
+    total,
+    width,
+    wrapped,
+)  # fmt: skip
 from wmrgen.backends.report.markdown import aligned, code, escape, listed, math, table
 from wmrgen.exact.linalg import adjugate, determinant
 from wmrgen.exact.number import ONE
-from wmrgen.exact.poly import Poly
+from wmrgen.exact.poly import Poly, has_angles
 from wmrgen.functions.models.sheet import latex as equations
 from wmrgen.functions.models.sheet import sheet_of
 from wmrgen.functions.models.state_space import regularity
@@ -23,10 +36,12 @@ from wmrgen.printing import symbol_names
 
 if TYPE_CHECKING:
     from wmrgen.exact.number import Exact
+    from wmrgen.layout.records import Robot, Wheel
     from wmrgen.robot import Derivation
 
 _ENTRY = 12  # terms of an entry of H^T H and H^T z
 _PRODUCTS = 60  # terms of a determinant of three rows
+_ROWS = 12  # of which three are chosen
 _WORK = 120  # terms of adj(H^T H) H^T z and of the determinant, times the number of parameters: 0.1 s
 _WIDEST = 240  # glyphs of what is printed
 _DIGITS = 10**6  # of numerators and denominators
@@ -43,17 +58,23 @@ def _short(polys: Sequence[Poly]) -> bool:
     return all(max(map(abs, (*c.num, c.den))) <= _DIGITS for p in polys for c in p.terms.values())
 
 
+def pair(robot: Robot) -> list[Wheel]:
+    """The wheels of a differential drive, the right one first, as Siegwart (3.29) stacks them; none of other robots."""
+    wheels = [w for w in robot.wheels if w.kind.directed and not w.kind.swivels]
+    if len(wheels) != 2 or not all(w.kind.fixed_axle for w in wheels):
+        return []
+    return sorted(wheels, key=lambda w: (w.pivot / wheels[0].zero_heading).imag)
+
+
 def square(d: Derivation, rows: list[Measured]) -> list[str]:
     """Three rows: no least squares, but the book's (3.29) and (3.30), or its (3.31) where all roll."""
-    pair = [w for w in d.robot.wheels if w.kind.directed and not w.kind.swivels]
     own = (
         len(d.constraints.rolling) == 3
         and not d.constraints.sliding
         and all(w.sensed for w in d.robot.wheels)
     )
     book = r" = J_1^{-1} J_2\,\dot{\varphi}\;\;(3.31)" if own else ""
-    differential = len(pair) == 2 and all(w.kind.fixed_axle for w in pair)
-    book = book or (r"\;\;(3.30)" if differential else "")
+    book = book or (r"\;\;(3.30)" if pair(d.robot) else "")
     volume = determinant([list(row) for row, _, _ in rows])
     det = factored(volume) if len(volume.terms) <= _PRODUCTS else ""
     shown = rf", \qquad \det H = {det}" if det and width(det) <= _LINE else ""
@@ -76,14 +97,43 @@ def in_letters(d: Derivation, rows: list[Measured]) -> list[str]:
     above = [Poly.sum(a * b for a, b in zip(row, moment, strict=True)) for row in adjoint]
     if sum(len(p.terms) for p in (*above, below)) * len(named) > _WORK:
         return []
-    exprs = [reduced(p, below) for p in above]
-    texts = [broken(e, ports) for e in exprs]
+    sums = _quotients(above, below, ports)
+    shown = _written(sums)
+    return [*shown, *heads(d, list(zip(TWIST_NAMES, sums, strict=True)))] if shown else []
+
+
+def by_three(d: Derivation, rows: list[Measured], nominal: list[Measured]) -> list[str]:
+    """The twist that three of the rows give by themselves, by Cramer's rule, where it is short; rows without joint
+    angles come first. Where all rows agree, the others add nothing."""
+    order = sorted(range(min(len(rows), _ROWS)), key=lambda k: has_angles(rows[k][0]))
+    three = next((t for t in combinations(order, 3) if determinant([list(nominal[k][0]) for k in t])), ())
+    chosen = [rows[k] for k in three]
+    h, z = [list(row) for row, _, _ in chosen], [value for _, value, _ in chosen]
+    below = determinant(h)
+    if (
+        not three
+        or not below
+        or len(below.terms) > _ENTRY
+        or not _short([*z, *(p for row in h for p in row)])
+    ):
+        return []
+    above = [Poly.sum(a * b for a, b in zip(row, z, strict=True)) for row in adjugate(h)]
+    if sum(len(p.terms) for p in (*above, below)) > _WORK:
+        return []
+    return _written(_quotients(above, below, symbol_names(d.program.formula("forward").inputs)))
+
+
+def _quotients(above: Sequence[Poly], below: Poly, ports: Ports) -> list[list[Term]]:
+    """above / below as sums."""
+    return [with_tangents(terms(reduced(p, below), ports)) for p in above]
+
+
+def _written(sums: Sequence[Sequence[Term]]) -> list[str]:
+    """The components of the twist; nothing where they are long."""
+    texts = [wrapped(summands(summed)) for summed in sums]
     if width("".join(texts)) > _WIDEST:
         return []
-    return [
-        *aligned(f"{notation.port(n)} &= {t}" for n, t in zip(TWIST_NAMES, texts, strict=True)),
-        *heads(d, [(n, terms(e, ports)) for n, e in zip(TWIST_NAMES, exprs, strict=True)]),
-    ]
+    return aligned(f"{notation.port(n)} &= {t}" for n, t in zip(TWIST_NAMES, texts, strict=True))
 
 
 def heads(d: Derivation, sums: Sequence[tuple[str, Sequence[Term]]]) -> list[str]:

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.report.closed import closed_inverse
-from wmrgen.backends.report.forward import closed_forward
+from wmrgen.backends.report.closed import closed_forward, closed_inverse
 from wmrgen.backends.report.markdown import code, pictures, table, written
 from wmrgen.backends.report.overview import kind_of_robot
 from wmrgen.exact.number import ONE, ZERO, Exact

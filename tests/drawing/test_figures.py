@@ -270,3 +270,32 @@ def test_a_wheel_is_a_stroke_along_its_rolling_direction(tmp_path: Path) -> None
     ):
         text = "\n".join(sketch(robot(tmp_path, THREE.replace("heading: 0", f"heading: {heading}")).robot))
         assert stroke in text.split("s0")[0].split("\n")[-1], text
+
+
+# ---- robots that skid
+
+SKID = """effective_track: 0.8
+limits: {spin: 9}
+"""
+FOUR = "".join(
+    f"  - {{name: w{k}, type: fixed, x: {x}, y: {y}, heading: 0, r: 0.1}}\n"
+    for k, (x, y) in enumerate(((0.3, 0.25), (0.3, -0.25), (-0.1, 0.25), (-0.1, -0.25)))
+)
+
+
+def test_a_robot_that_skids_turns_in_its_figures(tmp_path: Path) -> None:
+    """About a point on the line through the middle of its wheels, past which all its axles lead; the twists within its
+    limits are those of the drive that turns as it does, |vx -+ 0.4 omega| <= 0.9."""
+    d = robot(tmp_path, FOUR, SKID)
+    figure = parsed(d, "motion.svg")
+    first = next(panel for panel in panels(figure) if "data-icr" in panel[0].attrib)
+    x, y = map(float, first[0].attrib["data-icr"].split(","))
+    ahead, aside = (first[2][1] - y) / first[1], (first[2][0] - x) / first[1]
+    assert ahead == pytest.approx(0.1, abs=0.01) and abs(aside) > 0.1
+    axles = [numbers(e, "x1", "y1", "x2", "y2") for e in of_class(figure, "axle")]
+    assert len(axles) == 2 and all(y1 == y2 and abs(y1 - y) > 10 for _, y1, _, y2 in axles)
+    assert "wheels slide" in "".join(e.text or "" for e in figure.iter(f"{SVG}text"))
+    ((plane, corners),) = reached(d)
+    assert plane == ("vx", "omega")
+    for wanted in ((0.9, 0), (0, 2.25), (-0.9, 0), (0, -2.25)):
+        assert np.abs(corners - wanted).max(axis=1).min() < 0.01

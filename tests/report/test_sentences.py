@@ -114,3 +114,21 @@ def test_words(name: str) -> None:
 def test_headers_say_it_of_the_same_robots(name: str) -> None:
     lines = wheel_lines(derivation(name).robot)
     assert any("lean the other way" in line for line in lines) == (LEAN in page_of(name))
+
+
+def test_a_robot_that_skids(tmp_path: Path) -> None:
+    """Without slip it goes straight, as the drive that turns as it does it is not holonomic; two relations are told,
+    and two are written."""
+    corners = ((0.3, 0.25), (0.3, -0.25), (-0.1, 0.25), (-0.1, -0.25))
+    wheels = [
+        f"  - {{name: w{k}, type: fixed, x: {x}, y: {y}, heading: 0, r: 0.1}}"
+        for k, (x, y) in enumerate(corners)
+    ]
+    page = page_written(
+        tmp_path, "\n".join(["wmrgen: 1", "name: sample", "effective_track: 0.8", "wheels:", *wheels, ""])
+    )
+    assert "Without slip DDOF = 1 velocity" in page and "That drive has DDOF = 2 and DOF = 3" in page
+    assert page.count("Driving: ") == 1 and "2 relations must hold between the rates" in page
+    relations = page.partition("(compatibility)")[2].partition("```math")[2].partition("```")[0]
+    assert relations.count("0 &= ") == 2 and "```math\nT_e = 0.8\n```" in page
+    assert "In a curve its wheels skid" in page.partition("## 1 ")[0]

@@ -14,6 +14,7 @@ from wmrgen.render import render
 
 PAGES = ("README.md", "index.html")
 _PICTURE = "layout.svg"
+_FIGURES = ("symbols", "motion", "singular", "reach", "wiring")
 _COUNTED = ("inverse", "forward", "odometry")
 
 
@@ -42,16 +43,20 @@ def _model(path: Path) -> dict[str, Any]:
 def _row(model: Mapping[str, Any], quoted: Any, directory: Path) -> dict[str, Any]:
     """What the pages show of a robot, texts ``quoted`` for their language."""
     kind: Sequence[int] | None = model["robot_type"]
-    costs, html = model["operations"], f"{model['name']}/report.html"
+    holonomic = "holonomic" if model["holonomic"] else "nonholonomic"
+    costs, folder = model["operations"], directory / model["name"]
+    report = "report.html" if (folder / "report.html").is_file() else "report.md"
+    figures = [f"{figure}.svg" for figure in _FIGURES if (folder / f"{figure}.svg").is_file()]
     return {
         "name": model["name"],
         "title": quoted(model["name"]),
         "about": quoted(model["description"] or "—"),
-        "type": f"({kind[0]}, {kind[1]})" if kind else "degenerate",
+        "type": f"({kind[0]}, {kind[1]}), {holonomic}" if kind else "degenerate",
         "degrees": [model[f"degree_of_{name}"] for name in ("mobility", "steerability", "maneuverability")],
-        "holonomic": "holonomic" if model["holonomic"] else "nonholonomic",
         "wheels": len(model["wheels"]),
         "costs": [sum(costs[name].values()) if name in costs else "—" for name in _COUNTED],
-        "report": html if (directory / html).is_file() else f"{model['name']}/report.md",
+        "report": report,
+        "figures": figures,
+        "shown": f"{model['name']}/{report if report.endswith('html') else _PICTURE}",
         "picture": f"{model['name']}/{_PICTURE}",
     }

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 FAR = 3.3  # robot sizes from its centre: an ICR farther off is pointed at
 _FASTEST = 30.0  # the length of the longest velocity [px]
+_SKEW = 0.02  # of the way to the ICR: an axle that misses it by more leads elsewhere
 _MANY = 12  # wheels, from which on velocities and lines to the ICR are left out
 
 
@@ -99,7 +100,8 @@ def _velocities(wheels: list[Placed], shown: Example, view: View) -> list[str]:
 
 
 def _axles(wheels: list[Placed], icr: Point | None, area: Box) -> list[Segment]:
-    """Zero-motion lines of wheels that slide not across: to the ICR and a little beyond, or across the panel.
+    """Zero-motion lines of wheels that slide not across: to the ICR and a little beyond, or across the panel where
+    there is none and where a wheel must slide.
 
     Wheels on one line share it: the longest piece stays.
     """
@@ -108,7 +110,7 @@ def _axles(wheels: list[Placed], icr: Point | None, area: Box) -> list[Segment]:
         if not _has_axle(p) or (icr is None and not p.wheel.kind.constrains):
             continue
         cut: Segment | None = None
-        if icr is None or distance(p.centre, icr) < 1.0:
+        if icr is None or distance(p.centre, icr) < 1.0 or _slides(p, icr):
             cut = clip(p.centre, p.left, area)
         elif p.wheel.kind.constrains or abs(_off(p, icr)) < 1.0:
             way = unit(p.centre, icr)
@@ -127,6 +129,11 @@ def line_of(p: Placed) -> tuple[float, float]:
 def _off(p: Placed, icr: Point) -> float:
     """How far the ICR lies off the axle line [px]."""
     return (icr[0] - p.centre[0]) * p.ahead[0] + (icr[1] - p.centre[1]) * p.ahead[1]
+
+
+def _slides(p: Placed, icr: Point) -> bool:
+    """Whether a wheel of which the ground forbids it slides across all the same: its axle leads past the ICR."""
+    return p.wheel.kind.constrains and abs(_off(p, icr)) > max(1.0, _SKEW * distance(p.centre, icr))
 
 
 def _icr(p: Point, paper: Paper) -> list[str]:

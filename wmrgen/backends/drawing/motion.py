@@ -20,8 +20,8 @@ _RIGHT: Box = (248.0, 24.0, 472.0, 268.0)
 
 
 def motion(derivation: Derivation) -> Figure | None:
-    """``motion.svg``; None where the robot cannot move."""
-    shown = example(derivation.robot, derivation.mobility)
+    """``motion.svg``; None where the robot cannot move. One with an effective track turns, and its wheels slide."""
+    shown = example(derivation.robot, derivation.driven.mobility)
     return None if shown is None else drawn(derivation.robot, shown)
 
 
@@ -38,6 +38,6 @@ def drawn(robot: Robot, shown: Example) -> Figure:
         f"{robot.name} moving: left the instantaneous centre of rotation {where}, right the same motion in the world, "
         f"{path}."
     )
-    lines = wrapped(words, 222)
+    lines = wrapped(f"{words}{', wheels slide' if robot.effective_track else ''}", 222)
     groups = [*instant(robot, shown, _LEFT, "robot frame", lines), *world(robot, shown, _RIGHT)]
     return figure(FILE, alt, _LEFT[3] + 6 + 15 * len(lines), groups)

@@ -31,7 +31,7 @@ End = tuple[int, Point]  # the number of the limit that decides in a direction, 
 def reach(derivation: Derivation) -> Figure | None:
     """``reach.svg``; None where the limits leave a direction open, one motion alone is free, or no limit of a wheel
     decides anything: then the set is a box."""
-    robot, free = derivation.robot, derivation.mobility.admissible
+    robot, free = derivation.driven.robot, derivation.driven.mobility.admissible
     if not free.linear or free.dimension < 2 or _one_sided(robot) or not _limited(robot):
         return None
     planes: list[Plane] = [(0, 1), (0, 2)] if free.dimension == 3 else [_plane(free.basis)]

@@ -51,7 +51,7 @@ def analysis(d: Derivation) -> list[str]:
         *_generic(d),
         *_verdicts(d),
         *integrability(d),
-        *_actuation(d),
+        *([] if d.robot.effective_track else _actuation(d)),
     ]
 
 
@@ -129,8 +129,9 @@ def _verdicts(d: Derivation) -> list[str]:
     m = d.mobility
     vector, states = _growth(d)
     no = {True: "", False: "not "}
+    rolling = "Without slip " if m.degenerate else ""
     return [
-        f"DDOF = {m.ddof} {_of('velocity', 'velocities', m.ddof)} can be chosen at once, poses of dimension "
+        f"{rolling}DDOF = {m.ddof} {_of('velocity', 'velocities', m.ddof)} can be chosen at once, poses of dimension "
         f"DOF = {m.dof} can be reached: the robot is {no[m.holonomic]}holonomic (DDOF = DOF) and "
         f"{no[m.omnidirectional]}omnidirectional (DDOF = 3). The growth vector ({', '.join(map(str, vector))}) counts "
         "the dimensions that the inputs span, then those with their brackets, one order at a "
@@ -216,7 +217,9 @@ def skid(d: Derivation) -> list[str]:
     return [
         "In a curve these wheels cannot all roll. On even ground the robot turns as a differential drive does whose "
         "wheels stand the effective track apart, a measured length,",
-        *aligned([rf"T_e &= {latex(track.symbolic)} = {plain(track.nominal)}"]),
+        *math(" = ".join(dict.fromkeys(["T_e", latex(track.symbolic), plain(track.nominal)]))),
+        f"That drive has DDOF = {d.driven.mobility.ddof} and DOF = {d.driven.mobility.dof}: it is not holonomic.",
+        *_actuation(d.driven),
         f"Sections 6 to 8 are about that drive: its axle passes through ({x:.6g}, {y:.6g}), and the wheels of a side "
         "count as one. What the wheels slide in a curve is no part of `slip` there.",
     ]

@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from wmrgen.layout.records import Parameter, Robot, Wheel
     from wmrgen.robot import Derivation
 
+_SKIDDING = (
+    " In a curve its wheels skid, and it turns as a differential drive of its effective track does: with two degrees "
+    "of freedom."
+)
 _NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".split()
 
 
@@ -51,7 +55,7 @@ def kind_of_robot(d: Derivation) -> str:
         f"({m.degree_of_mobility}, {m.degree_of_steerability}): {when} it moves with "
         f"{_count(m.degree_of_mobility, 'degree')} of freedom, and steering adds "
         f"{_word(m.degree_of_steerability) if m.degree_of_steerability else 'none'}."
-    )
+    ) + (_SKIDDING if robot.effective_track else "")
 
 
 def _word(n: int) -> str:

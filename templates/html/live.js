@@ -9,6 +9,7 @@ const UNITS = { spin: "rad/s", steer: "°", steer_rate: "rad/s" };
 const SLIDING = 1e-6; // m/s: less is rounding
 const SHOWN = 0.4; // s: a velocity is drawn as the way of that time
 const TICKS = 8; // on a tyre, all round
+const PULLED = 0.005; // s: a step of trailers
 const GROUND = [9, 6]; // width and height of what is seen, in sizes of the largest robot
 
 const degrees = (angle) => (angle * 180) / Math.PI;
@@ -26,9 +27,10 @@ function set(element, attributes) {
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
 }
 
-// How far a robot reaches from P.
+// How far a robot reaches from P, its trailers half.
 function reach(robot) {
-  return Math.max(0.05, ...robot.wheels.map((w) => Math.hypot(w.x, w.y) + w.r));
+  const towed = robot.trailers.reduce((sum, t) => sum + t.hitch + t.length, 0);
+  return Math.max(0.05, towed / 2, ...robot.wheels.map((w) => Math.hypot(w.x, w.y) + w.r));
 }
 
 // The corners of the convex hull of `points`, counter-clockwise (Andrew's monotone chain).
@@ -82,6 +84,29 @@ class WheelPicture {
   }
 }
 
+// ---- one trailer: a group at the middle of its axle, turned by its heading
+
+class TrailerPicture {
+  constructor(parent, trailer, half) {
+    this.trailer = trailer;
+    this.hitch = add(parent, "line", { class: "bar" }, true);
+    this.group = add(parent, "g", { class: "trailer", "data-trailer": trailer.name }, true);
+    add(this.group, "path", { class: "bar", fill: "none", d: `M${trailer.length} 0L0 0M0 ${-half}L0 ${half}` }, true);
+    const box = { x: -0.3 * half, width: 0.6 * half, height: 0.2 * half, rx: 0.05 * half };
+    for (const side of [-1, 1]) add(this.group, "rect", { class: "tyre", ...box, y: side * half - 0.1 * half }, true);
+  }
+
+  // Behind `front`, the axle that pulls it, (x, y, heading) in the world; its own axle.
+  draw(front, heading) {
+    const behind = ([x, y, angle], way) => [x - way * Math.cos(angle), y - way * Math.sin(angle)];
+    const [x, y] = behind(front, this.trailer.hitch);
+    set(this.hitch, { x1: front[0], y1: front[1], x2: x, y2: y });
+    const axle = behind([x, y, heading], this.trailer.length);
+    set(this.group, { transform: `translate(${axle.join(" ")}) rotate(${degrees(heading)})` });
+    return [...axle, heading];
+  }
+}
+
 // ---- one robot: what is asked of it, what it does, its picture and its controls
 
 class Live {
@@ -116,6 +141,7 @@ class Live {
     }
     for (const name of this.robot.joints) this.joints[name] ??= 0;
     this.turned = Object.fromEntries(this.robot.wheels.map((w) => [w.name, 0]));
+    this.headings = Object.fromEntries(this.robot.trailers.map((t) => [`${t.name}.theta`, this.robot.axle.heading]));
     this.trail = [];
     this.camera = [0, 0];
     this.stop();
@@ -167,6 +193,7 @@ class Live {
   step(dt) {
     if (this.follows) this.pursue();
     else this.compute();
+    this.tow(dt);
     this.pose = this.functions.odometry({ ...this.pose, ...this.twist, dt });
     for (const { name, swivels } of this.robot.wheels) {
       this.turned[name] += (this.joints[`${name}.spin`] ?? 0) * dt;
@@ -175,6 +202,17 @@ class Live {
     const last = this.trail.at(-1);
     if (!last || Math.hypot(this.pose.x - last[0], this.pose.y - last[1]) > 0.05 * this.size) {
       this.trail = [...this.trail.slice(-2000), [this.pose.x, this.pose.y]];
+    }
+  }
+
+  // The trailers follow for `dt` seconds, from the present pose.
+  tow(dt) {
+    if (!this.robot.trailers.length) return;
+    const steps = Math.ceil(dt / PULLED);
+    for (let k = 0; k < steps; k++) {
+      const theta = this.pose.theta + (this.twist.omega * k * dt) / steps;
+      const rates = this.functions.towed({ ...this.twist, theta, ...this.headings });
+      for (const name of Object.keys(this.headings)) this.headings[name] += (rates[`${name}_rate`] * dt) / steps;
     }
   }
 
@@ -222,6 +260,8 @@ class Live {
     this.grid = add(up, "path", { class: "grid" }, true);
     this.trailLine = add(up, "polyline", { class: "trail" }, true);
     this.pathLine = add(up, "polyline", { class: "path" }, true);
+    const half = Math.max(0.1 * this.size, ...this.robot.wheels.map((w) => Math.abs(w.y)));
+    this.trailers = this.robot.trailers.map((trailer) => new TrailerPicture(up, trailer, half));
     this.body = add(up, "g", { class: "chassis" }, true);
     const corners = hull(this.robot.wheels.map((w) => [w.x, w.y]));
     add(this.body, "polygon", { class: "body", points: corners.join(" ") }, true);
@@ -295,6 +335,12 @@ class Live {
     const { x, y, theta } = this.pose;
     this.look();
     set(this.body, { transform: `translate(${x} ${y}) rotate(${degrees(theta)})` });
+    const axle = this.robot.axle;
+    const [c, s] = [Math.cos(theta), Math.sin(theta)];
+    this.trailers.reduce(
+      (front, picture) => picture.draw(front, this.headings[`${picture.trailer.name}.theta`]),
+      [x + c * axle.x - s * axle.y, y + s * axle.x + c * axle.y, theta + axle.heading],
+    );
     for (const picture of this.wheels) {
       const { name } = picture.wheel;
       const steer = this.joints[`${name}.steer`] ?? 0;

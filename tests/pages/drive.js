@@ -2,6 +2,7 @@
 const shown = (live) => ({
   body: live.body.getAttribute("transform"),
   wheels: Object.fromEntries(live.wheels.map((w) => [w.wheel.name, w.group.getAttribute("transform")])),
+  trailers: Object.fromEntries(live.trailers.map((t) => [t.trailer.name, t.group.getAttribute("transform")])),
   icr: [live.centre.getAttribute("cx"), live.centre.getAttribute("cy"), live.centre.getAttribute("visibility")],
   values: Object.fromEntries(live.sliders.map((s) => [s.name, [s.input.valueAsNumber, ...["step", "min", "max"].map((a) => Number(s.input[a]))]])),
   outputs: Object.fromEntries(live.sliders.map((s) => [s.name, s.output.textContent])),

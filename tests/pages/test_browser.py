@@ -178,9 +178,30 @@ def _as_numpy_says(d: Derivation, what: str, before: dict[str, Any], after: dict
     # that goes by their angles then drives another twist.
     still = expm(0.5 * np.array([[0, -omega, vx], [omega, 0, vy], [0, 0, 0]]))
     assert _transform(before["body"]) == (0, 0, 0)
+    assert after["trailers"].keys() == {t.name for t in d.robot.trailers}
+    for name, place in _towed(d, driven, 0.5).items():
+        assert _transform(after["trailers"][name]) == pytest.approx(place, abs=0.01), name
     x, y, theta = _transform(after["body"])
     assert (x, y) == pytest.approx((still[0, 2], still[1, 2]), abs=1e-6)
     assert np.exp(1j * theta) == pytest.approx(np.exp(1j * 0.5 * omega), abs=1e-6)
+
+
+def _towed(d: Derivation, driven: dict[str, float], time: float) -> dict[str, tuple[float, float, float]]:
+    """Axle and heading of each trailer, in line behind P at first: each is drawn along the bar that its coupling has
+    left behind, step by step (a tractrix). The axle that pulls the first passes through P."""
+    speed, omega = complex(driven["vx"], driven["vy"]), driven["omega"]
+    axles: dict[str, complex] = {}
+    places = {}
+    for at in np.linspace(0.0, time, 4001):
+        front = speed * at * np.exp(0.5j * omega * at) * np.sinc(omega * at / (2 * np.pi))
+        ahead = np.exp(1j * omega * at)
+        for t in d.robot.trailers:
+            coupling, length = front - ahead * float(t.hitch.nominal), float(t.length.nominal)
+            bar = coupling - axles.get(t.name, coupling - length)
+            ahead = bar / abs(bar)
+            axles[t.name] = front = coupling - length * ahead
+            places[t.name] = front.real, front.imag, float(np.angle(ahead))
+    return places
 
 
 def _called(d: Derivation, function: str, values: dict[str, float]) -> dict[str, float]:

@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import atan2
 from typing import Any
 
 from wmrgen.backends.registry import BACKENDS
+from wmrgen.constraints import nominal_view
 from wmrgen.emit import site
-from wmrgen.ir.calls import select
+from wmrgen.functions.models.axle import THROUGH_P, fixed_axle
+from wmrgen.functions.models.inputs import best_motion
+from wmrgen.functions.system import rate_port
+from wmrgen.functions.trailers.trailer import state_ports, turns
+from wmrgen.ir.calls import select, self_contained
+from wmrgen.ir.nodes import Function
+from wmrgen.ir.pipeline import optimise
+from wmrgen.kinematics.records import Locals, tunable_ports
 from wmrgen.layout.records import Wheel
+from wmrgen.lower import lower
+from wmrgen.ports import POSE, TWIST
 from wmrgen.robot import Derivation
 
 FUNCTIONS = ("inverse", "forward", "odometry")
@@ -23,7 +35,20 @@ def robot(derivation: Derivation) -> dict[str, Any]:
         "joints": [port.name for port in sensed if port.name.rpartition(".")[2] in _JOINTS],
         "limits": dict(site(derivation).limits),
         "omnidirectional": derivation.mobility.degree_of_mobility == 3,
+        "trailers": [
+            {"name": t.name, "hitch": float(t.hitch.nominal), "length": float(t.length.nominal)}
+            for t in derivation.robot.trailers
+        ],
+        "axle": _axle(derivation),
     }
+
+
+def _axle(derivation: Derivation) -> dict[str, float]:
+    """Where trailers follow: the centre of the fixed axle, and which way it drives."""
+    driven = derivation.driven
+    axle = fixed_axle(driven.robot, driven.mobility, nominal_view) or THROUGH_P
+    ex, ey, x, y = (float(p.constant or 0) for p in (axle.ex, axle.ey, axle.x, axle.y))
+    return {"x": x, "y": y, "heading": atan2(ey, ex)}
 
 
 def _wheel(wheel: Wheel) -> dict[str, Any]:
@@ -43,7 +68,22 @@ def _wheel(wheel: Wheel) -> dict[str, Any]:
     }
 
 
+def _towed(derivation: Derivation) -> Function:
+    """The yaw rates of the trailers, ``towed``: of the twist of P and all headings (Tzafestas (2.70))."""
+    robot, mobility = derivation.driven.robot, derivation.driven.mobility
+    headings = state_ports(robot.trailers)
+    rates = turns(best_motion(robot, mobility), mobility)
+    formula = Locals().formula(
+        "towed", (*TWIST, POSE[2], *headings, *tunable_ports(robot)),
+        zip(map(rate_port, headings), rates, strict=True), "yaw rates of the trailers",
+    )  # fmt: skip
+    (function,) = self_contained(optimise((lower(formula),), robot.name))
+    return function
+
+
 def code(derivation: Derivation) -> str:
     """A JavaScript expression of the functions that drive it."""
     module = select(derivation.module, {name: name for name in FUNCTIONS})
+    if derivation.robot.trailers:
+        module = replace(module, functions=(*module.functions, _towed(derivation)))
     return str(BACKENDS["javascript"].offers("expression")(module))

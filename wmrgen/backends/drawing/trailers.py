@@ -31,8 +31,8 @@ Train = list[
 
 def train(derivation: Derivation) -> Train:
     """The trailers, all in line behind the fixed axle, or behind P where there is none."""
-    robot = derivation.robot
-    axle = fixed_axle(robot, derivation.mobility, nominal_view) or THROUGH_P
+    robot = derivation.driven.robot
+    axle = fixed_axle(robot, derivation.driven.mobility, nominal_view) or THROUGH_P
     ex, ey, x, y = (float(p.constant or 0) for p in (axle.ex, axle.ey, axle.x, axle.y))
     places: Train = []
     for t in robot.trailers:

@@ -9,15 +9,12 @@ from wmrgen.backends.report.angles import with_tangents
 from wmrgen.backends.report.latex import broken, pieces, terms, total, width
 from wmrgen.backends.report.markdown import aligned, code, listed
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Poly, Row
-from wmrgen.functions.models.axle import THROUGH_P, fixed_axle
 from wmrgen.functions.models.inputs import Motion, best_motion
 from wmrgen.functions.models.sheet import tidy
-from wmrgen.functions.trailers.trailer import convoy, state_ports
+from wmrgen.functions.trailers.trailer import state_ports, turns
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.printing import symbol_names
-from wmrgen.symbolic import number, signal
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
@@ -110,10 +107,8 @@ def _trailers(d: Derivation, motion: Motion, sideways: bool) -> list[str]:
     """The yaw rates of trailers from the twist of P (Tzafestas (2.70))."""
     if not d.robot.trailers:
         return []
-    axle = fixed_axle(motion.robot, d.mobility, motion.frame.view) or THROUGH_P
-    twist = signal("vx"), signal("vy") if sideways else number(ZERO), signal("omega")
     ports = symbol_names(state_ports(d.robot.trailers))
-    towed = zip(d.robot.trailers, convoy(motion, axle, twist, None), strict=True)
+    towed = zip(d.robot.trailers, turns(motion, d.mobility, sideways), strict=True)
     return [
-        rf"\dot{{\theta}}_{{{notation.wheel(t.name)}}} &= {broken(tidy(own.turn), ports)}" for t, own in towed
+        rf"\dot{{\theta}}_{{{notation.wheel(t.name)}}} &= {broken(tidy(turn), ports)}" for t, turn in towed
     ]

@@ -93,6 +93,14 @@ def convoy(motion: Motion, axle: Axle, twist: Sequence[Expr], names: Locals | No
     return axles
 
 
+def turns(motion: Motion, mobility: Mobility, sideways: bool = True) -> list[Expr]:
+    """The yaw rate of each trailer's axle [rad/s] in the twist of P (signals vx, vy, omega) and the headings; vy is 0
+    unless ``sideways``."""
+    axle = fixed_axle(motion.robot, mobility, motion.frame.view) or THROUGH_P
+    vy = signal("vy") if sideways else sympy.S.Zero
+    return [own.turn for own in convoy(motion, axle, (signal("vx"), vy, signal("omega")), None)]
+
+
 def in_view(length: Length, symbolic: bool) -> Poly:
     """A length with its parameters as symbols, or the tunable ones alone."""
     return length.symbolic if symbolic else length.working

@@ -527,6 +527,7 @@ def test_files_for_others(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) ->
     drawn = [e.get("class") for e in picture.iter("{http://www.w3.org/2000/svg}polyline")]
     assert (drawn.count("truth"), drawn.count("before"), drawn.count("after")) == (1 + 3, 1 + 6, 1 + 6)
     assert {"radius", "track"} <= {e.text for e in picture.iter("{http://www.w3.org/2000/svg}text")}
+    assert float((picture.get("viewBox") or "").split()[2]) <= 480  # words of 12 px are 10 px high at 400
     ros = yaml.safe_load(files["differential_with_castor_controllers.yaml"])
     parameters = ros["base_controller"]["ros__parameters"]
     assert parameters["wheel_separation"] == pytest.approx(layout.true["track"], rel=1e-3)

@@ -1,5 +1,5 @@
-"""A calibration in one picture: paths before and after beside the truth, their errors by time, and the parameters with
-three standard deviations."""
+"""A calibration in one picture: paths before and after with the truth, below them their errors by time, and the
+parameters with three standard deviations. It is narrow, so that its words are 10 px high at a width of 400."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from wmrgen.backends.drawing.paper import Box, Point, circle, line, lines, metres, text
+from wmrgen.backends.drawing.paper import Box, Point, circle, line, lines, metres, text, width
 from wmrgen.calibrating.calibrate import Calibration, Estimate
 from wmrgen.calibrating.drawn import Drawn, drawn
 from wmrgen.calibrating.path import Reals
 
-_WIDTH, _HEIGHT = 900, 460
-_PATHS: Box = (20, 44, 420, 440)  # left, top, right, bottom
-_ERRORS: Box = (520, 40, 880, 220)
-_VALUES: Box = (620, 280, 880, 440)
+_WIDTH = 480
+_PATHS: Box = (20, 40, 460, 360)  # left, top, right, bottom
+_ERRORS: Box = (72, 432, 460, 572)
+_VALUES, _ROW, _MARGIN = 640, 20, 20  # where parameters begin, a row of them, what stays free at the sides
 _MOST = 300  # points of a line
 _STYLE = """.calibration text { font: 12px Helvetica, Arial, sans-serif; fill: #000000; }
 .calibration .end { text-anchor: end; }
@@ -38,8 +38,9 @@ def picture(result: Calibration) -> str:
     before = [drawn(best.problem, old, offset, index) for index, offset in each]
     after = [drawn(best.problem, new, offset, index) for index, offset in each]
     elements = [*_key(), *_paths(before, after), *_errors(before, after), *_values(result.parameters)]
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" class="calibration">'
-    page = f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="#ffffff"/>'
+    height = _VALUES + _ROW * len(result.parameters) + _MARGIN
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" class="calibration">'
+    page = f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>'
     return "\n".join([head, f"<style>\n{_STYLE}\n</style>", page, *elements, "</svg>"]) + "\n"
 
 
@@ -75,8 +76,9 @@ def _paths(before: Sequence[Drawn], after: Sequence[Drawn]) -> Iterable[str]:
                 cls,
             )
     metre = float(10 ** np.floor(np.log10(size / 2)))
-    yield line((_PATHS[0], 452), (_PATHS[0] + scale * metre, 452), "axis")
-    yield text((_PATHS[0] + scale * metre + 6, 456), f"{metre:g} m", "words")
+    below = _PATHS[3] + 14
+    yield line((_PATHS[0], below), (_PATHS[0] + scale * metre, below), "axis")
+    yield text((_PATHS[0] + scale * metre + 6, below + 4), f"{metre:g} m", "words")
 
 
 def _errors(before: Sequence[Drawn], after: Sequence[Drawn]) -> Iterable[str]:
@@ -91,7 +93,7 @@ def _errors(before: Sequence[Drawn], after: Sequence[Drawn]) -> Iterable[str]:
     yield text((left - 6, top + 8), metres(most), "end")
     yield text((left - 6, bottom + 4), "0", "end")
     yield text((right, bottom + 16), f"{last:.3g} s", "end")
-    yield text((left, 24), "distance of odometry from the truth", "words")
+    yield text((left, top - 14), "distance of odometry from the truth", "words")
     for cls, t, error in curves:
         thin = slice(None, None, 1 + len(t) // _MOST)
         yield lines(
@@ -106,15 +108,17 @@ def _points(x: Reals, y: Reals) -> list[Point]:
 def _values(parameters: Mapping[str, Estimate]) -> Iterable[str]:
     """What each parameter is away from nominal, in percent of it (in units of 0.01 where that is zero), and three
     standard deviations each way; an interval that leaves the picture ends at its side."""
-    left, top, right, bottom = _VALUES
+    left = min(max(map(width, parameters), default=0.0) + _MARGIN + 8, _WIDTH / 2)
+    top, right, bottom = _VALUES, _WIDTH - _MARGIN, _VALUES + _ROW * len(parameters)
     shown = {n: _percent(e) for n, e in parameters.items()}
     sure = [abs(middle) + 3 * sigma for n, (middle, sigma) in shown.items() if parameters[n].observable]
     most = max([*sure, *(abs(middle) for middle, _ in shown.values()), 1e-3])
     half, centre = (right - left) / 2, (left + right) / 2
-    yield text((left, top - 16), f"change from nominal, 3 sigma; whole width {2 * most:.2g} %", "middle")
+    told = f"change from nominal, 3 sigma; whole width {2 * most:.2g} %"
+    yield text((right, top - 12), told, "end")
     yield line((centre, top), (centre, bottom), "axis")
     for k, (name, (middle, sigma)) in enumerate(shown.items()):
-        y = top + (bottom - top) * (k + 0.5) / len(shown)
+        y = top + _ROW * (k + 0.5)
         low, high = (float(np.clip(middle + side * sigma, -most, most)) for side in (-3, 3))
         cls = "sure" if parameters[name].observable else "weak"
         yield line((centre + half * low / most, y), (centre + half * high / most, y), cls)

@@ -35,7 +35,7 @@ def share_linear_forms(function: Function) -> Function:
     search = _Search()
     limit = len(function.nodes)
     boundaries = list(shape.boundaries())
-    nested = _early(function, shape, scalars, builder, boundaries[0])
+    nested = _early(function, shape, scalars, boundaries[0])
     if nested:
         boundaries.insert(1, boundaries[0] | nested)
     for kept in boundaries:
@@ -98,9 +98,7 @@ class _Shape:
         yield frozenset()
 
 
-def _early(
-    function: Function, shape: _Shape, scalars: Scalars, builder: Builder, kept: frozenset[int]
-) -> frozenset[int]:
+def _early(function: Function, shape: _Shape, scalars: Scalars, kept: frozenset[int]) -> frozenset[int]:
     """Sums in sums of which another part needs more products, roots and the like one after the other.
 
     Only those that have two terms in common with a row that is computed anyway, so that there is something to share.

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.counts import ROOT
 from benchmarks.emulator.fleet import Fleet
 from benchmarks.emulator.zig import M0, M4F, Target
 from benchmarks.kernels import verify
-from wmrgen import derive, load
+from tests.robots import of_gallery
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.driver import evaluate_c
 from wmrgen.ir.kernels.choice import TARGETS, Choice
@@ -32,7 +31,7 @@ def mismatches(
     folder: Path, target: str, count: int, processors: Sequence[Target] = (M4F, M0)
 ) -> tuple[int, list[str]]:
     """Inputs tried of the C for ``target`` here and on ``processors``, and outputs of those that differ."""
-    modules = (verify.module(), derive(load(ROOT / "robots" / "kelly_4ws.yaml")).c_module)
+    modules = (verify.module(), of_gallery("kelly_4ws").c_module)
     tried, wrong = 0, []
     fleets = []
     for processor in processors:

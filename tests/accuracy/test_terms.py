@@ -8,8 +8,7 @@ import pytest
 
 from benchmarks.accuracy import ROBOTS, Values, limit, measure, robot
 from benchmarks.accuracy import inputs as drawn
-from benchmarks.counts import ROOT
-from wmrgen import derive, load
+from tests.robots import of_gallery
 from wmrgen.ir.interpret import FLOAT32, evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import TARGETS
@@ -28,7 +27,7 @@ def predicted(module: Module, name: str, cases: Sequence[Values]) -> list[Values
 def test_few(name: str, target: str) -> None:
     import random
 
-    derivation = derive(load(ROOT / "robots" / f"{name}.yaml"))
+    derivation = of_gallery(name)
     module = expand(derivation.c_module, "float", "inline", target)
     for function in ("inverse", "forward"):
         reference = derivation.raw_module.function(function)
@@ -43,6 +42,6 @@ def test_few(name: str, target: str) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_compiled(name: str) -> None:
     """The C as derive writes it, from the system compiler."""
-    derivation = derive(load(ROOT / "robots" / f"{name}.yaml"))
+    derivation = of_gallery(name)
     for function, worst in robot(name, 100):
         assert worst.ulp <= limit(derivation.raw_module.function(function)), worst

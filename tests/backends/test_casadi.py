@@ -13,8 +13,7 @@ import pytest
 
 from tests.backends.modules import MODULES, swerve, tunable
 from tests.backends.samples import samples
-from tests.conftest import GALLERY
-from wmrgen import derive, load
+from tests.robots import ROBOTS, of_gallery
 from wmrgen.backends.casadi import emit, functions
 from wmrgen.backends.registry import Facts
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
@@ -78,9 +77,9 @@ def test_the_guards_leave_values_and_derivatives_alone() -> None:
     assert spin_by_vx == pytest.approx(20.0)
 
 
-@pytest.mark.parametrize("path", GALLERY, ids=lambda p: p.stem)
-def test_gallery(path: Path) -> None:
-    module = derive(load(path)).module
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_gallery(robot: str) -> None:
+    module = of_gallery(robot).module
     for name, function in functions(module).items():
         for case in samples(module, module.function(name), 6):
             expected = evaluate_module(module, name, case, FLOAT64)

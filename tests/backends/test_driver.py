@@ -8,8 +8,7 @@ from functools import cache
 
 import pytest
 
-from tests.conftest import ROOT
-from wmrgen import derive, load
+from tests.robots import of_gallery
 from wmrgen.backends.c99.driver import HARNESS, answer, calls, command, driver, harness, nominal, request
 from wmrgen.backends.c99.emit import unit
 from wmrgen.errors import UsageError
@@ -23,7 +22,7 @@ PIECE = re.compile(
 
 @cache
 def module() -> Module:
-    return derive(load(ROOT / "robots" / "pioneer3dx.yaml")).c_module
+    return of_gallery("pioneer3dx").c_module
 
 
 @pytest.mark.parametrize("scalar", ["float", "double"])

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.harness import COMPILERS, robot_module
+from tests.c.harness import COMPILERS
 from tests.depth import everyday
+from tests.robots import of_gallery
 from tests.selftest.every import NAMES
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.emit import unit
@@ -40,16 +41,16 @@ PROTOTYPES = {
 
 @pytest.mark.parametrize("robot", PROTOTYPES)
 def test_prototypes(robot: str) -> None:
-    header = re.sub(r"\s+", " ", sources(robot_module(robot))[0])
+    header = re.sub(r"\s+", " ", sources(of_gallery(robot).c_module)[0])
     for prototype in PROTOTYPES[robot]:
         assert prototype in header
 
 
 def test_what_is_passive_is_no_member() -> None:
-    assert robot_module("pioneer3dx").joints == SPINS
-    car = robot_module("ackermann_car").joints
+    assert of_gallery("pioneer3dx").c_module.joints == SPINS
+    car = of_gallery("ackermann_car").c_module.joints
     assert car == ("rear_left.spin", "rear_right.spin", "front_left.steer", "front_right.steer")
-    assert "wheels" not in members(robot_module("office_chair"))
+    assert "wheels" not in members(of_gallery("office_chair").c_module)
 
 
 def function(
@@ -148,7 +149,7 @@ def one_variable(step: Step, robot: str) -> str:
 @pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 @pytest.mark.parametrize("robot", everyday(NAMES, ("wpilib_swervebot", "nomad_xr4000", "kelly_4ws")))
 def test_inputs_and_outputs_may_be_one_variable(robot: str, tmp_path: Path) -> None:
-    module = robot_module(robot)
+    module = of_gallery(robot).c_module
     if module.prepare is not None:
         return  # what prepare gives is no output of a step
     for name, text in zip((f"{robot}.h", f"{robot}.c"), sources(module), strict=True):

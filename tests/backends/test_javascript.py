@@ -13,8 +13,8 @@ import pytest
 
 from tests.conftest import GALLERY, Outcome
 from tests.depth import EVERYDAY
+from tests.robots import of_gallery
 from tests.tools import need, tool
-from wmrgen import derive, load
 from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.emit import site
 from wmrgen.errors import EnvironmentFailure
@@ -55,7 +55,7 @@ ENDS = (
 )
 def test_it_replays_the_vectors_of_c(path: Path) -> None:
     need("node")
-    derivation = derive(load(path))
+    derivation = of_gallery(path.stem)
     bases = {f.name: f.variant_of or f.name for f in derivation.c_module.functions}
     idle = {p.name: 0.0 for f in derivation.module.functions for p in f.inputs if p.default is None}
     played = tables(derivation.c_module, "double", site(derivation))

@@ -13,7 +13,7 @@ import pytest
 from tests.backends.modules import MODULES, RADIUS, VX, swerve, tunable
 from tests.backends.samples import samples
 from tests.conftest import GALLERY
-from wmrgen import derive, load
+from tests.robots import of_gallery
 from wmrgen.backends.numpy import argument_names, emit, functions
 from wmrgen.backends.registry import Facts
 from wmrgen.ir.nodes import Function, Module, Port, Role
@@ -55,7 +55,7 @@ def test_file_and_callables_agree(module: Module, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("path", GALLERY, ids=lambda p: p.stem)
 def test_gallery(path: Path, tmp_path: Path) -> None:
-    same(derive(load(path)).module, tmp_path)
+    same(of_gallery(path.stem).module, tmp_path)
 
 
 def test_arguments_broadcast() -> None:
@@ -94,7 +94,7 @@ def test_names_that_clash_or_are_keywords() -> None:
     }
 
 
-def test_the_file_needs_nothing_but_numpy(tmp_path: Path) -> None:
+def test_the_file_needs_nothing_but_numpy() -> None:
     text = emit(swerve(), FACTS)["swerve.py"].decode()
     assert [line for line in text.splitlines() if line.startswith(("import", "from"))] == [
         "import numpy as np"

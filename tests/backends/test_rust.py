@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from tests.backends.modules import MODULES, TWIST, VX, spin, steer
-from tests.c.harness import robot_module
 from tests.conftest import ROOT, Outcome, tree
+from tests.robots import of_gallery
 from tests.tools import need, tool
 from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.backends.rust.driver import run
@@ -35,7 +35,7 @@ FLOAT = Choice()
 @pytest.fixture
 def crate(tmp_path: Path) -> Path:
     """The crate of a robot with tunable parameters, kernels and functions that change what they are handed."""
-    module = robot_module("pioneer3dx")
+    module = of_gallery("pioneer3dx").c_module
     for name, content in BACKENDS["rust"].load().emit(module, FACTS).items():
         path = tmp_path / name
         path.parent.mkdir(exist_ok=True)

@@ -12,8 +12,9 @@ from struct import pack
 import pytest
 
 from tests.backends.modules import MODULES
-from tests.c.harness import gallery, robot_module
+from tests.c.harness import gallery
 from tests.depth import everyday, examples
+from tests.robots import of_gallery
 from tests.tools import need
 from wmrgen import derive, load
 from wmrgen.backends.c99.driver import answer, calls, driver, request
@@ -116,7 +117,7 @@ def label(build: tuple[str, Choice, str]) -> str:
 def test_bits_are_those_of_the_c(build: tuple[str, Choice, str]) -> None:
     need("rustc", "cc")
     robot, choice, level = build
-    module = robot_module(robot)
+    module = of_gallery(robot).c_module
     assert mismatches(module, cases_of(module, choice.scalar, examples(1000)), choice, level) == []
 
 

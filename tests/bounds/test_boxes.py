@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-import wmrgen
 from tests.bounds.gallery import LIBM_C
 from tests.bounds.observe import choices, draw
 from tests.bounds.search import shares
+from tests.robots import of_text
 from wmrgen.bounds.analysis import analysed
 from wmrgen.bounds.assumptions import LIBM, SINGLE
 from wmrgen.bounds.robot import functions
@@ -34,10 +32,8 @@ limits: {vx: 1, omega: 1, steer_rate: 5, steer: [-0.01, 0.01]}
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_bounds_are_found_and_hold(name: str, tmp_path: Path) -> None:
-    path = tmp_path / "robot.yaml"
-    path.write_text(f"wmrgen: 1\nname: robot\nwheels:{ROBOTS[name]}", encoding="utf-8")
-    derivation = wmrgen.derive(wmrgen.load(path))
+def test_bounds_are_found_and_hold(name: str) -> None:
+    derivation = of_text(f"wmrgen: 1\nname: robot\nwheels:{ROBOTS[name]}")
     printed = {f.name: f for f in functions(derivation.c_module)}
     found = [b for b in derivation.bounds_of(LIBM_C).functions if not b.unknown and b.inputs]
     assert found

@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import wmrgen
+from tests.robots import of_gallery
 from wmrgen.cli.app import app
 from wmrgen.emit import artifacts
 from wmrgen.ir.kernels.choice import choice
@@ -42,7 +43,7 @@ def test_says_of_steered_wheels_what_bounds_mean_at_ties() -> None:
 def test_json_is_what_model_json_has() -> None:
     done = CliRunner().invoke(app, ["prove", "--json", str(ROBOTS / "pioneer3dx.yaml")])
     printed = json.loads(done.stdout)
-    model = wmrgen.derive(wmrgen.load(ROBOTS / "pioneer3dx.yaml")).model()
+    model = of_gallery("pioneer3dx").model()
     assert printed["eva"]["run"] is False
     assert {key: printed[key] for key in model["bounds"]} == json.loads(json.dumps(model["bounds"]))
     spin = printed["functions"]["inverse"]["outputs"]["left.spin"]
@@ -83,7 +84,7 @@ def test_says_which_limits_a_virtual_wheel_needs(tmp_path: Path) -> None:
 
 
 def test_bounds_stand_in_the_files() -> None:
-    derivation = wmrgen.derive(wmrgen.load(ROBOTS / "clearpath_do100.yaml"))
+    derivation = of_gallery("clearpath_do100")
     files = artifacts(derivation)
     bound = {f.name: f for f in derivation.bounds.functions}["inverse"].outputs[0]
     stored = json.loads(files["model.json"])["bounds"]["functions"]["inverse"]["outputs"][bound.name]
@@ -95,5 +96,5 @@ def test_bounds_stand_in_the_files() -> None:
 
 
 def test_a_double_header_has_no_bounds_of_floats() -> None:
-    files = artifacts(wmrgen.derive(wmrgen.load(ROBOTS / "clearpath_do100.yaml")), choice("double"))
+    files = artifacts(of_gallery("clearpath_do100"), choice("double"))
     assert b"Proved for" not in files["clearpath_do100.h"]

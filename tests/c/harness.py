@@ -11,10 +11,11 @@ import math
 import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 
 from tests.backends.samples import samples
+from tests.robots import ROBOTS, of_gallery
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.driver import Call, answer, calls, driver, request
 from wmrgen.backends.c99.emit import unit
@@ -146,17 +147,6 @@ class Program:
         return wrong
 
 
-@cache
-def robot_module(stem: str) -> Module:
-    """The C module of a robot file of the gallery. Not at the top of a test file: collecting waits for it."""
-    from tests.conftest import ROOT
-    from wmrgen import derive, load
-
-    return derive(load(ROOT / "robots" / f"{stem}.yaml")).c_module
-
-
 def gallery() -> tuple[Module, ...]:
     """The C modules of every robot file of the gallery."""
-    from tests.conftest import GALLERY
-
-    return tuple(robot_module(path.stem) for path in GALLERY)
+    return tuple(of_gallery(name).c_module for name in ROBOTS)

@@ -11,9 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.backends.modules import MODULES, empty, mecanum, tunable
-from tests.c.harness import robot_module
 from tests.conftest import GALLERY
-from wmrgen import derive, load
+from tests.robots import of_gallery
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.text import block_comment, comment_text, literal, struct
 from wmrgen.backends.registry import Facts
@@ -132,7 +131,7 @@ WHERE_SMALL = re.compile(
 @pytest.mark.parametrize("name", [*SMALL, *NAMES])
 def test_straight_lines_only(name: str, scalar: str) -> None:
     """Bodies are assignments of expressions; outside them nothing is defined, so there is no state."""
-    module = SMALL.get(name) or robot_module(name)
+    module = SMALL.get(name) or of_gallery(name).c_module
     header, source = sources(module, Choice(scalar=scalar))
     for least in (small for small, _ in WHERE_SMALL.findall(source)):
         assert re.fullmatch(
@@ -166,9 +165,9 @@ def test_straight_lines_only(name: str, scalar: str) -> None:
     assert all(s.strip().startswith("void ") for s in declared.split(";") if s.strip())
 
 
-@pytest.mark.parametrize("path", GALLERY, ids=NAMES)
-def test_every_quotient_and_root_is_guarded(path: object) -> None:
-    derivation = derive(load(str(path)))
+@pytest.mark.parametrize("name", NAMES)
+def test_every_quotient_and_root_is_guarded(name: str) -> None:
+    derivation = of_gallery(name)
     for module in (inlined_calls(derivation.c_module), derivation.module):
         prepare = () if module.prepare is None else (module.prepare,)
         for function in (*module.functions, *prepare):

@@ -7,8 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.conftest import ROOT
-from wmrgen import derive, load
+from tests.robots import of_gallery
 from wmrgen.backends.c99.emit import printed, sources, unit
 from wmrgen.backends.c99.trace import places_in, quantity, traced
 from wmrgen.backends.registry import Facts
@@ -22,7 +21,7 @@ ROBOTS = ("wpilib_swervebot", "nomad_xr4000", "ackermann_car", "pioneer3dx")
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_names_are_true(robot: str) -> None:
     """At random points, in float64: the named node of the code and the named result of the formula agree."""
-    derivation = derive(load(ROOT / "robots" / f"{robot}.yaml"))
+    derivation = of_gallery(robot)
     raw = {f.name: f for f in derivation.raw_module.functions}
     module = traced(derivation.c_module, derivation.raw_module.functions)
     random = np.random.default_rng(4)
@@ -45,7 +44,7 @@ def test_names_are_true(robot: str) -> None:
 
 
 def test_comments_and_lines() -> None:
-    derivation = derive(load(ROOT / "robots" / "wpilib_swervebot.yaml"))
+    derivation = of_gallery("wpilib_swervebot")
     functions = unit(derivation.c_module, formulas=derivation.raw_module.functions)
     source = printed(functions, Facts())[1]
     assert re.search(r"const float \w+ = .*; /\* front_left: a, back_left: a \*/$", source, flags=re.M)
@@ -60,7 +59,7 @@ def test_comments_and_lines() -> None:
 
 
 def test_without_formulas_nothing_is_named() -> None:
-    derivation = derive(load(ROOT / "robots" / "wpilib_swervebot.yaml"))
+    derivation = of_gallery("wpilib_swervebot")
     source = sources(derivation.c_module)[1]
     assert "; /*" not in source
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from functools import cache
-from pathlib import Path
 
-from tests.report.common import derivation, derived
+from tests.robots import of_gallery, of_text
 from wmrgen.robot import Derivation
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -69,8 +68,8 @@ ODD = {
 }
 
 
-def robot(folder: Path, wheels: str, more: str = "") -> Derivation:
-    return derived(folder, f"wmrgen: 1\nname: sample\n{more}wheels:\n{wheels}")
+def robot(wheels: str, more: str = "") -> Derivation:
+    return of_text(f"wmrgen: 1\nname: sample\n{more}wheels:\n{wheels}")
 
 
 def parsed(d: Derivation, file: str = "layout.svg") -> ET.Element:
@@ -79,7 +78,7 @@ def parsed(d: Derivation, file: str = "layout.svg") -> ET.Element:
 
 @cache
 def page(name: str, file: str = "layout.svg") -> ET.Element:
-    return parsed(derivation(name), file)
+    return parsed(of_gallery(name), file)
 
 
 def of_class(root: ET.Element, name: str) -> list[ET.Element]:

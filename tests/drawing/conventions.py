@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import tempfile
 from math import pi
-from pathlib import Path
 
 from tests.conftest import ROOT
-from wmrgen import load
+from tests.robots import of_text
 from wmrgen.backends.drawing.figure import WIDTH, Figure, figure
 from wmrgen.backends.drawing.marks import body, chassis, placed
 from wmrgen.backends.drawing.paper import Paper, along, arrow, bounds, circle, line
 from wmrgen.backends.drawing.symbols import drawn
 from wmrgen.backends.drawing.view import RIGHT, View
-from wmrgen.layout.records import Robot
 
 FOLDER = ROOT / "docs" / "figures"
 WHEELS = """\
@@ -49,13 +46,13 @@ _SEEN = {
 
 def figures() -> list[Figure]:
     """All of them."""
-    wheels = _robot(WHEELS).wheels
+    wheels = of_text(WHEELS).robot.wheels
     return [frames(), *(drawn(f"{w.name}.svg", _SEEN[w.name], [w], values=False) for w in wheels)]
 
 
 def frames() -> Figure:
     """World frame, pose and twist."""
-    robot = _robot(PAIR)
+    robot = of_text(PAIR).robot
     height = 250.0
     world, view = View(1.0, (60.0, 220.0), RIGHT), View(105.0, (275.0, 120.0), RIGHT)
     paper = Paper((0.0, 0.0, WIDTH, height))
@@ -84,13 +81,6 @@ def frames() -> Figure:
     ]
     alt = "The world frame with the pose x, y, theta of a robot, and the twist vx, vy, omega of P in the robot frame."
     return figure("frames.svg", alt, height, [("", elements)])
-
-
-def _robot(text: str) -> Robot:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "robot.yaml"
-        path.write_text(text, encoding="utf-8")
-        return load(path)
 
 
 if __name__ == "__main__":

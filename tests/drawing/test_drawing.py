@@ -7,7 +7,6 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,7 +28,7 @@ from tests.drawing.common import (
 from tests.oracle.draw import KINDS, moved
 from tests.oracle.draw import robot as drawn_robot
 from tests.oracle.harness import robot_text
-from tests.report.common import ROBOTS, derivation, derived
+from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen import derive, load
 from wmrgen.backends.drawing.motion import motion
 from wmrgen.backends.drawing.reach import reach
@@ -38,13 +37,8 @@ from wmrgen.backends.drawing.symbols import wheel_symbols
 from wmrgen.backends.drawing.top import top_view
 from wmrgen.backends.drawing.wiring import wiring
 from wmrgen.errors import NotDerivableError
-from wmrgen.robot import Derivation
 
 OKABE_ITO = {"000000", "e69f00", "56b4e9", "009e73", "f0e442", "0072b2", "d55e00", "cc79a7"}
-
-
-def odd(folder: Path, name: str) -> Derivation:
-    return robot(folder, ODD[name])
 
 
 def well_set(figures: Mapping[str, tuple[str, str]]) -> None:
@@ -63,18 +57,18 @@ def well_set(figures: Mapping[str, tuple[str, str]]) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_words_keep_apart_and_on_the_page(name: str) -> None:
-    well_set(derivation(name).figures)
+    well_set(of_gallery(name).figures)
 
 
 @pytest.mark.parametrize("name", everyday(ODD, [name for name in ODD if not name.startswith("64 long")]))
-def test_odd_robots_have_sane_figures(name: str, tmp_path: Path) -> None:
-    d = odd(tmp_path, name)
+def test_odd_robots_have_sane_figures(name: str) -> None:
+    d = robot(ODD[name])
     well_set(d.figures)
     groups = [g for g in parsed(d).iter(f"{SVG}g") if "data-wheel" in g.attrib]
     assert len(groups) == len(d.robot.wheels)
 
 
-def test_random_robots_have_sane_figures(tmp_path: Path) -> None:
+def test_random_robots_have_sane_figures() -> None:
     """Every wheel type and kind of coupling, millimetres and 10 km, P far away; limits of twists, speeds and angles."""
     limits = (
         "",
@@ -89,7 +83,7 @@ def test_random_robots_have_sane_figures(tmp_path: Path) -> None:
         chosen = limits[seed % 4]
         text = robot_text(layout) + (f"limits: {chosen}\n" if chosen else "")
         try:
-            figures = derived(tmp_path, text).figures
+            figures = of_text(text).figures
         except NotDerivableError:
             continue
         well_set(figures)
@@ -100,7 +94,7 @@ def test_random_robots_have_sane_figures(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_wheel_is_named_and_stands_where_the_layout_says(name: str) -> None:
     """At steering angle 0: contact and length of each tyre, in the robot's frame."""
-    root, layout = page(name), derivation(name).robot
+    root, layout = page(name), of_gallery(name).robot
     ((_, scale, (px, py)),) = panels(root)
     groups = {g.attrib["data-wheel"]: g for g in root.iter(f"{SVG}g") if "data-wheel" in g.attrib}
     assert list(groups) == [w.name for w in layout.wheels]
@@ -123,7 +117,7 @@ def test_every_wheel_is_named_and_stands_where_the_layout_says(name: str) -> Non
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_figures_are_few_and_described(name: str) -> None:
-    d = derivation(name)
+    d = of_gallery(name)
     assert set(d.figures) <= set(FILES) and 2 <= len(d.figures) <= 6 and next(iter(d.figures)) == "layout.svg"
     for alt, svg in d.figures.values():
         assert name in alt and ET.fromstring(svg).findtext(f"{SVG}title") == alt
@@ -133,7 +127,7 @@ def test_figures_are_few_and_described(name: str) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_colours_are_those_of_okabe_and_ito_and_greys(name: str) -> None:
     """Lines and letters stand out from white by 3 to 1 at least, letters by 4.5."""
-    for _, svg in derivation(name).figures.values():
+    for _, svg in of_gallery(name).figures.values():
         colours = set(re.findall(r"#([0-9a-f]{6})\b", svg))
         greys = {c for c in colours if c[:2] == c[2:4] == c[4:]}
         assert colours - greys <= OKABE_ITO
@@ -155,7 +149,7 @@ def contrast(colour: str) -> float:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_numbers_have_two_decimals_and_figures_are_the_same_again(name: str) -> None:
-    d = derivation(name)
+    d = of_gallery(name)
     again = derive(load(ROBOTS[name]))
     for file, (_, svg) in d.figures.items():
         body = re.sub(
@@ -169,7 +163,7 @@ def test_numbers_have_two_decimals_and_figures_are_the_same_again(name: str) -> 
 
 
 def test_names_are_text_and_no_markup() -> None:
-    d = derivation("tractor_off_axle")
+    d = of_gallery("tractor_off_axle")
     bad = '<script>alert("1")</script>&'
     renamed = replace(
         d.robot, name=bad, wheels=tuple(replace(w, name=f"{bad}{w.index}") for w in d.robot.wheels),
@@ -178,7 +172,7 @@ def test_names_are_text_and_no_markup() -> None:
     d = derive(renamed)
     drawn = (top_view(d), wheel_symbols(renamed), motion(d), singular(d), reach(d))
     sheet = wiring(
-        derive(replace(derivation("pioneer3dx").robot, name=bad))
+        derive(replace(of_gallery("pioneer3dx").robot, name=bad))
     )  # it computes: wheels as files have them
     for svg in (f.svg for f in (sheet, *drawn) if f):
         root = ET.fromstring(svg)

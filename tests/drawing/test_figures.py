@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,7 +22,7 @@ from tests.drawing.common import (
     points,
     robot,
 )
-from tests.report.common import ROBOTS, derivation
+from tests.robots import ROBOTS, of_gallery
 from wmrgen.backends.drawing.sketch import sketch
 from wmrgen.layout.records import Wheel
 from wmrgen.robot import Derivation
@@ -48,7 +47,7 @@ def same(a: float, b: float) -> bool:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_there_is_one_wheel_of_each_type_and_its_angles_are_true(name: str) -> None:
-    d = derivation(name)
+    d = of_gallery(name)
     drawn = symbols(d)
     assert sorted(d.robot.wheel(n).type for n in drawn) == sorted({w.type for w in d.robot.wheels})
     for n, g in drawn.items():
@@ -94,8 +93,8 @@ def swept_by(w: Wheel) -> set[float]:
 
 def test_who_has_singular_configurations_to_draw() -> None:
     """Not a car: the ICR gets onto a front pivot only at standstill."""
-    assert "singular.svg" not in derivation("ackermann_car").figures
-    assert "singular.svg" not in derivation("pioneer3dx").figures
+    assert "singular.svg" not in of_gallery("ackermann_car").figures
+    assert "singular.svg" not in of_gallery("pioneer3dx").figures
     assert {t.text for t in of_class(page("bicycle", "singular.svg"), "title")} == {
         "driven wheels stand still"
     }
@@ -114,7 +113,7 @@ def icrs(root: ET.Element) -> list[tuple[np.ndarray, ET.Element]]:
 
 @pytest.mark.parametrize("name", ["wpilib_swervebot", "textbook_two_steer", "care_o_bot_4", "pr2"])
 def test_the_icr_stands_on_a_pivot_and_on_a_line_through_two(name: str) -> None:
-    d = derivation(name)
+    d = of_gallery(name)
     (first, _), (second, _) = icrs(page(name, "singular.svg"))
     kinds = {s.kind: s for s in reversed(d.mobility.singularities)}
     (on,) = kinds["icr_on_pivot"].wheels
@@ -126,9 +125,9 @@ def test_the_icr_stands_on_a_pivot_and_on_a_line_through_two(name: str) -> None:
     assert min(abs(complex(*second) - a), abs(complex(*second) - b)) > 0.1 * abs(a - b)
 
 
-def test_mecanum_rollers_in_an_x_meet_in_the_icr(tmp_path: Path) -> None:
+def test_mecanum_rollers_in_an_x_meet_in_the_icr() -> None:
     """There the robot turns, and no wheel: J1 (vx, vy, omega) = 0."""
-    d = robot(tmp_path, MECANUM)
+    d = robot(MECANUM)
     ((icr, _),) = icrs(parsed(d, "singular.svg"))
     twist = np.array([icr[1], -icr[0], 1.0])
     rows = []
@@ -197,7 +196,7 @@ WITH_REACH = ["ackermann_car", "kuka_youbot", "pioneer3dx", "wpilib_swervebot", 
 @pytest.mark.parametrize("name", WITH_REACH)
 def test_the_set_is_what_the_limits_allow(name: str) -> None:
     """A grid over each plane: what lies inside the shape by 2 % is allowed, what lies outside by as much is not."""
-    d = derivation(name)
+    d = of_gallery(name)
     for plane, corners in reached(d):
         most = np.abs(corners).max(axis=0)
         both = {True: 0, False: 0}
@@ -217,18 +216,18 @@ def test_the_set_is_what_the_limits_allow(name: str) -> None:
         assert min(both.values()) > 50
 
 
-def test_no_figure_where_the_set_is_a_box_or_open(tmp_path: Path) -> None:
+def test_no_figure_where_the_set_is_a_box_or_open() -> None:
     for limits, drawn in (
         ("", False), ("{vx: 1, omega: 2}", False), ("{vx: 1}", False), ("{spin: 9}", True),
         ("{vx: 1, omega: 2, spin: 9}", True), ("{vx: 1, omega: 2, spin: 900}", False),
     ):  # fmt: skip
-        d = robot(tmp_path, PAIR, f"limits: {limits}\n" if limits else "")
+        d = robot(PAIR, f"limits: {limits}\n" if limits else "")
         assert ("reach.svg" in d.figures) == drawn, limits
 
 
-def test_two_wheels_and_a_limit_of_spin_make_a_diamond(tmp_path: Path) -> None:
+def test_two_wheels_and_a_limit_of_spin_make_a_diamond() -> None:
     """|vx -+ 0.2 omega| <= 0.9: corners at 0.9 m/s and 4.5 rad/s."""
-    ((plane, corners),) = reached(robot(tmp_path, PAIR, "limits: {spin: 9}\n"))
+    ((plane, corners),) = reached(robot(PAIR, "limits: {spin: 9}\n"))
     assert plane == ("vx", "omega") and len(corners) == 4
     wanted = [(0.9, 0), (0, 4.5), (-0.9, 0), (0, -4.5)]
     assert all(np.abs(corners - w).max(axis=1).min() < 0.01 for w in wanted)
@@ -237,9 +236,9 @@ def test_two_wheels_and_a_limit_of_spin_make_a_diamond(tmp_path: Path) -> None:
 # ---- the terminal
 
 
-def test_a_differential_drive_in_characters(tmp_path: Path) -> None:
+def test_a_differential_drive_in_characters() -> None:
     ball = "  - {name: ball, type: spherical, x: -0.4, y: 0, r: 0.02}\n"
-    lines = sketch(robot(tmp_path, PAIR + ball).robot)
+    lines = sketch(robot(PAIR + ball).robot)
     assert lines == [
         "     |     ^     |",
         "left |     +     | right",
@@ -254,12 +253,12 @@ def test_a_differential_drive_in_characters(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_sketches_are_small_and_have_every_wheel(name: str) -> None:
-    lines = sketch(derivation(name).robot)
+    lines = sketch(of_gallery(name).robot)
     assert len(lines) <= 16 and max(map(len, lines)) <= 80 and "\n".join(lines).isascii()
-    assert all(w.name in "\n".join(lines) for w in derivation(name).robot.wheels)
+    assert all(w.name in "\n".join(lines) for w in of_gallery(name).robot.wheels)
 
 
-def test_a_wheel_is_a_stroke_along_its_rolling_direction(tmp_path: Path) -> None:
+def test_a_wheel_is_a_stroke_along_its_rolling_direction() -> None:
     for heading, stroke in (
         (0, "|"),
         ("pi/4", "\\"),
@@ -268,7 +267,7 @@ def test_a_wheel_is_a_stroke_along_its_rolling_direction(tmp_path: Path) -> None
         ("pi", "|"),
         ("-pi/2", "-"),
     ):
-        text = "\n".join(sketch(robot(tmp_path, THREE.replace("heading: 0", f"heading: {heading}")).robot))
+        text = "\n".join(sketch(robot(THREE.replace("heading: 0", f"heading: {heading}")).robot))
         assert stroke in text.split("s0")[0].split("\n")[-1], text
 
 
@@ -283,10 +282,10 @@ FOUR = "".join(
 )
 
 
-def test_a_robot_that_skids_turns_in_its_figures(tmp_path: Path) -> None:
+def test_a_robot_that_skids_turns_in_its_figures() -> None:
     """About a point on the line through the middle of its wheels, past which all its axles lead; the twists within its
     limits are those of the drive that turns as it does, |vx -+ 0.4 omega| <= 0.9."""
-    d = robot(tmp_path, FOUR, SKID)
+    d = robot(FOUR, SKID)
     figure = parsed(d, "motion.svg")
     first = next(panel for panel in panels(figure) if "data-icr" in panel[0].attrib)
     x, y = map(float, first[0].attrib["data-icr"].split(","))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from pathlib import Path
 from random import Random
 
 import numpy as np
@@ -26,7 +25,7 @@ from tests.drawing.common import (
     robot,
     words,
 )  # fmt: skip
-from tests.report.common import ROBOTS, derivation
+from tests.robots import ROBOTS, of_gallery
 from wmrgen.backends.drawing.example import Example, Twist, example, extent, moving
 from wmrgen.backends.drawing.motion import drawn
 from wmrgen.backends.drawing.world import START
@@ -64,9 +63,9 @@ ROLLING = (
 
 
 @pytest.mark.parametrize("wheels", ROLLING)
-def test_every_axle_runs_through_the_centre_that_is_shown(wheels: str, tmp_path: Path) -> None:
+def test_every_axle_runs_through_the_centre_that_is_shown(wheels: str) -> None:
     """It lies to the left, off the pivots; steered wheels turn by a quarter at most."""
-    d = robot(tmp_path, wheels)
+    d = robot(wheels)
     shown = steering(d)
     assert shown.icr is not None
     middle, size = extent(d.robot.wheels)
@@ -80,9 +79,9 @@ def test_every_axle_runs_through_the_centre_that_is_shown(wheels: str, tmp_path:
 
 @pytest.mark.parametrize("d", [0.1, -0.1])
 @pytest.mark.parametrize("omega", [1.0, -1.0, 0.0])
-def test_a_castor_trails(d: float, omega: float, tmp_path: Path) -> None:
+def test_a_castor_trails(d: float, omega: float) -> None:
     """Its contact lies behind its pivot, as the pivot moves."""
-    base = robot(tmp_path, PAIR + CASTOR.format(d))
+    base = robot(PAIR + CASTOR.format(d))
     shown = moving(base.robot, (0.5, 0.0, omega))
     h = shown.headings["castor"]
     velocity = np.array([0.5, -0.3 * omega])
@@ -91,33 +90,33 @@ def test_a_castor_trails(d: float, omega: float, tmp_path: Path) -> None:
         assert abs(axle_misses(base, shown)["castor"]) < 1e-12
 
 
-def test_castors_on_a_belt_stand_at_their_zero(tmp_path: Path) -> None:
+def test_castors_on_a_belt_stand_at_their_zero() -> None:
     two = CASTOR.format(-0.1) + CASTOR.format(-0.1).replace("castor,", "other,", 1).replace("y: 0", "y: 0.1")
     belt = "couplings: [{equal: [castor.steer, other.steer]}]\n"
     for more in (belt, ""):
-        shown = moving(robot(tmp_path, PAIR + two, more).robot, (0.5, 0.0, 1.0))
+        shown = moving(robot(PAIR + two, more).robot, (0.5, 0.0, 1.0))
         assert (shown.headings["castor"] == 0 == shown.headings["other"]) == bool(more)
 
 
 @pytest.mark.parametrize("steer", ["[-2, 2]", "[1.6, 3.1]", "[-3.1, -1.6]"])
-def test_the_opposite_heading_where_only_that_is_within_limits(steer: str, tmp_path: Path) -> None:
+def test_the_opposite_heading_where_only_that_is_within_limits(steer: str) -> None:
     front = FRONT.format(0).replace("r: 0.1}", f"r: 0.1, limits: {{steer: {steer}}}}}")
     low, high = (float(v) for v in steer.strip("[]").split(","))
-    assert low <= steering(robot(tmp_path, PAIR + front)).headings["front"] <= high
+    assert low <= steering(robot(PAIR + front)).headings["front"] <= high
 
 
-def test_a_centre_that_the_limits_allow_is_taken(tmp_path: Path) -> None:
-    wide = steering(robot(tmp_path, PAIR + FRONT.format(0)))
+def test_a_centre_that_the_limits_allow_is_taken() -> None:
+    wide = steering(robot(PAIR + FRONT.format(0)))
     limited = PAIR + FRONT.format(0).replace("r: 0.1}", "r: 0.1, limits: {steer: 0.3}}")
-    narrow = steering(robot(tmp_path, limited))
+    narrow = steering(robot(limited))
     assert abs(wide.headings["front"]) > 0.3 > abs(narrow.headings["front"]) > 0
     assert wide.icr is not None and narrow.icr is not None and narrow.icr[1] > wide.icr[1]
 
 
-def test_who_translates_only_goes_25_degrees_to_the_left(tmp_path: Path) -> None:
+def test_who_translates_only_goes_25_degrees_to_the_left() -> None:
     belts = "couplings: [{equal: [s0.steer, s1.steer, s2.steer]}]\n"
     alike = THREE.replace("heading: 1", "heading: 0").replace("heading: -2", "heading: 0")
-    d = robot(tmp_path, alike, belts)
+    d = robot(alike, belts)
     assert steering(d).icr is None
     assert [math.degrees(h) for h in steering(d).headings.values()] == pytest.approx([25, 25, 25])
     assert "ICR at infinity" in [text for text, _ in words(parsed(d, "motion.svg"))]
@@ -137,7 +136,7 @@ def shown_icr(root_text: str) -> tuple[float, float] | None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_icr_of_the_gallery_is_where_the_twist_says(name: str) -> None:
     """Vanishing velocity there: v = (vx - omega y, vy + omega x)."""
-    d = derivation(name)
+    d = of_gallery(name)
     shown = example(d.robot, d.mobility)
     if shown is None or shown.icr is None:
         return
@@ -167,7 +166,7 @@ def twists(d: Derivation, count: int, chance: Random) -> list[Twist]:
 @pytest.mark.parametrize("name", ["kuka_youbot", "pioneer3dx", "ackermann_car", "pr2", "office_chair"])
 def test_the_icr_never_leaves_the_page(name: str) -> None:
     """200 motions in all: its mark lies in the panel, or an arrow points there and says how far it is."""
-    d, chance = derivation(name), Random(name)
+    d, chance = of_gallery(name), Random(name)
     for twist in twists(d, 40, chance):
         shown = moving(d.robot, twist)
         figure = drawn(d.robot, shown)
@@ -198,7 +197,7 @@ def test_the_icr_never_leaves_the_page(name: str) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_path_is_the_arc_of_the_twist(name: str) -> None:
     """Points on paper, taken back to metres, against steps of the differential equation."""
-    d = derivation(name)
+    d = of_gallery(name)
     shown = example(d.robot, d.mobility)
     if shown is None:
         return
@@ -224,7 +223,7 @@ def test_the_path_is_the_arc_of_the_twist(name: str) -> None:
 # ---- marks
 
 
-def test_marks_of_wheels(tmp_path: Path) -> None:
+def test_marks_of_wheels() -> None:
     """A castor has an arm and the circle that it swivels over; a steered wheel without offset a pivot alone."""
     for wheels, arms, pivots, swivels in (
         (PAIR, 0, 0, 0),
@@ -233,7 +232,7 @@ def test_marks_of_wheels(tmp_path: Path) -> None:
         (PAIR + FRONT.format(0).replace("r: 0.1", "r: 0.1, offset_y: 0.05"), 1, 1, 0),
         (THREE, 0, 3, 0),
     ):
-        root = parsed(robot(tmp_path, wheels))
+        root = parsed(robot(wheels))
         groups = [g for g in root.iter(f"{SVG}g") if "data-wheel" in g.attrib]
         counts = [sum(len(of_class(g, name)) for g in groups) for name in ("arm", "pivot", "swivel")]
         assert counts == [arms, pivots, swivels], wheels
@@ -242,7 +241,7 @@ def test_marks_of_wheels(tmp_path: Path) -> None:
         )
 
 
-def test_the_legend_explains_what_occurs_and_nothing_else(tmp_path: Path) -> None:
+def test_the_legend_explains_what_occurs_and_nothing_else() -> None:
     legends = {
         PAIR: ["fixed wheel, r = 0.1 m", "positive rolling"],
         PAIR + FRONT.format(0): ["fixed wheel, r = 0.1 m", "steered wheel, r = 0.1 m", "positive rolling", "pivot"],
@@ -252,20 +251,20 @@ def test_the_legend_explains_what_occurs_and_nothing_else(tmp_path: Path) -> Non
         ],
     }  # fmt: skip
     for wheels, keys in legends.items():
-        root = parsed(robot(tmp_path, wheels))
+        root = parsed(robot(wheels))
         assert sorted(e.text or "" for e in of_class(root, "key")) == sorted(keys)
 
 
-def test_wheels_of_one_axle_share_a_line(tmp_path: Path) -> None:
+def test_wheels_of_one_axle_share_a_line() -> None:
     three = PAIR + "  - {name: back, type: fixed, x: 0, y: -0.4, heading: pi, r: 0.1}\n"
     oblique = "".join(
         f"  - {{name: {n}, type: fixed, x: 0.1 - {k}*sin({h}), y: 0.3 + {k}*cos({h}), heading: {h}, r: 0.1}}\n"
         for n, k, h in (("a", 1, "pi/6"), ("b", 1, "7*pi/6"), ("c", 2, "-5*pi/6"))
     )
     for wheels, lines in ((three, 1), (oblique, 1), (PAIR + FRONT.format(0), 2)):
-        assert len(of_class(parsed(robot(tmp_path, wheels), "motion.svg"), "axle")) == lines
+        assert len(of_class(parsed(robot(wheels), "motion.svg"), "axle")) == lines
     parallel = PAIR.replace("x: 0, y: -0.2", "x: 0.1, y: -0.2")
-    assert len(of_class(parsed(robot(tmp_path, parallel), "motion.svg"), "axle")) == 2
+    assert len(of_class(parsed(robot(parallel), "motion.svg"), "axle")) == 2
 
 
 # ---- dimensions and trailers
@@ -282,9 +281,9 @@ def sizes(d: Derivation) -> list[str]:
         ("45", ["22.5 m", "track 18 m"]), ("20000", ["10 km", "track 8000 m"]),
     ],
 )  # fmt: skip
-def test_dimensions_are_drawn_as_long_as_they_say(unit: str, said: list[str], tmp_path: Path) -> None:
+def test_dimensions_are_drawn_as_long_as_they_say(unit: str, said: list[str]) -> None:
     scaled = (PAIR + FRONT.format(0)).replace("0.2", f"0.2*{unit}").replace("0.5", f"0.5*{unit}")
-    d = robot(tmp_path, scaled.replace("r: 0.1", f"r: 0.1*{unit}"))
+    d = robot(scaled.replace("r: 0.1", f"r: 0.1*{unit}"))
     k = float(unit)
     assert sorted(sizes(d)) == sorted(said)
     root = parsed(d)
@@ -296,18 +295,18 @@ def test_dimensions_are_drawn_as_long_as_they_say(unit: str, said: list[str], tm
     assert max(upright) - min(upright) == pytest.approx(0.5 * k * scale, abs=0.03)
 
 
-def test_wheels_on_a_circle_have_one_dimension(tmp_path: Path) -> None:
+def test_wheels_on_a_circle_have_one_dimension() -> None:
     omni = "".join(
         f"  - {{name: w{k}, type: swedish, l: 0.25, alpha: 2*pi*{k}/3 + 0.3, beta: 0, r: 0.05}}\n"
         for k in range(3)
     )
-    assert sizes(robot(tmp_path, omni)) == ["l = 0.25 m"]
-    assert sorted(sizes(robot(tmp_path, MECANUM))) == ["0.4 m", "track 0.4 m"]
+    assert sizes(robot(omni)) == ["l = 0.25 m"]
+    assert sorted(sizes(robot(MECANUM))) == ["0.4 m", "track 0.4 m"]
 
 
-def test_p_between_its_axles_has_two_dimensions(tmp_path: Path) -> None:
+def test_p_between_its_axles_has_two_dimensions() -> None:
     off = PAIR.replace("x: 0,", "x: -0.2,") + FRONT.format(0)
-    assert sorted(sizes(robot(tmp_path, off))) == ["0.2 m", "0.5 m", "track 0.4 m"]
+    assert sorted(sizes(robot(off))) == ["0.2 m", "0.5 m", "track 0.4 m"]
 
 
 def test_trailers_stand_behind_each_other() -> None:

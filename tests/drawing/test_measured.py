@@ -9,7 +9,7 @@ import pytest
 
 from tests.drawing.common import ODD, robot
 from tests.pages.chromium import seen
-from tests.report.common import ROBOTS, derivation
+from tests.robots import ROBOTS, of_gallery
 from wmrgen.backends.drawing.paper import LETTER, SIZE, width
 
 pytestmark = pytest.mark.slow
@@ -37,10 +37,10 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Text]]:
     """Every text of every figure in headless Chromium: itself, its class, its box, size of the page."""
     folder: Path = tmp_path_factory.mktemp("figures")
     figures = {
-        f"{name} {file}": svg for name in ROBOTS for file, (_, svg) in derivation(name).figures.items()
+        f"{name} {file}": svg for name in ROBOTS for file, (_, svg) in of_gallery(name).figures.items()
     }
     for name in ODD:
-        drawn = robot(folder, ODD[name]).figures
+        drawn = robot(ODD[name]).figures
         figures |= {f"{name} {file}": svg for file, (_, svg) in drawn.items()}
     blocks = "".join(f'<div data-figure="{escape(key)}">{svg}</div>' for key, svg in figures.items())
     page = f"<!doctype html><meta charset=utf-8>{POLICY}<body>{blocks}</body>"

@@ -10,23 +10,16 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import Outcome
+from tests.functions.common import PAIR
 
 SECONDS = 10
-PAIR = """\
-wmrgen: 1
-name: train
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-functions: [trailer]
-trailers:
-"""
+TRAIN = PAIR.replace("name: pair", "name: train") + "functions: [trailer]\ntrailers:\n"
 
 
 def written(folder: Path, trailers: int) -> Path:
     path = folder / "train.yaml"
     lines = (f"  - {{length: {0.5 + 0.05 * i:.2f}, hitch: 0.1}}\n" for i in range(trailers))
-    path.write_text(PAIR + "".join(lines), encoding="utf-8")
+    path.write_text(TRAIN + "".join(lines), encoding="utf-8")
     return path
 
 

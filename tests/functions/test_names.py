@@ -11,6 +11,7 @@ import pytest
 
 import wmrgen
 from tests.conftest import Outcome
+from tests.robots import of_text
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.functions.registry import names as functions
@@ -33,16 +34,14 @@ PLAIN = ("first_one", "second_one", "third_one")
 WORDS = ("half", "over", "point", "point_x", "point_y", "sum", "vector", "mean")
 
 
-def derived(folder: Path, names: tuple[str, ...]) -> Derivation:
-    path = folder / "robot.yaml"
-    path.write_text(ROBOT.format(*names), encoding="utf-8")
-    return wmrgen.derive(wmrgen.load(path))
+def derived(names: tuple[str, ...]) -> Derivation:
+    return of_text(ROBOT.format(*names))
 
 
 @pytest.fixture(scope="module")
-def plain(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Values, Values]]:
+def plain() -> dict[str, tuple[Values, Values]]:
     """What every function gives to wheels of unsuspicious names: inputs and outputs."""
-    d = derived(tmp_path_factory.mktemp("plain"), PLAIN)
+    d = derived(PLAIN)
     random = np.random.default_rng(3)
     values = {}
     for name in functions():
@@ -57,11 +56,9 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Values, V
 
 
 @pytest.mark.parametrize("word", WORDS)
-def test_a_wheel_with_the_name_of_a_word(
-    word: str, plain: dict[str, tuple[Values, Values]], tmp_path: Path
-) -> None:
+def test_a_wheel_with_the_name_of_a_word(word: str, plain: dict[str, tuple[Values, Values]]) -> None:
     """Every function gives what it gives to wheels of other names."""
-    model = derived(tmp_path, (word, PLAIN[1], f"{word}_x"))
+    model = derived((word, PLAIN[1], f"{word}_x"))
 
     def renamed(name: str) -> str:
         return name.replace(PLAIN[0], word).replace(PLAIN[2], f"{word}_x")

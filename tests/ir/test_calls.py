@@ -6,8 +6,7 @@ import re
 
 import pytest
 
-from tests.conftest import GALLERY, ROOT
-from wmrgen import derive, load
+from tests.robots import ROBOTS, of_gallery
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.registry import Facts
 from wmrgen.exact.number import Exact
@@ -74,7 +73,7 @@ STEERED = ("wpilib_swervebot", "agilex_ranger", "jpl_osr", "synchro_drive")
 @pytest.mark.parametrize("name", STEERED)
 def test_kernels_mean_what_the_formula_says(name: str) -> None:
     """The functions with calls and those without agree exactly, at several points; a wrong kernel does not."""
-    derivation = derive(load(ROOT / "robots" / f"{name}.yaml"), ["inverse"])
+    derivation = of_gallery(name, "inverse")
     module = derivation._kept_whole
     assert {k.name for k in module.kernels} <= {"steer_along", "steer_along_from"} and module.kernels
     raw = derivation.raw_module.functions
@@ -88,7 +87,7 @@ def test_kernels_mean_what_the_formula_says(name: str) -> None:
 @pytest.mark.parametrize("name", STEERED)
 def test_forward_says_that_wheels_roll_at_their_angles(name: str) -> None:
     """A vector for each steered wheel, of its spin at its angle; size (sin, cos) in its place is refused."""
-    derivation = derive(load(ROOT / "robots" / f"{name}.yaml"), ["forward"])
+    derivation = of_gallery(name, "forward")
     module, raw = derivation._kept_whole, derivation.raw_module.functions
     (kernel,) = module.kernels
     steered = [w for w in derivation.robot.wheels if w.turns]
@@ -110,7 +109,7 @@ def _fields(function: Function) -> dict[str, object]:
 @pytest.mark.parametrize("math", [INLINE, LIBM])
 def test_every_kernel_of_the_c_is_called_and_written_before(target: str, math: str) -> None:
     for name in STEERED:
-        code = with_kernels(derive(load(ROOT / "robots" / f"{name}.yaml")).c_module, "float", math, target)
+        code = with_kernels(of_gallery(name).c_module, "float", math, target)
         wanted = called([*code.functions, *code.kernels])
         assert {k.name for k in code.kernels} == wanted
         known: set[str] = set()
@@ -123,7 +122,7 @@ def test_every_kernel_of_the_c_is_called_and_written_before(target: str, math: s
 def test_a_swerve_reads_as_a_person_would_write_it() -> None:
     """Issue 13: inverse and forward of a swerve in at most 60 lines, of a car too; wheels by their names."""
     for name in ("wpilib_swervebot", "ackermann_car"):
-        derivation = derive(load(ROOT / "robots" / f"{name}.yaml"))
+        derivation = of_gallery(name)
         source = sources(derivation.c_module, facts=Facts(formulas=derivation.raw_module.functions))[1]
         bodies = re.findall(rf"^void {name}_(?:inverse|forward)\((?:.|\n)*?^\}}\n", source, flags=re.M)
         assert len(bodies) == 2
@@ -135,15 +134,15 @@ def test_a_swerve_reads_as_a_person_would_write_it() -> None:
 
 
 def _swerve() -> str:
-    derivation = derive(load(ROOT / "robots" / "wpilib_swervebot.yaml"))
+    derivation = of_gallery("wpilib_swervebot")
     return sources(derivation.c_module, facts=Facts(formulas=derivation.raw_module.functions))[1]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", GALLERY, ids=[path.stem for path in GALLERY])
-def test_calls_change_no_result(path: object) -> None:
+@pytest.mark.parametrize("name", ROBOTS)
+def test_calls_change_no_result(name: str) -> None:
     """In float32 the functions with calls of formulas' kernels are within a few units of those without."""
-    derivation = derive(load(str(path)))
+    derivation = of_gallery(name)
     kept, plain = derivation._kept_whole, derivation._optimised
     for function in plain.functions:
         if any(port.role is Role.PREPARED for port in function.inputs):

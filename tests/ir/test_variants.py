@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.ir.common import port
-from wmrgen import derive, load
+from tests.robots import of_gallery
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import keep_outputs, nominal
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, evaluate_module
@@ -26,7 +26,7 @@ CHOICES = (
 
 def differing(name: str, points: int, choices: tuple[Choice, ...]) -> list[str]:
     """Outputs of `forward` that `forward_slip` gives in other bits, with the inputs."""
-    module = derive(load(ROBOTS / f"{name}.yaml")).c_module
+    module = of_gallery(name).c_module
     source = random.Random(name)
     wrong = []
     for choice in choices:

@@ -7,12 +7,10 @@ import math
 import random
 from collections.abc import Sequence
 from functools import cache
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import pytest
 
-from wmrgen import derive, load
+from tests.robots import of_text
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
 from wmrgen.robot import Derivation
 
@@ -36,10 +34,7 @@ def derived(names: str, couplings: str = "", limits: str = "") -> Derivation:
         if n in names
     ]
     text = "\n".join(["wmrgen: 1", "name: sample", "wheels:", *lines, f"couplings: [{couplings}]", limits])
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "sample.yaml"
-        path.write_text(text + "\n", encoding="utf-8")
-        return derive(load(path))
+    return of_text(text)
 
 
 def velocity(name: str, twist: Sequence[float]) -> complex:

@@ -8,8 +8,7 @@ from functools import cache
 
 import pytest
 
-from benchmarks.counts import ROOT
-from wmrgen import derive, load
+from tests.robots import of_gallery
 from wmrgen.backends import casadi, numpy
 from wmrgen.ir.interpret import EXACT, FLOAT32, FLOAT64, evaluate_module
 from wmrgen.ir.kernels import expand
@@ -22,7 +21,7 @@ SIZES = (1e-45, 1e-38, 1e-30, 1e-23, 1e-10, 1.0, 1e9)
 
 @cache
 def every(robot: str) -> tuple[tuple[str, object], ...]:
-    derivation = derive(load(ROOT / "robots" / f"{robot}.yaml"))
+    derivation = of_gallery(robot)
     c = derivation.c_module
     evaluators: list[tuple[str, object]] = [
         (f"float {target} {math_}", expand(c, "float", math_, target))
@@ -51,7 +50,7 @@ def inverses(robot: str, case: Case) -> Iterator[tuple[str, Case]]:
 
 
 def steers(robot: str, angle: float) -> Case:
-    ports = derive(load(ROOT / "robots" / f"{robot}.yaml")).raw_module.function("inverse").inputs
+    ports = of_gallery(robot).raw_module.function("inverse").inputs
     return {p.name: angle for p in ports if p.name.endswith(".steer")}
 
 

@@ -7,8 +7,8 @@ import random
 
 import pytest
 
-from tests.c.harness import robot_module
 from tests.laws.common import NAMES
+from tests.robots import of_gallery
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, Arithmetic, evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import INLINE, LIBM
@@ -46,7 +46,7 @@ def cases(function: Function, largest: float, count: int) -> list[dict[str, floa
 @pytest.mark.parametrize("name", NAMES)
 def test_finite(name: str, arithmetic: Arithmetic, largest: float) -> None:
     scalar = "float" if arithmetic is FLOAT32 else "double"
-    module = expand(robot_module(name), scalar, INLINE if arithmetic is FLOAT32 else LIBM)
+    module = expand(of_gallery(name).c_module, scalar, INLINE if arithmetic is FLOAT32 else LIBM)
     for function in module.functions:
         for case in cases(function, largest, 20):
             for name, value in evaluate_module(module, function.name, case, arithmetic).items():

@@ -14,6 +14,7 @@ import pytest
 import wmrgen
 from tests.conftest import Outcome
 from tests.depth import everyday
+from tests.robots import of_text
 from wmrgen.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.robot import Derivation
@@ -96,10 +97,8 @@ RANKS = {
 }
 
 
-def derived(folder: Path, wheels: str, parameters: str = "", more: str = "") -> Derivation:
-    path = folder / "robot.yaml"
-    path.write_text(f"wmrgen: 1\nname: robot\n{parameters}wheels:\n  - {wheels}\n{more}", encoding="utf-8")
-    return wmrgen.derive(wmrgen.load(path))
+def derived(wheels: str, parameters: str = "", more: str = "") -> Derivation:
+    return of_text(f"wmrgen: 1\nname: robot\n{parameters}wheels:\n  - {wheels}\n{more}")
 
 
 def numbers(values: Mapping[str, Exact]) -> dict[str, float]:
@@ -107,12 +106,10 @@ def numbers(values: Mapping[str, Exact]) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("name", RANKS)
-def test_tunable_geometry_of_any_rank(name: str, tmp_path: Path) -> None:
+def test_tunable_geometry_of_any_rank(name: str) -> None:
     """At its nominal value a tunable length gives what the number gives: the solution of least norm."""
-    tunable = derived(
-        tmp_path, RANKS[name].replace("B", "h"), "parameters: {h: {value: 0.2, tunable: true}}\n"
-    )
-    plain = derived(tmp_path, RANKS[name].replace("B", "0.2"))
+    tunable = derived(RANKS[name].replace("B", "h"), "parameters: {h: {value: 0.2, tunable: true}}\n")
+    plain = derived(RANKS[name].replace("B", "0.2"))
     random = np.random.default_rng(5)
     ports = [p.name for p in plain.formula("forward").inputs]
     for _ in range(3):

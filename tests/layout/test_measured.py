@@ -16,10 +16,9 @@ from tests.conftest import GALLERY, Outcome
 from tests.depth import everyday
 from tests.laws.common import NAMES, derived, gallery
 from tests.lint.test_rules import codes
+from tests.robots import of_text
 from wmrgen.errors import RobotFileError
-from wmrgen.layout import build
 from wmrgen.robot import Derivation
-from wmrgen.spec.load import read_text
 
 TRACK, RADIUS = 0.4, 0.1
 SIZE = TRACK + 2 * RADIUS
@@ -34,7 +33,7 @@ def wheel(
 
 def robot(*wheels: str, head: str = "") -> Derivation:
     text = f"wmrgen: 1\nname: r\n{head}wheels:\n{''.join(wheels)}"
-    return wmrgen.derive(build(read_text(text, "r.yaml")))
+    return of_text(text)
 
 
 def pair(gap: float | str, heading: str = "0", head: str = "") -> Derivation:

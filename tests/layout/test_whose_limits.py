@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from tests.robots import of_text
 from tests.spec.files import read
-from wmrgen import derive
 from wmrgen.layout import build
 
 WHEELS = """\
@@ -51,7 +51,7 @@ def test_a_wheel_coupled_to_a_driven_one_keeps_its_limit() -> None:
 def test_what_a_passive_joint_measures_may_be_what_the_twist_makes_it() -> None:
     """A 25 mm castor at 1 m/s turns at 40 rad/s, which the checked `forward` must take."""
     text = WHEELS.format(own="").partition("  - {name: front")[0] + WHEELS.splitlines()[-2].format() + "\n"
-    robot = derive(build(read(text)))
+    robot = of_text(text)
     declared = robot.bounds.declared
     assert "left.spin" in declared and "tail.spin" not in declared and "tail.steer" not in declared
     (forward,) = (f for f in robot.bounds.functions if f.name == "forward")

@@ -12,11 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import ROOT
 from tests.mutation.equal import Judge
 from tests.mutation.mutants import mutate
 from tests.mutation.run import survivors
-from wmrgen import derive, load
+from tests.robots import of_gallery
 from wmrgen.emit import artifacts
 from wmrgen.ir.kernels.choice import LIBM, Choice
 
@@ -39,7 +38,7 @@ pytestmark = pytest.mark.skipif(
 
 
 def check(robot: str, folder: Path) -> None:
-    derivation = derive(load(ROOT / "robots" / f"{robot}.yaml"))
+    derivation = of_gallery(robot)
     files = artifacts(derivation, PLAIN)
     tried, alive = survivors(robot, files, folder)
     judge = Judge(derivation.c_module, files[f"{robot}.c"].decode())
@@ -74,7 +73,7 @@ def test_mutants_are_what_they_say() -> None:
 
 def test_a_fault_is_not_called_equivalent(tmp_path: Path) -> None:
     """Of the mutants that die, none passes for an equivalent one."""
-    derivation = derive(load(ROOT / "robots" / "lekiwi.yaml"))
+    derivation = of_gallery("lekiwi")
     files = artifacts(derivation, PLAIN)
     _, alive = survivors("lekiwi", files, tmp_path)
     _, mutants = mutate(files["lekiwi.c"].decode())

@@ -10,9 +10,9 @@ import pytest
 
 from benchmarks.emulator import gcc
 from benchmarks.emulator.image import Image
-from tests.c.harness import robot_module
 from tests.depth import everyday
 from tests.processor import boards
+from tests.robots import of_gallery
 from tests.selftest.every import NAMES
 from tests.tools import need
 
@@ -47,27 +47,27 @@ def spoil(folder: Path) -> None:
 @pytest.mark.slow
 @BOARDS
 def test_cortex_m(processor: str, board: str, tmp_path: Path) -> None:
-    files = boards.write(tmp_path, [robot_module(name) for name in ROBOTS], processor, 20)
+    files = boards.write(tmp_path, [of_gallery(name).c_module for name in ROBOTS], processor, 20)
     assert "the same" in on_qemu(tmp_path, files, processor, board)
 
 
 @pytest.mark.slow
 @BOARDS
 def test_a_wrong_bit_is_seen_on_cortex_m(processor: str, board: str, tmp_path: Path) -> None:
-    files = boards.write(tmp_path, [robot_module(ROBOTS[0])], processor, 2)
+    files = boards.write(tmp_path, [of_gallery(ROBOTS[0]).c_module], processor, 2)
     spoil(tmp_path)
     assert "different" in on_qemu(tmp_path, files, processor, board)
 
 
 @pytest.mark.slow
 def test_atmega(tmp_path: Path) -> None:
-    files = boards.write(tmp_path, [robot_module("lekiwi")], "avr", 4)
+    files = boards.write(tmp_path, [of_gallery("lekiwi").c_module], "avr", 4)
     assert "the same" in on_simavr(tmp_path, files)
 
 
 @pytest.mark.slow
 def test_a_wrong_bit_is_seen_on_atmega(tmp_path: Path) -> None:
-    files = boards.write(tmp_path, [robot_module("lekiwi")], "avr", 2)
+    files = boards.write(tmp_path, [of_gallery("lekiwi").c_module], "avr", 2)
     spoil(tmp_path)
     assert "different" in on_simavr(tmp_path, files)
 

@@ -10,13 +10,13 @@ import pytest
 
 from benchmarks import budgets
 from benchmarks.budgets import Budget, check, growth, measure, update
-from tests.c.harness import robot_module
+from tests.robots import of_gallery
 from wmrgen.artifacts import BUDGET, differences, write_tree
 
 
 @pytest.fixture(scope="module")
 def measured() -> dict[str, Budget]:
-    return measure([robot_module(name) for name in ("lekiwi", "kuka_youbot", "bicycle")])
+    return measure([of_gallery(name).c_module for name in ("lekiwi", "kuka_youbot", "bicycle")])
 
 
 def test_what_is_measured(measured: dict[str, Budget]) -> None:
@@ -29,7 +29,7 @@ def test_what_is_measured(measured: dict[str, Budget]) -> None:
 
 
 def test_the_same_every_time(measured: dict[str, Budget]) -> None:
-    again = measure([robot_module(name) for name in measured])
+    again = measure([of_gallery(name).c_module for name in measured])
     assert json.dumps(again) == json.dumps(measured)
 
 
@@ -70,7 +70,7 @@ def test_less_is_no_growth(measured: dict[str, Budget]) -> None:
 
 
 def test_the_check_fails_and_says_what_to_do(
-    measured: dict[str, Budget], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    measured: dict[str, Budget], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(budgets, "gallery", list)
     monkeypatch.setattr(budgets, "measure", lambda modules: measured)

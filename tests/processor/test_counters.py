@@ -9,14 +9,12 @@ import pytest
 
 from tests.c.harness import COMPILERS, STRICT
 from tests.processor.test_boards import on_qemu, on_simavr
-from wmrgen import derive
+from tests.robots import of_text
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.driver import evaluate_c
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Module
-from wmrgen.layout import build
-from wmrgen.spec.load import read_text
 
 TEXT = """\
 wmrgen: 1
@@ -36,7 +34,7 @@ NAME = "joints_from_counts"
 
 
 def module() -> Module:
-    return derive(build(read_text(TEXT, "counted.yaml"))).c_module
+    return of_text(TEXT).c_module
 
 
 def signed(value: int, bits: int) -> int:

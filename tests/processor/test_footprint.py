@@ -7,12 +7,11 @@ from functools import cache
 
 import pytest
 
-import wmrgen
 from benchmarks.emulator.gcc import PROCESSORS
 from benchmarks.footprint import SHOWN, Footprint, measure
-from tests.c.harness import gallery, robot_module
-from tests.conftest import ROOT
+from tests.c.harness import gallery
 from tests.processor.test_small import LATER
+from tests.robots import of_gallery
 from tests.tools import need
 from wmrgen.ir.nodes import Module
 
@@ -31,7 +30,7 @@ def test_the_gallery_compiles_and_its_stack_is_known(key: str) -> None:
 def test_small_robots_need_no_stack() -> None:
     need(PROCESSORS["m4f"].compiler)
     names = ("textbook_differential", "clearpath_do100", "lekiwi")
-    found = measure([robot_module(name) for name in names], PROCESSORS["m4f"])
+    found = measure([of_gallery(name).c_module for name in names], PROCESSORS["m4f"])
     for name in names:
         for function in ("inverse", "forward"):
             assert found[f"{name}_{function}"].stack == 0
@@ -55,7 +54,7 @@ def on_m4f(robot: str, small: bool) -> dict[str, Footprint]:
 
 
 def of(robot: str) -> Module:
-    return wmrgen.derive(wmrgen.load(ROOT / "robots" / f"{robot}.yaml")).c_module
+    return of_gallery(robot).c_module
 
 
 @pytest.mark.slow

@@ -11,8 +11,8 @@ import pytest
 from benchmarks.emulator.fleet import EVERY, write_sources
 from benchmarks.emulator.image import Image
 from benchmarks.emulator.zig import M0, M4F, Target, compile_objects
-from tests.c.harness import robot_module
 from tests.processor.conftest import Built
+from tests.robots import of_gallery
 from wmrgen.backends.c99 import sources
 from wmrgen.ir.kernels.choice import DEFAULT, MATHS, Choice
 from wmrgen.ir.nodes import Module
@@ -55,7 +55,7 @@ def test_no_double_routine_on_cortex_m4f(built: Built) -> None:
 
 def test_no_double_routine_on_cortex_m0(tmp_path: Path) -> None:
     """Robots of each kind; the whole gallery below."""
-    check(undefined(tmp_path, [robot_module(name) for name in KINDS], M0), M0, DEFAULT.math)
+    check(undefined(tmp_path, [of_gallery(name).c_module for name in KINDS], M0), M0, DEFAULT.math)
 
 
 @pytest.mark.slow
@@ -68,6 +68,6 @@ def test_no_double_routine(target: Target, math: str, built: Built) -> None:
 
 @TARGETS
 def test_the_double_build_would_be_found(target: Target, tmp_path: Path) -> None:
-    found = undefined(tmp_path, [robot_module("ackermann_car")], target, "double")
+    found = undefined(tmp_path, [of_gallery("ackermann_car").c_module], target, "double")
     assert {"__aeabi_dmul", "__aeabi_dadd", "sin"} <= found
     assert {name for name in found if re.fullmatch(DOUBLE, name)} == found - {"__aeabi_memcpy"}

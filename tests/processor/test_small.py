@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.emulator.gcc import FLAGS, PROCESSORS, SMALL, Processor
-from tests.c.harness import robot_module
+from tests.robots import of_gallery
 from tests.tools import need
 from wmrgen.backends.c99 import sources
 from wmrgen.ir.kernels.choice import Choice
@@ -75,7 +75,7 @@ def test_called_kernels_need_no_more_flash_than_outlined_parts(column: int, key:
 
 
 def text(name: str, key: str, folder: Path) -> int:
-    processor, module = PROCESSORS[key], robot_module(name)
+    processor, module = PROCESSORS[key], of_gallery(name).c_module
     module = replace(module, functions=tuple(f for f in module.functions if f.name not in LATER))
     for suffix, content in zip("hc", sources(module, Choice(target=processor.target)), strict=True):
         (folder / f"{name}.{suffix}").write_text(content)

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.report.common import ROBOTS, page_of
+from tests.report.common import page_of
 from tests.report.reading import read
+from tests.robots import ROBOTS
 from wmrgen.backends.report.angles import equation, gathered, readable, roots, whole
 from wmrgen.backends.report.latex import terms
 from wmrgen.exact.poly import Poly

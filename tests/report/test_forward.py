@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
-from tests.report.common import derived
+from tests.robots import of_text
 from wmrgen.backends.report.forward import forward
 
 UNSEEN, ENOUGH, MORE = (
@@ -17,9 +15,9 @@ UNSEEN, ENOUGH, MORE = (
 PSEUDO = "(H^T H)^{+}"
 
 
-def section(folder: Path, wheels: list[str]) -> str:
+def section(wheels: list[str]) -> str:
     text = "wmrgen: 1\nname: sample\nwheels:\n" + "".join(f"  - {{{w}}}\n" for w in wheels)
-    return "\n".join(forward(derived(folder, text)))
+    return "\n".join(forward(of_text(text)))
 
 
 def omni(count: int, sensed: int, reach: str = "0.2") -> list[str]:
@@ -43,8 +41,8 @@ def omni(count: int, sensed: int, reach: str = "0.2") -> list[str]:
         (5, 4, MORE),
     ],
 )
-def test_how_many_rows_there_are(count: int, sensed: int, words: str, tmp_path: Path) -> None:
-    text = section(tmp_path, omni(count, sensed))
+def test_how_many_rows_there_are(count: int, sensed: int, words: str) -> None:
+    text = section(omni(count, sensed))
     assert [w for w in (UNSEEN, ENOUGH, MORE) if w in text] == [words]
     assert (PSEUDO in text) == (words is UNSEEN)
     assert ("(H^T H)^{-1}" in text) == (
@@ -55,30 +53,30 @@ def test_how_many_rows_there_are(count: int, sensed: int, words: str, tmp_path: 
 
 
 @pytest.mark.parametrize("reach", ["1e-6", "1e-3", "0.2", "1e3", "2e4"])
-def test_a_direction_is_seen_whatever_the_size(reach: str, tmp_path: Path) -> None:
-    assert ENOUGH in section(tmp_path, omni(3, 3, reach))
-    assert UNSEEN in section(tmp_path, omni(3, 2, reach))
+def test_a_direction_is_seen_whatever_the_size(reach: str) -> None:
+    assert ENOUGH in section(omni(3, 3, reach))
+    assert UNSEEN in section(omni(3, 2, reach))
 
 
-def test_three_parallel_rows_leave_a_direction_unseen(tmp_path: Path) -> None:
+def test_three_parallel_rows_leave_a_direction_unseen() -> None:
     wheels = [
         f"name: w{k}, type: swedish, x: {0.2 * k}, y: {0.1 * k * k}, heading: 0, gamma: 0, r: 0.05"
         for k in range(3)
     ]
-    assert UNSEEN in section(tmp_path, wheels)
+    assert UNSEEN in section(wheels)
 
 
-def test_nothing_sensed_is_said(tmp_path: Path) -> None:
-    assert "No row of section 2 has joint rates that are all sensed." in section(tmp_path, omni(3, 0))
+def test_nothing_sensed_is_said() -> None:
+    assert "No row of section 2 has joint rates that are all sensed." in section(omni(3, 0))
 
 
 @pytest.mark.parametrize(("sensed", "words"), [("spin, steer", "both"), ("steer", "one")])
-def test_which_rows_are_known(sensed: str, words: str, tmp_path: Path) -> None:
+def test_which_rows_are_known(sensed: str, words: str) -> None:
     wheels = [
         f"name: w{k}, type: steered, x: {0.3 - 0.6 * k}, y: 0, heading: 0, r: 0.05, sensed: [{sensed}]"
         for k in range(2)
     ]
-    text = section(tmp_path, wheels)
+    text = section(wheels)
     assert ("`w0` and `w1` give both rows" in text) == (words == "both")
     assert ("`w0` and `w1` give the sliding row alone" in text) == (words == "one")
     assert r"v + ω ẑ × B = r φ̇ e, with" in text or words == "one"

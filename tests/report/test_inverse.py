@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
-from tests.report.common import derived
+from tests.robots import of_text
 from wmrgen.backends.report.inverse import inverse
 
 PLACES = {"a": (0.4, 0.3), "b": (-0.5, 0.2), "c": (0.1, -0.6), "d": (-0.2, -0.3), "e": (0.2, 0.5)}
 CHOOSES = "takes the one that rolls the way the others do"
 
 
-def section(folder: Path, names: str, *couplings: str, fixed: str = "") -> str:
+def section(names: str, *couplings: str, fixed: str = "") -> str:
     lines = [
         f"  - {{name: {n}, type: {'fixed' if n in fixed else 'steered'}, x: {PLACES[n][0]}, y: {PLACES[n][1]}, "
         f"heading: {15 * k if n not in fixed else 0} deg, r: 0.1}}"
         for k, n in enumerate(names)
     ]
     text = "\n".join(["wmrgen: 1", "name: sample", "wheels:", *lines, "couplings:" if couplings else ""])
-    return "\n".join(
-        inverse(derived(folder, text + "".join(f"\n  - equal: [{c}]" for c in couplings) + "\n"))
-    )
+    return "\n".join(inverse(of_text(text + "".join(f"\n  - equal: [{c}]" for c in couplings) + "\n")))
 
 
 def spins(names: str) -> str:
@@ -34,10 +30,10 @@ def steers(names: str) -> str:
 
 
 @pytest.mark.parametrize("names", ["ab", "abc"])
-def test_a_chain_is_one_speed_and_a_choice_of_headings(names: str, tmp_path: Path) -> None:
-    assert CHOOSES in section(tmp_path, names, spins(names))
-    assert "turn at one speed" in section(tmp_path, names, spins(names))
-    assert "turn at one speed" not in section(tmp_path, names)
+def test_a_chain_is_one_speed_and_a_choice_of_headings(names: str) -> None:
+    assert CHOOSES in section(names, spins(names))
+    assert "turn at one speed" in section(names, spins(names))
+    assert "turn at one speed" not in section(names)
 
 
 @pytest.mark.parametrize(
@@ -50,20 +46,18 @@ def test_a_chain_is_one_speed_and_a_choice_of_headings(names: str, tmp_path: Pat
         ("abc", "ac", True),
     ],
 )
-def test_wheels_of_one_motor_have_no_choice_among_themselves(
-    names: str, motor: str, chooses: bool, tmp_path: Path
-) -> None:
-    text = section(tmp_path, names, spins(names), steers(motor))
+def test_wheels_of_one_motor_have_no_choice_among_themselves(names: str, motor: str, chooses: bool) -> None:
+    text = section(names, spins(names), steers(motor))
     assert (CHOOSES in text) == chooses
     assert "share one angle that need not suit all" in text
 
 
 @pytest.mark.parametrize(("names", "fixed"), [("ad", "d"), ("da", "d"), ("abd", "d")])
-def test_a_wheel_that_does_not_steer_is_one_of_the_others(names: str, fixed: str, tmp_path: Path) -> None:
-    text = section(tmp_path, names, spins(names), fixed=fixed)
+def test_a_wheel_that_does_not_steer_is_one_of_the_others(names: str, fixed: str) -> None:
+    text = section(names, spins(names), fixed=fixed)
     assert CHOOSES in text and "Of its two headings `d`" not in text
 
 
-def test_a_chain_of_wheels_that_do_not_steer_chooses_nothing(tmp_path: Path) -> None:
-    text = section(tmp_path, "da", "d.spin, a.spin", fixed="da")
+def test_a_chain_of_wheels_that_do_not_steer_chooses_nothing() -> None:
+    text = section("da", "d.spin, a.spin", fixed="da")
     assert "turn at one speed" in text and CHOOSES not in text

@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from importlib import import_module
 from math import atan2, cos, pi, sin
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.report.common import ROBOTS, derivation, numerics_of, page_of, page_written
+from tests.report.common import numerics_of, page_of, page_written
 from tests.report.reading import read
+from tests.robots import ROBOTS, of_gallery
 from wmrgen import notation
 
 
@@ -45,7 +45,7 @@ def test_who_has_a_model_in_wheel_speeds() -> None:
 @pytest.mark.parametrize("name", DRIVEN)
 def test_the_posture_model_in_wheel_speeds(name: str) -> None:
     """Wheels turn as an admissible twist wants it; the model gives the velocity of that twist in the world."""
-    robot, theta = derivation(name).robot, 0.6
+    robot, theta = of_gallery(name).robot, 0.6
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     rows = [[-sin(h), cos(h), float(w.nominal.x) * cos(h) + float(w.nominal.y) * sin(h)]
             for w in fixed for h in [float(w.heading)]]  # fmt: skip
@@ -94,7 +94,7 @@ def test_the_posture_model_of_a_differential_drive_is_factored() -> None:
 
 def test_trailers_turn_as_their_hitch_is_pulled() -> None:
     """Tzafestas (2.70), the hitch h behind the axle: L theta' = v sin(delta) - h omega cos(delta)."""
-    text, robot = speeds("tractor_off_axle"), derivation("tractor_off_axle").robot
+    text, robot = speeds("tractor_off_axle"), of_gallery("tractor_off_axle").robot
     (cart,) = robot.trailers
     values = {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
     values |= {r"\theta_{\mathrm{cart}}": 0.3, r"\theta": 0.9, "v_x": 0.7, r"\omega": 0.2}
@@ -110,7 +110,7 @@ def test_ackermann() -> None:
     page = page_of("ackermann_car")
     shown = re.search(r"\\cot\\psi.*front\\_right.* - .*front\\_left.* = ([\d.]+)$", page, re.MULTILINE)
     assert shown
-    wheels = {w.name: w for w in derivation("ackermann_car").robot.wheels}
+    wheels = {w.name: w for w in of_gallery("ackermann_car").robot.wheels}
     for radius in (6.0, -4.0, 30.0):
         cot = {
             n: (radius - float(w.nominal.y)) / float(w.nominal.x) for n, w in wheels.items() if w.kind.steers
@@ -135,7 +135,7 @@ def test_square_systems() -> None:
         assert (
             r"\xi = H^{-1} z = J_1^{-1} J_2\,\dot{\varphi}\;\;(3.31)" in page and r"(H^T H)^{-1}" not in page
         )
-        robot = derivation(name).robot
+        robot = of_gallery(name).robot
         rows = [[cos(h), sin(h), float(w.nominal.x) * sin(h) - float(w.nominal.y) * cos(h)]
                 for w in robot.wheels for h in [float(w.heading)]]  # fmt: skip
         shown = re.search(r"\\det H = (.*)", page)
@@ -145,7 +145,7 @@ def test_square_systems() -> None:
 
 @pytest.mark.parametrize("name", ["car_with_trailers", "tractor_off_axle", "pioneer3dx", "wpilib_swervebot"])
 def test_the_growth_vector_is_that_of_wmrgen_structure(name: str) -> None:
-    d, page = derivation(name), page_of(name)
+    d, page = of_gallery(name), page_of(name)
     vector = tuple(d.growth.vector)
     assert f"The growth vector ({', '.join(map(str, vector))}) counts" in page
     assert f": the degree of nonholonomy is {len(vector)}." in page
@@ -154,7 +154,7 @@ def test_the_growth_vector_is_that_of_wmrgen_structure(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["car_with_trailers", "tractor_off_axle"])
 def test_trailers_are_listed_and_derived(name: str) -> None:
-    page, robot = page_of(name), derivation(name).robot
+    page, robot = page_of(name), of_gallery(name).robot
     for t in robot.trailers:
         assert f"| `{t.name}` | {float(t.length.nominal):g} | {float(t.hitch.nominal):g} |" in page
         assert (
@@ -176,7 +176,7 @@ def test_a_model_that_cannot_be_written_leaves_the_one_in_eta(monkeypatch: pytes
 
     module = import_module("wmrgen.backends.report.motion")
     monkeypatch.setattr(module, "best_motion", refuse)
-    text = "\n".join(module.motion(derivation("pioneer3dx")))
+    text = "\n".join(module.motion(of_gallery("pioneer3dx")))
     assert "In the speeds" not in text and r"\eta_{1}" in text
 
 
@@ -191,9 +191,9 @@ wheels:
 """
 
 
-def test_long_numbers_are_not_factored(tmp_path: Path) -> None:
+def test_long_numbers_are_not_factored() -> None:
     """Sines of general angles are fractions of forty digits: their common divisors overflow what can be printed."""
-    page = page_written(tmp_path, LONG)
+    page = page_written(LONG)
     forward = page.partition("**Forward")[2].partition("**An example")[0].partition("**Files")[0]
     assert r"\mathit" not in forward and " a" not in forward.split("```math")[1] and r"\det(H^T H) = " in page
     assert not re.search(r"\d{10,}", page.partition("## 7 ")[2].partition("## 8 ")[0])

@@ -9,6 +9,7 @@ import sympy
 
 import wmrgen
 from tests.conftest import ROOT
+from tests.robots import of_gallery
 from wmrgen import notation
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.sheet import latex, sheet_of
@@ -109,6 +110,6 @@ def test_text_names_ports_or_stays_python() -> None:
 
 def test_models_and_reports_share_the_notation() -> None:
     """A steering angle is psi in both."""
-    derivation = wmrgen.derive(wmrgen.load(ROOT / "robots/bicycle.yaml"))
+    derivation = of_gallery("bicycle")
     text = latex(sheet_of("posture", derivation.system("posture", symbolic=True)))
     assert notation.port("front.steer") in text and r"\beta" not in text

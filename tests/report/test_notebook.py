@@ -6,14 +6,14 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-import wmrgen
 from tests.conftest import ROOT
+from tests.robots import of_gallery
 from wmrgen.robot import Derivation
 
 
 @pytest.fixture(scope="module")
 def derivation() -> Derivation:
-    return wmrgen.derive(wmrgen.load(ROOT / "robots" / "pioneer3dx.yaml"))
+    return of_gallery("pioneer3dx")
 
 
 def test_the_picture_is_that_of_the_files(derivation: Derivation) -> None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
 
 from tests.conftest import ROOT
-from tests.report.common import ROBOTS, derivation, page_of, page_written, pages_of
+from tests.report.common import page_of, page_written, pages_of
+from tests.robots import ROBOTS, of_gallery
 
 FENCE = re.compile(r"^```math\n(.*?)\n```$", re.MULTILINE | re.DOTALL)
 
@@ -46,12 +46,12 @@ def test_math_is_what_github_renders(name: str) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_section_wheel_and_equation_number(name: str) -> None:
-    page, robot = page_of(name), derivation(name).robot
+    page, robot = page_of(name), of_gallery(name).robot
     last = 11 if robot.functions else 10
     assert [int(n) for n in re.findall(r"(?m)^## (\d+) ", page)] == list(range(1, last + 1))
     assert page.startswith(f"# `{name}`\n")
     assert "![Top view of" in page
-    assert all(f"]({file})" in "".join(pages_of(name).values()) for file in derivation(name).figures)
+    assert all(f"]({file})" in "".join(pages_of(name).values()) for file in of_gallery(name).figures)
     for wheel in robot.wheels:
         assert f"| `{wheel.name}` |" in page
         for number in NUMBERS[wheel.type]:
@@ -64,11 +64,11 @@ def test_every_section_wheel_and_equation_number(name: str) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_verdict_is_the_analysis(name: str) -> None:
-    page, m = page_of(name), derivation(name).mobility
+    page, m = page_of(name), of_gallery(name).mobility
     pair = f"({m.degree_of_mobility}, {m.degree_of_steerability})"
     assert (f"a degenerate layout, {pair}" if m.degenerate else f"Campion's type {pair}") in page
     assert rf"\delta_M &= \delta_m + \delta_s = {m.degree_of_mobility} + {m.degree_of_steerability}" in page
-    vector = ", ".join(map(str, derivation(name).growth.vector))
+    vector = ", ".join(map(str, of_gallery(name).growth.vector))
     words = {True: "", False: "not "}
     assert f"The growth vector ({vector}) counts" in page
     assert (
@@ -127,11 +127,9 @@ def test_the_roller_pattern_is_named() -> None:
 HOSTILE = r"<script>alert(1)</script> | `x` $a$ *b* _c_ #1 [l](javascript:u) & \ ! ~s~"
 
 
-def test_free_text_is_escaped(tmp_path: Path) -> None:
+def test_free_text_is_escaped() -> None:
     body = f"wmrgen: 1\nname: nasty\ndescription: '{HOSTILE}'\nsource: '{HOSTILE}'\n"
-    page = page_written(
-        tmp_path, body + "wheels:\n  - {name: a_, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\n"
-    )
+    page = page_written(body + "wheels:\n  - {name: a_, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\n")
     assert page.count("&lt;script&gt;alert(1)&lt;/script&gt;") == 2
     assert "<script" not in page and "$" not in FENCE.sub("", page)
     for hostile in re.findall(r"alert.*", page):
@@ -139,15 +137,13 @@ def test_free_text_is_escaped(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("start", ["- item", "# title", "1. one", "+ x", "> q", "=== x"])
-def test_a_description_is_never_markup(tmp_path: Path, start: str) -> None:
+def test_a_description_is_never_markup(start: str) -> None:
     body = f"wmrgen: 1\nname: plain\ndescription: '{start}'\n"
-    page = page_written(
-        tmp_path, body + "wheels:\n  - {name: w, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\n"
-    )
+    page = page_written(body + "wheels:\n  - {name: w, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\n")
     assert page.splitlines()[2][0] in "&\\"
 
 
-def test_equal_lengths_that_lower_a_rank_are_named(tmp_path: Path) -> None:
+def test_equal_lengths_that_lower_a_rank_are_named() -> None:
     """The mirrored mecanum pattern with half track = half wheelbase cannot turn; other lengths could."""
     rows = [
         ("fl", "lx", "ly", ""),
@@ -159,21 +155,19 @@ def test_equal_lengths_that_lower_a_rank_are_named(tmp_path: Path) -> None:
         f"  - {{name: {n}, type: swedish, x: {x}, y: {y}, heading: 0, gamma: {s}pi/4, r: 0.05}}\n"
         for n, x, y, s in rows
     )
-    page = page_written(
-        tmp_path, f"wmrgen: 1\nname: mirrored\nparameters: {{lx: 0.2, ly: 0.2}}\nwheels:\n{wheels}"
-    )
+    page = page_written(f"wmrgen: 1\nname: mirrored\nparameters: {{lx: 0.2, ly: 0.2}}\nwheels:\n{wheels}")
     assert "The rank of J₁ is 2 for the values given, but 3 for parameters in general" in page
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["fixed", "steered", "castor", "swedish", "spherical"])
-def test_sixty_four_wheels_stay_readable(tmp_path: Path, kind: str) -> None:
+def test_sixty_four_wheels_stay_readable(kind: str) -> None:
     extra = {"castor": ", d: 0.03, actuated: [spin, steer]", "swedish": ", gamma: pi/4"}.get(kind, "")
     beta = "" if kind == "spherical" else ", beta: 0"
     wheels = "".join(
         f"  - {{name: w{k}, type: {kind}, l: 2, alpha: 2*pi*{k}/64{beta}, r: 0.05{extra}}}\n"
         for k in range(64)
     )
-    page = page_written(tmp_path, f"wmrgen: 1\nname: many\nwheels:\n{wheels}")
+    page = page_written(f"wmrgen: 1\nname: many\nwheels:\n{wheels}")
     assert all(f"| `w{k}` |" in page for k in range(64))
     assert len(page) < 90_000 and len(page.splitlines()) < 1200

@@ -6,14 +6,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from math import atan, atan2, cos, sin
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tests.conftest import Outcome
-from tests.report.common import ROBOTS, derivation, page_of, page_written
+from tests.report.common import page_of, page_written
 from tests.report.reading import read
+from tests.robots import ROBOTS, of_gallery
 from wmrgen import notation
 from wmrgen.layout.records import Robot, Wheel
 
@@ -65,7 +65,7 @@ def test_whose_twist_is_written_out() -> None:
 @pytest.mark.parametrize("name", WRITTEN)
 def test_the_twist_of_measured_rates(name: str) -> None:
     """The least-squares twist (the smallest one where a direction is unseen) of rows written down here."""
-    robot = derivation(name).robot
+    robot = of_gallery(name).robot
     rows, rates, values = [], [], parameters(robot)
     for k, w in enumerate(robot.wheels):
         x, y, r = place(w)
@@ -100,11 +100,9 @@ wheels:
 
 
 @pytest.mark.parametrize(("sensed", "angle"), [("spin", False), ("", True)])
-def test_the_twist_of_measurements_that_agree(sensed: str, angle: bool, tmp_path: Path) -> None:
+def test_the_twist_of_measurements_that_agree(sensed: str, angle: bool) -> None:
     """A car: of both rear wheels, or of one and of a steering angle, with the other rows left out."""
-    text = (
-        page_written(tmp_path, CAR.replace("SENSED", sensed)).partition("**Forward")[2].partition("**An ")[0]
-    )
+    text = page_written(CAR.replace("SENSED", sensed)).partition("**Forward")[2].partition("**An ")[0]
     assert AGREE in text and r"(H^T H)^{-1} H^T z" in text
     shown = dict(formulas(text))
     for vx, omega in ((1.3, 0.4), (-0.8, 0.1)):
@@ -120,10 +118,10 @@ def test_the_twist_of_measurements_that_agree(sensed: str, angle: bool, tmp_path
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_joints_of_a_twist(name: str) -> None:
     """Rates of wheels that do not steer, and pivot velocities of those that do, of an admissible twist."""
-    robot = derivation(name).robot
+    robot = of_gallery(name).robot
     twist = np.array([0.5, 0.2, -0.3])
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
-    if fixed and not derivation(name).mobility.degenerate:
+    if fixed and not of_gallery(name).mobility.degenerate:
         rows = np.array([[-sin(h), cos(h), place(w)[0] * cos(h) + place(w)[1] * sin(h)]
                          for w in fixed for h in [float(w.heading)]])  # fmt: skip
         twist = twist - np.linalg.pinv(rows) @ rows @ twist
@@ -189,7 +187,7 @@ def test_the_rates_of_a_driven_castor(name: str) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_factors_as_numbers(name: str) -> None:
     """radius / (2 half_track) = 195/662, about 0.294562: each side is worth the same."""
-    robot = derivation(name).robot
+    robot = of_gallery(name).robot
     for line in re.findall(
         r"```math\n(\\frac.*? (?:=|\\approx).*)\n```", part(name, "Forward", "An example")
     ):
@@ -252,7 +250,7 @@ def test_compatible_wheel_speeds(name: str) -> None:
     text = page_of(name).partition("(compatibility)")[2].partition("## 6 ")[0]
     lines = [right for left, right in formulas(text) if left == "0"]
     assert ("(compatibility)" in page_of(name)) == bool(lines)
-    robot = derivation(name).robot
+    robot = of_gallery(name).robot
     if not lines or any(w.kind.steers for w in robot.wheels):
         return
     values = parameters(robot)

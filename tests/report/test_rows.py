@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from tests.report.common import page_written
@@ -16,8 +14,8 @@ MANY = [
 ]
 
 
-def page(folder: Path, wheels: list[str]) -> str:
-    return page_written(folder, "wmrgen: 1\nname: sample\nwheels:\n" + "".join(f"  - {w}\n" for w in wheels))
+def page(wheels: list[str]) -> str:
+    return page_written("wmrgen: 1\nname: sample\nwheels:\n" + "".join(f"  - {w}\n" for w in wheels))
 
 
 @pytest.mark.parametrize(
@@ -30,21 +28,21 @@ def page(folder: Path, wheels: list[str]) -> str:
         (MANY[:13], r"0.2, 0.21, \ldots\right)"),
     ],
 )
-def test_radii_of_j2(wheels: list[str], shown: str, tmp_path: Path) -> None:
-    assert shown in page(tmp_path, wheels)
+def test_radii_of_j2(wheels: list[str], shown: str) -> None:
+    assert shown in page(wheels)
 
 
-def test_matrices_of_many_rows_are_cut(tmp_path: Path) -> None:
+def test_matrices_of_many_rows_are_cut() -> None:
     """After twelve."""
     for count in (12, 13):
-        rows = page(tmp_path, MANY[:count]).partition("J_1 =")[2].partition("J_2 =")[0]
+        rows = page(MANY[:count]).partition("J_1 =")[2].partition("J_2 =")[0]
         assert (r"\vdots" in rows) == (count > 12)
 
 
-def test_what_there_is_not_is_said(tmp_path: Path) -> None:
-    text = page(tmp_path, [ONE])
+def test_what_there_is_not_is_said() -> None:
+    text = page([ONE])
     assert "There is no steered wheel, so C<sub>1s</sub> has no rows." in text
     assert "There is no fixed wheel" not in text
-    steered = page(tmp_path, [ONE.replace("fixed", "steered")])
+    steered = page([ONE.replace("fixed", "steered")])
     assert "There is no fixed wheel, so C<sub>1f</sub> has no rows." in steered
     assert "There is no steered wheel" not in steered

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import re
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
 
-from tests.report.common import ROBOTS, derivation, numerics_of, page_of, page_written
+from tests.report.common import numerics_of, page_of, page_written
+from tests.robots import ROBOTS, of_gallery
 from wmrgen.emit import wheel_lines
 from wmrgen.kinematics.pose import WORST_ERROR
 
@@ -20,7 +20,7 @@ SOME_ANGLES = "for every twist there are angles at which it is"
 @pytest.mark.parametrize("name", ROBOTS)
 def test_which_twists_are_admissible(name: str) -> None:
     """Every twist, at any time: that is degree of mobility 3. At the right steering angles: maneuverability 3."""
-    page, m = page_of(name), derivation(name).mobility
+    page, m = page_of(name), of_gallery(name).mobility
     assert EVERY_TWIST not in page or m.degree_of_mobility == 3
     assert SOME_ANGLES not in page or m.degree_of_mobility < m.degree_of_maneuverability == 3
 
@@ -29,12 +29,12 @@ def test_the_slip_of_a_swerve_drive() -> None:
     assert SOME_ANGLES in page_of("wpilib_swervebot") and EVERY_TWIST in page_of("kuka_youbot")
 
 
-def test_slip_is_not_called_0_where_limits_make_some(tmp_path: Path) -> None:
+def test_slip_is_not_called_0_where_limits_make_some() -> None:
     wheels = "".join(
         f"  - {{name: w{k}, type: steered, x: {x}, y: 0.2, heading: 0, r: 0.1, limits: {{steer: [-30 deg, 30 deg]}}}}\n"
         for k, x in enumerate((0.3, -0.3))
     )
-    page = page_written(tmp_path, f"wmrgen: 1\nname: sample\nwheels:\n{wheels}")
+    page = page_written(f"wmrgen: 1\nname: sample\nwheels:\n{wheels}")
     assert "is 0, unless a limit or a coupling keeps a wheel from its angle." in page
     assert "keeps a wheel from" not in page_of("wpilib_swervebot")
 
@@ -48,7 +48,7 @@ def test_the_error_of_the_series_in_units_in_the_last_place() -> None:
 @pytest.mark.parametrize("name", ["pioneer3dx", "clearpath_a200", "unicycle", "andino"])
 def test_equal_matrices_have_equal_singular_values(name: str) -> None:
     """No wheel steers: C1 is C1f, rows that say the same included."""
-    m = derivation(name).mobility
+    m = of_gallery(name).mobility
     assert m.rank_C1f.singular_values == m.rank_C1.singular_values
     fixed, every = re.findall(r"(?m)^\| C.*?\| (?:\d|no).*$", numerics_of(name))
     assert fixed.split("|")[2:] == every.split("|")[2:]
@@ -56,7 +56,7 @@ def test_equal_matrices_have_equal_singular_values(name: str) -> None:
 
 def test_singular_values_are_those_of_all_rows() -> None:
     """Wheels ahead have sliding rows (0, 1, x): the squares of all entries add up to those of the values."""
-    d = derivation("clearpath_a200")
+    d = of_gallery("clearpath_a200")
     squares = sum(1 + float(w.nominal.x) ** 2 for w in d.robot.wheels)
     assert sum(s * s for s in d.mobility.rank_C1.singular_values) == pytest.approx(squares)
 
@@ -80,20 +80,20 @@ LEAN = "the rollers on top lean the other way"
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_only_rollers_at_an_angle_lean(name: str) -> None:
-    assert (LEAN in page_of(name)) == any(w.kind.rollers and w.gamma for w in derivation(name).robot.wheels)
+    assert (LEAN in page_of(name)) == any(w.kind.rollers and w.gamma for w in of_gallery(name).robot.wheels)
 
 
 def test_the_heading_of_a_synchro_drive_is_constant() -> None:
     page = page_of("synchro_drive")
     assert "ω = 0, which integrates to θ = const." in page and "Nor can" not in page
     assert "chooses the direction of motion" in page and "chooses the ICR" not in page
-    null = derivation("synchro_drive").null_space
+    null = of_gallery("synchro_drive").null_space
     assert all(null[2, j] == 0 for j in range(null.cols))
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_what_constraints_integrate_to(name: str) -> None:
-    page, m = page_of(name), derivation(name).mobility
+    page, m = page_of(name), of_gallery(name).mobility
     assert ("θ = const." in page) == (m.ddof < m.dof == 2)
     assert ("Nor can all constraints together" in page) == (m.ddof < m.dof == 3 and "Frobenius" in page)
 
@@ -102,7 +102,7 @@ def test_what_constraints_integrate_to(name: str) -> None:
 def test_words(name: str) -> None:
     """Castor, degree of freedom, slip, measurement: the field's terms."""
     page = re.sub(r"`[^`]*`|```math.*?```", "", page_of(name), flags=re.DOTALL)
-    names = [w.name.replace("_", "\\_") for w in derivation(name).robot.wheels]
+    names = [w.name.replace("_", "\\_") for w in of_gallery(name).robot.wheels]
     for own in sorted(names, key=len, reverse=True):
         page = page.replace(own, "")
     assert not re.search(r"\bcasters?\b", page.split("## 1 ")[1])
@@ -112,11 +112,11 @@ def test_words(name: str) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_headers_say_it_of_the_same_robots(name: str) -> None:
-    lines = wheel_lines(derivation(name).robot)
+    lines = wheel_lines(of_gallery(name).robot)
     assert any("lean the other way" in line for line in lines) == (LEAN in page_of(name))
 
 
-def test_a_robot_that_skids(tmp_path: Path) -> None:
+def test_a_robot_that_skids() -> None:
     """Without slip it goes straight, as the drive that turns as it does it is not holonomic; two relations are told,
     and two are written."""
     corners = ((0.3, 0.25), (0.3, -0.25), (-0.1, 0.25), (-0.1, -0.25))
@@ -125,7 +125,7 @@ def test_a_robot_that_skids(tmp_path: Path) -> None:
         for k, (x, y) in enumerate(corners)
     ]
     page = page_written(
-        tmp_path, "\n".join(["wmrgen: 1", "name: sample", "effective_track: 0.8", "wheels:", *wheels, ""])
+        "\n".join(["wmrgen: 1", "name: sample", "effective_track: 0.8", "wheels:", *wheels, ""])
     )
     assert "Without slip DDOF = 1 velocity" in page and "That drive has DDOF = 2 and DOF = 3" in page
     assert page.count("Driving: ") == 1 and "2 relations must hold between the rates" in page

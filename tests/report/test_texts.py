@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from tests.oracle.harness import robot_text
-from tests.report.common import FACTS, ROBOTS, derived, page_of
+from tests.report.common import FACTS, page_of
+from tests.robots import ROBOTS, of_text
 from tests.seeds import layouts
 from wmrgen.backends.report import emit
 from wmrgen.backends.report.mobility import integrability
@@ -39,22 +40,22 @@ CITED = {
 }
 
 
-def cited(layout: dict[str, Any], folder: Path) -> set[str]:
-    return {c.equation for c in citations(derived(folder, robot_text(layout, polar=True)).robot)}
+def cited(layout: dict[str, Any]) -> set[str]:
+    return {c.equation for c in citations(of_text(robot_text(layout, polar=True)).robot)}
 
 
 @pytest.mark.parametrize("case", sorted(CITED))
-def test_cited(case: str, tmp_path: Path) -> None:
+def test_cited(case: str) -> None:
     layout, _ = layouts.of(CASES[case], "polar")
-    assert CITED[case] in cited(layout, tmp_path)
+    assert CITED[case] in cited(layout)
 
 
 @pytest.mark.parametrize("case", ["S-3.33", "S-3.29", "K-5", "T-2.74b", "T-2.84-xfwd", "T-2.37d", "T-2.28c"])
 @pytest.mark.parametrize("key", ["x", "heading"])
-def test_another_geometry_is_not(case: str, key: str, tmp_path: Path) -> None:
+def test_another_geometry_is_not(case: str, key: str) -> None:
     layout, _ = layouts.of(CASES[case], "polar")
     layout["wheels"][0][key] += 0.01
-    assert CITED[case] not in cited(layout, tmp_path)
+    assert CITED[case] not in cited(layout)
 
 
 @pytest.mark.parametrize(("case", "words"), [
@@ -62,9 +63,9 @@ def test_another_geometry_is_not(case: str, key: str, tmp_path: Path) -> None:
     ("S-lockbike-phi", "Together they can be integrated all the same"),
     ("S-3.33", None),
 ])  # fmt: skip
-def test_frobenius_is_printed(case: str, words: str | None, tmp_path: Path) -> None:
+def test_frobenius_is_printed(case: str, words: str | None) -> None:
     layout, _ = layouts.of(CASES[case], "polar")
-    page = " ".join(integrability(derived(tmp_path, robot_text(layout, polar=True))))
+    page = " ".join(integrability(of_text(robot_text(layout, polar=True))))
     if words is None:
         assert "Frobenius" not in page
     else:
@@ -77,9 +78,9 @@ def test_every_function_has_its_source() -> None:
         assert any(text in declaration(name).source for text in TEXTS), name
 
 
-def test_the_report_shows_it(tmp_path: Path) -> None:
+def test_the_report_shows_it() -> None:
     text = ROBOTS["unicycle"].read_text(encoding="utf-8").split("functions:")[0]
-    pages = emit(derived(tmp_path, text + "functions: [motion, circle, goto_pose, icr]\n"), FACTS)
+    pages = emit(of_text(text + "functions: [motion, circle, goto_pose, icr]\n"), FACTS)
     page, numerics = (pages[name].decode() for name in ("report.md", "numerics.md"))
     assert "asks for `motion`, `circle`, `goto_pose` and `icr`, too" in page.split("## 11 ")[1]
     parts = re.split(r"^### ", numerics.split("## Further functions")[1].split("\n## ")[0], flags=re.M)[1:]

@@ -9,7 +9,8 @@ from math import atan2, cos, degrees, pi, remainder, sin
 import numpy as np
 import pytest
 
-from tests.report.common import ROBOTS, derivation, pages_of
+from tests.report.common import pages_of
+from tests.robots import ROBOTS, of_gallery
 from wmrgen.layout.records import Wheel
 from wmrgen.wiring import motions
 
@@ -35,8 +36,8 @@ def rim(w: Wheel, twist: tuple[float, float, float], steer: float) -> tuple[floa
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_sign(name: str) -> None:
-    robot, cells = derivation(name).robot, sheet(name)
-    possible = [m for m in motions(derivation(name)) if m.joints]
+    robot, cells = of_gallery(name).robot, sheet(name)
+    possible = [m for m in motions(of_gallery(name)) if m.joints]
     assert bool(cells) == any(w.actuated for w in robot.wheels)
     for k, motion in enumerate(possible):
         vx, vy, omega = (float(v) for v in motion.twist.values())
@@ -71,7 +72,7 @@ WORDS = {"forward": (0, 1), "backward": (0, -1), "to the left": (1, 1), "to the 
 @pytest.mark.parametrize("name", ["pioneer3dx", "kuka_youbot", "lekiwi"])
 def test_faults(name: str) -> None:
     """What the least-squares twist of wrong wheel speeds is, in words."""
-    robot, text = derivation(name).robot, pages_of(name)["wiring.md"]
+    robot, text = of_gallery(name).robot, pages_of(name)["wiring.md"]
     wheels = [w for w in robot.wheels if w.actuated]
     rows = []
     for w in wheels:
@@ -85,7 +86,7 @@ def test_faults(name: str) -> None:
     size = max(abs(w.pivot) for w in wheels)
     seen = re.findall(r"(?m)^\| (`.*?(?:backwards|exchanged)) \| (.*) \|$", text)
     assert len(seen) == len(wheels) + len(wheels) * (len(wheels) - 1) // 2
-    possible = [np.array([float(v) for v in m.twist.values()]) for m in motions(derivation(name)) if m.joints]
+    possible = [np.array([float(v) for v in m.twist.values()]) for m in motions(of_gallery(name)) if m.joints]
     for fault, cells in seen:
         own = [next(k for k, w in enumerate(wheels) if w.name == n) for n in re.findall("`(.*?)`", fault)]
         for twist, cell in zip(possible, cells.split(" | "), strict=True):
@@ -106,7 +107,7 @@ def test_faults(name: str) -> None:
 @pytest.mark.parametrize("name", ["pioneer3dx", "kuka_youbot", "wpilib_swervebot"])
 def test_arrows(name: str) -> None:
     """As many as there are signs in the table."""
-    root = ET.fromstring(derivation(name).figures["wiring.svg"][1])
+    root = ET.fromstring(of_gallery(name).figures["wiring.svg"][1])
     arrows = [e for e in root.iter() if e.get("class") == "velocity" and e.tag.endswith("line")]
     signs = [c for n, row in sheet(name).items() if n.endswith(".spin") for c in row if c in "+−"]
     assert len(arrows) == len(signs) > 3
@@ -114,7 +115,7 @@ def test_arrows(name: str) -> None:
 
 def test_large_wheels_do_not_hide_their_arrows() -> None:
     """Heads stand beyond the tyres of two wheels whose radius is more than a quarter of the robot's size."""
-    root = ET.fromstring(derivation("pioneer3dx").figures["wiring.svg"][1])
+    root = ET.fromstring(of_gallery("pioneer3dx").figures["wiring.svg"][1])
     shapes = [(e.attrib.get("class", ""), e) for e in root.iter()]
     tyres = [e for kind, e in shapes if kind == "wheel fixed"]
     heads = [e.attrib["points"].split() for kind, e in shapes if kind == "velocity head"]

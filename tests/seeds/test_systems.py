@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-import wmrgen
+from tests.robots import of_text
 from tests.seeds.systems import ROBOTS, SYSTEMS, TEXTBOOK, asked, robot_file
 from textbook.library import textbook
 from wmrgen.backends.c99.driver import answer, calls, driver, request
@@ -23,8 +23,6 @@ from wmrgen.exact.number import Exact
 from wmrgen.functions.registry import optional_names
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.ir.kernels.choice import Choice
-from wmrgen.layout import build
-from wmrgen.spec.load import read_text
 
 IN_C = frozenset(optional_names())
 PAGE = Path(__file__).parents[1] / "README.md"
@@ -35,7 +33,7 @@ COLUMNS = ("derived", "CasADi", "C", "report")
 def derivation(robot: str) -> Any:
     if robot == TEXTBOOK:
         return textbook()
-    return wmrgen.derive(build(read_text(robot_file(robot, IN_C), f"{robot}.yaml")))
+    return of_text(robot_file(robot, IN_C))
 
 
 @cache

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from tests.conftest import GALLERY, put
-from wmrgen import derive, load
+from tests.robots import of_gallery
 from wmrgen.backends.c99 import emit
 from wmrgen.backends.registry import Facts
 from wmrgen.emit import site
@@ -39,7 +39,7 @@ int main(void)
 @cache
 def files_of(robot: str, scalar: str = "float", target: str = DEFAULT.target) -> Mapping[str, bytes]:
     """The C that derive writes for a robot of the gallery, and what goes with it."""
-    derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
+    derivation = of_gallery(robot)
     return emit(
         derivation.c_module, Facts(site=site(derivation), options={"scalar": scalar, "target": target})
     )

@@ -10,10 +10,10 @@ import pytest
 
 from benchmarks.emulator.zig import M0, M4F, Target
 from tests.c.harness import COMPILERS, STRICT, WARNINGS
-from tests.conftest import GALLERY, put
+from tests.conftest import put
+from tests.robots import of_gallery
 from tests.selftest.every import EVERY, FEW, NAMES, failures, files_of, place_of, write
 from tests.selftest.target import on_target
-from wmrgen import derive, load
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.emit import site
 from wmrgen.errors import EnvironmentFailure
@@ -71,7 +71,7 @@ def test_gallery_passes_on_target(target: Target, tmp_path: Path) -> None:
 
 def wrong_numbers(robot: str, scalar: str, every: int) -> list[str]:
     """Expectations that are not the exact value of the formula as derived, rounded once; each ``every``-th row."""
-    derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
+    derivation = of_gallery(robot)
     raw = {f.name: f for f in derivation.raw_module.functions}
     enter = to_float32 if scalar == "float" else to_float64
     wrong = []

@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-from functools import cache
-from pathlib import Path
-
 import pytest
 import sympy
 
-from wmrgen import derive, load
-from wmrgen.robot import Derivation
-
-ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}
-
-
-@cache
-def derivation(name: str) -> Derivation:
-    return derive(load(ROBOTS[name]))
+from tests.robots import ROBOTS, of_gallery
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_no_float_in_any_stage(name: str) -> None:
-    d = derivation(name)
+    d = of_gallery(name)
     matrices = (d.J1, d.J2, d.C1f, d.C1s, d.pfaffian, d.null_space)
     functions = (d.inverse, d.forward, d.odometry, d.dynamics)
     for shown in (*matrices, *(e for outputs in functions for e in outputs.values())):
@@ -30,6 +19,6 @@ def test_no_float_in_any_stage(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["pioneer3dx", "pr2"])
 def test_notebooks_show_formula_and_picture(name: str) -> None:
-    d = derivation(name)
+    d = of_gallery(name)
     assert d._repr_latex_().startswith("$$") and d._repr_latex_().endswith("$$")
     assert d._repr_svg_().startswith("<svg")

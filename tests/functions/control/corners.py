@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import random
-from pathlib import Path
 
-from wmrgen import derive, load
+from tests.robots import of_text
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, Arithmetic, evaluate_module
 from wmrgen.robot import Derivation
 
@@ -24,10 +23,8 @@ def robot_text(wheels: str, *lines: str) -> str:
     return "\n".join(["wmrgen: 1", "name: tried", "wheels:", wheels, *lines]) + "\n"
 
 
-def derived(folder: Path, text: str, *functions: str) -> Derivation:
-    path = folder / "tried.yaml"
-    path.write_text(text)
-    return derive(load(path), ["inverse", "forward", *functions])
+def derived(text: str, *functions: str) -> Derivation:
+    return of_text(text, ["inverse", "forward", *functions])
 
 
 def call(

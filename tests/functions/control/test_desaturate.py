@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from pathlib import Path
 
 import pytest
 
@@ -27,8 +26,8 @@ LIMIT = 12.3
 
 
 @pytest.mark.parametrize("wheels", [MECANUM, SWERVE], ids=["mecanum", "swerve"])
-def test_the_twist_is_scaled(tmp_path: Path, wheels: str) -> None:
-    d = derived(tmp_path, robot_text(wheels, f"limits: {{spin: {LIMIT}}}"), "desaturate")
+def test_the_twist_is_scaled(wheels: str) -> None:
+    d = derived(robot_text(wheels, f"limits: {{spin: {LIMIT}}}"), "desaturate")
     scaled = 0
     for twist in twists(60):
         asked = call(d, "inverse", {**twist, **{f"{n}.steer": 0.2 for n in CORNERS}})
@@ -42,8 +41,8 @@ def test_the_twist_is_scaled(tmp_path: Path, wheels: str) -> None:
     assert 20 < scaled <= 60
 
 
-def test_limits_hold_to_the_last_bit_in_float(tmp_path: Path) -> None:
-    d = derived(tmp_path, robot_text(MECANUM, "limits: {spin: [-11.7, 12.3]}"), "desaturate")
+def test_limits_hold_to_the_last_bit_in_float() -> None:
+    d = derived(robot_text(MECANUM, "limits: {spin: [-11.7, 12.3]}"), "desaturate")
     source = random.Random(3)
     low, high = nearest_float32(-11.7), nearest_float32(12.3)
     reached = 0
@@ -55,31 +54,31 @@ def test_limits_hold_to_the_last_bit_in_float(tmp_path: Path) -> None:
     assert reached > 200
 
 
-def test_nothing_changes_inside_the_limits(tmp_path: Path) -> None:
-    d = derived(tmp_path, robot_text(MECANUM, f"limits: {{spin: {LIMIT}}}"), "desaturate")
+def test_nothing_changes_inside_the_limits() -> None:
+    d = derived(robot_text(MECANUM, f"limits: {{spin: {LIMIT}}}"), "desaturate")
     asked = {"fl.spin": 12.25, "fr.spin": -1.5, "bl.spin": 0.0, "br.spin": -12.25}
     assert call(d, "desaturate", asked, FLOAT32) == {**asked, "scale": 1.0}
 
 
-def test_each_wheel_has_its_own_limit(tmp_path: Path) -> None:
+def test_each_wheel_has_its_own_limit() -> None:
     wheels = MECANUM.replace("r: 0.1}", "r: 0.1, limits: {spin: 5}}", 1)
-    d = derived(tmp_path, robot_text(wheels, "limits: {spin: 20}"), "desaturate")
+    d = derived(robot_text(wheels, "limits: {spin: 20}"), "desaturate")
     asked = dict.fromkeys((f"{n}.spin" for n in CORNERS), 10.0)
     assert call(d, "desaturate", asked)["scale"] == 0.5
 
 
 @pytest.mark.parametrize(("asked", "scale"), [(-8.0, 0.5), (-4.0, 1.0), (8.0, 1.0), (40.0, 0.5)])
-def test_each_side_has_its_own_limit(tmp_path: Path, asked: float, scale: float) -> None:
+def test_each_side_has_its_own_limit(asked: float, scale: float) -> None:
     """Backwards a wheel may turn at 4 rad/s, forwards at 20; the others are scaled along."""
-    d = derived(tmp_path, robot_text(MECANUM, "limits: {spin: [-4, 20]}"), "desaturate")
+    d = derived(robot_text(MECANUM, "limits: {spin: [-4, 20]}"), "desaturate")
     rates = {"fl.spin": asked, "fr.spin": 2.0, "bl.spin": -1.0, "br.spin": 0.0}
     assert call(d, "desaturate", rates) == {k: v * scale for k, v in rates.items()} | {"scale": scale}
 
 
-def test_a_rate_rounded_beyond_its_lower_limit_is_cut(tmp_path: Path) -> None:
+def test_a_rate_rounded_beyond_its_lower_limit_is_cut() -> None:
     """In float both limits hold to the last bit, each for itself."""
     for low, high in ((-11.7, 1e3), (-1e3, 11.7)):
-        d = derived(tmp_path, robot_text(MECANUM, f"limits: {{spin: [{low}, {high}]}}"), "desaturate")
+        d = derived(robot_text(MECANUM, f"limits: {{spin: [{low}, {high}]}}"), "desaturate")
         source, side = random.Random(4), -1 if low == -11.7 else 1
         end = nearest_float32(11.7)
         reached = 0
@@ -91,35 +90,35 @@ def test_a_rate_rounded_beyond_its_lower_limit_is_cut(tmp_path: Path) -> None:
         assert reached > 100
 
 
-def test_castors_turn_along(tmp_path: Path) -> None:
+def test_castors_turn_along() -> None:
     wheels = (
         "  - {name: fl, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}\n"
         "  - {name: fr, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}\n"
         "  - {name: tail, type: castor, x: -0.3, y: 0, d: 0.05, r: 0.04, limits: {steer_rate: 3}}"
     )
-    d = derived(tmp_path, robot_text(wheels, "limits: {spin: 20}"), "desaturate")
+    d = derived(robot_text(wheels, "limits: {spin: 20}"), "desaturate")
     asked = {"fl.spin": 1.0, "fr.spin": 1.0, "tail.spin": 2.0, "tail.steer_rate": -6.0}
     assert call(d, "desaturate", asked) == {k: v / 2 for k, v in asked.items()} | {"scale": 0.5}
 
 
-def test_the_limit_of_the_robot_is_not_that_of_a_passive_wheel(tmp_path: Path) -> None:
+def test_the_limit_of_the_robot_is_not_that_of_a_passive_wheel() -> None:
     """A small castor turns eight times as fast as the wheels that are driven, and holds nothing back."""
     wheels = (
         "  - {name: fl, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.2}\n"
         "  - {name: fr, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.2}\n"
         "  - {name: tail, type: castor, x: -0.3, y: 0, d: 0.05, r: 0.025}"
     )
-    d = derived(tmp_path, robot_text(wheels, "limits: {vx: 1.2, spin: 15, steer_rate: 1}"), "desaturate")
+    d = derived(robot_text(wheels, "limits: {vx: 1.2, spin: 15, steer_rate: 1}"), "desaturate")
     asked = call(d, "inverse", {"vx": 1.2, "vy": 0.0, "omega": 0.0, "tail.steer": 1.0})
     del asked["slip"]
     assert asked["tail.spin"] > 15 and asked["tail.steer_rate"] > 1
     assert call(d, "desaturate", asked) == {**asked, "scale": 1.0}
 
 
-def test_what_inverse_asks_beyond_the_limits_is_what_it_is_for(tmp_path: Path) -> None:
+def test_what_inverse_asks_beyond_the_limits_is_what_it_is_for() -> None:
     """Bounds are about all that `inverse` gives within the limits of the twist; checked code refuses nothing of it."""
     text = robot_text(MECANUM, "functions: [desaturate]", "limits: {vx: 1, vy: 1, omega: 2, spin: 8}")
-    d = derived(tmp_path, text, "desaturate")
+    d = derived(text, "desaturate")
     inverse, scaling = (next(f for f in d.bounds.functions if f.name == n) for n in ("inverse", "desaturate"))
     asked = {o.name: (o.low, o.high) for o in inverse.outputs}
     assert asked["fl.spin"][1] > 20
@@ -140,6 +139,6 @@ def test_what_inverse_asks_beyond_the_limits_is_what_it_is_for(tmp_path: Path) -
         ("limits: {spin: [0, 4]}", "the limits of fl.spin leave nothing on one side of 0"),
     ],
 )
-def test_what_is_missing_is_named(tmp_path: Path, limits: str, named: str) -> None:
+def test_what_is_missing_is_named(limits: str, named: str) -> None:
     with pytest.raises(NotDerivableError, match=named):
-        _ = derived(tmp_path, robot_text(MECANUM, limits), "desaturate").program
+        _ = derived(robot_text(MECANUM, limits), "desaturate").program

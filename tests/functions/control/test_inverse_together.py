@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import random
-from pathlib import Path
 
 import pytest
 
@@ -30,8 +29,8 @@ from wmrgen.robot import Derivation
 
 
 @pytest.fixture(scope="module")
-def free(tmp_path_factory: pytest.TempPathFactory) -> Derivation:
-    return derived(tmp_path_factory.mktemp("free"), robot_text(SWERVE), "inverse_together")
+def free() -> Derivation:
+    return derived(robot_text(SWERVE), "inverse_together")
 
 
 def presents(count: int, span: float) -> list[dict[str, float]]:
@@ -95,9 +94,9 @@ def test_a_wheel_at_the_icr_holds(free: Derivation) -> None:
 
 
 @pytest.mark.parametrize("limit", [95, 120, 170, 200])
-def test_steering_limits(tmp_path: Path, limit: int) -> None:
+def test_steering_limits(limit: int) -> None:
     """Never outside; nothing slides where one of the two choices is inside for every wheel."""
-    d = derived(tmp_path, robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
+    d = derived(robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
     top = math.radians(limit)
     slid = 0
     for twist, present in zip(twists(150), presents(150, top), strict=True):
@@ -112,9 +111,9 @@ def test_steering_limits(tmp_path: Path, limit: int) -> None:
 
 
 @pytest.mark.parametrize("limit", everyday([60, 75, 80, 85], [80]))
-def test_both_ways_as_far_outside(tmp_path: Path, limit: int) -> None:
+def test_both_ways_as_far_outside(limit: int) -> None:
     """Straight to the side: no rounding sends modules that stand at one limit to the other."""
-    d = derived(tmp_path, robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
+    d = derived(robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
     top, source = math.radians(limit), random.Random(7)
     cases = []
     for _ in range(60):
@@ -141,9 +140,9 @@ def _reachable(twist: dict[str, float], top: float) -> bool:
 
 
 @pytest.mark.parametrize("limit", everyday([50, 60, 75, 80, 88, 90, 92, 100, 120], [80, 90]))
-def test_modules_that_stand_alike_keep_the_heading_that_inverse_keeps(tmp_path: Path, limit: int) -> None:
+def test_modules_that_stand_alike_keep_the_heading_that_inverse_keeps(limit: int) -> None:
     """To both sides of every line at which a wheel swings over."""
-    d = derived(tmp_path, robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
+    d = derived(robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
     beyond = 0
     for line, beside, k in itertools.product((limit, limit + 5, 90, 92.5, 95, 40), (-0.02, 0.02), range(7)):
         angle, standing = math.radians(line + beside), math.radians(limit) * (k - 3) / 3
@@ -155,9 +154,9 @@ def test_modules_that_stand_alike_keep_the_heading_that_inverse_keeps(tmp_path: 
 
 
 @pytest.mark.parametrize("limit", everyday([50, 75, 90, 92, 120, 170, 180, 182], [90, 180]))
-def test_noise_swings_no_module_to_and_fro(tmp_path: Path, limit: int) -> None:
+def test_noise_swings_no_module_to_and_fro(limit: int) -> None:
     """1 mm/s of noise, modules at their stops and elsewhere: once at most they all turn round."""
-    d = derived(tmp_path, robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
+    d = derived(robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
     inverse, source = d.numpy().inverse_together, random.Random(limit)
     sideways = [{"vx": 0.0, "vy": 0.3, "omega": w} for w in (0.0, 0.2)]
     for base in [*sideways, {"vx": -0.3, "vy": 0.0, "omega": 0.0}, *twists(5, limit)]:
@@ -172,9 +171,9 @@ def test_noise_swings_no_module_to_and_fro(tmp_path: Path, limit: int) -> None:
             assert swings <= 1, (base, stop)
 
 
-def test_coupled_pairs_are_one_module(tmp_path: Path) -> None:
+def test_coupled_pairs_are_one_module() -> None:
     text = robot_text(SWERVE, "couplings: [{equal: [fl.steer, fr.steer]}, {equal: [bl.steer, br.steer]}]")
-    d = derived(tmp_path, text, "inverse_together")
+    d = derived(text, "inverse_together")
     for twist, present in zip(twists(60), presents(60, 3.0), strict=True):
         now = {**present, "fr.steer": present["fl.steer"], "br.steer": present["bl.steer"]}
         commands = call(d, "inverse_together", {**twist, "omega": 0.0, **now})
@@ -184,10 +183,10 @@ def test_coupled_pairs_are_one_module(tmp_path: Path) -> None:
         assert commands["slip"] < 1e-9
 
 
-def test_one_motor_needs_no_agreement(tmp_path: Path) -> None:
+def test_one_motor_needs_no_agreement() -> None:
     text = robot_text(SWERVE, "couplings: [{equal: [fl.steer, fr.steer, bl.steer, br.steer]}]")
     with pytest.raises(NotDerivableError, match="one motor"):
-        _ = derived(tmp_path, text, "inverse_together").program
+        _ = derived(text, "inverse_together").program
 
 
 QUARTER = nearest_float32(math.pi / 2)
@@ -200,9 +199,9 @@ ZEROS = [
 
 @pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize("limits", ["", "limits: {steer: 170 deg}"])
-def test_zeros_of_both_signs_and_exact_quarter_turns(target: str, limits: str, tmp_path: Path) -> None:
+def test_zeros_of_both_signs_and_exact_quarter_turns(target: str, limits: str) -> None:
     """All wheels drive the twist, on one branch, whichever sign a zero has (`{-0.0f, -1, 0}` did not)."""
-    d = derived(tmp_path, robot_text(SWERVE, limits), "inverse_together")
+    d = derived(robot_text(SWERVE, limits), "inverse_together")
     code = expand(d.c_module, "float", "inline", target)
     for case in ZEROS:
         commands = evaluate(code.function("inverse_together"), case, FLOAT32)

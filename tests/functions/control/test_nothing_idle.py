@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -54,8 +53,8 @@ def idle(function: Function) -> Iterator[str]:
 
 
 @pytest.mark.parametrize("limits", ["", "limits: {steer: [-1.6, 1.9]}", "limits: {steer: 200 deg}"])
-def test_of_a_swerve_drive(tmp_path: Path, limits: str) -> None:
-    d = derived(tmp_path, robot_text(SWERVE, limits), "inverse_together")
+def test_of_a_swerve_drive(limits: str) -> None:
+    d = derived(robot_text(SWERVE, limits), "inverse_together")
     function = pruned(inlined_calls(d.c_module).function("inverse_together"))
     assert sum(node.op in _TAKEN for node in function.nodes) > 12
     assert list(idle(function)) == []

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import random
 from fractions import Fraction
-from pathlib import Path
 
 import pytest
 
@@ -31,7 +30,7 @@ from wmrgen.robot import Derivation
 RATE, DT = 2.5, 0.01
 
 
-def fleet(folder: Path, limits: str = f"limits: {{steer_rate: {RATE}}}") -> str:
+def fleet(limits: str = f"limits: {{steer_rate: {RATE}}}") -> str:
     return robot_text(SWERVE, limits)
 
 
@@ -39,8 +38,8 @@ def angles(values: list[float], joint: str) -> dict[str, float]:
     return {f"{n}.{joint}": v for n, v in zip(CORNERS, values, strict=True)}
 
 
-def test_each_step_keeps_the_limit_and_the_wheel_arrives(tmp_path: Path) -> None:
-    d = derived(tmp_path, fleet(tmp_path), "steer_toward")
+def test_each_step_keeps_the_limit_and_the_wheel_arrives() -> None:
+    d = derived(fleet(), "steer_toward")
     wanted = [nearest_float32(v) for v in (1.2, -0.7, 0.004, 3.0)]
     now = [0.0, 0.5, 0.0, -3.0]
     steps = 0
@@ -57,23 +56,23 @@ def test_each_step_keeps_the_limit_and_the_wheel_arrives(tmp_path: Path) -> None
     assert steps == 240  # 6 rad at 2.5 rad/s
 
 
-def test_each_side_and_each_wheel_has_its_own_limit(tmp_path: Path) -> None:
+def test_each_side_and_each_wheel_has_its_own_limit() -> None:
     wheels = SWERVE.replace("r: 0.05}", "r: 0.05, limits: {steer_rate: [-1, 3]}}", 1)
-    d = derived(tmp_path, robot_text(wheels, "limits: {steer_rate: 2}"), "steer_toward")
+    d = derived(robot_text(wheels, "limits: {steer_rate: 2}"), "steer_toward")
     for side, turns in ((1, [3, 2, 2, 2]), (-1, [-1, -2, -2, -2])):
         values = {f"{n}.steer_wanted": Exact(9 * side) for n in CORNERS} | {"dt": Exact(Fraction(1, 2))}
         assert [float(v) for v in d.evaluate("steer_toward", values).values()] == [t / 2 for t in turns]
 
 
-def test_a_wheel_without_limit_goes_there_at_once(tmp_path: Path) -> None:
+def test_a_wheel_without_limit_goes_there_at_once() -> None:
     wheels = SWERVE.replace("r: 0.05}", "r: 0.05, limits: {steer_rate: 1}}", 1)
-    d = derived(tmp_path, robot_text(wheels), "steer_toward")
+    d = derived(robot_text(wheels), "steer_toward")
     values = {"fl.steer": 0.0, "dt": 0.5} | angles([1.0, 1.0, 1.0, 1.0], "steer_wanted")
     assert call(d, "steer_toward", values) == angles([0.5, 1.0, 1.0, 1.0], "steer")
 
 
-def test_no_angle_beyond_the_stops_is_commanded(tmp_path: Path) -> None:
-    d = derived(tmp_path, fleet(tmp_path, "limits: {steer_rate: 2, steer: [-1, 1.5]}"), "steer_toward")
+def test_no_angle_beyond_the_stops_is_commanded() -> None:
+    d = derived(fleet("limits: {steer_rate: 2, steer: [-1, 1.5]}"), "steer_toward")
     values = (
         angles([1.6, 1.6, -1.2, 1.4], "steer") | angles([9.0, 0.0, -2.0, 3.0], "steer_wanted") | {"dt": 0.25}
     )
@@ -81,14 +80,14 @@ def test_no_angle_beyond_the_stops_is_commanded(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("dt", [0.0, -1.0])
-def test_without_time_nothing_turns(tmp_path: Path, dt: float) -> None:
-    d = derived(tmp_path, fleet(tmp_path), "steer_toward")
+def test_without_time_nothing_turns(dt: float) -> None:
+    d = derived(fleet(), "steer_toward")
     now = angles([0.3, -0.2, 0.1, 0.0], "steer")
     assert call(d, "steer_toward", now | angles([1.0, -1.0, 0.0, 9.0], "steer_wanted") | {"dt": dt}) == now
 
 
-def test_in_c(tmp_path: Path) -> None:
-    d = derived(tmp_path, fleet(tmp_path), "steer_toward")
+def test_in_c() -> None:
+    d = derived(fleet(), "steer_toward")
     source = random.Random(2)
     cases = [
         {p.name: nearest_float32(source.uniform(-3, 3) * (0.01 if p.name == "dt" else 1.0)) for p in f.inputs}
@@ -103,11 +102,11 @@ def test_in_c(tmp_path: Path) -> None:
             assert result[f"{n}.steer"] == pytest.approx(min(max(wanted, now - turn), now + turn), abs=1e-6)
 
 
-def test_it_is_proved_for_what_inverse_commands(tmp_path: Path) -> None:
+def test_it_is_proved_for_what_inverse_commands() -> None:
     text = robot_text(
         SWERVE, "functions: [steer_toward]", "limits: {vx: 1, omega: 1, steer: 1.5, steer_rate: 2}"
     )
-    bounds = derived(tmp_path, text, "steer_toward").bounds
+    bounds = derived(text, "steer_toward").bounds
     (bound,) = (f for f in bounds.functions if f.name == "steer_toward")
     assert bound.proved and bound.inputs["fl.steer_wanted"] == pytest.approx((-1.5, 1.5), abs=1e-4)
     assert all(o.high == pytest.approx(1.5, abs=1e-4) or o.high < 1.71 for o in bound.outputs)
@@ -125,21 +124,21 @@ def test_it_is_proved_for_what_inverse_commands(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_what_is_missing_is_named(tmp_path: Path, wheels: str, limits: str, why: str) -> None:
+def test_what_is_missing_is_named(wheels: str, limits: str, why: str) -> None:
     with pytest.raises(NotDerivableError, match=why):
-        _ = derived(tmp_path, robot_text(wheels, limits), "steer_toward").program
+        _ = derived(robot_text(wheels, limits), "steer_toward").program
 
 
 # ---- compensate_steering
 
 
-def compensated(folder: Path, wheels: str = SWERVE, *lines: str) -> Derivation:
-    return derived(folder, robot_text(wheels, *lines), "compensate_steering")
+def compensated(wheels: str = SWERVE, *lines: str) -> Derivation:
+    return derived(robot_text(wheels, *lines), "compensate_steering")
 
 
-def test_wheels_roll_with_their_pivots_while_they_swing(tmp_path: Path) -> None:
+def test_wheels_roll_with_their_pivots_while_they_swing() -> None:
     """Along the present angle a pivot moves at (vx - y omega) cos + (vy + x omega) sin, whatever is commanded."""
-    d, source, backwards = compensated(tmp_path), random.Random(4), 0
+    d, source, backwards = compensated(), random.Random(4), 0
     for twist in twists(40):
         asked = call(d, "inverse", twist | steers([source.uniform(-4, 4) for _ in CORNERS]))
         now = [source.uniform(-4, 4) for _ in CORNERS]
@@ -154,22 +153,22 @@ def test_wheels_roll_with_their_pivots_while_they_swing(tmp_path: Path) -> None:
     assert backwards > 20  # which are the wheels more than a quarter turn off
 
 
-def test_a_wheel_that_points_where_it_should_keeps_its_speed(tmp_path: Path) -> None:
-    d = compensated(tmp_path)
+def test_a_wheel_that_points_where_it_should_keeps_its_speed() -> None:
+    d = compensated()
     spins = angles([3.0, -7.5, 0.0, 1e6], "spin")
     there = [0.3, -2.0, 0.0, 3.1]
     values = spins | angles(there, "steer") | angles(there, "steer_now")
     assert call(d, "compensate_steering", values, FLOAT32) == spins
 
 
-def test_the_wheels_of_one_motor_are_seen_as_one(tmp_path: Path) -> None:
+def test_the_wheels_of_one_motor_are_seen_as_one() -> None:
     """In a synchro drive all wheels steer as one and turn as one: the angles of the first count for all."""
     names = list(CORNERS)[:3]
     synchro = "\n".join(SWERVE.splitlines()[:3])
     couplings = [
         f"  - {{equal: [{', '.join(f'{n}.{joint}' for n in names)}]}}" for joint in ("steer", "spin")
     ]
-    d = compensated(tmp_path, synchro, "couplings:", *couplings)
+    d = compensated(synchro, "couplings:", *couplings)
     inputs = [p.name for p in d.formula("compensate_steering").inputs]
     assert inputs == ["fl.spin", "fl.steer", "fl.steer_now", "fr.spin", "bl.spin"]
     values = {"fl.steer": math.pi / 3, "fl.steer_now": 0.0} | dict.fromkeys((f"{n}.spin" for n in names), 8.0)
@@ -184,18 +183,14 @@ def test_the_wheels_of_one_motor_are_seen_as_one(tmp_path: Path) -> None:
         (SWERVE, ("couplings:", "  - {equal: [fl.spin, br.spin]}"), "fl and br turn as one and steer each"),
     ],
 )
-def test_what_no_factor_makes_right_is_refused(
-    tmp_path: Path, wheels: str, lines: tuple[str, ...], why: str
-) -> None:
+def test_what_no_factor_makes_right_is_refused(wheels: str, lines: tuple[str, ...], why: str) -> None:
     with pytest.raises(NotDerivableError, match=why):
-        _ = compensated(tmp_path, wheels, *lines).program
+        _ = compensated(wheels, *lines).program
 
 
-def test_bounds_and_checks_take_what_inverse_gives(tmp_path: Path) -> None:
+def test_bounds_and_checks_take_what_inverse_gives() -> None:
     """Also beyond the limits of joints, for `desaturate` comes later; no wheel is made faster."""
-    d = compensated(
-        tmp_path, SWERVE, "functions: [compensate_steering]", "limits: {vx: 1, omega: 1, spin: 8}"
-    )
+    d = compensated(SWERVE, "functions: [compensate_steering]", "limits: {vx: 1, omega: 1, spin: 8}")
     inverse, scaling = (
         next(f for f in d.bounds.functions if f.name == n) for n in ("inverse", "compensate_steering")
     )

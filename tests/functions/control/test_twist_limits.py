@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import random
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,12 +34,12 @@ def drawn(source: random.Random, size: float = 3.0) -> list[float]:
     return [nearest_float32(source.uniform(-size, size)) for _ in range(3)]
 
 
-def limited(folder: Path, *lines: str, wheels: str = MECANUM) -> Derivation:
-    return derived(folder, robot_text(wheels, *lines), "limit_twist")
+def limited(*lines: str, wheels: str = MECANUM) -> Derivation:
+    return derived(robot_text(wheels, *lines), "limit_twist")
 
 
-def accelerated(folder: Path, limits: str = RATES) -> Derivation:
-    return derived(folder, robot_text(MECANUM, limits), "limit_acceleration")
+def accelerated(limits: str = RATES) -> Derivation:
+    return derived(robot_text(MECANUM, limits), "limit_acceleration")
 
 
 def exactly(d: Derivation, name: str, values: Twist) -> list[Fraction]:
@@ -51,9 +50,9 @@ def exactly(d: Derivation, name: str, values: Twist) -> list[Fraction]:
 # ---- limit_twist
 
 
-def test_the_path_is_kept_and_a_limit_reached(tmp_path: Path) -> None:
+def test_the_path_is_kept_and_a_limit_reached() -> None:
     """In exact numbers: the twist times k in (0, 1], and k < 1 where one component stands at its limit."""
-    d, source, slower = limited(tmp_path, LIMITS), random.Random(1), 0
+    d, source, slower = limited(LIMITS), random.Random(1), 0
     low, high = ([Fraction(str(v)) for v in ends] for ends in (LOW, HIGH))
     for _ in range(60):
         asked = drawn(source)
@@ -66,8 +65,8 @@ def test_the_path_is_kept_and_a_limit_reached(tmp_path: Path) -> None:
     assert 30 < slower < 60
 
 
-def test_limits_hold_to_the_last_bit_in_float(tmp_path: Path) -> None:
-    d, source, reached = limited(tmp_path, LIMITS), random.Random(2), 0
+def test_limits_hold_to_the_last_bit_in_float() -> None:
+    d, source, reached = limited(LIMITS), random.Random(2), 0
     low, high = ([nearest_float32(v) for v in ends] for ends in (LOW, HIGH))
     for _ in range(400):
         asked = drawn(source, 10.0 ** source.uniform(-1, 8))
@@ -77,8 +76,8 @@ def test_limits_hold_to_the_last_bit_in_float(tmp_path: Path) -> None:
     assert reached > 200
 
 
-def test_nothing_changes_inside_the_limits(tmp_path: Path) -> None:
-    d = limited(tmp_path, LIMITS)
+def test_nothing_changes_inside_the_limits() -> None:
+    d = limited(LIMITS)
     for asked in ((1.3, -0.9, 2.1), (-0.7, 0.0, -0.0), (1e-30, 0.3, -2.0)):
         asked = tuple(map(nearest_float32, asked))
         kept = call(d, "limit_twist", twist(*asked), FLOAT32)
@@ -86,10 +85,10 @@ def test_nothing_changes_inside_the_limits(tmp_path: Path) -> None:
         assert kept == twist(*asked)
 
 
-def test_vy_has_the_limit_of_vx_where_it_has_none(tmp_path: Path) -> None:
-    d = limited(tmp_path, "limits: {vx: 0.5, omega: 9}")
+def test_vy_has_the_limit_of_vx_where_it_has_none() -> None:
+    d = limited("limits: {vx: 0.5, omega: 9}")
     assert call(d, "limit_twist", twist(0.0, -2.0, 4.0)) == twist(0.0, -0.5, 1.0)
-    alone = limited(tmp_path, "limits: {omega: 1}")
+    alone = limited("limits: {omega: 1}")
     assert call(alone, "limit_twist", twist(8.0, 6.0, -4.0)) == twist(2.0, 1.5, -1.0)
 
 
@@ -98,21 +97,21 @@ PAIR = """\
   - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}"""
 
 
-def test_what_the_robot_cannot_drive_is_nothing_and_slows_nothing_down(tmp_path: Path) -> None:
+def test_what_the_robot_cannot_drive_is_nothing_and_slows_nothing_down() -> None:
     """A differential drive has no vy, unless P lies before its axle; a synchro drive has no omega."""
     limits = "limits: {vx: 1, omega: 2, vx_rate: 1, omega_rate: 2}"
     asked, wanted = twist(0.5, 8.0, 1.0), twist(0.5, 8.0, 1.0, "_wanted")
-    pair = derived(tmp_path, robot_text(PAIR, limits), "limit_twist", "limit_acceleration")
+    pair = derived(robot_text(PAIR, limits), "limit_twist", "limit_acceleration")
     assert call(pair, "limit_twist", asked) == twist(0.5, 0.0, 1.0)
     half = call(pair, "limit_acceleration", twist(0.0, -8.0, 0.0) | wanted | {"dt": 0.25})
     assert [*half.values()] == pytest.approx([0.25, 0.0, 0.5], rel=1e-6)
-    before = limited(tmp_path, limits, wheels=PAIR.replace("x: 0,", "x: -0.5,"))
+    before = limited(limits, wheels=PAIR.replace("x: 0,", "x: -0.5,"))
     assert call(before, "limit_twist", asked) == twist(0.0625, 1.0, 0.125)
     names = ("fl", "fr", "bl", "br")
     couplings = [
         f"  - {{equal: [{', '.join(f'{n}.{joint}' for n in names)}]}}" for joint in ("steer", "spin")
     ]
-    synchro = limited(tmp_path, limits, "couplings:", *couplings, wheels=SWERVE)
+    synchro = limited(limits, "couplings:", *couplings, wheels=SWERVE)
     assert call(synchro, "limit_twist", twist(0.5, 0.5, 8.0)) == twist(0.5, 0.5, 0.0)
 
 
@@ -122,9 +121,9 @@ BAND = ("limits: {vx: [-0.5, 1], omega: 4}", "deadband: 0.0625")
 @pytest.mark.parametrize(
     "at", [(0.0625, 0, 0), (-0.03125, 0, 0), (0, 0.0625, 0), (0, -0.03125, 0), (0, 0, 0.25), (0, 0, -0.25)]
 )
-def test_below_the_deadband_the_robot_stands(tmp_path: Path, at: tuple[float, ...]) -> None:
+def test_below_the_deadband_the_robot_stands(at: tuple[float, ...]) -> None:
     """A share of the limit of its side; at the deadband the robot moves, and the other components are kept then."""
-    d = limited(tmp_path, *BAND)
+    d = limited(*BAND)
     rest = [v or 0.015 for v in at]
     assert call(d, "limit_twist", twist(*rest), FLOAT32) == {
         k: nearest_float32(v) for k, v in twist(*rest).items()
@@ -134,9 +133,9 @@ def test_below_the_deadband_the_robot_stands(tmp_path: Path, at: tuple[float, ..
     assert call(d, "limit_twist", twist(*(1e3 * v for v in at)), FLOAT32) != twist(0.0, 0.0, 0.0)
 
 
-def test_steering_holds_below_the_deadband(tmp_path: Path) -> None:
+def test_steering_holds_below_the_deadband() -> None:
     """The noise of a joystick at rest swings no wheel, and turns none."""
-    d, source = limited(tmp_path, *BAND, wheels=SWERVE), random.Random(3)
+    d, source = limited(*BAND, wheels=SWERVE), random.Random(3)
     now = steers([0.3, -1.2, 2.0, -0.1])
     noise = twist(*(v * 0.01 for v in drawn(source)))
     swung = call(d, "inverse", noise | now)
@@ -145,9 +144,9 @@ def test_steering_holds_below_the_deadband(tmp_path: Path) -> None:
     assert all(v == 0 for k, v in held.items() if k.endswith("spin"))
 
 
-def test_it_is_looked_at_beyond_the_limits(tmp_path: Path) -> None:
+def test_it_is_looked_at_beyond_the_limits() -> None:
     """Bounds are about four times the limits; checked code takes any twist, for that is what the function is for."""
-    d = limited(tmp_path, "functions: [limit_twist]", LIMITS, "deadband: 0.01")
+    d = limited("functions: [limit_twist]", LIMITS, "deadband: 0.01")
     (bound,) = (f for f in d.bounds.functions if f.name == "limit_twist")
     assert bound.proved and bound.inputs["vx"] == pytest.approx((-2.8, 5.2), rel=1e-6)
     for output, low, high in zip(bound.outputs, LOW, HIGH, strict=True):
@@ -167,17 +166,17 @@ def test_it_is_looked_at_beyond_the_limits(tmp_path: Path) -> None:
         (("limits: {omega: 1, vy: 1}", "deadband: 0.01"), "deadband is a share of limits, and vx has none"),
     ],
 )
-def test_what_is_missing_is_named(tmp_path: Path, lines: tuple[str, ...], why: str) -> None:
+def test_what_is_missing_is_named(lines: tuple[str, ...], why: str) -> None:
     with pytest.raises(NotDerivableError, match=why):
-        _ = limited(tmp_path, *lines).program
+        _ = limited(*lines).program
 
 
 # ---- limit_acceleration
 
 
-def test_the_change_keeps_its_direction_and_its_limits(tmp_path: Path) -> None:
+def test_the_change_keeps_its_direction_and_its_limits() -> None:
     """In exact numbers: k times the change, k = 1 or next to the largest that the limits allow."""
-    d, source, short = accelerated(tmp_path), random.Random(4), 0
+    d, source, short = accelerated(), random.Random(4), 0
     for _ in range(60):
         last, wanted, dt = drawn(source), drawn(source), Fraction(source.choice((1, 40, 90)), 100)
         values = twist(*wanted, "_wanted") | twist(*last) | {"dt": float(dt)}
@@ -195,9 +194,9 @@ def test_the_change_keeps_its_direction_and_its_limits(tmp_path: Path) -> None:
     assert 25 < short < 60
 
 
-def test_in_float_it_lies_between_both_twists(tmp_path: Path) -> None:
+def test_in_float_it_lies_between_both_twists() -> None:
     """To the bit, so that what keeps the limits of twists keeps them; and inside the limits, but for one rounding."""
-    d, source, short = accelerated(tmp_path), random.Random(5), 0
+    d, source, short = accelerated(), random.Random(5), 0
     for _ in range(600):
         size = 10.0 ** source.uniform(-4, 4)
         last = drawn(source, size)
@@ -217,8 +216,8 @@ def test_in_float_it_lies_between_both_twists(tmp_path: Path) -> None:
     assert 200 < short < 600
 
 
-def test_the_wanted_twist_is_reached_to_the_bit(tmp_path: Path) -> None:
-    d = accelerated(tmp_path)
+def test_the_wanted_twist_is_reached_to_the_bit() -> None:
+    d = accelerated()
     wanted = [nearest_float32(v) for v in (0.3, -0.7, 1.1)]
     last, steps = twist(0.0, 0.0, -0.4), 0
     while last != twist(*wanted):
@@ -228,9 +227,9 @@ def test_the_wanted_twist_is_reached_to_the_bit(tmp_path: Path) -> None:
     assert steps in (47, 48)  # 0.7 m/s at 1.5 m/s^2: 46.7 steps
 
 
-def test_what_can_be_reached_in_the_step_is(tmp_path: Path) -> None:
+def test_what_can_be_reached_in_the_step_is() -> None:
     """vx may rise by 2 m/s^2: in 0.5 s by 1, and by a bit more it may not."""
-    d = accelerated(tmp_path)
+    d = accelerated()
     still = twist(0.0, 0.0, 0.0) | {"dt": 0.5}
     assert call(d, "limit_acceleration", twist(1.0, 0.25, 0.0, "_wanted") | still, FLOAT32) == twist(
         1.0, 0.25, 0.0
@@ -240,19 +239,19 @@ def test_what_can_be_reached_in_the_step_is(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("dt", [0.0, -0.0, -1.0])
-def test_without_time_the_twist_is_held(tmp_path: Path, dt: float) -> None:
-    d = accelerated(tmp_path)
+def test_without_time_the_twist_is_held(dt: float) -> None:
+    d = accelerated()
     for last in ((0.3, -2.0, 1e-30), (1e6, 0.0, -7.0)):
         last = tuple(map(nearest_float32, last))
         values = twist(1.0, 1e-9, -3.0, "_wanted") | twist(*last) | {"dt": dt}
         assert call(d, "limit_acceleration", values, FLOAT32) == twist(*last)
 
 
-def test_what_has_no_limit_goes_along(tmp_path: Path) -> None:
-    d = accelerated(tmp_path, "limits: {vx_rate: 4}")
+def test_what_has_no_limit_goes_along() -> None:
+    d = accelerated("limits: {vx_rate: 4}")
     values = twist(0.0, 2.0, 8.0, "_wanted") | twist(0.0, 0.0, 0.0) | {"dt": 0.25}
     assert [*call(d, "limit_acceleration", values).values()] == pytest.approx([0.0, 1.0, 4.0], rel=1e-6)
-    turning = accelerated(tmp_path, "limits: {omega_rate: 4}")
+    turning = accelerated("limits: {omega_rate: 4}")
     assert [*call(turning, "limit_acceleration", values).values()] == pytest.approx(
         [0.0, 0.25, 1.0], rel=1e-6
     )
@@ -268,24 +267,24 @@ def test_what_has_no_limit_goes_along(tmp_path: Path) -> None:
         ("limits: {vx_rate: [0, 1]}", "the limits of vx_rate leave nothing on one side of 0"),
     ],
 )
-def test_what_is_missing_for_it_is_named(tmp_path: Path, limits: str, why: str) -> None:
+def test_what_is_missing_for_it_is_named(limits: str, why: str) -> None:
     with pytest.raises(NotDerivableError, match=why):
-        _ = accelerated(tmp_path, limits).program
+        _ = accelerated(limits).program
 
 
-def test_bounds_know_what_the_last_command_was(tmp_path: Path) -> None:
+def test_bounds_know_what_the_last_command_was() -> None:
     text = "limits: {vx: [-0.7, 1.3], vy: 0.9, omega: 2.1, vx_rate: 1}"
-    d = derived(tmp_path, robot_text(MECANUM, "functions: [limit_acceleration]", text), "limit_acceleration")
+    d = derived(robot_text(MECANUM, "functions: [limit_acceleration]", text), "limit_acceleration")
     (bound,) = (f for f in d.bounds.functions if f.name == "limit_acceleration")
     assert bound.proved and not bound.unknown
     assert bound.inputs["vx_wanted"] == bound.inputs["vx"] == pytest.approx((-0.7, 1.3), rel=1e-6)
 
 
-def test_both_in_c(tmp_path: Path) -> None:
+def test_both_in_c() -> None:
     """As written down once more with NumPy."""
     rates = "vx_rate: [-3, 2], vy_rate: 1.5, omega_rate: 7}"
     text = robot_text(MECANUM, LIMITS.replace("}", f", {rates}"), "deadband: 0.25")
-    d, source = derived(tmp_path, text, "limit_twist", "limit_acceleration"), random.Random(6)
+    d, source = derived(text, "limit_twist", "limit_acceleration"), random.Random(6)
     cases = [
         twist(*drawn(source, source.choice((0.3, 3.0))))
         | twist(*drawn(source), "_wanted")

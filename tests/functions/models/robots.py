@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import sympy
 
 import wmrgen
+from tests.robots import of_text
 from wmrgen.exact.number import Exact
 from wmrgen.robot import Derivation
 from wmrgen.symbolic import parameter, signal
@@ -68,15 +67,12 @@ def derived(wheels: str, extra: str = "", **values: str) -> Derivation:
     text = (
         f"wmrgen: 1\nname: sample\n{f'parameters: {{{listed}}}' if used else ''}\nwheels:\n{items}\n{extra}\n"
     )
-    return wmrgen.derive(loaded(text))
+    return of_text(text)
 
 
 def loaded(text: str) -> Any:
     """The robot of a file's text."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "sample.yaml"
-        path.write_text(text, encoding="utf-8")
-        return wmrgen.load(path)
+    return of_text(text).robot
 
 
 def _occurs(name: str, text: str) -> bool:

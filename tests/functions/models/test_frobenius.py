@@ -13,6 +13,7 @@ import sympy
 
 import wmrgen
 from tests.functions.models.robots import CAR_REAR, DIFFERENTIAL, OMNI, TWO_STEER, UNICYCLE, call, derived
+from tests.robots import of_gallery
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.integrals import Integral
 from wmrgen.robot import Derivation
@@ -48,7 +49,7 @@ def test_tzafestas_2_25_not_integrable() -> None:
 
 
 def test_heading_of_a_synchro_drive_is_constant() -> None:
-    d = wmrgen.derive(wmrgen.load(next(path for path in ROBOTS if path.stem == "synchro_drive")))
+    d = of_gallery("synchro_drive")
     assert [i.text for i in d.integrability.integrals] == ["theta = const"]
     assert not d.integrability.holonomic  # theta integrates, the rest does not
 

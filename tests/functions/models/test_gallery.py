@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-from functools import cache
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-import wmrgen
 from tests.functions.models.robots import call
-from wmrgen.robot import Derivation
+from tests.robots import ROBOTS, of_gallery
 
-ROBOTS = {path.stem: path for path in sorted((Path(__file__).parents[3] / "robots").glob("*.yaml"))}
 # No drive for every freedom: the models use eta and say what is missing.
 UNDERACTUATED = {"office_chair", "textbook_omni_steer", "unicycle"}
-
-
-@cache
-def derivation(name: str) -> Derivation:
-    return wmrgen.derive(wmrgen.load(ROBOTS[name]))
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_robot_that_moves_has_a_posture_model(name: str) -> None:
     """Siegwart 3.4: xi' = R(theta)^T Sigma(beta) u, in driven speeds where every freedom is driven, else in eta."""
-    d = derivation(name)
+    d = of_gallery(name)
     system = d.system("posture")
     assert len(system.inputs) == len(system.fields) >= d.mobility.degree_of_mobility
     assert ("Missing actuation" in system.text) == (name in UNDERACTUATED)
@@ -36,7 +26,7 @@ def test_every_robot_that_moves_has_a_posture_model(name: str) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_twist_of_the_model_asks_for_its_own_wheel_speeds(name: str) -> None:
     """At rest steering, theta = 0: the rates of the pose are the twist, and no wheel has to slide."""
-    d = derivation(name)
+    d = of_gallery(name)
     system = d.system("configuration")
     random = np.random.default_rng(3)
     values = {q.name: float(random.uniform(0.1, 0.5)) for q in (*system.state, *system.inputs)}

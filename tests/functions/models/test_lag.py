@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import wmrgen
+from tests.robots import of_text
 from wmrgen.errors import RobotFileError
 from wmrgen.functions.models.state_space import state_space
 
@@ -34,14 +35,8 @@ wheels:
 """
 
 
-def loaded(tmp_path: Path, text: str) -> wmrgen.Derivation:
-    path = tmp_path / "robot.yaml"
-    path.write_text(text)
-    return wmrgen.derive(wmrgen.load(path))
-
-
-def car(tmp_path: Path, top: str = "", rear: str = "", front: str = "") -> wmrgen.Derivation:
-    return loaded(tmp_path, CAR.format(top=top, rear=rear, front=front))
+def car(top: str = "", rear: str = "", front: str = "") -> wmrgen.Derivation:
+    return of_text(CAR.format(top=top, rear=rear, front=front))
 
 
 @pytest.mark.parametrize(
@@ -52,10 +47,8 @@ def car(tmp_path: Path, top: str = "", rear: str = "", front: str = "") -> wmrge
         ("lag: {steer: 0.15 s}", ", lag: {steer: 0.4}", 0.4),
     ],
 )
-def test_a_step_of_the_command_is_answered_by_an_exponential(
-    tmp_path: Path, top: str, front: str, constant: float
-) -> None:
-    derivation = car(tmp_path, top, "", front)
+def test_a_step_of_the_command_is_answered_by_an_exponential(top: str, front: str, constant: float) -> None:
+    derivation = car(top, "", front)
     space = derivation.model()["state_space"]
     assert [entry["name"] for entry in space["u"]] == ["rear.spin", "front.steer_command"]
     command = space["u"][1]
@@ -70,9 +63,9 @@ def test_a_step_of_the_command_is_answered_by_an_exponential(
     assert derivation.numpy().INPUTS == ("rear.spin", "front.steer_command")
 
 
-def test_the_exact_step_takes_the_lag_in(tmp_path: Path) -> None:
+def test_the_exact_step_takes_the_lag_in() -> None:
     """Twist form: the angle falls off exactly over a step of seconds; its limits and that of its rate are told."""
-    derivation = car(tmp_path, "lag: {steer: 150 ms}")
+    derivation = car("lag: {steer: 150 ms}")
     step = derivation.state_space("twist", "exact", 0.4)
     after, a, b, _ = step([1, 2, 0.3, 0.1], [0.0, 0.0, 0.5], [1.1])
     assert after.full().ravel() == pytest.approx([1, 2, 0.3, 0.5 - 0.4 * exp(-0.4 / 0.15)], abs=1e-15)
@@ -83,31 +76,29 @@ def test_the_exact_step_takes_the_lag_in(tmp_path: Path) -> None:
     assert (steer["rate_lower"], steer["rate_upper"]) == (-2, 2)
 
 
-def test_without_lag_the_rate_is_the_input(tmp_path: Path) -> None:
-    space = car(tmp_path).default_state_space
+def test_without_lag_the_rate_is_the_input() -> None:
+    space = car().default_state_space
     assert space is not None
     assert [port.name for port in space.inputs] == ["rear.spin", "front.steer_rate"]
     assert space.bounds["front.steer_rate"] == (-2, 2) and space.bounds["rear.spin"] == (-inf, inf)
 
 
-def test_wheels_that_turn_together_have_the_longest_lag(tmp_path: Path) -> None:
+def test_wheels_that_turn_together_have_the_longest_lag() -> None:
     """The twist form: a and b share one angle, c has its own."""
-    derivation = loaded(tmp_path, TWO_STEER)
+    derivation = of_text(TWO_STEER)
     f = derivation.state_space("twist")
     x, u = [0, 0, 0.4, 0.1, -0.2], [0.5, 0.1, -0.3, 0.7, 0.9]
     rates = f(x, u, []).full().ravel()
     assert rates[2:] == pytest.approx([-0.3, (0.7 - 0.1) / 0.3, (0.9 + 0.2) / 0.05])
-    free = loaded(
-        tmp_path, TWO_STEER.replace("lag: {steer: 0.2}\n", "").replace(", lag: {steer: 300 ms}", "")
-    )
+    free = of_text(TWO_STEER.replace("lag: {steer: 0.2}\n", "").replace(", lag: {steer: 300 ms}", ""))
     space = state_space(free.robot, free.mobility, "twist")
     assert [port.name for port in space.inputs][3:] == ["a.steer_rate", "c.steer_command"]
     assert derivation.rolling()(x, u, []).full() == pytest.approx(free.rolling()(x, u, []).full())
 
 
-def test_a_virtual_wheel_has_the_lag_of_those_that_it_steers(tmp_path: Path) -> None:
+def test_a_virtual_wheel_has_the_lag_of_those_that_it_steers() -> None:
     text = (Path(__file__).parents[3] / "robots" / "car_with_trailers.yaml").read_text(encoding="utf-8")
-    derivation = loaded(tmp_path, text.replace("wheels:\n", "lag: {steer: 0.5}\nwheels:\n", 1))
+    derivation = of_text(text.replace("wheels:\n", "lag: {steer: 0.5}\nwheels:\n", 1))
     space = derivation.default_state_space
     assert space is not None and [port.name for port in space.inputs] == ["rear.speed", "front.steer_command"]
     x = [0.0] * len(space.state)
@@ -126,6 +117,6 @@ def test_a_virtual_wheel_has_the_lag_of_those_that_it_steers(tmp_path: Path) -> 
         ("lag: 0.1", "", "", "lag"),
     ],
 )
-def test_what_no_lag_is_is_said(tmp_path: Path, top: str, rear: str, front: str, message: str) -> None:
+def test_what_no_lag_is_is_said(top: str, rear: str, front: str, message: str) -> None:
     with pytest.raises(RobotFileError, match=message):
-        car(tmp_path, top, rear, front)
+        car(top, rear, front)

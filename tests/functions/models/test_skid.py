@@ -17,6 +17,7 @@ import pytest
 
 import wmrgen
 from tests.functions.motion.common import run_cli
+from tests.robots import of_text
 from wmrgen.errors import RobotFileError
 from wmrgen.exact.number import Exact
 
@@ -79,17 +80,11 @@ BASES = {
 }
 
 
-def loaded(tmp_path: Path, text: str) -> wmrgen.Derivation:
-    path = tmp_path / "skid.yaml"
-    path.write_text(text)
-    return wmrgen.derive(wmrgen.load(path))
-
-
 @pytest.mark.parametrize("name", BASES)
-def test_it_moves_as_wheels_that_drag(name: str, tmp_path: Path) -> None:
+def test_it_moves_as_wheels_that_drag(name: str) -> None:
     """forward of speeds is the twist of the oracle; inverse gives the speeds back; the models turn as they say."""
     base = BASES[name]
-    derivation = loaded(tmp_path, base.text(repr(base.track)))
+    derivation = of_text(base.text(repr(base.track)))
     module = derivation.numpy()
     for left, right in ((-1.0, 1.0), (0.7, 0.9), (-0.0, -0.4), (0.5, 0.5)):
         spins = base.spins(left, right)
@@ -110,10 +105,10 @@ def test_it_moves_as_wheels_that_drag(name: str, tmp_path: Path) -> None:
         assert rates == pytest.approx([vx, vy, omega], abs=1e-9)
 
 
-def test_the_commanded_twist_is_what_it_does(tmp_path: Path) -> None:
+def test_the_commanded_twist_is_what_it_does() -> None:
     """Inputs vx and omega by default; `dynamics` turns; twice the track is half the yaw rate, in every form."""
     base = BASES["off the origin"]
-    derivation = loaded(tmp_path, base.text("1.1"))
+    derivation = of_text(base.text("1.1"))
     space = derivation.model()["state_space"]
     assert (space["form"], [e["name"] for e in space["u"]]) == ("twist", ["vx", "omega"])
     rates = derivation.state_space()([0, 0, 0.3], [0.4, 0.9], [1.1]).full().ravel()
@@ -143,7 +138,9 @@ def test_the_layout_stays_what_it_is(tmp_path: Path) -> None:
     """Places, matrices and degrees are the robot's; so is what its contacts do. Lint finds nothing, compare and export
     go by the track, the report says what stands for it, and it may draw a trailer."""
     more = "trailers: [{length: 0.8, hitch: 0.4}]\nfunctions: [trailer, contact_velocity]\n"
-    derivation = loaded(tmp_path, HUSKY.text("1.04", more))
+    path = tmp_path / "skid.yaml"
+    path.write_text(HUSKY.text("1.04", more))
+    derivation = wmrgen.derive(wmrgen.load(path))
     data = derivation.model()
     assert data["degenerate"] and data["effective_track"] == 1.04 and data["wheels"][0]["y"] == 0.2775
     assert "differential drive of its effective track" in " ".join(data["reasons"])
@@ -151,11 +148,10 @@ def test_the_layout_stays_what_it_is(tmp_path: Path) -> None:
     assert float(contact["w0.vx"]) == pytest.approx(-0.555)
     rates = derivation.evaluate("trailer", {"w0.spin": Exact(-1), "w1.spin": Exact(1)})
     assert float(rates["theta_rate"]) == pytest.approx(2 * 0.165 / 1.04)
-    path = str(tmp_path / "skid.yaml")
-    assert "no findings" in run_cli("lint", path)[0]
-    run_cli("export", path, "--to", "ros2_control", "-o", str(tmp_path))
+    assert "no findings" in run_cli("lint", str(path))[0]
+    run_cli("export", str(path), "--to", "ros2_control", "-o", str(tmp_path))
     assert "wheel_separation: 1.04\n" in (tmp_path / "skid_controllers.yaml").read_text(encoding="utf-8")
-    run_cli("derive", path, "-o", str(tmp_path / "out"))
+    run_cli("derive", str(path), "-o", str(tmp_path / "out"))
     report = (tmp_path / "out" / "skid" / "report.md").read_text(encoding="utf-8")
     assert (
         r"T_e &= \mathit{wide} = 1.04" in report and r"\frac{v_x-\frac{\mathit{wide}}{2}\;\omega}" in report
@@ -175,17 +171,17 @@ WHEEL = "  - {{name: extra, type: {}, x: 0.1, y: {}, heading: {}, r: 0.1{}}}\n"
         ("1", WHEEL.format("fixed", 0, 0.1, ""), "not parallel"),
     ],
 )
-def test_robots_that_do_not_skid_have_none(track: str, wheel: str, message: str, tmp_path: Path) -> None:
+def test_robots_that_do_not_skid_have_none(track: str, wheel: str, message: str) -> None:
     with pytest.raises(RobotFileError, match=message):
-        loaded(tmp_path, HUSKY.text(track) + wheel)
+        of_text(HUSKY.text(track) + wheel)
 
 
 @pytest.mark.parametrize("wheels", [HUSKY.wheels[::2], HUSKY.wheels[:1]])
-def test_one_side_has_no_track(wheels: tuple[tuple[float, float, float], ...], tmp_path: Path) -> None:
+def test_one_side_has_no_track(wheels: tuple[tuple[float, float, float], ...]) -> None:
     with pytest.raises(RobotFileError, match="one side"):
-        loaded(tmp_path, Base(wheels).text("1"))
+        of_text(Base(wheels).text("1"))
 
 
-def test_a_robot_without_fixed_wheels_has_no_track(tmp_path: Path) -> None:
+def test_a_robot_without_fixed_wheels_has_no_track() -> None:
     with pytest.raises(RobotFileError, match="one side"):
-        loaded(tmp_path, Base(()).text("1") + "  - {name: ball, type: spherical, x: 0, y: 0}\n")
+        of_text(Base(()).text("1") + "  - {name: ball, type: spherical, x: 0, y: 0}\n")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import json
-from functools import cache
 from math import atan, cos, inf, radians, sin, tan
 from pathlib import Path
 from types import ModuleType
@@ -16,14 +15,10 @@ import sympy
 
 import wmrgen
 from tests.conftest import GALLERY, ROOT
+from tests.robots import of_gallery, of_text
 from wmrgen.errors import NotDerivableError, UsageError
 
 STEERED = ("wpilib_swervebot", "agilex_ranger", "ackermann_car", "pr2", "synchro_drive")
-
-
-@cache
-def derivation_of(name: str) -> wmrgen.Derivation:
-    return wmrgen.derive(wmrgen.load(ROOT / "robots" / f"{name}.yaml"))
 
 
 def nominal(derivation: wmrgen.Derivation) -> list[float]:
@@ -90,7 +85,7 @@ def test_the_file_is_the_model_of_model_json(path: Path) -> None:
 @pytest.mark.parametrize("name", STEERED)
 def test_constraints_are_what_contacts_slide(name: str) -> None:
     """Velocity of each steered wheel's contact along its axle, from positions alone."""
-    derivation = derivation_of(name)
+    derivation = of_gallery(name)
     g = derivation.rolling()
     f = derivation.state_space("twist")
     system = derivation.system("twist")
@@ -115,7 +110,7 @@ def test_constraints_are_what_contacts_slide(name: str) -> None:
 
 def test_a_swerve_is_regular_on_the_spot_and_sideways() -> None:
     """Where its posture model in driven speeds is not: rates stay those of the twist, derivatives finite."""
-    derivation = derivation_of("wpilib_swervebot")
+    derivation = of_gallery("wpilib_swervebot")
     f = derivation.state_space()
     assert derivation.model()["state_space"]["form"] == "twist"
     angles = [3 * np.pi / 4, np.pi / 4, -3 * np.pi / 4, -np.pi / 4]
@@ -127,12 +122,12 @@ def test_a_swerve_is_regular_on_the_spot_and_sideways() -> None:
 
 
 def test_a_skid_steer_turns() -> None:
-    derivation = derivation_of("clearpath_a200")
+    derivation = of_gallery("clearpath_a200")
     rates = np.array(derivation.state_space()([0, 0, 0.5], [0.4, 0.9], nominal(derivation))).ravel()
     assert rates == pytest.approx([0.4 * cos(0.5), 0.4 * sin(0.5), 0.9])
 
 
-def test_an_axle_off_the_origin_moves_it_sideways(tmp_path: Path) -> None:
+def test_an_axle_off_the_origin_moves_it_sideways() -> None:
     """Fixed wheels at x = 0.3: P, behind the axle, is at -0.3 omega sideways, so that contacts do not slide."""
     text = """\
 wmrgen: 1
@@ -143,8 +138,7 @@ wheels:
   - {name: left, type: fixed, x: a, y: 0.2, heading: 0, r: 0.1}
   - {name: right, type: fixed, x: a, y: -0.2, heading: 0, r: 0.1}
 """
-    (tmp_path / "ahead.yaml").write_text(text)
-    f = wmrgen.derive(wmrgen.load(tmp_path / "ahead.yaml")).state_space("twist")
+    f = of_text(text).state_space("twist")
     assert np.array(f([0, 0, 0], [0.5, 2.0], [0.35])).ravel() == pytest.approx([0.5, -0.7, 2.0])
 
 
@@ -152,7 +146,7 @@ wheels:
 @pytest.mark.parametrize("kind", ["rk4", "exact", "collocation"])
 def test_a_step_is_many_small_ones(name: str, kind: str) -> None:
     """Its A, B, c are its derivatives; exact is refused where steering changes the twist."""
-    derivation = derivation_of(name)
+    derivation = of_gallery(name)
     if (name, kind) == ("ackermann_car", "exact"):
         with pytest.raises(UsageError, match="rk4"):
             derivation.state_space(discrete=kind, dt=0.1)
@@ -177,7 +171,7 @@ def test_a_step_is_many_small_ones(name: str, kind: str) -> None:
         assert b[:, index] == pytest.approx((high - low) / 2e-6, abs=1e-7)
 
 
-def test_a_trailer_has_no_exact_step(tmp_path: Path) -> None:
+def test_a_trailer_has_no_exact_step() -> None:
     """Its angle follows the motion, though the inputs alone decide the twist; a wheel's angle does not."""
     text = """\
 wmrgen: 1
@@ -187,8 +181,7 @@ wheels:
   - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}
   - {name: right, type: fixed, x: 0, y: -0.3, heading: 0, r: 0.1}
 """
-    (tmp_path / "pulled.yaml").write_text(text)
-    derivation = wmrgen.derive(wmrgen.load(tmp_path / "pulled.yaml"))
+    derivation = of_text(text)
     with pytest.raises(UsageError, match="rk4"):
         derivation.state_space("trailer", "exact", 0.1)
     after = derivation.state_space("configuration", "exact", 2.0)([0, 0, 0, 1, 2], [3, -4], [])[0]
@@ -196,18 +189,18 @@ wheels:
 
 
 def test_rates_of_inputs_are_bounded_as_the_file_says() -> None:
-    vx, *_, steer_rate = derivation_of("wpilib_swervebot").model()["state_space"]["u"]
+    vx, *_, steer_rate = of_gallery("wpilib_swervebot").model()["state_space"]["u"]
     assert (vx["rate_lower"], vx["rate_upper"]) == (-9, 9) and "rate_lower" not in steer_rate
 
 
 def test_a_step_of_no_known_kind_is_refused() -> None:
     with pytest.raises(UsageError, match="exact, rk4 or collocation"):
-        derivation_of("lekiwi").state_space(discrete="euler", dt=0.1)
+        of_gallery("lekiwi").state_space(discrete="euler", dt=0.1)
 
 
 def test_the_exact_step_is_exact_and_smooth_at_a_straight_line() -> None:
     """One step of ten seconds, through omega = 0 on both sides of the switch to the series."""
-    derivation = derivation_of("lekiwi")
+    derivation = of_gallery("lekiwi")
     f = derivation.state_space("twist", "exact", 10.0)
     for omega in (-0.7, -2.1e-5, -1.9e-5, 0.0, 1.9e-5, 2.1e-5, 0.7):
         x = np.array(f([1, 2, 0.4], [0.3, -0.1, omega], nominal(derivation))[0]).ravel()
@@ -221,7 +214,7 @@ def test_the_exact_step_is_exact_and_smooth_at_a_straight_line() -> None:
         assert np.isfinite(jacobian).all()
 
 
-def test_a_parameter_that_a_model_does_without_stays_in_its_vector(tmp_path: Path) -> None:
+def test_a_parameter_that_a_model_does_without_stays_in_its_vector() -> None:
     """A tunable toe moves inverse, and no term of a posture model: p has an entry for it all the same."""
     text = """\
 wmrgen: 1
@@ -234,15 +227,14 @@ wheels:
   - {name: right, type: swedish, x: -0.2, y: -0.2, heading: 0, gamma: 0, r: 0.1}
   - {name: back, type: swedish, x: 0, y: 0.4, heading: pi/2, gamma: 0, r: 0.1}
 """
-    (tmp_path / "toed.yaml").write_text(text)
-    f = wmrgen.derive(wmrgen.load(tmp_path / "toed.yaml")).state_space("twist")
+    f = of_text(text).state_space("twist")
     assert f.size1_in(2) == 2
     assert np.array(f([0, 0, 0], [0.5, 0.1, 2.0], [0.35, 0.1])).ravel() == pytest.approx([0.5, 0.1, 2.0])
 
 
 def test_numpy_takes_vectors_along_the_last_axis() -> None:
     """The module without a file: shapes broadcast, wrong lengths and shapes are named; parameters are nominal."""
-    module = derivation_of("pioneer3dx").numpy()
+    module = of_gallery("pioneer3dx").numpy()
     assert (module.STATE, module.NOMINAL) == (("x", "y", "theta"), (0.1655, 0.0975))
     x, u = np.array([1.0, 2.0, 0.3]), np.array([[4.0, 6.0], [-1.0, 1.0], [0.0, -0.0]])
     rates = module.ode(np.broadcast_to(x, (5, 1, 3)), u)
@@ -252,14 +244,14 @@ def test_numpy_takes_vectors_along_the_last_axis() -> None:
     assert module.ode(x, u[0], [0.331, 0.0975])[2] == pytest.approx(turn[0] / 2)
     with pytest.raises(ValueError, match=r"u has the shape \(3,\), not \(..., 2\)"):
         module.ode(x, [1, 2, 3])
-    swerve = derivation_of("wpilib_swervebot")
+    swerve = of_gallery("wpilib_swervebot")
     state, command = point(swerve.rolling(), 2)
     assert swerve.numpy().rolling(state, command) == pytest.approx(
         swerve.rolling()(state, command, []).full().ravel(), abs=1e-14
     )
 
 
-def test_axles_that_meet_off_the_robot_leave_driven_speeds(tmp_path: Path) -> None:
+def test_axles_that_meet_off_the_robot_leave_driven_speeds() -> None:
     """A degenerate robot whose wheels turn about one point has no twist that is commanded."""
     text = """\
 wmrgen: 1
@@ -268,8 +260,7 @@ wheels:
   - {name: a, type: fixed, x: 1, y: 0, heading: 90 deg, r: 0.1}
   - {name: b, type: fixed, x: 0, y: 0.7, heading: 180 deg, r: 0.1}
 """
-    (tmp_path / "carousel.yaml").write_text(text)
-    derivation = wmrgen.derive(wmrgen.load(tmp_path / "carousel.yaml"))
+    derivation = of_text(text)
     assert derivation.model()["state_space"]["form"] == "posture"
     rates = derivation.state_space()([0, 0, 0.0], [3.0], []).full().ravel()
     assert rates == pytest.approx([0, 0, 0.3])
@@ -279,7 +270,7 @@ wheels:
 def test_from_driving_sideways_to_turning_on_the_spot(name: str) -> None:
     """The whole motion, by steps of the model: no module slides, the pose is that of points which keep their distance,
     and the constraints stay regular (their Jacobian has full rank) where the chart of the posture model ends."""
-    derivation = derivation_of(name)
+    derivation = of_gallery(name)
     wheels = [w for w in derivation.robot.wheels if w.kind.steers]
     pivots = np.array([w.pivot for w in wheels])
     headings = np.array([w.zero_heading for w in wheels])
@@ -324,7 +315,7 @@ def test_from_driving_sideways_to_turning_on_the_spot(name: str) -> None:
 @pytest.mark.parametrize("name", ["wpilib_swervebot", "agilex_ranger", "textbook_two_steer"])
 def test_eta_moves_nothing_on_its_singular_set_alone(name: str) -> None:
     """Its condition is zero where both axles are one line, there G of eta1 is, and nowhere around."""
-    derivation = derivation_of(name)
+    derivation = of_gallery(name)
     system = derivation.system("eta")
     (domain,) = system.domain
     a, b = (derivation.robot.wheel(w) for w in derivation.mobility.basis_wheels)
@@ -342,7 +333,7 @@ def test_eta_moves_nothing_on_its_singular_set_alone(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["tidybot2", "nomad_xr4000"])
 def test_driven_castors_have_a_model_without_singular_angles(name: str) -> None:
-    derivation = derivation_of(name)
+    derivation = of_gallery(name)
     space = derivation.default_state_space
     assert space is not None and (space.form, space.singular) == ("twist", ())
     assert derivation.system("posture").domain
@@ -352,7 +343,7 @@ def test_driven_castors_have_a_model_without_singular_angles(name: str) -> None:
 
 def test_a_virtual_wheel_keeps_the_limits_of_those_that_it_steers() -> None:
     """Cotangents of the angles of front wheels differ by distance over wheelbase (Ackermann): the inner one decides."""
-    derivation = derivation_of("car_with_trailers")
+    derivation = of_gallery("car_with_trailers")
     entry = derivation.model()["state_space"]["x"][3]
     left, right = (derivation.robot.wheel(f"front_{side}") for side in ("left", "right"))
     rear = derivation.robot.wheel("rear_left")

@@ -12,7 +12,7 @@ from typing import Any
 import sympy
 from typer.testing import CliRunner
 
-import wmrgen
+from tests.robots import of_text
 from wmrgen.robot import Derivation
 from wmrgen.symbolic import parameter, signal
 
@@ -137,13 +137,8 @@ wheels:
 
 @cache
 def derived(text: str) -> Derivation:
-    """The derivation of a robot file's text."""
-    import tempfile
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "robot.yaml"
-        path.write_text(text, encoding="utf-8")
-        return wmrgen.derive(wmrgen.load(path), [])
+    """The derivation of a robot file's text, of which nothing is generated."""
+    return of_text(text, [])
 
 
 def closed(text: str, function: str) -> dict[str, Expr]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from tests.oracle import oracle, weighted
 from tests.oracle.harness import robot_text
 from tests.oracle.weighted import LAYOUTS
-from wmrgen import derive, load
+from tests.robots import of_text
 from wmrgen.backends.c99.checked import safe
 from wmrgen.errors import NotDerivableError, RobotFileError
 from wmrgen.ir.interpret import FLOAT32, evaluate_module
@@ -31,10 +30,8 @@ FUNCTIONS = ("forward", "odometry", "forward_covariance", "odometry_covariance")
 SEEN = [name for name in LAYOUTS if name != "one castor"]
 
 
-def derived(text: str, folder: Path) -> Derivation:
-    path = folder / "sample.yaml"
-    path.write_text(text, encoding="utf-8")
-    return derive(load(path), FUNCTIONS)
+def derived(text: str) -> Derivation:
+    return of_text(text, FUNCTIONS)
 
 
 def matrix(values: dict[str, Any], names: tuple[str, ...]) -> Array:
@@ -77,10 +74,10 @@ def sensed_of(d: Derivation, joints: dict[str, float]) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("name", SEEN)
-def test_propagation_through_the_least_squares(name: str, tmp_path: Path) -> None:
+def test_propagation_through_the_least_squares(name: str) -> None:
     """Without slip the covariance is J S J^T, J the differences of numpy's lstsq."""
     layout, rng = LAYOUTS[name], random.Random(name)
-    d = derived(robot_text(layout, extra=NOISY), tmp_path)
+    d = derived(robot_text(layout, extra=NOISY))
     inputs = [p.name for p in d.formula("forward_covariance").inputs]
     for _ in range(3):
         twist, joints = consistent(layout, rng)
@@ -95,10 +92,10 @@ def test_propagation_through_the_least_squares(name: str, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("name", ["load wheel", "swerve", "mecanum", "wide castors", "mixed"])
-def test_slip_beyond_the_noise_raises_it(name: str, tmp_path: Path) -> None:
+def test_slip_beyond_the_noise_raises_it(name: str) -> None:
     """What slip**2 has beyond its mean under noise, per redundant row, times (H^T W H)^-1; nothing below."""
     layout, rng = LAYOUTS[name], random.Random(name)
-    d = derived(robot_text(layout, extra=NOISY), tmp_path)
+    d = derived(robot_text(layout, extra=NOISY))
     inputs = [p.name for p in d.formula("forward_covariance").inputs]
     twist, joints = consistent(layout, rng)
     sensed = sensed_of(d, joints)
@@ -172,10 +169,10 @@ DRIVEN = ("differential", "swerve", "wide castors")
         *(pytest.param(n, RUNS, marks=pytest.mark.slow) for n in DRIVEN),
     ],
 )
-def test_noisy_runs(name: str, runs: int, tmp_path: Path) -> None:
+def test_noisy_runs(name: str, runs: int) -> None:
     """The spread of poses after a second of driving is the covariance that is carried along."""
     layout, rng, noise = LAYOUTS[name], random.Random(name), rng_normal(name)
-    d = derived(robot_text(layout, extra=NOISY), tmp_path)
+    d = derived(robot_text(layout, extra=NOISY))
     inputs = [p.name for p in d.formula("forward_covariance").inputs]
     start = np.array([0.4, -0.2, 0.7])
     poses, pose = np.tile(start, (runs, 1)), dict(zip(POSE, start, strict=True))
@@ -199,8 +196,8 @@ def test_noisy_runs(name: str, runs: int, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.02, 0.6])
-def test_a_step_is_the_jacobian_of_the_exponential(turn: float, tmp_path: Path) -> None:
-    d = derived(robot_text(LAYOUTS["differential"], extra=NOISY), tmp_path)
+def test_a_step_is_the_jacobian_of_the_exponential(turn: float) -> None:
+    d = derived(robot_text(LAYOUTS["differential"], extra=NOISY))
     dt, rng = 0.2, np.random.default_rng(5)
     values = np.array([0.3, -0.4, 0.9, 1.2, -0.7, turn / dt])
 
@@ -225,10 +222,10 @@ def test_a_step_is_the_jacobian_of_the_exponential(turn: float, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("name", ["differential", "swerve", "wide castors", "mixed"])
-def test_positive_semidefinite_in_float(name: str, tmp_path: Path) -> None:
+def test_positive_semidefinite_in_float(name: str) -> None:
     """No eigenvalue lies further below 0 than rounding: 1e-6 of the trace; over 300 steps."""
     layout, rng = LAYOUTS[name], random.Random(name)
-    module = derived(robot_text(layout, extra=NOISY), tmp_path).c_module
+    module = derived(robot_text(layout, extra=NOISY)).c_module
     carried, pose = upper(np.zeros((3, 3)), POSE), dict.fromkeys(POSE, 0.0)
     inputs = {f: [p.name for p in module.function(f).inputs] for f in FUNCTIONS[2:]}
     for _ in range(300):
@@ -243,36 +240,36 @@ def test_positive_semidefinite_in_float(name: str, tmp_path: Path) -> None:
             assert np.linalg.eigvalsh(covariance)[0] >= -1e-6 * np.trace(covariance)
 
 
-def test_a_refused_step_keeps_the_covariance(tmp_path: Path) -> None:
+def test_a_refused_step_keeps_the_covariance() -> None:
     """0 would say that the pose is known exactly."""
-    module = derived(robot_text(LAYOUTS["differential"], extra=NOISY), tmp_path).c_module
+    module = derived(robot_text(LAYOUTS["differential"], extra=NOISY)).c_module
     outputs = safe(module.function("odometry_covariance"), "float", NO_SITE)
     assert [output.port.name for output in outputs if output.held] == [
         p.name for p in (*PORTS, *POSE_COVARIANCE)
     ]
 
 
-def test_a_wheel_has_its_own_noise(tmp_path: Path) -> None:
+def test_a_wheel_has_its_own_noise() -> None:
     """Before that of the robot; a joint without any is exact."""
     text = robot_text(LAYOUTS["differential"]).replace("weight: 0.25", "noise: {spin: {constant: 1 rad/s}}")
     assert "noise" in text
-    alone = derived(text, tmp_path).numpy().forward_covariance(**{"w0.spin": 5.0, "w1.spin": 7.0})
+    alone = derived(text).numpy().forward_covariance(**{"w0.spin": 5.0, "w1.spin": 7.0})
     assert alone["vxvx"] == pytest.approx((0.05 * 0.15 / 0.35) ** 2)
     assert alone["omegaomega"] == pytest.approx((0.05 / 0.35) ** 2)
-    both = derived(text + "noise: {spin: {proportional: 0.1}}\n", tmp_path).numpy()
+    both = derived(text + "noise: {spin: {proportional: 0.1}}\n").numpy()
     assert both.forward_covariance(**{"w0.spin": 5.0, "w1.spin": 0.0}) == pytest.approx(alone)
     result = both.forward_covariance(**{"w0.spin": 5.0, "w1.spin": 7.0})
     assert result["vxvx"] == pytest.approx((0.05 * 0.15 / 0.35) ** 2 + (0.05 * 0.7 * 0.2 / 0.35) ** 2)
 
 
-def test_who_has_no_covariance(tmp_path: Path) -> None:
+def test_who_has_no_covariance() -> None:
     for layout, extra, why in (
         (LAYOUTS["swerve"], "", "no sensed joint has noise; write noise"),
         (LAYOUTS["one castor"], NOISY, "leave a motion unseen"),
         (weighted.layout(LAYOUTS["differential"]["wheels"][0]), NOISY, "leave a motion unseen"),
     ):
         with pytest.raises(NotDerivableError, match=why):
-            derived(robot_text(layout, extra=extra), tmp_path).formula("forward_covariance")
+            derived(robot_text(layout, extra=extra)).formula("forward_covariance")
 
 
 @pytest.mark.parametrize(
@@ -281,7 +278,7 @@ def test_who_has_no_covariance(tmp_path: Path) -> None:
      ("{spin: {constant: 1 deg}}", "is an angular rate"), ("{spin: {proportional: 2 m}}", "has a unit"),
      ("{spin: {sigma: 1}}", "Did you mean constant"), ("{vx: {constant: 1}}", "unknown key 'vx'")],
 )  # fmt: skip
-def test_noise_that_makes_no_sense(noise: str, problem: str, tmp_path: Path) -> None:
+def test_noise_that_makes_no_sense(noise: str, problem: str) -> None:
     with pytest.raises(RobotFileError) as caught:
-        derived(robot_text(LAYOUTS["differential"], extra=f"noise: {noise}\n"), tmp_path)
+        derived(robot_text(LAYOUTS["differential"], extra=f"noise: {noise}\n"))
     assert problem in str(caught.value)

@@ -9,6 +9,7 @@ import pytest
 
 from tests.oracle.harness import robot_text
 from tests.oracle.weighted import LAYOUTS
+from tests.robots import of_text
 from wmrgen import derive, load
 from wmrgen.backends.c99.driver import evaluate_c
 from wmrgen.errors import NotDerivableError, RobotFileError
@@ -21,19 +22,16 @@ SPIN = "spin: {counts: 4096, gear: 61/2, reversed: true, bits: 16}"
 STEER = "steer: {counts: 1000, gear: 3}"
 
 
-def derived(folder: Path, *wheels: str) -> Derivation:
-    path = folder / "counted.yaml"
-    path.write_text("wmrgen: 1\nname: counted\nwheels:\n" + "".join(f"  - {w}\n" for w in wheels))
-    return derive(load(path), [NAME])
+def derived(*wheels: str) -> Derivation:
+    return of_text("wmrgen: 1\nname: counted\nwheels:\n" + "".join(f"  - {w}\n" for w in wheels), [NAME])
 
 
 def fixed(encoder: str) -> str:
     return WHEEL.format("a", "fixed", 0, encoder, "")
 
 
-def test_rates_and_angles(tmp_path: Path) -> None:
+def test_rates_and_angles() -> None:
     d = derived(
-        tmp_path,
         fixed(SPIN),
         WHEEL.format("b", "steered", 1, f"{STEER}, spin: {{counts: 512}}", ""),
         WHEEL.format("c", "castor", 2, STEER, "d: 0.1, actuated: [spin, steer]"),
@@ -52,16 +50,16 @@ def test_rates_and_angles(tmp_path: Path) -> None:
     assert in_c == pytest.approx(wanted, rel=1e-6)
 
 
-def test_no_time_passes(tmp_path: Path) -> None:
+def test_no_time_passes() -> None:
     """A step that lasted nothing counts as a nanosecond: the rate is finite, 0 where nothing was counted."""
-    d = derived(tmp_path, fixed(SPIN))
+    d = derived(fixed(SPIN))
     for dt in (0.0, -0.0, -1.0):
         assert d.numpy().joints_from_counts(**{"a.spin_counts": 0.0}, dt=dt)["a.spin"] == 0
         assert math.isfinite(d.numpy().joints_from_counts(**{"a.spin_counts": 1.0}, dt=dt)["a.spin"])
 
 
-def test_angles_alone_take_no_time(tmp_path: Path) -> None:
-    d = derived(tmp_path, WHEEL.format("b", "steered", 1, STEER, ""))
+def test_angles_alone_take_no_time() -> None:
+    d = derived(WHEEL.format("b", "steered", 1, STEER, ""))
     assert [p.name for p in d.formula(NAME).inputs] == ["b.steer_counts"]
 
 
@@ -82,9 +80,9 @@ def test_who_has_no_encoder(tmp_path: Path) -> None:
      ("spin: 10", "must be a mapping"),
      ("spin: {counts: 10, reversed: maybe}", "reversed: 'maybe' is not known")],
 )  # fmt: skip
-def test_encoders_that_make_no_sense(encoder: str, problem: str, tmp_path: Path) -> None:
+def test_encoders_that_make_no_sense(encoder: str, problem: str) -> None:
     with pytest.raises(RobotFileError) as caught:
-        derived(tmp_path, fixed(encoder))
+        derived(fixed(encoder))
     assert problem in str(caught.value)
 
 
@@ -106,8 +104,8 @@ def test_encoders_of_the_robot(tmp_path: Path) -> None:
     assert result["w2.spin"] == pytest.approx(2 * result["w0.spin"]) == pytest.approx(math.tau / 5)
 
 
-def test_width_and_turn(tmp_path: Path) -> None:
-    encoders = derived(tmp_path, fixed(SPIN)).robot.wheels[0].encoders
+def test_width_and_turn() -> None:
+    encoders = derived(fixed(SPIN)).robot.wheels[0].encoders
     assert {j: (float(e.turn), e.bits) for j, e in encoders.items()} == {"spin": (-4096 * 30.5, 16)}
-    (plain,) = derived(tmp_path, fixed("spin: {counts: 7}")).robot.wheels[0].encoders.values()
+    (plain,) = derived(fixed("spin: {counts: 7}")).robot.wheels[0].encoders.values()
     assert (float(plain.turn), plain.bits) == (7.0, 32)

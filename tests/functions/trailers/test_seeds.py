@@ -12,6 +12,7 @@ import pytest
 import wmrgen
 from tests.functions.motion.common import BACKENDS, compute, run_cli
 from tests.oracle.harness import robot_text
+from tests.robots import of_text
 from tests.seeds import layouts
 
 CASES: dict[str, Any] = {
@@ -52,11 +53,9 @@ def close(case: dict[str, Any], actual: Any, wanted: Any) -> None:
     )
 
 
-def test_t_2_25_frobenius(tmp_path: Path) -> None:
+def test_t_2_25_frobenius() -> None:
     case = CASES["T-2.25-frobenius"]
-    path = tmp_path / "sample.yaml"
-    path.write_text(WHEEL, encoding="utf-8")
-    row = wmrgen.derive(wmrgen.load(path)).integrability.row("wheel")
+    row = of_text(WHEEL).integrability.row("wheel")
     close(case, float(row.value), case["expect"]["c_dot_curl_c"])
     assert row.integrable is case["expect"]["integrable"]
 

@@ -1,0 +1,24 @@
+"""Derivations: of robots of the gallery, each made once for all tests of a process, and of robot files as text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import wmrgen
+from tests.conftest import GALLERY
+from wmrgen.robot import Derivation
+from wmrgen.spec.load import read_text
+
+ROBOTS = {path.stem: path for path in GALLERY}
+
+
+@cache
+def of_gallery(name: str, *functions: str) -> Derivation:
+    """A robot of the gallery; with ``functions``, those alone."""
+    return wmrgen.derive(wmrgen.load(ROBOTS[name]), functions or None)
+
+
+def of_text(text: str, functions: Sequence[str] | None = None) -> Derivation:
+    """The robot of a robot file with this text."""
+    return wmrgen.derive(wmrgen.robot_of(read_text(text, "robot.yaml")), functions)

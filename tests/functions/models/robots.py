@@ -70,11 +70,6 @@ def derived(wheels: str, extra: str = "", **values: str) -> Derivation:
     return of_text(text)
 
 
-def loaded(text: str) -> Any:
-    """The robot of a file's text."""
-    return of_text(text).robot
-
-
 def _occurs(name: str, text: str) -> bool:
     words = "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
     keys = {"r", "l"} & {name}

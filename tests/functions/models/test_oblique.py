@@ -7,8 +7,8 @@ import random
 
 import pytest
 
-from tests.functions.models.robots import call, derived, loaded
-from wmrgen import derive
+from tests.functions.models.robots import call, derived
+from tests.robots import of_text
 from wmrgen.errors import NotDerivableError
 
 TURN = "pi/6"
@@ -99,7 +99,7 @@ def test_a_virtual_wheel_stands_off_the_axle_line(x: float, y: float, refused: b
     px, py = place(x, y)
     items = "\n".join(f"  - {line}" for line in wheels(REAR + FRONT).splitlines())
     text = f"virtual: [{{name: psi, steers: [fl, fr], x: {px}, y: {py}}}]"
-    d = derive(loaded(f"wmrgen: 1\nname: sample\nwheels:\n{items}\n{text}\n"))
+    d = of_text(f"wmrgen: 1\nname: sample\nwheels:\n{items}\n{text}\n")
     if refused:
         with pytest.raises(NotDerivableError, match=r"psi stands at .* on the axle line"):
             d.formula("virtual_steering")

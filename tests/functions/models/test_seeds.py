@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import wmrgen
-from tests.functions.models.robots import BACKENDS, CAR_REAR, UNICYCLE, call, derived, loaded
+from tests.functions.models.robots import BACKENDS, CAR_REAR, UNICYCLE, call, derived
 from tests.oracle.harness import robot_text, same_span, turn
+from tests.robots import of_text
 from tests.seeds import layouts
 from wmrgen.robot import Derivation
 
@@ -82,7 +82,7 @@ def of_layout(name: str) -> Derivation:
         if name in DRIVEN:
             spin = ["spin"] if w["name"] == DRIVEN[name] else []
             w["actuated"] = [*spin, "steer"] if w["type"] == "steered" else spin
-    return wmrgen.derive(loaded(robot_text(layout)))
+    return of_text(robot_text(layout))
 
 
 def columns(r: Run) -> None:

@@ -7,8 +7,8 @@ import math
 import pytest
 import sympy
 
-from tests.functions.models.robots import FOUR_REAR, VIRTUAL_REAR, call, derived, loaded, s, zero
-from wmrgen import derive
+from tests.functions.models.robots import FOUR_REAR, VIRTUAL_REAR, call, derived, s, zero
+from tests.robots import of_text
 from wmrgen.errors import NotDerivableError
 
 A, D = sympy.Rational(27, 100), sympy.Rational(7, 5)
@@ -101,12 +101,12 @@ def test_no_shared_ackermann_condition_is_refused(text: str, reason: str) -> Non
     """At derivation, whatever is asked for."""
     for functions in (None, ["inverse"], ["virtual_steering"]):
         with pytest.raises(NotDerivableError, match=reason):
-            derive(loaded(text), functions).formula("inverse")
+            of_text(text, functions).formula("inverse")
 
 
 def test_two_virtual_wheels_steer_a_two_steer_robot() -> None:
     text = four() + "virtual: [{name: psi, steers: [fl, fr]}, {name: chi, steers: [rl, rr]}]"
-    angles = call(derive(loaded(text)), "virtual_steering", {"psi.steer": 0.3, "chi.steer": -0.3})
+    angles = call(of_text(text), "virtual_steering", {"psi.steer": 0.3, "chi.steer": -0.3})
     radius = 1.0 / math.tan(0.3)
     assert angles["fl.steer"] == pytest.approx(math.atan(1 / (radius - 0.5)), abs=1e-12)
     assert angles["rr.steer"] == pytest.approx(math.atan(-1 / (radius + 0.5)), abs=1e-12)
@@ -121,7 +121,7 @@ def test_what_the_layout_cannot_have_is_shown_where_it_stands(asked: str) -> Non
     wheels = [
         f"  - {{name: {n}, type: {kind}, x: {x}, y: 0, heading: 0, r: 0.1}}\n" for x, n in enumerate("ac")
     ]
-    d = derive(loaded(HEAD + "".join(wheels) + asked))
+    d = of_text(HEAD + "".join(wheels) + asked)
     with pytest.raises(NotDerivableError) as caught:
         _ = d.mobility
     what, place, shown, caret, *_ = str(caught.value).splitlines()

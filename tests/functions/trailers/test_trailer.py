@@ -13,13 +13,12 @@ from tests.functions.models.robots import (
     VIRTUAL_REAR,
     derived,
     evaluated,
-    loaded,
     on_axle,
     p,
     s,
     zero,
 )
-from wmrgen import derive
+from tests.robots import of_text
 from wmrgen.errors import NotDerivableError, RobotFileError
 from wmrgen.robot import Derivation
 
@@ -184,10 +183,10 @@ def test_steady_circle_exists_while_the_radius_is_not_imaginary() -> None:
 )  # fmt: skip
 def test_a_robot_that_can_move_sideways_tows_nothing(text: str) -> None:
     with pytest.raises(NotDerivableError, match="move sideways"):
-        derive(loaded(text + "trailers: [{length: 1}]")).formula("inverse")
+        of_text(text + "trailers: [{length: 1}]").formula("inverse")
 
 
 def test_a_trailer_needs_a_length() -> None:
     text = HEAD + "  - {name: a, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\ntrailers: [{length: 0}]"
     with pytest.raises(RobotFileError, match="not positive"):
-        loaded(text)
+        of_text(text)

@@ -153,9 +153,7 @@ def test_the_layout_stays_what_it_is(tmp_path: Path) -> None:
     assert "wheel_separation: 1.04\n" in (tmp_path / "skid_controllers.yaml").read_text(encoding="utf-8")
     run_cli("derive", str(path), "-o", str(tmp_path / "out"))
     report = (tmp_path / "out" / "skid" / "report.md").read_text(encoding="utf-8")
-    assert (
-        r"T_e &= \mathit{wide} = 1.04" in report and r"\frac{v_x-\frac{\mathit{wide}}{2}\;\omega}" in report
-    )
+    assert r"T_e = \mathit{wide} = 1.04" in report and r"\frac{v_x-\frac{\mathit{wide}}{2}\;\omega}" in report
 
 
 WHEEL = "  - {{name: extra, type: {}, x: 0.1, y: {}, heading: {}, r: 0.1{}}}\n"

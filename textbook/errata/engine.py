@@ -25,6 +25,10 @@ wheels:
   - {name: castor, type: castor, l: l, alpha: alpha, beta: beta, d: d, r: r}
   - {name: steered, type: steered, l: l, alpha: alpha, beta: beta, r: r}
 """
+_ROLLS, _SLIDES = (
+    ("fixed", "swedish", "castor", "steered"),
+    ("fixed", "castor", "steered"),
+)  # the order of their rows
 ALPHA, BETA, GAMMA = symbol(r"\alpha"), symbol(r"\beta"), symbol(r"\gamma")
 L, R, D = symbol("l"), symbol("r"), symbol("d")
 _NAMES = {"l": L, "alpha": ALPHA, "beta": BETA, "g": GAMMA, "r": R, "d": D}
@@ -48,21 +52,19 @@ def shown(matrix: sympy.Matrix, at: Mapping[str, Expr] = MappingProxyType({})) -
 
 def rolling(wheel: str, **at: Expr) -> sympy.Matrix:
     """The rolling row, 1 x 3, of a wheel at (l, alpha) with beta (and g: gamma), in symbols or as ``at`` says."""
-    order = ("fixed", "swedish", "castor", "steered")
-    return shown(derived(ONE_OF_EACH).J1[order.index(wheel), :], at)
+    return shown(derived(ONE_OF_EACH).J1[_ROLLS.index(wheel), :], at)
 
 
 def radius(wheel: str) -> Expr:
     """What multiplies the wheel speed in the rolling row."""
-    k = ("fixed", "swedish", "castor", "steered").index(wheel)
+    k = _ROLLS.index(wheel)
     return shown(derived(ONE_OF_EACH).J2[k : k + 1, k : k + 1])[0]
 
 
 def sliding(wheel: str, **at: Expr) -> sympy.Matrix:
     """The sliding row, 1 x 3, of a wheel at (l, alpha) with beta, in symbols or as ``at`` says."""
     d = derived(ONE_OF_EACH)
-    rows = {"fixed": 0, "castor": 1, "steered": 2}
-    return shown(d.pfaffian[d.J1.rows + rows[wheel], :3], at)
+    return shown(d.pfaffian[d.J1.rows + _SLIDES.index(wheel), :3], at)
 
 
 def differential(**at: Expr) -> sympy.Matrix:

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from textbook.errata import engine
 from textbook.errata.checks import identity, number, rights, shape_of, units, vanishes
+from textbook.errata.claims import book
 from textbook.errata.engine import ALPHA, BETA, GAMMA, L, R
 from textbook.errata.forms import AND, EQ, TIMES, Form, form, forms, symbol
 from textbook.errata.records import Check, Class, Finding, Quote, Record
-from textbook.library import formula
 from textbook.transforms import world_to_robot_rows
 
 # Pages of formulas, laid out by hand.
@@ -142,10 +142,8 @@ START = (1.0, 1.55, 3.1)  # rho, alpha, beta
 def _margin(condition: sympy.Expr, bound: sympy.Expr) -> sympy.Expr:
     """alpha' at alpha = pi/2, beta = bound on the edge of the condition, as a multiple of -k_beta."""
     edge = sympy.solve(condition, K_ALPHA)[0]
-    closed = formula("polar_closed_loop").closed()["alpha_rate"]
-    names = {"alpha": pi / 2, "beta": bound, "k_rho": K_RHO, "k_alpha": edge, "k_beta": K_BETA}
-    at_edge = closed.xreplace({s: names[s.name] for s in closed.free_symbols})
-    return sympy.simplify(sympy.expand(at_edge) / -K_BETA)
+    at = {"alpha": pi / 2, "beta": bound, "rho": rho, "k_rho": K_RHO, "k_alpha": edge, "k_beta": K_BETA}
+    return sympy.simplify(sympy.expand(book("polar_closed_loop", **at)["alpha_rate"]) / -K_BETA)
 
 def _stays(bound: sympy.Expr, says: str) -> Check:
     """The condition keeps alpha below pi/2 for every |beta| <= bound."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sympy
 
-from textbook.canonical import brockett
 from textbook.errata import engine
 from textbook.errata.checks import identity, rights, shape_of, undefined, vanishes
 from textbook.errata.claims import along, book
@@ -92,13 +91,9 @@ def _double_integrator(f: Form) -> Finding:
     """The first two lines set second derivatives; the third is Brockett's with rates for inputs."""
     a, c, third = (line[0] for line in f.lines)
     orders = [sympy.Integer(e.derivative_count) for e in (a, c)]
-    rates = {X1: symbol("x_1"), X2: symbol("x_2")}
     dots = {sympy.diff(X1, T): u1, sympy.diff(X2, T): u2}
-    last = f.lines[2][-1].xreplace(dots).xreplace(rates)
-    texts = {p.name: e for p, e in brockett().outputs}
-    names = {"x1": "x_1", "x2": "x_2", "u1": "u_1", "u2": "u_2"}
-    at = {s: symbol(names[s.name]) for s in texts["x3_rate"].free_symbols}
-    as_259 = vanishes(last - texts["x3_rate"].xreplace(at), "the third line is that of (2.59)")
+    last = f.lines[2][-1].xreplace(dots) - book("brockett", x1=X1, x2=X2, u1=u1, u2=u2)["x3_rate"]
+    as_259 = vanishes(last.xreplace({X1: symbol("x_1"), X2: symbol("x_2")}), "the third line is that of (2.59)")
     if orders != [2, 2]:
         return Finding(False, f"the inputs set derivatives of order {orders[0]} and {orders[1]}: "
                               "the three lines are those of (2.59), which integrates once")

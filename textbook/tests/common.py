@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -65,5 +66,28 @@ def vector(found: Mapping[str, float], name: str) -> list[float]:
     return [found[f"{name}.{axis}"] for axis in "xyz"]
 
 
-def matrix(found: Mapping[str, float], name: str, rows: int, columns: int) -> list[list[float]]:
-    return [[found[f"{name}{i}{j}"] for j in range(1, columns + 1)] for i in range(1, rows + 1)]
+def matrix(found: Mapping[str, float], name: str) -> list[list[float]]:
+    """The outputs ``m11``, ``m12`` and so on, as many as there are."""
+    entries = {key[len(name) :]: value for key, value in found.items() if re.fullmatch(rf"{name}\d\d", key)}
+    rows, columns = (sorted({key[k] for key in entries}) for k in (0, 1))
+    return [[entries[i + j] for j in columns] for i in rows]
+
+
+def output(found: Mapping[str, float], name: str) -> Any:
+    """A scalar, several of them by commas, a vector or a matrix: what the name is of."""
+    if "," in name:
+        return [found[part] for part in name.split(",")]
+    if name in found:
+        return found[name]
+    return vector(found, name) if f"{name}.x" in found else matrix(found, name)
+
+
+def integrate(rate: Callable[[np.ndarray], np.ndarray], state: Any, t: float, steps: int) -> np.ndarray:
+    """Runge-Kutta of order 4."""
+    s, h = np.array(state, float), t / steps
+    for _ in range(steps):
+        a = rate(s)
+        b = rate(s + h / 2 * a)
+        c = rate(s + h / 2 * b)
+        s = s + h / 6 * (a + 2 * b + 2 * c + rate(s + h * c))
+    return s

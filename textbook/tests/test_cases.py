@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable
 from typing import Any
@@ -11,7 +12,7 @@ import pytest
 
 from textbook import INPUT_SETS, textbook
 from textbook.errata import engine
-from textbook.tests.common import BACKEND_NAMES, CASES, call, matrix, vector
+from textbook.tests.common import BACKEND_NAMES, CASES, call, integrate, matrix, output
 
 Pairs = list[tuple[Any, Any]]
 Check = Callable[[str, dict[str, Any], dict[str, Any]], Pairs]
@@ -26,41 +27,97 @@ def case(*names: str) -> Callable[[Check], Check]:
     return keep
 
 
-@case("T-2.8a", "T-2.8b")
-def pinv(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    m, n = np.shape(g["J"])
-    return [(matrix(call(b, f"inverse_{m}x{n}", j=g["J"]), "p", n, m), e["value"])]
+# Cases that are one call each, or two: function; inputs, `port=what is given`; outputs, `port=what is expected`.
+# Several ports with commas take a list; `angle=a°` is given in degrees; a number or a list stands for itself; `wheel`
+# is the first of the layout.
+ROWS = {
+    "T-2.8a": (("inverse_3x2", "j=J", "p=value"),),
+    "T-2.8b": (("inverse_2x4", "j=J", "p=value"),),
+    "T-2.15b": (("rotation_y", "angle=phi", "m=value"),),
+    "T-2.17": (("rotate", "angle=phi x,y=p_local", "x,y=p_world"),),
+    "T-2.57b": (("pursuit", "wheelbase=D distance=L epsilon=epsilon",
+                 "psi=psi curvature=curvature offset=d gain=gain"),),
+    "T-2.59": (("brockett", "x1,x2,x3=state u1,u2=u", "x1_rate,x2_rate,x3_rate=rate"),),
+    "T-2.60": (("brockett_double", "x1=state.x1 x2=state.x2 x1_rate=state.x1d x2_rate=state.x2d u1,u2=u",
+                "x1_rate_rate,x2_rate_rate=accel x3_rate=x3_rate"),),
+    **dict.fromkeys(("T-VAF3", "T-VAF4"), (("omni_wheel", "v=1 beta=beta_deg° gamma=gamma_deg°", "vaf=VAF"),)),
+    "T-2.71": (("omni_wheel", "v=v_h beta=beta gamma=gamma", "drive=v_i roller=v_roller_abs"),),
+    **dict.fromkeys(("T-2.88-45-8", "T-2.88-90-6", "T-2.88-60-10"),
+                    (("mecanum_roller", "radius=R count=n angle=alpha_deg°", "length=D_r width=d half_chord=b"),)),
+    "KE-transport": (("transport_theorem", "u_rate=du_dt_m omega=omega u=u", "rate=du_dt_f"),),
+    "KE-vel": (("moving_frame_velocity", "v_m=v_m omega=omega r=r v_o=v_o_m", "v=v_o_f"),),
+    "KE-acc": (("moving_frame_acceleration", "a_m=a_m alpha=alpha omega=omega r=r v_o=v_o_m a_o=a_o_m",
+                "a=a_o_f euler=euler centripetal=centripetal coriolis=coriolis"),),
+    "KE-4.25": (("h_matrix", "r=r", "h=H"), ("omega_matrix", "omega=omega", "o=Omega")),
+    "KE-4.30": (("articulated_wheel_velocity",
+                 "r_vehicle=r_c_v r_steer=r_c_s v_vehicle=v_v omega_vehicle=omega_v v_steer=v_s_v "
+                 "omega_steer=omega_s v_o=v_c_s", "v=v_c"),
+                ("two_step_velocity",
+                 "r_1=r_c_v r_2=r_c_s v_1=v_v omega_1=omega_v v_2=v_s_v omega_2=omega_s v_o=v_c_s", "v=v_c"),),
+    "KE-4.31": (("articulated_wheel_acceleration",
+                 "r_vehicle=r_c_v r_steer=r_c_s a_vehicle=a_v alpha_vehicle=alpha_v omega_vehicle=omega_v "
+                 "v_steer=[0,0,0.05] a_steer=a_s_v alpha_steer=alpha_s omega_steer=omega_s v_o=v_c_s a_o=a_c_s",
+                 "a=a_c v_seen=v_c_v"),),
+    "KE-3d": (("wheel_velocity", "v=v_v omega=omega_v r=r_c", "v=v_c"),),
+    "KE-specific-force": (("specific_force", "t=t_sensor alpha=alpha omega=omega r=r_cg v=v_cg a=a_cg", "t=t_cg"),),
+    "KE-sense": (("steer_sense", "r=r spin=omega_wheel steer=gamma", "v=v vx,vy=v_xy"),),
+    "S-3.2": (("rotation_world_to_robot", "theta=theta", "m=R"), ("rotation_robot_to_world", "theta=theta", "m=R_inv")),
+    "S-3.5": (("world_to_robot", "theta=theta x_rate,y_rate,theta_rate=rate_world", "vx,vy,omega=rate_robot"),),
+    "S-3.7": (("wheel_contributions", "r=r l=l right.spin=phidot1 left.spin=phidot2",
+               "right.omega=omega1 left.omega=omega2"),),
+    "S-3.20": (("swedish_wheel", "vx,vy,omega=twist_body l=wheel.l alpha=wheel.alpha beta=wheel.beta gamma=wheel.gamma "
+                "r=wheel.r r_sw=wheel.r_sw", "spin=phi_dot roller=phi_sw_dot"),),
+    "S-3.53": (("polar_rates", "rho,alpha,beta=state v=input.v omega=input.omega",
+                "rho_rate,alpha_rate,beta_rate=rate"),),
+    "S-3.55": (("polar_rates_reverse", "rho,alpha,beta=state v=input.v_reversed omega=input.omega",
+                "rho_rate,alpha_rate,beta_rate=rate"),),
+    "S-castor-align": (("castor_alignment", "alpha=alpha d=d r=wheel.r vx,vy=V",
+                        "beta_stable=equilibria_beta.stable beta_unstable=equilibria_beta.unstable "
+                        "rate=linear_rate_stable spin=phi_dot_at_stable"),),
+    "S-3.58": (("polar_closed_loop", "rho,alpha,beta=state k_rho,k_alpha,k_beta=k",
+                "rho_rate,alpha_rate,beta_rate=rate"),),
+    "A-reduction": (("car_reduction", "u1=u1 xi=xi wheelbase=1", "v=v omega=omega"),),
+}  # fmt: skip
 
 
-@case("T-2.15b")
-def r_y(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    return [(matrix(call(b, "rotation_y", angle=g["phi"]), "m", 3, 3), e["value"])]
+def value(word: str, facts: dict[str, Any]) -> Any:
+    """What a word of ROWS stands for: ``state.x1`` lies deeper, ``a°`` is an angle in degrees."""
+    if word[0] in "[0123456789":
+        return json.loads(word)
+    if word.endswith("°"):
+        return math.radians(facts[word[:-1]])
+    for key in word.split("."):
+        facts = facts[key]
+    return facts
 
 
-@case("T-2.17")
-def planar(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    x, y = g["p_local"]
-    found = call(b, "rotate", angle=g["phi"], x=x, y=y)
-    return [([found["x"], found["y"]], e["p_world"])]
+def row(name: str) -> Check:
+    def check(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
+        pairs: Pairs = []
+        wheels = (CASES[name].get("layout") or {}).get("wheels", [{}])
+        for function, inputs, outputs in ROWS[name]:
+            arguments: dict[str, Any] = {}
+            for ports, word in (pair.split("=") for pair in inputs.split()):
+                what = value(word, {**g, "wheel": wheels[0]})
+                several = "," in ports
+                arguments |= zip(ports.split(","), what, strict=True) if several else {ports: what}
+            found = call(b, function, **arguments)
+            for ports, word in (pair.split("=") for pair in outputs.split()):
+                pairs.append((output(found, ports), value(word, {**g, **e})))
+        return pairs
+
+    return check
 
 
-@case("S-3.2")
-def siegwart_rotation(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    return [
-        (matrix(call(b, "rotation_world_to_robot", theta=g["theta"]), "m", 3, 3), e["R"]),
-        (matrix(call(b, "rotation_robot_to_world", theta=g["theta"]), "m", 3, 3), e["R_inv"]),
-    ]
+CHECKS |= {name: row(name) for name in ROWS}
 
 
 @case("S-3.5")
-def to_robot(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    x, y, t = g["rate_world"]
-    found = call(b, "world_to_robot", theta=g["theta"], x_rate=x, y_rate=y, theta_rate=t)
-    back = call(b, "robot_to_world", theta=g["theta"], **found)
-    return [
-        ([found[k] for k in ("vx", "vy", "omega")], e["rate_robot"]),
-        ([back[k] for k in ("x_rate", "y_rate", "theta_rate")], g["rate_world"]),
-    ]
+def back_to_the_world(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
+    there = row("S-3.5")(b, g, e)
+    vx, vy, omega = there[0][0]
+    back = call(b, "robot_to_world", theta=g["theta"], vx=vx, vy=vy, omega=omega)
+    return [*there, (list(back.values()), g["rate_world"])]
 
 
 @case("T-2.25", "A-disk", "KE-pfaffian")
@@ -91,13 +148,6 @@ def sets(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
     ]
 
 
-@case("T-2.57b")
-def pursuit(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(b, "pursuit", wheelbase=g["D"], distance=g["L"], epsilon=g["epsilon"])
-    names = {"psi": "psi", "curvature": "curvature", "offset": "d", "gain": "gain"}
-    return [(found[ours], e[theirs]) for ours, theirs in names.items()]
-
-
 @case("T-2.57-arc")
 def pursuit_arc(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
     """Steering by `pursuit` to the case's goal: after the arc's length the car is there."""
@@ -115,26 +165,6 @@ def chain(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
     state = {f"x{k}": v for k, v in enumerate(g["state"], 1)}
     found = call(b, f"chain_{n}", **state, u1=g["u"][0], u2=g["u"][1])
     return [([found[f"x{k}_rate"] for k in range(1, n + 1)], e["rate"])]
-
-
-@case("T-2.59")
-def brockett(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    state = {f"x{k}": v for k, v in enumerate(g["state"], 1)}
-    found = call(b, "brockett", **state, u1=g["u"][0], u2=g["u"][1])
-    return [([found[f"x{k}_rate"] for k in (1, 2, 3)], e["rate"])]
-
-
-@case("T-2.60")
-def double(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    s = g["state"]
-    found = call(
-        b, "brockett_double", x1=s["x1"], x2=s["x2"], x1_rate=s["x1d"], x2_rate=s["x2d"],
-        u1=g["u"][0], u2=g["u"][1],
-    )  # fmt: skip
-    return [
-        ([found["x1_rate_rate"], found["x2_rate_rate"]], e["accel"]),
-        (found["x3_rate"], e["x3_rate"]),
-    ]
 
 
 @case("T-2.62", "T-2.64")
@@ -156,18 +186,6 @@ def unicycle_chain(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
     return [(list(state.values()), e["x"]), ([rates[f"x{k}_rate"] for k in (1, 2, 3)], e["x_rate"])]
 
 
-@case("T-VAF3", "T-VAF4")
-def vaf(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    angles = {k: math.radians(g[f"{k}_deg"]) for k in ("beta", "gamma")}
-    return [(call(b, "omni_wheel", v=1.0, **angles)["vaf"], e["VAF"])]
-
-
-@case("T-2.71")
-def omni_pair(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(b, "omni_wheel", v=g["v_h"], beta=g["beta"], gamma=g["gamma"])
-    return [(found["drive"], e["v_i"]), (found["roller"], e["v_roller_abs"])]
-
-
 @case("T-2.79")
 def mecanum(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
     wheel = {
@@ -175,115 +193,18 @@ def mecanum(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
         "dy": g["dy"],
     }  # fmt: skip
     found = call(b, "mecanum_wheel", **wheel)
-    J = np.array(matrix(found, "m", 3, 3))
+    J = np.array(matrix(found, "m"))
     rates = np.array([3.0, -7.0, 0.4])
     twist = dict(zip(("vx", "vy", "omega"), map(float, J @ rates), strict=True))
     back = call(b, "mecanum_wheel_inverse", **wheel, **twist)
     return [(J, e["value"]), (found["det"], e["det"]), (list(back.values()), rates)]
 
 
-@case("T-2.88-45-8", "T-2.88-90-6", "T-2.88-60-10")
-def roller(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(b, "mecanum_roller", radius=g["R"], count=g["n"], angle=math.radians(g["alpha_deg"]))
-    return [(found["length"], e["D_r"]), (found["width"], e["d"]), (found["half_chord"], e["b"])]
-
-
-@case("KE-transport")
-def transport(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(b, "transport_theorem", u_rate=g["du_dt_m"], omega=g["omega"], u=g["u"])
-    return [(vector(found, "rate"), e["du_dt_f"])]
-
-
-@case("KE-vel")
-def velocity(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(b, "moving_frame_velocity", v_m=g["v_m"], omega=g["omega"], r=g["r"], v_o=g["v_o_m"])
-    return [(vector(found, "v"), e["v_o_f"])]
-
-
-@case("KE-acc")
-def acceleration(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(
-        b, "moving_frame_acceleration", a_m=g["a_m"], alpha=g["alpha"], omega=g["omega"], r=g["r"],
-        v_o=g["v_o_m"], a_o=g["a_o_m"],
-    )  # fmt: skip
-    terms = [(vector(found, k), e[k]) for k in ("euler", "centripetal", "coriolis")]
-    return [(vector(found, "a"), e["a_o_f"]), *terms]
-
-
 @case("KE-skew")
 def skew(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
     key = next(k for k, v in g.items() if isinstance(v, list))
     value = next(v for v in e.values() if np.shape(v) == (3, 3))
-    return [(matrix(call(b, "skew_matrix", u=g[key]), "m", 3, 3), value)]
-
-
-@case("KE-4.25")
-def recursion(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    return [
-        (matrix(call(b, "h_matrix", r=g["r"]), "h", 3, 6), e["H"]),
-        (matrix(call(b, "omega_matrix", omega=g["omega"]), "o", 3, 6), e["Omega"]),
-    ]
-
-
-@case("KE-4.30")
-def articulated(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(
-        b, "articulated_wheel_velocity", r_vehicle=g["r_c_v"], r_steer=g["r_c_s"], v_vehicle=g["v_v"],
-        omega_vehicle=g["omega_v"], v_steer=g["v_s_v"], omega_steer=g["omega_s"], v_o=g["v_c_s"],
-    )  # fmt: skip
-    two = call(
-        b, "two_step_velocity", r_1=g["r_c_v"], r_2=g["r_c_s"], v_1=g["v_v"], omega_1=g["omega_v"],
-        v_2=g["v_s_v"], omega_2=g["omega_s"], v_o=g["v_c_s"],
-    )  # fmt: skip
-    return [(vector(found, "v"), e["v_c"]), (vector(two, "v"), e["v_c"])]
-
-
-@case("KE-4.31")
-def articulated_acceleration(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(
-        b, "articulated_wheel_acceleration", r_vehicle=g["r_c_v"], r_steer=g["r_c_s"], a_vehicle=g["a_v"],
-        alpha_vehicle=g["alpha_v"], omega_vehicle=g["omega_v"], v_steer=[0.0, 0.0, 0.05], a_steer=g["a_s_v"],
-        alpha_steer=g["alpha_s"], omega_steer=g["omega_s"], v_o=g["v_c_s"], a_o=g["a_c_s"],
-    )  # fmt: skip
-    return [(vector(found, "a"), e["a_c"]), (vector(found, "v_seen"), g["v_c_v"])]
-
-
-@case("KE-3d")
-def space(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(b, "wheel_velocity", v=g["v_v"], omega=g["omega_v"], r=g["r_c"])
-    return [(vector(found, "v"), e["v_c"])]
-
-
-@case("KE-specific-force")
-def force(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(
-        b, "specific_force", t=g["t_sensor"], alpha=g["alpha"], omega=g["omega"], r=g["r_cg"], v=g["v_cg"],
-        a=g["a_cg"],
-    )  # fmt: skip
-    return [(vector(found, "t"), e["t_cg"])]
-
-
-@case("KE-sense")
-def sense(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(b, "steer_sense", r=g["r"], spin=g["omega_wheel"], steer=g["gamma"])
-    return [(found["v"], e["v"]), ([found["vx"], found["vy"]], e["v_xy"])]
-
-
-@case("S-3.7")
-def contributions(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(
-        b, "wheel_contributions", r=g["r"], l=g["l"], right__spin=g["phidot1"], left__spin=g["phidot2"]
-    )
-    return [(found["right.omega"], e["omega1"]), (found["left.omega"], e["omega2"])]
-
-
-@case("S-3.20")
-def swedish(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    wheel = CASES["S-3.20"]["layout"]["wheels"][0]
-    vx, vy, omega = g["twist_body"]
-    geometry = {k: wheel[k] for k in ("l", "alpha", "beta", "gamma", "r", "r_sw")}
-    found = call(b, "swedish_wheel", vx=vx, vy=vy, omega=omega, **geometry)
-    return [(found["spin"], e["phi_dot"]), (found["roller"], e["phi_sw_dot"])]
+    return [(matrix(call(b, "skew_matrix", u=g[key]), "m"), value)]
 
 
 @case("S-3.50")
@@ -297,51 +218,14 @@ def polar(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
     return [*pairs, ([back["x"], back["y"]], [x, y])]
 
 
-@case("S-3.53", "S-3.55")
-def polar_rates(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    rho, alpha, beta = g["state"]
-    reverse = g["model"] == "polar_reverse"
-    v = g["input"]["v_reversed" if reverse else "v"]
-    name = "polar_rates_reverse" if reverse else "polar_rates"
-    found = call(b, name, rho=rho, alpha=alpha, beta=beta, v=v, omega=g["input"]["omega"])
-    return [(list(found.values()), e["rate"])]
-
-
-@case("S-3.58")
-def closed_loop(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(
-        b, "polar_closed_loop", **dict(zip(("rho", "alpha", "beta"), g["state"], strict=True)), **gains(g)
-    )
-    return [([found[f"{k}_rate"] for k in ("rho", "alpha", "beta")], e["rate"])]
-
-
-def gains(g: dict[str, Any]) -> dict[str, float]:
-    return dict(zip(("k_rho", "k_alpha", "k_beta"), g["k"], strict=True))
-
-
-def integrate(rate: Callable[[np.ndarray], np.ndarray], state: Any, t: float, steps: int) -> np.ndarray:
-    """Runge-Kutta of order 4."""
-    s, h = np.array(state, float), t / steps
-    for _ in range(steps):
-        a = rate(s)
-        b = rate(s + h / 2 * a)
-        c = rate(s + h / 2 * b)
-        s = s + h / 6 * (a + 2 * b + 2 * c + rate(s + h * c))
-    return s
-
-
 @case("S-F3.20-0", "S-F3.20-1", "S-F3.20-2", "S-F3.20-3", "S-F3.20-4", "S-3.65-counter")
 def trajectory(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
     if b != "casadi" or "state" not in e:  # one integration is enough: S-3.58 ties the backends together
         return []
     f = textbook("polar_closed_loop").casadi()["polar_closed_loop"]
     k = [float(v) for v in g["k"]]
-    return [
-        (
-            integrate(lambda s: np.array([float(v) for v in f(*s, *k)[:3]]), g["state0"], g["t"], 400),
-            e["state"],
-        )
-    ]
+    end = integrate(lambda s: np.array([float(v) for v in f(*s, *k)[:3]]), g["state0"], g["t"], 400)
+    return [(end, e["state"])]
 
 
 @case("S-castor-traj")
@@ -352,31 +236,12 @@ def castor(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
     return [(found["beta"], e["beta"])]
 
 
-@case("S-castor-align")
-def alignment(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    r = CASES["S-castor-align"]["layout"]["wheels"][0]["r"]
-    vx, vy = g["V"]
-    found = call(b, "castor_alignment", alpha=g["alpha"], d=g["d"], r=r, vx=vx, vy=vy)
-    return [
-        (found["beta_stable"], e["equilibria_beta"]["stable"]),
-        (found["beta_unstable"], e["equilibria_beta"]["unstable"]),
-        (found["rate"], e["linear_rate_stable"]),
-        (found["spin"], e["phi_dot_at_stable"]),
-    ]
-
-
 @case("A-unicycle", "T-2.28")
 def unicycle(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
     state = g["state"]
     theta = state["phi"] if isinstance(state, dict) else state[2]
     found = call(b, "unicycle", theta=theta, v=g["input"]["v"], omega=g["input"]["omega"])
     return [(list(found.values()), e["rate"])]
-
-
-@case("A-reduction")
-def reduction(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    found = call(b, "car_reduction", u1=g["u1"], xi=g["xi"], wheelbase=1.0)
-    return [(found["v"], e["v"]), (found["omega"], e["omega"])]
 
 
 @case("A-bounds")

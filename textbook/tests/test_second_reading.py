@@ -7,7 +7,7 @@ page says holds.
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, isclose, pi, sin, sqrt
+from math import asin, atan2, cos, hypot, isclose, pi, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,9 @@ import pytest
 import sympy
 
 from textbook.errata.forms import Form
-from textbook.errata.records import Class, Record
+from textbook.errata.records import Class
 from textbook.errata.texts import ENTRIES, HOLDS
+from textbook.tests.common import integrate
 
 EVERY = {(r.text, r.equation): r for r in (*ENTRIES, *HOLDS)}
 ERRORS = [r for r in ENTRIES if r.kind is Class.ERROR]
@@ -25,9 +26,16 @@ SMALL = 1e-6
 
 def forms(text: str, equation: str) -> tuple[Form, Form]:
     """What the copy has and what the page puts in its place."""
-    r: Record = EVERY[text, equation]
-    assert r.printed is not None and r.corrected is not None
-    return r.printed, r.corrected
+    corrected = EVERY[text, equation].corrected
+    assert corrected is not None
+    return copied(text, equation), corrected
+
+
+def copied(text: str, equation: str) -> Form:
+    """What the copy has."""
+    printed = EVERY[text, equation].printed
+    assert printed is not None
+    return printed
 
 
 def value(expr: Any, **at: float) -> Any:
@@ -59,10 +67,8 @@ def test_rotation_about_y_takes_z_to_x() -> None:
     z, x = np.array([0, 0, 1]), np.array([1, 0, 0])
     assert np.allclose(value(corrected.rights[0], phi=pi / 2) @ z, x)
     assert np.allclose(value(copy.rights[0], phi=pi / 2) @ z, -x)
-    third = EVERY["Tzafestas", "(2.15c)"].printed
-    first = EVERY["Tzafestas", "(2.15a)"].printed
-    assert third is not None and first is not None
-    turns = [value(f.rights[0], phi=0.4) for f in (first, corrected, third)]
+    cycle = copied("Tzafestas", "(2.15a)"), corrected, copied("Tzafestas", "(2.15c)")
+    turns = [value(f.rights[0], phi=0.4) for f in cycle]
     cyclic = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]])  # x to y, y to z, z to x
     assert np.allclose(cyclic @ turns[0] @ cyclic.T, turns[1])
     assert np.allclose(cyclic @ turns[1] @ cyclic.T, turns[2])
@@ -79,23 +85,23 @@ def test_slip_of_a_turned_wheel(zeta: float) -> None:
     assert same == (zeta == 0)
 
 
+HEADINGS, LENGTHS = (0.2, 0.5, -0.3, 0.9), (0.8, 1.3, 0.6)
+TRAILERS = {f"phi_{k}": v for k, v in enumerate(HEADINGS)} | {f"L_{k}": v for k, v in enumerate(LENGTHS, 1)}
+
+
 def trailer_angles(v1: float, h: float) -> list[float]:
     """Three trailers after the tractor has gone h v1 along its heading: each axle is drawn straight to its hitch."""
-    heading, lengths = [0.2, 0.5, -0.3, 0.9], [0.8, 1.3, 0.6]
     axles = [0j]
-    for angle, length in zip(heading[1:], lengths, strict=True):
+    for angle, length in zip(HEADINGS[1:], LENGTHS, strict=True):
         axles.append(axles[-1] - length * complex(cos(angle), sin(angle)))
-    axles[0] += h * v1 * complex(cos(heading[0]), sin(heading[0]))
+    axles[0] += h * v1 * complex(cos(HEADINGS[0]), sin(HEADINGS[0]))
     angles = []
-    for i, length in enumerate(lengths, 1):
-        rod = axles[i - 1] - axles[i]
-        ahead = complex(cos(heading[i]), sin(heading[i]))
+    for i, length in enumerate(LENGTHS, 1):
+        ahead = complex(cos(HEADINGS[i]), sin(HEADINGS[i]))
+        rod = (axles[i - 1] - axles[i]) * ahead.conjugate()  # along and across the trailer
         # the axle moves along its own heading until the rod has its length again
-        along = (rod * ahead.conjugate()).real
-        side = (rod * ahead.conjugate()).imag
-        axles[i] += (along - sqrt(length**2 - side**2)) * ahead
-        rod = axles[i - 1] - axles[i]
-        angles.append(atan2(rod.imag, rod.real))
+        axles[i] += (rod.real - sqrt(length**2 - rod.imag**2)) * ahead
+        angles.append(HEADINGS[i] + asin(rod.imag / length))
     return angles
 
 
@@ -103,16 +109,7 @@ def trailer_angles(v1: float, h: float) -> list[float]:
 def test_trailers_are_drawn(v1: float) -> None:
     copy, corrected = forms("Tzafestas", "(2.70)")
     rates = slope(lambda h: trailer_angles(v1, h))
-    at = {
-        "v_1": v1,
-        "phi_0": 0.2,
-        "phi_1": 0.5,
-        "phi_2": -0.3,
-        "phi_3": 0.9,
-        "L_1": 0.8,
-        "L_2": 1.3,
-        "L_3": 0.6,
-    }
+    at = {"v_1": v1, **TRAILERS}
     assert np.allclose([value(e, **at) for e in corrected.rights], rates, atol=SMALL)
     assert np.allclose([value(e, **at) for e in copy.rights], rates, atol=SMALL) == (v1 == 1)
 
@@ -121,16 +118,7 @@ def test_trailers_keep_the_constraint_that_was_mended() -> None:
     """(2.70) and the constraint of 2.3.6, both corrected, agree; the constraint of the copy contradicts (2.70)."""
     copy, corrected = forms("Tzafestas", "2.3.6, constraint of trailer i")
     _, rates = forms("Tzafestas", "(2.70)")
-    at = {
-        "v_1": 1.7,
-        "phi_0": 0.2,
-        "phi_1": 0.5,
-        "phi_2": -0.3,
-        "phi_3": 0.9,
-        "L_1": 0.8,
-        "L_2": 1.3,
-        "L_3": 0.6,
-    }
+    at = {"v_1": 1.7, **TRAILERS}
     at |= {f"dotphi_{i}": value(e, **at) for i, e in enumerate(rates.rights, 1)}
     at |= {"dotx_Q": 1.7 * cos(0.2), "doty_Q": 1.7 * sin(0.2)}
     assert abs(value(corrected.values[0], **at)) < SMALL < 0.01 < abs(value(copy.values[0], **at))
@@ -159,8 +147,7 @@ def test_four_omni_wheels_in_the_world() -> None:
 def test_mecanum_jacobians_agree_with_the_forward_solution() -> None:
     """Drive by (2.82): the corrected J_i give back every wheel's rate, those of the copy do not."""
     copy, corrected = forms("Tzafestas", "(2.81)")
-    forward = EVERY["Tzafestas", "(2.82)"].printed
-    assert forward is not None
+    forward = copied("Tzafestas", "(2.82)")
     at = {"R": 0.1, "r": 0.02, "d_1": 0.3, "d_2": 0.5}
     spins = np.array([3.0, 1.0, 2.5, 1.5])  # compatible: 1 + 2 = 3 + 4
     twist = value(forward.rights[0], **at) @ spins
@@ -191,38 +178,30 @@ def test_hub_of_the_three_wheeled_robot(angle: float) -> None:
     at = {"a": a, "dotx": rates[0], "doty": rates[1], "dotphi": rates[2], "phi_i": angle}
     assert np.allclose([value(e, **at) for e in corrected.rights], hub, atol=SMALL)
     assert not np.allclose([value(e, **at) for e in copy.rights], hub, atol=0.05)
-    speed = EVERY["Konstantinov", "vᵢ²"].printed  # the paper's own line agrees with the correction
-    assert speed is not None and isclose(value(speed.rights[0], **at), hub @ hub, rel_tol=1e-6)
+    speed = copied("Konstantinov", "vᵢ²")  # the paper's own line agrees with the correction
+    assert isclose(value(speed.rights[0], **at), hub @ hub, rel_tol=1e-6)
 
 
 @pytest.mark.parametrize("spins", [(2.0, -1.0, 4.0), (-3.0, 1.0, 0.5), (1.0, 0.2, 0.1)])
 def test_circle_of_the_three_wheeled_robot(spins: tuple[float, float, float]) -> None:
-    """Drive by (5) in small steps: the distance to the centre of the circle through three points is R."""
+    """Drive by (5): the radius of the circle through three points of the path is R."""
     copy, corrected = forms("Konstantinov", "R")
     a, r = 0.3, 0.05
-    total = sum(spins)
-    x = y = phi = 0.0
-    path, steps, dt = [], 4000, 1e-3
-    for k in range(steps):
-        middle = phi - r / (3 * a) * total * dt / 2
-        turns = [middle + 2 * pi * i / 3 for i in range(3)]
-        x += dt * 2 * r / 3 * sum(s * sin(t) for s, t in zip(spins, turns, strict=True))
-        y -= dt * 2 * r / 3 * sum(s * cos(t) for s, t in zip(spins, turns, strict=True))
-        phi -= r / (3 * a) * total * dt
-        if k in (0, steps // 2, steps - 1):
-            path.append(complex(x, y))
-    p, q, s = path
+
+    def drive(pose: np.ndarray) -> np.ndarray:
+        turns = pose[2] + 2 * pi / 3 * np.arange(3)
+        return r / 3 * np.array([2 * np.sin(turns) @ spins, -2 * np.cos(turns) @ spins, -sum(spins) / a])
+
+    p, q, s = (complex(*integrate(drive, (0, 0, 0), t, 400)[:2]) for t in (0, 2, 4))
     radius = abs(p - q) * abs(q - s) * abs(s - p) / (2 * abs(((q - p) * (s - p).conjugate()).imag))
-    # Omega_1: of the speeds w1 + w2 + w3 = Omega and v = 2 r Omega_1 / 3, from the speed that was driven
-    speed = abs(q - p) / (dt * (steps // 2)) * _chord(r / (3 * a) * total * dt * (steps // 2))
-    at = {"a": a, "left|Omegaright|": abs(total), "Omega_1": 3 * speed / (2 * r)}
+    # Omega_1, by v = 2 r Omega_1 / 3, from the speed that was driven
+    at = {
+        "a": a,
+        "left|Omegaright|": abs(sum(spins)),
+        "Omega_1": 3 * hypot(*drive(np.zeros(3))[:2]) / (2 * r),
+    }
     assert isclose(value(corrected.rights[0], **at), radius, rel_tol=1e-4)
     assert isclose(value(copy.rights[0], **at), radius / 2, rel_tol=1e-4)
-
-
-def _chord(angle: float) -> float:
-    """Arc by chord."""
-    return (angle / 2) / sin(angle / 2)
 
 
 def test_rim_of_a_wheel() -> None:
@@ -233,9 +212,8 @@ def test_rim_of_a_wheel() -> None:
     at = {"dotvarphi": per_second * 2 * pi}
     assert isclose(value(corrected.rights[0], r=diameter / 2, **at), rolled)
     assert isclose(value(copy.rights[0], r=diameter, **at), rolled)  # only as a formula in the diameter
-    turn = EVERY["Siegwart", "(3.7)–(3.9)"].printed
-    assert turn is not None
-    rate = value(turn.rights[0], r=diameter / 2, l=0.25, dotvarphi_1=per_second * 2 * pi)
+    turn, *_ = copied("Siegwart", "(3.7)–(3.9)").rights
+    rate = value(turn, r=diameter / 2, l=0.25, dotvarphi_1=per_second * 2 * pi)
     assert isclose(rate, rolled / 0.5)  # about the other wheel, which stands still at distance 2 l
 
 
@@ -254,9 +232,7 @@ def test_swedish_wheel(spin: float, roller: float) -> None:
           "dotvarphi_sw": roller, "v_x": body.real, "v_y": body.imag, "omega": omega}  # fmt: skip
     assert abs(value(corrected.values[0], **at)) < 1e-12
     assert (abs(value(copy.values[0], **at)) < 1e-12) == (spin == 0)
-    rolling = EVERY["Siegwart", "(3.19)"].printed
-    assert rolling is not None
-    row, scale = rolling.rights
+    row, scale = copied("Siegwart", "(3.19)").rights
     rolled = (value(row, **at) @ [body.real, body.imag, omega])[0]
     assert isclose(rolled, value(scale, **at) * spin, abs_tol=1e-12)
 
@@ -265,10 +241,8 @@ def test_swedish_wheel(spin: float, roller: float) -> None:
 def test_polar_rates(reverse: bool) -> None:
     """rho, alpha, beta measured on a robot that drives a little: forwards by (3.53), backwards by (3.55)."""
     v, omega = 0.7, -1.1
-    x, y, theta = -1.2, 0.6, 0.4
-    if reverse:
-        x = 1.2  # the goal lies behind
-    speed = -v if reverse else v
+    x, speed = (1.2, -v) if reverse else (-1.2, v)  # the goal lies behind or ahead
+    y, theta = 0.6, 0.4
 
     def polar(t: float) -> list[float]:
         heading = theta + omega * t
@@ -285,8 +259,7 @@ def test_polar_rates(reverse: bool) -> None:
         assert np.allclose(products[1].ravel(), rates, atol=SMALL)
         assert abs(products[0].ravel() - rates)[1] == pytest.approx(2 * abs(omega))
     else:
-        forward = EVERY["Siegwart", "(3.50)–(3.53)"].printed
-        assert forward is not None
+        forward = copied("Siegwart", "(3.50)–(3.53)")
         assert np.allclose(value(forward.rights[0], **at).ravel(), rates, atol=SMALL)
 
 
@@ -324,8 +297,7 @@ def test_strong_stability() -> None:
 def test_the_tricycle_goes_where_it_is_sent(v: float, turn: float) -> None:
     """(2.47a) as the page has it and (2.47b) together: the front wheel draws the robot at v and turns it at phi'."""
     copy, general = forms("Tzafestas", "(2.47a)")
-    rate = EVERY["Tzafestas", "(2.47b)"].printed
-    assert rate is not None
+    rate = copied("Tzafestas", "(2.47b)")
     wheelbase, r = 1.4, 0.2
     at = {"D": wheelbase, "r": r, "v": v, "dotphi": turn}
     rim = r * value(rate.rights[0], **at)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Iterable, Mapping
 from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 import sympy
@@ -21,18 +21,14 @@ from wmrgen.ports import Port
 DESCRIPTION = "Formulas of the texts that need no robot, in their corrected form"
 
 
-def artifacts(scalar: str = "float") -> dict[str, bytes]:
-    """File name -> content of everything in ``DIR/textbook/``, the manifest aside."""
-    return dict(_artifacts(scalar))
-
-
 @cache
-def _artifacts(scalar: str) -> dict[str, bytes]:
+def artifacts() -> Mapping[str, bytes]:
+    """File name -> content of everything in ``DIR/textbook/``, the manifest aside."""
     book = textbook()
     facts = (json.dumps(_functions(book), indent=2, ensure_ascii=False) + "\n").encode()
     digest = hashlib.sha256(facts)
     digest.update(repr(book.raw_module).encode())
-    digest.update(f"{scalar} {__version__}".encode())
+    digest.update(f"float {__version__}".encode())
     common = Facts(
         description=DESCRIPTION,
         model_hash=digest.hexdigest()[:32],
@@ -42,9 +38,8 @@ def _artifacts(scalar: str) -> dict[str, bytes]:
     files = {"functions.json": facts}
     for entry in unasked():
         if entry.source != "itself":  # those draw and report robots
-            options = {"scalar": scalar} if "scalar" in entry.options else {}
-            files |= entry.load().emit(getattr(book, entry.source), replace(common, options=options))
-    return files | {"report.md": page(report(book)).encode()}
+            files |= entry.load().emit(getattr(book, entry.source), common)
+    return MappingProxyType(files | {"report.md": page(report(book)).encode()})
 
 
 @cache

@@ -37,13 +37,13 @@ def generalised_inverse(J: sympy.Matrix, full: bool = False) -> GeneralisedInver
     m, n = J.shape
     r = generic_rank(J)
     if r == m == n:
-        return _one_sided(J, J, "inverse", r, "J is square and regular", lambda inv: inv)
+        return _one_sided(J, "inverse", r, "J is square and regular")
     if r == n:
-        words = f"J has full column rank {n}: least squares of |p - J q|"
-        return _one_sided(J, J.T * J, "left", r, words, lambda inverse: inverse * J.T)
+        return _one_sided(J, "left", r, f"J has full column rank {n}: least squares of |p - J q|")
     if r == m:
-        words = f"J has full row rank {m}: the smallest |q| of all solutions of J q = p"
-        return _one_sided(J, J * J.T, "right", r, words, lambda inverse: J.T * inverse)
+        return _one_sided(
+            J, "right", r, f"J has full row rank {m}: the smallest |q| of all solutions of J q = p"
+        )
     if not full:
         raise NotDerivableError(
             f"a {m} x {n} matrix of rank {r} has neither a left inverse (needs rank {n}) nor a right inverse "
@@ -66,13 +66,12 @@ def generic_rank(J: sympy.Matrix) -> int:
     return max(int(J.xreplace(p).rank(iszerofunc=lambda e: abs(sympy.N(e, 50)) < 1e-30)) for p in points)
 
 
-def _one_sided(
-    J: sympy.Matrix, gram: sympy.Matrix, kind: str, rank: int, words: str, finish: object
-) -> GeneralisedInverse:
+def _one_sided(J: sympy.Matrix, kind: str, rank: int, words: str) -> GeneralisedInverse:
+    grams = {"inverse": (J, "det J"), "left": (J.T * J, "det(J^T J)"), "right": (J * J.T, "det(J J^T)")}
+    gram, what = grams[kind]
     divisor = sympy.simplify(gram.det(method="berkowitz"))
     inverse = gram.adjugate() / divisor
-    result = finish(inverse) if callable(finish) else inverse
-    what = "det J" if kind == "inverse" else "det(J^T J)" if kind == "left" else "det(J J^T)"
+    result = inverse * J.T if kind == "left" else J.T * inverse if kind == "right" else inverse
     condition = words if divisor.is_number else f"{words}, wherever {what} is not 0"
     return GeneralisedInverse(result.applyfunc(sympy.simplify), kind, rank, condition, divisor)
 

@@ -45,14 +45,11 @@ def _set(inner: bool) -> Check:
     """The bounds describe the inputs of the car exactly; with ``inner``: no more than those."""
 
     def check(f: Form) -> Finding:
-        extra, lost = [], []
-        for v, w in _GRID:
-            at = {V: v, W: w, TOP: _TOP, ZMAX: _ZETA}
-            said = all(bool(r.xreplace(at)) for r in f.values)
-            if said and not _attained(v, w):
-                extra.append((v, w))
-            if not said and _attained(v, w):
-                lost.append((v, w))
+        said = {
+            (v, w): all(bool(r.xreplace({V: v, W: w, TOP: _TOP, ZMAX: _ZETA})) for r in f.values) for v, w in _GRID
+        }
+        extra = [p for p in _GRID if said[p] and not _attained(*p)]
+        lost = [p for p in _GRID if not said[p] and _attained(*p)]
         wrong = extra if inner else extra + lost
         of = f"{len(_GRID)} points (v, ω), u₁ᵐᵃˣ = 1, ζ_max = 30°, L = 1"
         if wrong:
@@ -99,9 +96,7 @@ ENTRIES = (TRICYCLE, BOUNDS, THREE_FIXED)
 # ---- what holds
 
 ZERO, ONE = sympy.S.Zero, sympy.S.One
-theta, xd, yd, thd, v, omega = (
-    symbol(n) for n in (r"\theta", r"\dot{x}", r"\dot{y}", r"\dot{\theta}", "v", r"\omega")
-)
+theta, xd, yd, thd, v, omega = map(symbol, (r"\theta", r"\dot{x}", r"\dot{y}", r"\dot{\theta}", "v", r"\omega"))
 TURN = world_to_robot_rows(theta)
 SLIDE = engine.wheel(ZERO, ZERO, ZERO)[1]
 UNICYCLE = book("unicycle", theta=theta, v=v, omega=omega)

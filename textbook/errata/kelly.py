@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import sympy
 
 from textbook.errata import engine
@@ -23,14 +25,15 @@ SPEED_UNIT, RATE_UNIT, LENGTH = (1, -1), (0, -1), (1, 0)
 VO, VM, VR, CROSS = (symbol(n) for n in (r"v_o^f", r"v_m^f", r"v_o^m", r"\omega_m^f\times r_o^m"))
 DOT_VO, DOT_VM, DOT_VR = (symbol(n) for n in (r"\dot{v}_o^f", r"\dot{v}_m^f", r"\dot{v}_o^m"))
 
+def _sum(right: sympy.Expr, values: Mapping[sympy.Expr, sympy.Matrix]) -> sympy.Matrix:
+    """The terms of a sum of symbols, each with its value."""
+    return sum((values[term] for term in sympy.Add.make_args(right)), sympy.zeros(3, 1))
+
 def _velocity(f: Form) -> Finding:
     """Every term as it is for a point of a turning frame, at a moment when the frames are parallel."""
     truth = {VO: MOTION.velocity, VM: MOTION.vm, VR: MOTION.v, CROSS: skew(MOTION.omega) * MOTION.r}
     left, right = f.values
-    total = -truth[left]
-    for term in sympy.Add.make_args(right):
-        total += truth[term]
-    return vanishes(total, "d/dt (m + R r) of a frame that turns and moves")
+    return vanishes(_sum(right, truth) - truth[left], "d/dt (m + R r) of a frame that turns and moves")
 
 VELOCITY = Record(TEXT, "4.1.2.4", _velocity,
     form(DOT_VO, EQ, DOT_VM + CROSS + DOT_VR), form(VO, EQ, VM + CROSS + VR),
@@ -112,11 +115,8 @@ VF, VV, RC, RF, OM = (symbol(n) for n in ("v_f^w", "v_v^w", r"[r_c^v]_\times", r
 
 def _front_wheel(f: Form) -> Finding:
     position, twist = skew(M([L, 0, 0])), M([0, 0, omega])
-    values = {VV: M([vx, 0, 0]), -RF * OM: -position * twist}
-    total = -M([vx, omega * L, 0])
-    for term in sympy.Add.make_args(f.values[1]):
-        total += values[term]
-    return vanishes(total, "the slide's own result v_f = [v_x, ω L]")
+    truth = {VV: M([vx, 0, 0]), -RF * OM: -position * twist}
+    return vanishes(_sum(f.values[1], truth) - M([vx, omega * L, 0]), "the slide's own result v_f = [v_x, ω L]")
 
 ACKERMANN = Record(TEXT, "Ackermann, wheel equation", _front_wheel,
     form(VF, EQ, VV - RC * VV), form(VF, EQ, VV - RF * OM),
@@ -128,12 +128,11 @@ xi, yi, vy = symbol("x_i"), symbol("y_i"), symbol("v_y")
 
 def _bicycle(f: Form) -> Finding:
     """omega_v^v, the turning of the vehicle against itself, is 0."""
-    turning = {OWN: M([0, 0, 0]), OM: M([0, 0, omega])}
-    total = -M([vx - omega * yi, vy + omega * xi, 0])
-    for term in sympy.Add.make_args(f.values[1]):
-        names = [s for s in term.free_symbols if s in turning]
-        total += -skew(M([xi, yi, 0])) * turning[names[0]] if names else M([vx, vy, 0])
-    return vanishes(total, "the slide's own result v_i = [V_x − ω y_i, V_y + ω x_i], with ω_v^v = 0")
+    turned = -skew(M([xi, yi, 0])) * M([0, 0, omega])
+    truth = {VV: M([vx, vy, 0]), -RI * OWN: sympy.zeros(3, 1), -RI * OM: turned}
+    result = M([vx - omega * yi, vy + omega * xi, 0])
+    return vanishes(_sum(f.values[1], truth) - result,
+                    "the slide's own result v_i = [V_x − ω y_i, V_y + ω x_i], with ω_v^v = 0")
 
 BICYCLE = Record(TEXT, "generalized bicycle", _bicycle,
     form(VI, EQ, VV - RI * OWN), form(VI, EQ, VV - RI * OM), kind=Class.LIKELY,

@@ -44,13 +44,10 @@ SEEN_V, SEEN_A = _inside(MOTION.velocity), _inside(MOTION.acceleration)
 CHAIN_V = _swap(MOTION.velocity, (V_, SEEN_V))
 CHAIN_A = _swap(MOTION.acceleration, (V_, SEEN_V), (A_, SEEN_A))
 
-def _printed_velocity() -> sympy.Matrix:
-    return MOTION.vm + W_.cross(R_) + VS + W2.cross(R2) + V2
-
-def _printed_acceleration() -> sympy.Matrix:
-    seen = VS + W2.cross(R2) + V2
-    first = MOTION.am + AL.cross(R_) + W_.cross(W_.cross(R_)) + 2 * W_.cross(seen)
-    return first + AS + AL2.cross(R2) + W2.cross(W2.cross(R2)) + 2 * W2.cross(V2) + A2
+SEEN = VS + W2.cross(R2) + V2  # as the text has it, of a point in the second frame
+PRINTED_V = MOTION.vm + W_.cross(R_) + SEEN
+PRINTED_A = (MOTION.am + AL.cross(R_) + W_.cross(W_.cross(R_)) + 2 * W_.cross(SEEN)
+             + AS + AL2.cross(R2) + W2.cross(W2.cross(R2)) + 2 * W2.cross(V2) + A2)
 
 FRAMES = (
     holds("4.1.2.1, 4.1.2.2", "a uniform motion, differentiated: v_p = v + v₀",
@@ -68,8 +65,8 @@ FRAMES = (
     holds("(4.23), (4.24)", "H(r) ẋ with the library's H, and d/dt (m + R r)",
           ("v_o^k", h_rows(R_) * MOTION.vm.col_join(W_) + V_, MOTION.velocity)),
     holds("(4.27), (4.30)", "a frame in a frame, differentiated",
-          ("v_c", _printed_velocity(), CHAIN_V), remark="Ω of (4.30) is ω; r_c^s in common coordinates."),
-    holds("(4.29), (4.31)", "a frame in a frame, differentiated twice", ("a_c", _printed_acceleration(), CHAIN_A)),
+          ("v_c", PRINTED_V, CHAIN_V), remark="Ω of (4.30) is ω; r_c^s in common coordinates."),
+    holds("(4.29), (4.31)", "a frame in a frame, differentiated twice", ("a_c", PRINTED_A, CHAIN_A)),
     holds("4.2.1.1", "r (cos, sin) differentiated at the turning rate ω is ω × r",
           ("v_p", M([-x * omega * sin(psi), x * omega * cos(psi)]),
            omega * sympy.diff(M([x * cos(psi), x * sin(psi)]), psi))),

@@ -42,9 +42,7 @@ RATES = M([xd, yd, phid])
 LAMBDA = xd * sin(phi_i) - yd * cos(phi_i) - a * phid  # (3)
 E_I, N_I = M([[sin(phi_i), -cos(phi_i)]]), M([[cos(phi_i), sin(phi_i)]])
 
-def mus() -> list[sympy.Expr]:
-    """mu_i of (3) in the rates."""
-    return [xd * cos(angle(i)) + yd * sin(angle(i)) for i in (1, 2, 3)]
+MU_AT = {m: xd * cos(angle(i)) + yd * sin(angle(i)) for i, m in enumerate(MU, 1)}  # (3)
 
 def _derivative(*right: sympy.Expr) -> list[sympy.Expr]:
     place = M([x + a * cos(phi_i), y + a * sin(phi_i)])
@@ -96,7 +94,7 @@ DETAIL = Record(TEXT, "(4) in detail, ω₁",
 
 V = symbol("v")
 SPEED = Record(TEXT, "v²",
-    rights(lambda e: e.xreplace(dict(zip(MU, mus(), strict=True))) - xd**2 - yd**2, "v² = ẋ² + ẏ²"),
+    rights(lambda e: e.xreplace(MU_AT) - xd**2 - yd**2, "v² = ẋ² + ẏ²"),
     form(V**2, EQ, sympy.Rational(2, 3) * sum(MU)),
     form(V**2, EQ, sympy.Rational(2, 3) * sum(m**2 for m in MU)),
     kind=Class.LIKELY, line="v^2=(2/3)(mu1+mu2+mu3)",

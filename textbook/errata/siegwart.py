@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import mul
+
 import numpy as np
 import sympy
 from numpy.typing import NDArray
@@ -38,15 +41,11 @@ EXAMPLE = engine.sliding("fixed", alpha=0, beta=0)
 def _sides(f: Form) -> Finding:
     """Left and right product of the display have one shape, and are the example's sliding row."""
     cut = f.lines[0].index(EQ)
-    sides = []
-    for part in (f.lines[0][:cut], f.lines[0][cut + 1 :]):
-        product = None
-        for v in part:
-            if isinstance(v, sympy.MatrixBase):
-                product = v if product is None else product * v
-        sides.append(product)
-    left, right = sides
-    if left is None or right is None or left.shape != right.shape:
+    left, right = (
+        reduce(mul, (v for v in part if isinstance(v, sympy.MatrixBase)))
+        for part in (f.lines[0][:cut], f.lines[0][cut + 1 :])
+    )
+    if left.shape != right.shape:
         return Finding(False, f"{shape_of(left)} = {shape_of(right)}; set to 0 it would freeze all motion")
     return vanishes([left - right, right - EXAMPLE * WORLD], "wmrgen's sliding row at α = β = 0, θ = 0")
 

@@ -36,9 +36,7 @@ holds = partial(claim, TEXT)  # a claim of this text
 
 CONTRIBUTION = book("wheel_contributions", r=R, l=L, right_spin=F1, left_spin=F2)
 EXAMPLE = {R: ONE, L: ONE, F1: sympy.Integer(4), F2: sympy.Integer(2)}
-THREE = M.vstack(*(
-    engine.rolling("swedish", alpha=a, beta=0, g=0) for a in (pi / 3, pi, -pi / 3)
-))
+THREE = M.vstack(*(engine.rolling("swedish", alpha=a, beta=0, g=0) for a in (pi / 3, pi, -pi / 3)))
 THREE_INVERSE = M([
     [1 / sqrt(3), 0, -1 / sqrt(3)],
     [-sympy.Rational(1, 3), sympy.Rational(2, 3), -sympy.Rational(1, 3)],
@@ -142,9 +140,7 @@ UNI = M([cos(theta) * v, sin(theta) * v, omega])
 FORWARD = M([[-cos(alpha), 0], [sin(alpha) / rho, -1], [-sin(alpha) / rho, 0]])
 POLAR = M([[-rho * cos(beta)], [rho * sin(beta)], [-alpha - beta]])
 LAW = {v: K_RHO * rho, omega: K_ALPHA * alpha + K_BETA * beta}
-CLOSED = M(
-    [-K_RHO * rho * cos(alpha), K_RHO * sin(alpha) - K_ALPHA * alpha - K_BETA * beta, -K_RHO * sin(alpha)]
-)
+CLOSED = M([-K_RHO * rho * cos(alpha), K_RHO * sin(alpha) - K_ALPHA * alpha - K_BETA * beta, -K_RHO * sin(alpha)])
 LINEAR = M([[-K_RHO, 0, 0], [0, -(K_ALPHA - K_RHO), -K_BETA], [0, -K_RHO, 0]])
 LAMBDA = symbol(r"\lambda")
 MECANUM = M.vstack(*(

@@ -195,10 +195,10 @@ def _omni4(f: Form) -> Finding:
         return Finding(False, f"a sum of {shape_of(left)} and {shape_of(right)} does not exist")
     if left.rows != right.rows:
         return Finding(False, f"{shape_of(left)} and {shape_of(right)} do not stand side by side")
-    made = scale * (left.row_join(right) if sign is BAR else left + right)
+    inverse = scale * (left.row_join(right) if sign is BAR else left + right)
     rows = [engine.rolling("swedish", alpha=e, beta=sympy.pi, g=0, l=D) for e in BETAS]
     truth = M.vstack(*rows) * world_to_robot_rows(phi) / r
-    return vanishes(made - truth, f"{shape_of(made)}, against wmrgen's rolling rows of four omni wheels")
+    return vanishes(inverse - truth, f"{shape_of(inverse)}, against wmrgen's rolling rows of four omni wheels")
 
 JINV, ONE_R = symbol("J^{-1}"), 1 / r
 OMNI4 = Record(TEXT, "(2.75c, d)", _omni4,
@@ -223,8 +223,8 @@ def _mecanum(f: Form) -> Finding:
     """Wheel rates from the J_i, against (2.84), and their rank where d1 = d2."""
     rows = M.vstack(*(engine.inverse(J)[0, :] for J in f.rights)).applyfunc(sympy.cancel)
     rank = rows.xreplace({D2: D1}).rank()
-    found = vanishes(rows - IK4, "wheel rates from the Jᵢ⁻¹ against (2.84)")
-    return Finding(found.holds, f"{found.text}; their rank at d₁ = d₂ is {rank}")
+    rates = vanishes(rows - IK4, "wheel rates from the Jᵢ⁻¹ against (2.84)")
+    return Finding(rates.holds, f"{rates.text}; their rank at d₁ = d₂ is {rank}")
 
 PRINTED_THIRD = [(D2, D1), (D2, -D1), (-D2, -D1), (-D2, D1)]
 THIRD = [(D2, -D1), (D2, D1), (-D2, D1), (-D2, -D1)]

@@ -112,8 +112,8 @@ FRONT_XY = M.vstack(*engine.wheel(D, ZERO, ZERO))  # velocity of the front wheel
 def _car_rolls(field: sympy.Matrix, front_speed: sympy.Expr | None) -> list[sympy.Expr]:
     """Both axles do not slide along the field, and the front wheel rolls at ``front_speed``."""
     rates = BACK * field[:3, :1]
-    found = [(SLIDE * rates)[0], (FRONT[1] * rates)[0]]
-    return found if front_speed is None else [*found, (FRONT[0] * rates)[0] - front_speed]
+    slides = [(SLIDE * rates)[0], (FRONT[1] * rates)[0]]
+    return slides if front_speed is None else [*slides, (FRONT[0] * rates)[0] - front_speed]
 
 def _field(forward: sympy.Expr, turn: sympy.Expr) -> sympy.Matrix:
     return M([[forward * cos(phi), 0], [forward * sin(phi), 0], [turn, 0], [0, 1]])

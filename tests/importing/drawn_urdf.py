@@ -126,9 +126,11 @@ def robot(seed: int) -> tuple[str, dict[str, Truth]]:
 
 
 def _rollers(tree: Tree, body: str, centre: Matrix, e: Matrix, axle: Matrix, gamma: float, r: float) -> None:
-    """Six rollers about the wheel; the lowest, at the ground, has its axis at gamma from the heading."""
+    """Six rollers about the wheel, stopped anywhere: each has its axis at gamma from the heading when it is at the
+    ground."""
+    stopped = tree.random.uniform(0, math.pi / 3)
     for k in range(6):
-        turn = k * math.pi / 3
+        turn = stopped + k * math.pi / 3
         out, along = math.cos(turn) * -UP + math.sin(turn) * e, math.cos(turn) * e + math.sin(turn) * UP
         where = drawn(tree.random)
         where[:3, 3] = centre + 0.9 * r * out

@@ -67,6 +67,10 @@ def dot(a: Vector, b: Vector) -> Fraction:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
+def cross(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
 def transposed(m: Matrix) -> Matrix:
     a, b, c = zip(*m, strict=True)
     return a, b, c

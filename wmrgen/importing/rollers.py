@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from wmrgen.importing.candidates import Candidate
-from wmrgen.importing.frames import turned, unit
-from wmrgen.importing.records import Vector
+from wmrgen.importing.frames import cross, dot, plus, turned, unit
+from wmrgen.importing.records import Joint, Vector
 from wmrgen.importing.view import Robot
 from wmrgen.spec.text import quoted
 
@@ -71,9 +71,7 @@ def gamma_said(robot: Robot, c: Candidate, e: Vector) -> tuple[float | None, str
     """The direction of the roller at the ground from the heading, modulo pi in (-pi/2, pi/2], and its source."""
     if c.rollers:
         lowest = min(c.rollers, key=lambda j: robot.origin(j)[2])
-        return _modulo(
-            angle(robot.axis(lowest)) - angle(e)
-        ), f"axis of the lowest roller {quoted(lowest.name)}"
+        return _gamma_of(robot, lowest, c, e), f"axis of the lowest roller {quoted(lowest.name)}"
     slanting = _slanting_friction(robot, c, e)
     if slanting is None:
         return None, UNSAID
@@ -84,6 +82,16 @@ def gamma_said(robot: Robot, c: Candidate, e: Vector) -> tuple[float | None, str
             f"fdir1 stands in {quoted(link)}, which turns: {gamma:.6g} rad holds at joint angle 0 alone",
         )
     return gamma, f"fdir1 in {quoted(link)}: full friction along the roller's axis"
+
+
+def _gamma_of(robot: Robot, roller: Joint, c: Candidate, e: Vector) -> float:
+    """gamma of a roller once the wheel has turned so far that the roller is straight below the axle: there the rim of
+    a wheel that turns forward moves against e."""
+    reach, axis = plus(robot.origin(roller), c.origin, -1), robot.axis(roller)
+    out = plus(reach, c.axis, -dot(reach, c.axis))
+    if not any(out):
+        return _modulo(angle(axis) - angle(e))
+    return _modulo(math.atan2(dot(axis, c.axis), -dot(axis, cross(c.axis, unit(out)))))
 
 
 def _slanting_friction(robot: Robot, c: Candidate, e: Vector) -> tuple[float, str] | None:

@@ -186,6 +186,17 @@ def test_the_wheel_is_where_its_largest_cylinder_is(read: Import) -> None:
     assert (odd["y"], odd["r"]) == (0.345, 0.1)
 
 
+def test_the_middle_of_two_sides_is_the_wheels(read: Import) -> None:
+    """A wheel of two plates, as many with rollers are drawn."""
+    plates = "".join(
+        f'<collision><origin xyz="0 {y} 0" rpy="1.57 0 0"/><geometry>{cylinder("0.1")}</geometry></collision>'
+        for y in (0.03, -0.02)
+    )
+    one = pair().replace('<link name="left_link">', f'<link name="left_link">{plates}', 1)
+    own = link("", cylinder("0.1")).removeprefix('<link name="">').removesuffix("</link>")
+    assert read(robot(one.replace(f"{plates}{own}", plates)))["wheels"]["left"]["y"] == pytest.approx(0.255)
+
+
 def test_a_mesh_leaves_the_radius_open(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:
     foot = link("base_footprint") + joint("foot", "base_footprint", "base_link", "0 0 0", "fixed")
     said = read(robot(pair(geometry=MESH), foot))
@@ -244,6 +255,24 @@ def test_rollers_in_the_file_say_gamma(read: Import) -> None:
     assert list(said["wheels"]) == ["left", "right", "third"]
     third = said["wheels"]["third"]
     assert third["type"] == "swedish" and third["gamma"] == pytest.approx(0, abs=1e-9)
+
+
+def test_meshes_stand_beside_wheels_that_are_drawn(read: Import) -> None:
+    """A car whose rear wheels are cylinders and whose front wheels are meshes; its bumper turns at the ground."""
+    rear = "".join(
+        wheel(f"r{side}", f"0 {y} 0.33", cylinder("0.34")) for side, y in (("l", 0.7), ("r", -0.7))
+    )
+    front = "".join(
+        link(f"s{side}")
+        + joint(f"s{side}", "base_link", f"s{side}", f"2.5 {y} 0.33", kind="revolute", axis="0 0 1")
+        + wheel(f"f{side}", "0 0 0", MESH, parent=f"s{side}")
+        for side, y in (("l", 0.7), ("r", -0.7))
+    )
+    bumper = wheel("bumper", "0 0 0", MESH, axis="1 0 0")
+    said = read(robot(rear, front, bumper, wheel("lever", "0.5 0 1", MESH)))
+    assert {n: w["type"] for n, w in said["wheels"].items()} == dict.fromkeys(
+        ("rl", "rr"), "fixed"
+    ) | dict.fromkeys(("fl", "fr"), "steered")
 
 
 def test_three_axles_that_meet_are_omni_wheels_with_a_question(read: Import) -> None:

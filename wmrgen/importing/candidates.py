@@ -20,6 +20,7 @@ from wmrgen.spec.text import quoted
 LEVEL = math.sin(math.radians(12))
 ROLLERS = 4  # that a wheel with rollers has at least
 UNSEEN = Fraction(5, 100)  # [m] the radius of a wheel that is a mesh, where one must be supposed
+_EVEN = Fraction(5, 1000)  # [m] by which the ground may be uneven
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,18 +188,21 @@ def _candidate(
 
 
 def _on_ground(robot: Robot, wheels: list[Candidate]) -> list[Candidate]:
-    """Those whose lowest point is that of all, within 0.35 r + 5 mm; of meshes the centre, within a radius, which may
-    be that of a controller."""
+    """Those whose lowest point is that of all, within 0.35 r + 5 mm; of meshes those whose axle is above the ground,
+    and not higher than a wheel's that stands, or than a controller says."""
+    shaped = [w for w in wheels if w.shape]
+    if not shaped:
+        reach, lowest = _reach(robot, ()), min((w.centre[2] for w in wheels), default=Fraction(0))
+        return [w for w in wheels if w.centre[2] - lowest <= reach]
+    lowest = min(w.lowest for w in shaped)
+    standing = [w for w in shaped if w.lowest - lowest <= w.radius * Fraction(35, 100) + _EVEN]
+    reach = _reach(robot, standing)
+    least = reach / 20 + _EVEN
+    meshes = [w for w in wheels if not w.shape and least < w.centre[2] - lowest <= UNSEEN + reach]
+    return [w for w in wheels if w in standing or w in meshes]
+
+
+def _reach(robot: Robot, standing: Sequence[Candidate]) -> Fraction:
+    """The largest radius that a wheel may have: of those that stand, and of what controllers say."""
     told = (s.value for c in robot.description.controllers for key, s in c.lengths.items() if "radius" in key)
-    reach = max(UNSEEN, *told, UNSEEN)
-    shaped = [w.lowest for w in wheels if w.shape]
-    lowest = min(shaped) if shaped else None
-    centre = min((w.centre[2] for w in wheels if lowest is None or not w.shape), default=Fraction(0))
-    floor = centre if lowest is None else min(centre, lowest + UNSEEN)
-    return [w for w in wheels if _stands(w, lowest, floor, reach)]
-
-
-def _stands(wheel: Candidate, lowest: Fraction | None, floor: Fraction, reach: Fraction) -> bool:
-    if wheel.shape and lowest is not None:
-        return wheel.lowest - lowest <= wheel.shape.radius * Fraction(35, 100) + Fraction(5, 1000)
-    return wheel.centre[2] - floor <= reach
+    return max(UNSEEN, *told, *(w.radius for w in standing), UNSEEN)

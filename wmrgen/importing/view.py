@@ -97,19 +97,23 @@ class Robot:
                 yield centre, centre[2] - shape.radius
 
     def round_shape(self, link: str, origin: Vector, axis: Vector) -> Round | None:
-        """The largest coaxial cylinder or sphere, of the collision before the visual."""
-        shapes = []
+        """The largest coaxial cylinder or sphere, of the collision before the visual; of several as large, as the two
+        sides of a wheel are, the middle."""
+        shapes: list[tuple[tuple[bool, Fraction], Fraction, str]] = []
         for kind, role, radius, where in self.shapes(link):
             along = turned(where.rotation, Z)
             reach = plus(where.origin, origin, -1)
             share = dot(reach, axis)
             off = plus(reach, axis, -share)
             if dot(off, off) <= (radius / 5) ** 2 and (kind == "sphere" or abs(dot(along, axis)) >= COAXIAL):
-                centre = plus(origin, axis, share)
-                shapes.append(
-                    (role == "collision", radius, Round(radius, centre, f"{role} {kind}", kind == "cylinder"))
-                )
-        return max(shapes, key=lambda s: s[:2])[2] if shapes else None
+                shapes.append(((role == "collision", radius), share, kind))
+        if not shapes:
+            return None
+        (collides, radius), _, kind = largest = max(shapes, key=lambda s: s[0])
+        shares = [share for rank, share, _ in shapes if rank == largest[0]]
+        words = f"{'collision' if collides else 'visual'} {kind}"
+        middle = plus(origin, axis, (min(shares) + max(shares)) / 2)
+        return Round(radius, middle, words, kind == "cylinder")
 
 
 def base_link(description: Description, wanted: str | None) -> str:

@@ -173,3 +173,12 @@ def test_the_package_is_as_it_was_afterwards(wmrgen_cli: Cli, tmp_path: Path) ->
     for now, then in zip(after, before, strict=True):
         assert {k: v for k, v in now.items() if callable(v)} == {k: v for k, v in then.items() if callable(v)}
     assert "open" not in vars(xacro) and os.environ
+
+
+def test_a_macro_of_mecanum_wheels_says_rollers(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """The text that it makes says nothing of them; one that is not called says as little."""
+    wheels = pair() + pair().replace("left", "tail").replace("right", "third").replace('"0.05 ', '"-0.4 ')
+    macro = f"<xacro:macro name='mecanum_wheels'>{wheels}</xacro:macro>"
+    for call, kind in (("<xacro:mecanum_wheels/>", "swedish"), (wheels, "fixed")):
+        done = wmrgen_cli("import", write(tmp_path, macro, call), "--json")
+        assert {w["type"] for w in json.loads(done.out)["wheels"]} == {kind}

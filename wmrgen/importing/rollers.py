@@ -14,7 +14,8 @@ from wmrgen.importing.view import Robot
 from wmrgen.spec.text import quoted
 
 UNSAID = "not in the file"
-_SAYS_ROLLERS = re.compile("mecanum|omni|planar_?move", re.IGNORECASE)
+_SAYS_ROLLERS = re.compile("mecanum|omni", re.IGNORECASE)
+_MOVES_ANY_WAY = re.compile("planar_?move", re.IGNORECASE)  # simulators move cars so, too
 
 
 def heading(axis: Vector) -> Vector:
@@ -28,10 +29,12 @@ def angle(direction: Vector) -> float:
 
 def rollers_said(robot: Robot, wheels: Sequence[Candidate]) -> str:
     """What says, of the whole robot, that its wheels have rollers; empty where nothing does."""
+    steers = any(wheel.steer for wheel in wheels)
     for word in (*robot.description.words, *(word for c in wheels for word in _called(robot, c))):
-        if _SAYS_ROLLERS.search(word):
+        moved = _MOVES_ANY_WAY.search(word) and len(wheels) > 2 and not steers
+        if moved or _SAYS_ROLLERS.search(word):
             return f"the file says {quoted(word)}"
-    if any(wheel.steer for wheel in wheels):
+    if steers:
         return ""
     axles = [angle(heading(w.axis)) for w in wheels if not w.unsure]
     if len(axles) > 2 and any(abs(math.sin(a - b)) > 0.2 for a in axles for b in axles):

@@ -43,8 +43,10 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     substituted = _is_xacro(root)
     if values and not substituted:
         raise UsageError(f"{name} is no xacro, and takes no {quoted(next(iter(values)))}")
+    called: list[str] = []
     if substituted:
-        root = parse(resolve(file, values, folders), name)
+        text, called = resolve(file, values, folders)
+        root = parse(text, name)
     if local(root) == "sdf":
         description = sdf.describe(root, name, lambda uri: _model(located(uri, file, folders)))
     elif substituted and not children(root, "link") and (defined := macros(file)):
@@ -63,6 +65,7 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     notes += description.notes
     return replace(
         description,
+        words=(*description.words, *(macro for macro in dict.fromkeys(called) if "mecanum" in macro.lower())),
         notes=tuple(notes),
         controllers=seen,
         file_of=lambda uri: _mesh(located(uri, file, folders)),

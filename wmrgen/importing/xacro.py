@@ -26,8 +26,11 @@ _UNPREFIXED = ("property", "macro", "include", "arg")
 _MOST_MISSING, _YAML_BYTES = 20, 1 << 16
 
 
-def resolve(file: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]) -> bytes:
-    """The URDF that a xacro file makes. RobotFileError where it does not, with the arguments that it lacks."""
+def resolve(
+    file: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]
+) -> tuple[bytes, list[str]]:
+    """The URDF that a xacro file makes, and the names of the macros that it calls. RobotFileError where it makes none,
+    with the arguments that it lacks."""
     try:
         import xacro
     except ImportError:
@@ -38,7 +41,8 @@ def resolve(file: Path, arguments: Mapping[str, str], packages: Mapping[str, Pat
     values = {name: _found(value, packages) for name, value in arguments.items()}
     missing: list[str] = []
     plain: list[str] = []
-    with _kept(xacro, roots, packages, plain), contextlib.redirect_stderr(io.StringIO()):
+    called: list[str] = []
+    with _kept(xacro, roots, packages, plain, called), contextlib.redirect_stderr(io.StringIO()):
         while len(missing) < _MOST_MISSING:
             try:
                 document = xacro.process_file(
@@ -59,8 +63,7 @@ def resolve(file: Path, arguments: Mapping[str, str], packages: Mapping[str, Pat
             "",
             f"Give them behind the file: {printable(words)}.",
         )
-    text: bytes = document.toxml(encoding="utf-8")
-    return text
+    return document.toxml(encoding="utf-8"), called
 
 
 def macros(file: Path) -> list[str]:
@@ -109,11 +112,18 @@ def _package(name: str, packages: Mapping[str, Path]) -> str:
 
 
 @contextlib.contextmanager
-def _kept(xacro: Any, roots: list[Path], packages: Mapping[str, Path], plain: list[str]) -> Iterator[None]:
+def _kept(
+    xacro: Any, roots: list[Path], packages: Mapping[str, Path], plain: list[str], called: list[str]
+) -> Iterator[None]:
     """The package with its doors shut; as it was, afterwards."""
     from xacro import substitution_args
 
-    evaluate, count = xacro.safe_eval, itertools.count()
+    evaluate, expand, count = xacro.safe_eval, xacro.handle_macro_call, itertools.count()
+
+    def call(node: Any, *scopes: Any) -> Any:
+        called.extend(re.findall("^xacro:(.+)", node.tagName))
+        return expand(node, *scopes)
+
     symbols = offered(xacro.create_global_symbols())
     doors: list[tuple[Any, str, Any]] = [
         (xacro, "open", lambda path, *_: _opened(Path(path), roots, plain)),
@@ -121,7 +131,7 @@ def _kept(xacro: Any, roots: list[Path], packages: Mapping[str, Path], plain: li
         (xacro, "_global_symbols", symbols),
         (xacro, "safe_eval", lambda text, *scopes: weighed(evaluate(checked(text), *scopes))),
         (xacro, "eval_text", counted(xacro.eval_text, count)),
-        (xacro, "handle_macro_call", counted(xacro.handle_macro_call, count)),
+        (xacro, "handle_macro_call", counted(call, count)),
         (substitution_args, "_eval", lambda text, context: _evaluated(text, context, symbols)),
         (substitution_args, "_eval_find", lambda name: _package(name, packages)),
         (substitution_args, "_eval_env", _no_environment),

@@ -85,6 +85,20 @@ def test_a_castor_with_a_transmission(read: Import) -> None:
     assert said["asked"] == [("tail", "actuated")] and "hint: [spin]" in said["text"]
 
 
+def test_swivels_that_take_velocities_beside_wheels_that_drive(read: Import) -> None:
+    """On castors alone they are motors; castors of a robot that others drive follow."""
+    castors, said = "", ""
+    for name, y in (("fl", 0.2), ("fr", -0.2)):
+        castors += link(f"{name}_s") + joint(
+            f"{name}_s", "base_link", f"{name}_s", f"0.3 {y} 0.2", axis="0 0 1"
+        )
+        castors += wheel(name, "-0.04 0 -0.1", parent=f"{name}_s")
+        said += f'<transmission><joint name="{name}_s"><hardwareInterface>VelocityJointInterface</hardwareInterface></joint></transmission>'  # noqa: E501
+    drives = control("fl_joint", "fr_joint", "left_joint", "right_joint")
+    assert read(robot(castors, said, drives))["asked"] == []
+    assert read(robot(castors, pair(), said, drives))["asked"] == [("fl", "actuated"), ("fr", "actuated")]
+
+
 LABELS = {"fl": "front_left", "fr": "front_right", "rl": "rear_left", "rr": "rear_right"}
 TURNED = {"fl": "rear_left", "fr": "front_left", "rl": "rear_right", "rr": "front_right"}  # forward is -y
 MIRRORED = {"fl": "front_right", "fr": "front_left", "rl": "rear_right", "rr": "rear_left"}

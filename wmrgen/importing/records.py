@@ -84,7 +84,8 @@ class Description:
     """``driven``: joints that ros2_control, a transmission or a plugin names, None where the file has none of these.
     ``words``: names of plugins, meshes and the robot, which may say that wheels have rollers. ``controllers``: what
     drive plugins are told. ``closing``: joints that would give a link a second parent. ``transmitted``: driven joints
-    that only a transmission for efforts names, which is no proof of a motor."""
+    that only a transmission names, which is no proof of a motor; ``commanded``: those of them that take positions or
+    velocities."""
 
     name: str
     links: tuple[str, ...]
@@ -97,6 +98,7 @@ class Description:
     controllers: tuple[Controller, ...] = ()
     closing: tuple[Joint, ...] = ()
     transmitted: frozenset[str] = frozenset()
+    commanded: frozenset[str] = frozenset()
     file_of: Callable[[str], bytes | None] = field(default=lambda uri: None)
 
 

@@ -60,9 +60,8 @@ def describe(root: Element, file: str) -> Description:
         words=tuple(words(root)),
         notes=tuple(notes),
         closing=closing,
-        transmitted=frozenset(
-            transmitted(root) - transmitted(root, commanded=True) - driven_by_control(root)
-        ),
+        transmitted=frozenset(transmitted(root) - driven_by_control(root)),
+        commanded=frozenset(transmitted(root, commanded=True)),
     )
 
 

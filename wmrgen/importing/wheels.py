@@ -56,7 +56,8 @@ def import_wheels(description: Description, base: str | None = None, forward: st
         )
     names = near_wheel_names([c.joint.name for c in wheels])
     rolling = rollers_said(robot, wheels)
-    read = [_wheel(robot, c, name, rolling) for c, name in zip(wheels, names, strict=True)]
+    drives = any(_actuated(robot, c) for c in wheels if not c.steer)
+    read = [_wheel(robot, c, name, rolling, drives) for c, name in zip(wheels, names, strict=True)]
     result = [wheel for wheel, _ in read]
     coupled, doubts, notes = couplings(robot, result)
     questions = [
@@ -79,7 +80,8 @@ def import_wheels(description: Description, base: str | None = None, forward: st
     )
 
 
-def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, list[Question]]:
+def _wheel(robot: Robot, c: Candidate, name: str, rolling: str, drives: bool) -> tuple[Wheel, list[Question]]:
+    """A wheel and what is asked of it; ``drives``: wheels that do not steer have motors."""
     joint, steer = c.joint, c.steer
     e = X if abs(c.axis[2]) > LEVEL else heading(c.axis)
     questions = [] if not c.doubt else [doubt(c, name, angle(e))]
@@ -108,7 +110,8 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, 
         if gamma is None:
             questions.append(rollers_asked(name, why))
     elif steer:
-        transmitted = steer.name in robot.description.transmitted
+        said = robot.description
+        transmitted = steer.name in said.transmitted - (frozenset() if drives else said.commanded)
         questions += swivel_doubts(name, kind, d or Fraction(0), actuated, transmitted, rolling)
     questions += _size_doubts(robot, c, name, offset, remarks)
     wheel = Wheel(

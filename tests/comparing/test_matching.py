@@ -11,6 +11,7 @@ import pytest
 from tests.comparing.test_corpus import mecanum, ring, side
 from tests.comparing.test_motion import differential, said
 from wmrgen.comparing.compare import compare, labelled
+from wmrgen.comparing.differences import length
 from wmrgen.comparing.matching import matched
 from wmrgen.comparing.record import Layout, Side
 from wmrgen.comparing.sources import layouts, of_header
@@ -191,3 +192,9 @@ def test_a_header_with_a_radius_that_no_wheel_has(wrong: str) -> None:
     assert of_header(text.format("0.1"), "a.h").wheels[0].values["r"] == 0.1
     with pytest.raises(RobotFileError, match="which no wheel has"):
         of_header(text.format(wrong), "a.h")
+
+
+def test_a_length_that_is_nothing_but_rounding_has_no_share() -> None:
+    """Wheels that roll across have a track of 1e-17."""
+    assert length("track", 2.4e-17, 0.4, ()).words == "track 2.4e-17 m -> 0.4 m"
+    assert length("track", 0.2, 0.4, ()).words.endswith("(+100.0 %, twice that)")

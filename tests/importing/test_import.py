@@ -275,6 +275,15 @@ def test_meshes_stand_beside_wheels_that_are_drawn(read: Import) -> None:
     ) | dict.fromkeys(("fl", "fr"), "steered")
 
 
+def test_a_wheel_drawn_too_small_stands_where_its_mirror_image_does(read: Import) -> None:
+    """Its radius and whether it is a wheel are asked: the drawing is wrong somewhere."""
+    small = wheel("tiny", "-0.3 0.25 0.1", cylinder("0.01")) + wheel("large", "-0.3 -0.25 0.1")
+    said = read(robot(pair(), small, wheel("lever", "-0.3 0.1 0.1", cylinder("0.01"))))
+    assert list(said["wheels"]) == ["left", "right", "tiny", "large"]
+    assert said["wheels"]["tiny"]["r"] is None
+    assert {q["key"] for q in said["questions"] if q["wheel"] == "tiny"} == {"type", "r", "actuated"}
+
+
 def test_three_axles_that_meet_are_omni_wheels_with_a_question(read: Import) -> None:
     turns = (0.0, 2 * math.pi / 3, -2 * math.pi / 3)
     axes = [(math.cos(a), math.sin(a)) for a in turns]

@@ -31,7 +31,7 @@ def length(
     """A length that differs; ``remark``: how the second file calls it."""
     title = _TITLES.get(key, key.replace("_", " "))
     looks = ", twice that" if same(b, 2 * a) else ", half of that" if same(2 * b, a) else ""
-    share = f" ({(b - a) / abs(a):+.1%}{looks})".replace("%", " %") if a else ""
+    share = f" ({(b - a) / abs(a):+.1%}{looks})".replace("%", " %") if not same(a, 0, abs(b)) else ""
     words = f"{f'{wheel}: ' if wheel else ''}{title}{remark} {a:.6g} m -> {b:.6g} m{share}"
     return Difference(CODES[key.rsplit("_", 1)[-1]], title, wheel, a, b, words, marks)
 

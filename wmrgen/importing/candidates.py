@@ -58,8 +58,29 @@ def candidates(robot: Robot) -> list[Candidate]:
     spins = [c for joint in joints if (c := _spin(robot, joint) or _steer_only(robot, joint))]
     rollers = {roller.child for c in spins for roller in c.rollers}
     spins = [c for c in spins if c.joint.child not in rollers and not _shown_only(robot, c)]
-    wheels = _on_ground(robot, spins)
+    wheels = _mirrored(_on_ground(robot, spins), spins)
     return wheels if len(wheels) > 1 else _on_ground(robot, spins + _all_fixed(robot))
+
+
+def _mirrored(wheels: list[Candidate], spins: list[Candidate]) -> list[Candidate]:
+    """With the wheels those that do not stand, as they are drawn, and whose mirror images do: the drawing is wrong."""
+    both = []
+    for c in spins:
+        other = next((w for w in wheels if _mirrors(c, w)), None)
+        if c in wheels:
+            both.append(c)
+        elif other and c.shape and not c.via:
+            own, others = float(c.radius), float(other.radius)
+            why = f"it is drawn with radius {own:.6g}, as if in the air, its mirror image with {others:.6g}"
+            both.append(replace(c, shape=None, doubt=why))
+    return both
+
+
+def _mirrors(c: Candidate, other: Candidate) -> bool:
+    """The axles of two wheels stand at one height and place, left and right of the middle."""
+    (x, y, z), (u, v, w) = c.origin, other.origin
+    level = abs(dot(c.axis, other.axis)) > COAXIAL
+    return level and max(abs(x - u), abs(y + v), abs(z - w)) < _EVEN / 5
 
 
 def rigid_wheels(robot: Robot, wheels: Sequence[Candidate]) -> list[Candidate]:

@@ -21,16 +21,27 @@ _CONSOLE = re.compile(r"CONSOLE.*")
 def seen(page: str, script: str, folder: Path, size: tuple[int, int] = (1200, 900)) -> tuple[Any, list[str]]:
     """What the function body ``script`` returns in ``page``, and the lines of the console. The page's policy stays: the
     script is let in by its digest."""
-    browser = next((path for name in _BROWSERS if (path := find_tool(name))), None) or missing("no Chromium")
-    text = f"document.title = JSON.stringify((() => {{ {script} }})());"
-    digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+    digest = base64.b64encode(hashlib.sha256(_told(script).encode()).digest()).decode()
     assert page.count("default-src 'none';") == 1
     own, none = f"script-src 'sha256-{digest}'", "default-src 'none';"
     page = (
         page.replace("script-src", own, 1) if "script-src" in page else page.replace(none, f"{none} {own};")
     )
+    return opened(page, script, folder, size)
+
+
+def _told(script: str) -> str:
+    """The script of which the title tells the result."""
+    return f"document.title = JSON.stringify((() => {{ {script} }})());"
+
+
+def opened(
+    page: str, script: str, folder: Path, size: tuple[int, int] = (1200, 900)
+) -> tuple[Any, list[str]]:
+    """As `seen`, of a page without a policy."""
+    browser = next((path for name in _BROWSERS if (path := find_tool(name))), None) or missing("no Chromium")
     path = folder / "page.html"
-    path.write_text(page.replace("</body>", f"<script>{text}</script></body>"), encoding="utf-8")
+    path.write_text(page.replace("</body>", f"<script>{_told(script)}</script></body>"), encoding="utf-8")
     root = ["--no-sandbox"] if os.geteuid() == 0 else []
     command = [
         str(browser), "--headless", "--disable-gpu", "--enable-logging=stderr", *root,

@@ -28,6 +28,8 @@ _FOLDS = 5  # parts that drives are left out in, one after the other
 _PASSES = 3  # in which slips are looked for
 _FEWEST = 3  # parts whose spread is a standard deviation
 _ENOUGH, _COARSE = 50_000, 0.25  # readings, and [s] between them, that tell nearly what all tell
+_PART, _MOST_PARTS = 200.0, 200  # [s] of a long drive, and of all drives: each part has a start of its own
+_ROWS = 24  # of truth in such a part at least: twice as many numbers as it has unknowns of its own, and more
 _ALONE = 3.0  # times as uncertain as with all drives: the drives that are left do not tell a parameter
 
 
@@ -99,8 +101,8 @@ def calibrate(
     """The parameters that the logs tell. UsageError for logs that cannot be read or do not belong to the robot."""
     problem = problem_of(derivation)
     turns = counts_per_turn(derivation.robot)
-    drives = _named(
-        [read(log, truth, problem.increments.joints, turns) for log, truth in pairs(logs, truths)]
+    drives = _parts(
+        _named([read(log, truth, problem.increments.joints, turns) for log, truth in pairs(logs, truths)])
     )
     best, slips = _without_slips(_fitted(replace(problem, drives=tuple(drives)), each), each)
     refuse_strangers(best, drives, lambda others: _fitted(replace(problem, drives=tuple(others)), each))
@@ -121,6 +123,24 @@ def _named(drives: Sequence[Drive]) -> list[Drive]:
     return [
         replace(d, name=f"{d.name} ({k + 1})" if k else d.name) for d, k in zip(drives, again, strict=True)
     ]
+
+
+def _parts(drives: Sequence[Drive]) -> list[Drive]:
+    """The drives, long ones in parts: what slips adds up, so that in the end a pose tells nothing of the parameters, and
+    nominal odometry loses its way."""
+    seconds = [float(drive.t[-1] - drive.t[0]) for drive in drives]
+    lasting = max(_PART, sum(seconds) / _MOST_PARTS)
+    counts = [
+        min(int(s / lasting), drive.truth.measured // _ROWS) for s, drive in zip(seconds, drives, strict=True)
+    ]
+    return [part for d, count in zip(drives, counts, strict=True) for part in _split(d, max(1, count))]
+
+
+def _split(drive: Drive, count: int, offset: float = 0.0) -> list[Drive]:
+    """So many parts of a drive, which last equally long; the whole where one would tell nothing."""
+    edges = np.linspace(drive.t[0], drive.t[-1], count + 1).tolist()
+    parts = cut(drive, edges[:-1], edges[1:], offset)
+    return parts if len(parts) == count else [drive]
 
 
 def _fitted(problem: Problem, each: Each) -> Fit:
@@ -189,10 +209,8 @@ def _without_slips(best: Fit, each: Each) -> tuple[Fit, list[Outlier]]:
 def _in_parts(best: Fit, each: Each) -> Fit:
     """The fit of `_FOLDS` parts of one drive, each with a start of its own."""
     problem = _coarser(best.problem)
-    drive = problem.drives[0]
-    edges = np.linspace(drive.t[0], drive.t[-1], _FOLDS + 1).tolist()
-    parts = tuple(cut(drive, edges[:-1], edges[1:], best.offsets[0]))
-    return _again(best, replace(problem, drives=parts), each) if len(parts) == _FOLDS else best
+    parts = tuple(_split(problem.drives[0], _FOLDS, best.offsets[0]))
+    return _again(best, replace(problem, drives=parts), each) if len(parts) > 1 else best
 
 
 def _again(best: Fit, problem: Problem, each: Each) -> Fit:

@@ -18,13 +18,17 @@ def by_time(best: Fit) -> dict[str, list[tuple[float, float, float]]]:
     """Of each drive, by name: the middle of each tenth [s] and the root mean squares of what odometry is off by in it,
     [m] and [rad]."""
     shared = best.problem.shared(best.unknowns)
-    result: dict[str, list[tuple[float, float, float]]] = {}
+    every: dict[str, list[Reals]] = {}
     for index, drive in enumerate(best.problem.drives):
         told = drawn(best.problem, shared, best.offsets[index], index)
-        parts = [np.array_split(column, _PARTS) for column in (told.t, *told.off)]
-        rows = [(float(t.mean()), _rms([x]), _rms([a])) for t, x, a in zip(*parts, strict=True) if len(t)]
-        result.setdefault(drive.name, []).extend(rows)
-    return result
+        every.setdefault(drive.name, []).append(np.array([told.t, *told.off]))
+    return {name: _tenths(np.concatenate(parts, axis=1)) for name, parts in every.items()}
+
+
+def _tenths(columns: Reals) -> list[tuple[float, float, float]]:
+    """Of columns of times and errors of place and heading, a row for each tenth that has any."""
+    parts = [part for part in np.array_split(columns, _PARTS, axis=1) if part.size]
+    return [(float(t.mean()), _rms([x]), _rms([a])) for t, x, a in parts]
 
 
 def by_joint(derivation: Derivation, best: Fit) -> dict[str, float]:

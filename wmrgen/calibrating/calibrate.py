@@ -126,8 +126,8 @@ def _named(drives: Sequence[Drive]) -> list[Drive]:
 
 
 def _parts(drives: Sequence[Drive]) -> list[Drive]:
-    """The drives, long ones in parts: what slips adds up, so that in the end a pose tells nothing of the parameters, and
-    nominal odometry loses its way."""
+    """The drives, long ones in parts: what slips adds up, so that in the end a pose tells nothing of the parameters,
+    and nominal odometry loses its way."""
     seconds = [float(drive.t[-1] - drive.t[0]) for drive in drives]
     lasting = max(_PART, sum(seconds) / _MOST_PARTS)
     counts = [

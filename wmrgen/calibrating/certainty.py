@@ -32,7 +32,8 @@ from wmrgen.calibrating.path import Reals
 
 _COMMON = 0.95  # the share of squares that is usual
 _GLITCH = 100.0  # how many times larger a glitch counts
-_SHORT, _LONG = 1.0, 10.0  # [s] over which errors are compared; the long one is a third of the drive at most
+_MEAN = 0.5  # [s] over which errors are averaged to be compared
+_LATER = (1.0, 2.0, 4.0, 8.0)  # [s] after which they are; a third of the drive at most
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +77,7 @@ def without(best: Fit, drives: Sequence[int], each: Each = serial) -> Fit:
 @dataclass(frozen=True, slots=True)
 class _Evidence:
     """What one drive says of how certain a fit is. ``squares`` [m^2] and ``counts`` of residuals: of x and y, and of
-    headings; ``usual``: the mean of squares that are usual; ``spans``: as `_spans` has them; ``pulls`` (4, shared,
+    headings; ``usual``: the mean of squares that are usual; ``spans``: as `_spans` has them; ``pulls`` (5, shared,
     shared): as `_pulls` has them; ``offset`` [s]: of the clock."""
 
     sums: Sums
@@ -105,7 +106,7 @@ def fit_at(problem: Problem, unknowns: Reals, each: Each = serial) -> Fit:
     spread = prior @ prior
     for drive in every:
         square = sum(drive.squares) / max(1, sum(drive.counts))
-        rates = np.array([0.0, 0.0, square, square / LEVER**2]) if drive.spans is None else walk
+        rates = np.array([0.0, 0.0, 0.0, square, square / LEVER**2]) if drive.spans is None else walk
         spread = spread + freedom * np.tensordot(rates, drive.pulls, 1)
     x, y, heading = shared[count:]
     return Fit(
@@ -139,13 +140,17 @@ def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:
 
 def _usual(squares: Reals) -> float:
     """The mean of squares, the few that a tracker's glitches make 100 times as large as the others counted so."""
-    lower = np.sort(squares)[: max(1, round(_COMMON * len(squares)))]
-    return float(np.mean(np.minimum(squares, _GLITCH * np.mean(lower))))
+    return float(np.mean(np.minimum(squares, _glitch(squares))))
+
+
+def _glitch(squares: Reals) -> float:
+    """What squares are at most that no glitch makes."""
+    return float(_GLITCH * np.mean(np.sort(squares)[: max(1, round(_COMMON * len(squares)))]))
 
 
 def _pulls(problem: Problem, t: Reals, rows: Residuals, eliminated: Reals) -> Reals:
     """The covariances of a drive's gradient by the shared unknowns, ``eliminated`` own ones following them, that a unit
-    of each of what `_walk` returns makes (4, shared, shared)."""
+    of each of what `_walk` returns makes (5, shared, shared)."""
     shared = len(eliminated)
     z = rows.values / problem.scale
     gain = (rows.weights / (problem.scale**2 * (1 + z * z) ** 1.5))[..., None]
@@ -155,46 +160,61 @@ def _pulls(problem: Problem, t: Reals, rows: Residuals, eliminated: Reals) -> Re
     turning = LEVER * pull[2] - pull[0] * rows.place.imag[:, None] + pull[1] * rows.place.real[:, None]
     turned = np.cumsum(turning[::-1], axis=0)[::-1]
     turned += after[0] * rows.place.imag[:, None] - after[1] * rows.place.real[:, None]
+    c, s = np.cos(rows.heading)[:, None], np.sin(rows.heading)[:, None]
+    steps = (c * after[0] + s * after[1], c * after[1] - s * after[0], turned)
     lasting = np.diff(t, prepend=t[0])[:, None]
-    slid = [(after[axis] * lasting).T @ after[axis] for axis in range(2)]
-    seen = [pull[axis].T @ pull[axis] for axis in range(3)]
-    return np.array([slid[0] + slid[1], (turned * lasting).T @ turned, seen[0] + seen[1], LEVER**2 * seen[2]])
+    seen = [part.T @ part for part in pull]
+    return np.array([*((step * lasting).T @ step for step in steps), seen[0] + seen[1], LEVER**2 * seen[2]])
 
 
 def _spans(t: Reals, rows: Residuals, measured: NDArray[np.bool_]) -> Reals | None:
-    """Over a short and over a long time, the means (2, 5) of that time [s], of its squared turn [rad^2], move [m^2] and
-    way [m^2], and how many such times there are; None where too little is measured."""
-    place, heading = rows.values[0] + 1j * rows.values[1], rows.values[2] / LEVER
+    """What means of errors over a short time differ by a while later, for each of `_LATER` (n, 6): how long that is
+    [s], the squares of what the robot moved along and across its heading [m^2] and of what it turned [rad^2], how many
+    rows of truth are in a mean, and how many differences there are; None where too little is measured."""
     whole = measured.all(axis=0) if measured[2].any() else measured[:2].all(axis=0)
-    t, place, heading, at = t[whole], place[whole], heading[whole], rows.place[whole]
-    if len(t) < 4:
+    if whole.sum() < 4:
         return None
+    off, turned = rows.values[0] + 1j * rows.values[1], rows.values[2] / LEVER
+    for squares in (np.abs(off) ** 2, turned**2):
+        whole &= squares <= _glitch(squares[whole])
+    t, off, turned = t[whole], off[whole], turned[whole]
+    place, heading = rows.place[whole], rows.heading[whole]
+    # What a heading error moves the path by is no error of place.
+    steps = np.diff(off) - 1j * np.diff(place) * (turned[1:] + turned[:-1]) / 2
+    moved = np.cumsum(np.exp(-0.5j * (heading[1:] + heading[:-1])) * steps)
+    columns = np.array([t, [0.0, *moved.real], [0.0, *moved.imag], turned])
+    firsts = np.flatnonzero(np.diff(np.floor((t - t[0]) / _MEAN), prepend=-1.0))
+    counts = np.diff(firsts, append=len(t))
+    means = np.add.reduceat(columns, firsts, axis=1) / counts
+    width = float(np.mean(t[firsts + counts - 1] - t[firsts]))
     spans = []
-    for wanted in (_SHORT, min(_LONG, (t[-1] - t[0]) / 3)):
-        lag = int(np.clip(np.searchsorted(t, t[0] + wanted), 1, len(t) - 1))
-        lasting, turned, way = t[lag:] - t[:-lag], heading[lag:] - heading[:-lag], at[lag:] - at[:-lag]
-        moved = place[lag:] - place[:-lag] - 1j * way * heading[:-lag]
-        squares = [_usual(part) for part in (lasting, turned**2, np.abs(moved) ** 2, np.abs(way) ** 2)]
-        spans.append([*squares, len(lasting)])
+    for later in _LATER:
+        lag = int(np.clip(np.searchsorted(means[0], means[0, 0] + later), 1, max(1, len(firsts) // 3)))
+        lasting, *apart = means[:, lag:] - means[:, :-lag]
+        squares = [_usual(part**2) for part in apart]
+        spans.append([np.mean(lasting) - width / 3, *squares, np.mean(counts), len(lasting)])
     return np.array(spans)
 
 
 def _walk(every: Sequence[Reals]) -> Reals:
-    """How fast the variances of position (by axis, [m^2/s]) and heading [rad^2/s] grow, and those of the truth's noise
-    [m^2, rad^2]: from differences over a short and a long time in all drives, `_spans` of each."""
+    """How fast the variances of place along and across the heading [m^2/s] and of heading [rad^2/s] grow, and those of
+    the truth's noise by axis [m^2] and in headings [rad^2]: from `_spans` of all drives."""
     if not every:
-        return np.zeros(4)
-    counts = np.array([spans[:, 4:] for spans in every])
-    short, long = np.sum(counts * [spans[:, :4] for spans in every], axis=0) / counts.sum(axis=0)
-    turn, turn_noise = _grows(short[0], short[1], long[0], long[1])
-    # What turns on the way and the truth's noise in the first heading add to the place: half of it to each axis.
-    aside = [(moved - way * (turn * span / 3 + turn_noise)) / 2 for span, _, moved, way in (short, long)]
-    slide, slide_noise = _grows(short[0], aside[0], long[0], aside[1])
-    return np.array([slide, turn, slide_noise, turn_noise])
+        return np.zeros(5)
+    numbers = np.array([spans[:, 5:] for spans in every])
+    spans = np.sum(numbers * [spans[:, :5] for spans in every], axis=0) / numbers.sum(axis=0)
+    lasting, rows = spans[:, 0], spans[0, 4]
+    grows = [_grows(lasting, spans[:, part]) for part in (1, 2, 3)]
+    noise = [rows * noise for _, noise in grows]
+    return np.array([*(rate for rate, _ in grows), (noise[0] + noise[1]) / 2, noise[2]])
 
 
-def _grows(short: float, first: float, long: float, second: float) -> tuple[float, float]:
-    """The rate at which a variance grows that is ``first`` over a ``short`` and ``second`` over a ``long`` time, and
-    that of the noise at each end."""
-    rate = max(0.0, second - first) / (long - short) if long > short else second / long
-    return rate, max(0.0, first - rate * short) / 2
+def _grows(lasting: Reals, squares: Reals) -> tuple[float, float]:
+    """The rate at which a variance grows whose ``squares`` are so large when it has grown for so long, and that of the
+    noise at each end: a line through them, for which short times tell more."""
+    if np.ptp(lasting) < 1e-9:
+        return float(squares[-1] / lasting[-1]), 0.0
+    rate, both = np.polyfit(lasting, squares, 1, w=1 / lasting)
+    if both < 0:
+        return float(np.mean(squares / lasting)), 0.0
+    return (float(rate), float(both) / 2) if rate > 0 else (0.0, float(np.mean(squares)) / 2)

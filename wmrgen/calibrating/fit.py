@@ -71,12 +71,13 @@ class Problem:
 class Residuals:
     """Of one drive at n times: ``values`` (3, n) [m] of x, y and heading, and ``by`` (3, n, unknowns of the drive):
     shared ones, then its own, all in their units; ``weights`` (3, n), 0 of what was not measured; ``place`` (n,): where
-    the tracked point is, as a complex number."""
+    the tracked point is, as a complex number; ``heading`` (n,) [rad] of the robot."""
 
     values: Reals
     by: Reals
     weights: Reals
     place: Complexes
+    heading: Reals
 
 
 def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
@@ -116,7 +117,9 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     values = np.array([off.real - drive.truth.x, off.imag - drive.truth.y, LEVER * heading_error])
     by = np.array([place.real.T, place.imag.T, LEVER * angle.T])
     measured = np.isfinite(values)
-    return Residuals(np.where(measured, values, 0.0), by, measured * _weights(drive.truth.t), off)
+    return Residuals(
+        np.where(measured, values, 0.0), by, measured * _weights(drive.truth.t), off, heading + own[2]
+    )
 
 
 def place_at(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:

@@ -93,6 +93,27 @@ def test_texts_formulas_and_figures(reports: list[Report], tmp_path: Path) -> No
     assert result["overflow"] <= 0
 
 
+def test_on_paper_nothing_is_folded_or_cut(reports: list[Report], tmp_path: Path) -> None:
+    """As wide as between the margins of A4, the letters as much smaller as the page says that they become in print."""
+    (swerve,) = (report for report in reports if report.name == "wpilib_swervebot")
+    script = """
+    dispatchEvent(new Event("beforeprint"));
+    document.querySelector("main").style.padding = "0";
+    document.body.style.width = "680px";
+    for (const e of document.querySelectorAll(".katex-display")) {
+      e.querySelector(".katex").style.fontSize = `${getComputedStyle(e).getPropertyValue("--fit")}em`;
+    }
+    const formulas = [...document.querySelectorAll(".math")];
+    return {
+      folded: document.querySelectorAll("details:not([open])").length,
+      cut: formulas.filter((e) => e.scrollWidth > e.clientWidth).map((e) => e.textContent.slice(0, 80)),
+      small: formulas.filter((e) => getComputedStyle(e.firstChild).getPropertyValue("--fit") < 0.5).length,
+      formulas: formulas.length,
+    };"""
+    result, console = seen(page([Report(swerve.name, swerve.files)]), script, tmp_path)
+    assert console == [] and result.pop("formulas") > 20 and result == {"folded": 0, "cut": [], "small": 0}
+
+
 def test_a_console_error_is_seen(tmp_path: Path) -> None:
     """The net catches something: an error, a script that the policy does not let in, a text beside its figure."""
     result, console = seen(broken("a <b>&amp; mistake"), "console.error('oh'); return 1", tmp_path)

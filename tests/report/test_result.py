@@ -19,7 +19,7 @@ from wmrgen.layout.records import Robot, Wheel
 
 Cli = Callable[..., Outcome]
 UNITS = re.compile(r"([\w.]+) += (-?[\d.e+-]+)")
-AGREE = "Where the measurements agree"
+AGREE = "Where they agree (`slip` is 0), that is"
 # Robots of which the twist is written out, not only the rule that gives it.
 WRITTEN = (
     "agilex_ranger", "andino", "bicycle", "care_o_bot_4", "clearpath_a200", "clearpath_do100", "clearpath_r100",
@@ -103,7 +103,7 @@ wheels:
 def test_the_twist_of_measurements_that_agree(sensed: str, angle: bool) -> None:
     """A car: of both rear wheels, or of one and of a steering angle, with the other rows left out."""
     text = page_written(CAR.replace("SENSED", sensed)).partition("**Forward")[2].partition("**An ")[0]
-    assert AGREE in text and r"(H^T H)^{-1} H^T z" in text
+    assert AGREE in text and "(HᵀH)⁻¹ Hᵀz" in text
     shown = dict(formulas(text))
     for vx, omega in ((1.3, 0.4), (-0.8, 0.1)):
         values = {notation.parameter("half_track"): 0.7, notation.parameter("wheelbase"): 2.5}

@@ -121,14 +121,19 @@ def closed_forward(d: Derivation) -> list[str]:
         return (in_letters(d, distinct(measured)) if rank == 3 else []) or _closed(d)
     if not measured.components:
         return _rigid_motion(len(measured.contacts))
-    blocks = ["The twist that explains all measurements best, with H and z of section 7:"]
+    best = "The twist that explains all measurements best, with H and z of section 7:"
     if generic_rank(measured) < 3:
-        return [*blocks, *math(r"\xi = (H^T H)^{+} H^T z")]
+        return [best, *math(r"\xi = (H^T H)^{+} H^T z")]
     three = by_three(d, measured.rows, nominal_rows(d))
-    if three and len(measured.rows) == 3:
+    if not three:
+        return [best, *math(r"\xi = (H^T H)^{-1} H^T z")]
+    if len(measured.rows) == 3:
         return three
-    blocks += math(r"\xi = (H^T H)^{-1} H^T z = \frac{\mathrm{adj}(H^T H)\,H^T z}{\det(H^T H)}")
-    return [*blocks, "Where the measurements agree (`slip` is 0), that is", *three] if three else blocks
+    return [
+        "The twist that explains all measurements best is ξ = (HᵀH)⁻¹ Hᵀz, with H and z of section 7. Where they agree "
+        "(`slip` is 0), that is",
+        *three,
+    ]
 
 
 def _rigid_motion(contacts: int) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
+from wmrgen.backends.report.latex import WIDE, width, wrapped
 from wmrgen.backends.report.letters import model
 from wmrgen.backends.report.markdown import aligned, capitalised, code, listed, sentence, table
 from wmrgen.functions.models.sheet import tidy
@@ -56,10 +57,16 @@ def _function(d: Derivation, f: Formula) -> list[str]:
     steps, results = _inlined(f)
     names = by_hand([symbol for symbol, _ in steps], [e for _, e in (*steps, *results)])
     memo: dict[Expr, Expr] = {}
-    printer = Latex(p for p, _ in ports)
+    printer = Latex((p for p, _ in ports), mul_symbol=r" \, ")
 
     def shown(expr: Expr) -> str:
-        return str(printer.doprint(substituted(expr, names, memo)))
+        """A sum on several lines where it is long."""
+        expr = substituted(expr, names, memo)
+        text = str(printer.doprint(expr))
+        if not expr.is_Add or width(text) <= WIDE:
+            return text
+        parts = [str(printer.doprint(part)) for part in expr.args]
+        return wrapped([f"{part} " if part.startswith("-") else f"+ {part} " for part in parts]).strip()
 
     intermediate = [f"{shown(symbol)} &= {shown(expr)}" for symbol, expr in steps]
     own = {p.name for p in f.inputs}

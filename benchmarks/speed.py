@@ -19,7 +19,7 @@ IMPORTS = (sys.executable, "-c", "import sympy, casadi, numpy, jinja2, yaml")
 EMPTY = (sys.executable, "-c", "pass")
 # Compiled modules are kept, as they are for everyone who installs a package.
 SURROUNDINGS = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
-HELP_TARGET, CHECK_TARGET, RATIO_TARGET, LARGE_TARGET, FORMATS_TARGET = 0.15, 20.0, 1.5, 3.0, 2.0
+HELP_TARGET, CHECK_TARGET, RATIO_TARGET, LARGE_TARGET, FORMATS_TARGET = 0.15, 16.0, 1.5, 2.5, 2.0
 
 
 def seconds(command: Sequence[str]) -> float:

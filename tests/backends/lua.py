@@ -53,6 +53,7 @@ FORMS = {
     Op.CLAMP: "math.max(-({1}), math.min({1}, {0}))",
     Op.AT_LEAST: Conditional("choose(math.abs({0}) < {1}, choose({0} < 0, -({1}), {1}), {0})"),
     Op.WITH_SIGN_OF: Conditional("choose({1} < 0, -({0}), {0})"),
+    Op.ROUNDING_ERROR: "(({0} - (({0} + {1}) - (({0} + {1}) - {0}))) + ({1} - (({0} + {1}) - {0})))",
 }
 STYLE = Style(
     literal=_literal,

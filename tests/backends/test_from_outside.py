@@ -8,10 +8,11 @@ from pathlib import Path, PurePosixPath
 
 import pytest
 
-import wmrgen
-from tests.backends.lua import ENTRY
+from tests.backends.lua import ENTRY, FORMS
 from tests.conftest import ROOT, Outcome, tree
+from tests.robots import of_gallery
 from wmrgen.backends.registry import BACKENDS, Entry, register
+from wmrgen.ir.ops import OPERATIONS
 
 Cli = Callable[..., Outcome]
 ROBOTS = ("pioneer3dx", "ackermann_car", "wpilib_swervebot", "kuka_youbot")
@@ -45,12 +46,17 @@ def test_derive_writes_its_files(wmrgen_cli: Cli, robot_file: Path, tmp_path: Pa
     assert wmrgen_cli("check", robot_file, "-o", tmp_path / "out").code == 1
 
 
+def test_it_needs_the_operations_that_have_a_text_for_numpy() -> None:
+    """As docs/ARCHITECTURE.md says."""
+    assert set(FORMS) == {op for op in OPERATIONS.values() if op.numpy and not op.infix}
+
+
 @pytest.mark.usefixtures("lua")
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("function", ["inverse", "forward", "odometry"])
 def test_eval_computes_with_it(wmrgen_cli: Cli, tmp_path: Path, name: str, function: str) -> None:
     robot = ROOT / "robots" / f"{name}.yaml"
-    ports = wmrgen.derive(wmrgen.load(robot)).raw_module.function(function).inputs
+    ports = of_gallery(name).raw_module.function(function).inputs
     inputs = [p.name for p in ports if p.default is None]
     assert inputs
     cases = [{k: (-1) ** n * (n + seed + 1) / 17 for n, k in enumerate(inputs)} for seed in range(3)]

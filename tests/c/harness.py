@@ -15,6 +15,7 @@ from functools import cached_property
 from pathlib import Path
 
 from tests.backends.samples import samples
+from tests.depth import everyday
 from tests.robots import ROBOTS, of_gallery
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.driver import Call, answer, calls, driver, request
@@ -31,6 +32,7 @@ WARNINGS = (
 )  # fmt: skip
 STRICT = ("-std=c99", "-ffp-contract=off", *WARNINGS)
 COMPILERS = tuple(name for name in ("gcc", "clang") if shutil.which(name))
+EACH = everyday(COMPILERS, COMPILERS[:1])  # as cases of a test: every day the first
 
 _LIBM = ctypes.CDLL(ctypes.util.find_library("m"))
 

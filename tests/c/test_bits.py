@@ -11,7 +11,7 @@ import pytest
 from hypothesis import Phase, given, settings
 
 from tests.backends.modules import MODULES
-from tests.c.harness import COMPILERS, STRICT, Program, gallery, libm, ulps32
+from tests.c.harness import COMPILERS, EACH, STRICT, Program, gallery, libm, ulps32
 from tests.depth import everyday
 from tests.laws.layouts import Layout, layouts
 from tests.oracle.harness import Model, robot_text
@@ -52,7 +52,7 @@ def others(choice: str, modules: tuple[Module, ...], folder: Path) -> list[str]:
     return program.mismatches(folder, COMPILERS[0], (*STRICT, "-O2", *([SMALL] if small else [])))
 
 
-@pytest.mark.parametrize("choice", everyday(OTHERS, ["m0", "host"]))
+@pytest.mark.parametrize("choice", everyday(OTHERS, ["host"]))
 def test_other_choices(robots: tuple[Program, Path], tmp_path: Path, choice: str) -> None:
     assert others(choice, robots[0].modules[::4], tmp_path) == []
 
@@ -150,7 +150,7 @@ def _random_function(source: random.Random, name: str) -> Function:
     return Function(name, inputs, tuple(nodes), outputs, tuple(range(len(nodes) - 6, len(nodes))))
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", EACH)
 def test_grouping_of_random_expressions(compiler: str, tmp_path: Path) -> None:
     source = random.Random(7)
     functions = tuple(_random_function(source, f"f{k}") for k in range(60))

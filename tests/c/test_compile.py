@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.backends.modules import MODULES, mecanum, swerve, tunable
-from tests.c.harness import COMPILERS, STRICT, Program, gallery
+from tests.c.harness import COMPILERS, EACH, STRICT, Program, gallery
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.driver import evaluate_c
 from wmrgen.backends.registry import Facts
@@ -28,7 +28,7 @@ def write(folder: Path, module: Module, choice: Choice = DEFAULT, facts: Facts =
     (folder / f"{module.name}.c").write_text(source)
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", EACH)
 def test_each_file_stands_alone(compiler: str, tmp_path: Path) -> None:
     """No source leans on another's includes, and each header compiles by itself, twice."""
     for module in (*MODULES, *gallery()[::6]):

@@ -122,6 +122,7 @@ def test_an_interrupt_is_no_stack_trace(
     assert wmrgen_cli("derive", robot_file) == Outcome(130, "", "interrupted\n")
 
 
+@pytest.mark.slow
 def test_no_colour_when_piped(robot_file: Path, tmp_path: Path) -> None:
     done = process("derive", robot_file, "-o", tmp_path / "out", env={"TERM": "xterm-256color"})
     bad = process("eval", robot_file, "inverse", "q=1", env={"TERM": "xterm-256color"})
@@ -228,6 +229,7 @@ def test_no_progress_for_quick_work(robot_file: object, tmp_path: object) -> Non
     assert stderr_of(robot_file, f"{tmp_path}/out", 0.0, terminal=True, patience=600.0)[0] == b""
 
 
+@pytest.mark.slow
 @TERMINALS
 def test_no_progress_when_piped(robot_file: object, tmp_path: object) -> None:
     assert stderr_of(robot_file, f"{tmp_path}/out", 0.5, terminal=False, patience=0.1)[0] == b""

@@ -41,7 +41,7 @@ MADE = [name for name in TEXTS if name not in {p.stem for p in GALLERY}]
 FEW = ("car", "skewed", "four_ws")  # whose cases are everyday
 # Of `test_backends_agree`: without formulas of half a second and more that the car's cases stand for.
 QUICK = {(n, f) for n in FEW for f in FUNCTIONS} - {
-    (n, f) for n in ("skewed", "four_ws") for f in ("axles", "forward_covariance", "stability")
+    (n, f) for n in ("skewed", "four_ws") for f in ("axles", "forward_covariance", "stability", "steer_to")
 }
 TINY = 1e-9
 

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.depth import everyday
 from tests.laws.common import (
     NAMES,
     admissible,
@@ -136,7 +137,7 @@ def test_float_exact(name: str) -> None:
 
 
 @pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
-@pytest.mark.parametrize("name", NAMES[::5])
+@pytest.mark.parametrize("name", everyday(NAMES[::5], ["ackermann_car", "nomad_xr4000", "wpilib_swervebot"]))
 def test_c_exact(name: str, tmp_path: Path) -> None:
     """The same through the command line and a compiler."""
     model, _ = gallery(name)

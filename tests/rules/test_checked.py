@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.harness import COMPILERS, STRICT
+from tests.c.harness import COMPILERS, EACH, STRICT
 from tests.conftest import put
 from tests.rules.probe import HEAD, TAIL
 from tests.selftest.every import files_of
@@ -186,7 +186,7 @@ TUNABLE = """
 """
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", EACH)
 @pytest.mark.parametrize(
     ("robot", "body"),
     [

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.harness import COMPILERS, STRICT
+from tests.c.harness import EACH, STRICT
 from tests.conftest import put
 from tests.selftest.every import files_of
 from wmrgen.compiler import compile_program, run_program
@@ -31,7 +31,7 @@ int main(void)
 """
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", EACH)
 def test_checked_functions_of_several_robots_in_one_unit(compiler: str, tmp_path: Path) -> None:
     for robot in ROBOTS:
         put(tmp_path, files_of(robot))

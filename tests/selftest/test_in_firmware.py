@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.harness import COMPILERS, STRICT
+from tests.c.harness import COMPILERS, EACH, STRICT
 from tests.conftest import Outcome, put, tree
 from tests.selftest.every import files_of
 from wmrgen.artifacts import MANIFEST
@@ -44,7 +44,7 @@ def test_check_looks_after_the_harness(
 
 @needs_compiler
 @pytest.mark.parametrize("pattern", ["*.c", "**/*.c"])
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", EACH)
 def test_every_c_file_and_the_main_of_a_firmware(folder: Path, compiler: str, pattern: str) -> None:
     """``*.c`` as a CMake glob or an Arduino sketch takes them, ``**/*.c`` as PlatformIO does."""
     body = "" if pattern == "*.c" else "extern int pair_selftest(void); if (pair_selftest()) { return 1; }"
@@ -59,7 +59,7 @@ def test_every_c_file_and_the_main_of_a_firmware(folder: Path, compiler: str, pa
 
 
 @needs_compiler
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", EACH)
 def test_main_only_on_request(folder: Path, compiler: str) -> None:
     sources = ["pair.c", "test/pair_selftest.c"]
     with pytest.raises(EnvironmentFailure, match="main"):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.emulator.zig import M0, M4F, Target
-from tests.c.harness import COMPILERS, STRICT, WARNINGS
+from tests.c.harness import COMPILERS, EACH, STRICT, WARNINGS
 from tests.conftest import put
 from tests.robots import of_gallery
 from tests.selftest.every import EVERY, FEW, NAMES, failures, files_of, place_of, write
@@ -28,7 +28,7 @@ needs_compiler = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 
 
 @needs_compiler
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", EACH)
 def test_passes_on_the_host(compiler: str, tmp_path: Path) -> None:
     write(tmp_path, FEW)
     printed = run_program(compile_program(tmp_path, [EVERY], compiler, (*STRICT, "-O1")), "")

@@ -79,7 +79,8 @@ def derived_once(robot: Path, out: Path) -> dict[str, bytes]:
     return before
 
 
-@pytest.mark.parametrize("place", everyday(["out", "out/pair", "out/pair/example"], ["out/pair"]))
+@pytest.mark.slow
+@pytest.mark.parametrize("place", ["out", "out/pair", "out/pair/example"])
 def test_a_read_only_directory(
     robot_file: Path, tmp_path: Path, lock: Callable[[Path], bool], place: str
 ) -> None:

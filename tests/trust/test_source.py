@@ -74,8 +74,9 @@ def tree(module: str) -> ast.Module:
     return ast.parse(SOURCES[module].read_text(encoding="utf-8"))
 
 
-def calls(root: ast.AST) -> Iterator[ast.Call]:
-    return (node for node in ast.walk(root) if isinstance(node, ast.Call))
+@cache
+def calls(root: ast.AST) -> tuple[ast.Call, ...]:
+    return tuple(node for node in ast.walk(root) if isinstance(node, ast.Call))
 
 
 @cache

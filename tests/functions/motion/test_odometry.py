@@ -13,6 +13,7 @@ import pytest
 import sympy
 
 from tests.c.harness import COMPILERS
+from tests.depth import everyday
 from tests.oracle import oracle, weighted
 from tests.oracle.harness import robot_text
 from tests.oracle.weighted import LAYOUTS
@@ -102,7 +103,9 @@ int main(void)
 
 @pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 @pytest.mark.parametrize(
-    "choice", [DEFAULT, Choice(target="host"), Choice(target="m0")], ids=lambda c: c.target
+    "choice",
+    everyday([DEFAULT, Choice(target="host"), Choice(target="m0")], [DEFAULT]),
+    ids=lambda c: c.target,
 )
 @pytest.mark.parametrize(
     ("speed", "rate", "steps"), [(0.003, 0.0, 10**6), (0.003, 0.001, 10**6), (0.2, 1.0, 2 * 10**6)]

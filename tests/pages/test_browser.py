@@ -98,7 +98,7 @@ def test_on_paper_nothing_is_folded_or_cut(reports: list[Report], tmp_path: Path
     (swerve,) = (report for report in reports if report.name == "wpilib_swervebot")
     script = """
     dispatchEvent(new Event("beforeprint"));
-    document.querySelector("main").style.padding = "0";
+    for (const e of document.querySelectorAll("main, details")) Object.assign(e.style, { padding: 0, border: 0 });
     document.body.style.width = "680px";
     for (const e of document.querySelectorAll(".katex-display")) {
       e.querySelector(".katex").style.fontSize = `${getComputedStyle(e).getPropertyValue("--fit")}em`;

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from wmrgen.symbolic import Expr
 
 _LONG = 600  # operations and symbols of formulas that are still written out
+_ROWS = 18  # of formulas in one piece
 _SMALL = 6  # operations and symbols of an intermediate result that is written where it is used
 
 
@@ -74,8 +75,22 @@ def _function(d: Derivation, f: Formula) -> list[str]:
     changed = [
         f"{name} &= {value}" for name, value in equations if name != f"{value}'"
     ]  # x' = x tells nothing
-    blocks += ["With", *aligned(intermediate)] if intermediate else []
-    return blocks + (aligned(changed) if changed else [])
+    blocks += ["With", *_short(intermediate)] if intermediate else []
+    return [*blocks, *_short(changed)]
+
+
+def _short(formulas: list[str]) -> list[str]:
+    """Formulas one below the other, in pieces that fit on a sheet of paper."""
+    groups: list[list[str]] = []
+    rows = _ROWS
+    for formula in formulas:
+        own = 1 + formula.count("\n")
+        if rows + own > _ROWS:
+            groups.append([])
+            rows = 0
+        groups[-1].append(formula)
+        rows += own
+    return [block for group in groups for block in aligned(group)]
 
 
 def _inlined(f: Formula) -> tuple[list[tuple[Expr, Expr]], list[tuple[str, Expr]]]:

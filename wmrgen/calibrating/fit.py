@@ -213,6 +213,13 @@ def start_of(problem: Problem) -> Reals:
     return np.zeros(len(problem.nominal) + _MOUNT + _OWN * len(problem.drives))
 
 
+def later(problem: Problem, unknowns: Reals, index: int, seconds: float) -> Reals:
+    """The unknowns with the clock of a drive's truth off by so many seconds more."""
+    moved = unknowns.copy()
+    moved[own_columns(problem, index)[-1]] += seconds / _UNIT_OWN[-1]
+    return moved
+
+
 def prior_of_shared(problem: Problem) -> Reals:
     """The matrix of the weak prior of the shared unknowns."""
     return np.eye(len(problem.nominal) + _MOUNT) * _PRIOR**2

@@ -16,7 +16,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from wmrgen.calibrating.certainty import Fit
-from wmrgen.calibrating.fit import LEVER, Problem, residuals
+from wmrgen.calibrating.fit import LEVER, Problem, later, residuals
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Reals
 
@@ -24,6 +24,10 @@ _STEP = 0.25  # [s] at which errors are compared
 _WINDOW, _BETWEEN = 8, 4  # steps whose median is compared, before and after, and steps between
 _PATH = (0.06, 0.15)  # [m], [rad] that a slip in the path is at least: clocks that drift make steps, too
 _SEEN, _FAR = 4.0, 7.0  # robust standard deviations: what is farther is a slip, of the path and among joints
+_LATE, _CLOCK = (
+    1.5,
+    0.5,
+)  # [s] that a clock may be off by in a drive; of a step what is left, if it makes the step
 _LARGE = 2.0  # times the scale of residuals, which a disagreement of joints in one step is at least
 _NOTED = 0.02  # [m] a disagreement that is worth telling, however far the drives are off
 _PEAK = 0.6  # of the largest step near by, for the slip to be there
@@ -59,8 +63,8 @@ def outliers(best: Fit) -> list[list[Outlier]]:
         wide = [_wide([step[i] for _, step in paths], _SEEN, bound) for i, bound in enumerate(_PATH)]
         peaks = [_peaks(np.maximum(moved / wide[0], turned / wide[1])) for _, (moved, turned) in paths]
         spans = [
-            [(t[k], t[k] + _BETWEEN * _STEP, moved[k], turned[k]) for k in np.flatnonzero(there)]
-            for there, (t, (moved, turned)) in zip(peaks, paths, strict=True)
+            [(t[k], t[k] + _BETWEEN * _STEP, moved[k], turned[k]) for k in _no_clock(best, index, there)]
+            for index, (there, (t, (moved, turned))) in enumerate(zip(peaks, paths, strict=True))
         ]
     merged = [_merged(drive.name, of_drive) for drive, of_drive in zip(drives, spans, strict=True)]
     lengths = [sum(slip.end - slip.start for slip in slips) for slips in merged]
@@ -68,11 +72,25 @@ def outliers(best: Fit) -> list[list[Outlier]]:
     return [slips if few else [] for slips, few in zip(merged, rare, strict=True)]
 
 
-def _steps(best: Fit, index: int) -> tuple[Reals, tuple[Reals, Reals]]:
-    """Times [s], and by how much the median errors of place [m] and heading [rad] differ before and after; none where
-    poses are not measured that often. What a heading error moves the path by is no error of place."""
+def _no_clock(best: Fit, index: int, peaks: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """The ``peaks`` that are not much smaller with another clock: where a robot stops or turns, one that is off makes
+    steps, too."""
+    at = np.flatnonzero(peaks)
+    if not len(at):
+        return at
+    late = [0.0, *np.arange(-_LATE, _LATE + _STEP, _STEP)]
+    sizes = [
+        np.hypot(moved, LEVER * turned)[at] for _, (moved, turned) in (_steps(best, index, s) for s in late)
+    ]
+    return np.asarray(at[np.min(sizes, axis=0) > _CLOCK * sizes[0]])
+
+
+def _steps(best: Fit, index: int, late: float = 0.0) -> tuple[Reals, tuple[Reals, Reals]]:
+    """Times [s], and by how much the median errors of place [m] and heading [rad] differ before and after, if the
+    truth's clock is ``late`` [s] besides; none where poses are not measured that often. What a heading error moves the
+    path by is no error of place."""
     drive, nothing = best.problem.drives[index], np.empty(0)
-    rows = residuals(best.problem, best.unknowns, index)
+    rows = residuals(best.problem, later(best.problem, best.unknowns, index, late), index)
     whole = (rows.weights > 0).all(axis=0)
     t = drive.truth.t[whole] + best.offsets[index]
     if len(t) < _FEWEST or np.median(np.diff(t)) > 2 * _STEP:

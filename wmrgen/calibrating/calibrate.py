@@ -107,7 +107,7 @@ def calibrate(
     best, slips = _without_slips(_fitted(replace(problem, drives=tuple(drives)), each), each)
     refuse_strangers(best, drives, lambda others: _fitted(replace(problem, drives=tuple(others)), each))
     parts = best if len(drives) > 1 else _in_parts(best, each)
-    others = _without_each(replace(parts, problem=_coarser(parts.problem)), each)
+    others = _without_each(parts, each)
     weak = _unobservable(derivation.robot, best)
     return Calibration(
         _estimates(derivation.robot, best, _deviations(best, others if len(drives) > 1 else ()), weak), weak, best,
@@ -208,9 +208,8 @@ def _without_slips(best: Fit, each: Each) -> tuple[Fit, list[Outlier]]:
 
 def _in_parts(best: Fit, each: Each) -> Fit:
     """The fit of `_FOLDS` parts of one drive, each with a start of its own."""
-    problem = _coarser(best.problem)
-    parts = tuple(_split(problem.drives[0], _FOLDS, best.offsets[0]))
-    return _again(best, replace(problem, drives=parts), each) if len(parts) > 1 else best
+    parts = tuple(_split(best.problem.drives[0], _FOLDS, best.offsets[0]))
+    return _again(best, replace(best.problem, drives=parts), each) if len(parts) > 1 else best
 
 
 def _again(best: Fit, problem: Problem, each: Each) -> Fit:

@@ -178,7 +178,7 @@ def serial(problem: Problem, unknowns: Reals, task: Callable[[Problem, Reals, in
 
 
 def solved(problem: Problem, each: Each = serial, start: Reals | None = None) -> tuple[Problem, Reals]:
-    """The unknowns of the least robust cost, by scipy's trust region method: from a scale at which nominal parameters,
+    """The unknowns of the least robust cost, by scipy's dogleg method: from a scale at which nominal parameters,
     or those of ``start``, are good, in two steps to one that the residuals show; and the problem with that scale."""
     unknowns = start_of(problem) if start is None else start
     for most in (np.inf, problem.scale, problem.scale):
@@ -252,7 +252,8 @@ def own_columns(problem: Problem, index: int) -> NDArray[np.intp]:
 
 
 def nearest(problem: Problem, start: Reals, each: Each = serial) -> Reals:
-    """The unknowns of least cost from ``start`` on, at the problem's scale."""
+    """The unknowns of least cost from ``start`` on, at the problem's scale. The matrix is positive definite, as the
+    dogleg method needs: what squares of derivatives add up to, and the prior."""
     prior = _prior(problem)
     last: dict[bytes, Sums] = {}
 
@@ -285,7 +286,7 @@ def nearest(problem: Problem, start: Reals, each: Each = serial) -> Reals:
         start,
         jac=lambda x: total(x).gradient,
         hess=lambda x: total(x).matrix,
-        method="trust-exact",
+        method="dogleg",
         callback=callback,
         options={"gtol": 1e-6, "maxiter": _MOST_STEPS},
     )

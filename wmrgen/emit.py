@@ -158,8 +158,10 @@ _LEGEND: tuple[tuple[Callable[[Wheel], bool], str], ...] = (
 
 def wheel_lines(robot: Robot) -> tuple[str, ...]:
     """The wheel table of a banner: one line per wheel in file order, then the legend that these wheels need."""
+    track = robot.effective_track
+    turning = (f"effective track {_number(track.nominal)} m",) if track else ()
     legend = (text for concerns, text in _LEGEND if any(concerns(w) for w in robot.wheels))
-    return (*map(wheel_line, robot.wheels), *legend)
+    return (*map(wheel_line, robot.wheels), *turning, *legend)
 
 
 def wheel_line(wheel: Wheel) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from fractions import Fraction
 from pathlib import Path
@@ -11,9 +12,12 @@ import pytest
 import wmrgen
 from tests.comparing.test_corpus import bicycle, mecanum, ring, side
 from wmrgen.comparing.compare import compare
+from wmrgen.comparing.quantities import as_driven
 from wmrgen.comparing.record import Comparison, Layout, Side
-from wmrgen.comparing.sources import layouts, of_robot
+from wmrgen.comparing.sources import layouts, of_header, of_robot
+from wmrgen.emit import artifacts
 from wmrgen.exact.number import Exact
+from wmrgen.layout.skid import driven
 
 S = pytest.mark.parametrize("s", [0.8, 1.07])
 
@@ -263,6 +267,60 @@ def test_a_joint_that_counts_backward_for_a_controller_that_cannot_know(tmp_path
     assert not compare(differential(0.4, left=math.pi), *layouts(path)).differences
 
 
+SKID = """wmrgen: 1
+name: skid
+effective_track: {track}
+wheels:
+  - {{name: front_left, type: fixed, x: 0.2, y: 0.3, heading: 0, r: 0.1}}
+  - {{name: front_right, type: fixed, x: 0.2, y: -0.3, heading: 0, r: 0.1}}
+  - {{name: rear_left, type: fixed, x: -0.3, y: 0.3, heading: 0, r: 0.1}}
+  - {{name: rear_right, type: fixed, x: -0.3, y: -0.3, heading: 0, r: 0.1}}
+"""
+
+
+def skidding(folder: Path, track: str) -> Layout:
+    """A robot file with an effective track, or, where it is empty, without."""
+    text = SKID.format(track=track)
+    path = folder / f"skid{track}.yaml"
+    path.write_text(text if track else text.replace("effective_track: \n", ""), encoding="utf-8")
+    (layout,) = layouts(path)
+    return layout
+
+
+@pytest.mark.parametrize(
+    ("separation", "multiplier", "product"),
+    [(0.6, 1.5, 0.9), (0.6, 1.2, 0.72), (0.9, 1.0, 0.9), (0.6, 1.0, 0.6)],
+)
+def test_the_effective_track_is_that_times_the_multiplier(
+    tmp_path: Path, separation: float, multiplier: float, product: float
+) -> None:
+    path = tmp_path / "p.yaml"
+    lengths = f"wheel_separation: {separation}, wheel_separation_multiplier: {multiplier}, wheel_radius: 0.1"
+    path.write_text(
+        f"drive: {{type: diff_drive_controller/DiffDriveController, {lengths}}}\n", encoding="utf-8"
+    )
+    result = compare(skidding(tmp_path, "0.9"), *layouts(path))
+    assert ratios(result) == near(straight=1, turn=product / 0.9)
+    told = [(d.code, d.quantity, d.a, d.b) for d in result.differences]
+    assert told == ([] if product == 0.9 else [("WMR040", "effective track", 0.9, pytest.approx(product))])
+    assert not result.notes
+
+
+def test_effective_tracks_of_two_files(tmp_path: Path) -> None:
+    """What a file does not say, and the header says it, is taken from the other."""
+    wide, narrow, silent = (skidding(tmp_path, track) for track in ("0.9", "0.72", ""))
+    result = compare(wide, narrow)
+    assert ratios(result) == near(straight=1, turn=0.8)
+    assert [(d.code, d.quantity) for d in result.differences] == [("WMR040", "effective track")]
+    assert [(m.file, m.line) for m in result.differences[0].marks] == [(narrow.file, 3), (wide.file, 3)]
+    for a, b in ((wide, silent), (silent, narrow)):
+        assert not compare(a, b).differences and ratios(compare(a, b)) == near(straight=1, turn=1)
+    derivation = wmrgen.derive(wmrgen.load(tmp_path / "skid0.72.yaml"))
+    header = of_header(artifacts(derivation)["skid.h"].decode(), "skid.h")
+    assert not compare(narrow, header).differences
+    assert ratios(compare(wide, header)) == near(straight=1, turn=0.8)
+
+
 def test_a_radius_of_one_side(tmp_path: Path) -> None:
     path = tmp_path / "p.yaml"
     path.write_text(
@@ -289,3 +347,20 @@ def test_a_controller_that_swaps_the_sides(tmp_path: Path) -> None:
     result = compare(mecanum(0.5, 0.3, 0.1), *layouts(path))
     assert [d.wheel for d in result.differences] == ["front_left", "rear_left"]
     assert said(result)["strafe"].startswith("does not strafe, wheels work against each other")
+
+
+@pytest.mark.parametrize(("heading", "at"), [(0, 0), (90, 1 + 2j), (-150, -3j)])
+def test_a_robot_that_skids_stands_as_in_its_derivation(tmp_path: Path, heading: int, at: complex) -> None:
+    turn = cmath.rect(1, math.radians(heading))
+    places = [at + turn * p for p in (0.2 + 0.3j, 0.25 - 0.3j, -0.3 + 0.35j, -0.3 - 0.3j)]
+    lines = [
+        f"  - {{name: w{k}, type: fixed, x: {p.real!r}, y: {p.imag!r}, heading: {heading} deg, r: 0.1}}\n"
+        for k, p in enumerate(places)
+    ]
+    path = tmp_path / "skid.yaml"
+    path.write_text(
+        f"wmrgen: 1\nname: skid\neffective_track: 0.9\nwheels:\n{''.join(lines)}", encoding="utf-8"
+    )
+    (layout,) = layouts(path)
+    expected = [w.pivot for w in driven(wmrgen.load(path)).wheels]
+    assert [w.pivot for w in as_driven(layout.wheels, 0.9)] == pytest.approx(expected)

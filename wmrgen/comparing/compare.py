@@ -9,7 +9,7 @@ from dataclasses import replace
 from wmrgen.comparing.differences import ORDER, shown, with_layout
 from wmrgen.comparing.motion import Pairs, effects
 from wmrgen.comparing.parameters import standing, with_controller
-from wmrgen.comparing.quantities import parts, roles
+from wmrgen.comparing.quantities import as_driven, parts, roles
 from wmrgen.comparing.record import Comparison, Effect, Layout
 from wmrgen.errors import Mark
 from wmrgen.importing.controllers import role
@@ -23,10 +23,13 @@ def compare(a: Layout, b: Layout) -> Comparison:
     """What differs from ``a`` to ``b``, and how a robot like ``a`` moves by commands that are computed from ``b``. A
     controller for ``a`` is a robot of its kind."""
     a = standing(a)
+    if b.controller and a.effective_track:
+        a = replace(a, wheels=as_driven(a.wheels, a.effective_track[0]))
     if b.controller:
         differences, pairs, notes = with_controller(a, b.controller)
     else:
         differences, pairs, notes = with_layout(a, b)
+        pairs = _turning(a, b, pairs)
     told = [d for d in differences if not any(d.code in ignored(mark) for mark in d.marks)]
     if len(told) < len(differences):
         notes.append(f"{len(differences) - len(told)} differences are to be ignored")
@@ -40,6 +43,16 @@ def compare(a: Layout, b: Layout) -> Comparison:
     except _Unknown as why:
         notes.append(f"motion is not computed: {why}")
     return Comparison(a, b, tuple(told), moved, tuple(notes))
+
+
+def _turning(a: Layout, b: Layout, pairs: Pairs) -> Pairs:
+    """The pairs where they stand of the differential drives as which robots turn that skid; what one file does not say
+    is taken from the other."""
+    first, second = a.effective_track or b.effective_track, b.effective_track or a.effective_track
+    if not (first and second and pairs):
+        return pairs
+    own, told = zip(*pairs, strict=True)
+    return list(zip(as_driven(own, first[0]), as_driven(told, second[0]), strict=True))
 
 
 class _Unknown(Exception):

@@ -53,6 +53,10 @@ def with_layout(a: Layout, b: Layout) -> tuple[list[Difference], Pairs, list[str
             else:
                 notes.append(f"{words}; it leaves every motion free")
     pairs = [(v, w) for v, w in every if parts([v])]
+    if a.effective_track and b.effective_track:
+        (was, there), (now, here) = a.effective_track, b.effective_track
+        if not same(was, now):
+            differences.append(length("effective_track", was, now, (here, there)))
     along = forward([v for v, _ in pairs])
     differences += [*places(pairs, along), *_radii(every)]
     for v, w in every:

@@ -83,7 +83,8 @@ def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, 
         elif key in mine:
             settings = (c.lengths[key], c.multipliers.get(key))
             marks = tuple(s.mark for s in settings if s and s.mark)
-            differences.append(length(key, mine[key], value, marks, f" ({settings[0].key})"))
+            title = "effective_track" if key == "track" and a.effective_track else key
+            differences.append(length(title, mine[key], value, marks, f" ({settings[0].key})"))
     pairs = list(zip(wheels, _moved(c, wheels, said), strict=True))
     if c.places:
         differences += places(pairs, along)

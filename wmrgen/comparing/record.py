@@ -54,6 +54,7 @@ class Side:
 class Layout:
     """The wheels that a file describes, or, with a ``controller``, lengths of wheels that another file describes.
 
+    ``effective_track``: that of the differential drive as which it turns, which skids [m], and where it is said.
     ``title``: of the controller. ``ordered``: programs know the wheels by their order. ``joints``: all that the file
     has, None where it names none.
     """
@@ -65,6 +66,7 @@ class Layout:
     joints: frozenset[str] | None = None
     controller: Controller | None = None
     title: str = ""
+    effective_track: tuple[float, Mark] | None = None
 
     @property
     def source(self) -> str:

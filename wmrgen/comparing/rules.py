@@ -33,8 +33,8 @@ _between(
     "another track",
     """The distance between the left and the right wheels decides how fast the robot turns: with a track that is 4 %
     short in the controller, it turns 4 % less than it is told and odometry counts 4 % too much. Half of the track, or
-    its double, is a half-track. A wheel_separation_multiplier counts, but on robots that turn by skidding, where it
-    stands for what they slide.""",
+    its double, is a half-track. A wheel_separation_multiplier counts; on robots that turn by skidding only where the
+    robot file says `effective_track`, to which their product is held.""",
     PAIR,
     f"{DIFF}  wheel_separation: 0.2\n  wheel_radius: 0.1",
     f"{DIFF}  wheel_separation: 0.4\n  wheel_radius: 0.1",

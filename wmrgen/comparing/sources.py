@@ -26,6 +26,7 @@ _WHEEL = re.compile(
     r"^ \*   (\w+): (\w+),((?:.|\n \*   (?!\w+: ))*)$", re.MULTILINE
 )  # on as many lines as it takes
 _VALUE = re.compile(rf" (x|y|heading|r|d|offset_y|gamma) (-?{NUMBER}) (m|deg)\b")
+_TRACK = re.compile(rf"^ \*   effective track ({NUMBER}) m$", re.MULTILINE)
 _MACRO = re.compile(rf"^#define (\w+)_(X|Y|RADIUS) \(?(-?{NUMBER})f?\)?(?= |$)", re.MULTILINE)
 _KEYS = {"X": "x", "Y": "y", "RADIUS": "r"}
 _LARGEST, _MOST = 8 * 1024 * 1024, 64  # bytes; wheels
@@ -50,7 +51,9 @@ def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
             quantity = getattr(written, key)
             marks |= {key: quantity.mark} if quantity else {}
         sides.append(Side((w.name,), w.type, values, marks, w.actuated))
-    return Layout(source, ROBOT_FILE, tuple(sides), True)
+    track, said = robot.effective_track, spec.effective_track
+    effective = (float(track.nominal), said.mark) if track and said else None
+    return Layout(source, ROBOT_FILE, tuple(sides), True, effective_track=effective)
 
 
 def of_import(robot: Imported, joints: frozenset[str], source: str) -> Layout:
@@ -90,7 +93,9 @@ def of_header(text: str, source: str) -> Layout:
         raise RobotFileError(
             f"{source}: no header of wmrgen", None, "", "Give the .h that `wmrgen derive` wrote."
         )
-    return Layout(source, HEADER, tuple(sides), True)
+    track = _TRACK.search(text[: prefix.start() if prefix else 0])
+    effective = (float(track[1]), lines.mark_at(text, track.start(1))) if track else None
+    return Layout(source, HEADER, tuple(sides), True, effective_track=effective)
 
 
 def _refuse_what_nothing_has(values: Mapping[str, float], marks: Mapping[str, Mark]) -> None:

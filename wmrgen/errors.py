@@ -39,8 +39,8 @@ def message(level: str, code: str, what: str, mark: Mark | None, remarks: Iterab
 
 
 class Code(StrEnum):
-    """The kinds of mistakes in robot files, in other files and in calls; `wmrgen.spec.mistakes` explains them. Those
-    of lint are in its rules."""
+    """The kinds of mistakes in robot files, in other files and in calls, and of what stops a command besides;
+    `wmrgen.spec.mistakes` explains them. Those of lint are in its rules."""
 
     NOT_YAML = "WMR101"
     UNKNOWN_KEY = "WMR102"
@@ -54,6 +54,8 @@ class Code(StrEnum):
     FILE = "WMR110"
     DESCRIPTION = "WMR111"
     USAGE = "WMR112"
+    UNDERIVABLE = "WMR113"
+    ENVIRONMENT = "WMR114"
     CONSEQUENCE = ""  # of another mistake; never told
 
 
@@ -97,15 +99,17 @@ class StaleError(WmrgenError):
 
 
 class RobotFileError(WmrgenError):
-    """A robot file that cannot be accepted. ``code``: what a value means, where it has a place and nothing else is
-    said."""
+    """A robot file that cannot be accepted. ``code``, where nothing else is said: that of a value, or of a file as a
+    whole where it has no place."""
 
     exit_code = 2
 
     def __init__(
         self, what: str, mark: Mark | None = None, why: str = "", instead: str = "", code: str | None = None
     ) -> None:
-        super().__init__(what, mark, why, instead, (Code.VALUE if mark else "") if code is None else code)
+        super().__init__(
+            what, mark, why, instead, (Code.VALUE if mark else Code.DESCRIPTION) if code is None else code
+        )
 
 
 class Several:
@@ -164,6 +168,16 @@ class NotDerivableError(WmrgenError):
 
     exit_code = 3
 
+    def __init__(
+        self,
+        what: str,
+        mark: Mark | None = None,
+        why: str = "",
+        instead: str = "",
+        code: str = Code.UNDERIVABLE,
+    ) -> None:
+        super().__init__(what, mark, why, instead, code)
+
 
 class EnvironmentFailure(WmrgenError):
     """Something outside wmrgen is missing or refuses: no compiler, no write permission. What a tool said stays as it
@@ -171,5 +185,8 @@ class EnvironmentFailure(WmrgenError):
 
     exit_code = 4
 
+    def __init__(self, what: str) -> None:
+        super().__init__(what, code=Code.ENVIRONMENT)
+
     def __str__(self) -> str:
-        return f"error: {self.what}"
+        return f"error[{self.code}]: {self.what}"

@@ -98,8 +98,8 @@ def test_values_stand_one_below_the_other(capsys: pytest.CaptureFixture[str]) ->
         (console.Stopped("SIGTERM", 15), 143, "terminated"),
         (console.Stopped("SIGHUP", 1), 129, "the terminal was closed"),
         (UsageError("no such word"), 2, "error[WMR112]: no such word"),
-        (NotDerivableError("it cannot move"), 3, "error: it cannot move"),
-        (EnvironmentFailure("no compiler"), 4, "error: no compiler"),
+        (NotDerivableError("it cannot move"), 3, "error[WMR113]: it cannot move"),
+        (EnvironmentFailure("no compiler"), 4, "error[WMR114]: no compiler"),
     ],
 )
 def test_exit_codes(error: BaseException, code: int, words: str, capsys: pytest.CaptureFixture[str]) -> None:

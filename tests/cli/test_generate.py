@@ -125,7 +125,7 @@ def test_a_directory_that_cannot_be_written(wmrgen_cli: Cli, robot_file: Path, t
     (tmp_path / "out").write_text("in the way")
     done = wmrgen_cli("derive", robot_file, "-o", tmp_path / "out")
     assert done.code == 4
-    assert done.err.startswith(f"error: cannot write {tmp_path / 'out' / 'pair'}")
+    assert done.err.startswith(f"error[WMR114]: cannot write {tmp_path / 'out' / 'pair'}")
     assert (tmp_path / "out").read_text() == "in the way"
 
 

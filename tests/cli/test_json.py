@@ -63,7 +63,7 @@ def test_an_internal_error_and_a_signal_are_objects_too(capsys: pytest.CaptureFi
 
     assert console.outcome(degenerate, as_json=True) == 3
     told = json.loads(capsys.readouterr().out)
-    assert (told["error"], told["exit_code"]) == ("error: it cannot\n = move", 3)
+    assert (told["error"], told["exit_code"]) == ("error[WMR113]: it cannot\n = move", 3)
 
 
 def test_check_says_what_is_stale(

@@ -111,7 +111,7 @@ def test_a_huge_file_of_cases(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path)
 def test_closed_standard_input(robot_file: Path) -> None:
     assert shell(f"wmrgen eval {robot_file} inverse --cases - <&-") == (
         4,
-        "error: cannot read standard input: it is closed\n",
+        "error[WMR114]: cannot read standard input: it is closed\n",
     )
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from tests.conftest import ROOT
+from wmrgen.cli.lint import explained
 
 LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="forks, limits and /proc")
 SECONDS = 2.0  # that the processor may work for what is refused, the start of Python among them
@@ -114,13 +115,15 @@ def harmless(attempt: Attempt) -> None:
 def refused(
     server: Server, place: Path, *words: object, code: int = 2, says: str = "", **options: Any
 ) -> Attempt:
-    """A command ends with ``code`` and one error that matches ``says``, and changes nothing."""
+    """A command ends with ``code`` and one error that matches ``says`` and has a code, and changes nothing."""
     before = state(place)
     attempt = server.run(place, *words, **options)
     assert attempt.code == code, attempt
     assert attempt.changes == () and state(place) == before
     assert attempt.out == "" and 0 < len(attempt.err) < 4000
     assert re.search(says, attempt.err), attempt.err
+    codes = re.findall(r"^error(?:\[(\w+)\])?: ", attempt.err, re.MULTILINE)
+    assert codes and explained().keys() >= {*codes}, attempt.err
     harmless(attempt)
     return attempt
 

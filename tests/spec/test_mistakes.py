@@ -10,7 +10,7 @@ import pytest
 import wmrgen
 from tests.conftest import Outcome
 from tests.spec.files import HEAD
-from wmrgen.errors import Code, RobotFileError
+from wmrgen.errors import Code, NotDerivableError, RobotFileError
 from wmrgen.spec.mistakes import CALLS, MISTAKES, Mistake
 
 
@@ -26,9 +26,13 @@ def test_examples(mistake: Mistake, tmp_path: Path) -> None:
     assert wmrgen.load(right).wheels
 
 
-@pytest.mark.parametrize("code", [Code.FILE, Code.USAGE])
+@pytest.mark.parametrize(("code", "exit_code"), [(Code.FILE, 2), (Code.USAGE, 2), (Code.ENVIRONMENT, 4)])
 def test_examples_of_calls(
-    code: Code, wmrgen_cli: Callable[..., Outcome], robot_file: Path, monkeypatch: pytest.MonkeyPatch
+    code: Code,
+    exit_code: int,
+    wmrgen_cli: Callable[..., Outcome],
+    robot_file: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     folder = robot_file.parent
     monkeypatch.chdir(folder)
@@ -36,7 +40,7 @@ def test_examples_of_calls(
     for name in ("robots/my_robot.yaml", "my_robot.yaml"):
         (folder / name).write_text(robot_file.read_text())
     wrong, right = (wmrgen_cli(*text.split()[1:]) for text in (CALLS[code].wrong, CALLS[code].right))
-    assert wrong.code == 2 and wrong.err.startswith(f"error[{code}]: ")
+    assert wrong.code == exit_code and wrong.err.startswith(f"error[{code}]: ")
     assert right.code == 0
 
 
@@ -51,6 +55,16 @@ def test_examples_of_descriptions(wmrgen_cli: Callable[..., Outcome], tmp_path: 
         "3 | </robot>",
     ]
     assert right.err.startswith("error[WMR111]: right: ") and " --> " not in right.err
+
+
+def test_examples_of_robots_that_are_not_derived(tmp_path: Path) -> None:
+    mistake = CALLS[Code.UNDERIVABLE]
+    for name in ("wrong", "right"):
+        (tmp_path / name).write_text(HEAD + getattr(mistake, name), encoding="utf-8")
+    with pytest.raises(NotDerivableError) as caught:
+        wmrgen.load(tmp_path / "wrong")
+    assert str(caught.value).startswith("error[WMR113]: ") and caught.value.exit_code == 3
+    assert wmrgen.derive(wmrgen.load(tmp_path / "right")).inverse
 
 
 def test_every_code_is_explained() -> None:

@@ -10,7 +10,7 @@ from wmrgen.cli import console
 from wmrgen.cli.writing import write_robot_file
 from wmrgen.comparing.compare import compare
 from wmrgen.comparing.sources import of_controller, of_import
-from wmrgen.errors import Code, RobotFileError
+from wmrgen.errors import RobotFileError
 from wmrgen.importing.controllers import read_controllers
 from wmrgen.importing.instructions import instructed
 from wmrgen.importing.records import Controller, Description, Imported
@@ -44,7 +44,7 @@ def import_robot(
         if name in error.what:
             raise
         raise RobotFileError(
-            f"{name}: {error.what}", error.mark, error.why, error.instead, error.code or Code.DESCRIPTION
+            f"{name}: {error.what}", error.mark, error.why, error.instead, error.code
         ) from None
     robot = replace(robot, notes=(*robot.notes, *_contradictions(robot, description, said, file)))
     for note in robot.notes:

@@ -108,7 +108,8 @@ def underivable(robot: Robot, what: str, why: str) -> NotDerivableError:
 def declaration(name: str) -> Declaration:
     """The function called ``name``. RobotFileError where there is none."""
     if not has_function(name):
-        raise RobotFileError(f"there is no function {quoted(name)}", instead=suggestion(name, names()))
+        what = f"there is no function {quoted(name)}"
+        raise RobotFileError(what, instead=suggestion(name, names()), code=Code.UNDECLARED)
     return _FUNCTIONS[name]
 
 

@@ -21,6 +21,12 @@ class Mistake:
 
 
 _WHEELS = "wheels:\n  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 50 mm}\n"
+_TURNING = """\
+wheels:
+  - {name: front, type: steered, x: 0.3, y: 0, heading: 0, r: 50 mm}
+  - {name: rear, type: steered, x: -0.3, y: 0, heading: 0, r: 50 mm}
+couplings: [{equal: [front.steer, rear.steer]}]
+"""
 _KEYS = (
     "The reference of robot files (`wmrgen schema --markdown`) lists the keys and what stands behind each."
 )
@@ -108,6 +114,21 @@ CALLS = {
             "An option, a name or a value that it does not have, too many or too few. `wmrgen COMMAND --help` lists "
             "its words, `wmrgen functions ROBOT.yaml` the functions of a robot.",
             "wmrgen eval my_robot.yaml invers vx=1\n", "wmrgen eval my_robot.yaml inverse vx=1 vy=0 omega=0\n", "sh",
+        ),
+        Mistake(
+            Code.UNDERIVABLE, "a robot that cannot be derived, or not so",
+            "The robot file is in order, and what is asked for does not follow from it: a function that a robot of its "
+            "kind cannot have, a controller that does not fit its wheels, couplings through which steering alone would "
+            "move it. The exit code is 3. `wmrgen functions ROBOT.yaml` lists what a robot has, and says of the rest "
+            "why not.",
+            _TURNING.replace("rear, type: steered", "rear, type: castor, d: -0.04"), _TURNING,
+        ),
+        Mistake(
+            Code.ENVIRONMENT, "something outside is missing, or refuses",
+            "A compiler, a browser or a package that is not there, a folder that cannot be written, a full disk. The "
+            "exit code is 4, and nothing is wrong with the robot file. What was there stays as it was.",
+            "wmrgen export my_robot.yaml --to urdf -o my_robot.yaml/out\n",
+            "wmrgen export my_robot.yaml --to urdf -o out\n", "sh",
         ),
     )
 }  # fmt: skip

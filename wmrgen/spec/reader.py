@@ -198,7 +198,7 @@ def _from_yaml(error: yaml.MarkedYAMLError, source: Source) -> RobotFileError:
     problem, context = str(error.problem or error.context or ""), error.context_mark
     mark = error.problem_mark or context
     if mark is None:
-        return RobotFileError(f"not YAML: {quoted(problem, 120)}")
+        return RobotFileError(f"not YAML: {quoted(problem, 120)}", code=Code.NOT_YAML)
     line, column = min(mark.line, len(source.lines) - 1), mark.column
     why, before = "", source.lines[line][:column]
     above = max((k for k in range(line) if source.lines[k].partition("#")[0].strip()), default=line)

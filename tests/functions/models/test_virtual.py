@@ -125,5 +125,5 @@ def test_what_the_layout_cannot_have_is_shown_where_it_stands(asked: str) -> Non
     with pytest.raises(NotDerivableError) as caught:
         _ = d.mobility
     what, place, shown, caret, *_ = str(caught.value).splitlines()
-    assert what.startswith("error: ") and place.endswith(".yaml:7:5")
+    assert what.startswith("error[WMR113]: ") and place.endswith(".yaml:7:5")
     assert shown == "7 | " + asked.splitlines()[1] and caret == "  |     ^"

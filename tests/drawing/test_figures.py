@@ -233,6 +233,15 @@ def test_two_wheels_and_a_limit_of_spin_make_a_diamond() -> None:
     assert all(np.abs(corners - w).max(axis=1).min() < 0.01 for w in wanted)
 
 
+def test_a_limit_of_vx_holds_for_vy_too() -> None:
+    """|vx| + |vy| <= 0.6 of the wheels, cut at 0.4 both ways, as limit_twist does."""
+    wheels = MECANUM.replace("-pi/4", "PI/4").replace("gamma: pi/4", "gamma: -pi/4").replace("PI/4", "pi/4")
+    planes = dict(reached(robot(wheels, "limits: {vx: 0.4, spin: 12}\n")))
+    corners = planes["vx", "vy"]
+    wanted = [(a * x, b * y) for x, y in ((0.4, 0.2), (0.2, 0.4)) for a in (1, -1) for b in (1, -1)]
+    assert len(corners) == 8 and all(np.abs(corners - w).max(axis=1).min() < 0.01 for w in wanted)
+
+
 # ---- the terminal
 
 

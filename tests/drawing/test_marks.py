@@ -16,6 +16,7 @@ from tests.drawing.common import (
     PAIR,
     SVG,
     THREE,
+    many,
     numbers,
     of_class,
     page,
@@ -43,6 +44,12 @@ def steering(d: Derivation) -> Example:
 # ---- the motion that is shown
 
 
+def test_velocities_of_a_dozen_wheels_are_drawn() -> None:
+    for count in (12, 13):
+        root = parsed(robot(many(count)), "motion.svg")
+        assert bool(of_class(root, "velocity")) == (count == 12)
+
+
 def axle_misses(d: Derivation, shown: Example) -> dict[str, float]:
     """By wheel with a sliding row: how far the ICR lies from the line of its axle [m]."""
     assert shown.icr is not None
@@ -56,9 +63,12 @@ def axle_misses(d: Derivation, shown: Example) -> dict[str, float]:
     return misses
 
 
+SLANTED = PAIR.replace("x: 0, y: 0.2, heading: 0", "x: -0.2, y: 0.2, heading: pi/4").replace(
+    "x: 0, y: -0.2, heading: 0", "x: 0.2, y: -0.2, heading: pi/4"
+)
 ROLLING = (
     PAIR + FRONT.format(0), BEHIND, PAIR + FRONT.format(2), THREE, THREE + CASTOR.format(0.1),
-    PAIR + CASTOR.format(-0.1),
+    PAIR + CASTOR.format(-0.1), SLANTED,
 )  # fmt: skip
 
 
@@ -302,6 +312,16 @@ def test_wheels_on_a_circle_have_one_dimension() -> None:
     )
     assert sizes(robot(omni)) == ["l = 0.25 m"]
     assert sorted(sizes(robot(MECANUM))) == ["0.4 m", "track 0.4 m"]
+
+
+def test_a_track_is_that_of_wheels_side_by_side_that_roll_forward() -> None:
+    """Whatever stands between them."""
+    across = FRONT.format("pi/2")
+    assert sorted(sizes(robot(PAIR + across))) == ["0.5 m", "track 0.4 m"]
+    assert sorted(sizes(robot(PAIR.replace("y: 0.2, heading: 0", "y: 0.2, heading: 1") + across))) == [
+        "0.4 m",
+        "0.5 m",
+    ]
 
 
 def test_p_between_its_axles_has_two_dimensions() -> None:

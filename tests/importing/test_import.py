@@ -374,7 +374,12 @@ def test_mimic_one_to_one_is_a_coupling(read: Import, tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_mistakes_in_files_are_told_and_do_not_stop(read: Import, parts: str, words: str) -> None:
-    assert words in read(robot(parts))["notes"]
+    assert words in read(robot(parts))["notes"] and words not in read(robot(pair()))["notes"]
+
+
+def test_a_radius_of_next_to_nothing_is_none(read: Import) -> None:
+    said = read(robot(pair()).replace('radius="0.1"', 'radius="1e-9999"'))
+    assert [w["r"] for w in said["wheels"].values()] == [None, None]
 
 
 LAUGHS = '<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><robot name="&b;"/>'

@@ -1,0 +1,73 @@
+"""How certain a calibration is: random walks are found back in residuals, and what they do to the gradient."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from wmrgen.calibrating.certainty import _pulls, _spans, _walk
+from wmrgen.calibrating.fit import LEVER, Residuals
+
+ALONG, ACROSS, TURN = 4e-6, 1e-6, 9e-6  # m^2/s, m^2/s, rad^2/s
+NOISE = np.array([2e-3, 3e-3])  # m, rad
+SPEED, STEP, COUNT = 0.3, 0.1, 1200
+
+
+def _drive(random: np.random.Generator, heading: float) -> Residuals:
+    """Residuals of a robot that drives straight on along ``heading``: its heading error moves all that follows."""
+    walk = np.cumsum(
+        random.normal(size=(3, COUNT)) * np.sqrt(np.array([[ALONG], [ACROSS], [TURN]]) * STEP), axis=1
+    )
+    sideways = SPEED * STEP * np.cumsum(walk[2])
+    place = np.exp(1j * heading) * (walk[0] + 1j * (walk[1] + sideways))
+    seen = [place.real, place.imag, walk[2]] + random.normal(size=(3, COUNT)) * NOISE[[0, 0, 1], None]
+    return Residuals(
+        seen * np.array([[1], [1], [LEVER]]), np.zeros((3, COUNT, 1)), np.ones((3, COUNT)),
+        SPEED * STEP * np.arange(COUNT) * np.exp(1j * heading), np.full(COUNT, heading),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("heading", [0.0, 2.0])
+def test_random_walks_and_noise_are_found_back(heading: float) -> None:
+    random, t = np.random.default_rng(4), STEP * np.arange(COUNT)
+    drives = [_drive(random, heading) for _ in range(40)]
+    spans = [_spans(t, rows, rows.weights > 0) for rows in drives]
+    assert all(part is not None for part in spans)
+    wanted = [ALONG, ACROSS, TURN, NOISE[0] ** 2, NOISE[1] ** 2]
+    assert _walk([part for part in spans if part is not None]) == pytest.approx(wanted, rel=0.25)
+
+
+def test_a_drive_that_is_hardly_measured_says_nothing() -> None:
+    rows = _drive(np.random.default_rng(5), 0.0)
+    assert _spans(STEP * np.arange(COUNT), rows, np.zeros((3, COUNT), bool)) is None
+    assert list(_walk([])) == [0.0] * 5
+
+
+def test_what_slips_and_noise_do_to_the_gradient() -> None:
+    """The same, slip by slip: one along, across or about the robot moves and turns all residuals from then on."""
+    random = np.random.default_rng(6)
+    count, unknowns, own = 7, 3, 2
+    t = np.cumsum(random.uniform(0.1, 0.4, count))
+    by, weights = random.normal(size=(3, count, unknowns + own)), random.uniform(0.5, 1, (3, count))
+    place, heading = random.normal(size=count) + 1j * random.normal(size=count), random.normal(size=count)
+    rows = Residuals(np.zeros((3, count)), by, weights, place, heading)
+    eliminated = random.normal(size=(unknowns, own))
+    pulls = _pulls(SimpleNamespace(scale=0.02), t, rows, eliminated)  # type: ignore[arg-type]
+
+    gradient = weights[..., None] / 0.02**2 * (by[..., :unknowns] - by[..., unknowns:] @ eliminated.T)
+
+    def moved(k: int, step: complex, turn: float) -> np.ndarray:
+        way = step + 1j * turn * (place[k:] - place[k])
+        effects = np.array([way.real, way.imag, np.full(count - k, LEVER * turn)])
+        return np.einsum("rn,rnu->u", effects, gradient[:, k:])
+
+    wanted = np.zeros((5, unknowns, unknowns))
+    for k, lasting in enumerate(np.diff(t, prepend=t[0])):
+        ahead = np.exp(1j * heading[k])
+        for kind, (step, turn) in enumerate(((ahead, 0.0), (1j * ahead, 0.0), (0j, 1.0))):
+            wanted[kind] += lasting * np.outer(moved(k, step, turn), moved(k, step, turn))
+        for row, kind, size in ((0, 3, 1.0), (1, 3, 1.0), (2, 4, LEVER)):
+            wanted[kind] += size**2 * np.outer(gradient[row, k], gradient[row, k])
+    np.testing.assert_allclose(pulls, wanted, rtol=1e-9)

@@ -169,3 +169,17 @@ def test_parallel_wheels_on_one_motor_are_one() -> None:
         along = seen("a", (vx, vy, 0.0), out["a.steer"])
         assert abs(along.imag) < 1e-9 and out["slip"] < 1e-9
         assert [out["a.spin"], out["e.spin"]] == pytest.approx([along.real / 0.1] * 2)
+
+
+def test_wheels_of_a_synchro_drive_turn_as_their_own_radii_say() -> None:
+    """One belt steers all, so that their pivots move alike: the rims move at that speed, whatever the radii."""
+    rows = [("a", 0.3, 0.2, 0.05), ("b", 0.3, -0.2, 0.1), ("c", -0.4, 0.0, 0.2)]
+    wheels = "\n".join(
+        f"  - {{name: {n}, type: steered, x: {x}, y: {y}, heading: 0, r: {r}}}" for n, x, y, r in rows
+    )
+    d = of_text(
+        f"wmrgen: 1\nname: belt\nwheels:\n{wheels}\ncouplings: [{{equal: [a.steer, b.steer, c.steer]}}]\n"
+    )
+    found = inverse(d, [0.3, 0.4, 0.0], dict.fromkeys("abc", 0.9))
+    assert [found[f"{n}.spin"] * r for n, _, _, r in rows] == pytest.approx([0.5] * 3)
+    assert found["slip"] == pytest.approx(0, abs=1e-12)

@@ -41,7 +41,7 @@ def nearest_steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Targe
         lead = members[0]
         if moves_as_one(members, velocities):
             one = steer_one(robot, lead, velocities[lead.index], names)
-            result.update({w.index: one for w in members})
+            result.update({w.index: one if _spins_as(w, lead) else replace(one, spin=None) for w in members})
         else:
             result.update(steer_group(robot, members, velocities, names))
     return turning_alike(robot, twist, result, names)
@@ -55,6 +55,12 @@ def steered_groups(robot: Robot) -> list[list[Wheel]]:
 def moves_as_one(members: list[Wheel], velocities: dict[int, tuple[Poly, Poly]]) -> bool:
     """True when the wheels of a group see the same velocity of their pivots from the same heading."""
     return len({(velocities[w.index], w.working.ch, w.working.sh) for w in members}) == 1
+
+
+def _spins_as(w: Wheel, lead: Wheel) -> bool:
+    """A wheel whose pivot moves as another's turns as fast."""
+    g, other = working_view(w), working_view(lead)
+    return (g.r, g.o) == (other.r, other.o)
 
 
 def steer_group(
@@ -163,6 +169,6 @@ def _reversed(robot: Robot, unit: list[Wheel], agrees: Expr, targets: Targets, n
     def mirrored(t: Target) -> Target:
         rim = chosen(t.rim, times(-1, t.rim))
         lateral = None if t.lateral is None else chosen(t.lateral, times(-1, t.lateral))
-        return replace(t, steer=chosen(steer, about), rim=rim, lateral=lateral)
+        return Target(chosen(steer, about), rim, lateral)
 
     return {w.index: mirrored(targets[w.index]) for w in unit}

@@ -6,6 +6,7 @@ import math
 import re
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from tests.report.common import numerics_of, page_of, page_written
@@ -127,8 +128,39 @@ def test_a_robot_that_skids() -> None:
     page = page_written(
         "\n".join(["wmrgen: 1", "name: sample", "effective_track: 0.8", "wheels:", *wheels, ""])
     )
-    assert "Without slip DDOF = 1 velocity" in page and "That drive has DDOF = 2 and DOF = 3" in page
+    assert "Without slip, 1 velocity can be chosen" in page and "That drive has DDOF = 2 and DOF = 3" in page
     assert page.count("Driving: ") == 1 and "2 relations must hold between the rates" in page
     relations = page.partition("(compatibility)")[2].partition("```math")[2].partition("```")[0]
     assert relations.count("0 &= ") == 2 and "```math\nT_e = 0.8\n```" in page
     assert "In a curve its wheels skid" in page.partition("## 1 ")[0]
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_track_is_between_wheels_that_roll_forward(name: str) -> None:
+    wheels = [w for w in of_gallery(name).robot.wheels if w.kind.constrains or w.kind.rollers]
+    pairs = [
+        (a, b)
+        for k, a in enumerate(wheels)
+        for b in wheels[k + 1 :]
+        if a.type == b.type and abs(a.pivot - b.pivot.conjugate()) < 1e-12 and abs(a.pivot.imag) > 1e-12
+    ]
+    ahead = any(abs(math.sin(a.heading)) < 1e-9 and abs(math.sin(b.heading)) < 1e-9 for a, b in pairs)
+    assert ("(the track)" in page_of(name)) == ahead
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_who_stands_still_with_its_icr_on_a_pivot(name: str) -> None:
+    """A car, whose ICR stays on its fixed axle; a swerve drive turns about the pivot."""
+    d = of_gallery(name)
+    if not any(s.kind == "icr_on_pivot" for s in d.mobility.singularities):
+        return
+    turns = [np.exp(-1j * w.heading) for w in d.robot.wheels if w.kind.fixed_axle]
+    pivots = [w.pivot for w in d.robot.wheels if w.kind.fixed_axle]
+    rows = [[z.imag, z.real, (p * z).real] for z, p in zip(turns, pivots, strict=True)]
+    rows += [[0.0, 0.0, 1.0]] * (name == "synchro_drive")  # its couplings keep it from turning
+    ranks = [
+        np.linalg.matrix_rank(np.array([*rows, [1, 0, -w.pivot.imag], [0, 1, w.pivot.real]]), tol=1e-9)
+        for w in d.robot.wheels
+        if w.kind.steers
+    ]
+    assert ("The robot then stands still, too." in page_of(name)) == (min(ranks) == 3)

@@ -258,7 +258,7 @@ def _solution(rank: int, may_fall: bool) -> list[str]:
             "and is Hᵀz / c₁ where a second direction is lost.",
         ]
     blocks = [
-        "HᵀH moves with the steering, so it is inverted at run time, by cofactors.",
+        "HᵀH depends on the steering angles, so it is inverted at run time, by cofactors.",
     ]
     if not may_fall:
         return [

@@ -215,12 +215,12 @@ def _slip(robot: Robot, projection: Projection, twist: Row) -> list[str]:
         blocks += [
             f"A common rate need not suit all wheels of a coupling. Of {'; of '.join(map(listed, unlike))} the mean "
             "square of what it leaves over, r φ̇ against the rim speed of each wheel, or d β̇ against its sideways "
-            "speed, is added under the root."
+            "speed, is added to the square of `slip`."
         ]
     if held:
         blocks += [
             f"A steered wheel that a limit or a coupling keeps from its heading slides as well, at {sideways}. "
-            f"The mean square of these speeds over {listed(held)} is added under the root."
+            f"The mean square of these speeds over {listed(held)} is added to the square of `slip`."
         ]
     return blocks
 

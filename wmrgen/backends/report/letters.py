@@ -43,7 +43,8 @@ _ENTRY = 12  # terms of an entry of H^T H and H^T z
 _PRODUCTS = 60  # terms of a determinant of three rows
 _ROWS = 12  # of which three are chosen
 _WORK = 120  # terms of adj(H^T H) H^T z and of the determinant, times the number of parameters: 0.1 s
-_WIDEST = 240  # glyphs of what is printed
+_WIDEST = 900  # glyphs of what is printed in place of numbers
+_SHORT = 300  # glyphs of what is printed beside the rule
 _DIGITS = 10**6  # of numerators and denominators
 _LINE = 112  # glyphs of a line of a model
 _MODELS = ("posture", "configuration", "zeta", "trailer")  # functions that `wmrgen model` writes
@@ -79,7 +80,7 @@ def square(d: Derivation, rows: list[Measured]) -> list[str]:
     det = factored(volume) if len(volume.terms) <= _PRODUCTS else ""
     shown = rf", \qquad \det H = {det}" if det and width(det) <= _LINE else ""
     return [
-        "As many rows as unknowns, and H of full column rank 3 (Tzafestas (2.7)), det H ≠ 0: the solution is",
+        "As many rows as unknowns, and H has full column rank 3 (Tzafestas (2.7)), det H ≠ 0: the solution is",
         *math(rf"\xi = H^{{-1}} z{book}{shown}"),
     ]
 
@@ -98,7 +99,7 @@ def in_letters(d: Derivation, rows: list[Measured]) -> list[str]:
     if sum(len(p.terms) for p in (*above, below)) * len(named) > _WORK:
         return []
     sums = _quotients(above, below, ports)
-    shown = _written(sums)
+    shown = _written(sums, _WIDEST)
     return [*shown, *heads(d, list(zip(TWIST_NAMES, sums, strict=True)))] if shown else []
 
 
@@ -120,7 +121,7 @@ def by_three(d: Derivation, rows: list[Measured], nominal: list[Measured]) -> li
     above = [Poly.sum(a * b for a, b in zip(row, z, strict=True)) for row in adjugate(h)]
     if sum(len(p.terms) for p in (*above, below)) > _WORK:
         return []
-    return _written(_quotients(above, below, symbol_names(d.program.formula("forward").inputs)))
+    return _written(_quotients(above, below, symbol_names(d.program.formula("forward").inputs)), _SHORT)
 
 
 def _quotients(above: Sequence[Poly], below: Poly, ports: Ports) -> list[list[Term]]:
@@ -128,10 +129,10 @@ def _quotients(above: Sequence[Poly], below: Poly, ports: Ports) -> list[list[Te
     return [with_tangents(terms(reduced(p, below), ports)) for p in above]
 
 
-def _written(sums: Sequence[Sequence[Term]]) -> list[str]:
-    """The components of the twist; nothing where they are long."""
+def _written(sums: Sequence[Sequence[Term]], most: int) -> list[str]:
+    """The components of the twist; nothing where they have more than ``most`` glyphs."""
     texts = [wrapped(summands(summed)) for summed in sums]
-    if width("".join(texts)) > _WIDEST:
+    if width("".join(texts)) > most:
         return []
     return aligned(f"{notation.port(n)} &= {t}" for n, t in zip(TWIST_NAMES, texts, strict=True))
 
@@ -176,8 +177,8 @@ def regular(d: Derivation) -> list[str]:
         told = [f"{code(f'{at} = 0')}: {escape(why)}" if why else at for at, _, why in conditions]
         rows.append([code(form), f"but where {'; '.join(told)}" if told else "in every motion"])
     return [
-        f"The model has forms, of which {code(space.form)} is the state space ({code(f'{d.robot.name}_ode.casadi')}, "
-        f"{code('ode')} in {code(f'{d.robot.name}.py')}); `wmrgen model` prints them.",
+        f"`wmrgen model` prints the model in several forms; {code(space.form)} is the state space "
+        f"({code(f'{d.robot.name}_ode.casadi')}, {code('ode')} in {code(f'{d.robot.name}.py')}).",
         *table(["form", "holds"], rows, "ll"),
     ]
 

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wmrgen.backends.report.angles import equation, roots
 from wmrgen.backends.report.latex import latex, summands, terms, width, wrapped
 from wmrgen.backends.report.markdown import (
@@ -25,10 +27,11 @@ from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.functions.motion.wheel_speeds import relations
-from wmrgen.mobility.ranks import decide
+from wmrgen.mobility.ranks import decide, numeric_rank
 
 if TYPE_CHECKING:
     from wmrgen.constraints import ConstraintRow
+    from wmrgen.layout.records import Wheel
     from wmrgen.mobility.records import Mobility, Singularity
     from wmrgen.robot import Derivation
 
@@ -116,31 +119,36 @@ def _numbers(rows: Sequence[ConstraintRow], values: dict[str, Poly]) -> list[tup
 
 def _growth(d: Derivation) -> tuple[tuple[int, ...], str]:
     """The growth vector, and what is said of trailers."""
+    own = d.mobility.growth_vector
+    steered = "steering angles" if own[-1:] > (3,) else ""
     if not d.robot.trailers:
-        return d.mobility.growth_vector, ""
+        return own, f", {steered} included" if steered else ""
     try:
-        return tuple(d.growth.vector), ", trailers included"
+        return tuple(d.growth.vector), f", {f'{steered} and ' if steered else ''}trailers included"
     except NotDerivableError:
-        return d.mobility.growth_vector, ", trailers left out"
+        return own, f", {f'{steered} included, ' if steered else ''}trailers left out"
 
 
 def _verdicts(d: Derivation) -> list[str]:
     """What follows for the motions: how many at once, how many poses, and by how many brackets."""
     m = d.mobility
     vector, states = _growth(d)
-    no = {True: "", False: "not "}
-    rolling = "Without slip " if m.degenerate else ""
+    rolling = "Without slip, " if m.degenerate else ""
+    velocities = (
+        f"{m.ddof} {'velocity' if m.ddof == 1 else 'velocities'} can be chosen at once (DDOF = {m.ddof})"
+    )
     return [
-        f"{rolling}DDOF = {m.ddof} {_of('velocity', 'velocities', m.ddof)} can be chosen at once, poses of dimension "
-        f"DOF = {m.dof} can be reached: the robot is {no[m.holonomic]}holonomic (DDOF = DOF) and "
-        f"{no[m.omnidirectional]}omnidirectional (DDOF = 3). The growth vector ({', '.join(map(str, vector))}) counts "
-        "the dimensions that the inputs span, then those with their brackets, one order at a "
-        f"time{states}: the degree of nonholonomy is {len(vector)}."
+        f"{rolling}{velocities}, and poses of dimension {m.dof} can be reached (DOF = {m.dof}). Holonomic means "
+        f"DDOF = DOF, omnidirectional DDOF = 3: the robot is {_called(m)}. The growth vector "
+        f"({', '.join(map(str, vector))}) counts the dimensions that the inputs span, then "
+        f"those with their brackets, one order at a time{states}: the degree of nonholonomy is {len(vector)}."
     ]
 
 
-def _of(one: str, many: str, n: int) -> str:
-    return one if n == 1 else many
+def _called(m: Mobility) -> str:
+    if m.omnidirectional:
+        return "both"
+    return "holonomic, but not omnidirectional" if m.holonomic else "neither"
 
 
 def _actuation(d: Derivation) -> list[str]:
@@ -174,7 +182,7 @@ def integrability(d: Derivation) -> list[str]:
     products = {-(w.nominal.ch * w.nominal.ch + w.nominal.sh * w.nominal.sh) for w in wheels}
     value = " or ".join(f"{float(v):g}" for v in sorted(products, key=float))
     return [
-        f"Can they be integrated? A wheel's sliding row ({some(wheels)}) is c(q) q̇ = 0 in the coordinates "
+        f"Can the constraints be integrated? A wheel's sliding row ({some(wheels)}) is c(q) q̇ = 0 in the coordinates "
         f"q = (x, y, θ) of the world{held}; χ is the direction in which it rolls, seen from the world, and k the third "
         "entry. Frobenius asks for c · curl c:",
         *math(
@@ -238,7 +246,8 @@ def singular(d: Derivation) -> list[str]:
     blocks += _pivots(d, pivots) if pivots else []
     for s in d.mobility.singularities:
         if s.kind != "icr_on_pivot":
-            blocks += [capitalised(s.meaning) + (" This happens where" if s.conditions else "")]
+            where = " This happens where" + (", at once," if len(s.conditions) > 1 else "")
+            blocks += [capitalised(s.meaning) + (where if s.conditions else "")]
             blocks += _conditions(s.conditions) if s.conditions else []
     return blocks
 
@@ -246,11 +255,20 @@ def singular(d: Derivation) -> list[str]:
 def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
     """Steered wheels whose pivot is the ICR."""
     wheels = [d.robot.wheel(s.wheels[0]) for s in pivots]
+    still = "" if any(_turns_about(w, d.mobility) for w in wheels) else " The robot then stands still, too."
     return [
         f"A steered wheel whose pivot (x, y) is the ICR stands still ({some(wheels)}): v<sub>x</sub> − y ω = 0 and "
-        "v<sub>y</sub> + x ω = 0. Its heading is undefined there, and `inverse` holds the present angle. Close by, a "
-        "small change of the twist asks for a large change of the angle."
+        f"v<sub>y</sub> + x ω = 0.{still} Its heading is undefined there, and `inverse` holds the present angle. Close "
+        "by, a small change of the twist asks for a large change of the angle."
     ]
+
+
+def _turns_about(w: Wheel, m: Mobility) -> bool:
+    """Whether an admissible twist turns the robot about the pivot of a wheel."""
+    if not m.admissible.linear:
+        return True
+    turn = np.array([w.pivot.imag, -w.pivot.real, 1.0])
+    return numeric_rank(np.vstack([m.admissible.basis, turn]))[0] == m.admissible.dimension
 
 
 def _conditions(conditions: Sequence[Poly | Row]) -> list[str]:

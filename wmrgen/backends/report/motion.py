@@ -59,9 +59,12 @@ def _posture(d: Derivation) -> list[str]:
         "whose centre no angle moves, [rad/s]:",
         *aligned(f"{notation.port(n)} &= {broken(p)}" for n, p in zip(TWIST_NAMES, rates, strict=True)),
     ]
-    states = (
-        f"where the steering of {steering} is the state; any other steered wheel follows through `inverse`."
+    others = sum(w.kind.steers for w in d.robot.wheels) - len(d.mobility.basis_wheels)
+    follow = f"; the other steered wheel{'s follow' if others > 1 else ' follows'} through `inverse`" * (
+        others > 0
     )
+    angles = "angle of {} is" if len(d.mobility.basis_wheels) == 1 else "angles of {} are"
+    states = f"where the steering {angles.format(steering)} part of the state{follow}."
     return [*general, *(_in_wheel_speeds(d) or in_eta), *([states] if steering else [])]
 
 
@@ -84,8 +87,8 @@ def _in_wheel_speeds(d: Derivation) -> list[str]:
     if max(map(width, lines)) > _WIDEST:
         return []
     _, _, followers = motion.text.removesuffix(" must follow").partition("; ")
-    follow = f"; {listed(followers.split(', '))} must follow" if followers else ""
-    return [f"In the speeds of driven wheels it is (`wmrgen model`){follow}", *aligned(lines)]
+    agree = f", with which {listed(followers.split(', '))} must agree," if followers else ""
+    return [f"In the speeds of driven wheels{agree} it is (`wmrgen model`)", *aligned(lines)]
 
 
 def _rates(twist: Row, towing: bool) -> list[str]:

@@ -27,6 +27,7 @@ from wmrgen.exact.number import ONE
 if TYPE_CHECKING:
     from wmrgen.layout.records import Parameter, Robot, Wheel
     from wmrgen.robot import Derivation
+    from wmrgen.wheels import WheelType
 
 _SKIDDING = (
     " In a curve its wheels skid, and it turns as a differential drive of its effective track does: with two degrees "
@@ -128,8 +129,8 @@ def _legend(robot: Robot) -> str:
     remarks = (
         (True, "(x, y) is the wheel's pivot A, in polar coordinates (l, α)"),
         (any(k.directed for k in kinds), "heading is the direction of positive rolling, α + β − 90°"),
-        (any(k.turns for k in kinds), "for steered wheels and castors β and heading hold at steering angle ψ = 0, so "
-         "that the book's β(t) is β + ψ"),
+        (any(k.turns for k in kinds), f"for {_turning(kinds)} β and heading hold at steering angle ψ = 0, so that the "
+         "book's β(t) is β + ψ"),
         (any(k.swivels for k in kinds), "d is the distance from the pivot to the contact point, along the rolling "
          "direction"),
         (any(w.nominal.o for w in robot.wheels), "o is the lateral offset of the contact point along the axle, which "
@@ -138,6 +139,12 @@ def _legend(robot: Robot) -> str:
          "the ground"),
     )  # fmt: skip
     return "; ".join(text for concerns, text in remarks if concerns) + "."
+
+
+def _turning(kinds: list[WheelType]) -> str:
+    """steered wheels and castors"""
+    nouns = [f"{noun}s" for noun in dict.fromkeys(k.noun for k in kinds if k.turns)]
+    return notation.listed(nouns) if nouns else ""
 
 
 def _in_code(p: Parameter) -> str:
@@ -169,11 +176,11 @@ def _remarks(robot: Robot) -> list[str]:
 
 
 def _pair(robot: Robot) -> tuple[Wheel, Wheel] | None:
-    """Two wheels that mirror each other beside P."""
+    """Two wheels that roll forward and mirror each other beside P."""
     wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
     for a, b in combinations(wheels, 2):
         opposite = a.nominal.x == b.nominal.x and a.nominal.y == -b.nominal.y
-        if a.type == b.type and opposite and a.nominal.y:
+        if a.type == b.type and opposite and a.nominal.y and not (a.nominal.sh or b.nominal.sh):
             return a, b
     return None
 

@@ -113,12 +113,13 @@ def matrices(d: Derivation) -> list[str]:
     """Section 3."""
     c = d.constraints
     shown = {"1f": [r.row for r in c.sliding_fixed], "1s": [r.row for r in c.sliding_steered]}
-    words = (" There is no fixed wheel", " There is no steered wheel")
     absent = [
-        f"{none}, so C<sub>{name}</sub> has no rows."
-        for (name, rows), none in zip(shown.items(), words, strict=True)
+        f" There is no {kind} wheel, so C<sub>{name}</sub> has no rows."
+        for (name, rows), kind in zip(shown.items(), ("fixed", "steered"), strict=True)
         if not rows
     ]
+    if len(absent) == 2:
+        absent = [" There is neither a fixed nor a steered wheel, so C₁ has no rows."]
     own = [f"C_{{{name}}} = {_capped(rows)}" for name, rows in shown.items() if rows]
     if c.rolling:
         diagonal = _diagonal([latex(-dict(r.rates)[r.wheel.index, "spin"]) for r in c.rolling])

@@ -149,17 +149,17 @@ def car(robot: Robot, wheels: Wheels) -> list[Citation]:
         return []
     letters = {"D": front}
     if len(steered) > 1:
-        what = "the constraints, with psi the steering of a virtual wheel midway"
+        what = "the constraints, with ψ the steering angle of a virtual wheel midway"
         return [
             Citation("Tzafestas (2.49)-(2.51)", what, letters),
-            Citation("Kelly, Ackermann", "tan psi = omega D / vx", letters),
+            Citation("Kelly, Ackermann", "tan ψ = ω D / v<sub>x</sub>", letters),
         ]
     driven = "spin" in steered[0].actuated
     equations, end = ("(2.46), (2.56a)", "front") if driven else ("(2.52)-(2.55)", "rear")
     return [
         Citation(f"Tzafestas {equations}", f"the posture model, {end} wheel driven", letters),
         Citation("Tzafestas (2.51)", "the constraints", letters),
-        Citation("Kelly, Ackermann", "`inverse` and `forward`: tan psi = omega D / vx", letters),
+        Citation("Kelly, Ackermann", "`inverse` and `forward`: tan ψ = ω D / v<sub>x</sub>", letters),
     ]
 
 
@@ -179,7 +179,7 @@ def _omni(robot: Robot, wheels: Wheels) -> list[Citation]:
         return [general, *_ring(wheels, (0, 8, 16), "Tzafestas (2.73), (2.74)", letters)]
     letters = {"a": -radius, "r": r}
     return [
-        Citation("Konstantinov (3), (4)", "`inverse`, phi_i the polar angle of wheel i", letters),
+        Citation("Konstantinov (3), (4)", "`inverse`, φ<sub>i</sub> the polar angle of wheel i", letters),
         *_ring(wheels, (-2, 6, -10), "Siegwart (3.32)-(3.34)", {"l": -radius, "r": r}),
         *_ring(wheels, (-6, 2, 10), "Konstantinov (5)", letters),
     ]

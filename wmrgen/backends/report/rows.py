@@ -113,9 +113,10 @@ def matrices(d: Derivation) -> list[str]:
     """Section 3."""
     c = d.constraints
     shown = {"1f": [r.row for r in c.sliding_fixed], "1s": [r.row for r in c.sliding_steered]}
+    words = (" There is no fixed wheel", " There is no steered wheel")
     absent = [
-        f" There is no {kind} wheel, so C<sub>{name}</sub> has no rows."
-        for (name, rows), kind in zip(shown.items(), ("fixed", "steered"), strict=True)
+        f"{none}, so C<sub>{name}</sub> has no rows."
+        for (name, rows), none in zip(shown.items(), words, strict=True)
         if not rows
     ]
     if len(absent) == 2:

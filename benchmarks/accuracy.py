@@ -98,11 +98,11 @@ def measure(
 ) -> Worst:
     """The worst error of function ``name`` of ``module`` against ``reference`` over ``cases``."""
     name = name or reference.name
-    found = evaluate(module, name, cases) if compute is None else compute(module, name, cases)
+    computed = evaluate(module, name, cases) if compute is None else compute(module, name, cases)
     worst = Worst(cases=len(cases))
     units = [ulps(size) for size in magnitudes(reference, cases)]
     with mpmath.workdps(DIGITS):
-        for k, (case, outputs) in enumerate(zip(cases, found, strict=True)):
+        for k, (case, outputs) in enumerate(zip(cases, computed, strict=True)):
             unit = {p.name: float(u[k]) for p, u in zip(reference.outputs, units, strict=True)}
             _compare(reference, case, outputs, unit, worst)
     return worst

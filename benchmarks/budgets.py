@@ -72,18 +72,18 @@ def growth(old: Budget, new: Budget) -> list[str]:
     """What is dearer in ``new``, or has no budget, in words."""
     if old.get("format") != new["format"] or old.get("compiler") != new["compiler"]:
         return [f"measured with {old.get('compiler')}, here is {new['compiler']}"]
-    found = _grown("text", old.get("text", 0), new["text"])
+    grown = _grown("text", old.get("text", 0), new["text"])
     for name, now in new["functions"].items():
         was = old["functions"].get(name)
         if was is None:
-            found.append(f"{name} has no budget")
+            grown.append(f"{name} has no budget")
             continue
         for key in LIMITED:
-            found += _grown(f"{name}: {key}", was[key], now[key])
+            grown += _grown(f"{name}: {key}", was[key], now[key])
         for key in ("operations", "calls"):
             for kind in now[key]:
-                found += _grown(f"{name}: {kind}", was[key].get(kind, 0), now[key][kind])
-    return found
+                grown += _grown(f"{name}: {kind}", was[key].get(kind, 0), now[key][kind])
+    return grown
 
 
 def _grown(what: str, was: int, now: int) -> list[str]:
@@ -93,8 +93,8 @@ def _grown(what: str, was: int, now: int) -> list[str]:
 def read(path: Path) -> Budget | None:
     """A budget; None where there is none."""
     try:
-        found: Budget = json.loads(path.read_bytes())
-        return found
+        budget: Budget = json.loads(path.read_bytes())
+        return budget
     except (OSError, ValueError):
         return None
 
@@ -105,12 +105,12 @@ def text(budget: Budget) -> bytes:
 
 def check(measured: Mapping[str, Budget], folder: Path = GENERATED) -> list[str]:
     """One line per excess; empty when every robot keeps to its budget."""
-    found = []
+    excesses = []
     for robot, now in measured.items():
         was = read(folder / robot / BUDGET)
         why = ["no budget"] if was is None else growth(was, now)
-        found += [f"{robot}: {line}" for line in why]
-    return found
+        excesses += [f"{robot}: {line}" for line in why]
+    return excesses
 
 
 def update(measured: Mapping[str, Budget], folder: Path = GENERATED) -> int:
@@ -124,9 +124,9 @@ def run(renew: bool) -> Iterator[str]:
     if renew:
         yield f"{update(measured)} of {len(measured)} budgets changed"
         return
-    found = check(measured)
-    yield from found
-    if found:
+    excesses = check(measured)
+    yield from excesses
+    if excesses:
         yield "if that is meant: python -m benchmarks budgets --update"
         raise SystemExit(1)
     smaller = sum(read(GENERATED / robot / BUDGET) != now for robot, now in measured.items())

@@ -45,8 +45,8 @@ def update(lines: Iterable[str], path: Path = PAGE) -> bool:
 
 def rows(text: str) -> list[list[str]]:
     """The cells of each row of the Markdown tables in ``text``, headings and rules left out."""
-    found, lines = [], text.splitlines()
+    table, lines = [], text.splitlines()
     for line, following in zip(lines, [*lines[1:], ""], strict=True):
         if line.startswith("|") and not any(words.startswith("|---") for words in (line, following)):
-            found.append([cell.strip() for cell in line.strip("|").split("|")])
-    return found
+            table.append([cell.strip() for cell in line.strip("|").split("|")])
+    return table

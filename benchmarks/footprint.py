@@ -40,7 +40,7 @@ def measure(
     small: bool = False,
 ) -> dict[str, Footprint]:
     """C function -> what it occupies; a kernel by the robot and its name. ``small``: kernels called, not inlined."""
-    found: dict[str, Footprint] = {}
+    footprints: dict[str, Footprint] = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for module in modules:
@@ -64,8 +64,10 @@ def measure(
                 own[function.partition(".")[0]] = Footprint(size, int(stack), size)
             own |= _whole(module.name, (folder / f"{module.name}.c").read_text(), own, small)
             kernel = f"{module.name}: "  # robots have kernels of one name
-            found |= {f"{kernel if name.startswith('wmrgen_') else ''}{name}": o for name, o in own.items()}
-    return found
+            footprints |= {
+                f"{kernel if name.startswith('wmrgen_') else ''}{name}": o for name, o in own.items()
+            }
+    return footprints
 
 
 # What a function does where least flash is asked for, and else.
@@ -74,24 +76,26 @@ _WHERE_SMALL = re.compile(
 )
 
 
-def _whole(robot: str, source: str, found: Mapping[str, Footprint], small: bool) -> dict[str, Footprint]:
+def _whole(robot: str, source: str, footprints: Mapping[str, Footprint], small: bool) -> dict[str, Footprint]:
     """The functions that call others, with the text of these and the stack of the deepest."""
     calls: dict[str, set[str]] = {}
     for text in _WHERE_SMALL.sub(r"\1" if small else r"\2", source).split("\n}\n"):
         name = re.search(rf"^(?:void|WMRGEN_(?:KERNEL|ONCE) \w+) ((?:{robot}|wmrgen)_\w+)\(", text, re.M)
-        if name is not None and name[1] in found:
+        if name is not None and name[1] in footprints:
             called = re.findall(rf"\b((?:{robot}|wmrgen)_\w+)\(", text)
-            calls[name[1]] = {k for k in called if k in found and k != name[1]}
+            calls[name[1]] = {k for k in called if k in footprints and k != name[1]}
 
     def every(name: str) -> set[str]:
         return calls.get(name, set()).union(*map(every, calls.get(name, ())))
 
     def depth(name: str) -> int:
-        return found[name].stack + max(map(depth, calls.get(name, ())), default=0)
+        return footprints[name].stack + max(map(depth, calls.get(name, ())), default=0)
 
     return {
         name: Footprint(
-            found[name].own + sum(found[k].own for k in every(name)), depth(name), found[name].own
+            footprints[name].own + sum(footprints[k].own for k in every(name)),
+            depth(name),
+            footprints[name].own,
         )
         for name, inner in calls.items()
         if inner
@@ -117,7 +121,7 @@ def rows(there: Sequence[Processor], measured: Sequence[Mapping[str, Footprint]]
     """A row for each of `JOBS`."""
     yield from heading("layout", "function", there)
     for job in JOBS:
-        cells = [str(found[f"{job.robot}_{job.function}"]) for found in measured]
+        cells = [str(footprints[f"{job.robot}_{job.function}"]) for footprints in measured]
         yield f"| {job.layout} | {job.function} | {' | '.join(cells)} |"
 
 
@@ -127,8 +131,10 @@ def heading(first: str, second: str, there: Sequence[Processor]) -> Iterator[str
     yield f"|---|---|{'---:|' * len(there)}"
 
 
-def total(found: Mapping[str, Footprint], robot: str) -> int:
+def total(footprints: Mapping[str, Footprint], robot: str) -> int:
     """Bytes of code of all functions of ``robot``."""
     return sum(
-        footprint.own for name, footprint in found.items() if name.startswith((f"{robot}_", f"{robot}: "))
+        footprint.own
+        for name, footprint in footprints.items()
+        if name.startswith((f"{robot}_", f"{robot}: "))
     )

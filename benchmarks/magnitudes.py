@@ -15,12 +15,12 @@ Array = NDArray[np.float64]
 
 def magnitudes(function: Function, cases: Sequence[Mapping[str, float]]) -> list[Array]:
     """For each result the sum of what it adds up, without signs, per case. A sine or cosine counts 1."""
-    given = {}
+    inputs = {}
     for p in function.inputs:
         default = None if p.default is None else float(p.default)
-        given[p.name] = np.array([case.get(p.name, default) for case in cases], dtype=np.float64)
+        inputs[p.name] = np.array([case.get(p.name, default) for case in cases], dtype=np.float64)
     with np.errstate(all="ignore"):
-        values = values_of(function, given, np.float64)
+        values = values_of(function, inputs, np.float64)
     sizes: list[Array] = []
     with np.errstate(all="ignore"):
         for node, value in zip(function.nodes, values, strict=True):
@@ -28,24 +28,24 @@ def magnitudes(function: Function, cases: Sequence[Mapping[str, float]]) -> list
     return [np.broadcast_to(sizes[k], len(cases)) for k in function.results]
 
 
-def _size(node: Node, value: Array, known: list[Array], args: list[Array]) -> Array:
+def _size(node: Node, value: Array, sizes: list[Array], args: list[Array]) -> Array:
     match node.op:
         case Op.ADD | Op.SUB | Op.COMPENSATED:
-            return np.asarray(known[0] + known[1])
+            return np.asarray(sizes[0] + sizes[1])
         case Op.MUL:
-            return np.asarray(known[0] * known[1])
+            return np.asarray(sizes[0] * sizes[1])
         case Op.DIV:
-            return np.asarray(known[0] / np.abs(args[1]))
+            return np.asarray(sizes[0] / np.abs(args[1]))
         case Op.NEG | Op.ABS | Op.FLIP | Op.WITH_SIGN_OF:
-            return known[0]
+            return sizes[0]
         case Op.SQRT:
-            return np.asarray(np.sqrt(known[0]))
+            return np.asarray(np.sqrt(sizes[0]))
         case Op.SIN | Op.COS:
             return np.ones_like(value)
         case Op.SELECT:
-            return np.where(args[0] < args[1], known[2], known[3])
+            return np.where(args[0] < args[1], sizes[2], sizes[3])
         case Op.MIN | Op.MAX | Op.CLAMP | Op.AT_LEAST:
-            return np.maximum(*known)
+            return np.maximum(*sizes)
         case _:
             return np.asarray(np.abs(value))
 

@@ -75,9 +75,9 @@ class Bench:
 
     def _others(self, folder: Path, job: Job) -> Iterator[str]:
         for generator in GENERATORS.values():
-            made = generator.source(derivations()[job.robot], job.function, outputs(job))
-            if made is not None:
-                text, name, self.flat[name] = made[0], made[1], made[2]
+            code = generator.source(derivations()[job.robot], job.function, outputs(job))
+            if code is not None:
+                text, name, self.flat[name] = code[0], code[1], code[2]
                 (folder / f"{name}.c").write_text(text)
                 yield f"{name}.c"
 
@@ -94,13 +94,13 @@ class Bench:
         if name in self.flat:
             run, values = self.fleet.call_flat(name, [case[n] for n in self.flat[name]], len(wanted))
             return run.instructions, dict(zip(wanted, values, strict=True))
-        run, found = self.fleet.call(self.step(job), case, name=name)
-        return run.instructions, {n: found[n] for n in wanted}
+        run, computed = self.fleet.call(self.step(job), case, name=name)
+        return run.instructions, {n: computed[n] for n in wanted}
 
     def count(self, job: Job, name: str = "") -> Count:
         step = self.step(job)
-        known = nominal(next(m for m in self.fleet.modules if m.name == job.robot))
-        every = list(inputs(self.fleet.inputs(step), known, step.name))
+        tunables = nominal(next(m for m in self.fleet.modules if m.name == job.robot))
+        every = list(inputs(self.fleet.inputs(step), tunables, step.name))
         counts = [self.call(job, name, case)[0] for case in every]
         return Count(mean(counts[:RUNS]), min(counts), max(counts))
 
@@ -118,17 +118,17 @@ def references(folder: Path, robots: set[str]) -> Iterator[str]:
             yield path.name
 
 
-def inputs(names: Sequence[str], known: dict[str, float], seed: str) -> Iterator[dict[str, float]]:
+def inputs(names: Sequence[str], tunables: dict[str, float], seed: str) -> Iterator[dict[str, float]]:
     """`RUNS` random inputs: speeds in [-1, 1], angles in [-pi, pi]; then standstill, single motions, quarter turns."""
     source = random.Random(seed)
     angles = {name for name in names if name.endswith(".steer")}
     for _ in range(RUNS):
         yield {
-            n: known.get(n, source.uniform(-1.0, 1.0) * (3.1415926 if n in angles else 1.0)) for n in names
+            n: tunables.get(n, source.uniform(-1.0, 1.0) * (3.1415926 if n in angles else 1.0)) for n in names
         }
-    moving = [name for name in names if name not in angles and name not in known]
+    moving = [name for name in names if name not in angles and name not in tunables]
     for angle, one in product((0.0, 1e-8, 1.5707963, -3.1415927, 2.3), (None, *moving)):
-        yield {n: known.get(n, angle if n in angles else float(n == one)) for n in names}
+        yield {n: tunables.get(n, angle if n in angles else float(n == one)) for n in names}
 
 
 def tables() -> Iterator[str]:

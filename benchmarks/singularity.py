@@ -57,7 +57,7 @@ def number(text: str) -> mpmath.mpf:
 
 def twists(count: int, source: random.Random) -> list[tuple[str, Values]]:
     """(wheel, inputs): rotations about points near the wheel."""
-    found = []
+    drawn = []
     for k in range(count):
         name = source.choice(sorted(PLACES))
         x, y = (float(number(text)) for text in PLACES[name][:2])
@@ -67,18 +67,18 @@ def twists(count: int, source: random.Random) -> list[tuple[str, Values]]:
         vx = nearest_float32(y * omega + near * omega * math.cos(to))
         vy = nearest_float32(-x * omega + near * omega * math.sin(to))
         present = {f"{n}.steer": nearest_float32(source.uniform(-1.6, 1.6)) for n in PLACES}
-        found.append((name, {"vx": vx, "vy": vy, "omega": omega, **present}))
-    return found
+        drawn.append((name, {"vx": vx, "vy": vy, "omega": omega, **present}))
+    return drawn
 
 
-def worst(made: Module, cases: Sequence[tuple[str, Values]], compute: Compute) -> tuple[float, float, int]:
+def worst(module: Module, cases: Sequence[tuple[str, Values]], compute: Compute) -> tuple[float, float, int]:
     """(heading [rad], speed [ulp], cases nearer than 1e-5 m): errors where the centre is `LEAST` away or more."""
     heading = speed = 0.0
     near = 0
-    results = compute(made, "inverse", [case for _, case in cases])
+    results = compute(module, "inverse", [case for _, case in cases])
     with mpmath.workdps(DIGITS):
         places = {name: tuple(map(number, texts)) for name, texts in PLACES.items()}
-        for (name, case), found in zip(cases, results, strict=True):
+        for (name, case), outputs in zip(cases, results, strict=True):
             x, y, zero, radius = places[name]
             omega = case["omega"]
             a, b = case["vx"] - y * omega, case["vy"] + x * omega
@@ -86,18 +86,18 @@ def worst(made: Module, cases: Sequence[tuple[str, Values]], compute: Compute) -
             if size < LEAST * abs(omega):
                 continue
             near += bool(size < 1e-5 * abs(omega))
-            turns = (mpmath.atan2(b, a) - zero - found[f"{name}.steer"]) / mpmath.pi
+            turns = (mpmath.atan2(b, a) - zero - outputs[f"{name}.steer"]) / mpmath.pi
             heading = max(heading, float(abs(turns - mpmath.nint(turns)) * mpmath.pi))
             wanted = size / radius * (-1) ** int(mpmath.nint(turns))
             ulp = math.ldexp(1.0, math.frexp(float(wanted))[1] - 24)
-            speed = max(speed, float(abs(found[f"{name}.spin"] - wanted)) / ulp)
+            speed = max(speed, float(abs(outputs[f"{name}.spin"] - wanted)) / ulp)
     return heading, speed, near
 
 
 def nearby(target: str, count: int = NEAR) -> tuple[float, float]:
     """The worst errors of the compiled C for a target."""
 
-    def compiled(made: Module, name: str, cases: Sequence[Values]) -> list[Values]:
-        return evaluate(made, name, cases, math=INLINE, target=target)
+    def compiled(module: Module, name: str, cases: Sequence[Values]) -> list[Values]:
+        return evaluate(module, name, cases, math=INLINE, target=target)
 
     return worst(module(), twists(count, random.Random(f"near {target}")), compiled)[:2]

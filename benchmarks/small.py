@@ -30,7 +30,7 @@ def table() -> Iterator[str]:
     yield from heading("layout", "robot", there)
     for layout, robot in dict.fromkeys((job.layout, job.robot) for job in JOBS):
         pairs = zip(usual, small, strict=True)
-        cells = [" → ".join(str(total(found, robot)) for found in pair) for pair in pairs]
+        cells = [" → ".join(str(total(footprints, robot)) for footprints in pair) for pair in pairs]
         yield f"| {layout} | `{robot}` | {' | '.join(cells)} |"
     yield ""
     yield "Instructions per call on the emulated Cortex-M4F, inline."

@@ -153,10 +153,10 @@ class Fleet:
 
     def call_flat(self, name: str, inputs: Sequence[float], outputs: int) -> tuple[Run, tuple[float, ...]]:
         """Call ``void name(const float *x, float *y)``, or a function of CasADi's signature."""
-        params, given, results, *_ = _PLACES
-        self.machine.write(given, struct.pack(f"<{len(inputs)}f", *inputs))
+        params, arguments, results, *_ = _PLACES
+        self.machine.write(arguments, struct.pack(f"<{len(inputs)}f", *inputs))
         self.machine.write(results, _POISON * outputs)
-        places = [given, results]
+        places = [arguments, results]
         if name.startswith("casadi_"):  # arrays of pointers to the vectors
             self.machine.write(params, struct.pack("<2I", *places))
             places = [params, params + 4, 0, 0]

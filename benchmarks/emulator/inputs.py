@@ -6,9 +6,11 @@ import random
 from collections.abc import Iterator, Sequence
 
 
-def cases(names: Sequence[str], known: dict[str, float], seed: str, count: int) -> Iterator[dict[str, float]]:
-    """Standstill, then uniform in [-1, 1]; what is ``known`` stays as it is."""
+def cases(
+    names: Sequence[str], tunables: dict[str, float], seed: str, count: int
+) -> Iterator[dict[str, float]]:
+    """Standstill, then uniform in [-1, 1]; ``tunables`` stay as they are."""
     source = random.Random(seed)
-    yield {name: known.get(name, 0.0) for name in names}
+    yield {name: tunables.get(name, 0.0) for name in names}
     for _ in range(count):
-        yield {name: known.get(name, source.uniform(-1.0, 1.0)) for name in names}
+        yield {name: tunables.get(name, source.uniform(-1.0, 1.0)) for name in names}

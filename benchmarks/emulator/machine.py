@@ -88,11 +88,11 @@ class Machine:
         """The instructions of a block: those of four bytes begin with 0b11101, 0b11110 or 0b11111."""
         if any(address in places for places in self._free):
             return 0
-        place, found = address, 0
+        place, count = address, 0
         while place < address + size:
             place += 4 if self._halfword(place) >> 11 >= 0b11101 else 2
-            found += 1
-        return found
+            count += 1
+        return count
 
     def _look(self, uc: Uc, address: int, size: int, data: object) -> None:
         self._lowest = min(self._lowest, uc.reg_read(arm.UC_ARM_REG_SP))
@@ -112,8 +112,8 @@ class Machine:
     ) -> None:
         self._calls[name] += 1
         registers = [arm.UC_ARM_REG_S0 + k for k in range(count)] if self._fpu else _ARGUMENTS[:count]
-        given = struct.pack(f"<{count}I", *(uc.reg_read(r) & 0xFFFF_FFFF for r in registers))
-        result = struct.pack("<f", function(*struct.unpack(f"<{count}f", given)))
+        arguments = struct.pack(f"<{count}I", *(uc.reg_read(r) & 0xFFFF_FFFF for r in registers))
+        result = struct.pack("<f", function(*struct.unpack(f"<{count}f", arguments)))
         uc.reg_write(registers[0], int.from_bytes(result, "little"))
 
     def call(self, name: str, *arguments: int | float) -> Run:

@@ -62,9 +62,9 @@ def _grid(kernel: Kernel) -> Grid:
 def minimax(kernel: Kernel, fixed: Sequence[Any], powers: Sequence[int]) -> list[Any]:
     """The best coefficients of ``powers`` beside the first ones, which are ``fixed``."""
     grid, n = _grid(kernel), len(powers)
-    known = kernel.powers[: len(fixed)]
+    fixed_powers = kernel.powers[: len(fixed)]
     places = [round(GRID * (1 - math.cos(math.pi * (2 * i + 1) / (2 * n + 2))) / 2) for i in range(n + 1)]
-    found: list[Any] = []
+    best: list[Any] = []
     for _ in range(40):
         a, b = mp.matrix(n + 1, n + 1), mp.matrix(n + 1, 1)
         for i, place in enumerate(places):
@@ -72,17 +72,17 @@ def minimax(kernel: Kernel, fixed: Sequence[Any], powers: Sequence[int]) -> list
             for j, p in enumerate(powers):
                 a[i, j] = x**p
             a[i, n] = (-1) ** i
-            b[i] = kernel.function(x) - sum(c * x**p for c, p in zip(fixed, known, strict=True))
+            b[i] = kernel.function(x) - sum(c * x**p for c, p in zip(fixed, fixed_powers, strict=True))
         solved = mp.lu_solve(a, b)
-        found = [solved[j] for j in range(n)]
-        errors = _errors(grid, [*fixed, *found], [*known, *powers])
+        best = [solved[j] for j in range(n)]
+        errors = _errors(grid, [*fixed, *best], [*fixed_powers, *powers])
         chosen = _alternating(errors, n + 1)
         if len(chosen) < n + 1 or max(map(abs, errors)) - float(abs(solved[n])) < 1e-6 * max(
             map(abs, errors)
         ):
             break
         places = chosen
-    return found
+    return best
 
 
 def _errors(grid: Grid, coefficients: Sequence[Any], powers: Sequence[int]) -> list[float]:
@@ -120,8 +120,8 @@ def coefficients(kernel: Kernel) -> tuple[tuple[str, ...], float]:
     with mpmath.workdps(DIGITS):
         fixed: list[Any] = []
         while len(fixed) < len(kernel.powers):
-            found = minimax(kernel, fixed, kernel.powers[len(fixed) :])
-            fixed.append(mp.mpf(nearest_float32(float(found[0]))))
+            best = minimax(kernel, fixed, kernel.powers[len(fixed) :])
+            fixed.append(mp.mpf(nearest_float32(float(best[0]))))
         worst = max(map(abs, _errors(_grid(kernel), fixed, kernel.powers)))
     return tuple(_decimal(float(c)) for c in fixed), worst
 

@@ -78,10 +78,10 @@ def _vector() -> Function:
 
 def compiler() -> str:
     """A C compiler of this machine."""
-    found = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    if found is None:
+    path = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if path is None:
         raise EnvironmentFailure("trying every float needs a C compiler")
-    return found
+    return path
 
 
 def build(folder: Path, target: str, vector: bool = False) -> Path:

@@ -15,10 +15,12 @@ def source(
     derivation: Derivation, function: str, outputs: tuple[str, ...]
 ) -> tuple[str, str, tuple[str, ...]]:
     """C of some outputs, the name of its function and the inputs. One vector in and one out: the shortest form."""
-    made = derivation.casadi()[function]
-    names = tuple(made.name_in(k) for k in range(made.n_in()))
+    compiled = derivation.casadi()[function]
+    names = tuple(compiled.name_in(k) for k in range(compiled.n_in()))
     inputs = [ca.SX.sym(f"x{k}") for k in range(len(names))]
-    results = dict(zip((made.name_out(k) for k in range(made.n_out())), made.call(inputs), strict=True))
+    results = dict(
+        zip((compiled.name_out(k) for k in range(compiled.n_out())), compiled.call(inputs), strict=True)
+    )
     name = f"casadi_{derivation.robot.name}_{function}"
     flat = ca.Function(name, [ca.vertcat(*inputs)], [ca.vertcat(*(results[n] for n in outputs))])
     before = Path.cwd()

@@ -37,9 +37,9 @@ def source(
     plain = {signal(name): sympy.Symbol(f"x{k}", real=True) for k, name in enumerate(inputs)}
     plain |= decimals([closed[name] for name in outputs])
     try:
-        made = Values({f"y{k}": sf.S(closed[name].xreplace(plain)) for k, name in enumerate(outputs)})
+        values = Values({f"y{k}": sf.S(closed[name].xreplace(plain)) for k, name in enumerate(outputs)})
         code = print_code(
-            Values({f"x{k}": sf.Symbol(f"x{k}") for k in range(len(inputs))}), made, {}, CppConfig()
+            Values({f"x{k}": sf.Symbol(f"x{k}") for k in range(len(inputs))}), values, {}, CppConfig()
         )
     except (TypeError, ValueError, NotImplementedError, AttributeError, RuntimeError, SympifyError):
         return None
@@ -51,9 +51,9 @@ def source(
 
 
 def _in_c(text: object) -> str:
-    def one(found: re.Match[str]) -> str:
-        if found[1]:
-            return f"{_OTHER_NAMES.get(found[1], found[1])}f"
-        return f"x[{found[2]}]" if found[2] else "(float)"
+    def one(match: re.Match[str]) -> str:
+        if match[1]:
+            return f"{_OTHER_NAMES.get(match[1], match[1])}f"
+        return f"x[{match[2]}]" if match[2] else "(float)"
 
     return _CPP.sub(one, str(text))

@@ -27,12 +27,12 @@ def missing() -> str:
 
 
 def _places() -> list[Path]:
-    found = []
+    folders = []
     for name in ("native.wpimath", "native.wpiutil"):
         spec = importlib.util.find_spec(name)
         assert spec is not None and spec.submodule_search_locations
-        found.append(Path(spec.submodule_search_locations[0]))
-    return found
+        folders.append(Path(spec.submodule_search_locations[0]))
+    return folders
 
 
 def _run(*words: str | Path, folder: Path) -> str:
@@ -77,9 +77,9 @@ def _total(program: Path, function: str, calls: int) -> int:
     with tempfile.TemporaryDirectory() as folder:
         words = ("valgrind", "--tool=callgrind", "--callgrind-out-file=out", program, function, str(calls))
         told = _run(*words, folder=Path(folder))
-    found = re.search(r"Collected\s*:\s*(\d+)", told)
-    assert found is not None, told
-    return int(found[1])
+    collected = re.search(r"Collected\s*:\s*(\d+)", told)
+    assert collected is not None, told
+    return int(collected[1])
 
 
 def table() -> Iterator[str]:

@@ -88,6 +88,12 @@ class Latex(LatexPrinter):  # type: ignore[misc]
         )  # the signs of products that are not evaluated stand twice
         return text.replace("- - ", "+ ").replace("+ - ", "- ")
 
+    def summand(self, expr: Expr) -> str:
+        """A term of a sum with its sign."""
+        text = str(self.doprint(expr))
+        text = rf"\left({text}\right)" if self._needs_add_brackets(expr) else text
+        return text if text.startswith("-") else f"+ {text}"
+
     def _print_Piecewise(self, expr: Expr) -> str:
         (then, condition), (otherwise, _) = expr.args
         then, condition, otherwise = (self._print(e) for e in (then, condition, otherwise))

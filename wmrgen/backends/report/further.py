@@ -63,11 +63,12 @@ def _function(d: Derivation, f: Formula) -> list[str]:
     def shown(expr: Expr) -> str:
         """A sum on several lines where it is long."""
         expr = substituted(expr, names, memo)
-        text = str(printer.doprint(expr))
-        if not expr.is_Add or width(text) <= WIDE:
-            return text
-        parts = [str(printer.doprint(part)) for part in expr.args]
-        return wrapped([f"{part} " if part.startswith("-") else f"+ {part} " for part in parts]).strip()
+        if not expr.is_Add:
+            return str(printer.doprint(expr))
+        parts = [printer.summand(part) for part in expr.args]
+        if width("".join(parts)) > WIDE:
+            return wrapped([f"{part} " for part in parts]).strip()
+        return " ".join(parts).removeprefix("+ ")
 
     intermediate = [f"{shown(symbol)} &= {shown(expr)}" for symbol, expr in steps]
     own = {p.name for p in f.inputs}

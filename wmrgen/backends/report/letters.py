@@ -3,7 +3,8 @@ r / (4 (a + b)); the forms of the model, and the functions that are one."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -126,7 +127,18 @@ def by_three(d: Derivation, rows: list[Measured], nominal: list[Measured]) -> li
 
 def _quotients(above: Sequence[Poly], below: Poly, ports: Ports) -> list[list[Term]]:
     """above / below as sums."""
+    if len(below.terms) == 1:
+        order = {notation.port(name): (3 + k, "") for k, name in enumerate(ports.values())}
+        return [with_tangents(_in_order(terms(p * below.inverse()), order)) for p in above]
     return [with_tangents(terms(reduced(p, below), ports)) for p in above]
+
+
+def _in_order(summed: Sequence[Term], order: Mapping[str, tuple[int, str]]) -> list[Term]:
+    """The terms with the velocities in this order, where polynomials have them in that of their names."""
+    return [
+        replace(t, factors=tuple(replace(f, order=order.get(f.base, f.order)) for f in t.factors))
+        for t in summed
+    ]
 
 
 def _written(sums: Sequence[Sequence[Term]], most: int) -> list[str]:

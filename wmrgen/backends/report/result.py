@@ -44,7 +44,7 @@ def _example(d: Derivation) -> list[str]:
         return []
     rows = []
     for function, inputs, outputs in steps:
-        units = {p.name: p.unit for p, _ in d.formula(function).outputs}
+        units = {p.name: p.unit for p, _ in d.program.formula(function).outputs}
         shown = ", ".join(f"{n} = {_short(v)}{_unit(units[n])}" for n, v in outputs.items())
         words = " ".join(f"{n}={_short(v)}" for n, v in inputs.items() if v)
         rows.append([shown, code(f"wmrgen eval {d.robot.name}.yaml {function} {words}")])
@@ -65,7 +65,7 @@ def example(d: Derivation) -> list[tuple[str, Values, Values]]:
     twist, joints = commanded
     own = {n: v for n, v in joints.items() if d.robot.wheel(n.rpartition(".")[0]).actuated}
     steps = [("inverse", twist, own)]
-    sensed = [p.name for p in d.formula("forward").inputs if p.default is None]
+    sensed = [p.name for p in d.program.formula("forward").inputs if p.default is None]
     measured = {n: joints.get(n, ZERO) for n in sensed}
     if measured and len(measured) <= _MANY:
         again = d.evaluate("forward", measured)

@@ -192,6 +192,8 @@ class Exact:
         return -self if self.sign < 0 else self
 
     def __float__(self) -> float:
+        if self.is_rational:
+            return self.num[0] / self.den
         value = self.rational()
         return value.numerator / value.denominator
 

@@ -198,3 +198,21 @@ def test_a_length_that_is_nothing_but_rounding_has_no_share() -> None:
     """Wheels that roll across have a track of 1e-17."""
     assert length("track", 2.4e-17, 0.4, ()).words == "track 2.4e-17 m -> 0.4 m"
     assert length("track", 0.2, 0.4, ()).words.endswith("(+100.0 %, twice that)")
+
+
+def test_a_wheelbase_of_plain_wheels_is_one_where_the_robot_has_it(tmp_path: Path) -> None:
+    """Some drivers call the track of four plain wheels so, and some mean it."""
+    robot = Layout("robot", "description", tuple(four("fl", "fr", "rl", "rr")))
+    path = tmp_path / "driver.yaml"
+    for value, expected in ((0.4, []), (0.3, ["track (wheel_base) 0.2 m -> 0.3 m (+50.0 %)"])):
+        path.write_text(f"driver: {{wheel_base: {value}}}\n", encoding="utf-8")
+        assert [d.words for d in compare(robot, layouts(path)[0]).differences] == expected
+
+
+def test_parameters_that_a_launch_file_gives_are_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "driver.yaml"
+    path.write_text("driver: {track_width: $(arg track), wheel_diameter: $(arg size)}\n", encoding="utf-8")
+    with pytest.raises(RobotFileError, match="track:=VALUE size:=VALUE"):
+        layouts(path)
+    (layout,) = layouts(path, ["track:=0.4"])
+    assert layout.controller and float(layout.controller.lengths["track"].value) == 0.4

@@ -275,6 +275,20 @@ def test_meshes_stand_beside_wheels_that_are_drawn(read: Import) -> None:
     ) | dict.fromkeys(("fl", "fr"), "steered")
 
 
+def test_rigid_wheels_beside_wheels_that_turn_are_asked_about(read: Import) -> None:
+    """A car of which only the front wheels turn. A castor, a smaller wheel and a tyre are none."""
+    rear = "".join(
+        wheel(f"r{side}_wheel", f"-0.6 {y} 0.1", kind="fixed", axis="")
+        for side, y in (("l", 0.25), ("r", -0.25))
+    )
+    castor = wheel("castor_wheel", "-0.9 0 0.1", kind="fixed", axis="")
+    small = wheel("small_wheel", "-0.7 0 0.03", cylinder("0.03"), kind="fixed", axis="")
+    tyre = wheel("tyre_wheel", "0 0.2 0", parent="left_link", kind="fixed", axis="")
+    said = read(robot(pair(), rear, castor, small, tyre))
+    assert list(said["wheels"]) == ["left", "right", "rl", "rr"]
+    assert [(q["wheel"], q["key"]) for q in said["questions"][:2]] == [("rl", "type"), ("rr", "type")]
+
+
 def test_a_wheel_drawn_too_small_stands_where_its_mirror_image_does(read: Import) -> None:
     """Its radius and whether it is a wheel are asked: the drawing is wrong somewhere."""
     small = wheel("tiny", "-0.3 0.25 0.1", cylinder("0.01")) + wheel("large", "-0.3 -0.25 0.1")

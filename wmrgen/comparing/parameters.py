@@ -71,9 +71,9 @@ def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, 
     kinds = [WHEEL_TYPES[w.type] for w in wheels]
     where, along = roles(wheels), forward(wheels)
     skids = all(k.fixed_axle for k in kinds) and any("front" in word for word in where)
-    c = _as_meant(c, kinds)
     only = a.controller.lengths if a.controller else LENGTHS
     mine = {key: value for key, value in lengths(wheels, where, along).items() if key in only}
+    c = _as_meant(c, kinds, mine.get("wheelbase", 0.0))
     said = {key: worth(c, key, not skids) for key in c.lengths}
     differences: list[Difference] = []
     for key, value in list(said.items()):
@@ -105,11 +105,12 @@ def worth(c: Controller, key: str, multiplied: bool) -> float:
     return float(c.lengths[key].value * (factor.value if factor else 1))
 
 
-def _as_meant(c: Controller, kinds: Iterable[WheelType]) -> Controller:
-    """With the track under its name, which drivers of plain wheels call the wheel base; and a radius for each side
-    that has a multiplier of its own."""
+def _as_meant(c: Controller, kinds: Iterable[WheelType], wheelbase: float) -> Controller:
+    """With the track under its name, which drivers of plain wheels call the wheel base, unless it is the ``wheelbase``;
+    and a radius for each side that has a multiplier of its own."""
     said = dict(c.lengths)
-    if "track" not in said and "wheelbase" in said and all(k.fixed_axle for k in kinds):
+    plain = "track" not in said and "wheelbase" in said and all(k.fixed_axle for k in kinds)
+    if plain and not same(float(said["wheelbase"].value), wheelbase):
         said["track"] = said.pop("wheelbase")
     if "radius" in said:
         said |= {key: said["radius"] for key in c.multipliers if key.endswith("_radius") and key not in said}

@@ -29,6 +29,7 @@ _VALUE = re.compile(rf" (x|y|heading|r|d|offset_y|gamma) (-?{NUMBER}) (m|deg)\b"
 _TRACK = re.compile(rf"^ \*   effective track ({NUMBER}) m$", re.MULTILINE)
 _MACRO = re.compile(rf"^#define (\w+)_(X|Y|RADIUS) \(?(-?{NUMBER})f?\)?(?= |$)", re.MULTILINE)
 _KEYS = {"X": "x", "Y": "y", "RADIUS": "r"}
+_ARGUMENT = re.compile(r"\$\(arg ([^()\s]+)\)")
 _LARGEST, _MOST = 8 * 1024 * 1024, 64  # bytes; wheels
 
 
@@ -125,6 +126,18 @@ def layouts(
     return result
 
 
+def _refuse_without_values(text: str, given: Mapping[str, str], name: str, told: bool) -> None:
+    """RobotFileError for parameters of which nothing is ``told`` but ``$(arg …)`` that nobody gave."""
+    open_ = [word for word in dict.fromkeys(_ARGUMENT.findall(text)) if word not in given]
+    if open_ and not told:
+        raise RobotFileError(
+            f"{name}: no length of a wheel controller has a value",
+            None,
+            "$(arg …) stands for what a launch file gives.",
+            f"Give them behind the files: {printable(' '.join(f'{word}:=VALUE' for word in open_))[:300]}.",
+        )
+
+
 def _layouts(
     path: Path, arguments: Sequence[str], packages: Sequence[str], base: str | None
 ) -> Iterator[Layout]:
@@ -144,9 +157,9 @@ def _layouts(
         yield of_header(text, name)
     else:
         if text and not re.search(r"^\s*['\"]?wmrgen['\"]?\s*:", text, re.MULTILINE):
-            controllers = read_controllers(
-                path, dict(word.split(":=", 1) for word in arguments if ":=" in word)
-            )
+            given = dict(word.split(":=", 1) for word in arguments if ":=" in word)
+            controllers = read_controllers(path, given)
+            _refuse_without_values(text, given, name, bool(controllers))
         if not controllers:
             yield of_robot(*wmrgen.read(path), name)
     yield from (of_controller(c, name) for c in controllers)

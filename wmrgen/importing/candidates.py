@@ -20,6 +20,7 @@ from wmrgen.spec.text import quoted
 LEVEL = math.sin(math.radians(12))
 ROLLERS = 4  # that a wheel with rollers has at least
 UNSEEN = Fraction(5, 100)  # [m] the radius of a wheel that is a mesh, where one must be supposed
+_FOLLOWS = re.compile("cast[eo]r", re.IGNORECASE)
 _EVEN = Fraction(5, 1000)  # [m] by which the ground may be uneven
 
 
@@ -53,13 +54,28 @@ class Candidate:
 
 
 def candidates(robot: Robot) -> list[Candidate]:
-    """The wheels, in the order of the file."""
+    """The wheels, in the order of the file; after them what stands rigid beside them and looks like them."""
     joints = [j for j in robot.description.joints if robot.reaches(j.child)]
     spins = [c for joint in joints if (c := _spin(robot, joint) or _steer_only(robot, joint))]
     rollers = {roller.child for c in spins for roller in c.rollers}
     spins = [c for c in spins if c.joint.child not in rollers and not _shown_only(robot, c)]
     wheels = _mirrored(_on_ground(robot, spins), spins)
-    return wheels if len(wheels) > 1 else _on_ground(robot, spins + _all_fixed(robot))
+    if len(wheels) < 2:
+        return _on_ground(robot, spins + _all_fixed(robot))
+    return wheels + [c for c in rigid_wheels(robot, wheels) if _alike(c, wheels)]
+
+
+def _alike(c: Candidate, wheels: list[Candidate]) -> bool:
+    """What stands rigid beside wheels that turn, as large as they, and is none of their parts nor a castor."""
+    if not c.shape or "wheel" not in c.joint.child.lower() or _FOLLOWS.search(c.joint.name + c.joint.child):
+        return False
+    apart = all(_square(plus(c.centre, w.centre, -1)) > c.radius**2 for w in wheels)
+    own = all(c.joint.parent != w.joint.child and w.joint not in c.via for w in wheels)
+    return apart and own and any(w.shape and abs(w.radius - c.radius) < c.radius / 100 for w in wheels)
+
+
+def _square(a: Vector) -> Fraction:
+    return dot(a, a)
 
 
 def _mirrored(wheels: list[Candidate], spins: list[Candidate]) -> list[Candidate]:

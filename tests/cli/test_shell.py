@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,8 +15,18 @@ import yaml
 
 from tests.cli.page import PAGE, page
 from tests.conftest import DIFFERENTIAL, ROOT, Outcome
+from tests.tools import tool
 
 Cli = Callable[..., Outcome]
+
+
+@pytest.fixture
+def beside(tmp_path: Path) -> Path:
+    """A folder with the gallery, and a robot in a hidden folder."""
+    (tmp_path / "robots").symlink_to(ROOT / "robots")
+    (tmp_path / ".hidden").mkdir()
+    (tmp_path / ".hidden" / "pair.yaml").write_text(DIFFERENTIAL)
+    return tmp_path
 
 
 @pytest.mark.parametrize(
@@ -29,16 +41,62 @@ Cli = Callable[..., Outcome]
         ("new x --from ku", ["kuka_youbot"]),
         ("model robots/bicycle.yaml --form ch", ["chained"]),
         ("derive nowhere/", []),
+        ("derive .hidden/p", [".hidden/pair.yaml"]),
+        ("derive .hid", [".hidden/"]),
+        ("derive ''", ["robots/"]),
+        ("explain WMR11", [f"WMR11{k}" for k in range(5)]),
+        ("derive --package es", ["esp-idf"]),
     ],
 )
 def test_completion(
-    wmrgen_cli: Cli, monkeypatch: pytest.MonkeyPatch, words: str, completed: list[str]
+    wmrgen_cli: Cli, monkeypatch: pytest.MonkeyPatch, beside: Path, words: str, completed: list[str]
 ) -> None:
-    monkeypatch.chdir(ROOT)
+    monkeypatch.chdir(beside)
     monkeypatch.setenv("COMP_WORDS", f"wmrgen {words}")
     monkeypatch.setenv("COMP_CWORD", str(len(words.split())))
     monkeypatch.setenv("_WMRGEN_COMPLETE", "complete_bash")
     assert wmrgen_cli().out.split() == completed
+
+
+# How each shell is made to say what it completes of the words $1 …; zsh types them and a tab at a terminal.
+SHELLS = {
+    "bash": """
+source <(wmrgen --show-completion)
+COMP_WORDS=(wmrgen "$@") COMP_CWORD=$#
+_wmrgen_completion wmrgen
+printf '%s\\n' "${COMPREPLY[@]}"
+""",
+    "fish": 'wmrgen --show-completion | source; complete --do-complete "wmrgen $argv"',
+    "zsh": """
+zmodload zsh/zpty
+zpty terminal zsh -f -i
+zpty -w terminal 'autoload -Uz compinit; compinit -u -D; source <(wmrgen --show-completion); PS1=; echo rea''dy'
+zpty -r terminal said '*ready*'
+zpty -n -w terminal "wmrgen $*"$'\\t'
+zpty -r terminal said "*wmrgen*$EXPECTED*" && print -r -- $EXPECTED
+""",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shell", SHELLS)
+def test_shells_complete(shell: str, beside: Path, tmp_path: Path) -> None:
+    """The script that --show-completion prints, in the shell that reads it."""
+    program = tmp_path / "bin" / "wmrgen"
+    program.parent.mkdir()
+    program.write_text(f"#!{sys.executable}\nfrom wmrgen.__main__ import main\nmain()\n")
+    program.chmod(0o755)
+    environment = {"PATH": f"{program.parent}:{os.environ['PATH']}", "PYTHONPATH": str(ROOT), "TERM": "dumb"}
+    for words, completed in (
+        ("ev", "eval"), ("derive robots/pio", "robots/pioneer3dx.yaml"),
+        ("eval robots/unicycle.yaml odometry_cov", "odometry_covariance"),
+    ):  # fmt: skip
+        done = subprocess.run(
+            [tool(shell), "-c", SHELLS[shell], *([shell] if shell != "fish" else []), *words.split()],
+            cwd=beside, env=environment | {"EXPECTED": completed, "HOME": str(tmp_path)},
+            stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60,
+        )  # fmt: skip
+        assert [line.split("\t")[0] for line in done.stdout.splitlines()] == [completed], done.stderr
 
 
 def test_the_page_is_fresh() -> None:
@@ -65,6 +123,24 @@ def test_hooks_are_what_pre_commit_reads(wmrgen_cli: Cli, project: Path) -> None
         assert (program, wmrgen_cli(*words, *files).code) == ("wmrgen", 0)
     (project / "generated" / "pair" / "pair.h").write_text("stale")
     assert wmrgen_cli(*hooks["wmrgen-check"]["entry"].split()[1:]).code == 1
+
+
+READERS = {
+    ".pre-commit-hooks.yaml": ("pre-commit", "validate-manifest"),
+    "action.yml": ("check-jsonschema", "--builtin-schema", "vendor.github-actions"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", READERS)
+def test_others_take_them(name: str, tmp_path: Path) -> None:
+    """pre-commit reads the hooks, the Action is what GitHub's schema says; without its name either is refused."""
+    program, *words = READERS[name]
+    text = (ROOT / name).read_text(encoding="utf-8")
+    for content, code in ((text, 0), (text.replace("name:", "title:"), 1)):
+        (tmp_path / name).write_text(content, encoding="utf-8")
+        done = subprocess.run([tool(program), *words, tmp_path / name], capture_output=True, text=True)
+        assert done.returncode == code, done.stdout + done.stderr
 
 
 @pytest.mark.skipif(not shutil.which("bash"), reason="the Action's shell")

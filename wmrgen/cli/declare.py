@@ -129,15 +129,16 @@ def words(text: str) -> Any:
     return argument("[NAME=VALUE]...", text)
 
 
-def option(text: str, metavar: str | None = None) -> Any:
+def option(text: str, metavar: str | None = None, completion: Completion | None = None) -> Any:
     """An option with a value; help shows no default."""
-    return typer.Option(metavar=metavar, help=text, show_default=False)
+    return typer.Option(metavar=metavar, help=text, show_default=False, autocompletion=completion)
 
 
 def robot_files(incomplete: str) -> list[str]:
     """YAML files, and folders, whose paths begin so."""
     folder = Path(incomplete) if incomplete.endswith("/") else Path(incomplete).parent
-    paths = sorted(folder.iterdir()) if folder.is_dir() else []
+    hidden = incomplete.rpartition("/")[2].startswith(".")
+    paths = sorted(p for p in folder.iterdir() if hidden or p.name[0] != ".") if folder.is_dir() else []
     shown = [f"{p}/" if p.is_dir() else str(p) for p in paths if p.is_dir() or p.suffix in (".yaml", ".yml")]
     return [path for path in shown if path.startswith(incomplete)]
 

@@ -12,6 +12,12 @@ from wmrgen.cli.declare import Json, Robot, Robots, Words, argument, group, opti
 verb = group("Analyse")
 
 
+def _codes(incomplete: str) -> list[str]:
+    from wmrgen.cli.lint import explained
+
+    return [code for code in explained() if code.startswith(incomplete.upper())]
+
+
 @verb("model", "Print a model of a robot: state, inputs, equations, singular sets.")
 def model(
     robot: Robot,
@@ -71,7 +77,8 @@ def lint(robots: Robots, as_json: Json = False) -> None:
 
 @verb("lint", "Explain a finding, with a wrong and a right example.")
 def explain(
-    code: Annotated[str | None, argument("[CODE]", "WMR012; none lists all.")] = None, as_json: Json = False
+    code: Annotated[str | None, argument("[CODE]", "WMR012; none lists all.", _codes)] = None,
+    as_json: Json = False,
 ) -> None:
     """Example:  wmrgen explain WMR012
 

@@ -24,6 +24,12 @@ from wmrgen.cli.declare import (
 verb = group("Generate")
 
 
+def _kinds(incomplete: str) -> list[str]:
+    from wmrgen.backends.packages import PACKAGES
+
+    return [kind for kind in PACKAGES if kind.startswith(incomplete)]
+
+
 @verb("generate", "Derive robots and write their model, report and code.")
 def derive(
     robots: Robots,
@@ -40,6 +46,7 @@ def derive(
         option(
             "Write DIR/package-KIND/<name>/ too: cmake, arduino, platformio, esp-idf, zephyr, ros2, rust, javascript.",
             "KIND",
+            _kinds,
         ),
     ] = None,
     html: Annotated[

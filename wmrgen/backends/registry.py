@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from wmrgen.backends.words import AVR, C_LIBRARY, CASADI, JAVASCRIPT, PYTHON, RUST, C, Reserved
+from wmrgen.backends.words import C_LIBRARY, CASADI, JAVASCRIPT, PYTHON, RUST, C, Reserved
 from wmrgen.errors import UsageError
 from wmrgen.ports import NO_SITE, Site
 
@@ -191,7 +191,7 @@ for _entry in (
             Files(("test/{robot}_fuzz.c",)),
             Files(("example/main.c",), "the loop from sensors to motors, a figure of eight"),
         ),
-        reserved=(C, C_LIBRARY, AVR), options=("scalar", "math", "target"), switches=("fuzz",), proved=True,
+        reserved=(C, C_LIBRARY), options=("scalar", "math", "target"), switches=("fuzz",), proved=True,
     ),
     Entry(
         "numpy", "wmrgen.backends.numpy", "module", "numpy",

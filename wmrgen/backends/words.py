@@ -57,8 +57,9 @@ seek_set
 """,
     "The C library has a function, variable or macro of that name.",
 )
-# Of the nine usual chips, what has up to three letters and what somebody may call a wheel or a parameter.
-AVR = Reserved(
+# Of the nine usual chips, what has up to three letters and what somebody may call a wheel or a parameter. Those names
+# are taken, and a header refuses to be read where such a macro is; no robot is called so, whose name stands alone.
+AVR_MACROS = Reserved(
     frozenset(),
     "avr-libc or Arduino's core has a macro of that name.",
     re.compile(

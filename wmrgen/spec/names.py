@@ -6,6 +6,7 @@ import re
 import unicodedata
 
 from wmrgen.backends.registry import why_reserved
+from wmrgen.backends.words import AVR_MACROS
 from wmrgen.errors import Code, RobotFileError
 from wmrgen.spec.text import Node, Scalar, quoted
 
@@ -85,6 +86,8 @@ def robot_name(node: Scalar) -> str:
     if word in _FILE_NAMES:
         why = "The generated files would be taken for a standard header or module."
         raise _no_name(node, what, why, f"{node.text}_robot")
+    if AVR_MACROS.keeps(node.text):
+        raise _no_name(node, what, AVR_MACROS.why, _free(node.text))
     if word in _SCOPES:
         why = "The packages name a C++ namespace, a library or a crate after the robot, and one of that name is there."
         raise _no_name(node, what, why, f"{node.text}_robot")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -17,6 +18,7 @@ from wmrgen.backends.c99.text import comment_lines, literal
 from wmrgen.backends.c99.trace import traced
 from wmrgen.backends.expression import expanded
 from wmrgen.backends.registry import Facts
+from wmrgen.backends.words import AVR_MACROS
 from wmrgen.exact.number import Exact
 from wmrgen.ir.kernels import rounds
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, M0, Choice
@@ -93,6 +95,7 @@ def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
         "<math.h>": any("<math.h>" in op.includes for op in ops),
         "<stdint.h>": any("<stdint.h>" in op.includes for op in ops),
     }
+    structs = [struct.lines for struct in (*unit.structs.values(), *counters)]
     context: dict[str, object] = {
         "table": _table(facts),
         "notes": _notes(facts, _arithmetic_notes(unit)),
@@ -103,7 +106,8 @@ def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
         ],
         "version": facts.wmrgen_version,
         "model_hash": "".join(c for c in facts.model_hash if c.isalnum()),
-        "structs": [struct.lines for struct in (*unit.structs.values(), *counters)],
+        "structs": structs,
+        "macros": _macros_elsewhere(structs),
         "steps": unit.every,
         "counters": bool(counters),
         "kernels": unit.kernels,
@@ -186,6 +190,12 @@ def _example(unit: Unit) -> list[str]:
         value = f" = {_EXAMPLE[variable].format(ending)}" if variable in _EXAMPLE else ""
         lines.append(f"{kind} {variable}{value};")
     return [*lines, *(f"{step.call(called)};" for step in (*before, *steps))] if steps else []
+
+
+def _macros_elsewhere(structs: Iterable[Iterable[str]]) -> list[str]:
+    """Members, as wheels and parameters are called, that would not be read where a macro has their name."""
+    code = " ".join(line.partition("/*")[0] for lines in structs for line in lines)
+    return [word for word in dict.fromkeys(re.findall(r"\w+", code)) if AVR_MACROS.keeps(word)]
 
 
 def _macro(name: str) -> str:

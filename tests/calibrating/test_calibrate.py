@@ -287,6 +287,53 @@ def test_a_bad_log_is_refused_in_one_message(tmp_path: Path, mistake: str) -> No
     assert every or "run-0" in str(refusal.value)
 
 
+MISTAKES: dict[str, tuple[Callable[[np.ndarray, np.ndarray], None], str]] = {
+    "theta in degrees": (
+        lambda log, truth: _times(truth, 3, 180 / np.pi),
+        "theta of the truth .* in degrees",
+    ),
+    "x and y in millimetres": (lambda log, truth: _times(truth, slice(1, 3), 1000), "in millimetres"),
+    "theta the other way": (
+        lambda log, truth: _times(truth, 3, -1),
+        "theta of the truth counted the other way",
+    ),
+    "x and y exchanged": (lambda log, truth: _exchanged(truth, 1, 2), "x and y of the truth exchanged"),
+    "joints in degrees": (lambda log, truth: _times(log, slice(1, None), 180 / np.pi), "in degrees"),
+    "the first two joints exchanged": (lambda log, truth: _exchanged(log, 1, 2), "exchanged"),
+}
+
+
+def _times(rows: np.ndarray, column: int | slice, factor: float) -> None:
+    rows[:, column] *= factor
+
+
+def _exchanged(rows: np.ndarray, a: int, b: int) -> None:
+    rows[:, [a, b]] = rows[:, [b, a]]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("mistake", "name"),
+    [
+        *((mistake, "diff-square") for mistake in MISTAKES),
+        ("the first two joints exchanged", "tricycle-circle"),
+        ("joints in degrees", "tricycle-circle"),
+    ],
+)
+def test_a_mistake_in_real_logs_is_named(tmp_path: Path, mistake: str, name: str) -> None:
+    change, said = MISTAKES[mistake]
+    paths = []
+    for run in ("run-01", "run-02"):
+        paths.append(tmp_path / f"{run}.csv")
+        texts = [(LOGS / name / f"{run}{end}").read_text(encoding="utf-8") for end in (".csv", ".truth.csv")]
+        (log_header, log), (truth_header, truth) = map(_rows, texts)
+        change(log, truth)
+        paths[-1].write_text(_text(log_header, log), encoding="utf-8")
+        paths[-1].with_suffix(".truth.csv").write_text(_text(truth_header, truth), encoding="utf-8")
+    with pytest.raises(UsageError, match=said):
+        calibrate(wmrgen.derive(wmrgen.load(LOGS / name / "robot.yaml")), paths, [])
+
+
 def _truths(paths: list[Path], change: Callable[[np.ndarray], np.ndarray]) -> None:
     """Rewrite the rows (t, x, y, theta) of each truth."""
     for path in (path.with_suffix(".truth.csv") for path in paths):

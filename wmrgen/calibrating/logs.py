@@ -156,7 +156,8 @@ def _times(path: Path, table: Mapping[str, Reals]) -> Reals:
     if not np.all(np.isfinite(t)) or not np.all(step > 0):
         row = int(np.nonzero(~(step > 0))[0][0])
         raise UsageError(
-            f"{path}:{row + 3}: t does not rise: {t[row + 1]:g} after {t[row]:g}; sort the rows, and leave doubles out"
+            f"{path}:{row + 3}: t does not rise: {t[row + 1]:.15g} after {t[row]:.15g}; sort the rows, and leave "
+            "doubles out"
         )
     return t
 

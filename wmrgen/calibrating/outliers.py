@@ -16,7 +16,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from wmrgen.calibrating.certainty import Fit
-from wmrgen.calibrating.fit import LEVER, Problem, later, residuals
+from wmrgen.calibrating.fit import BEYOND, LEVER, Problem, later, residuals
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Reals
 
@@ -165,6 +165,7 @@ def without(best: Fit, slips: list[list[Outlier]]) -> Problem:
 def cut(drive: Drive, starts: Sequence[float], ends: Sequence[float], offset: float) -> list[Drive]:
     """Parts of a drive, from the times [s] ``starts`` to ``ends``, without those that are too short to tell anything;
     where all are, the drive."""
+    offset = float(np.clip(offset, -BEYOND, BEYOND))  # what is farther tells of another drive
     parts = []
     for start, end in zip(starts, ends, strict=True):
         first, last = int(np.searchsorted(drive.t, start)), int(np.searchsorted(drive.t, end, "right")) - 1

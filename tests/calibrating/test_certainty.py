@@ -7,8 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from wmrgen.calibrating.calibrate import _deviations
 from wmrgen.calibrating.certainty import _pulls, _spans, _walk
 from wmrgen.calibrating.fit import LEVER, Residuals
+from wmrgen.calibrating.logs import Drive, Truth
 
 ALONG, ACROSS, TURN = 4e-6, 1e-6, 9e-6  # m^2/s, m^2/s, rad^2/s
 NOISE = np.array([2e-3, 3e-3])  # m, rad
@@ -71,3 +73,28 @@ def test_what_slips_and_noise_do_to_the_gradient() -> None:
         for row, kind, size in ((0, 3, 1.0), (1, 3, 1.0), (2, 4, LEVER)):
             wanted[kind] += size**2 * np.outer(gradient[row, k], gradient[row, k])
     np.testing.assert_allclose(pulls, wanted, rtol=1e-9)
+
+
+def test_drives_that_differ_by_more_than_their_own_slips_make() -> None:
+    """Means of all readings but one are the jackknife's textbook case: its deviation is that of the mean. A parameter
+    that one drive alone tells differs without it, and that counts for nothing."""
+    readings = np.array([1.0, 1.3, 0.8, 1.1, 0.9])
+    without = [readings[np.arange(5) != k].mean() for k in range(5)]
+    others = [
+        SimpleNamespace(values=(mean, 9.0 * (k == 0)), deviations=np.array([0.01, 5.0 if k == 0 else 0.2]))
+        for k, mean in enumerate(without)
+    ]
+    best = SimpleNamespace(deviations=np.array([0.01, 0.2]))
+    deviations = _deviations(best, others)  # type: ignore[arg-type]
+    assert deviations == pytest.approx([readings.std(ddof=1) / 5**0.5, 0.2])
+    assert list(_deviations(best, others[:2])) == [0.01, 0.2]  # type: ignore[arg-type]
+
+
+def test_a_robot_stands_where_no_wheel_turns() -> None:
+    t = np.arange(0, 4.01, 0.1)
+    turning = np.where(t[:-1] < 2, 0.05, 0.0)
+    still = Truth(t, t, t, t)
+    drive = Drive(
+        "d", t, {"left.spin": turning, "right.spin": 0 * turning, "right.steer": 1 + 0 * turning}, still
+    )
+    assert drive.stands(-1) and not drive.stands(0)

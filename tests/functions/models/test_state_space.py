@@ -11,7 +11,6 @@ from types import ModuleType
 import casadi
 import numpy as np
 import pytest
-import sympy
 
 import wmrgen
 from tests.conftest import GALLERY, ROOT
@@ -106,19 +105,6 @@ def test_constraints_are_what_contacts_slide(name: str) -> None:
                 velocity = np.array([vx - omega * contact[1], vy + omega * contact[0]])
                 slides.append(velocity @ normal)
         assert np.array(g(x, u, p)).ravel() == pytest.approx(slides, abs=1e-12)
-
-
-def test_a_swerve_is_regular_on_the_spot_and_sideways() -> None:
-    """Where its posture model in driven speeds is not: rates stay those of the twist, derivatives finite."""
-    derivation = of_gallery("wpilib_swervebot")
-    f = derivation.state_space()
-    assert derivation.model()["state_space"]["form"] == "twist"
-    angles = [3 * np.pi / 4, np.pi / 4, -3 * np.pi / 4, -np.pi / 4]
-    for steers, twist in ((angles, (0, 0, 2.0)), ([np.pi / 2] * 4, (0, 1.5, 0)), ([0.0] * 4, (-1.0, 0, 0))):
-        x, u = [0.0, 0.0, 0.0, *steers], [*twist, 0, 0, 0, 0]
-        assert np.array(f(x, u, [])).ravel()[:3] == pytest.approx(twist)
-        assert np.array(derivation.rolling()(x, u, [])).ravel() == pytest.approx(np.zeros(4), abs=1e-12)
-        assert np.isfinite(np.array(f.factory("j", ["x", "u", "p"], ["jac:xdot:x"])(x, u, []))).all()
 
 
 def test_a_skid_steer_turns() -> None:
@@ -249,96 +235,6 @@ def test_numpy_takes_vectors_along_the_last_axis() -> None:
     assert swerve.numpy().rolling(state, command) == pytest.approx(
         swerve.rolling()(state, command, []).full().ravel(), abs=1e-14
     )
-
-
-def test_axles_that_meet_off_the_robot_leave_driven_speeds() -> None:
-    """A degenerate robot whose wheels turn about one point has no twist that is commanded."""
-    text = """\
-wmrgen: 1
-name: carousel
-wheels:
-  - {name: a, type: fixed, x: 1, y: 0, heading: 90 deg, r: 0.1}
-  - {name: b, type: fixed, x: 0, y: 0.7, heading: 180 deg, r: 0.1}
-"""
-    derivation = of_text(text)
-    assert derivation.model()["state_space"]["form"] == "posture"
-    rates = derivation.state_space()([0, 0, 0.0], [3.0], []).full().ravel()
-    assert rates == pytest.approx([0, 0, 0.3])
-
-
-@pytest.mark.parametrize("name", ["wpilib_swervebot", "agilex_ranger", "kelly_4ws", "care_o_bot_4"])
-def test_from_driving_sideways_to_turning_on_the_spot(name: str) -> None:
-    """The whole motion, by steps of the model: no module slides, the pose is that of points which keep their distance,
-    and the constraints stay regular (their Jacobian has full rank) where the chart of the posture model ends."""
-    derivation = of_gallery(name)
-    wheels = [w for w in derivation.robot.wheels if w.kind.steers]
-    pivots = np.array([w.pivot for w in wheels])
-    headings = np.array([w.zero_heading for w in wheels])
-    g, step = derivation.rolling(), derivation.state_space("twist", "rk4", 0.005)
-    jacobian = g.factory("jacobian", ["x", "u", "p"], ["jac:g:x", "jac:g:u"])
-
-    def motion(s: float) -> tuple[complex, float]:
-        """From sideways to on the spot, s from 0 to 1."""
-        return 0.6j * (1 - s) * np.exp(-0.3j * s), 0.9 * s
-
-    def angles(s: float) -> np.ndarray:
-        v, omega = motion(s)
-        return np.unwrap(np.angle((v + 1j * omega * pivots) / headings))
-
-    body = np.array([0, 1, 1j])  # three points of the body, moved by their own velocities
-    places = body.copy()
-    steer = angles(0.0)
-    x = np.array([0, 0, 0, *steer])
-    count = 400
-    for k in range(count):
-        now, later = k / count, (k + 1) / count
-        target = angles(later)
-        target += 2 * np.pi * np.round((steer - target) / (2 * np.pi))
-        v, omega = motion((now + later) / 2)
-        u = np.array([v.real, v.imag, omega, *((target - steer) / 0.005)])
-        here = g([*x[:3], *angles((now + later) / 2)], u, []).full()
-        assert np.abs(here).max() < 1e-12
-        by_x, by_u = (part.full() for part in jacobian(x, u, []))
-        assert np.linalg.svd(np.hstack([by_x[:, 3:], by_u[:, :3]]))[1][-1] > 0.05
-        turn = places[1] - places[0]
-        middle = places + 0.0025 * turn * (v + 1j * omega * body)
-        places = places + 0.005 * (middle[1] - middle[0]) * (v + 1j * omega * body)
-        x, steer = step(x, u, [])[0].full().ravel(), target
-    assert x[3:] == pytest.approx(steer, abs=1e-9)
-    assert complex(x[0], x[1]) == pytest.approx(places[0], abs=1e-5)
-    assert x[2] == pytest.approx(np.angle(places[1] - places[0]), abs=1e-5)
-    twists = jacobian(x, u, [])[1].full()[:, :3]
-    values = np.linalg.svd(twists)[1]
-    assert values[1] > 0.1 and values[2] < 0.01  # one motion is left, turning on the spot
-
-
-@pytest.mark.parametrize("name", ["wpilib_swervebot", "agilex_ranger", "textbook_two_steer"])
-def test_eta_moves_nothing_on_its_singular_set_alone(name: str) -> None:
-    """Its condition is zero where both axles are one line, there G of eta1 is, and nowhere around."""
-    derivation = of_gallery(name)
-    system = derivation.system("eta")
-    (domain,) = system.domain
-    a, b = (derivation.robot.wheel(w) for w in derivation.mobility.basis_wheels)
-    across = 1j * (b.pivot - a.pivot)
-    on_line = {f"{w.name}_steer": np.angle(across / w.zero_heading) for w in (a, b)}
-    column = sympy.Matrix(system.by_input["eta1"])
-    for off in (0.0, 0.3):
-        names = {s.name: s for s in (*domain.expression.free_symbols, *column.free_symbols)}
-        values = {
-            s: 0.4 if n == "theta" else on_line[n] + off * (n == f"{a.name}_steer") for n, s in names.items()
-        }
-        assert (abs(float(domain.expression.subs(values))) < 1e-20) == (off == 0)
-        assert (float(column.subs(values).norm()) < 1e-12) == (off == 0)
-
-
-@pytest.mark.parametrize("name", ["tidybot2", "nomad_xr4000"])
-def test_driven_castors_have_a_model_without_singular_angles(name: str) -> None:
-    derivation = of_gallery(name)
-    space = derivation.default_state_space
-    assert space is not None and (space.form, space.singular) == ("twist", ())
-    assert derivation.system("posture").domain
-    rates = derivation.state_space()([0, 0, 0.5], [0.3, -0.2, 0.7], nominal(derivation)).full().ravel()
-    assert rates == pytest.approx([0.3 * cos(0.5) + 0.2 * sin(0.5), 0.3 * sin(0.5) - 0.2 * cos(0.5), 0.7])
 
 
 def test_a_virtual_wheel_keeps_the_limits_of_those_that_it_steers() -> None:

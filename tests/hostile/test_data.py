@@ -51,6 +51,37 @@ CASES: dict[str, str | bytes] = {
 }
 
 
+_ALIASES = "\n".join(["a0: &a0 [1, 1]", *(f"a{k}: &a{k} [*a{k - 1}, *a{k - 1}]" for k in range(1, 20))])
+CONTROLLERS: dict[str, str] = {
+    "depth": "".join(f"{'  ' * k}k{k}:\n" for k in range(100)),
+    "depth in brackets": "[" * 100_000,
+    "aliases": f"{_ALIASES}\nwheel_separation: 0.4\n",
+    "an alias of itself": "a: &a [*a]\nwheel_separation: 0.4\n",
+    "a tag": "drive: {wheel_separation: !!python/name:os.system 1}\n",
+    "NaN": "drive: {wheel_separation: .nan}\n",
+    "1e400": "drive: {wheel_separation: 1e400}\n",
+    "digits": f"drive: {{wheel_separation: {'9' * 100_000}}}\n",
+    "true": "drive: {wheel_separation: true}\n",
+    "an escape sequence": 'drive: {wheel_separation: "0.4\\e[31m"}\n',
+    "keys of dots": f"{'a.b.' * 10_000}: {{wheel_separation: x}}\n",
+    "very many": "".join(f"c{k}: {{wheel_separation: 0.4}}\n" for k in range(3000)),
+}
+
+
+@pytest.mark.parametrize("content", everyday(CONTROLLERS, "an alias of itself", "very many"))
+def test_controllers(server: Server, tmp_path: Path, content: str) -> None:
+    (tmp_path / "robot.yaml").write_text(DIFFERENTIAL)
+    (tmp_path / "control.yaml").write_text(content)
+    refused(server, tmp_path, "compare", "robot.yaml", "control.yaml", says=r"control\.yaml:\d+:\d+")
+
+
+@pytest.mark.parametrize("name", ["a" * 50_000 + "!", "aA1_" * 12_000 + "$", "left_" * 10_000])
+def test_long_names_of_joints_cost_no_time(server: Server, tmp_path: Path, name: str) -> None:
+    (tmp_path / "robot.yaml").write_text(DIFFERENTIAL)
+    (tmp_path / "control.yaml").write_text(f'drive: {{wheel_radius: 0.1, left_wheel_names: ["{name}"]}}\n')
+    harmless(server.run(tmp_path, "compare", "robot.yaml", "control.yaml"))
+
+
 @pytest.mark.parametrize("content", everyday(CASES, "depth", "1e400"))
 def test_cases(server: Server, tmp_path: Path, content: str | bytes) -> None:
     (tmp_path / "robot.yaml").write_text(DIFFERENTIAL)

@@ -83,6 +83,9 @@ ESCAPE = (
 )
 FAN = "".join(f'<xacro:macro name="m{k + 1}">{f"<xacro:m{k}/>" * 10}</xacro:macro>' for k in range(9))
 XACRO = {
+    "a macro that calls itself": of(
+        '<xacro:macro name="m" params="n"><xacro:m n="${n + 1}"/></xacro:macro>', '<xacro:m n="1"/>'
+    ),
     "import": value("__import__('os').system('touch pwned')"),
     "all of Python": of(
         *(f'<xacro:property name="{name}" value="${{{text}}}"/>' for name, text in ESCAPE), '<a b="${R}"/>'

@@ -196,14 +196,23 @@ def test_steering_that_mimics(read: Import) -> None:
 
 @pytest.mark.parametrize(
     ("multiplier", "ratios"),
-    [("2", ", ratios: [1, 2]"), ("-0.4", ", ratios: [1, -0.4]"), ("1", ""), ("0", None)],
+    [
+        ("2", ", ratios: [1, 2]"),
+        ("-0.4", ", ratios: [1, -0.4]"),
+        ("1", ""),
+        ("0", None),
+        ("1e29", None),
+        ("-1e-9", None),
+    ],
 )
 def test_spins_that_mimic_in_a_ratio(read: Import, multiplier: str, ratios: str | None) -> None:
     """A chain from the left wheel to one behind it; where a spin begins does not matter."""
     mimic = f'<mimic joint="left_joint" multiplier="{multiplier}" offset="0.3"/>'
     said = read(robot(pair(), wheel("back", "-0.3 0.25 0.1", more=mimic)))
     if ratios is None:
-        assert "couplings:" not in said["text"] and "0 times 'left_joint'" in said["notes"]
+        assert (
+            "couplings:" not in said["text"] and f"{float(multiplier):g} times 'left_joint'" in said["notes"]
+        )
     else:
         assert f"  - {{equal: [left.spin, back.spin]{ratios}}}   # mimic" in said["text"]
 

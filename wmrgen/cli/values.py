@@ -80,7 +80,9 @@ def from_file(file: str, ports: Sequence[Port]) -> list[Case]:
         # Numbers stay text until our own grammar has read them: exact, and NaN is no number.
         cases = json.loads(data, parse_float=str, parse_int=str, parse_constant=str, object_pairs_hook=_once)
     except (ValueError, RecursionError) as error:
-        raise UsageError(f"{name} is not JSON: {error}") from error
+        raise UsageError(
+            f'{name} is not JSON: {error}. Write a list of objects: [{{"vx": 0.5}}, …]'
+        ) from error
     if not isinstance(cases, list) or not all(isinstance(case, dict) for case in cases):
         raise UsageError(f'{name} must hold a list of objects: [{{"vx": 0.5}}, …]')
     return [_case(case, f"{name}, case {k}: ", ports) for k, case in enumerate(cases)]

@@ -54,8 +54,8 @@ _KINDS = (  # the first whose pattern occurs in a type
     ("omni", "omni"),
     ("diff|skid", "differential"),
 )
-_SIDES = {"fore": "front", "back": "rear", "hind": "rear", "center": "middle"}
-_SIDES |= {side: side for side in ("front", "middle", "rear", "left", "right")}
+_SIDES = {side: side for side in ("front", "middle", "rear", "left", "right")}
+_SIDES |= {"fore": "front", "back": "rear", "hind": "rear", "center": "middle"}
 _LETTERS = {"f": "front", "m": "middle", "r": "rear", "b": "rear"}
 _NAMES = re.compile(r"(names?|joints?|wheels?|steer|drive|steering|axle)$")
 _NO_NAMES = re.compile(r"topic|frame|interface|sensor|broadcaster|states?_|plugin")
@@ -63,7 +63,8 @@ _ROLLS, _STEERS = re.compile("traction|drive|command"), re.compile("steer|axle_j
 _SIGN = re.compile(r"(rot_sign|directions?|signs?)$")
 _PLACE = re.compile(r"(?:center_pos_|pos_|position_)?([xy])$")
 _SUBSTITUTION = re.compile(r"\$\(arg ([^()\s]+)\)|\$[({][^(){}]*[)}]")
-_NODE, _PASSED = "ros__parameters", ("**", "*", "<<", "")
+_JOINT = re.compile(r"(?=[^A-Za-z]*[A-Za-z])[\w./ -]{1,200}")
+_NODE, _PASSED, _MOST = "ros__parameters", ("**", "*", "<<", ""), 64  # controllers of a file
 _ROVER = [  # role, x and y of the wheels of JPL's rover
     (f"{end} {side}", along, ahead, across, sign)
     for end, along, ahead, across in (
@@ -104,15 +105,15 @@ def controllers_of(tree: Node | None, arguments: Mapping[str, str]) -> tuple[Con
     for leaf in leaves:
         if _NODE in leaf.path and _kind(types.get(_last(_top(leaf)), "")):
             tops[_top(leaf)] = None
+    if len(tops) > _MOST:
+        mark = next(iter(leaves[0].marks), None)
+        raise RobotFileError(f"{len(tops)} nodes with lengths of wheels", mark, f"At most {_MOST} are read.")
     result = []
     for top in tops:
         if not any(top[: len(other)] == other for other in tops if other != top):
-            own = [
-                replace(l, path=tuple(map(_snake, l.path[len(top) :])))
-                for l in leaves
-                if l.path[: len(top)] == top
-            ]
-            result.append(_controller(_last(top), types.get(_last(top), ""), own))
+            n, called = len(top), _last(top)
+            own = [replace(l, path=tuple(map(_snake, l.path[n:]))) for l in leaves if l.path[:n] == top]
+            result.append(_controller(called, types.get(called, ""), own))
     return tuple(c for c in result if c.lengths or c.places or c.kind)
 
 
@@ -248,7 +249,7 @@ def _joints(leaf: _Leaf) -> Iterator[Named]:
     named = _NAMES.search(leaf.word) and re.search("wheel|joint|steer|axle|drive", words)
     for index, text in enumerate(leaf.texts if named and not _NO_NAMES.search(words) else ()):
         joint = text.replace("$", "")
-        if re.fullmatch(r"[\w./ -]*[A-Za-z][\w./ -]*", joint) and joint.lower() not in ("true", "false"):
+        if _JOINT.fullmatch(joint) and joint.lower() not in ("true", "false"):
             told = words if _ROLLS.search(words) or _STEERS.search(words) else joint
             yield Named(joint, role(words, joint), bool(_STEERS.search(told)), leaf.marks[index])
 

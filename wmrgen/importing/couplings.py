@@ -12,6 +12,7 @@ from wmrgen.wheels.types import FIXED
 
 Turn = tuple[Fraction, Fraction]  # factor and offset: how a joint turns as another one does
 _LEVEL = 1e-6  # [m]
+_MOST = 10**6  # of the ratio of gears
 _ITSELF = Fraction(1), Fraction(0)
 
 
@@ -32,7 +33,7 @@ def couplings(
         wheel, _, kind = role.rpartition(".")
         root, turn = _followed(robot, joint, kind)
         others = leads.setdefault((root, kind), [])
-        alike = ((r, t) for r, t in others if t == turn or (kind == "spin" and t[0] and turn[0]))
+        alike = ((r, t) for r, t in others if t == turn or (kind == "spin" and _geared(t[0], turn[0])))
         lead, of = next(alike, ("", turn))
         if lead:
             pairs.append(Coupling(lead, role, turn[0] / of[0] if of[0] else Fraction(1)))
@@ -42,8 +43,9 @@ def couplings(
             ratio = f"{float(factor):g} times {quoted(leader)}" + (f" + {float(offset):g}" if offset else "")
             notes.append(
                 f"joint {quoted(joint.name)} turns as {ratio}. Couplings of a robot file join steering angles that are "
-                f"equal, so there {wheel}.{kind} turns by itself, and inverse may ask of it what this gear cannot "
-                f"give. Where {quoted(leader)} has the only motor, leave {kind} out of actuated of {wheel}"
+                f"equal, and spins in ratios up to a million: there {wheel}.{kind} turns by itself, and inverse may "
+                f"ask of it what this gear cannot give. Where {quoted(leader)} has the only motor, leave {kind} out of "
+                f"actuated of {wheel}"
             )
         others.append((role, turn))
     sure = [pair for pair in pairs if not _doubted(pair, wheels)]
@@ -58,6 +60,11 @@ def couplings(
         if a and b and a != b:
             questions.append(_asked(Coupling(a, b), f"are joined by {quoted(closing.name)}"))
     return tuple(sure), questions, notes
+
+
+def _geared(a: Fraction, b: Fraction) -> bool:
+    """Whether gears may turn two joints by these factors."""
+    return abs(b) <= _MOST * abs(a) and abs(a) <= _MOST * abs(b) != 0
 
 
 def _followed(robot: Robot, joint: Joint, kind: str) -> tuple[str, Turn]:

@@ -80,6 +80,9 @@ def _failed(file: Path, error: Exception, plain: list[str]) -> RobotFileError:
         if isinstance(cause, FileNotFoundError):
             lost = printable(Path(str(cause.filename)).name)
             return refuse(f"{printable(file.name)}: it includes {quoted(lost)}, which is not there")
+        if isinstance(cause, RecursionError):
+            what = f"{printable(file.name)}: macros, or files that it includes, call each other without end"
+            return refuse(what, "", "Delete one of the calls.")
     words = re.sub(r"\s+", " ", str(error) or type(error).__name__)
     what = f"{printable(file.name)}: xacro: {quoted(words, 300)[1:-1]}"
     if not plain:

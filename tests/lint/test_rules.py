@@ -77,3 +77,22 @@ def test_the_page_is_printed_from_the_table() -> None:
     from tests.lint.page import page
 
     assert (ROOT / "docs" / "lint.md").read_text(encoding="utf-8") == page(), "python -m tests.lint.page"
+
+
+@pytest.mark.parametrize(
+    ("wheel", "instead"),
+    [
+        ("type: fixed, actuated: []", "Add spin to actuated of b, or another."),
+        ("type: castor, d: -0.1", "Add spin to actuated of b, or another."),
+        ("type: spherical", "Every joint is driven already: it takes more driven wheels."),
+    ],
+)
+def test_too_few_motors_name_a_joint_that_has_none(tmp_path: Path, wheel: str, instead: str) -> None:
+    place = "" if "spherical" in wheel else ", heading: 0, r: 0.1"
+    path = tmp_path / "a.yaml"
+    path.write_text(
+        "wmrgen: 1\nname: bot\nwheels:\n  - {name: a, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}\n"
+        f"  - {{name: b, {wheel}, x: 0, y: -0.2{place}}}\n"
+    )
+    told = [f.instead for f in linted(path) if f.code == "WMR020"]
+    assert told == [instead]

@@ -41,9 +41,23 @@ def short(subject: Subject) -> Iterator[Finding]:
     if subject.mobility.degree_of_mobility and not lost:
         for sentence in subject.mobility.actuation:
             if "short by" in sentence:
-                yield Finding(
-                    subject.mark(_first(subject)), sentence, "Add joints to actuated: [spin, steer]."
-                )
+                yield Finding(subject.mark(_first(subject)), sentence, _more(subject, sentence))
+
+
+def _more(subject: Subject, sentence: str) -> str:
+    """Which joints could be driven besides; ``sentence``: about driving, or about steering."""
+    steering = sentence.startswith("steering")
+    idle = [
+        f"{joint} to actuated of {w.name}"
+        for w in subject.robot.wheels
+        for joint in w.kind.joints
+        if joint not in w.actuated and steering == (joint == "steer" and w.kind.steers)
+    ]
+    return (
+        f"Add {idle[0]}, or another."
+        if idle
+        else "Every joint is driven already: it takes more driven wheels."
+    )
 
 
 @rule(

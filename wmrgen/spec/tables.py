@@ -195,17 +195,21 @@ def table_of(
     if table.node.repeated or any(key.text == "<<" for key, _ in table.node.entries):
         table.excused.update(section.keys)
     fields = [f for f in section.fields if valid is None or f.key in valid]
-    unknown = []
+    unknown, last = [], ""
     for key, value in table.node.entries:
         name = spelled(key.text, section)
         if all(name != f.key for f in fields):
             unknown.append((key, value))
+            if _rest(key, value) and last in table.values:  # so that half of a value is not judged
+                del table.keys[last], table.values[last]
+                table.excused.add(last)
         elif name in table.keys:
             both = f"{quoted(key.text)} and {quoted(table.keys[name].text)} are the same key"
             why = "Only one of the two could count."
             several.add(key.error(both, why, "Delete one of them.", code=Code.TWICE))
         else:
             table.keys[name], table.values[name] = key, value
+            last = name
     for key, value in unknown:
         several.add(unknown_key(key, value, fields, what))
         meant, certain = _meant(key.text, fields)
@@ -226,16 +230,24 @@ def _meant(word: str, fields: Collection[Field]) -> tuple[str, bool]:
     return nearest(word, keys), bool(nearest(word, keys, 0.75))
 
 
+def _rest(key: Scalar, value: Node) -> tuple[str, str] | None:
+    """Why, and what to write, where a key is what stood behind the comma of a value."""
+    if not isinstance(value, Scalar) or value.text or not key.plain:
+        return None
+    if re.fullmatch(r"[0-9]+", key.text):
+        return "Commas separate entries.", "Write a decimal point."
+    if key.text.count(")") > key.text.count("("):
+        why = "Inside { } a comma ends the value, also within parentheses."
+        return why, "Put an expression that contains a comma in quotes: 'atan2(1, 2)'."
+    return None
+
+
 def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) -> RobotFileError:
     """The error for a key that does not exist, with the nearest one that does."""
     empty = isinstance(value, Scalar) and not value.text
     valid = {f.key for f in fields}
-    if re.fullmatch(r"[0-9]+", key.text) and empty:
-        return key.error(
-            f"{quoted(key.text)} stands where a key is expected",
-            "Commas separate entries.",
-            "Write a decimal point.",
-        )
+    if behind := _rest(key, value):
+        return key.error(f"{quoted(key.text)} stands where a key is expected", *behind)
     if key.plain and ":" in key.text and empty:
         word, _, rest = key.text.partition(":")
         return key.error(
@@ -246,12 +258,6 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
     if key.plain and empty and key.text.partition(" ")[0] in valid:
         word, _, rest = key.text.partition(" ")
         return key.error(f"no colon in {quoted(key.text)}", "", f"Write {word}: {rest.lstrip(' =')}")
-    if key.plain and empty and key.text.count(")") > key.text.count("("):
-        return key.error(
-            f"{quoted(key.text)} stands where a key is expected",
-            "Inside { } a comma ends the value, also within parentheses.",
-            "Put an expression that contains a comma in quotes: 'atan2(1, 2)'.",
-        )
     if key.text == "<<":
         return key.error("'<<' merges mappings in YAML", "Merge keys are refused.", "Write the keys out.")
     aliases = {alias: text for f in fields for alias, text in f.hints.items()}

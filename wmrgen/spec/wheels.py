@@ -14,7 +14,7 @@ from wmrgen.spec.keys import WHEEL
 from wmrgen.spec.names import Names, wheel_name
 from wmrgen.spec.numbers import Scope
 from wmrgen.spec.part_keys import COUPLING
-from wmrgen.spec.records import Coupling, WheelSpec
+from wmrgen.spec.records import Coupling, Quantity, WheelSpec
 from wmrgen.spec.tables import Table, read_number, table_of
 from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, lookalike, quoted, suggestion
 from wmrgen.wheels import WHEEL_TYPES, WheelType
@@ -185,10 +185,9 @@ def _coupling(table: Table, types: Mapping[str, WheelType | None], scope: Scope)
                 )
             joint = this
             names.append(name)
-    ratios = []
-    for item in table.items("ratios"):
-        with several:
-            ratios.append(read_number(item, "a ratio of the coupling", scope))
+    ratios = list[Quantity]()
+    with several:
+        ratios += (read_number(item, "a ratio of the coupling", scope) for item in table.items("ratios"))
     several.end()
     if ratios and joint != "spin":
         raise table.keys["ratios"].error(

@@ -129,8 +129,8 @@ def test_no_colour_when_piped(robot_file: Path, tmp_path: Path) -> None:
     assert "\x1b" not in done.out + done.err + bad.out + bad.err
 
 
-def test_a_name_from_a_file_cannot_steer_the_terminal(robot_file: Path) -> None:
-    done = process("eval", robot_file, "inverse", "\x1b[31mvx=1")
+def test_a_name_from_a_file_cannot_steer_the_terminal(wmrgen_cli: Cli, robot_file: Path) -> None:
+    done = wmrgen_cli("eval", robot_file, "inverse", "\x1b[31mvx=1")
     assert done.code == 2
     assert "\x1b" not in done.err
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import ROOT, Outcome, process
+from tests.conftest import ROOT, Outcome
 
 Cli = Callable[..., Outcome]
 PIONEER = ROOT / "robots" / "pioneer3dx.yaml"
@@ -199,8 +199,9 @@ def test_a_missing_cases_file(wmrgen_cli: Cli, robot_file: Path) -> None:
     assert "nowhere.json" in done.err
 
 
-def test_no_compiler(robot_file: Path) -> None:
-    done = process("eval", robot_file, "inverse", "vx=1", "--backend", "c", env={"CC": "no-such-compiler"})
+def test_no_compiler(wmrgen_cli: Cli, robot_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CC", "no-such-compiler")
+    done = wmrgen_cli("eval", robot_file, "inverse", "vx=1", "--backend", "c")
     assert done.code == 4
     assert "no-such-compiler" in done.err
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import ROOT, Outcome, process, tree
+from tests.conftest import ROOT, Outcome, tree
 
 Cli = Callable[..., Outcome]
 
@@ -150,8 +150,9 @@ def test_mirrored_mecanum_on_a_square_is_warned_of(
     assert ("WMR032" in done.err) == (b != "0.2")
 
 
-def test_a_missing_robot_file(tmp_path: Path) -> None:
-    done = process("derive", "nowhere.yaml", cwd=tmp_path)
+def test_a_missing_robot_file(wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = wmrgen_cli("derive", "nowhere.yaml")
     assert done.code == 2
     assert "nowhere.yaml" in done.err
     assert "Traceback" not in done.err

@@ -13,12 +13,15 @@ import pytest
 
 from tests.conftest import ROOT, Outcome
 from tests.pages.katex import mistakes
+from tests.robots import of_text
 from tests.tools import missing, need
 from wmrgen.compiler import _BROWSERS
+from wmrgen.pages import live
 from wmrgen.pages.document import Report, page
 from wmrgen.pages.markdown import html
 
 Cli = Callable[..., Outcome]
+TRAILER = "trailers: [{length: 0.9, hitch: 0.1}]\n"
 
 
 class Elements(HTMLParser):
@@ -167,3 +170,20 @@ def test_every_formula_is_one_to_katex() -> None:
     formulas = [formula for text in texts for groups in _MATH.findall(text) if (formula := "".join(groups))]
     assert len(formulas) > 900
     assert mistakes(formulas) == []
+
+
+def test_trailers_of_a_robot_without_a_model_of_motion_are_not_towed() -> None:
+    """Two steered wheels with one speed: their angles are tied, and no model has free steering rates."""
+    wheels = "".join(
+        f"  - {{name: {name}, type: steered, x: {x}, y: {y}, heading: {h}, r: {r}, actuated: [{driven}]}}\n"
+        for name, x, y, h, r, driven in (
+            ("a", 0.8, 0.1, -0.43, 0.156, ""),
+            ("b", -0.1, 0.7, 2.3, 0.068, "spin"),
+        )
+    )
+    d = of_text(
+        f"wmrgen: 1\nname: sample\nwheels:\n{wheels}couplings:\n  - equal: [a.spin, b.spin]\n" + TRAILER
+    )
+    assert live.robot(d)["trailers"] == [] and "towed" not in live.code(d)
+    free = of_text(f"wmrgen: 1\nname: sample\nwheels:\n{wheels}" + TRAILER)
+    assert len(live.robot(free)["trailers"]) == 1 and "towed" in live.code(free)

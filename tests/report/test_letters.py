@@ -11,8 +11,9 @@ import pytest
 
 from tests.report.common import numerics_of, page_of, page_written
 from tests.report.reading import read
-from tests.robots import ROBOTS, of_gallery
+from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen import notation
+from wmrgen.backends.report.closed import closed_forward
 
 
 def test_the_yaw_rate_of_a_mecanum_base() -> None:
@@ -199,3 +200,19 @@ def test_long_numbers_are_not_factored() -> None:
     forward = page.partition("**Forward")[2].partition("**An example")[0].partition("**Files")[0]
     assert r"\mathit" not in forward and " a" not in forward.split("```math")[1] and r"\det(H^T H) = " in page
     assert not re.search(r"\d{10,}", page.partition("## 7 ")[2].partition("## 8 ")[0])
+
+
+ROOTS = """wmrgen: 1
+name: sample
+wheels:
+  - {name: w0, type: castor, x: -0.4, y: 0.16, heading: 7*pi/12, r: 0.276, d: 0.18, actuated: [], sensed: [steer]}
+  - {name: w1, type: fixed, x: -0.534, y: 0.043, heading: -pi/6, r: 0.23, actuated: [], sensed: [spin]}
+  - {name: w2, type: castor, x: 0.5, y: 0.8, heading: 7*pi/12, r: 0.3, d: -0.16, actuated: [], sensed: [spin, steer]}
+"""
+
+
+@pytest.mark.parametrize(("heading", "factored"), [("7*pi/12", False), ("pi/2", True)])
+def test_common_factors_are_looked_for_where_numbers_are_rational(heading: str, factored: bool) -> None:
+    """Among roots it took a minute; the rule stands alone there."""
+    d = of_text(ROOTS.replace("7*pi/12", heading).replace("-pi/6", "0" if factored else "-pi/6"))
+    assert (r"\omega &=" in "\n".join(closed_forward(d))) == factored

@@ -9,6 +9,7 @@ from typing import Any
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.constraints import nominal_view
 from wmrgen.emit import site
+from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.axle import THROUGH_P, fixed_axle
 from wmrgen.functions.models.inputs import best_motion
 from wmrgen.functions.system import rate_port
@@ -17,7 +18,7 @@ from wmrgen.ir.calls import select, self_contained
 from wmrgen.ir.nodes import Function
 from wmrgen.ir.pipeline import optimise
 from wmrgen.kinematics.records import Locals, tunable_ports
-from wmrgen.layout.records import Wheel
+from wmrgen.layout.records import Trailer, Wheel
 from wmrgen.lower import lower
 from wmrgen.ports import POSE, TWIST
 from wmrgen.robot import Derivation
@@ -37,7 +38,7 @@ def robot(derivation: Derivation) -> dict[str, Any]:
         "omnidirectional": derivation.mobility.degree_of_mobility == 3,
         "trailers": [
             {"name": t.name, "hitch": float(t.hitch.nominal), "length": float(t.length.nominal)}
-            for t in derivation.robot.trailers
+            for t in _trailers(derivation)
         ],
         "axle": _axle(derivation),
     }
@@ -68,6 +69,17 @@ def _wheel(wheel: Wheel) -> dict[str, Any]:
     }
 
 
+def _trailers(derivation: Derivation) -> tuple[Trailer, ...]:
+    """Those that the page tows: none where the robot has no model of motion."""
+    if not derivation.robot.trailers:
+        return ()
+    try:
+        best_motion(derivation.driven.robot, derivation.driven.mobility)
+    except NotDerivableError:
+        return ()
+    return derivation.robot.trailers
+
+
 def _towed(derivation: Derivation) -> Function:
     """The yaw rates of the trailers, ``towed``: of the twist of P and all headings (Tzafestas (2.70))."""
     robot, mobility = derivation.driven.robot, derivation.driven.mobility
@@ -84,6 +96,6 @@ def _towed(derivation: Derivation) -> Function:
 def code(derivation: Derivation) -> str:
     """A JavaScript expression of the functions that drive it."""
     module = select(derivation.module, {name: name for name in FUNCTIONS})
-    if derivation.robot.trailers:
+    if _trailers(derivation):
         module = replace(module, functions=(*module.functions, _towed(derivation)))
     return str(BACKENDS["javascript"].offers("expression")(module))

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 _ENTRY = 12  # terms of an entry of H^T H and H^T z
 _PRODUCTS = 60  # terms of a determinant of three rows
 _ROWS = 12  # of which three are chosen
-_WORK = 120  # terms of adj(H^T H) H^T z and of the determinant, times the number of parameters: 0.1 s
+_WORK = 120  # terms of a numerator and of the determinant, times the number of their generators: 0.1 s
 _WIDEST = 900  # glyphs of what is printed in place of numbers
 _SHORT = 300  # glyphs of what is printed beside the rule
 _DIGITS = 10**6  # of numerators and denominators
@@ -120,9 +120,16 @@ def by_three(d: Derivation, rows: list[Measured], nominal: list[Measured]) -> li
     ):
         return []
     above = [Poly.sum(a * b for a, b in zip(row, z, strict=True)) for row in adjugate(h)]
-    if sum(len(p.terms) for p in (*above, below)) > _WORK:
+    if len(below.terms) > 1 and not _easy([*above, below]):
         return []
     return _written(_quotients(above, below, symbol_names(d.program.formula("forward").inputs)), _SHORT)
+
+
+def _easy(polys: Sequence[Poly]) -> bool:
+    """Whether sympy finds common factors at once: few terms, few generators, rational numbers."""
+    generators = {g for p in polys for g in p.generators}
+    rational = all(c.is_rational for p in polys for c in p.terms.values())
+    return rational and sum(len(p.terms) for p in polys) * len(generators) <= _WORK
 
 
 def _quotients(above: Sequence[Poly], below: Poly, ports: Ports) -> list[list[Term]]:

@@ -26,6 +26,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.functions.models.vector_fields import robot_growth
 from wmrgen.functions.motion.wheel_speeds import relations
 from wmrgen.mobility.ranks import decide, numeric_rank
 
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from wmrgen.robot import Derivation
 
 _RELATION = 150  # glyphs of a printed compatibility condition
+_PRODUCTS = 10_000  # of terms, in the brackets of trailers: half a second
 _RELATIONS = 5  # of them
 
 
@@ -121,12 +123,14 @@ def _growth(d: Derivation) -> tuple[tuple[int, ...], str]:
     """The growth vector, and what is said of trailers."""
     own = d.mobility.growth_vector
     steered = "steering angles" if own[-1:] > (3,) else ""
+    included = f", {steered} included" if steered else ""
     if not d.robot.trailers:
-        return own, f", {steered} included" if steered else ""
+        return own, included
     try:
-        return tuple(d.growth.vector), f", {f'{steered} and ' if steered else ''}trailers included"
+        vector = robot_growth(d.robot, d.mobility, _PRODUCTS).vector
     except NotDerivableError:
-        return own, f", {f'{steered} included, ' if steered else ''}trailers left out"
+        return own, f"{included}, trailers left out"
+    return vector, f", {f'{steered} and ' if steered else ''}trailers included"
 
 
 def _verdicts(d: Derivation) -> list[str]:

@@ -219,8 +219,9 @@ def bracket(f: Field, g: Field, state: tuple[str, ...]) -> Field:
     )
 
 
-def growth(system: System, seed: int = 0) -> Growth:
-    """The growth vector of a system. NotDerivableError where it is too large for brackets in symbols."""
+def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
+    """The growth vector of a system. NotDerivableError where its brackets in symbols take more than ``most`` products
+    of terms, or it has too many states."""
     if len(system.state) > MOST_STATES:
         raise NotDerivableError(
             f"{system.name} has {len(system.state)} states: Lie brackets are formed for up to {MOST_STATES}. "
@@ -248,7 +249,7 @@ def growth(system: System, seed: int = 0) -> Growth:
     while newest and len(reached) < len(state):
         pairs = _pairs(inputs, newest)
         products += sum(_products(a.polys, b.polys) for a, b in pairs)
-        if products > MOST_PRODUCTS:
+        if products > most:
             raise NotDerivableError(
                 f"{system.name} has Lie brackets of too many terms to be formed in symbols. "
                 "Trailers that are coupled off the axle (`hitch`) double them one by one"
@@ -275,8 +276,8 @@ def _products(f: Field, g: Field) -> int:
     return 2 * sum(len(p.terms) for p in f) * sum(len(p.terms) for p in g)
 
 
-def robot_growth(robot: Robot, mobility: Mobility) -> Growth:
+def robot_growth(robot: Robot, mobility: Mobility, most: int = MOST_PRODUCTS) -> Growth:
     """The growth of the posture model in null-space coordinates, of body and trailers where there are some."""
     if not mobility.degree_of_mobility:
         raise NotDerivableError(f"{robot.name} cannot move: it has no vector fields")
-    return growth(system_builder("trailer" if robot.trailers else "eta")(robot, mobility, True))
+    return growth(system_builder("trailer" if robot.trailers else "eta")(robot, mobility, True), most=most)

@@ -597,3 +597,38 @@ def test_a_tracker_that_glitches(tmp_path: Path) -> None:
     for parameter, value in layout.true.items():
         estimate = result.parameters[parameter]
         assert abs(estimate.value - value) < 3 * estimate.sigma < 30 * clean.parameters[parameter].sigma
+
+
+def test_counts_and_radius_are_told_as_one(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
+    """A radius of 2 % too much is an encoder of 2 % too few counts: both are said, and so are exchanged motors."""
+    layout = LAYOUTS["differential_with_castor"]
+    encoder = "encoder: {spin: {counts: 1000, gear: 2, bits: 32}}\n"
+    (tmp_path / "robot.yaml").write_text(layout.text + encoder, encoding="utf-8")
+    paths = written(tmp_path, layout, tracker=Tracker(0.04, turned=np.pi))
+    for path in paths:
+        header, rows = _rows(path.read_text(encoding="utf-8"))
+        rows[:, 1:] *= 2000 / (2 * np.pi)
+        path.write_text(_text(header.replace("angle", "counts"), rows), encoding="utf-8")
+    outcome = wmrgen_cli("calibrate", str(tmp_path / "robot.yaml"), *map(str, paths), "--json")
+    data = json.loads(outcome.out)
+    counts = 2000 * 0.033 / layout.true["radius"]
+    assert data["counts_per_turn"] == pytest.approx({"left.spin": counts, "right.spin": counts}, rel=1e-4)
+    (note,) = (note for note in data["notes"] if "left and right are exchanged" in note)
+    assert "turned by 180 deg" in note or "turned by -180 deg" in note
+
+
+def test_what_is_told_as_a_sum_is_written(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
+    """Neither half length nor half width is told, their sum is: with nominal ones new radii would be wrong."""
+    folder = LOGS / "diff-square"
+    text = (folder / "robot.yaml").read_text(encoding="utf-8")
+    split = text.replace(
+        "half_track: {value: 0.1,", "outer: {value: 0.05, tunable: true}\n  inner: {value: 0.05,"
+    )
+    split = split.replace("y: -half_track", "y: -outer - inner").replace("y: half_track", "y: outer + inner")
+    (tmp_path / "robot.yaml").write_text(split, encoding="utf-8")
+    logs = [str(folder / f"run-0{k}.csv") for k in (1, 2)]
+    new = tmp_path / "new.yaml"
+    outcome = wmrgen_cli("calibrate", str(tmp_path / "robot.yaml"), *logs, "--json", "-o", str(new))
+    assert [set(group) for group in json.loads(outcome.out)["unobservable"]] == [{"outer", "inner"}]
+    tuned = {p.name: float(p.nominal) for p in wmrgen.load(new).tunable}
+    assert tuned["outer"] + tuned["inner"] == pytest.approx(0.10037, abs=4e-4)

@@ -75,6 +75,13 @@ class Calibration:
         return {name: float(np.median(offsets)) for name, offsets in by_name.items()}
 
 
+def told(result: Calibration) -> dict[str, float]:
+    """The values for the robot: all but those of parameters that no drive tells anything of. Such that only scale
+    together are told with one another, as half length and half width by their sum, and belong to the other values."""
+    alone = {name for group in result.unobservable if len(group) == 1 for name in group}
+    return {name: e.value for name, e in result.parameters.items() if name not in alone}
+
+
 def problem_of(derivation: Derivation, drives: Sequence[Drive] = ()) -> Problem:
     """What a robot's `forward` leaves to estimate. UsageError where nothing is tunable."""
     robot = derivation.robot

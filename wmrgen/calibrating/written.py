@@ -11,6 +11,7 @@ from wmrgen.exporting.ros2_control import ros2_control
 from wmrgen.ir.nodes import Module
 from wmrgen.layout.records import Robot
 from wmrgen.spec.load import read_robot
+from wmrgen.symbolic import expression
 
 
 def with_values(path: Path, values: Mapping[str, float]) -> str:
@@ -31,6 +32,18 @@ def controllers(robot: Robot) -> tuple[str, str]:
         return ros2_control(robot)[f"{robot.name}_controllers.yaml"], ""
     except NotDerivableError as error:
         return "", error.what
+
+
+def counts_per_turn(robot: Robot, values: Mapping[str, float]) -> dict[str, float]:
+    """Counts per turn of each ``<wheel>.spin`` with an encoder, negative where it counts down, with which the wheel's
+    nominal radius is right in place of the one that ``values`` [m] give it: drives tell radius over counts alone."""
+    result = {}
+    for wheel in robot.wheels:
+        encoder, radius = robot.encoder_of(wheel, "spin"), expression(wheel.working.r)
+        if encoder is not None and radius.free_symbols:
+            calibrated = float(radius.subs({s: values[s.name] for s in radius.free_symbols}))
+            result[f"{wheel.name}.spin"] = float(encoder.turn) * float(wheel.nominal.r) / calibrated
+    return result
 
 
 def c_values(module: Module, values: Mapping[str, float]) -> str:

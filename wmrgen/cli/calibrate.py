@@ -52,7 +52,7 @@ def calibrate(
 
         with cluster(scheduler) as each:
             result = work.calibrate(derivation, logs, truth or (), each)
-    values = {name: e.value for name, e in result.parameters.items() if e.observable}
+    values = work.told(result)
     if out is not None:
         write_file(out, with_values(robot, values).encode())
     if files is not None:
@@ -88,14 +88,18 @@ def _write_all(
 
 def _as_data(derivation: Derivation, result: Calibration) -> dict[str, Any]:
     from wmrgen.calibrating.leftover import by_joint, by_time
+    from wmrgen.calibrating.written import counts_per_turn
 
     estimates = {
         name: {"value": e.value, "sigma": e.sigma, "observable": e.observable, "nominal": e.nominal}
         for name, e in result.parameters.items()
     }
+    values = {name: e.value for name, e in result.parameters.items()}
     return {
         "parameters": estimates,
         "unobservable": [list(group) for group in result.unobservable],
+        "notes": _notes(derivation, result),
+        "counts_per_turn": counts_per_turn(derivation.robot, values),
         "rms": result.fit.rms[0],
         "rms_heading": result.fit.rms[1],
         "mount": dict(zip(("x", "y", "theta"), result.fit.mount, strict=True)),
@@ -125,7 +129,7 @@ def _as_data(derivation: Derivation, result: Calibration) -> dict[str, Any]:
 
 def _tell(derivation: Derivation, result: Calibration) -> None:
     from wmrgen.calibrating.leftover import by_joint
-    from wmrgen.calibrating.observability import blind, offers
+    from wmrgen.calibrating.written import counts_per_turn
 
     drives = result.fit.problem.drives
     seconds = sum(float(d.t[-1] - d.t[0]) for d in drives)
@@ -142,38 +146,51 @@ def _tell(derivation: Derivation, result: Calibration) -> None:
     console.result(
         f"  tracked point at x = {x:.4f}, y = {y:.4f} m of the robot, turned by {degrees(theta):.2f} deg"
     )
-    if abs(theta) > pi / 2:
-        console.note(
-            f"the tracked body is turned by {degrees(theta):.0f} deg on the robot; if it is not, the wheels "
-            "count the other way, or left and right are exchanged"
-        )
     rows = [("before", result.before), ("after", result.after), ("of drives left out", result.held_out)]
     for title, errors in rows:
         if errors is not None and isfinite(errors.position):
             console.result(
                 f"  odometry {title}: {1000 * errors.position:.1f} mm and {degrees(errors.heading):.2f} deg (rms)"
             )
+    joints = {joint: value for joint, value in by_joint(derivation, result.fit).items() if value > _SHOWN}
+    if joints:
+        told = ", ".join(f"{joint} {value:.2g}" for joint, value in joints.items())
+        console.result(f"  what joints disagree by in each reading, rad (rms): {told}")
+    values = {name: e.value for name, e in result.parameters.items()}
+    for joint, counts in counts_per_turn(derivation.robot, values).items():
+        console.result(f"  or, with the nominal radius, {joint} has {counts:.8g} counts a turn")
+    for note in _notes(derivation, result):
+        console.note(note)
+
+
+def _notes(derivation: Derivation, result: Calibration) -> list[str]:
+    """What a user should know of the logs and of what they do not tell, a sentence each."""
+    from wmrgen.calibrating.observability import blind, offers
+
+    notes, theta = [], result.fit.mount[2]
+    if abs(theta) > pi / 2:
+        notes.append(
+            f"the tracked body is turned by {degrees(theta):.0f} deg on the robot; if it is not, the wheels "
+            "count the other way, or left and right are exchanged"
+        )
     for name, offset in result.clocks.items():
         if abs(offset) > 0.02:
-            console.note(f"{name}: the truth's clock is {offset:+.3f} s off")
+            notes.append(f"{name}: the truth's clock is {offset:+.3f} s off")
     for slip in result.outliers:
         how = (
             "its joints disagree"
             if isnan(slip.moved)
             else f"{slip.moved:.2g} m and {slip.turned:.2g} rad off"
         )
-        console.note(
+        notes.append(
             f"{slip.drive}: left out from t = {slip.start:.1f} to {slip.end:.1f} s, where wheels slip: {how}"
         )
-    joints = {joint: value for joint, value in by_joint(derivation, result.fit).items() if value > _SHOWN}
-    if joints:
-        told = ", ".join(f"{joint} {value:.2g}" for joint, value in joints.items())
-        console.result(f"  what joints disagree by in each reading, rad (rms): {told}")
     if result.unobservable:
         choices = offers(result.fit.problem, derivation)
         never = blind(result.fit.problem, choices)
         for group in result.unobservable:
-            console.note(f"{_together(group)}: {_remedy(choices, result, group, never)}")
+            notes.append(f"{_together(group)}: {_remedy(choices, result, group, never)}")
+    return notes
 
 
 def _together(group: Sequence[str]) -> str:

@@ -617,6 +617,7 @@ def test_counts_and_radius_are_told_as_one(tmp_path: Path, wmrgen_cli: Callable[
     assert "turned by 180 deg" in note or "turned by -180 deg" in note
 
 
+@pytest.mark.slow
 def test_what_is_told_as_a_sum_is_written(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
     """Neither half length nor half width is told, their sum is: with nominal ones new radii would be wrong."""
     folder = LOGS / "diff-square"

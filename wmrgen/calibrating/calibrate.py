@@ -3,7 +3,7 @@ what stands in the way."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from wmrgen.calibrating.observability import unobservable
 from wmrgen.calibrating.outliers import Outlier, cut, outliers, without
 from wmrgen.calibrating.path import Increments, Reals
 from wmrgen.calibrating.starts import laid, near
+from wmrgen.calibrating.stored import changed, stored
 from wmrgen.errors import UsageError
 from wmrgen.ir.calls import self_contained
 from wmrgen.layout.records import Robot
@@ -30,6 +31,7 @@ _FEWEST = 3  # parts whose spread is a standard deviation
 _ENOUGH, _COARSE = 50_000, 0.25  # readings, and [s] between them, that tell nearly what all tell
 _PART, _MOST_PARTS = 200.0, 200  # [s] of a long drive, and of all drives: each part has a start of its own
 _ROWS = 24  # of truth in such a part at least: twice as many numbers as it has unknowns of its own, and more
+_LARGE = 2**28  # bytes of logs and truths, above which they are read one at a time
 _ALONE = 3.0  # times as uncertain as with all drives: the drives that are left do not tell a parameter
 
 
@@ -108,10 +110,14 @@ def calibrate(
     """The parameters that the logs tell. UsageError for logs that cannot be read or do not belong to the robot."""
     problem = problem_of(derivation)
     turns = counts_per_turn(derivation.robot)
-    drives = _parts(
-        _named([read(log, truth, problem.increments.joints, turns) for log, truth in pairs(logs, truths)])
+    files = pairs(logs, truths)
+    every = (
+        replace(read(log, truth, problem.increments.joints, turns), name=name)
+        for name, (log, truth) in zip(_names(logs), files, strict=True)
     )
-    best, slips = _without_slips(_fitted(replace(problem, drives=tuple(drives)), each), each)
+    large = sum(path.stat().st_size for pair in files for path in pair if path.is_file()) > _LARGE
+    drives = _parts(stored(every) if large else tuple(every))
+    best, slips = _without_slips(_fitted(replace(problem, drives=drives), each), each)
     refuse_strangers(best, drives, lambda others: _fitted(replace(problem, drives=tuple(others)), each))
     parts = best if len(drives) > 1 else _in_parts(best, each)
     others = _without_each(parts, each)
@@ -123,24 +129,22 @@ def calibrate(
     )  # fmt: skip
 
 
-def _named(drives: Sequence[Drive]) -> list[Drive]:
-    """Drives of one name told apart by numbers: logs of several folders may be called alike."""
-    names = [drive.name for drive in drives]
+def _names(logs: Sequence[Path]) -> list[str]:
+    """Of drives: those of one name told apart by numbers, for logs of several folders may be called alike."""
+    names = [log.stem for log in logs]
     again = [names[:i].count(name) for i, name in enumerate(names)]
-    return [
-        replace(d, name=f"{d.name} ({k + 1})" if k else d.name) for d, k in zip(drives, again, strict=True)
-    ]
+    return [f"{name} ({k + 1})" if k else name for name, k in zip(names, again, strict=True)]
 
 
-def _parts(drives: Sequence[Drive]) -> list[Drive]:
+def _parts(drives: Sequence[Drive]) -> Sequence[Drive]:
     """The drives, long ones in parts: what slips adds up, so that in the end a pose tells nothing of the parameters,
     and nominal odometry loses its way."""
-    seconds = [float(drive.t[-1] - drive.t[0]) for drive in drives]
-    lasting = max(_PART, sum(seconds) / _MOST_PARTS)
-    counts = [
-        min(int(s / lasting), drive.truth.measured // _ROWS) for s, drive in zip(seconds, drives, strict=True)
-    ]
-    return [part for d, count in zip(drives, counts, strict=True) for part in _split(d, max(1, count))]
+    lasting = max(_PART, sum(float(np.ptp(drive.t)) for drive in drives) / _MOST_PARTS)
+
+    def parts(_: int, drive: Drive) -> list[Drive]:
+        return _split(drive, max(1, min(int(np.ptp(drive.t) / lasting), drive.truth.measured // _ROWS)))
+
+    return changed(drives, parts)
 
 
 def _split(drive: Drive, count: int, offset: float = 0.0) -> list[Drive]:
@@ -186,19 +190,17 @@ def _estimates(robot: Robot, best: Fit, sigma: Reals, groups: Sequence[Sequence[
 
 
 def _errors(best: Fit, shared: Reals) -> Errors:
-    return _mean(
-        [drawn(best.problem, shared, offset, index).off for index, offset in enumerate(best.offsets)]
-    )
+    every = enumerate(best.offsets)
+    return _mean(drawn(best.problem, shared, offset, index).off for index, offset in every)
 
 
-def _mean(parts: Sequence[tuple[Reals, Reals]]) -> Errors:
+def _mean(parts: Iterable[tuple[Reals, Reals]]) -> Errors:
     """Root mean squares over all drives; nan where nothing was measured."""
-
-    def rms(columns: Sequence[Reals]) -> float:
-        all_of = np.concatenate(columns)
-        return float(np.sqrt(np.mean(all_of**2))) if len(all_of) else float("nan")
-
-    return Errors(rms([position for position, _ in parts]), rms([heading for _, heading in parts]))
+    sums = np.array([(position @ position, heading @ heading, len(position)) for position, heading in parts])
+    position, heading, count = sums.sum(axis=0)
+    return Errors(
+        *(float(np.sqrt(square / count)) if count else float("nan") for square in (position, heading))
+    )
 
 
 def _without_slips(best: Fit, each: Each) -> tuple[Fit, list[Outlier]]:
@@ -243,11 +245,14 @@ def _without_each(best: Fit, each: Each) -> list[Fit]:
 
 def _held_out(best: Fit, others: Sequence[Fit]) -> Errors | None:
     """Every drive's errors with the parameters that the others give; its clock is that of the ``best`` fit."""
-    parts = []
-    for fold, rest in zip(_folds(best.problem), others, strict=True):
-        shared = rest.problem.shared(rest.unknowns)
-        parts += [drawn(best.problem, shared, best.offsets[index], index).off for index in fold]
-    return _mean(parts) if parts else None
+    parts = [
+        (rest.problem.shared(rest.unknowns), index)
+        for fold, rest in zip(_folds(best.problem), others, strict=True)
+        for index in fold
+    ]
+    if not parts:
+        return None
+    return _mean(drawn(best.problem, shared, best.offsets[index], index).off for shared, index in parts)
 
 
 def _deviations(best: Fit, others: Sequence[Fit]) -> Reals:

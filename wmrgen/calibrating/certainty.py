@@ -29,6 +29,7 @@ from wmrgen.calibrating.fit import (
     through,
 )
 from wmrgen.calibrating.path import Reals
+from wmrgen.calibrating.stored import chosen
 
 _COMMON = 0.95  # the share of squares that is usual
 _GLITCH = 100.0  # how many times larger a glitch counts
@@ -70,7 +71,7 @@ def without(best: Fit, drives: Sequence[int], each: Each = serial) -> Fit:
     problem, shared = best.problem, len(best.covariance)
     kept = [i for i in range(len(problem.drives)) if i not in drives]
     own = best.unknowns[shared:].reshape(len(problem.drives), -1)[kept]
-    rest = replace(problem, drives=tuple(problem.drives[i] for i in kept))
+    rest = replace(problem, drives=chosen(problem.drives, kept))
     return fit_at(rest, nearest(rest, np.concatenate([best.unknowns[:shared], own.ravel()]), each), each)
 
 

@@ -6,11 +6,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from wmrgen.calibrating.fit import Each, Problem, Result, own_columns
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Reals
+from wmrgen.calibrating.stored import Stored
 from wmrgen.errors import EnvironmentFailure
 
 
@@ -27,18 +29,22 @@ def cluster(address: str) -> Iterator[Each]:
     except (OSError, ValueError) as error:
         raise EnvironmentFailure(f"no Dask scheduler answers at {address}: {error}") from None
     with client:
-        sent: dict[int, tuple[Drive, Any]] = {}  # the drive is kept, so that its id stays its own
+        sent: dict[int | Path, tuple[Any, Any]] = {}  # what is kept beside the future has the key to itself
 
         def each(
             problem: Problem, unknowns: Reals, task: Callable[[Problem, Reals, int], Result]
         ) -> Sequence[Result]:
             bare = replace(problem, drives=())
             parts = []
-            for index, drive in enumerate(problem.drives):
-                if id(drive) not in sent:
-                    sent[id(drive)] = drive, client.scatter(drive, hash=False)
+            for index in range(len(problem.drives)):
+                drives = problem.drives
+                key = drives.files[index] if isinstance(drives, Stored) else id(drives[index])
+                if key not in sent:
+                    drive = drives[index]
+                    kept = drives.folder if isinstance(drives, Stored) else drive
+                    sent[key] = kept, client.scatter(drive, hash=False)
                 own = unknowns[own_columns(problem, index)]
-                parts.append(client.submit(of_drive, task, bare, sent[id(drive)][1], own, pure=False))
+                parts.append(client.submit(of_drive, task, bare, sent[key][1], own, pure=False))
             return list(client.gather(parts))
 
         yield each

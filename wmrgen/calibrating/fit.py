@@ -21,6 +21,7 @@ from scipy.optimize import minimize
 
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Complexes, Increments, Reals, reckoned
+from wmrgen.calibrating.stored import changed
 
 Samples = TypeVar("Samples", Reals, Complexes)
 Result = TypeVar("Result")
@@ -46,7 +47,7 @@ class Problem:
 
     increments: Increments
     nominal: tuple[float, ...]
-    drives: tuple[Drive, ...]
+    drives: Sequence[Drive]
     scale: float = 0.01
     turned: float = 0.0
 
@@ -189,15 +190,16 @@ def solved(problem: Problem, each: Each = serial, start: Reals | None = None) ->
     return problem, unknowns
 
 
-def _during(problem: Problem, unknowns: Reals) -> tuple[Drive, ...]:
+def _during(problem: Problem, unknowns: Reals) -> Sequence[Drive]:
     """The drives, where enough is left, without what the truth says of times before the first and after the last
     reading, by the clocks as they are known; where a robot stands then, it stays."""
-    drives = []
-    for index, drive in enumerate(problem.drives):
+
+    def during(index: int, drive: Drive) -> list[Drive]:
         at = drive.truth.t + problem.own(unknowns, index)[3]
         inside = ((at >= drive.t[0]) | drive.stands(0)) & ((at <= drive.t[-1]) | drive.stands(-1))
-        drives.append(drive.seen(inside) if _FEW <= inside.sum() < len(at) else drive)
-    return tuple(drives)
+        return [drive.seen(inside) if _FEW <= inside.sum() < len(at) else drive]
+
+    return changed(problem.drives, during)
 
 
 def _typical(problem: Problem, unknowns: Reals, index: int) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from itertools import groupby
 
 import numpy as np
 
@@ -18,17 +18,18 @@ def by_time(best: Fit) -> dict[str, list[tuple[float, float, float]]]:
     """Of each drive, by name: the middle of each tenth [s] and the root mean squares of what odometry is off by in it,
     [m] and [rad]."""
     shared = best.problem.shared(best.unknowns)
-    every: dict[str, list[Reals]] = {}
-    for index, drive in enumerate(best.problem.drives):
-        told = drawn(best.problem, shared, best.offsets[index], index)
-        every.setdefault(drive.name, []).append(np.array([told.t, *told.off]))
-    return {name: _tenths(np.concatenate(parts, axis=1)) for name, parts in every.items()}
+    every = groupby(enumerate(best.problem.drives), lambda numbered: numbered[1].name)
+    result = {}
+    for name, parts in every:
+        told = [drawn(best.problem, shared, best.offsets[index], index) for index, _ in parts]
+        result[name] = _tenths(np.concatenate([np.array([d.t, *d.off]) for d in told], axis=1))
+    return result
 
 
 def _tenths(columns: Reals) -> list[tuple[float, float, float]]:
     """Of columns of times and errors of place and heading, a row for each tenth that has any."""
     parts = [part for part in np.array_split(columns, _PARTS, axis=1) if part.size]
-    return [(float(t.mean()), _rms([x]), _rms([a])) for t, x, a in parts]
+    return [(float(t.mean()), _rms(x), _rms(a)) for t, x, a in parts]
 
 
 def by_joint(derivation: Derivation, best: Fit) -> dict[str, float]:
@@ -36,7 +37,7 @@ def by_joint(derivation: Derivation, best: Fit) -> dict[str, float]:
     makes of it, by `inverse`: 0 where joints tell no more than a twist."""
     inverse = derivation.numpy().inverse
     names = [port.name for port in derivation.program.formula("inverse").inputs]
-    off: dict[str, list[Reals]] = {}
+    sums: dict[str, Reals] = {}
     for drive in best.problem.drives:
         step = best.problem.increments(drive.columns, best.values)
         twist = {"vx": step.position.real, "vy": step.position.imag, "omega": step.heading}
@@ -46,10 +47,10 @@ def by_joint(derivation: Derivation, best: Fit) -> dict[str, float]:
         made = inverse(**inputs, **missing)
         for joint, column in drive.columns.items():
             if joint.endswith(".spin") and joint in made:
-                off.setdefault(joint, []).append(np.abs(np.abs(column) - np.abs(made[joint])))
-    return {joint: _rms(parts) for joint, parts in off.items()}
+                off = np.abs(column) - np.abs(made[joint])
+                sums[joint] = sums.get(joint, np.zeros(2)) + np.array([off @ off, len(off)])
+    return {joint: float(np.sqrt(square / count)) for joint, (square, count) in sums.items()}
 
 
-def _rms(parts: Iterable[Reals]) -> float:
-    every = np.concatenate([np.ravel(part) for part in parts])
-    return float(np.sqrt(np.mean(every**2)))
+def _rms(values: Reals) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -84,8 +84,8 @@ def _unlikely(best: Fit) -> str:
 
 def _extent(best: Fit) -> float:
     """How far [m] the truth extends along x or y; 0 where it has headings alone."""
-    every = [axis for drive in best.problem.drives for axis in (drive.truth.x, drive.truth.y)]
-    axes = [axis[np.isfinite(axis)] for axis in every]
+    every = (axis for drive in best.problem.drives for axis in (drive.truth.x, drive.truth.y))
+    axes = (axis[np.isfinite(axis)] for axis in every)
     return max((float(np.ptp(axis)) for axis in axes if len(axis)), default=0.0)
 
 

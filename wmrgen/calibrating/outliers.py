@@ -19,6 +19,7 @@ from wmrgen.calibrating.certainty import Fit
 from wmrgen.calibrating.fit import BEYOND, LEVER, Problem, later, residuals
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Reals
+from wmrgen.calibrating.stored import changed
 
 _STEP = 0.25  # [s] at which errors are compared
 _WINDOW, _BETWEEN = 8, 4  # steps whose median is compared, before and after, and steps between
@@ -155,11 +156,12 @@ def _merged(name: str, spans: list[tuple[float, float, float, float]]) -> list[O
 
 def without(best: Fit, slips: list[list[Outlier]]) -> Problem:
     """The problem of the drives without their ``slips``: parts between them are drives of the same name."""
-    drives: list[Drive] = []
-    for drive, own, offset in zip(best.problem.drives, slips, best.offsets, strict=True):
-        edges = [drive.t[0], *(edge for slip in own for edge in (slip.start, slip.end)), drive.t[-1]]
-        drives += cut(drive, edges[::2], edges[1::2], offset) if own else [drive]
-    return replace(best.problem, drives=tuple(drives))
+
+    def rest(index: int, drive: Drive) -> list[Drive]:
+        edges = [drive.t[0], *(edge for slip in slips[index] for edge in (slip.start, slip.end)), drive.t[-1]]
+        return cut(drive, edges[::2], edges[1::2], best.offsets[index]) if slips[index] else [drive]
+
+    return replace(best.problem, drives=changed(best.problem.drives, rest))
 
 
 def cut(drive: Drive, starts: Sequence[float], ends: Sequence[float], offset: float) -> list[Drive]:

@@ -9,6 +9,7 @@ body is turned; where no headings are measured, so is exp(is), over the first pa
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -17,6 +18,7 @@ import numpy as np
 from wmrgen.calibrating.fit import BEYOND, LEVER, Each, Problem, nearest, residuals, serial, start_of
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Complexes, Reals, Reckoning, reckoned
+from wmrgen.calibrating.stored import changed
 
 _WAY = 1.0  # [s] a short way: nominal odometry is right about it, and a pose's noise is small beside it
 _SURE = 0.05  # [m] of ways in all, below which the tracked body is taken to look ahead
@@ -33,15 +35,16 @@ _LEAST = 0.3  # [m] of way that an alignment without headings needs, so that it 
 def laid(problem: Problem) -> Problem:
     """The drives with starts, and headings of the truth as many turns on as odometry says between two rows, which may
     be far apart as start and end of a drive are; and the mount's heading."""
-    paths = [reckoned(problem.increments(drive.columns, problem.nominal)) for drive in problem.drives]
-    drives = [_unwound(drive, path) for drive, path in zip(problem.drives, paths, strict=True)]
-    samples = [_at(drive, path) for drive, path in zip(drives, paths, strict=True)]
-    turned = _turned(list(zip(drives, samples, strict=True)))
-    starts = [
-        _start(drive, place, heading, turned) for drive, (place, heading) in zip(drives, samples, strict=True)
-    ]
-    moved = tuple(replace(drive, start=start) for drive, start in zip(drives, starts, strict=True))
-    return replace(problem, drives=moved, turned=turned)
+
+    def path(drive: Drive) -> Reckoning:
+        return reckoned(problem.increments(drive.columns, problem.nominal))
+
+    def started(_: int, drive: Drive) -> list[Drive]:
+        return [replace(drive, start=_start(drive, *_at(drive, path(drive)), turned))]
+
+    drives = changed(problem.drives, lambda _, drive: [_unwound(drive, path(drive))])
+    turned = _turned((drive, _at(drive, path(drive))) for drive in drives)
+    return replace(problem, drives=changed(drives, started), turned=turned)
 
 
 def near(problem: Problem, each: Each = serial) -> Reals:
@@ -102,7 +105,7 @@ def _unwound(drive: Drive, path: Reckoning) -> Drive:
     return replace(drive, truth=replace(drive.truth, theta=theta))
 
 
-def _turned(drives: list[tuple[Drive, tuple[Complexes, Reals]]]) -> float:
+def _turned(drives: Iterable[tuple[Drive, tuple[Complexes, Reals]]]) -> float:
     """What the tracked body is turned by on the robot [rad], between -pi and pi; 0 where no drive tells."""
     matrix, right = np.diag([_SURE**2, _SURE**2]).astype(complex), np.array([_SURE**2, 0j])
     for drive, (place, heading) in drives:

@@ -1,0 +1,58 @@
+"""Drives that are many: files of a temporary folder, of which one is in memory at a time."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import overload
+
+from wmrgen.calibrating.logs import Drive
+
+
+class Stored(Sequence[Drive]):
+    """Drives in files, in the order of ``files``; the ``folder`` goes with the last that holds it."""
+
+    def __init__(self, folder: TemporaryDirectory[str], files: Sequence[Path]) -> None:
+        self.folder, self.files = folder, tuple(files)
+
+    def __len__(self) -> int:
+        return len(self.files)
+
+    @overload
+    def __getitem__(self, index: int) -> Drive: ...
+    @overload
+    def __getitem__(self, index: slice) -> Stored: ...
+    def __getitem__(self, index: int | slice) -> Drive | Stored:
+        if isinstance(index, slice):
+            return Stored(self.folder, self.files[index])
+        with self.files[index].open("rb") as stream:
+            drive: Drive = pickle.load(stream)
+            return drive
+
+    def __iter__(self) -> Iterator[Drive]:
+        return (self[index] for index in range(len(self)))
+
+
+def stored(drives: Iterable[Drive]) -> Stored:
+    """Drives, each put into a file when it comes."""
+    folder, files = TemporaryDirectory(prefix="wmrgen-drives-"), list[Path]()
+    for drive in drives:
+        files.append(Path(folder.name) / str(len(files)))
+        with files[-1].open("wb") as stream:
+            pickle.dump(drive, stream, pickle.HIGHEST_PROTOCOL)
+    return Stored(folder, files)
+
+
+def changed(drives: Sequence[Drive], change: Callable[[int, Drive], Iterable[Drive]]) -> Sequence[Drive]:
+    """What each of the drives becomes, in files where they are in files. A ``change`` has the drive's number, too."""
+    every = (result for index, drive in enumerate(drives) for result in change(index, drive))
+    return stored(every) if isinstance(drives, Stored) else tuple(every)
+
+
+def chosen(drives: Sequence[Drive], which: Sequence[int]) -> Sequence[Drive]:
+    """Some of the drives."""
+    if isinstance(drives, Stored):
+        return Stored(drives.folder, [drives.files[index] for index in which])
+    return tuple(drives[index] for index in which)

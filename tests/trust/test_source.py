@@ -55,7 +55,7 @@ HOMES = {
     "defusedxml": {"importing/read"},
     "xacro": {"importing/xacro"},
 }
-WRITERS = {"artifacts", "compiler"}
+WRITERS = {"artifacts", "compiler", "calibrating/stored"}  # the last two in temporary folders of their own
 WRITING = {
     "write_text",
     "write_bytes",

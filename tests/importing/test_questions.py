@@ -99,6 +99,35 @@ def test_swivels_that_take_velocities_beside_wheels_that_drive(read: Import) -> 
     assert read(robot(castors, pair(), said, drives))["asked"] == [("fl", "actuated"), ("fr", "actuated")]
 
 
+def test_a_wheel_on_a_passive_steering_axis_is_asked_about(read: Import) -> None:
+    """Its contact lies on the axis, so that it would not trail."""
+    fork = link("s") + joint("s", "base_link", "s", "-0.3 0 0.1", axis="0 0 1")
+    parts = (pair(), fork, wheel("tail", "0 0 0", parent="s"))
+    assert read(robot(*parts, control("left_joint", "right_joint")))["asked"] == [("tail", "type")]
+    assert read(robot(*parts, control("left_joint", "right_joint", "s")))["asked"] == []
+
+
+def test_rollers_that_reach_further_than_the_wheel_is_drawn(read: Import) -> None:
+    """A hub of 0.1 with rollers of 0.01 on a circle of 0.1."""
+    rollers = ""
+    for k in range(6):
+        c, s = math.cos(math.pi * k / 3), math.sin(math.pi * k / 3)
+        rollers += link(f"r{k}", '<cylinder radius="0.01" length="0.02"/>', rpy=f"0 {-math.pi * k / 3} 0")
+        rollers += joint(f"r{k}", "left_link", f"r{k}", f"{0.1 * c} 0 {0.1 * s}", axis=f"{-s} 0 {c}")
+    said = read(robot(pair(), rollers))
+    assert ("left", "r") in said["asked"] and "0.11 to the rollers' surface" in said["text"]
+
+
+def test_a_scale_that_is_none_is_noted(read: Import) -> None:
+    said = read(robot(pair(), link("hull", '<mesh filename="a.stl" scale="1 1 1 1"/>')))
+    assert said["asked"] == [] and "taken as 1 1 1" in said["notes"]
+
+
+def test_what_is_drawn_in_the_place_of_a_wheel_is_no_castor(read: Import) -> None:
+    shown = wheel("shown_wheel", "0.05 0.25 0.1", kind="fixed")
+    assert read(robot(pair(), shown))["asked"] == []
+
+
 LABELS = {"fl": "front_left", "fr": "front_right", "rl": "rear_left", "rr": "rear_right"}
 TURNED = {"fl": "rear_left", "fr": "front_left", "rl": "rear_right", "rr": "front_right"}  # forward is -y
 MIRRORED = {"fl": "front_right", "fr": "front_left", "rl": "rear_right", "rr": "rear_left"}

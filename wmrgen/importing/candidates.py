@@ -69,13 +69,13 @@ def _alike(c: Candidate, wheels: list[Candidate]) -> bool:
     """What stands rigid beside wheels that turn, as large as they, and is none of their parts nor a castor."""
     if not c.shape or "wheel" not in c.joint.child.lower() or _FOLLOWS.search(c.joint.name + c.joint.child):
         return False
-    apart = all(_square(plus(c.centre, w.centre, -1)) > c.radius**2 for w in wheels)
     own = all(c.joint.parent != w.joint.child and w.joint not in c.via for w in wheels)
-    return apart and own and any(w.shape and abs(w.radius - c.radius) < c.radius / 100 for w in wheels)
+    return own and any(w.shape and abs(w.radius - c.radius) < c.radius / 100 for w in wheels)
 
 
-def _square(a: Vector) -> Fraction:
-    return dot(a, a)
+def _apart(c: Candidate, other: Candidate) -> bool:
+    between = plus(c.centre, other.centre, -1)
+    return dot(between, between) > c.radius**2
 
 
 def _mirrored(wheels: list[Candidate], spins: list[Candidate]) -> list[Candidate]:
@@ -100,8 +100,9 @@ def _mirrors(c: Candidate, other: Candidate) -> bool:
 
 
 def rigid_wheels(robot: Robot, wheels: Sequence[Candidate]) -> list[Candidate]:
-    """What stands on the ground beside the wheels and looks like one, on joints that are all fixed."""
-    others = [c for c in _all_fixed(robot) if all(c.joint is not w.joint for w in wheels)]
+    """What stands on the ground beside the wheels and looks like one, on joints that are all fixed; not what is drawn
+    in the place of a wheel."""
+    others = [c for c in _all_fixed(robot) if all(c.joint is not w.joint and _apart(c, w) for w in wheels)]
     standing = _on_ground(robot, [*wheels, *others])
     return [c for c in others if c in standing]
 

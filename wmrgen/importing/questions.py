@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from fractions import Fraction
 
@@ -44,16 +45,26 @@ def rollers_asked(name: str, why: str) -> Question:
 
 
 def swivel_doubts(
-    name: str, kind: str, d: Fraction, actuated: tuple[str, ...] | None, transmitted: bool, rolling: str
+    name: str,
+    kind: str,
+    d: Fraction,
+    actuated: tuple[str, ...] | None,
+    transmitted: bool,
+    rolling: str,
+    stray: bool,
 ) -> Iterator[Question]:
     """What may be otherwise of a wheel on a steering axis, from which its contact lies ``d`` off. ``transmitted``: only
-    a transmission says that a motor steers it."""
+    a transmission says that a motor steers it. ``stray``: nothing turns it, but
+    something other wheels."""
     if rolling:
         text = f"{rolling}, and here the wheel swivels: does the robot have this swivel?"
         yield Question(name, "type", text, ("swedish, where it has not",))
     elif kind == STEERED.name and abs(d) > TRAIL:
         text = f"the contact lies {float(d):.6g} m off the steering axis along the rolling direction: is that meant?"
         yield Question(name, "type", text, ("steered (then it is 0)", f"castor, with d: {float(d):.6g}"))
+    elif kind == STEERED.name and stray:
+        text = "nothing turns its steering axis, on which it stands: does it trail, as castors do, or is it fixed?"
+        yield Question(name, "type", text, ("castor, with d as measured", "steered, where a motor turns it"))
     elif kind == CASTOR.name and transmitted:
         text = "the swivel has a transmission: does a motor turn it, or does it follow?"
         rest = ", ".join(key for key in actuated or () if key != "steer")
@@ -118,6 +129,23 @@ def other_height(robot: Robot, c: Candidate) -> Fraction | None:
     height = above[1] if above else c.centre[2]
     near = Fraction(1, 2) < height / c.radius < Fraction(3, 2)
     return height if near and abs(height / c.radius - 1) > CONFLICT else None
+
+
+def roller_reach(robot: Robot, c: Candidate) -> Fraction:
+    """How far the rollers of a wheel reach from its axle, as they are drawn; 0 where they are not."""
+    reaches = [Fraction(0)]
+    for roller in c.rollers:
+        for _, _, radius, where in robot.shapes(roller.child):
+            out = plus(where.origin, c.origin, -1)
+            out = plus(out, c.axis, -dot(out, c.axis))
+            reaches.append(radius + Fraction(math.sqrt(dot(out, out))))
+    return max(reaches)
+
+
+def rollers_doubted(c: Candidate, name: str, reach: Fraction) -> Question:
+    text = "the surface of the rollers is not where the wheel is drawn: which is its radius?"
+    hints = (f"{float(c.radius):.6g} as the wheel is drawn", f"{float(reach):.6g} to the rollers' surface")
+    return Question(name, "r", text, hints)
 
 
 def radius_doubted(robot: Robot, c: Candidate, name: str, height: Fraction) -> Question:

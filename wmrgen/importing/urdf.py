@@ -21,7 +21,7 @@ from wmrgen.importing.read import (
     refuse,
     vector,
 )
-from wmrgen.importing.records import KINDS, Description, Frame, Friction, Joint, Shape
+from wmrgen.importing.records import KINDS, Description, Frame, Friction, Joint, Shape, Vector
 from wmrgen.spec.text import quoted
 
 
@@ -115,10 +115,19 @@ def _shapes(link: Element, notes: list[str]) -> tuple[Shape, ...]:
             for form in [] if geometry is None else list(geometry):
                 radius = form.get("radius") if local(form) in ("cylinder", "sphere") else None
                 value = number(radius, f"{what} radius") if radius else None
-                scale = vector(form.get("scale"), f"{what} scale", ONES)
+                scale = _scale(form.get("scale"), what, notes)
                 where, uri = _origin(part, what, notes), form.get("filename", "")
                 shapes.append(Shape(local(form), role, where, value, uri, scale))
     return tuple(shapes)
+
+
+def _scale(text: str | None, what: str, notes: list[str]) -> Vector:
+    """The scale of a mesh, which only gives hints: what is none is noted."""
+    try:
+        return vector(text, f"{what} scale", ONES)
+    except RobotFileError as error:
+        notes.append(f"{error.what}; taken as 1 1 1")
+        return ONES
 
 
 def _frictions(root: Element, notes: list[str]) -> dict[str, Friction]:

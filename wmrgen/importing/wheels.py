@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from fractions import Fraction
 
 from wmrgen.importing.candidates import LEVEL, Candidate, candidates
@@ -10,11 +11,14 @@ from wmrgen.importing.couplings import couplings
 from wmrgen.importing.frames import ancestors, dot, plus
 from wmrgen.importing.names import near_wheel_names
 from wmrgen.importing.questions import (
+    CONFLICT,
     TRAIL,
     doubt,
     other_height,
     radius_doubted,
+    roller_reach,
     rollers_asked,
+    rollers_doubted,
     size_asked,
     swivel_doubts,
     tilted,
@@ -56,8 +60,8 @@ def import_wheels(description: Description, base: str | None = None, forward: st
         )
     names = near_wheel_names([c.joint.name for c in wheels])
     rolling = rollers_said(robot, wheels)
-    drives = any(_actuated(robot, c) for c in wheels if not c.steer)
-    read = [_wheel(robot, c, name, rolling, drives) for c, name in zip(wheels, names, strict=True)]
+    powered = {c.steer.name if c.steer else "" for c in wheels if _actuated(robot, c)}
+    read = [_wheel(robot, c, name, rolling, powered) for c, name in zip(wheels, names, strict=True)]
     result = [wheel for wheel, _ in read]
     coupled, doubts, notes = couplings(robot, result)
     questions = [
@@ -80,8 +84,10 @@ def import_wheels(description: Description, base: str | None = None, forward: st
     )
 
 
-def _wheel(robot: Robot, c: Candidate, name: str, rolling: str, drives: bool) -> tuple[Wheel, list[Question]]:
-    """A wheel and what is asked of it; ``drives``: wheels that do not steer have motors."""
+def _wheel(
+    robot: Robot, c: Candidate, name: str, rolling: str, powered: Collection[str]
+) -> tuple[Wheel, list[Question]]:
+    """A wheel and what is asked of it; ``powered``: steering joints of wheels that have motors, "" of those without."""
     joint, steer = c.joint, c.steer
     e = X if abs(c.axis[2]) > LEVEL else heading(c.axis)
     questions = [] if not c.doubt else [doubt(c, name, angle(e))]
@@ -111,8 +117,9 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str, drives: bool) ->
             questions.append(rollers_asked(name, why))
     elif steer:
         said = robot.description
-        transmitted = steer.name in said.transmitted - (frozenset() if drives else said.commanded)
-        questions += swivel_doubts(name, kind, d or Fraction(0), actuated, transmitted, rolling)
+        transmitted = steer.name in said.transmitted - (frozenset() if "" in powered else said.commanded)
+        stray = "" in powered and steer.name not in powered and -c.radius < (offset or 0) < c.radius
+        questions += swivel_doubts(name, kind, d or Fraction(0), actuated, transmitted, rolling, stray)
     questions += _size_doubts(robot, c, name, offset, remarks)
     wheel = Wheel(
         name,
@@ -140,6 +147,9 @@ def _size_doubts(
     if not c.shape:
         return list(size_asked(robot, c, name, lateral))
     remarks["r"] = f"{c.shape.words} of {remarks['heading'].removeprefix('axis of ')}"
+    reach = roller_reach(robot, c)
+    if reach and abs(reach / c.radius - 1) > CONFLICT:
+        return [rollers_doubted(c, name, reach)]
     height = other_height(robot, c)
     if not height:
         return []

@@ -80,7 +80,7 @@ def _joint(element: Element, notes: list[str]) -> Joint:
     kind = element.get("type", "")
     if kind not in KINDS:
         notes.append(f"{what}: URDF has no type {quoted(kind)}; taken for one that is no wheel")
-        kind = KINDS[-2]
+        kind = "planar"
     ends = (child(element, "parent"), child(element, "child"))
     parent, below_it = ("" if end is None else end.get("link", "") for end in ends)
     axis, limit, mimic = child(element, "axis"), child(element, "limit"), child(element, "mimic")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import overload
 
-from wmrgen.calibrating.logs import Drive
+import numpy as np
+
+from wmrgen.calibrating.logs import Drive, Truth
 
 
 class Stored(Sequence[Drive]):
@@ -27,9 +28,11 @@ class Stored(Sequence[Drive]):
     def __getitem__(self, index: int | slice) -> Drive | Stored:
         if isinstance(index, slice):
             return Stored(self.folder, self.files[index])
-        with self.files[index].open("rb") as stream:
-            drive: Drive = pickle.load(stream)
-            return drive
+        with np.load(self.files[index]) as file:
+            columns = dict(zip(file["joints"].tolist(), file["readings"], strict=True))
+            return Drive(
+                str(file["name"]), file["t"], columns, Truth(*file["truth"]), tuple(file["start"].tolist())
+            )
 
     def __iter__(self) -> Iterator[Drive]:
         return (self[index] for index in range(len(self)))
@@ -39,9 +42,12 @@ def stored(drives: Iterable[Drive]) -> Stored:
     """Drives, each put into a file when it comes."""
     folder, files = TemporaryDirectory(prefix="wmrgen-drives-"), list[Path]()
     for drive in drives:
-        files.append(Path(folder.name) / str(len(files)))
-        with files[-1].open("wb") as stream:
-            pickle.dump(drive, stream, pickle.HIGHEST_PROTOCOL)
+        files.append(Path(folder.name) / f"{len(files)}.npz")
+        truth = drive.truth
+        np.savez(
+            files[-1], name=np.array(drive.name), t=drive.t, joints=np.array([*drive.columns]), start=drive.start,
+            readings=np.array([*drive.columns.values()]), truth=np.array([truth.t, truth.x, truth.y, truth.theta]),
+        )  # fmt: skip
     return Stored(folder, files)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
@@ -10,11 +11,13 @@ from wmrgen.backends.report.latex import broken, pieces, terms, total, width
 from wmrgen.backends.report.markdown import aligned, code, listed
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly, Row
-from wmrgen.functions.models.inputs import Motion, best_motion
-from wmrgen.functions.models.sheet import tidy
+from wmrgen.functions.models.inputs import best_motion
+from wmrgen.functions.models.sheet import LONGEST, tidy
 from wmrgen.functions.trailers.trailer import state_ports, turns
+from wmrgen.layout.records import Robot
 from wmrgen.ports import TWIST_NAMES
-from wmrgen.printing import symbol_names
+from wmrgen.printing import size, symbol_names
+from wmrgen.symbolic import Expr
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
@@ -83,7 +86,10 @@ def _in_wheel_speeds(d: Derivation) -> list[str]:
     vx, vy, omega = (
         Poly.sum(twist[i] * u for twist, u in zip(motion.twists, speeds, strict=True)) for i in range(3)
     )
-    lines = [*_rates((vx, vy, omega), bool(d.robot.trailers)), *_trailers(d, motion, bool(vy))]
+    towed = turns(motion, d.mobility, bool(vy)) if d.robot.trailers else ()
+    if any(size(turn) > LONGEST for turn in towed):
+        return []
+    lines = [*_rates((vx, vy, omega), bool(towed)), *_trailers(d.robot, towed)]
     if max(map(width, lines)) > _WIDEST:
         return []
     _, _, followers = motion.text.removesuffix(" must follow").partition("; ")
@@ -106,12 +112,8 @@ def _rates(twist: Row, towing: bool) -> list[str]:
     return [*parts, rf"\dot{{x}} &= {speed}\cos\theta", rf"\dot{{y}} &= {speed}\sin\theta", turn]
 
 
-def _trailers(d: Derivation, motion: Motion, sideways: bool) -> list[str]:
+def _trailers(robot: Robot, towed: Sequence[Expr]) -> list[str]:
     """The yaw rates of trailers from the twist of P (Tzafestas (2.70))."""
-    if not d.robot.trailers:
-        return []
-    ports = symbol_names(state_ports(d.robot.trailers))
-    towed = zip(d.robot.trailers, turns(motion, d.mobility, sideways), strict=True)
-    return [
-        rf"\dot{{\theta}}_{{{notation.wheel(t.name)}}} &= {broken(tidy(turn), ports)}" for t, turn in towed
-    ]
+    ports = symbol_names(state_ports(robot.trailers))
+    names = (rf"\dot{{\theta}}_{{{notation.wheel(t.name)}}}" for t in robot.trailers)
+    return [f"{name} &= {broken(tidy(turn), ports)}" for name, turn in zip(names, towed, strict=True)]

@@ -12,8 +12,8 @@ DEEP = os.environ.get("WMRGEN_DEEP") == "1"
 
 
 def examples(count: int) -> int:
-    """How many random examples of ``count`` to draw: all in depth, a quarter every day, never under 4."""
-    return count if DEEP else max(count // 4, min(count, 4))
+    """How many random examples of ``count`` to draw: all in depth, a sixth every day, never under 4."""
+    return count if DEEP else max(count // 6, min(count, 4))
 
 
 def everyday(values: Iterable[object], kept: Iterable[object]) -> list[object]:

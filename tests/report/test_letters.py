@@ -178,7 +178,7 @@ def test_a_model_that_cannot_be_written_leaves_the_one_in_eta(monkeypatch: pytes
         raise NotDerivableError("too many terms")
 
     module = import_module("wmrgen.backends.report.motion")
-    monkeypatch.setattr(module, "best_motion", refuse)
+    monkeypatch.setattr(module, "posture_motion", refuse)
     text = "\n".join(module.motion(of_gallery("pioneer3dx")))
     assert "In the speeds" not in text and r"\eta_{1}" in text
 

@@ -41,13 +41,13 @@ def by_joint(derivation: Derivation, best: Fit) -> dict[str, float]:
     for drive in best.problem.drives:
         step = best.problem.increments(drive.columns, best.values)
         twist = {"vx": step.position.real, "vy": step.position.imag, "omega": step.heading}
-        given = dict(zip(best.problem.increments.parameters, best.values, strict=True))
-        inputs = {n: v for n, v in {**twist, **drive.columns, **given}.items() if n in names}
+        tunables = dict(zip(best.problem.increments.parameters, best.values, strict=True))
+        inputs = {n: v for n, v in {**twist, **drive.columns, **tunables}.items() if n in names}
         missing = {n: 0.0 for n in names if n.endswith(".steer") and n not in inputs}
-        made = inverse(**inputs, **missing)
+        commands = inverse(**inputs, **missing)
         for joint, column in drive.columns.items():
-            if joint.endswith(".spin") and joint in made:
-                off = np.abs(column) - np.abs(made[joint])
+            if joint.endswith(".spin") and joint in commands:
+                off = np.abs(column) - np.abs(commands[joint])
                 sums[joint] = sums.get(joint, np.zeros(2)) + np.array([off @ off, len(off)])
     return {joint: float(np.sqrt(square / count)) for joint, (square, count) in sums.items()}
 

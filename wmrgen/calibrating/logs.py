@@ -249,10 +249,10 @@ def pairs(files: Sequence[Path], truths: Sequence[Path]) -> list[tuple[Path, Pat
     rest = iter(truths)
     result = []
     for log in files:
-        beside = log.with_suffix(".truth.csv")
-        truth = beside if beside.is_file() and not truths else next(rest, None)
+        own = log.with_suffix(".truth.csv")
+        truth = own if own.is_file() and not truths else next(rest, None)
         if truth is None:
-            raise UsageError(f"{log}: no {beside.name} is beside it, and no --truth is left for it")
+            raise UsageError(f"{log}: no {own.name} is beside it, and no --truth is left for it")
         result.append((log, truth))
     if next(rest, None) is not None:
         raise UsageError(f"there are {len(truths)} --truth for {len(files)} logs")

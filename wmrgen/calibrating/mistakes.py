@@ -30,9 +30,9 @@ Change = Callable[[Drive], Drive]
 def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Callable[[Sequence[Drive]], Fit]) -> None:
     """UsageError where no parameters bring joints and truth together, with the reading of the columns of ``drives``, as
     they were read, that would."""
-    unlikely = _unlikely(best)
     if not _strange(best):
         return
+    unlikely = _unlikely(best)
     hint = _hint(best, drives[:2], fitted)
     if unlikely:
         raise UsageError(f"log and truth agree only where {unlikely}: {hint}")
@@ -54,14 +54,14 @@ def _hint(best: Fit, drives: Sequence[Drive], fitted: Callable[[Sequence[Drive]]
             far = np.max(np.abs(column))
             return f"{name} goes as far as {far:.0f} rad: is it in degrees, or exchanged with another?"
     turned, unlikely = best.rms[1] > _TURNED, _unlikely(best)
-    found = []
+    hints = []
     for text, change in _readings(best, drives):
         other = fitted([change(drive) for drive in drives])
         if not _strange(other) and (unlikely or other.rms[turned] < _BETTER * best.rms[turned]):
-            found.append(f"they would agree with {text}")
+            hints.append(f"they would agree with {text}")
             if abs(other.mount[2]) < _AHEAD:
-                return found[-1]
-    return found[0] if found else "do log and truth belong to one drive of this robot?"
+                return hints[-1]
+    return hints[0] if hints else "do log and truth belong to one drive of this robot?"
 
 
 def _strange(best: Fit) -> bool:

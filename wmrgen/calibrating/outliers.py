@@ -25,10 +25,8 @@ _STEP = 0.25  # [s] at which errors are compared
 _WINDOW, _BETWEEN = 8, 4  # steps whose median is compared, before and after, and steps between
 _PATH = (0.06, 0.15)  # [m], [rad] that a slip in the path is at least: clocks that drift make steps, too
 _SEEN, _FAR = 4.0, 7.0  # robust standard deviations: what is farther is a slip, of the path and among joints
-_LATE, _CLOCK = (
-    1.5,
-    0.5,
-)  # [s] that a clock may be off by in a drive; of a step what is left, if it makes the step
+_LATE = 1.5  # [s] that a clock may be off by in a drive
+_CLOCK = 0.5  # of a step: what another clock leaves of it, where the clock makes it
 _LARGE = 2.0  # times the scale of residuals, which a disagreement of joints in one step is at least
 _NOTED = 0.02  # [m] a disagreement that is worth telling, however far the drives are off
 _PEAK = 0.6  # of the largest step near by, for the slip to be there

@@ -33,8 +33,8 @@ def import_robot(
     as_json: bool,
 ) -> int:
     """Write or print the robot file; say what is open."""
-    given = dict(word.split(":=", 1) for word in arguments or () if ":=" in word)
-    said = {path: read_controllers(path, given) for path in controller or ()}
+    values = dict(word.split(":=", 1) for word in arguments or () if ":=" in word)
+    said = {path: read_controllers(path, values) for path in controller or ()}
     try:
         description = description_of(file, arguments or (), package or ())
         description = instructed(description, [c for each in said.values() for c in each])

@@ -48,8 +48,8 @@ def new(
         )
     if start is None:
         list_robots(False)
-        start = console.ask("Which of them is most like yours?", "pioneer3dx", _known)
-    origin = gallery()[_known(start)].read_text(encoding="utf-8")
+        start = console.ask("Which of them is most like yours?", "pioneer3dx", _of_gallery)
+    origin = gallery()[_of_gallery(start)].read_text(encoding="utf-8")
     name = _name(name) if name else console.ask("What is your robot called?", f"my_{start}", _name)
     path = out or Path(f"{name}.yaml")
     if path.exists():
@@ -74,7 +74,7 @@ def new(
     return 0
 
 
-def _known(name: str) -> str:
+def _of_gallery(name: str) -> str:
     """The name of a robot of the gallery. UsageError where there is none."""
     if name not in gallery():
         raise UsageError(f"the gallery has no robot {quoted(name)}. {suggestion(name, list(gallery()))}")

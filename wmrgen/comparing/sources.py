@@ -126,9 +126,9 @@ def layouts(
     return result
 
 
-def _refuse_without_values(text: str, given: Mapping[str, str], name: str, told: bool) -> None:
+def _refuse_without_values(text: str, values: Mapping[str, str], name: str, told: bool) -> None:
     """RobotFileError for parameters of which nothing is ``told`` but ``$(arg …)`` that nobody gave."""
-    open_ = [word for word in dict.fromkeys(_ARGUMENT.findall(text)) if word not in given]
+    open_ = [word for word in dict.fromkeys(_ARGUMENT.findall(text)) if word not in values]
     if open_ and not told:
         raise RobotFileError(
             f"{name}: no length of a wheel controller has a value",
@@ -157,9 +157,9 @@ def _layouts(
         yield of_header(text, name)
     else:
         if text and not re.search(r"^\s*['\"]?wmrgen['\"]?\s*:", text, re.MULTILINE):
-            given = dict(word.split(":=", 1) for word in arguments if ":=" in word)
-            controllers = read_controllers(path, given)
-            _refuse_without_values(text, given, name, bool(controllers))
+            values = dict(word.split(":=", 1) for word in arguments if ":=" in word)
+            controllers = read_controllers(path, values)
+            _refuse_without_values(text, values, name, bool(controllers))
         if not controllers:
             yield of_robot(*wmrgen.read(path), name)
     yield from (of_controller(c, name) for c in controllers)

@@ -269,7 +269,7 @@ def role(*texts: str) -> str:
     return " ".join(told[axis] for axis in "xy" if axis in told)
 
 
-def _beside(leaf: _Leaf, leaves: Sequence[_Leaf]) -> list[Named]:
+def _joints_of(leaf: _Leaf, leaves: Sequence[_Leaf]) -> list[Named]:
     """The joints named beside a value, or one for each value of a list."""
     near = (list(_joints(other)) for other in leaves if other.path[:-1] == leaf.path[:-1])
     return next((joints for joints in near if joints and len(joints) == len(leaf.texts)), [])
@@ -277,7 +277,7 @@ def _beside(leaf: _Leaf, leaves: Sequence[_Leaf]) -> list[Named]:
 
 def _signs(leaves: Sequence[_Leaf]) -> Iterator[tuple[str, Setting]]:
     for leaf in leaves:
-        for index, named in enumerate(_beside(leaf, leaves) if _SIGN.search(leaf.word) else ()):
+        for index, named in enumerate(_joints_of(leaf, leaves) if _SIGN.search(leaf.word) else ()):
             setting = _number(leaf, index)
             if setting and abs(setting.value) == 1:
                 yield named.joint, setting
@@ -288,7 +288,7 @@ def _places(leaves: Sequence[_Leaf]) -> Iterator[tuple[str, tuple[Setting, Setti
     at: dict[str, dict[str, Setting]] = {}
     for leaf in leaves:
         match = _PLACE.match(leaf.word)
-        for named in _beside(leaf, leaves) if match else ():
+        for named in _joints_of(leaf, leaves) if match else ():
             zero = Setting(Fraction(0), leaf.word, leaf.marks[0])
             at.setdefault(named.joint, {})[leaf.word[-1]] = _number(leaf) or zero
     yield from ((joint, (place["x"], place["y"])) for joint, place in at.items() if len(place) == 2)

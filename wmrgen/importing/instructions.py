@@ -17,7 +17,9 @@ _ROLLERS = ("mecanum", "omni")  # kinds of controllers that drive wheels with ro
 def instructed(description: Description, controllers: Sequence[Controller]) -> Description:
     """The description, of which the joints that controllers name are driven too. Names that it lacks are noted."""
     joints = {joint.name for joint in description.joints}
-    named = {(joint.joint, c.name): _known(joint.joint, joints) for c in controllers for joint in c.joints}
+    named = {
+        (joint.joint, c.name): _joint_called(joint.joint, joints) for c in controllers for joint in c.joints
+    }
     driven = frozenset(joint for joint in named.values() if joint)
     lost = [
         f"{quoted(c)} names the joint {quoted(j)}, which the file has not"
@@ -34,7 +36,7 @@ def instructed(description: Description, controllers: Sequence[Controller]) -> D
     )
 
 
-def _known(name: str, joints: Collection[str]) -> str | None:
+def _joint_called(name: str, joints: Collection[str]) -> str | None:
     """The joint of a name, or the only one that has a prefix before it."""
     prefixed = [joint for joint in joints if joint.endswith((f"_{name}", f"/{name}"))]
     return name if name in joints else prefixed[0] if len(prefixed) == 1 else None

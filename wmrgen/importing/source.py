@@ -36,10 +36,10 @@ _PREFIX = "write xacro: before it, if it is a macro"
 def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]) -> Description:
     """What the file says. RobotFileError for what cannot be read, UsageError for words of a wrong form."""
     values = _pairs(arguments, ":=")
-    given = {name: Path(folder) for name, folder in _pairs(packages, "=").items()}
+    roots = {name: Path(folder) for name, folder in _pairs(packages, "=").items()}
     name = printable(file.name)
     root = parse(bytes_of(file, MAX_BYTES + 1), name)
-    folders = _own_package(file) | given
+    folders = _own_package(file) | roots
     substituted = _is_xacro(root)
     if values and not substituted:
         raise UsageError(f"{name} is no xacro, and takes no {quoted(next(iter(values)))}")

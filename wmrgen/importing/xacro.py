@@ -38,7 +38,7 @@ def resolve(
             "xacro is resolved by the package xacro: pip install 'wmrgen[import]'"
         ) from None
     roots = [file.resolve().parent, *(folder.resolve() for folder in packages.values())]
-    values = {name: _found(value, packages) for name, value in arguments.items()}
+    values = {name: _with_folders(value, packages) for name, value in arguments.items()}
     missing: list[str] = []
     plain: list[str] = []
     called: list[str] = []
@@ -104,7 +104,7 @@ def _undefined(error: Exception) -> str | None:
     return next((str(e.args[0]) for e in _causes(error) if type(e).__name__ == "ArgException"), None)
 
 
-def _found(value: str, packages: Mapping[str, Path]) -> str:
+def _with_folders(value: str, packages: Mapping[str, Path]) -> str:
     return re.sub(r"\$\(find ([^)\s]+)\)", lambda match: _package(match[1], packages), value)
 
 

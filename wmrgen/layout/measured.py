@@ -113,7 +113,7 @@ def _lines(fixed: list[Wheel], tolerance: Tolerance) -> Agreed:
                 told.append(Near(text, _last(line), apart, _ONE_LINE, _steps("moved", steps, _millimetres)))
         for one, other in pairwise(groups):
             apart = float(ahead[other[0].index] - ahead[one[-1].index])
-            if apart < SLIP * tolerance.size or _beside(one, other):
+            if apart < SLIP * tolerance.size or _side_by_side(one, other):
                 text = f"the axle line of {_names(other)} is {_millimetres(apart)} from that of {_names(one)}"
                 told.append(Near(text, _last(other), apart, _ONE_LINE))
     return moved, told
@@ -177,7 +177,7 @@ def _angle(a: Wheel, b: Wheel) -> float:
     return asin(max(-1.0, min(1.0, between.imag if between.real > 0 else -between.imag)))
 
 
-def _beside(one: list[Wheel], other: list[Wheel]) -> bool:
+def _side_by_side(one: list[Wheel], other: list[Wheel]) -> bool:
     """The wheels of one axle line stand all to the left of the other's, or all to the right."""
     a, b = ([(w.pivot / one[0].zero_heading).imag for w in line] for line in (one, other))
     return min(a) > max(b) or min(b) > max(a)

@@ -100,9 +100,7 @@ class Mobility:
     null_space_symbolic: tuple[Row, ...]
     scaled: tuple[Row, ...]  # the same columns, so that eta is a speed: see `basis.scaled`; working view
     scaled_symbolic: tuple[Row, ...]
-    driven: tuple[Robot, Mobility] | None = (
-        None  # what wheel speeds follow from, where that is not the layout
-    )
+    driven: tuple[Robot, Mobility] | None = None  # what wheel speeds follow from, if not the layout
 
     @property
     def degree_of_maneuverability(self) -> int:

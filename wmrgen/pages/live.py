@@ -10,15 +10,15 @@ from wmrgen.backends.registry import BACKENDS
 from wmrgen.constraints import nominal_view
 from wmrgen.emit import site
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.models.axle import THROUGH_P, fixed_axle
-from wmrgen.functions.models.inputs import best_motion
+from wmrgen.functions.models.axle import leading_axle
+from wmrgen.functions.models.inputs import Motion, best_motion
 from wmrgen.functions.system import rate_port
 from wmrgen.functions.trailers.trailer import state_ports, turns
 from wmrgen.ir.calls import select, self_contained
 from wmrgen.ir.nodes import Function
 from wmrgen.ir.pipeline import optimise
 from wmrgen.kinematics.records import Locals, tunable_ports
-from wmrgen.layout.records import Trailer, Wheel
+from wmrgen.layout.records import Wheel
 from wmrgen.lower import lower
 from wmrgen.ports import POSE, TWIST
 from wmrgen.robot import Derivation
@@ -38,7 +38,7 @@ def robot(derivation: Derivation) -> dict[str, Any]:
         "omnidirectional": derivation.mobility.degree_of_mobility == 3,
         "trailers": [
             {"name": t.name, "hitch": float(t.hitch.nominal), "length": float(t.length.nominal)}
-            for t in _trailers(derivation)
+            for t in (derivation.robot.trailers if _towing(derivation) else ())
         ],
         "axle": _axle(derivation),
     }
@@ -47,8 +47,7 @@ def robot(derivation: Derivation) -> dict[str, Any]:
 def _axle(derivation: Derivation) -> dict[str, float]:
     """Where trailers follow: the centre of the fixed axle, and which way it drives."""
     driven = derivation.driven
-    axle = fixed_axle(driven.robot, driven.mobility, nominal_view) or THROUGH_P
-    ex, ey, x, y = (float(p.constant or 0) for p in (axle.ex, axle.ey, axle.x, axle.y))
+    ex, ey, x, y = leading_axle(driven.robot, driven.mobility, nominal_view).nominal
     return {"x": x, "y": y, "heading": atan2(ey, ex)}
 
 
@@ -69,22 +68,20 @@ def _wheel(wheel: Wheel) -> dict[str, Any]:
     }
 
 
-def _trailers(derivation: Derivation) -> tuple[Trailer, ...]:
-    """Those that the page tows: none where the robot has no model of motion."""
+def _towing(derivation: Derivation) -> Motion | None:
+    """The motion in which the page tows trailers; None without trailers and where the robot has no model of motion."""
     if not derivation.robot.trailers:
-        return ()
+        return None
     try:
-        best_motion(derivation.driven.robot, derivation.driven.mobility)
+        return best_motion(derivation.driven.robot, derivation.driven.mobility)
     except NotDerivableError:
-        return ()
-    return derivation.robot.trailers
+        return None
 
 
-def _towed(derivation: Derivation) -> Function:
+def _towed(derivation: Derivation, motion: Motion) -> Function:
     """The yaw rates of the trailers, ``towed``: of the twist of P and all headings (Tzafestas (2.70))."""
-    robot, mobility = derivation.driven.robot, derivation.driven.mobility
-    headings = state_ports(robot.trailers)
-    rates = turns(best_motion(robot, mobility), mobility)
+    robot, headings = motion.robot, state_ports(motion.robot.trailers)
+    rates = turns(motion, derivation.driven.mobility)
     formula = Locals().formula(
         "towed", (*TWIST, POSE[2], *headings, *tunable_ports(robot)),
         zip(map(rate_port, headings), rates, strict=True), "yaw rates of the trailers",
@@ -96,6 +93,6 @@ def _towed(derivation: Derivation) -> Function:
 def code(derivation: Derivation) -> str:
     """A JavaScript expression of the functions that drive it."""
     module = select(derivation.module, {name: name for name in FUNCTIONS})
-    if _trailers(derivation):
-        module = replace(module, functions=(*module.functions, _towed(derivation)))
+    if motion := _towing(derivation):
+        module = replace(module, functions=(*module.functions, _towed(derivation, motion)))
     return str(BACKENDS["javascript"].offers("expression")(module))

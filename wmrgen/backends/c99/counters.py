@@ -35,10 +35,10 @@ def counting(module: Module, contract: Mapping[str, Step], scalar: str) -> tuple
     note = "Counters of encoders as they stand; they may wrap."
     counters = struct(f"{robot}_counters", tuple(members.values()), scalar, note, types)
     own = next(s for s in counted.structs if s.name.endswith(f"_{IN}"))
-    (given,) = (p for p in counted.parameters if p.type == own.name)
+    (counts,) = (p for p in counted.parameters if p.type == own.name)
     taken = [Parameter(when, counters.name, {}, {}) for when in ("now", "last")]
-    timed = [Parameter("dt", scalar, {"dt": ""}, {})] if "dt" in given.reads else []
-    others = [p for p in counted.parameters if p is not given]
+    timed = [Parameter("dt", scalar, {"dt": ""}, {})] if "dt" in counts.reads else []
+    others = [p for p in counted.parameters if p is not counts]
     declared, lines = [f"{own.name} counts;"], []
     for name, port in ports.items():
         member, signed = counters.members[_counter(port)], f"int{port.bits}_t"
@@ -46,12 +46,12 @@ def counting(module: Module, contract: Mapping[str, Step], scalar: str) -> tuple
         if _read(port)[1]:
             value = name.replace(".", "_")
             declared.append(f"const u{signed} {value} = (u{signed})(now->{member} - last->{member});")
-        lines.append(f"counts.{given.reads[name]} = ({scalar})({signed}){value};")
+        lines.append(f"counts.{counts.reads[name]} = ({scalar})({signed}){value};")
     if len(declared) == 1:
         lines.append("(void)last;")
     if timed:
-        lines.append(f"counts.{given.reads['dt']} = dt;")
-    passed = ("&counts" if p is given else p.name for p in counted.parameters)
+        lines.append(f"counts.{counts.reads['dt']} = dt;")
+    passed = ("&counts" if p is counts else p.name for p in counted.parameters)
     lines.append(f"{counted.name}({', '.join(passed)});")
     text = (
         f"{counted.name}() of counters as they stand now and as they stood at the last step. They may wrap, by less "

@@ -19,7 +19,7 @@ from wmrgen.backends.drawing.paper import (
 )
 from wmrgen.backends.drawing.view import View
 from wmrgen.constraints import nominal_view
-from wmrgen.functions.models.axle import THROUGH_P, fixed_axle
+from wmrgen.functions.models.axle import leading_axle
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
@@ -32,8 +32,7 @@ Train = list[
 def train(derivation: Derivation) -> Train:
     """The trailers, all in line behind the fixed axle, or behind P where there is none."""
     robot = derivation.driven.robot
-    axle = fixed_axle(robot, derivation.driven.mobility, nominal_view) or THROUGH_P
-    ex, ey, x, y = (float(p.constant or 0) for p in (axle.ex, axle.ey, axle.x, axle.y))
+    ex, ey, x, y = leading_axle(robot, derivation.driven.mobility, nominal_view).nominal
     places: Train = []
     for t in robot.trailers:
         front, hitch, length = (x, y), float(t.hitch.nominal), float(t.length.nominal)

@@ -232,14 +232,9 @@ def _three(measured: Measurements) -> list[str]:
     if len(measured.rows) != 3 or measured.weighted:
         return []
     det = latex(determinant([list(row) for row, _, _ in measured.rows]))
-    return (
-        [
-            "Three rows make H square, and det(HᵀH) = (det H)²:",
-            *math(rf"\det H = {det}"),
-        ]
-        if width(det) <= _DET
-        else []
-    )
+    if width(det) > _DET:
+        return []
+    return ["Three rows make H square, and det(HᵀH) = (det H)²:", *math(rf"\det H = {det}")]
 
 
 def _solution(rank: int, may_fall: bool) -> list[str]:

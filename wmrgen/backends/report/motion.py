@@ -11,7 +11,7 @@ from wmrgen.backends.report.latex import broken, pieces, terms, total, width
 from wmrgen.backends.report.markdown import aligned, code, listed
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly, Row
-from wmrgen.functions.models.inputs import best_motion
+from wmrgen.functions.models.inputs import posture_motion
 from wmrgen.functions.models.sheet import LONGEST, tidy
 from wmrgen.functions.trailers.trailer import state_ports, turns
 from wmrgen.layout.records import Robot
@@ -77,10 +77,10 @@ def _in_wheel_speeds(d: Derivation) -> list[str]:
     Nothing where they do not drive all of it, where it depends on more than one angle, and where it is long.
     """
     try:
-        motion = best_motion(d.robot, d.mobility, symbolic=True)
+        motion = posture_motion(d.robot, d.mobility, symbolic=True)
     except NotDerivableError:
         return []
-    if motion.inputs[0].name == "eta1" or motion.swivels or len(motion.frame.wheels) > 1:
+    if motion.swivels or len(motion.frame.wheels) > 1:
         return []
     speeds = [Poly.gen("input", p.name) for p in motion.inputs]
     vx, vy, omega = (
@@ -92,8 +92,7 @@ def _in_wheel_speeds(d: Derivation) -> list[str]:
     lines = [*_rates((vx, vy, omega), bool(towed)), *_trailers(d.robot, towed)]
     if max(map(width, lines)) > _WIDEST:
         return []
-    _, _, followers = motion.text.removesuffix(" must follow").partition("; ")
-    agree = f", with which {listed(followers.split(', '))} must agree," if followers else ""
+    agree = f", with which {listed(motion.followers)} must agree," if motion.followers else ""
     return [f"In the speeds of driven wheels{agree} it is (`wmrgen model`)", *aligned(lines)]
 
 

@@ -35,6 +35,12 @@ class Axle:
         """Q as expressions."""
         return expression(self.x), expression(self.y)
 
+    @property
+    def nominal(self) -> tuple[float, float, float, float]:
+        """ex, ey, x, y, of a `nominal_view`."""
+        ex, ey, x, y = (float(p.constant or 0) for p in (self.ex, self.ey, self.x, self.y))
+        return ex, ey, x, y
+
     def coupling(self, hitch: Poly) -> Vector:
         """The point that lies ``hitch`` behind Q."""
         return expression(self.x - self.ex * hitch), expression(self.y - self.ey * hitch)
@@ -67,3 +73,8 @@ def fixed_axle(robot: Robot, mobility: Mobility, view: View) -> Axle | None:
     """The axle of the fixed wheels, Q their centre; None where they have no common one."""
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     return axle_of(fixed, view) if fixed and mobility.rank_C1f.value == 1 else None
+
+
+def leading_axle(robot: Robot, mobility: Mobility, view: View) -> Axle:
+    """What leads trailers: the fixed axle, or P where there is none."""
+    return fixed_axle(robot, mobility, view) or THROUGH_P

@@ -65,7 +65,8 @@ class Motion:
     """How inputs move the body.
 
     ``twists[k]``: the twist of P per unit of ``inputs[k]``, robot frame. ``etas[k] / divisor``: its coordinates
-    along the columns of N. The model holds where ``divisor`` is not zero.
+    along the columns of N. The model holds where ``divisor`` is not zero. ``followers``: driven joints besides, which
+    must agree with the inputs.
     """
 
     frame: Frame
@@ -74,6 +75,7 @@ class Motion:
     divisor: Poly
     twists: tuple[Row, ...]
     text: str
+    followers: tuple[str, ...] = ()
 
     @property
     def robot(self) -> Robot:
@@ -110,7 +112,7 @@ def posture_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> 
     inputs = (*(d.port for d in drives), *_rate_ports(frame))
     note = f"; {', '.join(idle)} must follow" if idle else ""
     text = f"posture model in {', '.join(p.name for p in inputs)}{note}"
-    return _motion(frame, inputs, etas, determinant, text)
+    return replace(_motion(frame, inputs, etas, determinant, text), followers=tuple(idle))
 
 
 def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual: bool = False) -> Motion:

@@ -251,7 +251,7 @@ def odometry_covariance(_: Robot, __: Mobility) -> Formula:
 
 
 def _of_velocity(
-    given: Mapping[str, Expr], names: Locals
+    covariances: Mapping[str, Expr], names: Locals
 ) -> tuple[tuple[Expr, Expr, Expr], tuple[Expr, Expr]]:
     """What errors of the velocity add to xx, xy and yy; covariances of that with the yaw rate."""
     chord, middle = local("chord"), local("middle")
@@ -262,9 +262,9 @@ def _of_velocity(
         x, y = (names.define(f"{name}_{k}", e) for k, e in zip("xy", rotated(c, s, a, b), strict=True))
         return x, y
 
-    by_rate = driven("by_omega", given["vxomega"], given["vyomega"])
-    px, py = driven("by_vx", given["vxvx"], given["vxvy"])
-    qx, qy = driven("by_vy", given["vxvy"], given["vyvy"])
+    by_rate = driven("by_omega", covariances["vxomega"], covariances["vyomega"])
+    px, py = driven("by_vx", covariances["vxvx"], covariances["vxvy"])
+    qx, qy = driven("by_vy", covariances["vxvy"], covariances["vyvy"])
     xx = subtract(times(c, px), times(s, qx))
     xy = add(times(s, px), times(c, qx))
     yy = add(times(s, py), times(c, qy))

@@ -18,7 +18,7 @@ import sympy
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly
-from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, fixed_axle
+from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, fixed_axle, leading_axle
 from wmrgen.functions.models.inputs import Motion, best_motion
 from wmrgen.functions.models.posture import posture_rates, system_of
 from wmrgen.functions.registry import function, system
@@ -96,7 +96,7 @@ def convoy(motion: Motion, axle: Axle, twist: Sequence[Expr], names: Locals | No
 def turns(motion: Motion, mobility: Mobility, sideways: bool = True) -> list[Expr]:
     """The yaw rate of each trailer's axle [rad/s] in the twist of P (signals vx, vy, omega) and the headings; vy is 0
     unless ``sideways``."""
-    axle = fixed_axle(motion.robot, mobility, motion.frame.view) or THROUGH_P
+    axle = leading_axle(motion.robot, mobility, motion.frame.view)
     vy = signal("vy") if sideways else sympy.S.Zero
     return [own.turn for own in convoy(motion, axle, (signal("vx"), vy, signal("omega")), None)]
 
@@ -169,7 +169,7 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
     """Rates of the posture and of the trailers' headings, and the speed of each trailer's axle (0 when jack-knifed)."""
     require_trailers(robot, mobility)
     motion = best_motion(robot, mobility)
-    axle = fixed_axle(robot, mobility, motion.frame.view) or THROUGH_P
+    axle = leading_axle(robot, mobility, motion.frame.view)
     names = Locals()
     posture = system_of("posture", motion)
     rates, twist = posture_rates(posture, motion, names)

@@ -17,7 +17,7 @@ import sympy
 
 from wmrgen.constraints import working_view
 from wmrgen.exact.poly import Poly
-from wmrgen.functions.models.axle import THROUGH_P, Vector, fixed_axle
+from wmrgen.functions.models.axle import Vector, fixed_axle, leading_axle
 from wmrgen.functions.registry import function, underivable
 from wmrgen.functions.trailers.trailer import require_trailers, state_ports
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
@@ -56,7 +56,7 @@ def trailer_positions(robot: Robot, mobility: Mobility) -> Formula:
     On the axle x_i = x_Q - sum of L_j cos(theta_j).
     """
     require_trailers(robot, mobility)
-    axle = fixed_axle(robot, mobility, working_view) or THROUGH_P
+    axle = leading_axle(robot, mobility, working_view)
     names = Locals()
     ahead = signal("theta")
     coupling = axle.coupling(robot.trailers[0].hitch.working)

@@ -106,7 +106,7 @@ def _mobility(m: Mobility) -> dict[str, Any]:
         "robot_type": list(m.robot_type) if m.robot_type else None,
         "degenerate": m.degenerate,
         "reasons": list(m.reasons),
-        "actuation": list(m.actuation),
+        "actuation": list(map(str, m.actuation)),
         "singularities": [_singularity(s) for s in m.singularities],
     }
 

@@ -96,3 +96,16 @@ def test_too_few_motors_name_a_joint_that_has_none(tmp_path: Path, wheel: str, i
     )
     told = [f.instead for f in linted(path) if f.code == "WMR020"]
     assert told == [instead]
+
+
+def test_of_wheels_that_steer_the_one_that_does_not_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    places = ((1, 1, "[steer]"), (1, -1, "[steer]"), (-1, 1, "[steer]"), (-1, -1, "[spin]"))
+    text = "".join(
+        f"  - {{name: w{k}, type: steered, x: {x}, y: {y}, heading: 0, r: 0.1, actuated: {joints}}}\n"
+        for k, (x, y, joints) in enumerate(places)
+    )
+    path.write_text(f"{HEAD}wheels:\n{text}")
+    (told,) = (f.what for f in linted(path) if f.code == "WMR021")
+    assert told.startswith("steering: 3 actuated joints for 2 degrees of freedom, 1 beyond need: 1 relation ")
+    assert told.endswith("; w3 alone of the steered wheels is not actuated")

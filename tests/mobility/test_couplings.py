@@ -71,10 +71,10 @@ def test_two_castors_on_one_steering_motor() -> None:
 
 def test_castors_on_one_steering_motor_count_once() -> None:
     free, belt = (derived({"wheels": CASTORS, "couplings": c}) for c in ([], [("steer", ["a", "b"])]))
-    assert free.derivation.mobility.actuation[0].startswith(
+    assert str(free.derivation.mobility.actuation[0]).startswith(
         "driving: 4 actuated joints for 3 degrees of freedom"
     )
-    assert belt.derivation.mobility.actuation[0].startswith(
+    assert str(belt.derivation.mobility.actuation[0]).startswith(
         "driving: 3 actuated joints for 2 degrees of freedom"
     )
 

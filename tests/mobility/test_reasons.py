@@ -218,7 +218,7 @@ ONE, TWO, THREE = (
 def test_what_is_driven(
     wheels: list[dict[str, Any]], couplings: list[tuple[str, list[str]]], sentences: list[str]
 ) -> None:
-    assert list(mobility(wheels, couplings).actuation) == sentences
+    assert list(map(str, mobility(wheels, couplings).actuation)) == sentences
 
 
 @pytest.mark.parametrize(("gap", "close"), [(2e-7, True), (2e-5, False)])

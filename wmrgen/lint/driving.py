@@ -39,19 +39,18 @@ wheels:
 def short(subject: Subject) -> Iterator[Finding]:
     lost = any(s.everywhere for s in subject.mobility.singularities)  # another rule speaks of it
     if subject.mobility.degree_of_mobility and not lost:
-        for sentence in subject.mobility.actuation:
-            if "short by" in sentence:
-                yield Finding(subject.mark(_first(subject)), sentence, _more(subject, sentence))
+        for balance in subject.mobility.actuation:
+            if balance.lacking:
+                yield Finding(subject.mark(_first(subject)), str(balance), _more(subject, balance.joint))
 
 
-def _more(subject: Subject, sentence: str) -> str:
-    """Which joints could be driven besides; ``sentence``: about driving, or about steering."""
-    steering = sentence.startswith("steering")
+def _more(subject: Subject, lacking: str) -> str:
+    """Which joints could be actuated besides, that drive or that steer as those that are ``lacking``."""
     idle = [
         f"{joint} to actuated of {w.name}"
         for w in subject.robot.wheels
         for joint in w.kind.joints
-        if joint not in w.actuated and steering == (joint == "steer" and w.kind.steers)
+        if joint not in w.actuated and (lacking == "steer") == (joint == "steer" and w.kind.steers)
     ]
     return (
         f"Add {idle[0]}, or another."
@@ -82,16 +81,15 @@ wheels:
 """,
 )
 def uneven(subject: Subject) -> Iterator[Finding]:
-    for sentence in subject.mobility.actuation:
-        joint = "spin" if sentence.startswith("driving") else "steer"
-        for alike in _alike(subject.robot, joint) if "beyond need" in sentence else ():
-            idle = [w for w in alike if joint not in w.actuated]
+    for balance in subject.mobility.actuation:
+        for alike in _alike(subject.robot, balance.joint) if balance.surplus else ():
+            idle = [w for w in alike if balance.joint not in w.actuated]
             if 0 < len(idle) < len(alike) - len(idle):
                 yield Finding(
                     subject.mark(idle[0]),
-                    f"{sentence}; {listed([w.name for w in idle])} alone of the {idle[0].kind.noun}s "
-                    f"{'is' if len(idle) == 1 else 'are'} not driven",
-                    f"Write {joint} in actuated of all of them, or of as many as are needed.",
+                    f"{balance}; {listed([w.name for w in idle])} alone of the {idle[0].kind.noun}s "
+                    f"{'is' if len(idle) == 1 else 'are'} not actuated",
+                    f"Write {balance.joint} in actuated of all of them, or of as many as are needed.",
                 )
 
 

@@ -43,12 +43,12 @@ wheels:
 )
 def stuck(subject: Subject) -> Iterator[Finding]:
     if not subject.mobility.degree_of_mobility:
-        why = next(
-            (r for r in subject.mobility.reasons if "nothing can move" in r), "no motion is free of sliding"
-        )
+        apart = subject.mobility.apart
         yield Finding(
             subject.mark(subject.robot.wheels[0]),
-            why.rstrip("."),
+            f"the axles of {listed(apart)} meet in no common point: nothing can move"
+            if apart
+            else "no motion is free of sliding",
             "Look at headings and places of the fixed wheels.",
         )
 
@@ -78,7 +78,7 @@ wheels:
 def skids(subject: Subject) -> Iterator[Finding]:
     if subject.robot.effective_track is not None:
         return
-    if any("skid-steer" in r for r in subject.mobility.reasons) and not list(narrow(subject)):
+    if subject.mobility.skids and not list(narrow(subject)):
         fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]
         names = listed([w.name for w in fixed])
         what = f"{names} stand on parallel axles: the robot turns only by skidding (skid-steer)"

@@ -14,7 +14,7 @@ from wmrgen.layout.records import Geometry, Wheel
 from wmrgen.mobility.admissible import along, coupled_sets
 from wmrgen.mobility.configure import Configuration, steering_for
 from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.records import TOLERANCE, Array
+from wmrgen.mobility.records import TOLERANCE, Array, Balance
 from wmrgen.notation import listed, turning
 
 SAME = 1e-9
@@ -24,7 +24,7 @@ def reasons(at: Configuration, deciding: tuple[Wheel, ...]) -> tuple[str, ...]:
     """Why the degrees are what they are, one sentence each; ``deciding``: the steered wheels that give a row of C1."""
     return (
         *_fixed(at), *_taken_for_one(at), *_couplings(at), *_steered(at, deciding), *_free_wheels(at),
-        *_degrees(at), *_verdict(at), *_doubts(at), *_coincidences(at),
+        *_degrees(at), *filter(None, [verdict(at)]), *_doubts(at), *_coincidences(at),
     )  # fmt: skip
 
 
@@ -79,15 +79,22 @@ def _fixed(at: Configuration) -> list[str]:
     return [*sentences, _axles_meet(at, [line[0] for line in lines])]
 
 
+def apart(at: Configuration) -> tuple[str, ...]:
+    """Three fixed wheels whose axles meet in no common point, where rank C1f is 3."""
+    if at.rank_fixed.value < 3:
+        return ()
+    wheels = [line[0] for line in _axle_lines([w for w in at.robot.wheels if w.kind.fixed_axle])]
+    rows = unit_rows(np.array([_axle(w) for w in wheels]))
+    triple = next(t for t in combinations(range(len(wheels)), 3) if numeric_rank(rows[list(t)])[0] == 3)
+    return tuple(wheels[i].name for i in triple)
+
+
 def _axles_meet(at: Configuration, wheels: list[Wheel]) -> str:
     """Where several axle lines meet, if anywhere."""
-    rows = unit_rows(np.array([_axle(w) for w in wheels]))
-    if at.rank_fixed.value == 3:
-        triple = next(t for t in combinations(range(len(wheels)), 3) if numeric_rank(rows[list(t)])[0] == 3)
-        names = listed([wheels[i].name for i in triple])
-        return f"The axles of {names} meet in no common point: nothing can move (rank C1f = 3)."
+    if three := apart(at):
+        return f"The axles of {listed(three)} meet in no common point: nothing can move (rank C1f = 3)."
     names = listed([w.name for w in wheels])
-    (null,) = null_basis(rows)
+    (null,) = null_basis(unit_rows(np.array([_axle(w) for w in wheels])))
     if abs(null[2]) < SAME:
         where, what = "are parallel and distinct", "straight motion along the wheels"
     else:
@@ -154,14 +161,13 @@ def _degrees(at: Configuration) -> list[str]:
     return [f"delta_m = 3 - rank C1 = 3 - {3 - m} = {m}; delta_M = {m} + {s} = {m + s}."]
 
 
-def _verdict(at: Configuration) -> list[str]:
+def verdict(at: Configuration) -> str:
+    """Why the robot is degenerate; "" where it is not."""
     if not at.degenerate:
-        return []
-    fixed = [w for w in at.robot.wheels if w.kind.fixed_axle]
-    lines = _axle_lines(fixed)
+        return ""
     if at.mobility == 0:
         why = "no motion is free of sliding"
-    elif len(lines) > 1 and any(w.actuated for w in fixed) and _skids(lines):
+    elif skids(at):
         solved = (
             "least squares and report the residual"
             if at.robot.effective_track is None
@@ -171,20 +177,22 @@ def _verdict(at: Configuration) -> list[str]:
             "its fixed axles are several parallel lines: it turns only by skidding (skid-steer); "
             f"kinematics are {solved}"
         )
-    elif len(lines) > 1:
+    elif at.rank_fixed.value > 1:
         why = "its fixed axles are not one line, which leaves a single motion"
     else:
         why = "couplings or parallel steering leave fewer degrees of freedom than any useful robot has"
-    verdict = (
-        f"Degenerate: ({at.mobility}, {at.steerability}) is none of Campion's five types, because {why}."
-    )
-    apart = (near for near in at.robot.near if not near.moves)
-    misses = (f"{_sentence(near.sentence(at.robot.tolerance))} {near.remedies}" for near in apart)
-    return [" ".join((verdict, *misses))]
+    text = f"Degenerate: ({at.mobility}, {at.steerability}) is none of Campion's five types, because {why}."
+    missed = (near for near in at.robot.near if not near.moves)
+    misses = (f"{_sentence(near.sentence(at.robot.tolerance))} {near.remedies}" for near in missed)
+    return " ".join((text, *misses))
 
 
-def _skids(lines: list[list[Wheel]]) -> bool:
-    """Parallel axles with wheels side by side: left and right can be driven apart."""
+def skids(at: Configuration) -> bool:
+    """Parallel axles with wheels side by side, so that left and right can be driven apart, and no other way to turn."""
+    fixed = [w for w in at.robot.wheels if w.kind.fixed_axle]
+    lines = _axle_lines(fixed)
+    if not (at.degenerate and at.mobility and len(lines) > 1 and any(w.actuated for w in fixed)):
+        return False
     axle = lines[0][0].zero_heading * 1j
     if any(abs((line[0].zero_heading * 1j * axle.conjugate()).imag) > SAME for line in lines):
         return False
@@ -243,8 +251,8 @@ def _rank(rows: list[Row]) -> int:
     return numeric_rank(unit_rows(to_array([row for row in numbers if len(row) == 3])))[0]
 
 
-def actuation(at: Configuration) -> tuple[str, ...]:
-    """What is actuated beyond or short of need: one sentence for driving, one for steering."""
+def actuation(at: Configuration) -> tuple[Balance, ...]:
+    """What is actuated beyond or short of need: of driving, and of steering where there is any."""
     robot = at.robot
     spins = [w for w in robot.wheels if "spin" in w.actuated]
     swivelled = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
@@ -255,24 +263,11 @@ def actuation(at: Configuration) -> tuple[str, ...]:
         independent = int(np.linalg.matrix_rank(unit_rows(np.array(rows)) @ free.T, tol=1e-9))
     motors = len(robot.together("spin", spins)) + len(robot.together("steer", swivelled))
     steering = {robot.steer_group[w.index] for w in robot.wheels if w.kind.steers and "steer" in w.actuated}
-    sentences = [_balance("driving", motors, independent, at.mobility)]
-    if at.steerability or steering:
-        sentences.append(
-            _balance("steering", len(steering), min(len(steering), at.steerability), at.steerability)
-        )
-    return tuple(sentences)
-
-
-def _balance(what: str, motors: int, independent: int, need: int) -> str:
-    """``independent``: how many of the degrees of freedom the motors command."""
-    joints, degrees = ("s" if n != 1 else "" for n in (motors, need))
-    head = f"{what}: {motors} actuated joint{joints} for {need} degree{degrees} of freedom"
-    if independent < need:
-        return f"{head}, short by {need - independent}"
-    if motors > independent:
-        extra = motors - independent
-        return f"{head}, {extra} beyond need: {extra} relation{'s' if extra != 1 else ''} must hold between the rates"
-    return f"{head}, exactly enough"
+    driving = Balance("spin", motors, independent, at.mobility)
+    if not (at.steerability or steering):
+        return (driving,)
+    commanded = min(len(steering), at.steerability)
+    return driving, Balance("steer", len(steering), commanded, at.steerability)
 
 
 def _driving_row(w: Wheel, at: Configuration) -> Array:

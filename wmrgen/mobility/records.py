@@ -81,8 +81,46 @@ class Singularity:
 
 
 @dataclass(frozen=True, slots=True)
+class Balance:
+    """Motors against degrees of freedom.
+
+    ``joint``: spin, of driving, or steer, of steering. ``motors``: joints that are actuated, coupled ones counted once;
+    ``independent``: how many of the ``need`` freedoms they command.
+    """
+
+    joint: str
+    motors: int
+    independent: int
+    need: int
+
+    @property
+    def lacking(self) -> int:
+        """Freedoms that no motor commands."""
+        return self.need - self.independent
+
+    @property
+    def surplus(self) -> int:
+        """Motors beyond need, none where freedoms are lacking: relations that their rates must keep."""
+        return 0 if self.lacking else self.motors - self.independent
+
+    def __str__(self) -> str:
+        what = "steering" if self.joint == "steer" else "driving"
+        joints, degrees, relations = ("s" * (n != 1) for n in (self.motors, self.need, self.surplus))
+        head = f"{what}: {self.motors} actuated joint{joints} for {self.need} degree{degrees} of freedom"
+        if self.lacking:
+            return f"{head}, short by {self.lacking}"
+        if self.surplus:
+            return f"{head}, {self.surplus} beyond need: {self.surplus} relation{relations} must hold between the rates"
+        return f"{head}, exactly enough"
+
+
+@dataclass(frozen=True, slots=True)
 class Mobility:
-    """Degrees, ranks and their reasons (Siegwart (3.40)-(3.42); Campion, Bastin, d'Andrea-Novel 1996)."""
+    """Degrees, ranks and their reasons (Siegwart (3.40)-(3.42); Campion, Bastin, d'Andrea-Novel 1996).
+
+    ``apart``: three fixed wheels whose axles meet in no common point, where there are such. ``verdict``: of the
+    ``reasons`` the one why the robot is degenerate, "" where it is not; ``skids``: because it turns by skidding alone.
+    """
 
     degree_of_mobility: int
     degree_of_steerability: int
@@ -90,7 +128,10 @@ class Mobility:
     rank_C1: Rank
     dof: int
     reasons: tuple[str, ...]
-    actuation: tuple[str, ...]
+    actuation: tuple[Balance, ...]  # of driving; of steering, where there is any
+    apart: tuple[str, ...]
+    skids: bool
+    verdict: str
     growth_vector: tuple[int, ...]
     singularities: tuple[Singularity, ...]
     admissible: Admissible
@@ -110,8 +151,7 @@ class Mobility:
     @property
     def deciding(self) -> str:
         """The reason to tell where only one is told: why the robot is degenerate, else the first; "" without any."""
-        first = self.reasons[0] if self.reasons else ""
-        return next((reason for reason in self.reasons if reason.startswith("Degenerate: ")), first)
+        return self.verdict or next(iter(self.reasons), "")
 
     @property
     def ddof(self) -> int:

@@ -163,7 +163,11 @@ def _actuation(d: Derivation) -> list[str]:
         for row in relations(d.robot, d.mobility, symbolic_view)
     ]
     lines = [f"0 &= {wrapped(summands(terms(p)))}" for p in sums]
-    blocks = [" ".join(map(capitalised, d.mobility.actuation))] if d.mobility.actuation else []
+    blocks = (
+        [" ".join(capitalised(str(balance)) for balance in d.mobility.actuation)]
+        if d.mobility.actuation
+        else []
+    )
     if not lines or max(map(width, lines)) > _RELATION or len(lines) > _RELATIONS:
         return blocks
     held = ", the steering held," if any(g.kind in ("cos", "sin") for p in sums for g in p.generators) else ""

@@ -8,8 +8,9 @@ import pytest
 from defusedxml.ElementTree import fromstring
 
 from wmrgen.errors import RobotFileError
-from wmrgen.importing.controllers import plugin_controllers, read_controllers, role
+from wmrgen.importing.controllers import plugin_controllers, read_controllers
 from wmrgen.importing.records import Controller
+from wmrgen.spec.names import role
 
 FAMILIES = {
     "diff_drive_controller of ros2_controllers, two wheels a side": (
@@ -356,7 +357,19 @@ def test_plugins() -> None:
         (("robot_left_front_axle",), "front left"),
         (("front", "left_hub"), "front left"),
         (("rear_left", "front_right"), "rear left"),
-        (("middle_r",), "middle"),
+        (("middle_r",), "middle right"),
+        (("rr_l",), "rear right"),
+        (("wheel_r",), ""),  # rear or right
+        (("drivewhl_l",), "left"),
+        (("L",), "left"),
+        (("frontleft",), "front left"),
+        (("RIGHTREAR",), "rear right"),
+        (("lfront",), "front left"),
+        (("flwheel",), "front left"),
+        (("wheelBR",), "rear right"),
+        (("aft_left",), "rear left"),
+        (("bright",), ""),
+        (("leftover",), ""),
         (("wheel1",), ""),
     ],
 )

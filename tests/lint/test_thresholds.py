@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.lint.test_rules import codes
+from tests.lint.test_rules import HEAD, codes, linted
 
 PAIR = "  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}\n"
 PAIR += "  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}\n"
@@ -58,7 +58,7 @@ def polar(alpha: str, head: str = "") -> str:
         (differential(head="description: Track 200 mm and dia. 0.1\n"), ["WMR005", "WMR005", "WMR005"]),
         (differential(head="description: Track 0.4 m, half track 0.2 m, wheelbase 0\n"), []),
         (differential().replace("y: 0.2,", "y: 0.4,"), ["WMR005"]),
-        (differential().replace("y: 0.2,", "y: 0.39,"), []),
+        (differential().replace("y: 0.2,", "y: 0.39,"), ["WMR014"]),
         (differential().replace("r: 0.1}", "r: 0.2}", 1), ["WMR005"]),
         (differential().replace("r: 0.1}", "r: 0.19}", 1), []),
         (differential(r="0.41"), ["WMR005"]),
@@ -66,6 +66,24 @@ def polar(alpha: str, head: str = "") -> str:
         (differential(x="-0.05"), ["WMR014"]),
         (differential(x="-0.0"), []),
         (differential(heading="pi"), []),  # both backwards: not against each other
+        (differential().replace("y: 0.2,", "y: 0.2003,"), []),
+        (differential().replace("y: 0.2,", "y: 0.2005,"), ["WMR014"]),
+        (wheels("name: a, type: fixed, x: 0, y: 1.4, heading: 0, r: 0.1",
+                "name: b, type: fixed, x: 0, y: 1, heading: 0, r: 0.1"), ["WMR014"]),
+        (differential("half_track/2", head="parameters: {half_track: 0.4}\n"), ["WMR005"]),
+        (differential("half_width/2", head="parameters: {half_width: 0.4}\n"), []),  # of the body
+        (differential("wheel_width", head="parameters: {wheel_width: 0.2}\n"), []),  # of a tyre
+        (differential(r="radius/2", head="parameters: {radius: 0.2}\n"), ["WMR005", "WMR005"]),
+        (differential(r="base_radius/2", head="parameters: {base_radius: 0.2}\n"), []),
+        (differential(r="dia", head="parameters: {dia: 0.2}\n"), ["WMR005", "WMR005"]),
+        (differential() + "limits: {omega: 62}\n", []),
+        (differential() + "limits: {omega: 63}\n", ["WMR002"]),
+        (differential() + "limits: {omega: 3600 deg/s}\n", []),
+        (differential() + "limits: {vx: 99, spin: 999}\n", []),
+        (differential() + "limits: {vx: 101, spin: 1001}\n", ["WMR002", "WMR002"]),
+        (differential() + "trailers: [{name: t, length: 19.9}]\n", []),
+        (differential() + "trailers: [{name: t, length: 3000}]\n", ["WMR003"]),
+        (differential(r="10"), ["WMR005"]),  # at one place they are not for that
     ],
 )  # fmt: skip
 def test_differential_drives(text: str, expected: list[str], tmp_path: Path) -> None:
@@ -103,6 +121,10 @@ def test_a_comment_beside_a_radius_alone(comment: str, expected: int, tmp_path: 
         # Simulation of the Neobotix MPO-700: back_left at the front right, back_right at the back left.
         (("front_left", "back_left", "back_right", "front_right"), 3),
         (("bright", "leftover", "rearm", "fright"), 0),
+        (("frontleft", "FRONTRIGHT", "lrear", "rr_wheel"), 0),
+        (("frontright", "FRONTLEFT", "lrear", "rr_wheel"), 2),
+        (("wheel_l", "wheel_r", "back_l", "back_r"), 0),
+        (("wheel_r", "wheel_l", "back_l", "back_r"), 1),  # r may be rear
     ],
 )  # fmt: skip
 def test_names_and_places(names: tuple[str, ...], expected: int, tmp_path: Path) -> None:
@@ -115,12 +137,68 @@ def test_names_and_places(names: tuple[str, ...], expected: int, tmp_path: Path)
     assert codes(tmp_path / "robot.yaml", wheels(*entries)) == ["WMR011"] * expected
 
 
-def test_omni_wheels_that_run_around_the_middle_do_not_roll_against_each_other(tmp_path: Path) -> None:
+@pytest.mark.parametrize("ratio", [1, 0.5, 2])
+def test_omni_wheels_that_run_around_the_middle_do_not_roll_against_each_other(
+    ratio: float, tmp_path: Path
+) -> None:
+    """At the corners of oblong bases too."""
     around = [
-        f"name: w{k}, type: swedish, l: 0.2, alpha: {45 + 90 * k} deg, beta: 0, gamma: 0, r: 0.05"
-        for k in range(4)
+        f"name: w{k}, type: swedish, x: {x}, y: {y * ratio}, heading: {135 + 90 * k} deg, gamma: 0, r: 0.05"
+        for k, (x, y) in enumerate(((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2)))
     ]
     assert codes(tmp_path / "robot.yaml", wheels(*around)) == []
+
+
+def test_omni_wheels_along_x_that_turn_oppositely_do(tmp_path: Path) -> None:
+    corners = ((0.3, 0.2, 0), (-0.3, 0.2, 0), (-0.3, -0.2, 180), (0.3, -0.2, 180))
+    entries = [
+        f"name: w{k}, type: swedish, x: {x}, y: {y}, heading: {h} deg, gamma: 0, r: 0.05"
+        for k, (x, y, h) in enumerate(corners)
+    ]
+    side = ["name: aside, type: swedish, x: 0.4, y: 0, heading: pi/2, gamma: 0, r: 0.05"]
+    assert codes(tmp_path / "robot.yaml", wheels(*entries, *side)) == ["WMR012"] * 2
+
+
+@pytest.mark.parametrize(
+    ("second", "expected"),
+    [
+        ("d: -0.03", ["WMR010"]),
+        ("d: 0.03, heading: pi", ["WMR010"]),
+        ("d: -0.03, heading: pi/2", ["WMR010"]),  # they turn about one axis
+        ("d: -0.03, offset_y: 0.04", []),
+    ],
+)
+def test_two_castors_on_one_pivot(second: str, expected: list[str], tmp_path: Path) -> None:
+    tail = "".join(
+        f"  - {{name: {n}, type: castor, x: -0.3, y: 0, {arm}, r: 0.05}}\n"
+        for n, arm in (("a", "d: -0.03"), ("b", second))
+    )
+    assert codes(tmp_path / "robot.yaml", f"wheels:\n{PAIR}{tail}") == expected
+
+
+def test_what_to_write_for_an_angle_without_unit(tmp_path: Path) -> None:
+    path = tmp_path / "robot.yaml"
+    for text, instead in (
+        (polar("90"), "Did you mean 90 deg?"),
+        (polar("45*2"), "Write deg beside the numbers that it is made of."),
+        (
+            polar("450", "angles: deg\n").replace("3*pi/2", "270"),
+            "Write 90, unless something else was meant.",
+        ),
+    ):
+        path.write_text(HEAD + text)
+        assert [f.instead for f in linted(path) if f.code == "WMR001"] == [instead]
+
+
+def test_a_skid_steer_robot_that_senses_one_side_alone(tmp_path: Path) -> None:
+    four = [
+        f"name: w{k}, type: fixed, x: {x}, y: {y}, heading: 0, r: 0.1, sensed: [spin]"
+        for k, (x, y) in enumerate(((0.3, 0.2), (-0.3, 0.2), (0.3, -0.2), (-0.3, -0.2)))
+    ]
+    track = "effective_track: 0.6\n"
+    assert codes(tmp_path / "robot.yaml", track + wheels(*four)) == []
+    left = [*four[:2], *(wheel.replace("[spin]", "[]") for wheel in four[2:])]
+    assert codes(tmp_path / "robot.yaml", track + wheels(*left)) == ["WMR022"]
 
 
 @pytest.mark.parametrize(
@@ -131,10 +209,19 @@ def test_omni_wheels_that_run_around_the_middle_do_not_roll_against_each_other(t
         ("heading: pi, d: 0.04", []),
         ("heading: pi/2, d: 0.04", []),
         ("heading: 0, d: -0.04", []),
+        ("heading: pi, d: -0.04", ["WMR013"]),
+        ("heading: 25 deg, d: 0.04", ["WMR013"]),
+        ("heading: 27 deg, d: 0.04", []),  # placed on a star, as of a chair
+        ("d: -0.39", []),
+        ("d: -0.41", ["WMR004"]),
+        ("d: -0.0011", []),
+        ("d: -0.0009", ["WMR004"]),
+        ("d: -0.04, actuated: [spin]", ["WMR021"]),
+        ("d: -0.04, actuated: [spin, steer]", ["WMR021"]),
     ],
 )
 def test_castors(castor: str, expected: list[str], tmp_path: Path) -> None:
-    tail = f"  - {{name: tail, type: castor, x: -0.3, y: 0, {castor}, r: 0.05}}\n"
+    tail = f"  - {{name: tail, type: castor, x: -0.3, y: 0, {castor}, r: 0.1}}\n"
     assert codes(tmp_path / "robot.yaml", f"wheels:\n{PAIR}{tail}") == expected
 
 
@@ -207,3 +294,25 @@ def test_mecanum_rollers(half_track: str, gamma: str, expected: list[str], tmp_p
 def test_sizes_at_the_ends_of_what_is_read_stop_no_rule_but_their_own(size: str, tmp_path: Path) -> None:
     text = differential("c", head=f"parameters: {{c: {size}}}\n")
     assert {"WMR003", "WMR004"} & set(codes(tmp_path / "robot.yaml", text))
+
+
+@pytest.mark.parametrize(
+    ("gammas", "expected"),
+    [
+        ((-45, 45, 45, -45), []),
+        ((45, -45, -45, 45), ["WMR032"]),
+        ((-45, 45, 45, 45), ["WMR032"]),  # one wheel in the place of its mirror image
+        ((-45, -45, 45, 45), ["WMR032"]),  # two of them
+        ((45, -45, 45, -45), ["WMR032"]),
+    ],
+)
+def test_mecanum_wheels_in_each_others_places(
+    gammas: tuple[int, ...], expected: list[str], tmp_path: Path
+) -> None:
+    """On an oblong base whose origin is shifted."""
+    places = ((0.5, 0.35), (0.5, -0.25), (0.1, 0.35), (0.1, -0.25))
+    entries = (
+        f"name: w{k}, type: swedish, x: {x}, y: {y}, heading: 0, gamma: {g} deg, r: 0.05"
+        for k, ((x, y), g) in enumerate(zip(places, gammas, strict=True))
+    )
+    assert codes(tmp_path / "robot.yaml", wheels(*entries)) == expected

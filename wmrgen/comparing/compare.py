@@ -12,8 +12,8 @@ from wmrgen.comparing.parameters import standing, with_controller
 from wmrgen.comparing.quantities import as_driven, parts, roles
 from wmrgen.comparing.record import Comparison, Effect, Layout
 from wmrgen.errors import Mark
-from wmrgen.importing.controllers import role
 from wmrgen.lint.record import Finding, ignored
+from wmrgen.spec.names import role
 from wmrgen.wheels import WHEEL_TYPES
 
 _OPPOSITE = {"front": "rear", "rear": "front", "left": "right", "right": "left"}

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Sequence
 
 from wmrgen.comparing.record import Side
-from wmrgen.importing.controllers import role
+from wmrgen.spec.names import role
 
 _FILLER = re.compile(r"wheel|joint|link|hub|axle|[^a-z0-9]")
 Key = Callable[[Side], set[str]]

@@ -15,6 +15,7 @@ from xml.etree.ElementTree import Element
 
 from wmrgen.errors import Mark, RobotFileError
 from wmrgen.importing.records import Controller, Named, Setting
+from wmrgen.spec.names import role
 from wmrgen.spec.numbers import NUMBER
 from wmrgen.spec.reader import read_tree
 from wmrgen.spec.text import (
@@ -54,9 +55,6 @@ _KINDS = (  # the first whose pattern occurs in a type
     ("omni", "omni"),
     ("diff|skid", "differential"),
 )
-_SIDES = {side: side for side in ("front", "middle", "rear", "left", "right")}
-_SIDES |= {"fore": "front", "back": "rear", "hind": "rear", "center": "middle"}
-_LETTERS = {"f": "front", "m": "middle", "r": "rear", "b": "rear"}
 _NAMES = re.compile(r"(names?|joints?|wheels?|steer|drive|steering|axle)$")
 _NO_NAMES = re.compile(r"topic|frame|interface|sensor|broadcaster|states?_|plugin")
 _ROLLS, _STEERS = re.compile("traction|drive|command"), re.compile("steer|axle_joint|pivot")
@@ -252,21 +250,6 @@ def _joints(leaf: _Leaf) -> Iterator[Named]:
         if _JOINT.fullmatch(joint) and joint.lower() not in ("true", "false"):
             told = words if _ROLLS.search(words) or _STEERS.search(words) else joint
             yield Named(joint, role(words, joint), bool(_STEERS.search(told)), leaf.marks[index])
-
-
-def role(*texts: str) -> str:
-    """Where a wheel is, in words: "front left"; of several texts the first that says it counts."""
-    told: dict[str, str] = {}
-    for text in texts:
-        for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", text):
-            low = word.lower()
-            sides = [_SIDES[low]] if low in _SIDES else []
-            for a, b in ((low[:1], low[1:]), (low[1:], low[:1])):
-                if len(low) == 2 and a in _LETTERS and b in ("l", "r") and not sides:
-                    sides = [_LETTERS[a], "left" if b == "l" else "right"]
-            for side in sides:
-                told.setdefault("y" if side in ("left", "right") else "x", side)
-    return " ".join(told[axis] for axis in "xy" if axis in told)
 
 
 def _joints_of(leaf: _Leaf, leaves: Sequence[_Leaf]) -> list[Named]:

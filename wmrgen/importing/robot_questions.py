@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from wmrgen.importing.candidates import UNSEEN, Candidate, rigid_wheels
-from wmrgen.importing.controllers import role
 from wmrgen.importing.frames import ancestors, plus
 from wmrgen.importing.records import MODEL, SUPPORT, Question, Wheel
 from wmrgen.importing.view import UPRIGHT, Robot
+from wmrgen.spec.names import role
 from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
 

@@ -10,7 +10,9 @@ import numpy as np
 
 from wmrgen.kinematics.sensing import generic_rank, measurements
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.skid import driven
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
+from wmrgen.mobility import analyse
 from wmrgen.mobility.configure import pivot_velocity
 from wmrgen.mobility.records import Array
 from wmrgen.notation import listed
@@ -63,8 +65,8 @@ def _more(subject: Subject, lacking: str) -> str:
     "WMR021",
     "more actuated joints than freedoms, and not of all like wheels",
     """Where more joints are driven than the robot has freedoms, their rates must agree, or wheels slide. That is usual
-    where all wheels of a kind are driven, as four mecanum wheels are. Where some are and others not, an entry of
-    actuated is likely missing or too many.""",
+    where all wheels of a kind are driven, as four mecanum wheels are. Where some are and others not, or castors beside
+    wheels that do without them, an entry of actuated is likely missing or too many.""",
     """
 wheels:
   - {name: front_left,  type: steered, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
@@ -91,6 +93,14 @@ def uneven(subject: Subject) -> Iterator[Finding]:
                     f"{'is' if len(idle) == 1 else 'are'} not actuated",
                     f"Write {balance.joint} in actuated of all of them, or of as many as are needed.",
                 )
+    castors = [w for w in subject.robot.wheels if w.kind.swivels and w.actuated]
+    if castors and any(balance.surplus for balance in subject.mobility.actuation):
+        passive = (replace(w, actuated=() if w in castors else w.actuated) for w in subject.robot.wheels)
+        if not any(b.lacking for b in analyse(replace(subject.robot, wheels=tuple(passive))).actuation):
+            what = f"{listed([w.name for w in castors])}: driven, and the other wheels drive every motion without"
+            yield Finding(
+                subject.mark(castors[0]), what, "Write actuated: [], or leave it out: castors follow."
+            )
 
 
 def _alike(robot: Robot, joint: str) -> list[list[Wheel]]:
@@ -117,7 +127,7 @@ wheels:
 def unsensed(subject: Subject) -> Iterator[Finding]:
     robot = subject.robot
     every = replace(robot, wheels=tuple(replace(w, sensed=w.kind.joints) for w in robot.wheels))
-    seen, possible = _seen(robot), _seen(every)
+    seen, possible = _seen(driven(robot)), _seen(driven(every))
     if seen < possible:
         blind = [w for w in robot.wheels if set(w.kind.joints) - set(w.sensed)]
         yield Finding(

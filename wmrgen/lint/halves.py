@@ -11,8 +11,10 @@ from wmrgen.lint.record import Finding, Subject, rule
 
 _SPANS = {
     "x": re.compile(r"(wheel_?)?base(?!_?(radius|link))|length"),
-    "y": re.compile(r"track|width|separation|gauge"),
+    "y": re.compile(r"track|(?<!wheel_)(?<!t[iy]re_)width|separation|gauge"),
 }
+_SURE = re.compile(r"wheel_?base|track|separation|gauge")  # the others may be sizes of the body
+_ROUND = re.compile(r"diam|(^|_)dia(_|$)|^(?!.*(base|robot|body)).*radius")
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
 _NUMBER = r"(?:\s+(?:of|is|width))*[\s:=~]*(\d+(?:\.\d+)?)\s*(mm|cm|m|in)?\b"
 _WRITTEN = {
@@ -29,9 +31,9 @@ _CLOSE, _ABOUT = 1e-6, 1e-3
     "a full track or a diameter for a half",
     """A parameter that is called track, wheelbase or width is the distance between wheels; one called diameter is twice
     a radius. Where a wheel stands that far from the middle, or has that radius, the robot is twice as large as meant,
-    and it turns half as fast. Divide by 2, or call the parameter half_track where it is the half. The same is told
-    where the comment beside a number or the description says such a size, where of two wheels that face each other one
-    has twice the size of the other, and of wheels that are larger than the robot.""",
+    and it turns half as fast. Divide by 2, or call the parameter half_track where it is the half. The same is told of a
+    half that is halved again, where the comment beside a number or the description says such a size, where of two
+    wheels that face each other one has twice the size of the other, and of wheels that are larger than the robot.""",
     """
 parameters: {track: 0.331, diameter: 0.195}
 wheels:
@@ -48,7 +50,7 @@ wheels:
 def full(subject: Subject) -> Iterator[Finding]:
     yield from _called(subject)
     yield from _said(subject)
-    yield from _faced(subject)
+    yield from faced(subject)
     rolling = [w for w in subject.robot.wheels if w.has_spin]
     extent = max((abs(b.pivot - a.pivot) for a, b in combinations(subject.robot.wheels, 2)), default=0.0)
     large = [w for w in rolling if float(w.nominal.r) > extent > 0]
@@ -66,21 +68,31 @@ def _extent(subject: Subject, axis: str) -> float:
 def _called(subject: Subject) -> Iterator[Finding]:
     """Sizes that are parameters, by their names."""
     for p in subject.spec.parameters:
-        size, name = subject.value(p.value), p.name.lower()
-        if "half" in name:
-            continue
-        for axis, pattern in _SPANS.items():
-            if pattern.search(name) and abs(_extent(subject, axis) - 2 * size) < _CLOSE * abs(size):
+        size, name, half = abs(subject.value(p.value)), p.name.lower(), "half" in p.name.lower()
+        for axis, pattern in _SPANS.items() if size else ():
+            span = _extent(subject, axis) / (2 * size if half else size)
+            word = _times(span) if pattern.search(name) else ""
+            if word and (_SURE.search(name) or (word == "twice" and not half)):
                 yield Finding(
                     p.value.mark,
-                    f"{p.name} = {p.value.text}, and the wheels stand twice as far apart in {axis}",
-                    f"Write {p.name}/2 in the places of the wheels, or call it half_{p.name}.",
+                    f"{p.name} = {p.value.text}, and the wheels stand {word} as far apart in {axis}"
+                    f"{' as two of it' * half}",
+                    f"Write {p.name if half else f'{p.name}/2'} in the places of the wheels, or call it otherwise"
+                    f"{f': half_{p.name}' * (word == 'twice' and not half)}.",
                 )
-        for w in subject.spec.wheels if "diameter" in name else ():
-            if w.r and w.r.text == p.name:
-                yield Finding(
-                    w.r.mark, f"{w.name}: the radius is {p.name}, a diameter", f"Write r: {p.name}/2."
-                )
+        right, whole = (f"{p.name}/2", size / 2) if "dia" in name else (p.name, size)
+        for w in subject.spec.wheels if size and _ROUND.search(name) else ():
+            word = _times(subject.value(w.r) / whole) if w.r and re.search(rf"\b{p.name}\b", w.r.text) else ""
+            if w.r and word:
+                what = f"{w.name}: r = {w.r.text} is {word} the radius that {p.name} says"
+                yield Finding(w.r.mark, what, f"Write r: {right}.")
+
+
+def _times(ratio: float) -> str:
+    """The word for a ratio that a full size in the place of a half makes, or a half of a half; else ""."""
+    return next(
+        (word for word, times in (("twice", 2), ("half", 0.5)) if abs(ratio / times - 1) < _CLOSE), ""
+    )
 
 
 def _said(subject: Subject) -> Iterator[Finding]:
@@ -122,7 +134,7 @@ def _says(text: str, what: str, size: float) -> bool:
     return False
 
 
-def _faced(subject: Subject) -> Iterator[Finding]:
+def faced(subject: Subject) -> Iterator[Finding]:
     """Two wheels that face each other across the x axis, of which one has exactly twice what the other has."""
     for (spec, a), (_, b) in permutations(subject.wheels, 2):
         fellows = [

@@ -5,15 +5,22 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from itertools import combinations
-from math import tau
+from math import degrees, tau
 
 from wmrgen.layout.records import Wheel
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.spec.records import Limit, Quantity
 
 LARGEST, APART = 20.0, 100.0  # of a robot [m]; the largest of its sizes over the smallest
-FASTEST = 10 * tau  # a body that turns faster is no robot [rad/s]
+FASTEST = 10 * tau  # a body or a steering joint that turns faster is no robot's [rad/s]
+_SPEED = 100.0  # nor is one that drives faster [m/s]
+_MOST = {
+    "steer": (tau, "rad", "deg"),
+    **dict.fromkeys(("omega", "steer_rate"), (FASTEST, "rad/s", "deg/s")),
+    **dict.fromkeys(("vx", "vy"), (_SPEED, "m/s", "mm/s")),
+}
 _ANGLES = ("alpha", "beta", "heading", "gamma")
+_NUMBER = re.compile(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?")
 _UNIT = re.compile(r"deg|rad|°|pi|π|/s")
 ROUNDED = 2e-3  # a turn written as 6.28 or 6.2832 [rad]
 
@@ -46,8 +53,17 @@ def turns(subject: Subject) -> Iterator[Finding]:
                 yield Finding(
                     quantity.mark,
                     f"{w.name}: {key} = {quantity.text} is {value:.4g} rad, {abs(value) / tau:.3g} turns",
-                    f"Did you mean {quantity.text} deg?",
+                    _in_degrees(quantity, value),
                 )
+
+
+def _in_degrees(quantity: Quantity, value: float) -> str:
+    """What to write in place of an angle of ``value`` [rad] that has no unit."""
+    if not _NUMBER.fullmatch(quantity.text):
+        return "Write deg beside the numbers that it is made of."
+    if abs(float(quantity.text) - value) > ROUNDED:  # the file's angles are in degrees
+        return f"Write {degrees(value) % 360:.6g}, unless something else was meant."
+    return f"Did you mean {quantity.text} deg?"
 
 
 def _limits(subject: Subject) -> Iterator[tuple[str, Limit]]:
@@ -58,8 +74,9 @@ def _limits(subject: Subject) -> Iterator[tuple[str, Limit]]:
 @rule(
     "WMR002",
     "a limit that no robot reaches",
-    """A steering limit of more than a turn, or a body that turns ten times a second: without a unit both are in
-    radians, and degrees were likely meant.""",
+    """A steering limit of more than a turn, a body or a steering joint that turns ten times a second, a speed of more
+    than 100 m/s, at the rim of a wheel too: without a unit they are in radians and metres, and degrees, turns a minute
+    or millimetres were likely meant.""",
     """
 wheels:
   - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
@@ -72,15 +89,17 @@ wheels:
 """,
 )
 def limits(subject: Subject) -> Iterator[Finding]:
+    radius = max(float(w.nominal.r) for w in subject.robot.wheels)
+    most = _MOST | ({"spin": (_SPEED / radius, "rad/s", "rpm, or deg/s")} if radius else {})
     for name, limit in _limits(subject):
-        bound, unit = {"steer": (tau, "rad"), "omega": (FASTEST, "rad/s")}.get(limit.name, (0.0, ""))
+        bound, unit, meant = most.get(limit.name, (0.0, "", ""))
         worst = max((limit.low, limit.high), key=lambda q: abs(subject.value(q)))
         if bound and _without_unit(worst) and abs(value := subject.value(worst)) > bound:
+            turns = f", {abs(value) / tau:.3g} turns{' a second' * ('/' in unit)}" if "rad" in unit else ""
             yield Finding(
                 limit.mark,
-                f"{name}: a limit {limit.name} of {value:.4g} {unit}, {abs(value) / tau:.3g} "
-                f"turns{' a second' if unit == 'rad/s' else ''}",
-                f"Did you mean {unit.replace('rad', 'deg')}? Write the unit.",
+                f"{name}: a limit {limit.name} of {value:.4g} {unit}{turns}",
+                f"Did you mean {meant}? Write the unit.",
             )
 
 
@@ -120,13 +139,19 @@ def huge(subject: Subject) -> Iterator[Finding]:
             f"the wheels stand up to {extent:.4g} m apart",
             "Did you mean mm? Write the unit.",
         )
+    for trailer in subject.spec.trailers:
+        for quantity in filter(None, (trailer.length, trailer.hitch)):
+            if abs(size := subject.value(quantity)) > LARGEST:
+                what = f"the trailer {trailer.name} has a length of {size:.4g} m"
+                yield Finding(quantity.mark, what, "Did you mean mm? Write the unit.")
 
 
 @rule(
     "WMR004",
     "sizes a hundred times apart",
     """Radii of the wheels and the distance between them that differ by more than a factor of 100 were likely written in
-    different units.""",
+    different units; so was an offset of a contact, or a radius of rollers, that is larger than the robot or a hundred
+    times smaller than its wheels.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
@@ -140,13 +165,21 @@ def sizes(subject: Subject) -> Iterator[Finding]:
         return
     radii = sorted(float(w.nominal.r) for w in wheels)
     usual, extent = radii[len(radii) // 2], _extent(subject)[0]
+    unit = "Write the unit where it is not metres: 97 mm."
     odd = [w for w in wheels if not 1 / APART < float(w.nominal.r) / usual < APART]
     for w in odd:
         what = f"{w.name}: a radius of {float(w.nominal.r):.4g} m beside one of {usual:.4g} m"
-        yield Finding(subject.mark(w), what, "Write the unit where it is not metres: 97 mm.")
+        yield Finding(subject.mark(w), what, unit)
     if extent and not odd and not 1 / APART < usual / extent < APART:
         what = f"wheels of a radius of {usual:.4g} m stand {extent:.4g} m apart"
-        yield Finding(subject.mark(wheels[0]), what, "Write the unit where it is not metres: 97 mm.")
+        yield Finding(subject.mark(wheels[0]), what, unit)
+    for spec, w in subject.wheels:
+        for key in ("d", "offset_y", "r_sw"):
+            quantity: Quantity | None = getattr(spec, key)
+            size = abs(subject.value(quantity)) if quantity else 0.0
+            if quantity and size and (size > max(usual, extent) or not size / usual > 1 / APART):
+                what = f"{w.name}: {key} = {quantity.text} is {size:.4g} m beside a radius of {usual:.4g} m"
+                yield Finding(quantity.mark, what, unit)
 
 
 @rule(

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from itertools import combinations
-from math import hypot
 
 from wmrgen.layout.records import Wheel
+from wmrgen.lint.halves import faced
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
+from wmrgen.notation import listed
+from wmrgen.spec.names import role
 
-_WORDS = {
-    "front": ("x", 1), "fore": ("x", 1), "rear": ("x", -1), "back": ("x", -1), "hind": ("x", -1),
-    "left": ("y", 1), "right": ("y", -1),
-}  # fmt: skip
-_LETTERS = {"f": ("x", 1), "r": ("x", -1), "b": ("x", -1)}  # the first of two: fl, rr, bl
-_SIDES = {"l": ("y", 1), "r": ("y", -1)}
+_OPPOSITE = {"front": "behind", "rear": "in front of", "left": "right of", "right": "left of"}
 _SAME = 1e-6
-_NEAR = 0.05  # of the radii
+_OUTSIDE = 2.0  # of what the wheels reach from their middle
+_ORIGIN = "Give places from the middle of the axle, or ignore this where another origin is meant."
+_NEAR = 0.05  # of the radii, or of the robot where that is smaller
+_OBLIQUE = 0.7  # sine of twice the angle to the axes; cosine of that between arm and heading
 
 
 def _contact(w: Wheel) -> complex:
@@ -53,25 +52,16 @@ wheels:
 """,
 )
 def together(subject: Subject) -> Iterator[Finding]:
-    for a, b in combinations(subject.robot.wheels, 2):
-        if abs(_contact(a) - _contact(b)) <= _NEAR * float(a.nominal.r + b.nominal.r):
+    robot = subject.robot
+    extent = max((abs(b.pivot - a.pivot) for a, b in combinations(robot.wheels, 2)), default=0.0)
+    for a, b in combinations(robot.wheels, 2):
+        near = _NEAR * min(float(a.nominal.r + b.nominal.r), extent)
+        alike = a.turns and b.turns and robot.steer_group[a.index] != robot.steer_group[b.index]
+        one = alike and abs(a.pivot - b.pivot) <= near and abs(float(a.nominal.o - b.nominal.o)) <= near
+        if one or abs(_contact(a) - _contact(b)) <= near:
             p = _contact(b)
             what = f"{b.name} touches the ground where {a.name} does, at ({p.real:.4g}, {p.imag:.4g})"
             yield Finding(subject.mark(b), what, "Look for a sign that is missing.")
-
-
-def _claims(name: str) -> Iterator[tuple[str, int, str]]:
-    """What a wheel's name says of its place: axis, sign, and the word that says it."""
-    for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name):
-        low = word.lower()
-        if low in _WORDS:
-            yield *_WORDS[low], word
-        elif len(low) == 2 and low[0] in _LETTERS and low[1] in _SIDES:
-            yield *_LETTERS[low[0]], word
-            yield *_SIDES[low[1]], word
-        elif len(low) == 2 and low[0] in _SIDES and low[1] in _LETTERS:
-            yield *_SIDES[low[0]], word
-            yield *_LETTERS[low[1]], word
 
 
 @rule(
@@ -88,20 +78,19 @@ wheels:
 )
 def labels(subject: Subject) -> Iterator[Finding]:
     middle = _middle(subject.robot.wheels)
-    words = {"x": ("behind", "in front of"), "y": ("right of", "left of")}
     for w in subject.robot.wheels:
         off = w.pivot - middle
-        for axis, sign, word in _claims(w.name):
-            side = off.real if axis == "x" else off.imag
-            if side * sign < -_SAME:
-                at = w.pivot
-                where = f"({at.real:.4g}, {at.imag:.4g}), {words[axis][side > 0]} the middle of the wheels"
-                yield Finding(
-                    subject.mark(w),
-                    f"{w.name} stands at {where}: not {word}",
-                    "x points forward, y to the left. Change the sign or the name.",
-                )
-                break
+        ends = {"front": off.real, "rear": -off.real, "left": off.imag, "right": -off.imag}
+        wrong = [side for side in role(w.name).split() if ends.get(side, 0.0) < -_SAME]
+        if wrong:
+            where = (
+                f"({w.pivot.real:.4g}, {w.pivot.imag:.4g}), {_OPPOSITE[wrong[0]]} the middle of the wheels"
+            )
+            yield Finding(
+                subject.mark(w),
+                f"{w.name} stands at {where}: not {wrong[0]}",
+                "x points forward, y to the left. Change the sign or the name.",
+            )
 
 
 @rule(
@@ -139,9 +128,10 @@ def against(subject: Subject) -> Iterator[Finding]:
 
 
 def _tangential(w: Wheel, middle: complex) -> bool:
-    """A wheel with rollers that rolls around the middle."""
-    arm = w.pivot - middle
-    return w.kind.rollers and abs((w.zero_heading.conjugate() * arm).real) < _SAME + 0.01 * abs(arm)
+    """A wheel with rollers that rolls around the middle; by and large, at the corners of an oblong base."""
+    arm, oblique = w.pivot - middle, abs((w.zero_heading**2).imag) > _OBLIQUE
+    along = abs((w.zero_heading.conjugate() * arm).real)
+    return w.kind.rollers and along < _SAME + (_OBLIQUE if oblique else 0.01) * abs(arm)
 
 
 @rule(
@@ -165,11 +155,13 @@ wheels:
 )
 def leading(subject: Subject) -> Iterator[Finding]:
     for spec, w in subject.wheels:
-        if w.kind.swivels and spec.d and float(w.nominal.d) > 0 and w.zero_heading.real > 0.5:
+        d = float(w.nominal.d)
+        if w.kind.swivels and spec.d and d * w.zero_heading.real > 0.9 * abs(d):
+            other, heading = ("negative", "pi") if d > 0 else ("positive", "0")
             yield Finding(
                 spec.d.mark,
                 f"{w.name}: d = {spec.d.text} puts the contact in front of the pivot",
-                "Write d negative, or heading: pi, for a castor that trails.",
+                f"Write d {other}, or heading: {heading}, for a castor that trails.",
             )
 
 
@@ -188,13 +180,19 @@ wheels:
 )
 def origin(subject: Subject) -> Iterator[Finding]:
     fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]
-    if subject.mobility.rank_C1f.value != 1:
-        return
-    w = fixed[0]
-    off = (w.zero_heading.conjugate() * w.pivot).real
-    if abs(off) > _SAME * hypot(*(abs(v.pivot) for v in fixed)):
-        yield Finding(
-            subject.mark(w),
-            f"the axle of {w.name} is {abs(off):.4g} m {'in front of' if off > 0 else 'behind'} the origin P",
-            "Give places from the middle of the axle, or ignore this where another origin is meant.",
-        )
+    middle = _middle(subject.robot.wheels)
+    reach = max(abs(w.pivot - middle) for w in subject.robot.wheels)
+    if abs(middle) > _OUTSIDE * reach > 0:
+        what = f"the origin P is {abs(middle):.4g} m from the middle of the wheels, which reach {reach:.4g} m from it"
+        yield Finding(subject.mark(subject.robot.wheels[0]), what, _ORIGIN)
+    elif subject.mobility.rank_C1f.value == 1:
+        w, most = fixed[0], max(abs(v.pivot) for v in fixed)
+        seen = [w.zero_heading.conjugate() * v.pivot for v in fixed]
+        off, aside = seen[0].real, (max(p.imag for p in seen) + min(p.imag for p in seen)) / 2
+        if abs(off) > _SAME * most:
+            what = f"the axle of {w.name} is {abs(off):.4g} m {'in front of' if off > 0 else 'behind'} the origin P"
+            yield Finding(subject.mark(w), what, _ORIGIN)
+        elif len(fixed) > 1 and abs(aside) > 1e-3 * most and not any(faced(subject)):
+            names, side = listed([v.name for v in fixed]), "left" if aside > 0 else "right"
+            what = f"the axle of {names} has its middle {abs(aside):.4g} m {side} of the origin P"
+            yield Finding(subject.mark(w), what, _ORIGIN)

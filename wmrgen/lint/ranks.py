@@ -9,6 +9,7 @@ import numpy as np
 from wmrgen.constraints import nominal_view, rolling_row
 from wmrgen.exact.number import ZERO
 from wmrgen.layout.measured import SLIP
+from wmrgen.layout.skid import parallel
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.mobility.ranks import to_array
 from wmrgen.mobility.records import Singularity
@@ -92,10 +93,11 @@ def skids(subject: Subject) -> Iterator[Finding]:
 
 @rule(
     "WMR032",
-    "mecanum rollers that form an X",
+    "mecanum rollers that form no O",
     """Seen at the ground, the rollers of four mecanum wheels form an O: their lines run around the middle. Those of an
     X pass near it, so that the wheels hardly turn the robot, and not at all where wheelbase and track are equal. gamma
-    is the angle at the ground; the rollers on top, which one sees, lie the other way.""",
+    is the angle at the ground; the rollers on top, which one sees, lie the other way. Of four wheels none, or all, are
+    turned so.""",
     """
 wheels:
   - {name: fl, type: swedish, x: 0.2,  y: 0.25,  heading: 0, gamma: 45 deg,  r: 0.1}
@@ -125,6 +127,10 @@ def crossed(subject: Subject) -> Iterator[Finding]:
     if all(ways):
         what = f"the rollers of {listed([w.name for w in rollers])} form an X at the ground"
         yield Finding(subject.mark(rollers[0]), what, _MECANUM)
+    elif any(ways) and len(rollers) == len(subject.robot.wheels) == 4 and parallel(rollers):
+        odd = [w.name for w, crossing in zip(rollers, ways, strict=True) if crossing]
+        what = f"the rollers of {listed(odd)} point past the middle, as of an X, those of the others run around it"
+        yield Finding(subject.mark(rollers[ways.index(True)]), what, _MECANUM)
 
 
 def _lost(subject: Subject) -> Singularity | None:

@@ -11,6 +11,10 @@ from wmrgen.errors import Code, RobotFileError
 from wmrgen.spec.text import Node, Scalar, quoted
 
 NAME_PATTERN = "^[A-Za-z][A-Za-z0-9_]{0,30}$"
+_ENDS = {"front": "front", "fore": "front", "fwd": "front", "middle": "middle", "center": "middle"}
+_ENDS |= dict.fromkeys(("rear", "back", "hind", "aft"), "rear")
+_SIDES = {"left": "left", "right": "right"}
+_LETTERS = {"f": "front", "m": "middle", "r": "rear", "b": "rear"}, {"l": "left", "r": "right"}
 _DEVICES = {
     "con",
     "prn",
@@ -126,3 +130,30 @@ class Names:
         else:
             problem, why = f"{quoted(name)} is the name of {whose} already", f"It stands on line {line}."
         raise node.error(problem, why, "Write another name.", code=Code.TWICE)
+
+
+def role(*texts: str) -> str:
+    """What names say of a wheel's place: "front left"; of several texts the first that says it counts."""
+    told: dict[str, str] = {}
+    for text in texts:
+        words = [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", text)]
+        for side in (side for word in words for side in _sides(word)):
+            told.setdefault("y" if side in _SIDES else "x", side)
+        if "r" in words and "x" in told:  # beside an end it is no rear
+            told.setdefault("y", "right")
+    return " ".join(told[axis] for axis in "xy" if axis in told)
+
+
+def _sides(word: str) -> list[str]:
+    """The sides that a word in lower case names: rear, lf, frontleft, lfront, flwheel; l, which is no end as r is."""
+    word = word.removeprefix("wheel").removesuffix("wheel")
+    ends, sides = _LETTERS
+    if word in {**_ENDS, **_SIDES}:
+        return [{**_ENDS, **_SIDES}[word]]
+    for k in range(1, len(word)):
+        for end, side in ((word[:k], word[k:]), (word[k:], word[:k])):
+            if end in _ENDS and side in {**_SIDES, **sides}:
+                return [_ENDS[end], {**_SIDES, **sides}[side]]
+            if end in ends and side in sides:
+                return [ends[end], sides[side]]
+    return ["left"] if word == "l" else []

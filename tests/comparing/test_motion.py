@@ -362,5 +362,10 @@ def test_a_robot_that_skids_stands_as_in_its_derivation(tmp_path: Path, heading:
         f"wmrgen: 1\nname: skid\neffective_track: 0.9\nwheels:\n{''.join(lines)}", encoding="utf-8"
     )
     (layout,) = layouts(path)
-    expected = [w.pivot for w in driven(wmrgen.load(path)).wheels]
+    expected = [
+        at + turn * (-0.0375 + (0.0125 + way * 0.45) * 1j) for way in (1, -1, 1, -1)
+    ]  # means, by hand
+    assert [w.pivot for w in driven(wmrgen.load(path)).wheels] == pytest.approx(expected)
     assert [w.pivot for w in as_driven(layout.wheels, 0.9)] == pytest.approx(expected)
+    rolling = mecanum(0.5, 0.6, 0.1)
+    assert as_driven(rolling.wheels, 0.9) == rolling.wheels  # nothing of it skids

@@ -16,7 +16,7 @@ from wmrgen.importing.instructions import instructed
 from wmrgen.importing.records import Controller, Description, Imported
 from wmrgen.importing.robot_file import as_json as imported_json
 from wmrgen.importing.robot_file import counted, text
-from wmrgen.importing.source import description_of
+from wmrgen.importing.source import description_of, pairs
 from wmrgen.importing.wheels import import_wheels
 from wmrgen.spec.schema import MODELINE
 from wmrgen.spec.text import printable
@@ -33,7 +33,7 @@ def import_robot(
     as_json: bool,
 ) -> int:
     """Write or print the robot file; say what is open."""
-    values = dict(word.split(":=", 1) for word in arguments or () if ":=" in word)
+    values = pairs(arguments or ())
     said = {path: read_controllers(path, values) for path in controller or ()}
     try:
         description = description_of(file, arguments or (), package or ())

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from wmrgen.comparing.record import Side
+from wmrgen.layout.skid import placed, sides
 from wmrgen.wheels import WHEEL_TYPES
 
-_MIDDLE = 1e-6  # of the track: as far from the middle a wheel is on neither side
 _BESIDE = 0.05  # of the robot's extent: what lies nearer the middle is neither front nor rear, left nor right
 
 
@@ -28,25 +28,15 @@ def forward(wheels: Sequence[Side]) -> complex:
 
 def as_driven(wheels: Sequence[Side], track: float) -> tuple[Side, ...]:
     """Wheels, the fixed ones where they stand of the differential drive of that track as which a robot turns that
-    skids: at the mean of their places, in the middle between the sides (`wmrgen.layout.skid`)."""
+    skids."""
     along = forward(wheels)
-    at = [along.conjugate() * w.pivot for w in wheels]
-    fixed = [p for w, p in zip(wheels, at, strict=True) if WHEEL_TYPES[w.type].fixed_axle]
-    centre, size = box(fixed)
-
-    def side(p: complex) -> float:
-        off = p.imag - centre.imag
-        return 0.0 if abs(off) <= _MIDDLE * size.imag else math.copysign(1.0, off)
-
-    rows = [[p.imag for p in fixed if side(p) == way] for way in (-1, 1)]
-    middle = complex(mean(p.real for p in fixed), mean(mean(row) for row in rows if row))
-    places = (along * (middle + 1j * track / 2 * side(p)) for p in at)
-    return tuple(
-        replace(w, values={**w.values, "x": place.real, "y": place.imag})
-        if WHEEL_TYPES[w.type].fixed_axle
-        else w
-        for w, place in zip(wheels, places, strict=True)
-    )
+    fixed = [w for w in wheels if WHEEL_TYPES[w.type].fixed_axle]
+    if not fixed:
+        return tuple(wheels)
+    own = sides([w.pivot for w in fixed], along)
+    places = placed([(w.of("x"), w.of("y")) for w in fixed], (along.real, along.imag), own, track)
+    moved = {id(w): {"x": x, "y": y} for w, (x, y) in zip(fixed, places, strict=True)}
+    return tuple(replace(w, values={**w.values, **moved.get(id(w), {})}) for w in wheels)
 
 
 def box(points: Sequence[complex]) -> tuple[complex, complex]:

@@ -13,7 +13,7 @@ from wmrgen.comparing.record import CONTROLLER, DESCRIPTION, HEADER, ROBOT_FILE,
 from wmrgen.errors import Mark, RobotFileError
 from wmrgen.importing.controllers import read_controllers
 from wmrgen.importing.records import Controller, Imported, Wheel
-from wmrgen.importing.source import description_of
+from wmrgen.importing.source import description_of, pairs
 from wmrgen.importing.wheels import import_wheels
 from wmrgen.layout.records import Robot
 from wmrgen.spec.numbers import NUMBER
@@ -157,7 +157,7 @@ def _layouts(
         yield of_header(text, name)
     else:
         if text and not re.search(r"^\s*['\"]?wmrgen['\"]?\s*:", text, re.MULTILINE):
-            values = dict(word.split(":=", 1) for word in arguments if ":=" in word)
+            values = pairs(arguments)
             controllers = read_controllers(path, values)
             _refuse_without_values(text, values, name, bool(controllers))
         if not controllers:

@@ -35,8 +35,8 @@ _PREFIX = "write xacro: before it, if it is a macro"
 
 def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]) -> Description:
     """What the file says. RobotFileError for what cannot be read, UsageError for words of a wrong form."""
-    values = _pairs(arguments, ":=")
-    roots = {name: Path(folder) for name, folder in _pairs(packages, "=").items()}
+    values = pairs(arguments)
+    roots = {name: Path(folder) for name, folder in pairs(packages, "=").items()}
     name = printable(file.name)
     root = parse(bytes_of(file, MAX_BYTES + 1), name)
     folders = _own_package(file) | roots
@@ -126,14 +126,15 @@ def _own_package(file: Path) -> dict[str, Path]:
     return {}
 
 
-def _pairs(words: Sequence[str], sign: str) -> dict[str, str]:
-    pairs = {}
+def pairs(words: Sequence[str], sign: str = ":=") -> dict[str, str]:
+    """Words of the form NAME, sign, VALUE. UsageError for what is none."""
+    values = {}
     for word in words:
         name, equals, value = word.partition(sign)
         if not name or not equals:
             raise UsageError(f"write NAME{sign}VALUE, not {quoted(word)}")
-        pairs[name] = value
-    return pairs
+        values[name] = value
+    return values
 
 
 def _is_xacro(root: Element) -> bool:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from typing import TypeVar
 
 from wmrgen.errors import RobotFileError
 from wmrgen.exact.number import ZERO
@@ -19,8 +20,9 @@ from wmrgen.layout.records import Geometry, Length, Robot, Wheel
 from wmrgen.spec.records import Quantity
 
 _PARALLEL = 1e-9  # sine of the angle between axles that are taken for parallel
-_MIDDLE = 1e-9  # of the track: as far from the middle a wheel is on neither side
+_MIDDLE = 1e-6  # of the track: as far from the middle a wheel is on neither side
 _LEFT, _RIGHT = 1, -1
+T = TypeVar("T", Poly, float)
 
 
 def effective_track(quantity: Quantity | None, scope: Scope, wheels: Sequence[Wheel]) -> Length | None:
@@ -38,7 +40,7 @@ def effective_track(quantity: Quantity | None, scope: Scope, wheels: Sequence[Wh
     elif not parallel(fixed):
         what = "effective_track of a robot whose fixed wheels are not parallel"
         why = "They have no left and right."
-    elif not fixed or not {*sides(fixed)} >= {_LEFT, _RIGHT}:
+    elif not fixed or not {*sides([w.pivot for w in fixed], fixed[0].zero_heading)} >= {_LEFT, _RIGHT}:
         what = "effective_track of a robot with fixed wheels on one side alone"
         why = "It is the distance between left and right wheels."
     if what:
@@ -54,11 +56,28 @@ def parallel(wheels: Sequence[Wheel]) -> bool:
     return all(abs((h * headings[0].conjugate()).imag) < _PARALLEL for h in headings)
 
 
-def sides(wheels: Sequence[Wheel]) -> list[int]:
-    """On which side of the middle each of parallel wheels stands, seen along the first: 1 left, -1 right, 0 neither."""
-    across = [(w.pivot * wheels[0].zero_heading.conjugate()).imag for w in wheels]
+def sides(pivots: Sequence[complex], heading: complex) -> list[int]:
+    """On which side of the middle each of parallel wheels stands, seen along ``heading``: 1 left, -1 right, 0
+    neither."""
+    across = [(pivot * heading.conjugate()).imag for pivot in pivots]
     middle, width = (max(across) + min(across)) / 2, max(across) - min(across)
     return [0 if abs(y - middle) <= _MIDDLE * width else _LEFT if y > middle else _RIGHT for y in across]
+
+
+def placed(
+    points: Sequence[tuple[T, T]], heading: tuple[T, T], own: Sequence[int], track: T
+) -> list[tuple[T, T]]:
+    """Where fixed wheels, at ``points`` on the sides ``own``, count as standing in the differential drive: ``track``
+    apart about the middle of the sides, at the mean of the wheels along the unit vector ``heading``."""
+    c, s = heading
+    ahead = _mean([x * c + y * s for x, y in points])
+    rows = [
+        [y * c - x * s for (x, y), k in zip(points, own, strict=True) if k == side]
+        for side in (_LEFT, _RIGHT)
+    ]
+    middle = _mean([_mean(row) for row in rows if row])
+    across = [middle + track * Fraction(k, 2) for k in own]
+    return [(ahead * c - y * s, ahead * s + y * c) for y in across]
 
 
 def driven(robot: Robot) -> Robot:
@@ -82,20 +101,14 @@ def driven(robot: Robot) -> Robot:
 def _placed(robot: Robot, view: Callable[[Wheel], Geometry[Poly]], track: Poly) -> dict[int, Geometry[Poly]]:
     """Wheel index -> geometry in a view, at the place where the fixed wheel counts as standing."""
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
-    sided, seen = sides(fixed), [view(w) for w in fixed]
-    c, s = seen[0].ch, seen[0].sh
-    ahead = _mean([g.x * c + g.y * s for g in seen])
-    means = [
-        _mean([g.y * c - g.x * s for g, own in zip(seen, sided, strict=True) if own == side])
-        for side in (_LEFT, _RIGHT)
-    ]
-    middle = _mean(means)
-    places = {}
-    for w, g, side in zip(fixed, seen, sided, strict=True):
-        across = middle + track.scale(Fraction(side, 2))
-        places[w.index] = replace(g, x=ahead * c - across * s, y=ahead * s + across * c)
-    return places
+    seen = [view(w) for w in fixed]
+    own = sides([w.pivot for w in fixed], fixed[0].zero_heading)
+    places = placed([(g.x, g.y) for g in seen], (seen[0].ch, seen[0].sh), own, track)
+    return {w.index: replace(g, x=x, y=y) for w, g, (x, y) in zip(fixed, seen, places, strict=True)}
 
 
-def _mean(values: Sequence[Poly]) -> Poly:
-    return Poly.sum(values).scale(Fraction(1, len(values)))
+def _mean(values: Sequence[T]) -> T:
+    total = values[0]
+    for value in values[1:]:
+        total = total + value
+    return total * Fraction(1, len(values))

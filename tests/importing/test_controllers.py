@@ -278,6 +278,20 @@ def test_an_empty_list_is_no_length(tmp_path: Path) -> None:
         assert len(c.places) == places
 
 
+def test_of_a_key_that_stands_twice_the_last_holds_with_a_note(tmp_path: Path) -> None:
+    """As PyYAML, which ROS 1 and launch files read by, and the parser of ROS 2 have it; of whole nodes too."""
+    path = tmp_path / "parameters.yaml"
+    path.write_text(
+        "a:\n  wheel_radius: 0.1\n  track: 0.4\n  wheel_radius: 0.2\nb: {wheel_radius: 1}\nb: {wheel_radius: 2}\n"
+    )
+    first, second = read_controllers(path)
+    assert [float(c.lengths["radius"].value) for c in (first, second)] == [0.2, 2.0]
+    assert [note.partition(": ")[0] for note in first.notes] == ["parameters.yaml:4", "parameters.yaml:6"]
+    assert "duplicate key 'wheel_radius'" in first.notes[0] and not second.notes
+    path.write_text("a: {track: 0.4, name: x, name: y}\n")  # what says nothing of wheels too
+    assert "duplicate key 'name'" in read_controllers(path)[0].notes[0]
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -27,6 +27,7 @@ def compare(a: Layout, b: Layout) -> Comparison:
         a = replace(a, wheels=as_driven(a.wheels, a.effective_track[0]))
     if b.controller:
         differences, pairs, notes = with_controller(a, b.controller)
+        notes += b.controller.notes
     else:
         differences, pairs, notes = with_layout(a, b)
         pairs = _turning(a, b, pairs)

@@ -2,6 +2,7 @@
 
 A wheel turns without end about a level axis, carries nothing that moves but rollers, and stands on the ground, the
 lowest that there is. Where fewer than two do, fixed joints that say wheel, hub or an axis are taken, with a question.
+What turns so and is none is passed over in words.
 """
 
 from __future__ import annotations
@@ -9,60 +10,41 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 from wmrgen.importing.frames import dot, plus, transposed, turned, unit
+from wmrgen.importing.passed import Passed, no_wheel, off_the_ground, wheel_like
 from wmrgen.importing.records import RIGID, Joint, Vector
-from wmrgen.importing.view import COAXIAL, UPRIGHT, Robot, Round, Z
+from wmrgen.importing.view import COAXIAL, EVEN, UNSEEN, UPRIGHT, Candidate, Robot, Z
 from wmrgen.spec.text import quoted
 
 LEVEL = math.sin(math.radians(12))
 ROLLERS = 4  # that a wheel with rollers has at least
-UNSEEN = Fraction(5, 100)  # [m] the radius of a wheel that is a mesh, where one must be supposed
 _FOLLOWS = re.compile("cast[eo]r", re.IGNORECASE)
-_EVEN = Fraction(5, 1000)  # [m] by which the ground may be uneven
 
 
-@dataclass(frozen=True, slots=True)
-class Candidate:
-    """A joint that may be a wheel's, in the base frame: ``axis`` through ``origin``. ``steer``: the nearest joint above
-    that turns about an upright axis, ``via`` what else moves above. ``doubt`` says
-    why that may be wrong, ``unsure`` that the axis of the wheel itself is."""
-
-    joint: Joint
-    origin: Vector
-    axis: Vector
-    shape: Round | None
-    steer: Joint | None
-    via: tuple[Joint, ...]
-    rollers: tuple[Joint, ...]
-    doubt: str = ""
-    unsure: bool = False
-
-    @property
-    def centre(self) -> Vector:
-        return self.shape.centre if self.shape else self.origin
-
-    @property
-    def radius(self) -> Fraction:
-        return self.shape.radius if self.shape else UNSEEN
-
-    @property
-    def lowest(self) -> Fraction:
-        return self.centre[2] - (self.shape.radius if self.shape else 0)
-
-
-def candidates(robot: Robot) -> list[Candidate]:
-    """The wheels, in the order of the file; after them what stands rigid beside them and looks like them."""
+def candidates(robot: Robot) -> tuple[list[Candidate], list[Passed]]:
+    """The wheels, in the order of the file; after them what stands rigid beside them and looks like them. With what
+    looks like a wheel, and why it is none."""
     joints = [j for j in robot.description.joints if robot.reaches(j.child)]
-    spins = [c for joint in joints if (c := _spin(robot, joint) or _steer_only(robot, joint))]
-    rollers = {roller.child for c in spins for roller in c.rollers}
-    spins = [c for c in spins if c.joint.child not in rollers and not _shown_only(robot, c)]
+    turning = [c for joint in joints if (c := _spin(robot, joint) or _steer_only(robot, joint))]
+    rollers = {roller.child for c in turning for roller in c.rollers}
+    turning = [c for c in turning if c.joint.child not in rollers]
+    none = [Passed(c.joint, why) for c in turning if (why := no_wheel(robot, c, turning))]
+    spins = [c for c in turning if all(c.joint is not each.joint for each in none)]
     wheels = _mirrored(_on_ground(robot, spins), spins)
     if len(wheels) < 2:
-        return _on_ground(robot, spins + _all_fixed(robot))
-    return wheels + [c for c in rigid_wheels(robot, wheels) if _alike(c, wheels)]
+        wheels = _on_ground(robot, spins + _all_fixed(robot))
+    else:
+        wheels += [c for c in rigid_wheels(robot, wheels) if _alike(c, wheels)]
+    taken = {c.joint.name for c in wheels}
+    none += [
+        Passed(c.joint, off_the_ground(c, wheels))
+        for c in spins
+        if c.joint.name not in taken and wheel_like(c, wheels)
+    ]
+    return wheels, none
 
 
 def _alike(c: Candidate, wheels: list[Candidate]) -> bool:
@@ -96,7 +78,7 @@ def _mirrors(c: Candidate, other: Candidate) -> bool:
     """The axles of two wheels stand at one height and place, left and right of the middle."""
     (x, y, z), (u, v, w) = c.origin, other.origin
     level = abs(dot(c.axis, other.axis)) > COAXIAL
-    return level and max(abs(x - u), abs(y + v), abs(z - w)) < _EVEN / 5
+    return level and max(abs(x - u), abs(y + v), abs(z - w)) < EVEN / 5
 
 
 def rigid_wheels(robot: Robot, wheels: Sequence[Candidate]) -> list[Candidate]:
@@ -109,14 +91,7 @@ def rigid_wheels(robot: Robot, wheels: Sequence[Candidate]) -> list[Candidate]:
 
 def _all_fixed(robot: Robot) -> list[Candidate]:
     joints = (j for j in robot.description.joints if not j.moves and robot.reaches(j.child))
-    return [c for joint in joints if (c := _fixed(robot, joint))]
-
-
-def _shown_only(robot: Robot, c: Candidate) -> bool:
-    """A wheel that is drawn and touches nothing, and that others mimic: a controller's, not the robot's."""
-    leaders = {joint.mimic[0] for joint in robot.description.joints if joint.mimic}
-    roles = {role for _, role, _, _ in robot.shapes(c.joint.child)}
-    return roles == {"visual"} and bool(leaders & {c.joint.name, c.steer.name if c.steer else ""})
+    return [c for joint in joints if (c := _fixed(robot, joint)) and not no_wheel(robot, c, ())]
 
 
 def _spin(robot: Robot, joint: Joint) -> Candidate | None:
@@ -233,9 +208,9 @@ def _on_ground(robot: Robot, wheels: list[Candidate]) -> list[Candidate]:
         reach, lowest = _reach(robot, ()), min((w.centre[2] for w in wheels), default=Fraction(0))
         return [w for w in wheels if w.centre[2] - lowest <= reach]
     lowest = min(w.lowest for w in shaped)
-    standing = [w for w in shaped if w.lowest - lowest <= w.radius * Fraction(35, 100) + _EVEN]
+    standing = [w for w in shaped if w.lowest - lowest <= w.radius * Fraction(35, 100) + EVEN]
     reach = _reach(robot, standing)
-    least = reach / 20 + _EVEN
+    least = reach / 20 + EVEN
     meshes = [w for w in wheels if not w.shape and least < w.centre[2] - lowest <= UNSEEN + reach]
     return [w for w in wheels if w in standing or w in meshes]
 

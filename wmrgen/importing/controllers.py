@@ -13,7 +13,8 @@ from fractions import Fraction
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from wmrgen.errors import Mark, RobotFileError
+from wmrgen.errors import Mark, RobotFileError, Several
+from wmrgen.importing.read import local
 from wmrgen.importing.records import Controller, Named, Setting
 from wmrgen.spec.names import role
 from wmrgen.spec.numbers import NUMBER
@@ -89,10 +90,13 @@ class _Leaf:
 
 def read_controllers(path: Path, arguments: Mapping[str, str] | None = None) -> tuple[Controller, ...]:
     """The controllers of a YAML file; ``arguments`` stand for ``$(arg name)``. RobotFileError where it cannot be read,
-    or a length is no number."""
-    name = printable(str(path))
-    tree = read_tree(decode(bytes_of(path, MAX_BYTES + 1), name), name, aliases=True)
-    return controllers_of(tree, arguments or {})
+    or a length is no number. Of keys that stand twice the last holds, as in ROS, which the first controller notes."""
+    name, twice = printable(str(path)), Several()
+    tree = read_tree(decode(bytes_of(path, MAX_BYTES + 1), name), name, twice, aliases=True)
+    controllers = controllers_of(tree, arguments or {})
+    told = [f"{e.mark.line}: {e.what}: the last one holds, as in ROS" for e in twice.errors if e.mark]
+    notes = tuple(f"{printable(path.name)}:{words}" for words in told)
+    return (*(replace(c, notes=notes) for c in controllers[:1]), *controllers[1:])
 
 
 def controllers_of(tree: Node | None, arguments: Mapping[str, str]) -> tuple[Controller, ...]:
@@ -104,8 +108,8 @@ def controllers_of(tree: Node | None, arguments: Mapping[str, str]) -> tuple[Con
         if _NODE in leaf.path and _kind(types.get(_last(_top(leaf)), "")):
             tops[_top(leaf)] = None
     if len(tops) > _MOST:
-        mark = next(iter(leaves[0].marks), None)
-        raise RobotFileError(f"{len(tops)} nodes with lengths of wheels", mark, f"At most {_MOST} are read.")
+        what, why = f"{len(tops)} nodes with lengths of wheels", f"At most {_MOST} are read."
+        raise RobotFileError(what, next(iter(leaves[0].marks), None), why)
     result = []
     for top in tops:
         if not any(top[: len(other)] == other for other in tops if other != top):
@@ -119,11 +123,11 @@ def plugin_controllers(root: Element) -> tuple[Controller, ...]:
     """The controllers that drive plugins and hardware of ros2_control in a URDF or SDF are, and <mobile> of rby1."""
     result = []
     for element in root.iter():
-        if _local(element) in ("plugin", "hardware"):
-            leaves = [_element(_snake(e.get("name") or _local(e)), e.text or "") for e in element]
+        if local(element) in ("plugin", "hardware"):
+            leaves = [_element(_snake(e.get("name") or local(e)), e.text or "") for e in element]
             kind = " ".join(filter(None, (element.get("filename"), element.get("name"))))
             result.append(_controller(element.get("name") or "", kind, leaves))
-        elif _local(element) == "mobile" and element.get("type") == "differential":
+        elif local(element) == "mobile" and element.get("type") == "differential":
             leaves = [_element("wheel_names", element.get("joints") or "")]
             values = (element.get("params") or "").split()
             leaves += map(_element, ("wheel_separation", "wheel_radius"), values)
@@ -134,10 +138,6 @@ def plugin_controllers(root: Element) -> tuple[Controller, ...]:
 def _element(word: str, text: str) -> _Leaf:
     texts = tuple(text.split())
     return _Leaf((word,), texts, (None,) * len(texts))
-
-
-def _local(element: Element) -> str:
-    return element.tag.rsplit("}", 1)[-1] if isinstance(element.tag, str) else ""
 
 
 def _snake(word: str) -> str:

@@ -31,7 +31,7 @@ def instructed(description: Description, controllers: Sequence[Controller]) -> D
         driven=driven | (description.driven or frozenset()) if driven else description.driven,
         transmitted=description.transmitted - driven,
         words=(*description.words, *(c.type or c.kind for c in controllers if c.kind in _ROLLERS)),
-        notes=(*description.notes, *lost),
+        notes=(*description.notes, *(note for c in controllers for note in c.notes), *lost),
         controllers=(*description.controllers, *controllers),
     )
 

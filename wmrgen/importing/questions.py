@@ -6,11 +6,10 @@ import math
 from collections.abc import Iterator
 from fractions import Fraction
 
-from wmrgen.importing.candidates import Candidate
 from wmrgen.importing.frames import composed, dot, plus
 from wmrgen.importing.meshes import Reach, reach
 from wmrgen.importing.records import Question, Vector
-from wmrgen.importing.view import Robot
+from wmrgen.importing.view import Candidate, Robot
 from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, STEERED
 

@@ -7,10 +7,11 @@ import re
 from collections.abc import Sequence
 from fractions import Fraction
 
-from wmrgen.importing.candidates import UNSEEN, Candidate, rigid_wheels
+from wmrgen.importing.candidates import rigid_wheels
 from wmrgen.importing.frames import ancestors, plus
+from wmrgen.importing.passed import Passed
 from wmrgen.importing.records import MODEL, SUPPORT, Question, Wheel
-from wmrgen.importing.view import UPRIGHT, Robot
+from wmrgen.importing.view import UNSEEN, UPRIGHT, Candidate, Robot
 from wmrgen.spec.names import role
 from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
@@ -102,11 +103,15 @@ def _misses(wheels: Sequence[Wheel], labels: Sequence[str], forward: tuple[int, 
     return count
 
 
-def support_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
-    """A castor whose joints are fixed; or what carries wheels that all stand on one line, where no body does."""
+def support_asked(
+    robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate], passed: Sequence[Passed]
+) -> list[Question]:
+    """A castor whose joints are fixed; or what carries wheels that all stand on one line, where no body does.
+    ``passed``: what looks like wheels and is none."""
     for rigid in (c for c in rigid_wheels(robot, seen) if c.joint.axis and c.shape and c.shape.cylinder):
         return [Question(SUPPORT, "type", *_castor(robot, rigid))]
     own = {link for c in seen for link in (c.joint.child, *(j.child for j in robot.under(c.joint.child)))}
+    own |= {each.joint.child for each in passed}
     others = [link for link in robot.description.links if link not in own and robot.reaches(link)]
     if any(w.type == CASTOR.name for w in wheels) or not _on_a_line([(w.x, w.y) for w in wheels]):
         return []
@@ -116,11 +121,12 @@ def support_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidat
     if any(_CARRIES.search(link) for link in others) or any(len(bodies[link]) == 1 for link, _, _ in low):
         return []
     text = "the wheels stand on one line, and no other body of the file stands on the ground: what carries the rest?"
-    hints = dict.fromkeys(
+    hints = [
         f"a ball of {quoted(link)} at x = {float(x):.6g}, y = {float(y):.6g}: spherical"
         for link, (x, y, _), _ in low
-    )
-    return [Question(SUPPORT, "type", text, tuple(hints))]
+    ]
+    hints += [f"{quoted(each.joint.name)}, where {each.why}" for each in passed]
+    return [Question(SUPPORT, "type", text, tuple(dict.fromkeys(hints)))]
 
 
 def _castor(robot: Robot, c: Candidate) -> tuple[str, tuple[str, ...]]:

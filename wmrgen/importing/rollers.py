@@ -7,10 +7,9 @@ import re
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-from wmrgen.importing.candidates import Candidate
 from wmrgen.importing.frames import cross, dot, plus, turned, unit
 from wmrgen.importing.records import Joint, Vector
-from wmrgen.importing.view import Robot
+from wmrgen.importing.view import Candidate, Robot
 from wmrgen.spec.text import quoted
 
 UNSAID = "not in the file"

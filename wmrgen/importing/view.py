@@ -14,6 +14,8 @@ from wmrgen.spec.text import quoted
 
 UPRIGHT = math.cos(math.radians(15))
 COAXIAL = 0.99  # cosine
+UNSEEN = Fraction(5, 100)  # [m] the radius of a wheel that is a mesh, where one must be supposed
+EVEN = Fraction(5, 1000)  # [m] by which the ground may be uneven
 X, Z = (Fraction(1), Fraction(0), Fraction(0)), (Fraction(0), Fraction(0), Fraction(1))
 
 
@@ -25,6 +27,35 @@ class Round:
     centre: Vector
     words: str
     cylinder: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A joint that may be a wheel's, in the base frame: ``axis`` through ``origin``. ``steer``: the nearest joint above
+    that turns about an upright axis, ``via`` what else moves above. ``doubt`` says
+    why that may be wrong, ``unsure`` that the axis of the wheel itself is."""
+
+    joint: Joint
+    origin: Vector
+    axis: Vector
+    shape: Round | None
+    steer: Joint | None
+    via: tuple[Joint, ...]
+    rollers: tuple[Joint, ...]
+    doubt: str = ""
+    unsure: bool = False
+
+    @property
+    def centre(self) -> Vector:
+        return self.shape.centre if self.shape else self.origin
+
+    @property
+    def radius(self) -> Fraction:
+        return self.shape.radius if self.shape else UNSEEN
+
+    @property
+    def lowest(self) -> Fraction:
+        return self.centre[2] - (self.shape.radius if self.shape else 0)
 
 
 class Robot:
@@ -88,6 +119,11 @@ class Robot:
             for shape in self.description.shapes.get(each, ()):
                 if shape.radius:
                     yield shape.kind, shape.role, shape.radius, composed(self.frame(each), shape.frame)
+
+    def roles(self, link: str) -> set[str]:
+        """Whether a link, with what is fixed to it, touches (collision), is drawn (visual), or both."""
+        links = (link, *(joint.child for joint in self.under(link, rigid=True)))
+        return {shape.role for each in links for shape in self.description.shapes.get(each, ())}
 
     def balls(self, link: str) -> Iterator[tuple[Vector, Fraction]]:
         """Centre and lowest height of the cylinders and spheres of a link itself."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection
 from fractions import Fraction
 
-from wmrgen.importing.candidates import LEVEL, Candidate, candidates
+from wmrgen.importing.candidates import LEVEL, candidates
 from wmrgen.importing.couplings import couplings
 from wmrgen.importing.frames import ancestors, dot, plus
 from wmrgen.importing.names import near_wheel_names
@@ -33,7 +33,7 @@ from wmrgen.importing.robot_questions import (
     support_asked,
 )
 from wmrgen.importing.rollers import UNSAID, angle, gamma_said, heading, rollers_said
-from wmrgen.importing.view import Robot, X, base_link
+from wmrgen.importing.view import Candidate, Robot, X, base_link
 from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
 
@@ -46,14 +46,15 @@ def import_wheels(description: Description, base: str | None = None, forward: st
     RobotFileError where there is none, or one that nothing drives: it may be anything that turns.
     """
     robot = Robot(description, base_link(description, base), DIRECTIONS[forward or "x"])
-    wheels = candidates(robot)
+    wheels, passed = candidates(robot)
+    seen = [*(each.note for each in passed), *description.notes]
     if len(wheels) < 2 and not any(c.shape and not c.doubt and _actuated(robot, c) for c in wheels):
         raise refuse(
             "1 joint is a wheel" if len(wheels) == 1 else f"{len(wheels)} joints are wheels",
             " ".join(
                 (
                     "A wheel's joint turns without end about a level axis and is the lowest of all.",
-                    *(f"Note: {note}." for note in description.notes[:3]),
+                    *(f"Note: {note}." for note in seen[:3]),
                 )
             ),
             "Give the link that is the base frame with --base, or write the robot file by hand.",
@@ -71,17 +72,15 @@ def import_wheels(description: Description, base: str | None = None, forward: st
         *([] if forward else front_doubted(robot, result, wheels)),
         *doubts,
     ]
-    support = support_asked(robot, result, wheels)
+    support = support_asked(robot, result, wheels, passed)
     if questions or any(question.hints for question in support):
         questions += support
     notes += [question.text for question in support if question not in questions]
-    passed = sorted({j.name for c in wheels for j in c.via})
-    notes += [f"joint {quoted(name)} moves above wheels and is taken at zero" for name in passed]
+    above = sorted({j.name for c in wheels for j in c.via})
+    notes += [f"joint {quoted(name)} moves above wheels and is taken at zero" for name in above]
     if forward not in (None, "x"):
         notes.append(f"x is the direction {forward} of {quoted(robot.base)}")
-    return Imported(
-        description.name, robot.base, tuple(result), tuple(questions), coupled, (*description.notes, *notes)
-    )
+    return Imported(description.name, robot.base, tuple(result), tuple(questions), coupled, (*seen, *notes))
 
 
 def _wheel(

@@ -59,6 +59,7 @@ class _Composer(Reader, Scanner, Parser):
         Parser.__init__(self)
         self._source, self._several = source, several
         self._nodes = 0
+        self._last_counts = False
 
     def _refuse(self, what: str, why: str, instead: str) -> NoReturn:
         raise RobotFileError(what, self.mark_here(), why, instead, Code.NOT_YAML)
@@ -141,7 +142,7 @@ class _Composer(Reader, Scanner, Parser):
             if key.text in entries:
                 self._several.add(_duplicate(key, entries[key.text][0]))
                 repeated = True
-            else:
+            if key.text not in entries or self._last_counts:
                 entries[key.text] = (key, value)
         self.get_event()
         return MappingNode(mark, tuple(entries.values()), repeated)
@@ -169,13 +170,15 @@ def _duplicate(key: Scalar, first: Scalar) -> RobotFileError:
 
 
 class _Aliased(_Composer):
-    """Files of others, with anchors. What an alias stands for counts again: a few lines cannot mean very many nodes."""
+    """Files of others, with anchors; of a key that stands twice the last counts, as in ROS. What an alias stands
+    for counts again: a few lines cannot mean very many nodes."""
 
     fetch_anchor = Scanner.fetch_anchor
     fetch_alias = Scanner.fetch_alias
 
     def __init__(self, text: str, source: Source, several: Several) -> None:
         super().__init__(text, source, several)
+        self._last_counts = True
         self._anchored: dict[str, tuple[Node, int]] = {}  # with the number of its nodes
 
     def _node(self, depth: int) -> Node:
@@ -246,7 +249,7 @@ def _no_colon(text: str) -> tuple[str, str]:
 
 def read_tree(text: str, file: str, several: Several | None = None, aliases: bool = False) -> Node | None:
     """The raw tree of ``text``, None for an empty file; ``several``, where given, takes keys that stand twice.
-    ``aliases``: of files of others."""
+    ``aliases``: of files of others, of whose keys that stand twice the last counts."""
     text = normalise(text, file)
     source = Source.of(text, file)
     wrong = several or Several()

@@ -1,0 +1,112 @@
+"""What looks like a wheel and is none is left out in words: parts in the air, flippers, wheels of simulators."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.conftest import Outcome
+from tests.importing.urdf import cylinder, joint, link, pair, robot, wheel
+
+Cli = Callable[..., Outcome]
+Import = Callable[..., dict[str, Any]]
+
+
+@pytest.fixture
+def read(wmrgen_cli: Cli, tmp_path: Path) -> Import:
+    def call(text: str) -> dict[str, Any]:
+        (tmp_path / "probe.urdf").write_text(text, encoding="utf-8")
+        done = wmrgen_cli("import", tmp_path / "probe.urdf", "-o", tmp_path / "probe.yaml", "--json")
+        said = json.loads(done.out) if done.code == 0 else {"wheels": [], "questions": []}
+        return {
+            "code": done.code,
+            "names": [w["name"] for w in said["wheels"]],
+            "asked": {(q["wheel"], q["key"]): q["hints"] for q in said["questions"]},
+            "notes": done.err,
+        }
+
+    return call
+
+
+def body(name: str, *shapes: tuple[str, str, str]) -> str:
+    """A link of several shapes: role, place and geometry."""
+    parts = (
+        f'<{role}><origin xyz="{xyz}" rpy="1.5707963 0 0"/><geometry>{geometry}</geometry></{role}>'
+        for role, xyz, geometry in shapes
+    )
+    return f'<link name="{name}">{"".join(parts)}</link>'
+
+
+def test_wheels_in_the_air(read: Import) -> None:
+    """The frame of the rear is written 0.4 m too high: two wheels are left, and what carries the rest is asked."""
+    rear = [
+        f'<joint name="{n}_spin" type="continuous"><origin xyz="-0.5 {y} 0.5"/><parent link="base_link"/>'
+        f'<child link="{n}_wheel"/><axis xyz="0 1 0"/></joint>{link(f"{n}_wheel", cylinder("0.1"))}'
+        for n, y in (("rl", 0.25), ("rr", -0.25))
+    ]
+    said = read(robot(pair(), *rear))
+    assert said["names"] == ["left", "right"] and list(said["asked"]) == [("support", "type")]
+    assert "'rl_spin' is not taken for a wheel: it stands 0.4 m above the ground" in said["notes"]
+    assert any("'rr_spin', where it stands 0.4 m above" in hint for hint in said["asked"]["support", "type"])
+
+
+@pytest.mark.parametrize(("height", "told"), [("0.8", True), ("0.12", False)])
+def test_a_steering_wheel_is_told_and_a_wheel_on_uneven_ground_is_one(
+    read: Import, height: str, told: bool
+) -> None:
+    """Within 0.35 r + 5 mm of the ground a wheel stands."""
+    said = read(robot(pair(), wheel("rear_wheel", f"-0.3 0 {height}"), wheel("tail", "-0.4 0 0.1")))
+    assert ("'rear_wheel_joint' is not taken" in said["notes"]) is told
+    assert ("rear" in said["names"]) is not told
+
+
+@pytest.mark.parametrize(
+    ("shapes", "reaches"),
+    [
+        ([("0 0 0", "0.1"), ("0.3 0 0", "0.04")], True),  # belt around a large and a small wheel
+        ([("0 0 0", "0.1"), ("0.09 0 0", "0.04")], False),  # within the rim
+        ([("0 0 0", "0.1"), ("0.11 0 0", "0.04"), ("-0.11 0 0", "0.04")], False),  # rollers about a hub
+    ],
+)
+def test_a_flipper_is_no_wheel(read: Import, shapes: list[tuple[str, str]], reaches: bool) -> None:
+    arm = body("arm_link", *(("collision", at, cylinder(r)) for at, r in shapes))
+    said = read(robot(pair(), arm, joint("arm", "base_link", "arm_link", "0.3 0.3 0.1")))
+    assert ("arm" in said["names"]) is not reaches
+    assert ("'arm' is not taken for a wheel: its body reaches 0.3 m to one side" in said["notes"]) is reaches
+
+
+def test_a_shape_that_is_only_drawn_elsewhere_makes_no_flipper(read: Import) -> None:
+    odd = body("odd_link", ("collision", "0 0 0", cylinder("0.1")), ("visual", "0.3 0 0", cylinder("0.1")))
+    assert "odd" in read(robot(pair(), odd, joint("odd", "base_link", "odd_link", "0.3 0.3 0.1")))["names"]
+
+
+def test_a_robot_of_flippers_alone_is_refused_with_the_reason(read: Import) -> None:
+    arm = [("collision", "0 0 0", cylinder("0.1")), ("collision", "0.3 0 0", cylinder("0.04"))]
+    parts = [
+        body(f"{n}_link", *arm) + joint(n, "base_link", f"{n}_link", f"0.3 {y} 0.1")
+        for n, y in (("l", 0.3), ("r", -0.3))
+    ]
+    said = read(robot(*parts))
+    assert said["code"] == 2 and "0 joints are wheels" in said["notes"] and "a flipper" in said["notes"]
+
+
+@pytest.mark.parametrize("drawn", [False, True])
+def test_the_middle_wheel_of_a_simulator(read: Import, drawn: bool) -> None:
+    """Two front wheels that are only drawn, and between them one that only touches; a trike's is drawn."""
+    parts, limits = [], '<limit lower="-1" upper="1"/>'
+    for n, y in (("fl", "0.25"), ("fm", "0"), ("fr", "-0.25")):
+        roles = ["collision"] if n == "fm" else ["visual"]
+        roles += ["visual"] if n == "fm" and drawn else []
+        parts += [
+            link(f"{n}_s"),
+            joint(f"{n}_s", "base_link", f"{n}_s", f"0.5 {y} 0.1", "revolute", "0 0 1", more=limits),
+            body(f"{n}_link", *((role, "0 0 0", cylinder("0.1")) for role in roles)),
+            joint(f"{n}_joint", f"{n}_s", f"{n}_link", "0 0 0"),
+        ]  # fmt: skip
+    said = read(robot(pair(), *parts))
+    assert ("fm" in said["names"]) is drawn and {"fl", "fr", "left", "right"} <= {*said["names"]}
+    assert ("between 'fl_joint' and 'fr_joint', which touch nothing" in said["notes"]) is not drawn

@@ -1,0 +1,77 @@
+"""What turns as a wheel does and is none, and why: geometry again, not names."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from wmrgen.importing.frames import dot, plus
+from wmrgen.importing.records import Joint
+from wmrgen.importing.view import COAXIAL, EVEN, Candidate, Robot
+from wmrgen.spec.text import quoted
+
+
+@dataclass(frozen=True, slots=True)
+class Passed:
+    """A joint that turns as a wheel's does, and ``why`` it is none."""
+
+    joint: Joint
+    why: str
+
+    @property
+    def note(self) -> str:
+        return f"joint {quoted(self.joint.name)} is not taken for a wheel: {self.why}"
+
+
+def wheel_like(c: Candidate, wheels: Sequence[Candidate]) -> bool:
+    """It is called a wheel, or drawn as large as one that is."""
+    named = re.search("wheel", f"{c.joint.name} {c.joint.child}", re.IGNORECASE)
+    return bool(named) or any(c.shape and w.shape and c.radius == w.radius for w in wheels)
+
+
+def off_the_ground(c: Candidate, wheels: Sequence[Candidate]) -> str:
+    shaped = [w.lowest for w in wheels if w.shape]
+    height = float(c.lowest - min(shaped or [w.lowest for w in wheels] or [c.lowest]))
+    what = "it stands" if c.shape else "its axle lies"
+    return f"{what} {abs(height):.3g} m {'below' if height < 0 else 'above'} the ground on which the wheels stand"
+
+
+def no_wheel(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> str:
+    """Why what turns as a wheel does is none, wherever the ground is; empty for what may be one."""
+    leaders = {joint.mimic[0] for joint in robot.description.joints if joint.mimic}
+    roles = robot.roles(c.joint.child)
+    if roles == {"visual"} and leaders & {c.joint.name, c.steer.name if c.steer else ""}:
+        return "it is drawn, touches nothing, and others mimic it"
+    if reach := _reaches_aside(robot, c):
+        return f"its body reaches {reach:.3g} m to one side of the axle, as a flipper or an arm does"
+    if roles == {"collision"} and (ends := _between(robot, c, turning)):
+        names = " and ".join(quoted(end.joint.name) for end in ends)
+        return f"it is not drawn and stands in the middle between {names}, which touch nothing: a simulator's"
+    return ""
+
+
+def _reaches_aside(robot: Robot, c: Candidate) -> float:
+    """How far from the axle a cylinder or sphere of the body stands [m], of those of the wheel's own role, where it is
+    beyond the wheel's radius and nothing balances it; else 0."""
+    if c.shape is None:
+        return 0.0
+    shapes = robot.shapes(c.joint.child)
+    offs = [plus(where.origin, c.origin, -1) for _, role, _, where in shapes if role in c.shape.words]
+    offs = [plus(off, c.axis, -dot(off, c.axis)) for off in offs]
+    far = max(offs, key=lambda off: dot(off, off))
+    balanced = any(dot(far, off) < 0 for off in offs)
+    return 0.0 if balanced or dot(far, far) <= c.radius**2 else math.sqrt(dot(far, far))
+
+
+def _between(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """Two that are drawn and touch nothing, of which each is the mirror image of the other in the middle ``c``."""
+    shown = [w for w in turning if robot.roles(w.joint.child) == {"visual"}]
+    drawn = [w for w in shown if abs(dot(w.axis, c.axis)) > COAXIAL]
+    for i, a in enumerate(drawn):
+        for b in drawn[:i]:
+            off = plus(plus(a.origin, b.origin), c.origin, -2)
+            if dot(off, off) < EVEN**2:
+                return b, a
+    return ()

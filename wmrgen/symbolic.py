@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cmp_to_key, lru_cache
 from typing import Any, ClassVar, TypeAlias
 
 import sympy
@@ -180,6 +180,24 @@ def add(*terms: Expr) -> Expr:
     """A sum as it stands. Not evaluated: the first evaluated sum would load sympy's tensors and permutations."""
     kept = [t for t in terms if t is not sympy.S.Zero]
     return sympy.Add(*kept, evaluate=False) if len(kept) > 1 else kept[0] if kept else sympy.S.Zero
+
+
+def gathered(*terms: Expr) -> Expr:
+    """A sum whose numbers and like terms are gathered, as sympy's own, which loads what `add` says, has them."""
+    constant, pending = sympy.S.Zero, list(terms)
+    factors: dict[Expr, Expr] = {}
+    for term in pending:
+        if term.is_Add:
+            pending.extend(term.args)
+        elif term.is_Number:
+            constant += term
+        else:
+            factor, rest = term.as_coeff_Mul()
+            factors[rest] = factors.get(rest, sympy.S.Zero) + factor
+    kept = [
+        sympy.Mul(f, rest, evaluate=not rest.is_Add) if f != 1 else rest for rest, f in factors.items() if f
+    ]
+    return add(constant, *sorted(kept, key=cmp_to_key(sympy.Basic.compare)))
 
 
 def subtract(a: Expr, b: Expr) -> Expr:

@@ -55,6 +55,21 @@ def test_help_lists_every_command_once_in_its_group(wmrgen_cli: Cli) -> None:
     assert (listed["import"], listed["derive"], listed["eval"], listed["prove"]) == GROUPS
 
 
+@pytest.mark.parametrize(
+    ("words", "built"), [(["list", "--help"], 1), (["--help"], len(COMMANDS)), (["lst"], len(COMMANDS))]
+)
+def test_a_command_that_is_named_is_the_only_one_that_is_built(
+    monkeypatch: pytest.MonkeyPatch, words: list[str], built: int
+) -> None:
+    counts = []
+    monkeypatch.setattr(
+        declare.Commands, "main", lambda commands, *_, **__: counts.append(len(commands.commands))
+    )
+    app(words)
+    assert counts == [built]
+    assert [command.callback for command in app.registered_commands] == COMMANDS
+
+
 def test_a_group_that_help_does_not_have_is_refused() -> None:
     with pytest.raises(ValueError, match="no group Analyze"):
         declare.group("Analyze")

@@ -20,6 +20,7 @@ from wmrgen.symbolic import (
     WithSignOf,
     add,
     expression,
+    gathered,
     local,
     number,
     over,
@@ -130,3 +131,17 @@ def test_a_substitution_evaluates_nothing() -> None:
     assert put.xreplace({local("a"): sympy.Integer(5), Y: sympy.Integer(1)}).doit() == 11
     clamped = substituted(Clamp(X, Y), {X: sympy.Integer(3), Y: sympy.Integer(2)}, {})
     assert isinstance(clamped, Clamp)
+
+
+def test_gathered_sums_are_those_of_sympy() -> None:
+    rng = random.Random(13)
+    loose = [times(2, X), times(X, add(Y, -1)), square(Z), root(add(X, Y)), sympy.sin(Y), sympy.pi]
+    pool = [X, Y, -X, X * Y, sympy.sqrt(2) * Z, X / 3, add(X, Y), add(X, times(-1, X), 2), *loose]
+    for _ in range(200):
+        terms = [
+            rng.choice((-2, -1, 0, 1, sympy.Rational(1, 3))) * rng.choice(pool)
+            for _ in range(rng.randrange(7))
+        ]
+        terms += [sympy.Integer(rng.randrange(-2, 3))]
+        whole, theirs = gathered(*terms), sympy.Add(*terms)
+        assert (whole, type(whole), whole.args) == (theirs, type(theirs), theirs.args)

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 from typer.core import TyperGroup
+from typer.main import get_command
 
 from wmrgen.cli import console
 
@@ -52,7 +53,21 @@ class Commands(TyperGroup):
                 formatter.write_dl(rows)
 
 
-app = typer.Typer(
+class Verbs(typer.Typer):
+    """All commands. Where the words that it is called with begin with a command's name, only that one is built."""
+
+    def __call__(self, args: Sequence[str] | None = None, **options: Any) -> Any:
+        """Run the command that ``args``, else those of the process, name. See `Commands.main`."""
+        first, every = (sys.argv[1:] if args is None else args)[:1], self.registered_commands
+        self.registered_commands = [command for command in every if command.name in first] or every
+        try:
+            commands = get_command(self)
+        finally:
+            self.registered_commands = every
+        return commands(args, **options)
+
+
+app = Verbs(
     cls=Commands,
     help="""Example:  wmrgen derive robots/pioneer3dx.yaml
 
@@ -107,7 +122,7 @@ def _verb(
 
             raise typer.Exit(console.outcome(work, options.get("as_json", False)))
 
-        app.command(name, short_help=short_help, rich_help_panel=title)(run)
+        app.command(name or declared.__name__, short_help=short_help, rich_help_panel=title)(run)
         return declared
 
     return register

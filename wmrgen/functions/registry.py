@@ -10,7 +10,6 @@ outside the package is known as soon as its module is imported.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
@@ -168,9 +167,9 @@ def check(requests: Iterable[FunctionSpec]) -> None:
 def _declared(name: str, table: dict[str, Declaration] | dict[str, SystemBuilder]) -> bool:
     """Whether ``table`` has ``name``, once the modules that may declare it are imported."""
     if name not in table:
-        line = re.compile(rf'^(def {re.escape(name)}\(|@system\("{re.escape(name)}"\))', re.MULTILINE)
+        lines = f"\ndef {name}(", f'\n@system("{name}")\n'
         for path, text in _sources().items():
-            if line.search(text):
+            if any(line in text for line in lines):
                 import_module(path)
     return name in table
 

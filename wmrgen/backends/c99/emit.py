@@ -32,6 +32,7 @@ NO_FACTS = Facts()
 TEST = "test"  # the folder of what is no part of a firmware: a build that takes every *.c does not find it
 EXAMPLE = "example/main.c"
 INTEGER = {"isin", "icos", "iatan", "imul", "idiv", "isqrt"}  # see templates/c99/integer.c.j2
+_NO_PAIR = "\0"  # stands for the digest of two files until it is known; no text has it
 LARGEST_INPUT = {"float": "1e9", "double": "1e100"}
 _WAVES = {Op.SIN, Op.COS, Op.ATAN, Op.ATAN2}
 
@@ -118,10 +119,10 @@ def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
         "needs": needs,
     }
     # The digest of both files stands in both: any two that were not written together refuse to compile.
-    templates = ("c99/header.h.j2", "c99/source.c.j2")
-    draft = "".join(render(name, **_common(unit, facts, ""), **context) for name in templates)
-    pair = hashlib.sha256(draft.encode()).hexdigest()[:16]
-    header, source = (render(name, **_common(unit, facts, pair), **context) for name in templates)
+    common = _common(unit, facts, _NO_PAIR)
+    texts = [render(name, **common, **context) for name in ("c99/header.h.j2", "c99/source.c.j2")]
+    pair = hashlib.sha256("".join(texts).replace(_NO_PAIR, "").encode()).hexdigest()[:16]
+    header, source = (text.replace(_NO_PAIR, pair) for text in texts)
     return header, source, pair
 
 

@@ -39,7 +39,9 @@ def _plain(char: str) -> str:
 def comment_text(text: str) -> str:
     """``text`` on one line, without comment marks, trigraphs, backslashes or letters beyond ASCII; Doxygen finds no
     command, tag or link in it."""
-    plain = "".join(_plain(char) for char in " ".join(text.split()))
+    plain = " ".join(text.split())
+    if not (plain.isascii() and plain.isprintable()):
+        plain = "".join(_plain(char) for char in plain)
     plain = plain.replace("\\", "/")
     for pair in ("*/", "/*", "??", "//"):
         while pair in plain:

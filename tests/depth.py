@@ -22,6 +22,10 @@ def everyday(values: Iterable[object], kept: Iterable[object]) -> list[object]:
     return [v if v in chosen else pytest.param(v, marks=pytest.mark.slow) for v in values]
 
 
+# Of cases of numbers that are computed by every backend, those in C are everyday: they pass through all that stands
+# before the others, too.
+BACKENDS = everyday(("exact", "casadi", "c"), ["c"])
+
 # Of tests over the whole gallery, the robots whose cases are everyday: each kind of wheel, limits, couplings, tunable
 # parameters, castors and trailers once. The cases of every other robot are slow.
 EVERYDAY = frozenset(

@@ -16,7 +16,6 @@ from wmrgen.robot import Derivation
 
 ROOT = Path(__file__).resolve().parents[2]
 ROBOTS = sorted((ROOT / "robots").glob("*.yaml"))
-BACKENDS = ("exact", "casadi", "c")
 CASES: dict[str, dict[str, Any]] = {
     c["id"]: c for c in json.loads((ROOT / "tests/seeds/cases.json").read_text(encoding="utf-8"))["cases"]
 }

@@ -15,9 +15,8 @@ import sympy
 from numpy.typing import NDArray
 
 from tests.conftest import Outcome
-from tests.depth import everyday
+from tests.depth import BACKENDS, everyday
 from tests.functions.common import (
-    BACKENDS,
     CASES,
     PAIR,
     ROBOTS,
@@ -192,7 +191,11 @@ def test_direction_is_decided_by_the_bearing(backend: str, tmp_path: Path) -> No
 
 
 COMPILED = ("ackermann_car", "kuka_youbot", "pioneer3dx")  # in C, one of each kind is enough
-RESTING = [(p, b) for p in DRIVEN for b in BACKENDS if b != "c" or p.stem in COMPILED]
+RESTING = [
+    *((p, "casadi") for p in DRIVEN),
+    *((p, "c") for p in DRIVEN if p.stem in COMPILED),
+    *(pytest.param(p, "exact", marks=pytest.mark.slow) for p in DRIVEN),
+]
 
 
 @pytest.mark.parametrize(("robot", "backend"), RESTING, ids=lambda v: getattr(v, "stem", v))

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import sympy
 
+from tests.depth import BACKENDS
 from tests.functions.common import (
-    BACKENDS,
     CASES,
     PAIR,
     ROBOTS,

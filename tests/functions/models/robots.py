@@ -15,8 +15,6 @@ from wmrgen.exact.number import Exact
 from wmrgen.robot import Derivation
 from wmrgen.symbolic import parameter, signal
 
-BACKENDS = ("exact", "casadi", "c")
-
 UNICYCLE = "{name: wheel, type: fixed, x: 0, y: 0, heading: 0, r: r}"
 DIFFERENTIAL = """{name: right, type: fixed, x: b, y: -a, heading: 0, r: r}
 {name: left, type: fixed, x: b, y: a, heading: 0, r: r}"""

@@ -17,7 +17,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.functions.models.robots import BACKENDS, CAR_REAR, UNICYCLE, call, derived
+from tests.depth import BACKENDS
+from tests.functions.models.robots import CAR_REAR, UNICYCLE, call, derived
 from tests.oracle.harness import robot_text, same_span, turn
 from tests.robots import of_text
 from tests.seeds import layouts

@@ -17,7 +17,6 @@ from wmrgen.robot import Derivation
 from wmrgen.symbolic import parameter, signal
 
 Expr = Any
-BACKENDS = ("exact", "casadi", "c")
 
 OMNI_K = """\
 wmrgen: 1

@@ -16,7 +16,8 @@ import pytest
 import sympy
 
 import wmrgen
-from tests.functions.motion.common import BACKENDS, compute, run_cli
+from tests.depth import BACKENDS
+from tests.functions.motion.common import compute, run_cli
 from tests.oracle.harness import Model, named, robot_text, turn
 from tests.seeds import layouts
 

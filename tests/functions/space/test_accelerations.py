@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 import sympy
 
-from tests.functions.common import BACKENDS, ROBOTS, TRICYCLE, call, derived, write
+from tests.depth import BACKENDS
+from tests.functions.common import ROBOTS, TRICYCLE, call, derived, write
 from wmrgen.layout.records import Wheel
 from wmrgen.symbolic import signal
 

@@ -12,7 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.conftest import Outcome
-from tests.functions.common import BACKENDS, CASES, PAIR, ROBOTS, call, derived, write
+from tests.depth import BACKENDS
+from tests.functions.common import CASES, PAIR, ROBOTS, call, derived, write
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.space.stability import polygon
 

@@ -10,7 +10,8 @@ import pytest
 import sympy
 from numpy.typing import NDArray
 
-from tests.functions.common import BACKENDS, CASES, PAIR, ROBOTS, call, derived, write
+from tests.depth import BACKENDS
+from tests.functions.common import CASES, PAIR, ROBOTS, call, derived, write
 from wmrgen.functions.space.wheel_motion import Frame, Point, cross, plus, scaled, seen_from_before
 from wmrgen.symbolic import signal
 

@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 import sympy
 
-from tests.depth import everyday
+from tests.depth import BACKENDS, everyday
 from tests.functions.models.robots import (
-    BACKENDS,
     CAR_REAR,
     DIFFERENTIAL,
     FOUR_REAR,

@@ -7,8 +7,8 @@ import math
 import pytest
 import sympy
 
+from tests.depth import BACKENDS
 from tests.functions.models.robots import (
-    BACKENDS,
     CAR_REAR,
     DIFFERENTIAL,
     FOUR_REAR,

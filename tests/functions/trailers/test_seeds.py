@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import wmrgen
-from tests.functions.motion.common import BACKENDS, compute, run_cli
+from tests.depth import BACKENDS
+from tests.functions.motion.common import compute, run_cli
 from tests.oracle.harness import robot_text
 from tests.robots import of_text
 from tests.seeds import layouts

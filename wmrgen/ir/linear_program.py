@@ -7,7 +7,7 @@ principle). So a program may be sought on either side.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 
 from wmrgen.exact.number import ONE, Exact
@@ -176,39 +176,14 @@ class Emitter:
         return total
 
 
-_MOST_NODES = 120  # larger graphs are not searched for better signs
-
-
 def polarities(graph: Graph) -> list[int]:
     """For every node whether it or its negative is computed, so that every sum has a positive term.
 
-    Products take either sign for free (the constant changes), sums wherever one term is positive.
-    Where that leaves negated outputs, products are turned one by one as long as it helps.
+    Products take either sign for free (the constant changes), sums wherever one term is positive. From the outputs
+    down go the signs that users wish for, then upwards what the sums allow.
     """
-    turned: dict[int, int] = {}
-    signs = _polarities(graph, turned)
-    negated = _negated_outputs(graph, signs)
-    products = [node for node, factor in enumerate(graph.factors) if factor]
-    if len(graph.factors) > _MOST_NODES:
-        return signs
-    for node in products:
-        if not negated:
-            break
-        trial = {**turned, node: -signs[node]}
-        others = _polarities(graph, trial)
-        if _negated_outputs(graph, others) < negated:
-            turned, signs, negated = trial, others, _negated_outputs(graph, others)
-    return signs
-
-
-def _negated_outputs(graph: Graph, signs: Sequence[int]) -> int:
-    return sum(1 for output in graph.outputs if output is not None and signs[output[0]] != output[1])
-
-
-def _polarities(graph: Graph, fixed: Mapping[int, int]) -> list[int]:
-    """Signs wished for by users, from the outputs down, then what the sums allow, upwards."""
     size = len(graph.factors)
-    wish = [fixed.get(node, 0) for node in range(size)]
+    wish = [0] * size
     for output in graph.outputs:
         if output is not None and not wish[output[0]]:
             wish[output[0]] = output[1]

@@ -105,57 +105,29 @@ def by_ratios(columns: int, rows: Sequence[Row], magnitudes: Magnitudes) -> Grap
 
     if len(rest) > 1:
         _merge_pairs(rest, key_of, lambda key: graph.add([(key[0], 1), (product(key[1], key[2]), key[3])]))
-    uses = Counter((column, magnitude) for row in rest for column, (magnitude, _) in row.items())
-    for row in rest:
-        graph.outputs.append(_factored(graph, row, uses, product))
+    graph.outputs += (_factored(graph, row, product) for row in rest)
     return graph
 
 
-def _factored(
-    graph: Graph, row: Row, uses: Counter[tuple[int, int]], product: Callable[[int, int], int]
-) -> Edge | None:
-    """One row, its terms of equal magnitude multiplied together unless other rows share the products."""
+def _factored(graph: Graph, row: Row, product: Callable[[int, int], int]) -> Edge | None:
+    """One row, its terms of equal magnitude multiplied together."""
     groups: dict[int, list[Edge]] = {}
     for column, (magnitude, sign) in sorted(row.items()):
         groups.setdefault(magnitude, []).append((column, sign))
     edges: list[Edge] = []
     for magnitude, terms in groups.items():
-        if magnitude == 0:
-            edges += terms
-        elif sum(1 / uses[column, magnitude] for column, _ in terms) > 1 or (
-            len(groups) == 1 and len(terms) > 1
-        ):
+        if magnitude and len(terms) > 1:
             edges.append(graph.add(terms, magnitude))
         else:
             edges += [(product(column, magnitude), sign) for column, sign in terms]
     return graph.add(edges) if edges else None
 
 
-_MOST_PAIRS = 2500  # beyond, a side of the problem is left to the other one
-_MOST_COLUMNS = 4  # as many normalisations by one column are tried
-
-
 def cheapest(rows: Sequence[Mapping[int, Coefficient]], columns: int, magnitudes: Magnitudes) -> Graph:
     """The cheapest graph found of  y_i = sum_j rows[i][j] t_j  over ``columns`` terms."""
     whole = [{j: magnitudes.split(c) for j, c in sorted(row.items()) if c.value} for row in rows]
     distinct, copies = _distinct(whole, magnitudes)
-    best: Graph | None = None
-    for graph in _candidates(distinct, columns, magnitudes):
-        if best is None or graph.cost < best.cost:
-            best = graph
-    if best is None:
-        best = by_products(columns, distinct, [0] * len(distinct))
-    outputs = best.outputs
-    best.outputs = []
-    scaled: dict[tuple[int, int], int] = {}
-    for k, magnitude, sign in copies:
-        edge = outputs[k]
-        if edge is not None and magnitude:
-            if (k, magnitude) not in scaled:
-                scaled[k, magnitude] = best.add([(edge[0], 1)], magnitude)[0]
-            edge = (scaled[k, magnitude], edge[1])
-        best.outputs.append(None if edge is None else (edge[0], edge[1] * sign))
-    return best
+    return _with_copies(min(_candidates(distinct, columns, magnitudes), key=lambda graph: graph.cost), copies)
 
 
 def _distinct(rows: Sequence[Row], magnitudes: Magnitudes) -> tuple[list[Row], list[tuple[int, int, int]]]:
@@ -202,14 +174,15 @@ def _pairs(rows: Sequence[Row]) -> int:
 
 
 def _candidates(rows: Sequence[Row], columns: int, magnitudes: Magnitudes) -> Iterator[Graph]:
+    """Programs of the map and of its transpose; a side with many more pairs is left to the other one."""
     if len(rows) == 1:  # nothing to share; only equal magnitudes to factor
         yield by_ratios(columns, rows, magnitudes)
         return
     turned = _transposed(rows, columns)
     straight, across = _pairs(rows), _pairs(turned)
-    if straight <= _MOST_PAIRS and straight <= 8 * across + 64:
+    if straight <= 8 * across + 64:
         yield from _one_side(rows, columns, magnitudes)
-    if across <= _MOST_PAIRS and across <= 8 * straight + 64:
+    if across <= 8 * straight + 64:
         merged, copies = _distinct(turned, magnitudes)
         for graph in _one_side(merged, len(rows), magnitudes):
             yield transpose(_with_copies(graph, copies))
@@ -218,36 +191,23 @@ def _candidates(rows: Sequence[Row], columns: int, magnitudes: Magnitudes) -> It
 def _with_copies(graph: Graph, copies: Sequence[tuple[int, int, int]]) -> Graph:
     """``graph`` with its outputs copied out to the proportional rows that it stands for."""
     outputs: list[Edge | None] = []
+    scaled: dict[tuple[int, int], Edge] = {}
     for k, magnitude, sign in copies:
         edge = graph.outputs[k]
-        if edge is not None:
-            edge = graph.add([edge], magnitude) if magnitude else edge
-            edge = (edge[0], edge[1] * sign)
-        outputs.append(edge)
+        if edge is not None and magnitude:
+            edge = scaled[k, magnitude] = scaled.get((k, magnitude)) or graph.add([edge], magnitude)
+        outputs.append(None if edge is None else (edge[0], edge[1] * sign))
     graph.outputs = outputs
     return graph
 
 
 def _one_side(rows: Sequence[Row], columns: int, magnitudes: Magnitudes) -> Iterator[Graph]:
-    seen: list[tuple[list[Row], list[int]]] = []
-    for scaled in _scalings(rows, columns, magnitudes):
-        if scaled not in seen:
-            seen.append(scaled)
-            yield by_products(columns, *scaled)
+    plain = list(rows), [0] * len(rows)
+    divided = _divided(rows, magnitudes)
+    yield by_products(columns, *plain)
+    if divided != plain:
+        yield by_products(columns, *divided)
     yield by_ratios(columns, rows, magnitudes)
-
-
-def _scalings(
-    rows: Sequence[Row], columns: int, magnitudes: Magnitudes
-) -> Iterator[tuple[list[Row], list[int]]]:
-    """The rows as they are, and divided by one of their magnitudes."""
-    yield list(rows), [0] * len(rows)
-    common = [_commonest(row) for row in rows]
-    yield _divided(rows, common, magnitudes)
-    if columns <= _MOST_COLUMNS:
-        for j in range(columns):
-            by = [row[j][0] if j in row and len(row) > 1 else 0 for row in rows]
-            yield _divided(rows, by, magnitudes)
 
 
 def _commonest(row: Row) -> int:
@@ -255,11 +215,12 @@ def _commonest(row: Row) -> int:
     return max(counts, key=lambda m: (counts[m], -m)) if len(row) > 1 else 0
 
 
-def _divided(rows: Sequence[Row], by: Sequence[int], magnitudes: Magnitudes) -> tuple[list[Row], list[int]]:
+def _divided(rows: Sequence[Row], magnitudes: Magnitudes) -> tuple[list[Row], list[int]]:
+    """The rows divided by their commonest magnitudes, and these."""
     out: list[Row] = []
     scales: list[int] = []
-    for row, scale in zip(rows, by, strict=True):
-        divided: Row = {}
+    for row in rows:
+        scale, divided = _commonest(row), Row()
         for j, (magnitude, sign) in row.items():
             ratio = magnitudes.ratio(magnitude, scale)
             if ratio is None:

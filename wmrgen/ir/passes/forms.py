@@ -2,14 +2,14 @@
 
 A row is an output or an argument of a non-linear operation; its terms are inputs and non-linear
 operations, its coefficients constants or geometry-only values. Rows that share terms are given
-to the search of `wmrgen.ir.linear_search` at once. How far sums are expanded is tried four ways: into
-each other entirely, down to other rows, down to every shared sum, and down to every sum of values
+to the search of `wmrgen.ir.linear_search` at once. How far sums are expanded is tried three ways: into
+each other entirely, down to other rows and every shared sum, and down to every sum of values, too,
 that are known before the rest of the sum that it stands in: such a part may share with earlier rows.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from wmrgen.exact.number import ONE, Exact
@@ -21,7 +21,6 @@ from wmrgen.ir.nodes import Function, Op
 
 Rows = dict[int, dict[int, Coefficient]]  # row's node -> term -> coefficient
 _SUMS = (Op.ADD, Op.SUB)
-_MANY = 700  # nodes beyond which only one way of expanding is tried
 _GROWTH = 3  # expanding may make the rows this many times longer than keeping shared sums
 
 
@@ -34,11 +33,8 @@ def share_linear_forms(function: Function) -> Function:
     tried: list[Rows] = []
     search = _Search()
     limit = len(function.nodes)
-    boundaries = list(shape.boundaries())
-    nested = _early(function, shape, scalars, boundaries[0])
-    if nested:
-        boundaries.insert(1, boundaries[0] | nested)
-    for kept in boundaries:
+    stops = shape.stops
+    for kept in (stops, stops | _early(function, shape, scalars, stops), frozenset[int]()):
         rows = _rows(function, shape, scalars, kept, limit)
         if rows is None or rows in tried:
             continue
@@ -54,13 +50,12 @@ def share_linear_forms(function: Function) -> Function:
 
 @dataclass(frozen=True, slots=True)
 class _Shape:
-    """What kind every node is: known before the step, part of a sum, a row."""
+    """What kind every node is: known before the step, part of a sum, a row. ``stops``: rows and shared sums."""
 
     early: list[bool]
     linear: list[bool]
-    sums: list[bool]
     rows: list[int]
-    shared: list[int]
+    stops: frozenset[int]
 
     @staticmethod
     def of(function: Function) -> _Shape:
@@ -85,17 +80,10 @@ class _Shape:
             if not part and not early[i]:
                 wanted.update(args)
         rows = [i for i in sorted(wanted) if linear[i]]
-        shared = [i for i, node in enumerate(nodes) if linear[i] and node.op in _SUMS and uses[i] > 1]
-        return _Shape(early, linear, sums, rows, shared)
-
-    def boundaries(self) -> Iterator[frozenset[int]]:
-        """Where expansion stops, from the nearest stop to none."""
-        rows = frozenset(i for i in self.rows if self.sums[i])
-        yield rows | frozenset(self.shared)
-        if len(self.linear) > _MANY:
-            return
-        yield rows
-        yield frozenset()
+        shared = frozenset(
+            i for i, node in enumerate(nodes) if linear[i] and node.op in _SUMS and uses[i] > 1
+        )
+        return _Shape(early, linear, rows, shared.union(i for i in rows if sums[i]))
 
 
 def _early(function: Function, shape: _Shape, scalars: Scalars, kept: frozenset[int]) -> frozenset[int]:

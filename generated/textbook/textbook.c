@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_PAIR_2400c464e87ee5da)
+#if !defined(TEXTBOOK_PAIR_a324bf45385b724b)
 #error "textbook.c and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -841,7 +841,7 @@ void textbook_articulated_wheel_acceleration(
     textbook_articulated_wheel_acceleration_out *out)
 {
     const float t0 = fmaf(in->omega_steer.x, in->r_steer.y, -(in->omega_steer.y * in->r_steer.x));
-    const float t1 = t0 + (in->v_o.z + in->v_steer.z);
+    const float t1 = in->v_o.z + in->v_steer.z + t0;
     const float t2 = fmaf(in->omega_vehicle.x, in->r_vehicle.y, -(in->omega_vehicle.y * in->r_vehicle.x));
     const float t3 = (2.0f * t1) + t2;
     const float t4 = t0 + (2.0f * in->v_o.z);
@@ -852,7 +852,7 @@ void textbook_articulated_wheel_acceleration(
     const float t9 = fmaf(in->r_steer.x, in->omega_steer.z, -(in->omega_steer.x * in->r_steer.z));
     const float t10 = (-2.0f) * in->v_o.y;
     const float t11 = fmaf(in->omega_vehicle.x, in->r_vehicle.z, -(in->r_vehicle.x * in->omega_vehicle.z));
-    const float t12 = t9 + (in->v_o.y + in->v_steer.y);
+    const float t12 = in->v_o.y + in->v_steer.y + t9;
     const float t13 = 2.0f * t12;
     const float t14 = fmaf(in->omega_vehicle.z, t11 - t13, fmaf(in->omega_steer.z, t10 - t9, t8));
     const float t15 = fmaf(in->r_steer.x, in->alpha_steer.z, in->r_vehicle.x * in->alpha_vehicle.z);
@@ -861,7 +861,7 @@ void textbook_articulated_wheel_acceleration(
     const float t18 = fmaf(-in->omega_vehicle.x, t3, fmaf(-in->omega_steer.x, t4, t17));
     const float t19 = fmaf(in->omega_steer.y, in->r_steer.z, -(in->r_steer.y * in->omega_steer.z));
     const float t20 = t19 + (2.0f * in->v_o.x);
-    const float t21 = t19 + (in->v_o.x + in->v_steer.x);
+    const float t21 = in->v_o.x + in->v_steer.x + t19;
     const float t22 = fmaf(in->omega_vehicle.y, in->r_vehicle.z, -(in->r_vehicle.y * in->omega_vehicle.z));
     const float t23 = (2.0f * t21) + t22;
     const float t24 = fmaf(in->omega_vehicle.z, t23, fmaf(in->omega_steer.z, t20, t18));

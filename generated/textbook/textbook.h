@@ -14,7 +14,7 @@
 
 #define TEXTBOOK_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_MODEL_HASH "6166ccc7c9c63e1121a60cc2607168bd" /**< digest of the model */
-#define TEXTBOOK_PAIR_2400c464e87ee5da 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_PAIR_a324bf45385b724b 1 /**< header and source that were written together have the same */
 
 #ifdef __cplusplus
 extern "C" {

@@ -1699,7 +1699,7 @@ def articulated_wheel_acceleration(r_vehicle_x, r_vehicle_y, r_vehicle_z, r_stee
     a_o_y = np.asarray(a_o_y, dtype=np.float64)
     a_o_z = np.asarray(a_o_z, dtype=np.float64)
     _t0 = omega_steer_x * r_steer_y - omega_steer_y * r_steer_x
-    _t1 = _t0 + (v_o_z + v_steer_z)
+    _t1 = v_o_z + v_steer_z + _t0
     _t2 = omega_vehicle_x * r_vehicle_y - omega_vehicle_y * r_vehicle_x
     _t3 = 2.0 * _t1 + _t2
     _t4 = _t0 + 2.0 * v_o_z
@@ -1710,7 +1710,7 @@ def articulated_wheel_acceleration(r_vehicle_x, r_vehicle_y, r_vehicle_z, r_stee
     _t9 = (-2.0) * v_o_y
     _t10 = omega_steer_z * (_t9 - _t8) + (omega_vehicle_y * _t3 + _t7)
     _t11 = omega_vehicle_x * r_vehicle_z - r_vehicle_x * omega_vehicle_z
-    _t12 = _t8 + (v_o_y + v_steer_y)
+    _t12 = v_o_y + v_steer_y + _t8
     _t13 = 2.0 * _t12
     _t14 = r_steer_x * alpha_steer_z + r_vehicle_x * alpha_vehicle_z
     _t15 = _t14 - r_steer_z * alpha_steer_x - r_vehicle_z * alpha_vehicle_x
@@ -1718,7 +1718,7 @@ def articulated_wheel_acceleration(r_vehicle_x, r_vehicle_y, r_vehicle_z, r_stee
     _t17 = omega_steer_y * r_steer_z - r_steer_y * omega_steer_z
     _t18 = _t17 + 2.0 * v_o_x
     _t19 = omega_steer_z * _t18 + (_t16 - omega_vehicle_x * _t3)
-    _t20 = _t17 + (v_o_x + v_steer_x)
+    _t20 = v_o_x + v_steer_x + _t17
     _t21 = omega_vehicle_y * r_vehicle_z - r_vehicle_y * omega_vehicle_z
     _t22 = 2.0 * _t20 + _t21
     _t23 = r_steer_y * alpha_steer_x + r_vehicle_y * alpha_vehicle_x

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_PAIR_2400c464e87ee5da)
+#if !defined(TEXTBOOK_PAIR_a324bf45385b724b)
 #error "textbook_checked.c and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_2400c464e87ee5da)
+#if !defined(TEXTBOOK_PAIR_a324bf45385b724b)
 #error "textbook_checked.h and textbook.h were not generated together: copy both"
 #endif
 

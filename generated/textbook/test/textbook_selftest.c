@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_PAIR_2400c464e87ee5da)
+#if !defined(TEXTBOOK_PAIR_a324bf45385b724b)
 #error "textbook_selftest.c and textbook.h were not generated together: copy both"
 #endif
 

@@ -102,6 +102,8 @@ def port(name: str) -> str:
     if name.endswith("_driven"):
         return f"{port(name.removesuffix('_driven'))}^{{*}}"
     owner, _, word = name.rpartition(".")
+    if owner and word == "speed":
+        return f"v_{{{wheel(owner)}}}"
     if owner and word in _JOINTS:
         return f"{_JOINTS[word]}_{{{wheel(owner)}}}"
     if word in ("x", "y", "z") and _is_letter(owner.partition("_")[0]):

@@ -1,4 +1,4 @@
-"""Symbols, singular configurations, reachable twists and the view in a terminal, against plain geometry in NumPy."""
+"""Symbols, singular configurations, reachable twists, against plain geometry in NumPy."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from tests.drawing.common import (
     MECANUM,
     PAIR,
     SVG,
-    THREE,
     numbers,
     of_class,
     page,
@@ -23,7 +22,6 @@ from tests.drawing.common import (
     robot,
 )
 from tests.robots import ROBOTS, of_gallery
-from wmrgen.backends.drawing.sketch import sketch
 from wmrgen.layout.records import Wheel
 from wmrgen.robot import Derivation
 
@@ -240,44 +238,6 @@ def test_a_limit_of_vx_holds_for_vy_too() -> None:
     corners = planes["vx", "vy"]
     wanted = [(a * x, b * y) for x, y in ((0.4, 0.2), (0.2, 0.4)) for a in (1, -1) for b in (1, -1)]
     assert len(corners) == 8 and all(np.abs(corners - w).max(axis=1).min() < 0.01 for w in wanted)
-
-
-# ---- the terminal
-
-
-def test_a_differential_drive_in_characters() -> None:
-    ball = "  - {name: ball, type: spherical, x: -0.4, y: 0, r: 0.02}\n"
-    lines = sketch(robot(PAIR + ball).robot)
-    assert lines == [
-        "     |     ^     |",
-        "left |     +     | right",
-        "     |           |",
-        "",
-        "",
-        "",
-        "",
-        "           o ball",
-    ]
-
-
-@pytest.mark.parametrize("name", ROBOTS)
-def test_sketches_are_small_and_have_every_wheel(name: str) -> None:
-    lines = sketch(of_gallery(name).robot)
-    assert len(lines) <= 16 and max(map(len, lines)) <= 80 and "\n".join(lines).isascii()
-    assert all(w.name in "\n".join(lines) for w in of_gallery(name).robot.wheels)
-
-
-def test_a_wheel_is_a_stroke_along_its_rolling_direction() -> None:
-    for heading, stroke in (
-        (0, "|"),
-        ("pi/4", "\\"),
-        ("pi/2", "-"),
-        ("-pi/4", "/"),
-        ("pi", "|"),
-        ("-pi/2", "-"),
-    ):
-        text = "\n".join(sketch(robot(THREE.replace("heading: 0", f"heading: {heading}")).robot))
-        assert stroke in text.split("s0")[0].split("\n")[-1], text
 
 
 # ---- robots that skid

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 _SKIPPED = re.compile(r"(\\[,;]|\\cdot|\\qquad|\\\\|[\s&])+")
 _NUMBER = re.compile(r"\d+(\.\d+)?")
 _OPENED = {r"\left(": r"\right)", r"\Bigl(": r"\Bigr)", "{": "}", r"\left|": r"\right|"}
-_FUNCTIONS = {r"\cos": math.cos, r"\sin": math.sin, r"\tan": math.tan}
+_FUNCTIONS = {r"\cos": math.cos, r"\sin": math.sin, r"\tan": math.tan, r"\cot": lambda a: 1 / math.tan(a)}
 
 
 class Reading:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from math import cos, radians, sin
+from math import cos, radians, sin, tan
 
 import pytest
 from hypothesis import given
@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from tests.report.common import page_of
 from tests.report.reading import read
-from tests.robots import ROBOTS
+from tests.robots import ROBOTS, of_gallery
+from wmrgen import notation
 from wmrgen.backends.report.angles import equation, gathered, readable, roots, whole
 from wmrgen.backends.report.latex import terms
 from wmrgen.exact.poly import Poly
@@ -85,6 +86,26 @@ def test_columns_without_fractions() -> None:
     assert [worth(p) for p in column] == pytest.approx([3 * cos(0.7), -4, 0])
     long = (Poly.of(Fraction(1, 101)), Poly.of(1), Poly.of(1))
     assert whole(long) == long and whole((Poly.of(Fraction(1, 100)), Poly.of(1), Poly.of(1)))[0] == Poly.of(1)
+
+
+@pytest.mark.parametrize(("name", "behind", "across", "track"), [
+    ("f1tenth", 0.17145, 0.3302, 0.0), ("ackermann_car", 0.0, 2.5, 0.75), ("bicycle", 0.0, None, 0.0)
+])  # fmt: skip
+def test_where_a_car_turns(name: str, behind: float, across: float | None, track: float) -> None:
+    """The axles of the fixed wheels and of the steered wheel at (x, y) meet ``behind`` P: at y + cot psi of their
+    distance. No sine stands above itself."""
+    page = page_of(name).partition("x_{ICR} = ")[2].partition("```")[0]
+    x, y = page.strip().split(r", \qquad y_{ICR} = ")
+    robot = of_gallery(name).robot
+    steered = next(w for w in robot.wheels if w.kind.steers)
+    wheelbase = float(steered.nominal.x) + behind
+    assert across is None or wheelbase == pytest.approx(across)
+    values = {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+    for psi in (-0.4, 0.1, 1.2):
+        values[notation.port(f"{steered.name}.steer")] = psi
+        assert read(x, values) == pytest.approx(-behind)
+        assert read(y, values) == pytest.approx(track + wheelbase / tan(psi))
+    assert r"\sin" not in x + y
 
 
 @pytest.mark.parametrize("a", [-2, 0, Fraction(3, 5), 1])

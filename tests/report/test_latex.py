@@ -11,7 +11,8 @@ import sympy
 
 from tests.report.reading import read
 from wmrgen import notation
-from wmrgen.backends.report.latex import WIDE, broken, latex, matrix, width
+from wmrgen.backends.report.latex import WIDE, broken, latex, width
+from wmrgen.backends.report.markdown import matrix
 from wmrgen.exact.evaluate import cos_sin, sqrt_poly
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly

@@ -25,7 +25,10 @@ def test_the_yaw_rate_of_a_mecanum_base() -> None:
 
 
 def speeds(name: str) -> str:
-    return page_of(name).partition("In the speeds of driven wheels")[2].partition(r"\end{aligned}")[0]
+    model = re.search(
+        r"In the speeds? of (?:driven wheels|the virtual wheel)(.*?)\\end\{aligned", page_of(name), re.DOTALL
+    )
+    return model[1] if model else ""
 
 
 # Robots whose driven wheels command every freedom, in a formula that is short.

@@ -39,7 +39,7 @@ from wmrgen.symbolic import add, local, nearest, parameter, signal, times
         ("v_m.x", "v_{m,x}"),
         ("icr.x", r"x_{\mathrm{icr}}"),
         ("trailer1.theta_rate", r"\dot{\theta}_{\mathrm{trailer1}}"),
-        ("rear.speed", r"\mathrm{speed}_{\mathrm{rear}}"),
+        ("rear.speed", r"v_{\mathrm{rear}}"),
     ],
 )
 def test_ports(name: str, shown: str) -> None:

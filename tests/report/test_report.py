@@ -107,7 +107,7 @@ def test_the_page_is_that_of_the_files() -> None:
             "lekiwi",
             r"v_x &= \frac{\sqrt{3}\,\mathit{wheel\_radius}}{3}\left(\dot{\varphi}_{\mathrm{right\_wheel}}-",
         ),
-        ("textbook_tricycle", r"y_{ICR} = \frac{"),
+        ("textbook_tricycle", r"y_{ICR} = \mathit{wheelbase}\,\cot\psi"),
         ("kuka_youbot", r"v_x-v_y-\left(\mathit{half\_track}+\mathit{half\_wheelbase}\right)\omega"),
     ],
 )

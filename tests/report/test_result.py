@@ -246,22 +246,35 @@ def test_every_example_is_what_its_commands_print(name: str, wmrgen_cli: Cli) ->
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_compatible_wheel_speeds(name: str) -> None:
-    """Speeds of the driven wheels of an admissible twist satisfy every condition that is printed."""
+    """Speeds of the driven wheels of an admissible twist satisfy every condition that is printed, steered wheels
+    standing as they must."""
     text = page_of(name).partition("(compatibility)")[2].partition("## 6 ")[0]
     lines = [right for left, right in formulas(text) if left == "0"]
     assert ("(compatibility)" in page_of(name)) == bool(lines)
-    robot = of_gallery(name).robot
-    if not lines or any(w.kind.steers for w in robot.wheels):
+    d = of_gallery(name)
+    robot, values = d.robot, parameters(d.robot)
+    if not lines:
         return
-    values = parameters(robot)
+    vx, vy, omega = (float(v) for v in d.mobility.admissible.sample)
     for w in robot.wheels:
         x, y, r = place(w)
         gamma = float(w.gamma) if w.kind.rollers else 0.0
-        h = float(w.heading) + gamma
-        vy = 0.2 if w.kind.rollers else 0.0
-        rim = ((0.5 + 0.3 * y) * cos(h) + (vy - 0.3 * x) * sin(h)) / cos(gamma)
+        a, b = vx - omega * y, vy + omega * x
+        turned = atan2(b, a) - float(w.heading) if w.kind.steers else 0.0
+        values[notation.port(f"{w.name}.steer")] = turned
+        h = float(w.heading) + gamma + turned
+        rim = (a * cos(h) + b * sin(h)) / cos(gamma) - float(w.nominal.o) * omega
         values[notation.port(f"{w.name}.spin")] = rim / r
     for right in lines:
-        assert read(right, values) == pytest.approx(0.0, abs=1e-6)
+        assert read(right, values) == pytest.approx(0.0, abs=1e-6 * max(map(abs, values.values())))
         for port in (p for p in (notation.port(f"{w.name}.spin") for w in robot.wheels) if p in right):
             assert abs(read(right, values | {port: values[port] + 1.0})) > 1e-3
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_example_turns_where_the_robot_can(name: str) -> None:
+    """A car whose P lies off its axle has a sideways velocity then."""
+    m = of_gallery(name).mobility
+    if name != "office_chair":
+        (command,) = re.findall(r"`wmrgen eval \S+ inverse (.*?)`", result(name))
+        assert ("omega=" in command) == (m.dof == 3), command

@@ -22,7 +22,9 @@ FIXED = WheelType(
 
 
 # The steered standard wheel: a fixed wheel whose heading is a joint (Siegwart (3.15), (3.16)).
-_OBEYS = "A steered wheel obeys the same two equations with a moving β(t) = β + ψ, (3.15) and (3.16). "
+_OBEYS = (
+    "A steered wheel obeys the two equations of a fixed wheel with a moving β(t) = β + ψ, (3.15) and (3.16). "
+)
 
 STEERED = WheelType(
     name="steered",

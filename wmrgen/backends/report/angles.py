@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import atan2, lcm, pi
 
 from wmrgen import notation
-from wmrgen.backends.report.latex import Factor, Term, terms, total
+from wmrgen.backends.report.latex import Factor, Term, merged, terms, total
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, Row
 
@@ -42,17 +42,26 @@ def gathered(summed: Sequence[Term]) -> list[Term]:
     return done
 
 
+def over(above: Sequence[Term], below: Term) -> list[Term]:
+    """The sum divided by a term: what both have cancels, cos a / sin a is cot a."""
+    turned = [replace(f, power=-f.power) for f in below.factors]
+    quotients = [Term(t.number / below.number, merged((*t.factors, *turned))) for t in above]
+    return [Term(t.number, _by_one_name(t.factors, r"\cos", r"\sin", r"\cot")) for t in quotients]
+
+
 def with_tangents(summed: Sequence[Term]) -> list[Term]:
     """The sum with sin a / cos a as tan a."""
-    return [Term(t.number, _with_tangent(t.factors)) for t in summed]
+    return [Term(t.number, _by_one_name(t.factors, r"\sin", r"\cos", r"\tan")) for t in summed]
 
 
-def _with_tangent(factors: tuple[Factor, ...]) -> tuple[Factor, ...]:
-    for sine in (f for f in factors if f.power == 1 and f.base.startswith(r"\sin")):
-        cosine = next((f for f in factors if f.power == -1 and f.base == rf"\cos{sine.base[4:]}"), None)
-        if cosine:
-            rest = tuple(f for f in factors if f not in (sine, cosine))
-            return _with_tangent((*rest, replace(sine, base=rf"\tan{sine.base[4:]}")))
+def _by_one_name(factors: tuple[Factor, ...], above: str, below: str, name: str) -> tuple[Factor, ...]:
+    """The factors with above a / below a as name a."""
+    for top in (f for f in factors if f.power == 1 and f.base.startswith(above)):
+        angle = top.base.removeprefix(above)
+        bottom = next((f for f in factors if f.power == -1 and f.base == below + angle), None)
+        if bottom:
+            rest = tuple(f for f in factors if f not in (top, bottom))
+            return _by_one_name((*rest, replace(top, base=name + angle)), above, below, name)
     return factors
 
 

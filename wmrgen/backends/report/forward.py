@@ -8,9 +8,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.latex import latex, matrix, summands, terms, width, wrapped
+from wmrgen.backends.report.latex import latex, summands, terms, width, wrapped
 from wmrgen.backends.report.letters import factored, pair, square
-from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, math, some
+from wmrgen.backends.report.markdown import aligned, cut_note, math, matrix, some
 from wmrgen.constraints import XI, nominal_view, seen, symbolic_view
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.poly import dot
@@ -28,6 +28,7 @@ _ROWS = 14  # rows of a printed H
 _STACK = 62  # glyphs of H and z in one line
 _SHOWN = 2  # contact points that are written out
 _ENTRY = 12  # terms of an entry of H^T H: a determinant of longer ones is not worth expanding
+_NORMAL = 50  # glyphs of a row of a printed H^T H
 _DET = 70  # glyphs of a printed determinant
 _SLIP = 420  # characters of a printed residual
 _RANK_2 = r"\xi = \frac{1}{c_2}\left(c_1\left(I - \frac{\mathrm{adj}\,M}{c_2}\right) - M\right) H^T z"
@@ -48,9 +49,9 @@ def forward(d: Derivation) -> list[str]:
     if not measured.constant_normal and not measured.components:
         return [*blocks, *_rigid(d, measured.contacts)]
     rows = distinct(measured)
-    once = " The same equation of several wheels stands once." if len(rows) < len(measured.rows) else ""
+    once = ", the same equation of several wheels once" if len(rows) < len(measured.rows) else ""
     if measured.constant_normal or any(c.wheel.turns for c in measured.contacts):
-        blocks += [f"Stacked, they are H ξ = z.{once}", *_stacked(rows)]
+        blocks += [f"Stacked{once}, they are", *_stacked(rows)]
     else:
         blocks[-1] += " H has these rows of section 3, and z has r φ̇ for a rolling row, 0 for a sliding row."
     if measured.constant_normal:
@@ -90,13 +91,14 @@ def _sources(measured: Measurements) -> list[str]:
     sources = []
     if measured.contacts:
         wheels = [c.wheel for c in measured.contacts]
-        moving = any(w.nominal.d or w.nominal.o for w in wheels)
+        offset, trail = any(w.nominal.o for w in wheels), any(w.nominal.d for w in wheels)
         sources.append(
             f"{some(wheels)} give{'' if len(wheels) > 1 else 's'} both rows. Turned into the robot's axes they say "
             "how fast the contact point B moves: v + ω ẑ × B = "
-            + ("(r φ̇ + o ψ̇) e − d ψ̇ n" if moving else "r φ̇ e")
+            + ("(r φ̇ + o ψ̇) e" if offset else "r φ̇ e")
+            + (" − d ψ̇ n" if trail else "")
             + ", with e the rolling direction"
-            + (" and n = ẑ × e." if moving else ".")
+            + (" and n = ẑ × e." if trail else ".")
         )
     for kind in ("rolling", "sliding"):
         alone = [c.wheel for c in measured.components if c.wheel.kind.sliding_row == (kind == "sliding")]
@@ -136,7 +138,7 @@ def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> li
     full = nominal_rank(numbers, d.robot).value == 3
     if len(rows) == 3 and full:
         return square(d, rows)
-    normal, _ = normal_equations(numbers)
+    normal = _normal(rows, numbers)
     why = "The matrix does not depend on any joint angle."
     if any(c.wheel.turns for c in measured.contacts):
         why = (
@@ -147,15 +149,25 @@ def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> li
         return [
             "The rows leave a direction unseen, so that HᵀH is singular. Of all twists that explain the rates best the "
             "smallest is, with the Moore-Penrose inverse of HᵀH,",
-            *math(r"\xi = (H^T H)^{+} H^T z, \qquad H^T H =", matrix(normal)),
+            *math(r"\xi = (H^T H)^{+} H^T z, \qquad H^T H =", normal),
             f"{why} Its Moore-Penrose inverse was computed once, for this page.",
         ]
     return [
         "More rows than unknowns: the least-squares solution is",
-        *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", matrix(normal)),
+        *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", normal),
         f"{why} It was inverted once, for this page.",
         *_condition(rows),
     ]
+
+
+def _normal(rows: list[Measured], numbers: list[Measured]) -> str:
+    """H^T H in the named parameters where that is short, else in their values."""
+    normal, _ = normal_equations(rows)
+    if max(len(p.terms) for row in normal for p in row) <= _ENTRY:
+        entries = [[factored(p) for p in row] for row in normal]
+        if max(map(width, map("".join, entries))) <= _NORMAL:
+            return matrix(entries)
+    return matrix(normal_equations(numbers)[0])
 
 
 def _condition(rows: list[Measured]) -> list[str]:
@@ -202,7 +214,7 @@ def _rigid(d: Derivation, contacts: Sequence[Contact]) -> list[str]:
         both = [f"B{index} &= {b}", f"w{index} &= {w}"]
         blocks += aligned(both if wide else [", & ".join(both)])
     if len(contacts) > _SHOWN:
-        blocks += [f"{', '.join(code(c.wheel.name) for c in contacts[_SHOWN:CAP])} likewise."]
+        blocks += [f"Those of {some([c.wheel for c in contacts[_SHOWN:]])} follow in the same way."]
     if len(contacts) == 1:
         return [
             *blocks,

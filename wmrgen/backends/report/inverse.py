@@ -10,9 +10,10 @@ from wmrgen import notation
 from wmrgen.backends.report.car import circle
 from wmrgen.backends.report.closed import driven_twist, pivot_velocity, projected, spin_rate, swivel_rate
 from wmrgen.backends.report.latex import latex
-from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, math
+from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, math, some
 from wmrgen.constraints import XI, seen, symbolic_view
-from wmrgen.exact.poly import Poly, Row
+from wmrgen.exact.number import ONE
+from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.steer import NARROW, turning_points
 from wmrgen.ports import TWIST_NAMES
@@ -43,11 +44,9 @@ def inverse(d: Derivation) -> list[str]:
             "A driven castor has both rates from its rows: the rolling row gives φ̇, the sliding row ψ̇."
         ]
     if passive:
-        others = f", as do {listed([w.name for w in passive[1:]])}" if len(passive) > 1 else ""
-        others = others.replace("as do", "as does") if len(passive) == 2 else others
-        blocks += [
-            f"{code(passive[0].name)} is not driven but follows: its rolling row gives φ̇, its sliding row ψ̇{others}."
-        ]
+        follow = "is not driven but follows" if len(passive) == 1 else "are not driven but follow"
+        first = f" Of {code(passive[0].name)} they are" if len(passive) > 1 else ""
+        blocks += [f"{some(passive)} {follow}: the rolling row gives φ̇, the sliding row ψ̇.{first}"]
         blocks += aligned([spin_rate(passive[0], twist), swivel_rate(passive[0], twist)])
     if steered:
         blocks += [*circle(d.robot), *_steering(robot, steered, twist)]
@@ -250,9 +249,23 @@ def _admissible(steered: bool, held: bool) -> str:
     )
 
 
+def _rootless(p: Poly) -> Poly:
+    """The form, whose sign does not matter, with x for the root of x squared where it is one term."""
+    return p if len(p.terms) > 1 else p.substitute(_root_of_square)
+
+
+def _root_of_square(g: Gen) -> Poly | None:
+    if g.kind != "sqrt" or len(g.args[0].terms) > 1:
+        return None
+    ((square, number),) = g.args[0].terms.items()
+    if number != ONE or any(e % 2 for _, e in square):
+        return None
+    return Poly({tuple((h, e // 2) for h, e in square): ONE})
+
+
 def _forbidden(projection: Projection, coupled: bool, steered: bool, held: bool) -> list[str]:
     """What the admissible twist leaves of the commanded one."""
-    forms = [p for p in projection.residuals if p]
+    forms = [_rootless(p) for p in projection.residuals if p]
     if not forms and coupled:
         return []
     if not forms:

@@ -6,8 +6,10 @@ fractions, roots and decimals; the rest is rounded.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import lcm
 
 import sympy
 
@@ -15,13 +17,15 @@ from wmrgen import notation
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly
 from wmrgen.lower import number_of
-from wmrgen.symbolic import Expr, Parameter, expression
+from wmrgen.symbolic import Expr, Parameter
 
 WIDE = 80  # characters of a line before a sum is broken
+_COMMON = 12  # the largest denominator written once for a sum
 Ports = Mapping[str, str]  # name of a symbol -> contract name
 _LEADS = {"vx": 0, "vy": 1, "omega": 2, "vx_driven": 0, "vy_driven": 1, "omega_driven": 2}
 _TWIST = {notation.port(n) for n in _LEADS}
 _SPACE = "\\;"
+_FUNCTION = re.compile(r"\\(cos|sin|tan|cot|mathrm)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,14 +68,6 @@ def broken(value: Poly | Expr, ports: Ports | None = None) -> str:
     return wrapped(summands(terms(value, ports)))
 
 
-def matrix(rows: Iterable[Iterable[Poly | str]]) -> str:
-    """A bracketed matrix of polynomials or finished entries."""
-    entries = [[latex(e) if isinstance(e, Poly) else e for e in row] for row in rows]
-    end = " \\\\[4pt]\n" if any("\\frac" in entry for row in entries for entry in row) else " \\\\\n"
-    body = end.join(" & ".join(row) for row in entries)
-    return f"\\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"
-
-
 def width(text: str) -> int:
     """Roughly how many characters a reader sees."""
     count, skip = 0, False
@@ -107,21 +103,16 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
         if inner is None:
             summed.append(Term(number, tuple(factors)))
         else:
-            summed += [Term(t.number * number, _merged((*t.factors, *factors))) for t in terms(inner, ports)]
+            summed += [Term(t.number * number, merged((*t.factors, *factors))) for t in terms(inner, ports)]
     return [t for t in summed if t.number]
 
 
-def _merged(factors: Iterable[Factor]) -> tuple[Factor, ...]:
+def merged(factors: Iterable[Factor]) -> tuple[Factor, ...]:
     """Powers of one base together."""
     by_base: dict[str, Factor] = {}
     for f in factors:
         by_base[f.base] = replace(f, power=f.power + by_base[f.base].power) if f.base in by_base else f
     return tuple(f for f in by_base.values() if f.power)
-
-
-def reduced(above: Poly, below: Poly) -> Expr:
-    """above / below in lowest terms, no root below the line, sums that are powers or products as such."""
-    return sympy.factor(sympy.radsimp(expression(above) / expression(below)))
 
 
 def _generator(gen: Gen, power: int) -> Factor:
@@ -257,7 +248,8 @@ def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[T
     # The common magnitude; negative when all terms are and nothing is collected.
     first = abs(terms[0].number)
     negative = all(t.number.sign < 0 for t in terms) and _TWIST.isdisjoint(map(_lead, terms))
-    number = (-ONE if negative else ONE) * (first if all(abs(t.number) == first for t in terms) else ONE)
+    size = first if all(abs(t.number) == first for t in terms) else _over_common(terms)
+    number = -size if negative else size
     if not shared and number == ONE:
         return ONE, (), list(terms)
     rest = []
@@ -265,6 +257,13 @@ def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[T
         reduced = (replace(f, power=f.power - taken.get(f.base, 0)) for f in t.factors)
         rest.append(Term(t.number / number, tuple(f for f in reduced if f.power)))
     return number, tuple(shared), rest
+
+
+def _over_common(terms: Sequence[Term]) -> Exact:
+    """1/6 of halves and thirds, where each number is written as a fraction of small numbers; else 1."""
+    below = [notation.magnitude(t.number)[1] for t in terms]
+    common = lcm(*map(int, below)) if all(below) else 1
+    return Exact(1) / Exact(common if common <= _COMMON else 1)
 
 
 def _product(number: Exact, factors: Iterable[Factor], inner: str = "") -> str:
@@ -280,9 +279,13 @@ def _product(number: Exact, factors: Iterable[Factor], inner: str = "") -> str:
         bottom = [below[0].base]
     else:
         bottom += [f.shown() for f in below]
+    after = ""
+    if inner and not leads and not _FUNCTION.search(inner):  # (a + b) cos psi
+        last = [f.shown() for f in ordered if f.power > 0 and f.rank == 1]
+        above, after = above[: len(above) - len(last)], _times(last)
     if inner and bottom and not (above or leads or head):
-        return rf"{sign}\frac{{{inner}}}{{{_times(bottom)}}}"
-    leads += rf"\left({inner}\right)" if inner else ""
+        return rf"{sign}\frac{{{inner}}}{{{_times(bottom)}}}{after}"
+    leads += rf"\left({inner}\right){after}" if inner else ""
     if is_sum and (above if bottom else above or leads or sign == "-"):
         head = rf"\left({head}\right)"
     top = _times([head, *above] if head else above)

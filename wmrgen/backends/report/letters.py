@@ -8,37 +8,41 @@ from dataclasses import replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+import sympy
+
 from wmrgen import notation
-from wmrgen.backends.report.angles import with_tangents
+from wmrgen.backends.report.angles import gathered, with_tangents
 from wmrgen.backends.report.latex import (
     Ports,
     Term,
     latex,
     pulled_out,
-    reduced,
     summands,
     terms,
     total,
     width,
     wrapped,
 )  # fmt: skip
-from wmrgen.backends.report.markdown import aligned, code, escape, listed, math, table
+from wmrgen.backends.report.markdown import aligned, code, listed, math, sentence
 from wmrgen.exact.linalg import adjugate, determinant
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, has_angles
 from wmrgen.functions.models.sheet import latex as equations
-from wmrgen.functions.models.sheet import sheet_of
-from wmrgen.functions.models.state_space import regularity
+from wmrgen.functions.models.sheet import sheet_of, tidy
+from wmrgen.functions.models.state_space import ROLLING_ALONE, forms, rolls_alone
 from wmrgen.kinematics.forward import normal_equations
 from wmrgen.kinematics.records import Formula
 from wmrgen.kinematics.sensing import Measured
 from wmrgen.ports import TWIST_NAMES
-from wmrgen.printing import symbol_names
+from wmrgen.printing import size, symbol_names
+from wmrgen.symbolic import expression
 
 if TYPE_CHECKING:
     from wmrgen.exact.number import Exact
+    from wmrgen.functions.system import System
     from wmrgen.layout.records import Robot, Wheel
     from wmrgen.robot import Derivation
+    from wmrgen.symbolic import Expr
 
 _ENTRY = 12  # terms of an entry of H^T H and H^T z
 _PRODUCTS = 60  # terms of a determinant of three rows
@@ -48,7 +52,18 @@ _WIDEST = 900  # glyphs of what is printed in place of numbers
 _SHORT = 300  # glyphs of what is printed beside the rule
 _DIGITS = 10**6  # of numerators and denominators
 _LINE = 112  # glyphs of a line of a model
+_CONDITION = 200  # operations and symbols of an expression that vanishes
+_INPUTS = {
+    "posture": "the rates of driven joints",
+    "twist": "components of the twist",
+    "eta": "the coordinates η",
+}
 _MODELS = ("posture", "configuration", "zeta", "trailer")  # functions that `wmrgen model` writes
+
+
+def reduced(above: Poly, below: Poly) -> Expr:
+    """above / below in lowest terms, no root below the line, sums that are powers or products as such."""
+    return sympy.factor(sympy.radsimp(expression(above) / expression(below)))
 
 
 def factored(p: Poly) -> str:
@@ -186,20 +201,38 @@ def _worth(value: Exact, head: str) -> str:
 
 
 def regular(d: Derivation) -> list[str]:
-    """Which form of the model holds where, and which one is the state space."""
+    """The forms of the model, which one is the state space, and which holds where."""
     space = d.default_state_space
     if space is None:
         return []
-    rows = []
-    for form, where in regularity(d.robot, d.mobility).items():
-        conditions = [line.partition(" = 0: ") for line in where]
-        told = [f"{code(f'{at} = 0')}: {escape(why)}" if why else at for at, _, why in conditions]
-        rows.append([code(form), f"but where {'; '.join(told)}" if told else "in every motion"])
-    return [
-        f"`wmrgen model` prints the model in several forms; {code(space.form)} is the state space "
-        f"({code(f'{d.robot.name}_ode.casadi')}, {code('ode')} in {code(f'{d.robot.name}.py')}).",
-        *table(["form", "holds"], rows, "ll"),
-    ]
+    systems = forms(d.robot, d.mobility)
+    sliding = [form for form in systems if rolls_alone(form, d.driven.mobility)]
+    always = [form for form, system in systems.items() if form not in sliding and not system.domain]
+    files = f"{code(f'{d.robot.name}_ode.casadi')}, {code('ode')} in {code(f'{d.robot.name}.py')}"
+    *others, last = (f"{_INPUTS[form]} ({code(form)})" for form in systems)
+    intro = (
+        f"`wmrgen model` prints the model as q̇ = G(q) u, with a state q and inputs u that are {', '.join(others)} or "
+        f"{last}. {code(space.form)} is the state space ({files})."
+    )
+    if always:
+        intro += f" {listed(always)} hold{'s' * (len(always) == 1)} in every motion."
+    if sliding:
+        intro += f" {listed(sliding)} do{'es' * (len(sliding) == 1)} not hold where {ROLLING_ALONE}."
+    return [intro, *(block for form, system in systems.items() for block in _exceptions(form, system))]
+
+
+def _exceptions(form: str, system: System) -> list[str]:
+    """Where a form does not hold, and why."""
+    names = symbol_names((*system.state, *system.inputs, *system.geometry))
+    blocks = []
+    for domain in system.domain:
+        why = sentence(domain.text.replace(": ", ", for ", 1))
+        if size(domain.expression) > _CONDITION:
+            blocks += [f"{code(form)} does not hold where a long expression vanishes: {why}."]
+            continue
+        parts = summands(gathered(terms(tidy(domain.expression), names)))
+        blocks += [f"{code(form)} does not hold where {why}:", *aligned([f"0 &= {wrapped(parts)}"])]
+    return blocks
 
 
 def model(d: Derivation, f: Formula) -> list[str]:

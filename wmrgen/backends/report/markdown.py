@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, SupportsFloat
 
 from wmrgen import notation
 from wmrgen.backends.registry import BACKENDS
+from wmrgen.backends.report.latex import latex
 from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Poly
 
 if TYPE_CHECKING:
     from wmrgen.backends.registry import Facts
@@ -51,9 +53,11 @@ def _symbol(match: re.Match[str]) -> str:
     return f"{head[:-1]}<sub>{head[-1]}{index}</sub>" if index else head.translate(_LOW)
 
 
-def capitalised(text: str) -> str:
-    """A finding as a sentence of its own."""
-    return sentence(text[:1].upper() + text[1:]).removesuffix(".") + "."
+def capitalised(text: str, names: Iterable[str] = ()) -> str:
+    """A finding as a sentence of its own; one of ``names`` that it begins with stays as it is."""
+    first, _, rest = text.partition(" ")
+    said = f"{code(first)} {sentence(rest)}" if first in names else sentence(text[:1].upper() + text[1:])
+    return said.removesuffix(".") + "."
 
 
 def pictures(figures: Mapping[str, tuple[str, str]], *files: str) -> list[str]:
@@ -106,6 +110,14 @@ def items(texts: Iterable[str], marks: Callable[[int], str] = lambda _: "*") -> 
 def math(*blocks: str) -> list[str]:
     """A displayed formula."""
     return ["\n".join(("```math", *blocks, "```"))]
+
+
+def matrix(rows: Iterable[Iterable[Poly | str]]) -> str:
+    """A bracketed matrix of polynomials or finished entries."""
+    entries = [[latex(e) if isinstance(e, Poly) else e for e in row] for row in rows]
+    end = " \\\\[4pt]\n" if any("\\frac" in entry for row in entries for entry in row) else " \\\\\n"
+    body = end.join(" & ".join(row) for row in entries)
+    return f"\\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"
 
 
 def aligned(lines: Iterable[str]) -> list[str]:

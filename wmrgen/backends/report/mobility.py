@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmrgen.backends.report.angles import equation, roots
+from wmrgen.backends.report.angles import equation, gathered, roots
 from wmrgen.backends.report.latex import latex, summands, terms, width, wrapped
 from wmrgen.backends.report.markdown import (
     CAP,
@@ -32,7 +32,7 @@ from wmrgen.mobility.ranks import decide, numeric_rank
 
 if TYPE_CHECKING:
     from wmrgen.constraints import ConstraintRow
-    from wmrgen.layout.records import Wheel
+    from wmrgen.layout.records import Robot, Wheel
     from wmrgen.mobility.records import Mobility, Singularity
     from wmrgen.robot import Derivation
 
@@ -159,15 +159,12 @@ def _actuation(d: Derivation) -> list[str]:
     """How many joints are driven for how many freedoms, and what the speeds of driven wheels have in common."""
     spins = [Poly.gen("input", f"{w.name}.spin") for w in d.robot.wheels if "spin" in w.actuated]
     sums = [
-        Poly.sum(p * q for p, q in zip(row, spins, strict=True))
+        Poly.sum(_one_angle(p, d.robot) * q for p, q in zip(row, spins, strict=True))
         for row in relations(d.robot, d.mobility, symbolic_view)
     ]
-    lines = [f"0 &= {wrapped(summands(terms(p)))}" for p in sums]
-    blocks = (
-        [" ".join(capitalised(str(balance)) for balance in d.mobility.actuation)]
-        if d.mobility.actuation
-        else []
-    )
+    lines = [f"0 &= {wrapped(summands(gathered(terms(p))))}" for p in sums]
+    told = " ".join(capitalised(str(balance)) for balance in d.mobility.actuation)
+    blocks = [told] if told else []
     if not lines or max(map(width, lines)) > _RELATION or len(lines) > _RELATIONS:
         return blocks
     held = ", the steering held," if any(g.kind in ("cos", "sin") for p in sums for g in p.generators) else ""
@@ -176,6 +173,12 @@ def _actuation(d: Derivation) -> list[str]:
         f"Speeds of driven wheels that fit each other{held} satisfy (compatibility)",
         *aligned(lines),
     ]
+
+
+def _one_angle(p: Poly, robot: Robot) -> Poly:
+    """The polynomial with one angle for wheels that share it."""
+    names = {w.name: robot.wheels[robot.steer_group[w.index]].name for w in robot.wheels}
+    return p.substitute(lambda g: Poly.gen(g.kind, names[g.name]) if g.kind in ("cos", "sin") else None)
 
 
 def integrability(d: Derivation) -> list[str]:
@@ -255,7 +258,8 @@ def singular(d: Derivation) -> list[str]:
     for s in d.mobility.singularities:
         if s.kind != "icr_on_pivot":
             where = " This happens where" + (", at once," if len(s.conditions) > 1 else "")
-            blocks += [capitalised(s.meaning) + (where if s.conditions else "")]
+            said = capitalised(s.meaning, [w.name for w in d.robot.wheels])
+            blocks += [said + (where if s.conditions else "")]
             blocks += _conditions(s.conditions) if s.conditions else []
     return blocks
 

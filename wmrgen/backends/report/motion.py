@@ -16,8 +16,8 @@ from wmrgen.functions.models.sheet import LONGEST, tidy
 from wmrgen.functions.trailers.trailer import state_ports, turns
 from wmrgen.layout.records import Robot
 from wmrgen.ports import TWIST_NAMES
-from wmrgen.printing import size, symbol_names
-from wmrgen.symbolic import Expr
+from wmrgen.printing import size
+from wmrgen.symbolic import Expr, signal
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
@@ -49,7 +49,7 @@ def _posture(d: Derivation) -> list[str]:
         return ["Nothing can move without sliding, so the posture model is empty: all rates are 0."]
     etas = [Poly.gen("input", f"eta{k}") for k in range(1, len(columns) + 1)]
     rates = [Poly.sum(c[i] * eta for c, eta in zip(columns, etas, strict=True)) for i in range(3)]
-    steering = " and ".join(code(n) for n in d.mobility.basis_wheels)
+    steering = bool(d.mobility.basis_wheels)
     rates_of = "dψ<sub>i</sub>/dt = ψ̇<sub>i</sub>"
     general = [
         "The continuous model that a predictive controller integrates (`dynamics`) is d(x, y, θ)/dt = R(θ)ᵀ N η"
@@ -62,16 +62,35 @@ def _posture(d: Derivation) -> list[str]:
         "whose centre no angle moves, [rad/s]:",
         *aligned(f"{notation.port(n)} &= {broken(p)}" for n, p in zip(TWIST_NAMES, rates, strict=True)),
     ]
-    others = sum(w.kind.steers for w in d.robot.wheels) - len(d.mobility.basis_wheels)
-    follow = f"; the other steered wheel{'s follow' if others > 1 else ' follows'} through `inverse`" * (
-        others > 0
+    driven = _in_driven_speeds(d)
+    return [*general, *(driven or [*in_eta, *_angles(d.robot, d.mobility.basis_wheels)])]
+
+
+def _angles(robot: Robot, names: Sequence[str]) -> list[str]:
+    """Which steering angles are part of the state, of wheels or of virtual wheels, and what the others do."""
+    if not names:
+        return []
+    virtual = _virtual(robot, names)
+    others = sum(w.kind.steers for w in robot.wheels) - (0 if virtual else len(names))
+    rest = f"{'' if virtual else 'other '}steered wheel{'s follow' if others > 1 else ' follows'}"
+    angles = (
+        f"angle of {virtual}{code(names[0])} is"
+        if len(names) == 1
+        else f"angles of {virtual}{listed(names)} are"
     )
-    angles = "angle of {} is" if len(d.mobility.basis_wheels) == 1 else "angles of {} are"
-    states = f"where the steering {angles.format(steering)} part of the state{follow}."
-    return [*general, *(_in_wheel_speeds(d) or in_eta), *([states] if steering else [])]
+    return [
+        f"where the steering {angles} part of the state"
+        + (f"; the {rest} through `inverse`." if others else ".")
+    ]
 
 
-def _in_wheel_speeds(d: Derivation) -> list[str]:
+def _virtual(robot: Robot, names: Sequence[str]) -> str:
+    """What stands before the names of virtual wheels."""
+    virtual = {v.name for v in robot.virtual}
+    return f"the virtual wheel{'s' * (len(names) > 1)} " if virtual.issuperset(names) else ""
+
+
+def _in_driven_speeds(d: Derivation) -> list[str]:
     """The posture model, with trailers, in the speeds of driven wheels: Tzafestas (2.36), (2.46), (2.53).
 
     Nothing where they do not drive all of it, where it depends on more than one angle, and where it is long.
@@ -82,9 +101,9 @@ def _in_wheel_speeds(d: Derivation) -> list[str]:
         return []
     if motion.swivels or len(motion.frame.wheels) > 1:
         return []
-    speeds = [Poly.gen("input", p.name) for p in motion.inputs]
+    inputs = [Poly.gen("input", p.name) for p in motion.inputs]
     vx, vy, omega = (
-        Poly.sum(twist[i] * u for twist, u in zip(motion.twists, speeds, strict=True)) for i in range(3)
+        Poly.sum(twist[i] * u for twist, u in zip(motion.twists, inputs, strict=True)) for i in range(3)
     )
     towed = turns(motion, d.mobility, bool(vy)) if d.robot.trailers else ()
     if any(size(turn) > LONGEST for turn in towed):
@@ -93,7 +112,17 @@ def _in_wheel_speeds(d: Derivation) -> list[str]:
     if max(map(width, lines)) > _WIDEST:
         return []
     agree = f", with which {listed(motion.followers)} must agree," if motion.followers else ""
-    return [f"In the speeds of driven wheels{agree} it is (`wmrgen model`)", *aligned(lines)]
+    drives = [
+        owner for owner, _, joint in (p.name.rpartition(".") for p in motion.inputs) if joint == "speed"
+    ]
+    speeds = (
+        f"speed{'s' * (len(drives) > 1)} of {_virtual(d.robot, drives)}{listed(drives)}" if drives else ""
+    )
+    return [
+        f"In the {speeds or 'speeds of driven wheels'}{agree} it is (`wmrgen model`)",
+        *aligned(lines),
+        *_angles(d.robot, [w.name for w in motion.frame.wheels]),
+    ]
 
 
 def _rates(twist: Row, towing: bool) -> list[str]:
@@ -112,7 +141,13 @@ def _rates(twist: Row, towing: bool) -> list[str]:
 
 
 def _trailers(robot: Robot, towed: Sequence[Expr]) -> list[str]:
-    """The yaw rates of trailers from the twist of P (Tzafestas (2.70))."""
-    ports = symbol_names(state_ports(robot.trailers))
+    """The yaw rates of trailers from the twist of P (Tzafestas (2.70)).
+
+    sympy writes sin(a - b) with the name first that comes first by the alphabet: the trailers', last, in their order.
+    """
+    headings = {signal(p.name): f"~{k:02}" for k, p in enumerate(state_ports(robot.trailers))}
+    last = {theta: signal(name) for theta, name in headings.items()}
+    towed = [turn.xreplace(last) for turn in towed]
+    ports = {name: p.name for name, p in zip(headings.values(), state_ports(robot.trailers), strict=True)}
     names = (rf"\dot{{\theta}}_{{{notation.wheel(t.name)}}}" for t in robot.trailers)
     return [f"{name} &= {broken(tidy(turn), ports)}" for name, turn in zip(names, towed, strict=True)]

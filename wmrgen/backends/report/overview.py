@@ -92,12 +92,23 @@ def layout(d: Derivation) -> list[str]:
             for joint, names in robot.couplings
         )
         blocks += ["Mechanical couplings:", *couplings]
+    blocks += _virtual(robot)
     if robot.trailers:
         rows = [[code(t.name), plain(t.length.nominal), plain(t.hitch.nominal)] for t in robot.trailers]
         head = ["trailer", "length from coupling to axle", "coupling behind the axle in front"]
         blocks += ["It tows, from the robot backwards:", *table(head, rows, "lr")]
     notes = [*(escape(n) for n in robot.notes), *_remarks(robot)]
     return [*blocks, *items(notes)]
+
+
+def _virtual(robot: Robot) -> list[str]:
+    """Wheels that are not there."""
+    wheels = [
+        f"{code(v.name)} at ({plain(v.x.nominal)}, {plain(v.y.nominal)}), whose "
+        f"{'steering angle' if v.role == 'steers' else 'speed'} stands for those of {listed(v.wheels)}"
+        for v in robot.virtual
+    ]
+    return [f"Models describe the robot by virtual wheels: {'; '.join(wheels)}."] if wheels else []
 
 
 def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:

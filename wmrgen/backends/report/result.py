@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.report.closed import closed_forward, closed_inverse
 from wmrgen.backends.report.markdown import code, pictures, table, written
 from wmrgen.backends.report.overview import kind_of_robot
+from wmrgen.constraints import nominal_view, seen
 from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.exact.poly import Poly
+from wmrgen.kinematics.least_squares import project
 from wmrgen.ports import TWIST_NAMES
 
 if TYPE_CHECKING:
@@ -17,6 +21,7 @@ if TYPE_CHECKING:
 
 Values = Mapping[str, Exact]
 _NO_SLIP = 1e-5  # m/s; of numbers with six digits
+_TRIED = 4  # twists
 _MANY = 24  # values of one step of an example
 _SPEEDS = ((5, 2, 4), (5, 0, 4), (5, 0, 2), (5, 0, 1), (0, 5, 0), (0, 0, 4), (5, 2, 0), (5, 0, 0))  # tenths
 _SCALES = (Fraction(1, 10), Fraction(1, 20), Fraction(1, 50), Fraction(1, 100), Fraction(1, 1000))
@@ -59,14 +64,13 @@ def example(d: Derivation) -> list[tuple[str, Values, Values]]:
     """Function, inputs and outputs of each step; nothing where the robot has no joint to command or cannot move."""
     if not any(w.actuated for w in d.robot.wheels):
         return []
-    commanded = next(_driven(d), None)
-    if commanded is None:
+    first = list(islice(_driven(d), _TRIED))
+    if not first:
         return []
-    twist, joints = commanded
+    twist, joints = next((pair for pair in first if _repeats(d, *pair)), first[0])
     own = {n: v for n, v in joints.items() if d.robot.wheel(n.rpartition(".")[0]).actuated}
     steps = [("inverse", twist, own)]
-    sensed = [p.name for p in d.program.formula("forward").inputs if p.default is None]
-    measured = {n: joints.get(n, ZERO) for n in sensed}
+    measured = _measured(d, joints)
     if measured and len(measured) <= _MANY:
         again = d.evaluate("forward", measured)
         steps.append(("forward", measured, {n: again[n] for n in TWIST_NAMES}))
@@ -74,21 +78,41 @@ def example(d: Derivation) -> list[tuple[str, Values, Values]]:
     return [*steps, ("odometry", {**twist, "dt": ONE}, pose)]
 
 
+def _measured(d: Derivation, joints: Values) -> Values:
+    """What `forward` is told of the joints."""
+    sensed = (p.name for p in d.program.formula("forward").inputs if p.default is None)
+    return {n: joints.get(n, ZERO) for n in sensed}
+
+
+def _repeats(d: Derivation, twist: Values, joints: Values) -> bool:
+    """Whether the six digits of the joints that a command has give the twist again."""
+    again = d.evaluate("forward", {n: Exact(Fraction(_short(v))) for n, v in _measured(d, joints).items()})
+    return all(abs(float(again[n] - v)) < _NO_SLIP for n, v in twist.items())
+
+
 def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
-    """Round twists that the robot can drive inside its limits, with their joints."""
+    """Round twists, without what the wheels forbid, that the robot can drive inside its limits, with their joints."""
+    admissible = project(seen(d.driven.robot, nominal_view), d.driven.mobility).twist
     sample = [float(v) for v in d.mobility.admissible.sample] if d.mobility.degree_of_mobility else [0.0]
     size = 2 * max(map(abs, sample))
     rounded = [tuple(Fraction(round(10**7 * v / size), 10**6) for v in sample)] if size else []
     speeds = [*(tuple(map(Fraction, s)) for s in _SPEEDS), *rounded]
     for scale in _SCALES:
         for tenths in speeds:
-            twist = {n: Exact(k * scale) for n, k in zip(TWIST_NAMES, tenths, strict=True)}
-            if not all(_inside(d, n, v) for n, v in twist.items()):
+            asked = {n: Poly.of(k * scale) for n, k in zip(TWIST_NAMES, tenths, strict=True)}
+            twist = {n: _at(asked, p) for n, p in zip(TWIST_NAMES, admissible, strict=True)}
+            if not any(twist.values()) or not all(_inside(d, n, v) for n, v in twist.items()):
                 continue
             joints = d.evaluate("inverse", twist)
             slip = joints.pop("slip")
             if abs(float(slip)) < _NO_SLIP and all(_inside(d, n, v) for n, v in joints.items()):
                 yield twist, joints
+
+
+def _at(values: Mapping[str, Poly], p: Poly) -> Exact:
+    """What a component is where the twist has these values, to six decimals, as a command has it."""
+    value = p.substitute(lambda g: values.get(g.name)).constant or ZERO
+    return Exact(Fraction(round(10**6 * float(value)), 10**6))
 
 
 def _inside(d: Derivation, name: str, value: Exact) -> bool:

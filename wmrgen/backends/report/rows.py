@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.angles import readable, whole
-from wmrgen.backends.report.latex import WIDE, broken, latex, matrix, pieces, terms, width, wrapped
-from wmrgen.backends.report.markdown import aligned, code, math, some
+from wmrgen.backends.report.angles import gathered, over, readable, whole
+from wmrgen.backends.report.latex import WIDE, broken, latex, pieces, terms, total, width, wrapped
+from wmrgen.backends.report.markdown import aligned, code, math, matrix, some
 from wmrgen.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.exact.poly import Poly, Row, dot
 
@@ -30,7 +30,8 @@ def wheel_rows(d: Derivation) -> list[str]:
         kind, offset = wheels[0].kind, any(w.nominal.o for w in wheels)
         title = kind.noun[0].upper() + kind.noun[1:]
         intro = kind.words.offset_intro if offset and kind.words.offset_intro else kind.words.intro
-        blocks += [f"**{title}s** ({some(wheels)}). {intro}", *general_rows(kind, offset)]
+        plural = "s" if len(wheels) > 1 else ""
+        blocks += [f"**{title}{plural}** ({some(wheels)}). {intro}", *general_rows(kind, offset)]
         blocks += [kind.words.note] if kind.words.note else []
         blocks += _worked(d, wheels) if kind.directed else []
     return blocks
@@ -208,11 +209,21 @@ def _meaning(columns: Sequence[Row]) -> list[str]:
     blocks = [" ".join(f"{head} {_motion(c)}" for head, c in zip(heads, columns, strict=True))]
     vx, vy, w = columns[0]
     if len(columns) == 1 and w and any(p.constant is None for p in columns[0]):
-        x, y = (rf"\frac{{{readable(a)}}}{{{readable(w)}}}" if a else "0" for a in (-vy, vx))
+        x, y = _quotient(-vy, w), _quotient(vx, w)
         blocks[0] += " It lies at (−N₂/N₃, N₁/N₃):"
         both = rf"x_{{ICR}} = {x}, \qquad y_{{ICR}} = {y}"
         blocks += math(both) if width(both) < _ICR else aligned([f"x_{{ICR}} &= {x}", f"y_{{ICR}} &= {y}"])
     return blocks
+
+
+def _quotient(above: Poly, below: Poly) -> str:
+    """above / below, without a line where the sines cancel."""
+    top, bottom = gathered(terms(above)), gathered(terms(below))
+    if len(bottom) == 1:
+        quotient = over(top, bottom[0])
+        if all(f.power > 0 for t in quotient for f in t.factors):
+            return total(quotient)
+    return rf"\frac{{{total(top)}}}{{{total(bottom)}}}" if top else "0"
 
 
 def _motion(c: Row) -> str:

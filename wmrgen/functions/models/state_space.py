@@ -154,18 +154,29 @@ def _seen_by(v: Virtual, w: Wheel, fixed: Wheel, angle: float) -> float:
     return direction - pi * round(direction / pi)
 
 
-def regularity(robot: Robot, mobility: Mobility) -> dict[str, tuple[str, ...]]:
-    """Forms of the model that a robot has, and where they do not hold: nothing of one that does in every motion."""
-    robot, mobility = driving(robot, mobility)
-    sets = {}
+def forms(robot: Robot, mobility: Mobility) -> dict[str, System]:
+    """The forms of the model that a robot has, parameters as symbols."""
+    systems = {}
     for form in ("posture", "twist", "eta"):
         try:
-            sets[form] = singular_sets(system_builder(form)(robot, mobility, True))
+            systems[form] = system_builder(form)(*driving(robot, mobility), True)
         except NotDerivableError:
             continue
-        if mobility.rank_C1f.value > 1 and form != "twist":
-            sets[form] += (ROLLING_ALONE,)
-    return sets
+    return systems
+
+
+def rolls_alone(form: str, mobility: Mobility) -> bool:
+    """Whether a form leaves out the sliding of a robot that slides in every curve."""
+    return mobility.rank_C1f.value > 1 and form != "twist"
+
+
+def regularity(robot: Robot, mobility: Mobility) -> dict[str, tuple[str, ...]]:
+    """Forms of the model that a robot has, and where they do not hold: nothing of one that does in every motion."""
+    acting = driving(robot, mobility)[1]
+    return {
+        form: singular_sets(system) + ((ROLLING_ALONE,) if rolls_alone(form, acting) else ())
+        for form, system in forms(robot, mobility).items()
+    }
 
 
 def data(space: StateSpace) -> dict[str, Any]:

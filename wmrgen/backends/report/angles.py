@@ -7,7 +7,8 @@ from dataclasses import replace
 from math import atan2, lcm, pi
 
 from wmrgen import notation
-from wmrgen.backends.report.latex import Factor, Term, merged, terms, total
+from wmrgen.backends.report.latex import terms, total
+from wmrgen.backends.report.terms import Factor, Term, merged
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, Row
 

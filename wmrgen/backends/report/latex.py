@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import lcm
 
 import sympy
 
 from wmrgen import notation
+from wmrgen.backends.report.terms import Factor, Term, merged
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly
 from wmrgen.lower import number_of
-from wmrgen.symbolic import Expr, Parameter
+from wmrgen.symbolic import Expr, Parameter, expression
 
 WIDE = 80  # characters of a line before a sum is broken
 _COMMON = 12  # the largest denominator written once for a sum
@@ -26,36 +27,6 @@ _LEADS = {"vx": 0, "vy": 1, "omega": 2, "vx_driven": 0, "vy_driven": 1, "omega_d
 _TWIST = {notation.port(n) for n in _LEADS}
 _SPACE = "\\;"
 _FUNCTION = re.compile(r"\\(cos|sin|tan|cot|mathrm)")
-
-
-@dataclass(frozen=True, slots=True)
-class Factor:
-    """base**power. ``rank``: parameters 0, functions 1, velocities 2 (collected). ``order``: within a rank."""
-
-    base: str
-    power: int
-    rank: int
-    order: tuple[int, str]
-    compound: bool = False  # the base is a sum
-
-    def shown(self) -> str:
-        """The factor with a positive power."""
-        n = abs(self.power)
-        base = rf"\left({self.base}\right)" if self.compound else self.base
-        if n == 1:
-            return base
-        for f in (r"\cos", r"\sin"):
-            if base.startswith(f) and not base.startswith(f + "("):
-                return f"{f}^{{{n}}}{base.removeprefix(f)}"
-        return f"{{{base}}}^{{{n}}}"
-
-
-@dataclass(frozen=True, slots=True)
-class Term:
-    """number * product of factors"""
-
-    number: Exact
-    factors: tuple[Factor, ...]
 
 
 def latex(value: Poly | Expr, ports: Ports | None = None) -> str:
@@ -107,12 +78,9 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
     return [t for t in summed if t.number]
 
 
-def merged(factors: Iterable[Factor]) -> tuple[Factor, ...]:
-    """Powers of one base together."""
-    by_base: dict[str, Factor] = {}
-    for f in factors:
-        by_base[f.base] = replace(f, power=f.power + by_base[f.base].power) if f.base in by_base else f
-    return tuple(f for f in by_base.values() if f.power)
+def reduced(above: Poly, below: Poly) -> Expr:
+    """above / below in lowest terms, no root below the line, sums that are powers or products as such."""
+    return sympy.factor(sympy.radsimp(expression(above) / expression(below)))
 
 
 def _generator(gen: Gen, power: int) -> Factor:

@@ -8,15 +8,13 @@ from dataclasses import replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-import sympy
-
 from wmrgen import notation
 from wmrgen.backends.report.angles import gathered, with_tangents
 from wmrgen.backends.report.latex import (
     Ports,
-    Term,
     latex,
     pulled_out,
+    reduced,
     summands,
     terms,
     total,
@@ -24,6 +22,7 @@ from wmrgen.backends.report.latex import (
     wrapped,
 )  # fmt: skip
 from wmrgen.backends.report.markdown import aligned, code, listed, math, sentence
+from wmrgen.backends.report.terms import Term
 from wmrgen.exact.linalg import adjugate, determinant
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, has_angles
@@ -35,14 +34,12 @@ from wmrgen.kinematics.records import Formula
 from wmrgen.kinematics.sensing import Measured
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.printing import size, symbol_names
-from wmrgen.symbolic import expression
 
 if TYPE_CHECKING:
     from wmrgen.exact.number import Exact
     from wmrgen.functions.system import System
     from wmrgen.layout.records import Robot, Wheel
     from wmrgen.robot import Derivation
-    from wmrgen.symbolic import Expr
 
 _ENTRY = 12  # terms of an entry of H^T H and H^T z
 _PRODUCTS = 60  # terms of a determinant of three rows
@@ -59,11 +56,6 @@ _INPUTS = {
     "eta": "the coordinates η",
 }
 _MODELS = ("posture", "configuration", "zeta", "trailer")  # functions that `wmrgen model` writes
-
-
-def reduced(above: Poly, below: Poly) -> Expr:
-    """above / below in lowest terms, no root below the line, sums that are powers or products as such."""
-    return sympy.factor(sympy.radsimp(expression(above) / expression(below)))
 
 
 def factored(p: Poly) -> str:

@@ -1,0 +1,46 @@
+"""What a formula is made of: terms, each a number and factors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from wmrgen.exact.number import Exact
+
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """base**power. ``rank``: parameters 0, functions 1, velocities 2 (collected). ``order``: within a rank."""
+
+    base: str
+    power: int
+    rank: int
+    order: tuple[int, str]
+    compound: bool = False  # the base is a sum
+
+    def shown(self) -> str:
+        """The factor with a positive power."""
+        n = abs(self.power)
+        base = rf"\left({self.base}\right)" if self.compound else self.base
+        if n == 1:
+            return base
+        for f in (r"\cos", r"\sin"):
+            if base.startswith(f) and not base.startswith(f + "("):
+                return f"{f}^{{{n}}}{base.removeprefix(f)}"
+        return f"{{{base}}}^{{{n}}}"
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """number * product of factors"""
+
+    number: Exact
+    factors: tuple[Factor, ...]
+
+
+def merged(factors: Iterable[Factor]) -> tuple[Factor, ...]:
+    """Powers of one base together."""
+    by_base: dict[str, Factor] = {}
+    for f in factors:
+        by_base[f.base] = replace(f, power=f.power + by_base[f.base].power) if f.base in by_base else f
+    return tuple(f for f in by_base.values() if f.power)

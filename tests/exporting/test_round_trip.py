@@ -38,15 +38,8 @@ def back(robot: Robot, folder: Path, kind: str, written: str = "") -> Imported:
 
 def same(robot: Robot, imported: Imported) -> None:
     assert imported.base in ("base_link", "__model__")  # of SDFormat the model, where base_link lies
-    # Beside wheels that drive a castor's swivel is asked about, whatever interface its transmission has.
-    swivels = {w.name for w in robot.wheels if w.kind.swivels and "steer" in w.actuated}
-    assert [
-        q
-        for q in imported.questions
-        if q.wheel != SUPPORT
-        and "which way is forward" not in q.text
-        and not (q.wheel in swivels and "does a motor turn it" in q.text)
-    ] == []
+    asked = [q for q in imported.questions if q.wheel != SUPPORT and "which way is forward" not in q.text]
+    assert asked == []
     by_joint = {w.joint: w for w in imported.wheels}
     rolling = [w for w in robot.wheels if w.has_spin]
     assert list(by_joint) == [f"{w.name}_spin" for w in rolling]

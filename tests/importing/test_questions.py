@@ -86,7 +86,7 @@ def test_a_castor_with_a_transmission(read: Import) -> None:
 
 
 def test_swivels_that_take_velocities_beside_wheels_that_drive(read: Import) -> None:
-    """On castors alone they are motors; castors of a robot that others drive follow."""
+    """On castors alone they are motors; castors of a robot that others drive follow, but where they take positions."""
     castors, said = "", ""
     for name, y in (("fl", 0.2), ("fr", -0.2)):
         castors += link(f"{name}_s") + joint(
@@ -97,6 +97,7 @@ def test_swivels_that_take_velocities_beside_wheels_that_drive(read: Import) -> 
     drives = control("fl_joint", "fr_joint", "left_joint", "right_joint")
     assert read(robot(castors, said, drives))["asked"] == []
     assert read(robot(castors, pair(), said, drives))["asked"] == [("fl", "actuated"), ("fr", "actuated")]
+    assert read(robot(castors, pair(), said.replace("Velocity", "Position"), drives))["asked"] == []
 
 
 def test_a_wheel_on_a_passive_steering_axis_is_asked_about(read: Import) -> None:

@@ -49,11 +49,11 @@ def driven_by_control(root: Element) -> set[str]:
     }
 
 
-def transmitted(root: Element, commanded: bool = False) -> set[str]:
-    """The joints of transmissions; with ``commanded`` only of those that take positions or velocities."""
+def transmitted(root: Element, interface: str = "") -> set[str]:
+    """The joints of transmissions; with an ``interface``, such as Position, only of those that take that."""
     joints = [joint for each in children(root, "transmission") for joint in children(each, "joint")]
     says = {j.get("name", ""): "".join(e.text or "" for e in below(j, "hardwareInterface")) for j in joints}
-    return {name for name, text in says.items() if not commanded or "Position" in text or "Velocity" in text}
+    return {name for name, text in says.items() if interface in text}
 
 
 def friction(element: Element, link: str) -> Friction | None:

@@ -84,8 +84,8 @@ class Description:
     """``driven``: joints that ros2_control, a transmission or a plugin names, None where the file has none of these.
     ``words``: names of plugins, meshes and the robot, which may say that wheels have rollers. ``controllers``: what
     drive plugins are told. ``closing``: joints that would give a link a second parent. ``transmitted``: driven joints
-    that only a transmission names, which is no proof of a motor; ``commanded``: those of them that take positions or
-    velocities."""
+    that only a transmission names, and not for positions, which is no proof of a motor; ``commanded``: those of them
+    that take velocities."""
 
     name: str
     links: tuple[str, ...]

@@ -60,8 +60,8 @@ def describe(root: Element, file: str) -> Description:
         words=tuple(words(root)),
         notes=tuple(notes),
         closing=closing,
-        transmitted=frozenset(transmitted(root) - driven_by_control(root)),
-        commanded=frozenset(transmitted(root, commanded=True)),
+        transmitted=frozenset(transmitted(root) - transmitted(root, "Position") - driven_by_control(root)),
+        commanded=frozenset(transmitted(root, "Velocity")),
     )
 
 

@@ -35,11 +35,12 @@ def compare(a: Layout, b: Layout) -> Comparison:
     if len(told) < len(differences):
         notes.append(f"{len(differences) - len(told)} differences are to be ignored")
     moved: tuple[Effect, ...] = ()
+    ties = a.ties or (), b.ties or ()
     try:
-        moved = tuple(effects(_filled(pairs)))
+        moved = tuple(effects(_filled(pairs), *ties))
         if any(d.code == ORDER for d in told) and len(a.wheels) == len(b.wheels):
             numbered = [(v, w) for v, w in zip(a.wheels, b.wheels, strict=True) if parts([v])]
-            words = [e.words for e in effects(_filled(numbered)) if e.words]
+            words = [e.words for e in effects(_filled(numbered), *ties) if e.words]
             notes += [f"wheels taken by number, not by name: {word}" for word in words]
     except _Unknown as why:
         notes.append(f"motion is not computed: {why}")

@@ -11,6 +11,7 @@ from wmrgen.comparing.matching import matched
 from wmrgen.comparing.motion import Pairs
 from wmrgen.comparing.quantities import box, forward, lengths, parts, roles
 from wmrgen.comparing.record import SAME, Difference, Layout, Side
+from wmrgen.comparing.ties import coupled
 from wmrgen.errors import Mark
 from wmrgen.wheels import WHEEL_TYPES
 
@@ -61,6 +62,7 @@ def with_layout(a: Layout, b: Layout) -> tuple[list[Difference], Pairs, list[str
     differences += [*places(pairs, along), *_radii(every)]
     for v, w in every:
         differences += _wheel(v, w)
+    differences += coupled(a, b, every)
     if a.ordered and b.ordered and not any(alone):
         differences += order(
             a.wheels, [a.wheels.index(v) for v, _ in sorted(every, key=lambda p: b.wheels.index(p[1]))]

@@ -9,17 +9,19 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.comparing.quantities import forward
-from wmrgen.comparing.record import SAME, Effect, Side
+from wmrgen.comparing.record import SAME, Effect, Side, Tie
+from wmrgen.comparing.ties import JOINTS, shafts
 from wmrgen.wheels import WHEEL_TYPES
 
 Array = NDArray[np.float64]
 Pairs = Sequence[tuple[Side, Side]]  # wheels of the first robot, each with what the second file says of it
+Coupled = tuple[Sequence[Side], Sequence[Tie]]  # wheels, and which of their joints turn together
 _SEEN = 5e-4  # of a motion: what changes less is not told
 _GENTLE = (
     1e-4  # curvature of the turn of a car, per its own size: there the angles of its wheels are in proportion
@@ -60,6 +62,25 @@ def _command(w: Side, twist: Array) -> Command:
         rate = -float(sliding @ twist) / w.of("d")
     rim = float(rolling @ twist) - w.of("offset_y") * rate
     return Command(steer, rate, rim / (w.values["r"] * math.cos(w.of("gamma"))))
+
+
+def _together(commands: Sequence[Command], wheels: Sequence[Side], ties: Sequence[Tie]) -> Sequence[Command]:
+    """Commands of which coupled joints follow the one that has the motor."""
+    result, names = list(commands), [w.name for w in wheels]
+    for joint in JOINTS:
+        for shaft in shafts(ties, joint):
+            (lead, turns), *others = [(names.index(w), k) for w, k in shaft.items() if w in names] or [
+                (0, 1.0)
+            ]
+            c = result[lead]
+            for i, k in others:
+                same = (
+                    {"spin": c.spin * k / turns}
+                    if joint == "spin"
+                    else {"steer": c.steer, "steer_rate": c.steer_rate}
+                )
+                result[i] = replace(result[i], **same)
+    return result
 
 
 def _response(wheels: Sequence[Side], commands: Sequence[Command]) -> Array:
@@ -105,25 +126,28 @@ def _asked(motion: str, wheels: Sequence[Side]) -> Array:
     return np.array([aside.real, aside.imag, 1.0])
 
 
-def effects(pairs: Pairs) -> Iterator[Effect]:
-    """What each motion becomes that the robot can do."""
+def effects(pairs: Pairs, own_ties: Sequence[Tie] = (), told_ties: Sequence[Tie] = ()) -> Iterator[Effect]:
+    """What each motion becomes that the robot can do, by its own couplings and those of the second file."""
     own, told = [a for a, _ in pairs], [b for _, b in pairs]
     size = max(abs(w.pivot - v.pivot) for w in own for v in own) or 1.0
+    robot = own, own_ties
     for motion in ("straight", "strafe", "turn"):
-        mine, got = (_driven(own, wheels, motion, size) for wheels in (own, told))
+        mine, got = (_driven(robot, each, motion, size) for each in (robot, (told, told_ties)))
         effect = _effect(motion, mine, got, forward(own), size / 2)
         if effect:
             yield effect
 
 
-def _driven(robot: Sequence[Side], told: Sequence[Side], motion: str, size: float) -> Array:
-    """The response of a robot to what ``told`` makes of a motion; of a car, per curvature."""
+def _driven(robot: Coupled, by: Coupled, motion: str, size: float) -> Array:
+    """The response of a robot to what wheels like those of ``by`` are told for a motion; of a car, per curvature."""
+    (own, ties), (told, _) = robot, by
 
     def response(twist: Array) -> Array:
-        return _response(robot, [_command(w, twist) for w in told])
+        commands = _together([_command(w, twist) for w in told], *by)
+        return _response(own, _together(commands, own, ties))
 
     asked = _asked(motion, told)
-    if motion != "turn" or not _is_car(robot):
+    if motion != "turn" or not _is_car(own):
         return response(asked)
     ahead, bend = _asked("straight", told), _GENTLE / size
     return (response(ahead + bend * asked) - response(ahead - bend * asked)) / (2 * bend)

@@ -51,12 +51,22 @@ class Side:
 
 
 @dataclass(frozen=True, slots=True)
+class Tie:
+    """Joints, spin or steer, that turn together: wheel -> its ``turns`` for one of their shaft. The first has the
+    motor."""
+
+    joint: str
+    turns: Mapping[str, float]
+    mark: Mark | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Layout:
     """The wheels that a file describes, or, with a ``controller``, lengths of wheels that another file describes.
 
     ``effective_track``: that of the differential drive as which it turns, which skids [m], and where it is said.
-    ``title``: of the controller. ``ordered``: programs know the wheels by their order. ``joints``: all that the file
-    has, None where it names none.
+    ``ties``: couplings, None where the file does not say. ``title``: of the controller. ``ordered``: programs know the
+    wheels by their order. ``joints``: all that the file has, None where it names none.
     """
 
     file: str
@@ -67,6 +77,7 @@ class Layout:
     controller: Controller | None = None
     title: str = ""
     effective_track: tuple[float, Mark] | None = None
+    ties: tuple[Tie, ...] | None = None
 
     @property
     def source(self) -> str:

@@ -18,6 +18,16 @@ wheels:
   - {name: left,  type: fixed, x: 0, y: 0.6,  heading: 0, r: 0.3}
   - {name: right, type: fixed, x: 0, y: -0.6, heading: 0, r: 0.3}
 """
+BELTS = """
+wheels:
+  - {name: front_left,  type: fixed, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
+  - {name: front_right, type: fixed, x: 0.3,  y: -0.2, heading: 0, r: 0.1}
+  - {name: rear_left,   type: fixed, x: -0.3, y: 0.2,  heading: 0, r: 0.1}
+  - {name: rear_right,  type: fixed, x: -0.3, y: -0.2, heading: 0, r: 0.1}
+couplings:
+  - {equal: [rear_left.spin, front_left.spin]}
+  - {equal: [rear_right.spin, front_right.spin]}
+"""
 CASTOR = PAIR + "  - {name: tail, type: castor, x: -0.3, y: 0, heading: 0, d: -0.04, r: 0.05}\n"
 BETWEEN: dict[str, Rule] = {}
 
@@ -132,4 +142,15 @@ _between(
     CASTOR,
     CASTOR.replace("-0.04", "-0.03"),
     CASTOR,
+)
+_between(
+    "WMR051",
+    "joints that turn together in one file alone, or in another ratio",
+    """A shaft, a belt or gears make joints turn as one: the first has the motor, and what is commanded of the others is
+    not done. A program that does not know it, or has another ratio, commands what the robot cannot do.""",
+    BELTS,
+    BELTS.replace(
+        "equal: [rear_left.spin, front_left.spin]", "equal: [rear_left.spin, front_left.spin], ratios: [1, 2]"
+    ),
+    BELTS,
 )

@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import Path
 
 import wmrgen
-from wmrgen.comparing.record import CONTROLLER, DESCRIPTION, HEADER, ROBOT_FILE, Layout, Side
+from wmrgen.comparing.record import CONTROLLER, DESCRIPTION, HEADER, ROBOT_FILE, Layout, Side, Tie
 from wmrgen.errors import Mark, RobotFileError
 from wmrgen.importing.controllers import read_controllers
 from wmrgen.importing.records import Controller, Imported, Wheel
@@ -54,12 +54,23 @@ def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
         sides.append(Side((w.name,), w.type, values, marks, w.actuated))
     track, said = robot.effective_track, spec.effective_track
     effective = (float(track.nominal), said.mark) if track and said else None
-    return Layout(source, ROBOT_FILE, tuple(sides), True, effective_track=effective)
+    ties = []
+    for coupling in spec.couplings:
+        members = [w for w in robot.wheels if w.name in coupling.wheels]
+        turns = [float(robot.spin_ratio(w)) if coupling.joint == "spin" else 1.0 for w in members]
+        names = (w.name for w in members)
+        ties.append(Tie(coupling.joint, dict(zip(names, turns, strict=True)), coupling.mark))
+    return Layout(source, ROBOT_FILE, tuple(sides), True, effective_track=effective, ties=tuple(ties))
 
 
 def of_import(robot: Imported, joints: frozenset[str], source: str) -> Layout:
     """The layout of a URDF or SDF, as far as it says."""
-    return Layout(source, DESCRIPTION, tuple(map(_imported, robot.wheels)), joints=joints)
+    ties = list[Tie]()
+    for each in robot.couplings:
+        (first, _, joint), (second, _, _) = each.first.rpartition("."), each.second.rpartition(".")
+        ties.append(Tie(joint, {first: 1.0, second: float(each.ratio)}))
+    known = None if any(q.key == "equal" for q in robot.questions) else tuple(ties)
+    return Layout(source, DESCRIPTION, tuple(map(_imported, robot.wheels)), joints=joints, ties=known)
 
 
 def _imported(wheel: Wheel) -> Side:

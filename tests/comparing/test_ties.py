@@ -83,7 +83,7 @@ def test_what_a_coupling_does_to_the_motion(tmp_path: Path) -> None:
 
 
 def test_steering_in_common(tmp_path: Path) -> None:
-    """Straight on, modules that one motor steers do what is commanded; in a curve they would need angles of their own."""
+    """Straight on, modules that one motor steers do what is commanded; a curve would need unlike angles."""
     synchro = layout(tmp_path, "{equal: [fl.steer, fr.steer, rl.steer, rr.steer]}", type_="steered")
     free = layout(tmp_path, "", type_="steered")
     assert told(compare(synchro, free)) == [("fl", "1 : 1 : 1 : 1", None)]

@@ -93,6 +93,46 @@ def test_a_mecanum_controller_drives_wheels_with_rollers(read: Import) -> None:
     assert [q["key"] for q in said["questions"]] == ["gamma"] * 4
 
 
+SKID = """
+drive:
+  ros__parameters:
+    type: diff_drive_controller/DiffDriveController
+    wheel_separation: 0.5
+    wheel_separation_multiplier: {factor}
+    wheel_radius: 0.1
+"""
+
+
+def test_the_multiplier_of_a_skid_steer_is_its_effective_track(
+    read: Import, wmrgen_cli: Cli, tmp_path: Path
+) -> None:
+    """0.5 m times 1.875; the file is derived, and its own controller agrees with it."""
+    said = read(robot(FOUR), SKID.format(factor=1.875))
+    assert "\neffective_track: 0.9375\n" in said["text"]
+    comment = " ".join(said["text"].replace("#", "").split())
+    assert "'wheel_separation' 0.5 times 'wheel_separation_multiplier' 1.875; drive.yaml, line 5" in comment
+    path = tmp_path / "probe.yaml"
+    path.write_text(said["text"].replace("TODO", "[spin]"), encoding="utf-8")
+    done = wmrgen_cli("compare", path, tmp_path / "drive.yaml")
+    assert done.code == 0 and "does not count" not in done.out
+
+
+@pytest.mark.parametrize(
+    ("parts", "parameters"),
+    [
+        (FOUR, SKID.format(factor=1)),  # nothing is said
+        (FOUR, SKID.format(factor=1.5).replace("_multiplier", "_x")),
+        (pair(), SKID.format(factor=1.5)),  # one axle: it does not skid
+        (FOUR, SKID.format(factor=1.5) + SKID.format(factor=1.2).replace("drive:", "other:")),  # two say two
+        (FOUR, SKID.format(factor=1.5).replace("diff_drive_controller/DiffDriveController", "mecanum_drive")),
+    ],
+)
+def test_where_it_is_not_sure_no_effective_track_is_written(
+    read: Import, parts: str, parameters: str
+) -> None:
+    assert "effective_track" not in read(robot(parts), parameters)["text"]
+
+
 def test_a_file_that_is_no_yaml(wmrgen_cli: Cli, tmp_path: Path) -> None:
     (tmp_path / "probe.urdf").write_text(robot(pair()), encoding="utf-8")
     (tmp_path / "drive.yaml").write_text("a: [", encoding="utf-8")

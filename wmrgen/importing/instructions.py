@@ -1,16 +1,22 @@
 """A description with what controllers beside it say: which joints are driven, and that wheels have rollers.
 
-Their lengths are hints where the description has none; where it has one they are compared, never taken.
+Their lengths are hints where the description has none; where it has one they are compared, never taken. How far a robot
+turns that skids no description says: that is theirs.
 """
 
 from __future__ import annotations
 
+import cmath
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from fractions import Fraction
 
-from wmrgen.importing.records import Controller, Description
+from wmrgen.importing.records import Controller, Description, Wheel
 from wmrgen.spec.text import quoted
+from wmrgen.wheels.types import CASTOR, FIXED, SPHERICAL
 
+_LEVEL = 1e-6  # sine of the angle between axles that are parallel
 _ROLLERS = ("mecanum", "omni")  # kinds of controllers that drive wheels with rollers
 
 
@@ -40,3 +46,25 @@ def _joint_called(name: str, joints: Collection[str]) -> str | None:
     """The joint of a name, or the only one that has a prefix before it."""
     prefixed = [joint for joint in joints if joint.endswith((f"_{name}", f"/{name}"))]
     return name if name in joints else prefixed[0] if len(prefixed) == 1 else None
+
+
+def skid_track(wheels: Sequence[Wheel], controllers: Sequence[Controller]) -> tuple[Fraction, str] | None:
+    """The effective track of wheels that are fixed on several axles and skid in curves: the track of the controllers of
+    differential drives times its multiplier, which is made for that; None where they have none, or two."""
+    fixed = [w for w in wheels if w.type == FIXED.name]
+    if len(fixed) < 3 or any(w.type not in (FIXED.name, CASTOR.name, SPHERICAL.name) for w in wheels):
+        return None
+    turns = [cmath.rect(1, -(fixed[0].heading or 0.0)) * complex(w.x, w.y) for w in fixed]
+    level = [abs(math.sin((w.heading or 0.0) - (fixed[0].heading or 0.0))) < _LEVEL for w in fixed]
+    ahead, aside = ([getattr(z, part) for z in turns] for part in ("real", "imag"))
+    size = max(aside) - min(aside)
+    if not all(level) or size == 0 or max(ahead) - min(ahead) < size / 10:
+        return None
+    told = {}
+    for c in controllers:
+        track, factor = c.lengths.get("track"), c.multipliers.get("track")
+        if c.kind == "differential" and track and factor and factor.value != 1:
+            where = f"; {track.mark.file.rpartition('/')[2]}, line {track.mark.line}" if track.mark else ""
+            product = f"{quoted(track.key)} {float(track.value):g} times {quoted(factor.key)} {float(factor.value):g}"
+            told[track.value * factor.value] = product + where
+    return next(iter(told.items())) if len(told) == 1 else None

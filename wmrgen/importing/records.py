@@ -151,7 +151,7 @@ class Coupling:
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """What was read of a file."""
+    """What was read of a file; ``effective_track``: of a robot that skids [m], and who says it."""
 
     name: str
     base: str
@@ -159,6 +159,7 @@ class Imported:
     questions: tuple[Question, ...]
     couplings: tuple[Coupling, ...]
     notes: tuple[str, ...]
+    effective_track: tuple[Fraction, str] | None = None
 
 
 @dataclass(frozen=True, slots=True)

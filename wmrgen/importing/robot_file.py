@@ -61,7 +61,12 @@ def text(robot: Imported, source: str) -> str:
             f"{counted(robot.questions)} open: put an answer in the place of each {OPEN}, "
             "or delete the wheel that is none. wmrgen derive refuses the file until then."
         )
-    lines += ["wmrgen: 1", f"name: {near_robot_name(robot.name)}", "wheels:"]
+    lines += ["wmrgen: 1", f"name: {near_robot_name(robot.name)}"]
+    if robot.effective_track:
+        track, said = robot.effective_track
+        lines += _comment(f"It turns by skidding: {said}")
+        lines.append(f"effective_track: {_length(track)}")
+    lines.append("wheels:")
     for wheel in robot.wheels:
         lines += _wheel(wheel, [q for q in robot.questions if q.wheel == wheel.name and q.key != "equal"])
     lines += _support([q for q in robot.questions if q.wheel == SUPPORT])

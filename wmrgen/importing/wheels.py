@@ -9,6 +9,7 @@ from fractions import Fraction
 from wmrgen.importing.candidates import LEVEL, candidates
 from wmrgen.importing.couplings import couplings
 from wmrgen.importing.frames import ancestors, dot, plus
+from wmrgen.importing.instructions import skid_track
 from wmrgen.importing.names import near_wheel_names
 from wmrgen.importing.questions import (
     CONFLICT,
@@ -80,7 +81,10 @@ def import_wheels(description: Description, base: str | None = None, forward: st
     notes += [f"joint {quoted(name)} moves above wheels and is taken at zero" for name in above]
     if forward not in (None, "x"):
         notes.append(f"x is the direction {forward} of {quoted(robot.base)}")
-    return Imported(description.name, robot.base, tuple(result), tuple(questions), coupled, (*seen, *notes))
+    track = skid_track(result, description.controllers)
+    return Imported(
+        description.name, robot.base, tuple(result), tuple(questions), coupled, (*seen, *notes), track
+    )
 
 
 def _wheel(

@@ -16,9 +16,8 @@ import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, NamedTuple
 
 from wmrgen.errors import EnvironmentFailure
 
@@ -29,16 +28,14 @@ _MOST_MANIFEST = 1 << 18  # bytes; ours have some thousand
 _PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
 
 
-@dataclass(frozen=True, slots=True)
-class Difference:
+class Difference(NamedTuple):
     """A file that is not what it should be: ``why`` is ``missing``, ``differs`` or ``not produced``."""
 
     path: Path
     why: str
 
 
-@dataclass(frozen=True, slots=True)
-class Written:
+class Written(NamedTuple):
     """What a write did, as relative paths in order."""
 
     changed: tuple[str, ...]

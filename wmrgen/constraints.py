@@ -14,8 +14,8 @@ xi = (vx, vy, omega) in the robot frame [m/s, m/s, rad/s]. Rows are in m/s.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from dataclasses import replace
+from typing import NamedTuple, TypeVar
 
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
@@ -27,8 +27,7 @@ View = Callable[[Wheel], Geometry[Poly]]
 XI: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input", "omega"))  # commanded
 
 
-@dataclass(frozen=True, slots=True)
-class ConstraintRow:
+class ConstraintRow(NamedTuple):
     """row . xi + rates . (joint rates) = 0.
 
     ``kind``: rolling or sliding. ``rates`` maps (wheel index, joint) to the coefficient of that joint's rate.
@@ -40,8 +39,7 @@ class ConstraintRow:
     rates: tuple[tuple[tuple[int, str], Poly], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Constraints:
+class Constraints(NamedTuple):
     """Every row of the robot, in the order of the file."""
 
     robot: Robot

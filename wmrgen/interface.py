@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from wmrgen.ir.nodes import Function, Module, contract
 from wmrgen.ports import JOINTS, POSE, POSE_COVARIANCE, TIMES, TWIST, TWIST_COVARIANCE, Port
@@ -57,8 +58,7 @@ class Argument:
         return not self.kind and not self.writes
 
 
-@dataclass(frozen=True, slots=True)
-class _Place:
+class _Place(NamedTuple):
     kind: str
     suffix: str
     member: str

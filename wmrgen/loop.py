@@ -9,7 +9,7 @@ commands              what the joints are to do
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from wmrgen.interface import arguments
 from wmrgen.ir.nodes import Module
@@ -35,16 +35,14 @@ _ACTS: tuple[tuple[str, Mapping[str, str]], ...] = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Stage:
+class Stage(NamedTuple):
     """A function of the loop, and the variable that each of its arguments is, where that is called otherwise."""
 
     function: str
     variables: Mapping[str, str]
 
 
-@dataclass(frozen=True, slots=True)
-class Loop:
+class Loop(NamedTuple):
     """``senses``: from what the wheels do to the pose; ``acts``: from the wanted twist to commands."""
 
     senses: tuple[Stage, ...]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
 from wmrgen.backends.registry import VectorForm, why_reserved
 from wmrgen.errors import NotDerivableError
@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from wmrgen.functions.models.state_space import StateSpace
 
 
-@dataclass(frozen=True, slots=True)
-class Program:
+class Program(NamedTuple):
     """The formulas of a robot, in the order in which they are emitted."""
 
     name: str

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.notation import listed
@@ -22,8 +21,7 @@ _SHARE = 0.2  # of the largest part of a motion: what is smaller is not said
 _WORDS = (("forward", "backward"), ("to the left", "to the right"), ("turns left", "turns right"))
 
 
-@dataclass(frozen=True, slots=True)
-class Motion:
+class Motion(NamedTuple):
     """``twist``: components by contract name, in m/s and rad/s. ``joints``: None where the wheels forbid the motion."""
 
     title: str
@@ -31,8 +29,7 @@ class Motion:
     joints: Joints | None
 
 
-@dataclass(frozen=True, slots=True)
-class Fault:
+class Fault(NamedTuple):
     """``seen``: what the robot does instead, a sentence's part for each motion that it can do."""
 
     text: str

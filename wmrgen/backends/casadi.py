@@ -12,8 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -69,8 +68,7 @@ def functions(module: Module) -> dict[str, ca.Function]:
     }
 
 
-@dataclass(frozen=True, slots=True)
-class OfColumns:
+class OfColumns(NamedTuple):
     """A CasADi function of columns, each of which is one call of it; other processes can be sent it."""
 
     function: ca.Function

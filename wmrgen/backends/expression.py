@@ -8,7 +8,7 @@ the IR, node by node.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import hand_through, inlined_calls
@@ -23,8 +23,7 @@ _CHOICE, _SUM, _PRODUCT, _UNARY, _ATOM = range(5)
 _BINDING = {"+": _SUM, "-": _SUM, "*": _PRODUCT, "/": _PRODUCT}
 
 
-@dataclass(frozen=True, slots=True)
-class Style:
+class Style(NamedTuple):
     """How a language writes what is not infix arithmetic.
 
     ``literal`` prints a constant as an atom (negative ones in parentheses). ``form`` is the format of an operation
@@ -49,8 +48,7 @@ def expanded(module: Module, choice: Choice) -> tuple[Module, dict[str, Cost]]:
     return with_kernels(module, choice.scalar, choice.math, choice.target), costs
 
 
-@dataclass(frozen=True, slots=True)
-class Results:
+class Results(NamedTuple):
     """What the calls of a kernel look like: its ``function``, the ``type`` of what that returns, and its members."""
 
     function: str
@@ -76,8 +74,7 @@ def results_of(
     return results
 
 
-@dataclass(frozen=True, slots=True)
-class Body:
+class Body(NamedTuple):
     """Statements that name temporaries, one expression per output, and which operations are used."""
 
     statements: tuple[str, ...]
@@ -85,8 +82,7 @@ class Body:
     ops: frozenset[Op]
 
 
-@dataclass(frozen=True, slots=True)
-class _Text:
+class _Text(NamedTuple):
     text: str
     binding: int
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, cast
 
 from wmrgen.backends.words import C_LIBRARY, CASADI, JAVASCRIPT, PYTHON, RUST, C, Reserved
 from wmrgen.errors import UsageError
@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(NamedTuple):
     """A function in a generated ``file``: its line, and the lines of the quantities that it names."""
 
     file: str
@@ -28,8 +27,7 @@ class Place:
     quantities: tuple[tuple[str, int], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class VectorForm:
+class VectorForm(NamedTuple):
     """A ``function`` of the vectors x, u and p to the vector ``result``: the contract names of the entries of each;
     it may do without some. ``nominal``: the entries of p. ``name`` of what backends make of it."""
 
@@ -78,8 +76,7 @@ class Backend(Protocol):
         """Outputs by contract name for each case (inputs by contract name; a tunable may be left out)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Files:
+class Files(NamedTuple):
     """Files of one purpose: their names, with ``{robot}`` in place and ``*`` for any function; ``what`` they are,
     for the report (nothing: they are not listed)."""
 
@@ -87,8 +84,7 @@ class Files:
     what: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
+class Entry(NamedTuple):
     """A backend.
 
     ``module`` is its import path; ``source`` the attribute of Derivation that it reads: ``module``, ``c_module``, or

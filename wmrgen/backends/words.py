@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
-class Reserved:
+class Reserved(NamedTuple):
     """Words, in lower case, and why no robot, wheel or parameter may bear one of them in any case; ``exact``: those
     that are kept as they are written alone."""
 

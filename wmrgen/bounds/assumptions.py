@@ -15,6 +15,7 @@ import math
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -73,8 +74,7 @@ SINGLE = Format("float", 24, -149, 128)
 DOUBLE = Format("double", 53, -1074, 1024)
 
 
-@dataclass(frozen=True, slots=True)
-class Library:
+class Library(NamedTuple):
     """Largest error of sin, cos (of results up to 1), atan and atan2, in units in the last place of the result.
 
     The C standard bounds none of them: these are what is assumed of a libm, or was found of a kernel by trying every

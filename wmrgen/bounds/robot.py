@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,7 @@ TIES = (
 _NOTHING = 1e-100  # below every float: what the arithmetic of bounds leaves of zero
 
 
-@dataclass(frozen=True, slots=True)
-class OutputBound:
+class OutputBound(NamedTuple):
     """The float result lies in [low, high] and within ``error`` + ``per_length`` / h of the exact formula.
 
     The formula is decided as the float code decides it: at a tie either branch is right, the error that of the taken.
@@ -45,8 +44,7 @@ class OutputBound:
     singular: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class FunctionBound:
+class FunctionBound(NamedTuple):
     """One function: ``inputs`` by name, ``outputs``, what could not be shown (``alarms``), inputs without range."""
 
     name: str
@@ -60,8 +58,7 @@ class FunctionBound:
         return not self.alarms and not self.unknown
 
 
-@dataclass(frozen=True, slots=True)
-class Bounds:
+class Bounds(NamedTuple):
     """All functions of a robot in one floating-point type, with ``library`` for sines and arctangents.
 
     ``missing``: limits that the robot file must have; ``assumed``: ranges of inputs that it does not limit.

@@ -16,7 +16,7 @@ claimed where h is 64 times its own error or more, so that h changes by at most 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +38,7 @@ _SINGULAR = 1e-6  # of its largest value: a divisor below that may as well be ze
 _TURN = SMALL_ANGLE / (SMALL_ANGLE - 1) * (1 + 1e-4)
 
 
-@dataclass(frozen=True, slots=True)
-class Errors:
+class Errors(NamedTuple):
     """Of some nodes (rows) on every box: off by at most ``plain`` + sum of ``over`` / h.
 
     ``divisions``: those by lengths, and by what comes close to zero, on which they depend.

@@ -11,12 +11,11 @@ outside the package is known as soon as its module is imported.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from wmrgen.errors import Code, NotDerivableError, RobotFileError, Several
 from wmrgen.ports import Limits
@@ -44,8 +43,7 @@ class Kind(Enum):
     OPTIONAL = "where the robot file asks for it"
 
 
-@dataclass(frozen=True, slots=True)
-class Declaration:
+class Declaration(NamedTuple):
     """``build`` raises NotDerivableError where a robot cannot have the function.
 
     ``source``: equations of the texts in their corrected form, or that it is ours. ``limits``: see `Limits`.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import sympy
 
@@ -12,8 +13,7 @@ from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, Local, Parameter, absolute, add, at_least, select, signal, times
 
 
-@dataclass(frozen=True, slots=True)
-class Domain:
+class Domain(NamedTuple):
     """The model holds where ``expression`` is not zero; ``text`` says what happens there."""
 
     expression: Expr
@@ -65,8 +65,7 @@ class System:
         return names.formula(self.name, inputs, outputs, self.text)
 
 
-@dataclass(frozen=True, slots=True)
-class Lag:
+class Lag(NamedTuple):
     """A steering angle that follows its ``command`` [rad] at ``rate`` [rad/s]."""
 
     command: Port
@@ -90,8 +89,7 @@ def rate_port(port: Port) -> Port:
 SMALLEST = sympy.Rational(1, 10**9)  # a divisor nearer to zero than this counts as zero
 
 
-@dataclass(frozen=True, slots=True)
-class Gate:
+class Gate(NamedTuple):
     """Open where |value| is at least ``least``."""
 
     value: Expr

@@ -10,11 +10,10 @@ the interpreter predicts generated C compiled with ``-ffp-contract=off`` bit for
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import Exact
@@ -26,8 +25,7 @@ Number = Exact | Fraction | int | float
 _LONGEST, _DIGITS = 30_000, 9_000  # bits and decimals of a number
 
 
-@dataclass(frozen=True, slots=True)
-class Arithmetic:
+class Arithmetic(NamedTuple):
     """How to compute: ``enter`` takes a number in, ``of`` says what an operation does to such numbers."""
 
     name: str

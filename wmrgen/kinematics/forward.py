@@ -8,8 +8,9 @@ row only: what can be inverted now is not inverted on the robot.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
+from typing import NamedTuple
 
 import sympy
 
@@ -31,8 +32,7 @@ MOST_TERMS = 400  # of the twist in tunable parameters: beyond, it is computed s
 JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
 
 
-@dataclass(frozen=True, slots=True)
-class NominalRank:
+class NominalRank(NamedTuple):
     """The rank of H at nominal parameters; ``normal``: H^T W H there, lengths in the robot's unit, None at rank 3."""
 
     value: int

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import sympy
 
@@ -32,8 +32,7 @@ from wmrgen.symbolic import Expr, add, expression, number, root, square, subtrac
 _MANY = 3  # castors of one offset from which dividing all velocities by it takes fewer operations
 
 
-@dataclass(frozen=True, slots=True)
-class Joints:
+class Joints(NamedTuple):
     """What the inverse commands for one wheel; ``rim``: speed of its rim [m/s] before coupling, ``radius`` [m]."""
 
     rim: Expr
@@ -191,8 +190,7 @@ def _scaled(rim: Expr, factor: Poly) -> Expr:
     return times(expression(factor), rim)
 
 
-@dataclass(frozen=True, slots=True)
-class CastorMotion:
+class CastorMotion(NamedTuple):
     """``rolling`` and ``sliding``: rows times the twist [m/s]. ``free_rate``: steering rate [rad/s] without sliding."""
 
     rolling: Poly

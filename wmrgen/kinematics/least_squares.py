@@ -14,8 +14,8 @@ commanded twist, its wheels follow in the least-squares sense, and the sliding i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 import sympy
 
@@ -120,8 +120,7 @@ def _ratio(a: Poly, b: Poly) -> Exact | None:
     return ratio if all(c == ratio * b.terms[k] for k, c in a.terms.items()) else None
 
 
-@dataclass(frozen=True, slots=True)
-class Projection:
+class Projection(NamedTuple):
     """``twist``: what is driven. slip = sqrt(weight * sum of residuals**2)."""
 
     twist: Row

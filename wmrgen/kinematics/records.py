@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
+from typing import NamedTuple
 
 import sympy
 from sympy.functions.elementary.piecewise import ExprCondPair
@@ -40,8 +41,7 @@ def substituted(expr: Expr, values: dict[Expr, Expr], memo: dict[Expr, Expr]) ->
     return memo[expr]
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(NamedTuple):
     """Intermediate results that a kernel computes: ``results`` are the outputs of ``kernel`` for ``args``, in order.
 
     The formula says all the same what they are, in base operations.

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 import mpmath
 import sympy
@@ -68,8 +69,7 @@ class Target:
     spin: Expr | None = None  # [rad/s], where it is known already
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(NamedTuple):
     """``heading``: joint angle [rad] of one direction of the line, that in which the pivot moves where a >= 0.
 
     ``size``: of the velocity [m/s]. Up to `STILL` the pivot counts as standing, and there is no heading.

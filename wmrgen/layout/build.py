@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from fractions import Fraction
 from math import atan2, hypot, pi, remainder
-from typing import Any
+from typing import Any, NamedTuple
 
 from wmrgen.errors import RobotFileError, Several
 from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
@@ -114,8 +113,7 @@ def _check_independent(p: ParameterSpec, working: Poly) -> None:
         )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class _Angles:
+class _Angles(NamedTuple):
     """The angles of one wheel, snapped unless ``tunable`` is None; ``notes`` collects what snapping did."""
 
     name: str

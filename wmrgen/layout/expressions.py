@@ -7,8 +7,8 @@ angle is taken as that multiple, and a note says so; a little farther away a not
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from wmrgen.errors import Code, Mark, RobotFileError
 from wmrgen.exact.evaluate import (
@@ -34,8 +34,7 @@ LARGEST = 10**36  # the largest number that can be written, in the largest unit,
 _ELSE = "Change the expression or the parameters that it takes."
 
 
-@dataclass(frozen=True, slots=True)
-class Scope:
+class Scope(NamedTuple):
     """The parameters that quantities are made of: ``values``, nominal, of all; ``constants``, of those not tunable."""
 
     values: Mapping[str, Poly]
@@ -76,8 +75,7 @@ def evaluate(quantity: Quantity, values: Mapping[str, Poly]) -> Exact:
     return number(to_poly(quantity, values), values)
 
 
-@dataclass(frozen=True, slots=True)
-class _Conversion:
+class _Conversion(NamedTuple):
     """The conversion of one quantity, which stands at ``mark``."""
 
     values: Mapping[str, Poly]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 from wmrgen.errors import Mark
 from wmrgen.exact.number import ONE, ZERO, Exact
@@ -58,8 +58,7 @@ class Geometry(Generic[T]):
         return self.r * self.cg
 
 
-@dataclass(frozen=True, slots=True)
-class Interval:
+class Interval(NamedTuple):
     """low <= quantity <= high, SI units."""
 
     low: Exact
@@ -71,16 +70,14 @@ class Interval:
         return Interval(*ends) if k.sign > 0 else Interval(*reversed(ends))
 
 
-@dataclass(frozen=True, slots=True)
-class Noise:
+class Noise(NamedTuple):
     """What is measured of a joint has the variance (``proportional`` value)**2 + ``constant``**2, SI units."""
 
     proportional: Exact
     constant: Exact
 
 
-@dataclass(frozen=True, slots=True)
-class Encoder:
+class Encoder(NamedTuple):
     """A counter: ``turn`` counts per turn of the joint, negative where it counts down; it wraps at 2**``bits``."""
 
     turn: Exact
@@ -147,8 +144,7 @@ class Wheel:
         return joint in self.actuated or (joint == "steer" and self.kind.steers)
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
+class Parameter(NamedTuple):
     """A named length or angle; pi is kept.
 
     ``symbolic`` may refer to other parameters, ``working`` to tunable ones alone (to itself where it is tunable),
@@ -163,8 +159,7 @@ class Parameter:
     tunable: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Length:
+class Length(NamedTuple):
     """One quantity in the three views."""
 
     symbolic: Poly
@@ -172,8 +167,7 @@ class Length:
     nominal: Exact
 
 
-@dataclass(frozen=True, slots=True)
-class Trailer:
+class Trailer(NamedTuple):
     """A trailer: ``length`` [m] from its coupling to its axle, ``hitch`` [m] from the axle in front to the coupling."""
 
     name: str
@@ -182,8 +176,7 @@ class Trailer:
     mark: Mark
 
 
-@dataclass(frozen=True, slots=True)
-class Virtual:
+class Virtual(NamedTuple):
     """A wheel that is not there, at (x, y): its angle (``steers``) or its speed (``drives``) stands for those of
     ``wheels``. Its heading at zero steering is that of the first of them."""
 
@@ -195,8 +188,7 @@ class Virtual:
     mark: Mark
 
 
-@dataclass(frozen=True, slots=True)
-class Point:
+class Point(NamedTuple):
     """A point in the robot frame [m], z above the ground."""
 
     x: Length

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import ceil
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
-class Tolerance:
+class Tolerance(NamedTuple):
     """Axles that miss one another by ``length`` [m] or less are taken for one. ``size`` [m]: from the rim of one wheel
     to that of another, the largest there is. ``written``: the robot file says it."""
 
@@ -28,8 +27,7 @@ class Tolerance:
 EXACT = Tolerance(0.0, 0.0, True)
 
 
-@dataclass(frozen=True, slots=True)
-class Near:
+class Near(NamedTuple):
     """Axles that are nearly one: ``text`` says which and how near, ``instead`` what to write for one axle.
 
     ``tolerance`` [m] takes them for one; ``moves`` says how wheels were moved for that, and is empty where the robot's

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +29,7 @@ wheels:
 """
 
 
-@dataclass(frozen=True, slots=True)
-class Subject:
+class Subject(NamedTuple):
     """A robot: what its file says, its layout, and what that can do."""
 
     spec: RobotSpec
@@ -72,8 +72,7 @@ class Finding:
 Check = Callable[[Subject], Iterator[Finding]]
 
 
-@dataclass(frozen=True, slots=True)
-class Rule:
+class Rule(NamedTuple):
     """``title``: the mistake. ``text``: why it is one, and when it is none. ``wrong``, ``right``: robot files without
     their first two lines; the rule finds something in the first, and no rule anything in the second.
     ``stops``: `derive` goes on only where the file says to ignore it."""

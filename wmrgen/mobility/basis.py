@@ -7,11 +7,10 @@ The null space of a rank-2 matrix is one cross product.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from itertools import combinations
-from typing import TypeVar, cast
+from typing import NamedTuple, TypeVar, cast
 
 import numpy as np
 
@@ -34,8 +33,7 @@ IDENTITY: tuple[Row, ...] = ((_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO,
 Polys = TypeVar("Polys", bound=tuple[Poly, ...])
 
 
-@dataclass(frozen=True, slots=True)
-class BasisRow:
+class BasisRow(NamedTuple):
     """A row of C1 in any view of the geometry, twists in SI units; ``steered``: the wheels that it stands for."""
 
     row: Callable[[View], Row]

@@ -8,8 +8,9 @@ twist is.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,8 +40,7 @@ _WEIGHTS = ((7, -5, 3), (-4, 9, 5), (11, 2, -6))
 _SEEDS = 3  # of castor angles, over which twists are collected
 
 
-@dataclass(frozen=True, slots=True)
-class Configuration:
+class Configuration(NamedTuple):
     """A generic admissible configuration of ``robot``, the robot in ``unit``, and the ranks there.
 
     ``constant``: independent rows that depend on no steered wheel. ``C1``: its rows, the constant ones first.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,7 @@ TOLERANCE = 1e-9  # relative to the largest singular value
 CAMPION = ((3, 0), (2, 0), (2, 1), (1, 1), (1, 2))  # the types that are not degenerate
 
 
-@dataclass(frozen=True, slots=True)
-class Rank:
+class Rank(NamedTuple):
     """A rank decided twice: exactly, and at TOLERANCE relative to the largest singular value.
 
     ``exact`` is None where no exact configuration exists. ``value`` follows the tolerance.
@@ -62,8 +62,7 @@ class Admissible:
         return len(self.basis) if self.linear else len(self.basis) - 1
 
 
-@dataclass(frozen=True, slots=True)
-class Singularity:
+class Singularity(NamedTuple):
     """Where a rank drops or an angle is undefined. ``conditions`` all vanish there.
 
     ``twist`` is True when a condition is a row to be multiplied with (vx, vy, omega).
@@ -80,8 +79,7 @@ class Singularity:
         return self.kind == "rolling_rank" and len(self.wheels) > 2
 
 
-@dataclass(frozen=True, slots=True)
-class Balance:
+class Balance(NamedTuple):
     """Motors against degrees of freedom.
 
     ``joint``: spin, of driving, or steer, of steering. ``motors``: joints that are actuated, coupled ones counted once;

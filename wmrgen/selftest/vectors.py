@@ -8,8 +8,8 @@ sure is 0. Laws: forward after an inverse gives the twist, beside zeros of eithe
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,8 +37,7 @@ THERE = "there and back"
 _RARE = 2  # points that a pair of outcomes should have
 
 
-@dataclass(frozen=True, slots=True)
-class Vector:
+class Vector(NamedTuple):
     """One point of a table, in its order of names."""
 
     text: str
@@ -47,8 +46,7 @@ class Vector:
     tolerance: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Table:
+class Table(NamedTuple):
     """Vectors of functions that take the same inputs; ``law``: outputs of the first are inputs of the second."""
 
     functions: tuple[str, ...]

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from wmrgen.spec.numbers import Kind
 
 
-@dataclass(frozen=True, slots=True)
-class Version:
+class Version(NamedTuple):
     """The number of the format."""
 
     number: str
@@ -24,8 +24,7 @@ class Name:
     """A new name, see `wmrgen.spec.names`."""
 
 
-@dataclass(frozen=True, slots=True)
-class Text:
+class Text(NamedTuple):
     """Free text for people."""
 
     longest: int
@@ -43,31 +42,27 @@ class Word:
 YES = {"true": True, "false": False}
 
 
-@dataclass(frozen=True, slots=True)
-class Amount:
+class Amount(NamedTuple):
     """A quantity: a number, a number with a unit, an expression. ``unit``: what else than the units of the kind."""
 
     kind: Kind
     unit: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Interval:
+class Interval(NamedTuple):
     """A quantity v for [-v, v], or a list [low, high]."""
 
     kind: Kind
 
 
-@dataclass(frozen=True, slots=True)
-class OneOf:
+class OneOf(NamedTuple):
     """A name that something else declares: a ``joint`` of the wheel, a ``wheel``, a wheel's joint as
     ``wheel.joint``, a wheel ``type``, a ``function``."""
 
     what: str
 
 
-@dataclass(frozen=True, slots=True)
-class ListOf:
+class ListOf(NamedTuple):
     """A list of at least ``least`` and at most ``most`` items; ``once``: all different.
 
     ``few`` and ``many`` are the error (what, why, what to write) where there are fewer or more: {n} items of {key}.
@@ -82,16 +77,14 @@ class ListOf:
     many: Error = ("{n} {key}", "At most {most} are derived.", "")
 
 
-@dataclass(frozen=True, slots=True)
-class Mapped:
+class Mapped(NamedTuple):
     """New names, at most ``most``, each with a value of its own or with the keys of ``section``."""
 
     section: Section
     most: int
 
 
-@dataclass(frozen=True, slots=True)
-class Section:
+class Section(NamedTuple):
     """A mapping with known keys. ``title`` names it in messages, ``example`` is what to write.
 
     ``choices``: sets of keys of which exactly one stands, all its keys together.
@@ -153,8 +146,7 @@ class Field:
         return {alias: text or f"Did you mean {self.key}?" for alias, text in self.aliases.items()}
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
+class Choice(NamedTuple):
     """Of several sets of keys exactly one stands, all its keys together; ``optional``: or none.
 
     ``several`` and ``none``: what is wrong, why, and what to write. {keys} are those that stand.

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from wmrgen.errors import Code, RobotFileError, Several
 from wmrgen.spec.expressions import read_quantity, scalar_of
@@ -89,8 +89,7 @@ def _names_in_doubt(table: Table, wrong: Several) -> bool:
     return unnamed or no_mapping or any(error.code is Code.NAME for error in wrong.errors)
 
 
-@dataclass(frozen=True, slots=True)
-class _Reading:
+class _Reading(NamedTuple):
     """What the parts of a robot file are read by: its keys, parameters, names, the types of its wheels, if known, and
     what takes the mistakes."""
 

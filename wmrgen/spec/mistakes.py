@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from wmrgen.errors import Code
 
 
-@dataclass(frozen=True, slots=True)
-class Mistake:
+class Mistake(NamedTuple):
     """``title``: the mistake. ``text``: why it is one. ``wrong``, ``right``: robot files without their first two lines;
     the first has this mistake and no other, the second none. ``form``: what the examples are instead."""
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
 from math import ceil
+from typing import NamedTuple
 
 from wmrgen.errors import Code, RobotFileError
 from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi
@@ -39,8 +40,7 @@ class Kind(StrEnum):
     ANY = "parameter"
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
+class Unit(NamedTuple):
     """One of this unit is ``factor`` SI units, times pi where ``pi``."""
 
     kind: Kind

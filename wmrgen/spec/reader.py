@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import yaml
 from yaml.parser import Parser
@@ -272,8 +271,7 @@ def read_tree(text: str, file: str, several: Several | None = None, aliases: boo
     return tree
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(NamedTuple):
     """A word of YAML as it stands, or the start or end of a block, which has no text. ``column`` counts from 0."""
 
     kind: str

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
-class Check:
+class Check(NamedTuple):
     """What the value of ``key`` must not be. ``bad`` sees the wheel's nominal `Geometry`.
 
     ``problem`` has the placeholders {what} (the wheel) and {text} (the value as written).
@@ -25,8 +24,7 @@ class Check:
     instead: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Words:
+class Words(NamedTuple):
     """The report's words.
 
     ``intro`` comes before the equations of the type; ``offset_intro`` replaces it where a contact point stands off
@@ -42,8 +40,7 @@ class Words:
     note: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Glyph:
+class Glyph(NamedTuple):
     """How the drawing shows a wheel: ``fill`` is a colour, ``width`` the tyre's over its radius.
 
     ``sign``: half the width [px] of the tyre in the legend. ``ball``: a circle instead of a tyre.

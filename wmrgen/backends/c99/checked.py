@@ -6,9 +6,8 @@ With ``--fuzz`` also ``test/<robot>_fuzz.c``: a libFuzzer harness of them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 from wmrgen.backends.c99.records import Step, Unit
 from wmrgen.backends.c99.text import block_comment, comment_lines, literal, prototype
@@ -53,8 +52,7 @@ ABOUT_TUNABLE = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Range:
+class Range(NamedTuple):
     """An input: accepted from ``low`` to ``high``, as C writes them."""
 
     port: Port
@@ -62,8 +60,7 @@ class Range:
     high: str
 
 
-@dataclass(frozen=True, slots=True)
-class Safe:
+class Safe(NamedTuple):
     """An output where nothing was accepted: the input of the same name where ``held``, else 0, inside ``limit``."""
 
     port: Port
@@ -71,8 +68,7 @@ class Safe:
     limit: tuple[str, str] | None
 
 
-@dataclass(frozen=True, slots=True)
-class Guarded:
+class Guarded(NamedTuple):
     """A function with what it accepts, and what its outputs are where it accepts nothing.
 
     `prepare` has no ``outputs`` of that kind: it works with the nominal parameters then. ``keeps``: the steering angles

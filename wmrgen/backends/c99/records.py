@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from wmrgen.backends.c99.text import Struct, prototype
 from wmrgen.ir.kernels.choice import Choice
@@ -12,8 +13,7 @@ from wmrgen.ir.nodes import Op
 PREPARING = ("params_default", "prepare")
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
+class Parameter(NamedTuple):
     """A parameter of a C function. ``type``: of what is passed or pointed to.
 
     ``reads`` and ``writes``: contract name -> member path, empty of a scalar.
@@ -95,8 +95,7 @@ class Step:
         return f"{self.name}{ending}({', '.join(passed)})"
 
 
-@dataclass(frozen=True, slots=True)
-class Kernel:
+class Kernel(NamedTuple):
     """A static function, ready to print. ``struct``: (type, members) of its results where there are several."""
 
     guard: str

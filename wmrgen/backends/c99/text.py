@@ -9,10 +9,10 @@ import re
 import textwrap
 import unicodedata
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
+from typing import NamedTuple
 
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Port
@@ -99,8 +99,7 @@ def literal(value: Exact, scalar: str) -> str:
 _Row = tuple[str, str, str]  # indent, declaration, comment
 
 
-@dataclass(frozen=True, slots=True)
-class Struct:
+class Struct(NamedTuple):
     """``lines`` of the typedef; ``members``: contract name -> member path (``left.spin``)."""
 
     name: str

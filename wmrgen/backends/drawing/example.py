@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from math import acos, atan2, cos, hypot, pi, radians, remainder, sin
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wmrgen.backends.drawing.paper import Point, bounds, distance, middle
 
@@ -22,8 +21,7 @@ _PLACES = (  # ICR candidates from the centre, in units of the robot's half exte
 _DISTANCES = (1.3, 1.7, 2.2, 2.8, 3.6, 5.0, 8.0, -1.3, -2.2, -3.6, 12.0)
 
 
-@dataclass(frozen=True, slots=True)
-class Example:
+class Example(NamedTuple):
     """``twist`` of P [m/s, rad/s]. ``headings``: rolling direction by wheel [rad]. ``icr``: None without rotation."""
 
     twist: Twist

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from html import escape
+from typing import NamedTuple
 
 from wmrgen.backends.drawing.paper import num, pair
 from wmrgen.backends.drawing.view import View
@@ -15,8 +15,7 @@ WIDTH, SHOWN = 480.0, 420.0  # of every figure, and how wide it is shown: two si
 Group = tuple[str, Sequence[str]]  # attributes and elements
 
 
-@dataclass(frozen=True, slots=True)
-class Figure:
+class Figure(NamedTuple):
     """``alt``: a sentence that says what is seen."""
 
     file: str

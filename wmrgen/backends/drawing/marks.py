@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from math import atan2, cos, degrees, hypot, pi, sin
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wmrgen.backends.drawing.paper import (
     Box,
@@ -36,8 +35,7 @@ _ARROW = 13.0  # length of the rolling-direction arrow
 _SYMBOL, _SPACE, _ROW = 22.0, 12.0, 18.0  # of an entry of the legend
 
 
-@dataclass(frozen=True, slots=True)
-class Placed:
+class Placed(NamedTuple):
     """A wheel on paper. ``pivot``: A; ``centre``: contact B; ``ahead``: e; ``half``: half length, width."""
 
     wheel: Wheel

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import cos, sin
+from typing import NamedTuple
 
 from wmrgen.backends.drawing.paper import Box, Point, along, arc, bounds, middle, polygon
 
@@ -13,8 +13,7 @@ Pose = tuple[float, float, float]
 AT_ORIGIN: Pose = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(NamedTuple):
     """``scale`` [px/m]; ``origin``: of the frame, on paper; ``x``: its x axis on paper. y points to the left of x."""
 
     scale: float

@@ -7,8 +7,7 @@ size: robot files hold rounded numbers.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wmrgen.backends.report.markdown import items, listed, plain
 from wmrgen.constraints import nominal_view, rolling_row
@@ -26,8 +25,7 @@ Wheels = Sequence[Wheel]
 Rows = tuple[tuple[Exact, Exact, Exact], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Citation:
+class Citation(NamedTuple):
     """``equation`` of a text gives ``what``; ``letters``: the text's symbols and their values here.
 
     ``wheels``: in the order of the text.

@@ -15,9 +15,9 @@ limits come first: the choice that leaves less of any angle outside them wins, b
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
+from typing import NamedTuple
 
 import sympy
 
@@ -127,8 +127,7 @@ def _rates(robot: Robot) -> list[tuple[Port, Interval | None]]:
     return rates
 
 
-@dataclass(frozen=True, slots=True)
-class _Unit:
+class _Unit(NamedTuple):
     """Wheels that one motor steers.
 
     ``seen``: per wheel the velocity (u, v) of its pivot along and across it. ``moves``: the sum of

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from wmrgen.constraints import View
 from wmrgen.exact.poly import Poly
@@ -16,8 +16,7 @@ from wmrgen.symbolic import Expr, add, expression, rotated, subtract, times
 Vector = tuple[Expr, Expr]
 
 
-@dataclass(frozen=True, slots=True)
-class Axle:
+class Axle(NamedTuple):
     """What the body turns about. ``ex, ey``: unit direction of travel e. ``x, y`` [m]: Q on it. Robot frame."""
 
     ex: Poly

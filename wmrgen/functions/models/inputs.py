@@ -8,6 +8,7 @@ joints and the steering rates; where too few joints are driven, null-space coord
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -50,8 +51,7 @@ class UnderactuatedError(NotDerivableError):
     """Fewer independent driven joints than degrees of mobility; the text says what is missing."""
 
 
-@dataclass(frozen=True, slots=True)
-class Drive:
+class Drive(NamedTuple):
     """A driven joint: scale * input + sum of offsets[name] * (rate of coordinate ``name``) = row . eta."""
 
     port: Port

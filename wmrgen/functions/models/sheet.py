@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy
 
@@ -16,8 +16,7 @@ from wmrgen.symbolic import Expr, gathered, signal
 LONGEST = 4000  # nodes of an expression that is still written out
 
 
-@dataclass(frozen=True, slots=True)
-class Equation:
+class Equation(NamedTuple):
     """``left`` = ``right``; ``left`` is the symbol of the quantity, primed where it is a rate."""
 
     left: str

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from cmath import exp, phase
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,8 +27,7 @@ from wmrgen.symbolic import Expr, number, over, signal, subtract
 ROLLING_ALONE = "wheels slide, as they do in every curve"
 
 
-@dataclass(frozen=True, slots=True)
-class StateSpace:
+class StateSpace(NamedTuple):
     """``rates``: ``state``, ``inputs`` and parameters (``geometry``) to the rates of the state, in this order;
     ``constraints``: the same to what has to be 0, None where nothing has to; ``bounds``: low and high by contract
     name, of its rate as ``<name>_rate``; ``text``: which model it is; ``singular``: where it does not hold."""

@@ -9,8 +9,8 @@ brackets of up to k fields span there; its length is the degree of nonholonomy.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 import sympy
 
@@ -155,8 +155,7 @@ def _on_circle(angle: Poly, point: Mapping[str, Exact]) -> CosSin | None:
     return total
 
 
-@dataclass(frozen=True, slots=True)
-class Bracket:
+class Bracket(NamedTuple):
     """A vector field reached by the inputs. ``name``: g1, [g1, g2], [g1, [g1, g2]]; ``order``: fields in it."""
 
     name: str
@@ -173,8 +172,7 @@ class Bracket:
         return tuple(shown(tidy(e)) for e in self.field)
 
 
-@dataclass(frozen=True, slots=True)
-class Growth:
+class Growth(NamedTuple):
     """``brackets``: those that add a dimension, the input fields first. ``vector``: dimensions by order."""
 
     state: tuple[str, ...]

@@ -26,7 +26,7 @@ independent of those of the next.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import sympy
 
@@ -71,8 +71,7 @@ Matrix = list[list[Poly]]
 _PAIRS = tuple((i, j) for i in range(3) for j in range(i, 3))
 
 
-@dataclass(frozen=True, slots=True)
-class _Block:
+class _Block(NamedTuple):
     """The rows of a wheel, one or two, their weight, and the covariance ``noise`` of their errors [(m/s)**2]."""
 
     rows: list[Row]

@@ -12,7 +12,8 @@ from the fixed axle at the centre of the fixed wheels, from P where there is non
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import sympy
 
@@ -58,8 +59,7 @@ def require_trailers(robot: Robot, mobility: Mobility) -> None:
     check_trailers(robot, mobility)
 
 
-@dataclass(frozen=True, slots=True)
-class Towed:
+class Towed(NamedTuple):
     """The axle of a trailer: its speed along its heading and its yaw rate."""
 
     speed: Expr

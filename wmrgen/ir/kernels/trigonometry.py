@@ -7,8 +7,9 @@ the decimal that reads back as it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
+from typing import NamedTuple
 
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.kernels.choice import M0, M4F
@@ -46,8 +47,7 @@ LESS_HALF_LOW = _floats("8.742278e-08")[0]
 PER_QUARTER, LESS_QUARTER_LOW = _floats("0.63661975", "4.371139e-08")
 
 
-@dataclass(frozen=True, slots=True)
-class Worst:
+class Worst(NamedTuple):
     """Worst errors over every float. ``sine``, ``arctangent``: of angles up to pi/2 and of arguments up to 1, in ulp;
     ``circle``: of the sine and cosine of angles up to 100 rad, in units of 2**-24."""
 
@@ -71,8 +71,7 @@ VECTOR = ("x", "y")
 SOFT = {Op.MUL: Op.IMUL, Op.DIV: Op.IDIV, Op.SQRT: Op.ISQRT}  # the same values from fewer instructions
 
 
-@dataclass(frozen=True, slots=True)
-class Processor:
+class Processor(NamedTuple):
     """What floats are computed with. ``inline``: own kernels, else libm's functions. ``fused``: products that are
     added are not rounded. ``bits``: signs are taken from bits. ``integer``: no floating point at all."""
 

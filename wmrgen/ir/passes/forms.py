@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.ir.build import Builder
@@ -48,8 +49,7 @@ def share_linear_forms(function: Function) -> Function:
     return _emit(function, shape, scalars, builder, best)
 
 
-@dataclass(frozen=True, slots=True)
-class _Shape:
+class _Shape(NamedTuple):
     """What kind every node is: known before the step, part of a sum, a row. ``stops``: rows and shared sums."""
 
     early: list[bool]

@@ -6,8 +6,7 @@ A function whose results another one computes by the same operations has its cla
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +22,8 @@ PARTS = {1: 128, 2: 36}
 _TURN = 3.1416  # half a turn and a little [rad]
 
 
-class Claim(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Claim:
     """A result lies in [low, high] and is off by at most error + over / h where h >= `SMALL_ANGLE` rho.
 
     ``singular``: a divisor on which it depends comes close to zero, so that these numbers mean nothing.
@@ -37,7 +37,8 @@ class Claim(NamedTuple):
     singular: bool = False
 
 
-class Outcome(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Outcome:
     """Of a function: a claim per result, and what is not shown (node, what)."""
 
     claims: tuple[Claim, ...]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +25,8 @@ TIES = (
 _NOTHING = 1e-100  # below every float: what the arithmetic of bounds leaves of zero
 
 
-class OutputBound(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class OutputBound:
     """The float result lies in [low, high] and within ``error`` + ``per_length`` / h of the exact formula.
 
     The formula is decided as the float code decides it: at a tie either branch is right, the error that of the taken.
@@ -44,7 +45,8 @@ class OutputBound(NamedTuple):
     singular: bool = False
 
 
-class FunctionBound(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class FunctionBound:
     """One function: ``inputs`` by name, ``outputs``, what could not be shown (``alarms``), inputs without range."""
 
     name: str
@@ -58,7 +60,8 @@ class FunctionBound(NamedTuple):
         return not self.alarms and not self.unknown
 
 
-class Bounds(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Bounds:
     """All functions of a robot in one floating-point type, with ``library`` for sines and arctangents.
 
     ``missing``: limits that the robot file must have; ``assumed``: ranges of inputs that it does not limit.

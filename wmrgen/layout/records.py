@@ -167,7 +167,8 @@ class Length(NamedTuple):
     nominal: Exact
 
 
-class Trailer(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Trailer:
     """A trailer: ``length`` [m] from its coupling to its axle, ``hitch`` [m] from the axle in front to the coupling."""
 
     name: str

@@ -8,18 +8,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from wmrgen.errors import Mark
 
 
 @dataclass(frozen=True, slots=True)
 class Num:
+    """An exact number."""
+
     value: Fraction
 
 
 @dataclass(frozen=True, slots=True)
 class Pi:
-    pass
+    """The number pi."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +43,8 @@ class Binary:
 
 @dataclass(frozen=True, slots=True)
 class Neg:
+    """``arg`` with the other sign."""
+
     arg: Expr
 
 
@@ -63,15 +68,15 @@ class Quantity:
     mark: Mark
 
 
-@dataclass(frozen=True, slots=True)
-class ParameterSpec:
+class ParameterSpec(NamedTuple):
+    """A named length or angle; one that is tunable stays an input of the generated code."""
+
     name: str
     value: Quantity
     tunable: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Limit:
+class Limit(NamedTuple):
     """low <= value <= high, in SI units. ``name``: vx vy omega, their rates, spin steer steer_rate."""
 
     name: str
@@ -80,8 +85,7 @@ class Limit:
     mark: Mark
 
 
-@dataclass(frozen=True, slots=True)
-class NoiseSpec:
+class NoiseSpec(NamedTuple):
     """Standard deviations of what is measured of ``joint`` (spin, steer or steer_rate); None is 0."""
 
     joint: str
@@ -89,8 +93,7 @@ class NoiseSpec:
     constant: Quantity | None
 
 
-@dataclass(frozen=True, slots=True)
-class EncoderSpec:
+class EncoderSpec(NamedTuple):
     """A counter of ``joint``, spin or steer: ``counts`` per turn of its shaft, which turns ``gear`` times as far."""
 
     joint: str
@@ -100,8 +103,7 @@ class EncoderSpec:
     bits: Quantity | None
 
 
-@dataclass(frozen=True, slots=True)
-class WheelSpec:
+class WheelSpec(NamedTuple):
     """One entry of ``wheels``. Exactly one placement (l, alpha) or (x, y); beta or heading, not both;
     a castor or spherical wheel may have neither."""
 
@@ -128,8 +130,7 @@ class WheelSpec:
     lag: tuple[tuple[str, Quantity], ...] = ()  # joint, time constant
 
 
-@dataclass(frozen=True, slots=True)
-class Coupling:
+class Coupling(NamedTuple):
     """Joints of several wheels that are mechanically equal. ``joint``: spin or steer. ``ratios``: of spins, the turns
     of each per turn of their shaft; none where they are equal."""
 
@@ -139,8 +140,7 @@ class Coupling:
     ratios: tuple[Quantity, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class TrailerSpec:
+class TrailerSpec(NamedTuple):
     """One entry of ``trailers``. ``length``: from its coupling to its axle; ``hitch``: from the axle in front
     back to the coupling."""
 
@@ -150,8 +150,7 @@ class TrailerSpec:
     mark: Mark
 
 
-@dataclass(frozen=True, slots=True)
-class VirtualSpec:
+class VirtualSpec(NamedTuple):
     """One entry of ``virtual``. ``role``: steers or drives."""
 
     name: str
@@ -162,15 +161,15 @@ class VirtualSpec:
     mark: Mark
 
 
-@dataclass(frozen=True, slots=True)
-class PointSpec:
+class PointSpec(NamedTuple):
+    """The centre of gravity, in the robot's frame."""
+
     x: Quantity
     y: Quantity
     z: Quantity
 
 
-@dataclass(frozen=True, slots=True)
-class FunctionSpec:
+class FunctionSpec(NamedTuple):
     """A function that the file asks for; `wmrgen.functions.registry` knows which there are."""
 
     name: str

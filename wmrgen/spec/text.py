@@ -193,6 +193,8 @@ class Scalar(Node):
 
 @dataclass(frozen=True, slots=True)
 class SequenceNode(Node):
+    """A list."""
+
     items: tuple[Node, ...]
 
 

@@ -103,7 +103,8 @@ class EncoderSpec(NamedTuple):
     bits: Quantity | None
 
 
-class WheelSpec(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class WheelSpec:
     """One entry of ``wheels``. Exactly one placement (l, alpha) or (x, y); beta or heading, not both;
     a castor or spherical wheel may have neither."""
 

@@ -7,7 +7,10 @@ from fractions import Fraction
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
+from wmrgen.constraints import nominal_view, seen
 from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.poly import Gen, Poly
+from wmrgen.kinematics.least_squares import project
 from wmrgen.notation import listed
 from wmrgen.ports import TWIST_NAMES
 
@@ -54,12 +57,29 @@ def motions(d: Derivation) -> list[Motion]:
 
 def _motion(d: Derivation, title: str, **parts: Exact) -> Motion:
     twist = {name: parts.get(name, ZERO) for name in TWIST_NAMES}
+    allowed = admissible(d, twist)
+    if (
+        allowed["omega"] == twist["omega"] != ZERO
+    ):  # turning about another point than P has its sideways velocity
+        twist = allowed
     joints = {name: float(value) for name, value in d.evaluate("inverse", twist).items()}
     slides = joints.pop("slip") > _NEGLIGIBLE and not d.mobility.degenerate  # a degenerate robot skids
     driven = {f"{w.name}.{joint}" for w in d.robot.wheels for joint in (*w.actuated, *_rate(w.actuated))}
     own = {name: value for name, value in joints.items() if name in driven}
     moves = any(abs(value) > _NEGLIGIBLE for name, value in own.items() if not name.endswith(".steer"))
     return Motion(title, twist, own if moves and not slides else None)
+
+
+def admissible(d: Derivation, twist: Mapping[str, Exact]) -> dict[str, Exact]:
+    """The twist without what the wheels forbid."""
+    robot = seen(d.driven.robot, nominal_view)
+    values = {name: Poly.of(value) for name, value in twist.items()}
+
+    def value(g: Gen) -> Poly | None:
+        return values.get(g.name)
+
+    components = project(robot, d.driven.mobility).twist
+    return {n: p.substitute(value).constant or ZERO for n, p in zip(TWIST_NAMES, components, strict=True)}
 
 
 def _rate(actuated: tuple[str, ...]) -> tuple[str, ...]:

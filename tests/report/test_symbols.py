@@ -64,6 +64,15 @@ def test_where_a_form_does_not_hold(name: str) -> None:
         )
 
 
+@pytest.mark.parametrize("name", ROBOTS)
+def test_what_has_a_star_is_introduced(name: str) -> None:
+    """In the result, of wheels that steer too, before it is used."""
+    result = page_of(name).partition("## The result")[2].partition("**Forward")[0]
+    for star in ("v_x^{*}", "v_y^{*}", r"\omega^{*}"):
+        assert star not in result or result.index(f"{star} &=") == result.index(star)
+    assert name != "f1tenth" or r"v_y^{*} &= l_{r}\;\omega" in result
+
+
 def test_virtual_wheels_are_introduced() -> None:
     page = page_of("car_with_trailers")
     layout, model = page.partition("## 1 ")[2].partition("## 2 ")[0], page.partition("## 8 ")[2]

@@ -62,6 +62,9 @@ def test_what_cannot_be_driven_is_said() -> None:
     car = pages_of("ackermann_car")["wiring.md"]
     assert "a curve to the left" in car and "The wheels forbid +y." in car
     assert "+ω, counter-clockwise" in pages_of("clearpath_a200")["wiring.md"]  # it skids
+    for name, turn in (("f1tenth", "+ω, a curve to the left"), ("andino", "+ω, counter-clockwise")):
+        text = pages_of(name)["wiring.md"]  # P lies off the axle about whose points they turn
+        assert turn in text and "The wheels forbid +y." in text and " vy=" in text
     assert "nothing to check" in pages_of("office_chair")["wiring.md"]
 
 

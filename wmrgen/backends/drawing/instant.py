@@ -39,7 +39,7 @@ _MANY = 12  # wheels, from which on velocities and lines to the ICR are left out
 
 def number(value: float) -> str:
     """Three significant digits."""
-    return f"{round(value, 12) + 0.0:.3g}".replace("-", "−")
+    return f"{float(f'{round(value, 12) + 0.0:.3g}'):.12g}".replace("-", "−")
 
 
 def instant(robot: Robot, shown: Example, area: Box, title: str, words: Sequence[str]) -> list[Group]:

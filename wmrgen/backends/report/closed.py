@@ -34,15 +34,15 @@ def closed_inverse(d: Derivation) -> list[str]:
     if not any(w.actuated for w in robot.wheels):
         return ["No joint is driven, so there is nothing to command."]
     lines = [spin_rate(w, twist) for w in wheels if not w.turns]
-    shown = "".join(lines)
-    stars = [line for line in projected(projection) if line.partition(" &=")[0] in shown]
-    blocks = aligned([*stars, *lines]) if lines else []
-    for turning in (
+    turning = (
         [w for w in wheels if w.kind.steers],
         [w for w in wheels if w.kind.swivels and w.actuated],
-    ):
-        blocks += _pivots(turning, twist) if turning else []
-    return [*blocks, *cut_note(robot.wheels)]
+    )
+    pivots = [block for group in turning if group for block in _pivots(group, twist)]
+    shown = "".join([*lines, *pivots])
+    stars = [line for line in projected(projection) if line.partition(" &=")[0] in shown]
+    blocks = aligned([*stars, *lines]) if stars or lines else []
+    return [*blocks, *pivots, *cut_note(robot.wheels)]
 
 
 def _pivots(wheels: list[Wheel], twist: Row) -> list[str]:

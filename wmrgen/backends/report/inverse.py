@@ -213,7 +213,7 @@ def _slip(robot: Robot, projection: Projection, twist: Row) -> list[str]:
     if unlike:
         blocks += [
             f"A common rate need not suit all wheels of a coupling. Of {'; of '.join(map(listed, unlike))} the mean "
-            "square of what it leaves over, r φ̇ against the rim speed of each wheel, or d β̇ against its sideways "
+            "square of what it leaves over, r φ̇ against the rim speed of each wheel, or d ψ̇ against its sideways "
             "speed, is added to the square of `slip`."
         ]
     if held:

@@ -18,6 +18,7 @@ from wmrgen.backends.report.markdown import (
     math,
     pictures,
     plain,
+    rounded,
     sentence,
     some,
 )
@@ -239,8 +240,8 @@ def skid(d: Derivation) -> list[str]:
         *math(" = ".join(dict.fromkeys(["T_e", latex(track.symbolic), plain(track.nominal)]))),
         f"That drive has DDOF = {d.driven.mobility.ddof} and DOF = {d.driven.mobility.dof}: it is not holonomic.",
         *_actuation(d.driven),
-        f"Sections 6 to 8 are about that drive: its axle passes through ({x:.6g}, {y:.6g}), and the wheels of a side "
-        "count as one. What the wheels slide in a curve is no part of `slip` there.",
+        f"Sections 6 to 8 are about that drive: its axle passes through ({rounded(x)}, {rounded(y)}), and the wheels "
+        "of a side count as one. What the wheels slide in a curve is no part of `slip` there.",
     ]
 
 

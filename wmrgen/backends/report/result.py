@@ -10,11 +10,9 @@ from typing import TYPE_CHECKING
 from wmrgen.backends.report.closed import closed_forward, closed_inverse
 from wmrgen.backends.report.markdown import code, pictures, table, written
 from wmrgen.backends.report.overview import kind_of_robot
-from wmrgen.constraints import nominal_view, seen
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Poly
-from wmrgen.kinematics.least_squares import project
 from wmrgen.ports import TWIST_NAMES
+from wmrgen.wiring import admissible
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
@@ -22,8 +20,12 @@ if TYPE_CHECKING:
 Values = Mapping[str, Exact]
 _NO_SLIP = 1e-5  # m/s; of numbers with six digits
 _TRIED = 4  # twists
+_DIGITS = 5  # of a round number, with its point
 _MANY = 24  # values of one step of an example
-_SPEEDS = ((5, 2, 4), (5, 0, 4), (5, 0, 2), (5, 0, 1), (0, 5, 0), (0, 0, 4), (5, 2, 0), (5, 0, 0))  # tenths
+_SPEEDS: tuple[tuple[Fraction | int, ...], ...] = (
+    (5, 2, 4), (5, 0, 4), (5, 0, 2), (5, 0, 1), (5, 0, Fraction(1, 2)), (5, 0, Fraction(1, 10)), (0, 0, 4), (5, 2, 0),
+    (5, 0, 0), (0, 5, 0),
+)  # tenths  # fmt: skip
 _SCALES = (Fraction(1, 10), Fraction(1, 20), Fraction(1, 50), Fraction(1, 100), Fraction(1, 1000))
 
 
@@ -92,15 +94,15 @@ def _repeats(d: Derivation, twist: Values, joints: Values) -> bool:
 
 def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
     """Round twists, without what the wheels forbid, that the robot can drive inside its limits, with their joints."""
-    admissible = project(seen(d.driven.robot, nominal_view), d.driven.mobility).twist
     sample = [float(v) for v in d.mobility.admissible.sample] if d.mobility.degree_of_mobility else [0.0]
     size = 2 * max(map(abs, sample))
     rounded = [tuple(Fraction(round(10**7 * v / size), 10**6) for v in sample)] if size else []
-    speeds = [*(tuple(map(Fraction, s)) for s in _SPEEDS), *rounded]
     for scale in _SCALES:
-        for tenths in speeds:
-            asked = {n: Poly.of(k * scale) for n, k in zip(TWIST_NAMES, tenths, strict=True)}
-            twist = {n: _at(asked, p) for n, p in zip(TWIST_NAMES, admissible, strict=True)}
+        asked = (
+            {n: Exact(k * scale) for n, k in zip(TWIST_NAMES, s, strict=True)} for s in (*_SPEEDS, *rounded)
+        )
+        allowed = [{n: _six(v) for n, v in admissible(d, twist).items()} for twist in asked]
+        for twist in sorted(allowed, key=_plain):
             if not any(twist.values()) or not all(_inside(d, n, v) for n, v in twist.items()):
                 continue
             joints = d.evaluate("inverse", twist)
@@ -109,9 +111,13 @@ def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
                 yield twist, joints
 
 
-def _at(values: Mapping[str, Poly], p: Poly) -> Exact:
-    """What a component is where the twist has these values, to six decimals, as a command has it."""
-    value = p.substitute(lambda g: values.get(g.name)).constant or ZERO
+def _plain(twist: Values) -> tuple[bool, bool]:
+    """What turns comes first, of that what has few digits."""
+    return not twist["omega"], any(len(_short(v)) > _DIGITS for v in twist.values())
+
+
+def _six(value: Exact) -> Exact:
+    """Six decimals, as a command has it."""
     return Exact(Fraction(round(10**6 * float(value)), 10**6))
 
 

@@ -57,7 +57,7 @@ def recovered(wheels: str, extra: str, t: float, backend: str = "casadi") -> dic
     ("wheels", "extra"),
     [
         (UNICYCLE, ""), (DIFFERENTIAL, ""), (CAR_REAR, ""), (TRICYCLE, ""), (BACK, ""), (FOUR_REAR, ""),
-        (FOUR_REAR, VIRTUAL_REAR),
+        pytest.param(FOUR_REAR, VIRTUAL_REAR, marks=pytest.mark.slow),
     ],
     ids=["unicycle", "differential", "car", "tricycle", "reference", "ackermann", "virtual"],
 )  # fmt: skip

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from tests.backends.modules import MODULES, empty, mecanum, tunable
 from tests.conftest import GALLERY
+from tests.ir.defined import findings
 from tests.robots import of_gallery
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.text import block_comment, comment_text, literal, struct
@@ -19,7 +20,6 @@ from wmrgen.backends.registry import Facts
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import SQRT2, Exact
 from wmrgen.ir.calls import inlined_calls
-from wmrgen.ir.facts import findings
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Module, Port, Role
 from wmrgen.ir.rounding import constant, to_float32

@@ -13,10 +13,10 @@ import wmrgen
 from tests.conftest import GALLERY
 from tests.depth import everyday
 from tests.functions.motion.common import CAR, DIFFERENTIAL, FOUR_WS, MECANUM_T, OMNI_K, SKEWED, TRICYCLE
+from tests.ir.defined import findings
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import declaration, names
-from wmrgen.ir.facts import findings
 from wmrgen.ir.interpret import EXACT, FLOAT32, evaluate_module
 from wmrgen.layout import build
 from wmrgen.layout.records import Robot

@@ -14,6 +14,7 @@ import pytest
 
 from tests.bounds.small import walked
 from tests.c.harness import COMPILERS, STRICT, Program
+from tests.ir.defined import RULES, Fact, facts, findings
 from tests.tools import need
 from wmrgen.backends import casadi, numpy
 from wmrgen.backends.registry import Facts
@@ -25,13 +26,12 @@ from wmrgen.bounds.partition import cases
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir import interval as iv
 from wmrgen.ir.build import Builder
-from wmrgen.ir.facts import facts, findings
 from wmrgen.ir.interpret import EXACT, FLOAT32, FLOAT64, evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role, count
 from wmrgen.ir.ops import OPERATIONS
-from wmrgen.ir.ops.analysis import Bounded, Fact
+from wmrgen.ir.ops.analysis import Bounded
 from wmrgen.ir.pipeline import optimise
 from wmrgen.ir.verify import RESIDUES, PassError, verify_function
 from wmrgen.kinematics.records import Formula
@@ -62,7 +62,6 @@ def excess() -> Iterator[Op]:
         many=lambda a, b: np.maximum(a - b, 0.0), cost="additions",
         c="fdim{f}({0}, {1})", includes=("<math.h>",), numpy="np.maximum({0} - {1}, 0.0)",
         casadi=lambda ca, a, b: ca.fmax(a - b, 0),
-        fact=lambda a, b: Fact(ZERO, None if a.hi is None or b.lo is None else max(a.hi - b.lo, ZERO)),
         interval=excess_range, slopes=excess_slopes,
     )  # fmt: skip
     del OPERATIONS["excess"]
@@ -140,8 +139,12 @@ def test_passes_keep_it_and_their_checks_see_it(excess: Op) -> None:
         verify_function(f, wrong, "a swap")
 
 
-def test_its_facts_show_that_divisor_and_root_are_defined(excess: Op) -> None:
+def test_its_facts_show_that_divisor_and_root_are_defined(
+    excess: Op, monkeypatch: pytest.MonkeyPatch
+) -> None:
     f = made(excess)
+    assert len(findings(f)) == 2
+    monkeypatch.setitem(RULES, excess, lambda a, b: Fact(ZERO))
     assert findings(f) == ()
     assert all(fact.at_least_zero for fact, node in zip(facts(f), f.nodes, strict=True) if node.op is excess)
 

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 
 from tests.depth import examples
 from tests.ir.common import RING, build, functions
-from wmrgen.ir.facts import findings, geometry_only
+from tests.ir.defined import findings
+from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.interpret import EXACT, FLOAT64, evaluate
 from wmrgen.ir.nodes import Function, Op, Role, count
 from wmrgen.ir.passes.forms import share_linear_forms

@@ -10,7 +10,7 @@ from itertools import count
 
 from wmrgen.ir.build import Builder
 from wmrgen.ir.calls import inlined_calls
-from wmrgen.ir.facts import geometry_only
+from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role, prune
 from wmrgen.ir.passes.forms import share_linear_forms
 from wmrgen.ir.passes.schedule import schedule

@@ -1,7 +1,7 @@
 """What analyses hand to the rules of an operation, and what these give back.
 
-Three analyses ask: `wmrgen.ir.facts`, without limits, in exact numbers (`Fact`); `wmrgen.selftest`, at many
-points at once (`Bounded`); `wmrgen.bounds`, over boxes of inputs (`Value`).
+Two analyses ask: `wmrgen.selftest`, at many points at once (`Bounded`); `wmrgen.bounds`, over boxes of inputs
+(`Value`).
 """
 
 from __future__ import annotations
@@ -12,45 +12,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.number import Exact
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array, Interval
-
-# ---- facts: exact, without limits
-
-
-@dataclass(frozen=True, slots=True)
-class Fact:
-    """lo <= value <= hi (None: no bound), |value| >= away, and value != 0 where ``nonzero``."""
-
-    lo: Exact | None = None
-    hi: Exact | None = None
-    away: Exact = ZERO
-    nonzero: bool = False
-
-    @classmethod
-    def between(cls, lo: Exact | None, hi: Exact | None, away: Exact = ZERO, nonzero: bool = False) -> Fact:
-        """A fact whose bound away from zero takes the interval into account."""
-        if lo is not None and lo > away:
-            away = lo
-        if hi is not None and -hi > away:
-            away = -hi
-        return cls(lo, hi, away, nonzero or bool(away))
-
-    @property
-    def at_least_zero(self) -> bool:
-        return self.lo is not None and self.lo >= 0
-
-    def __neg__(self) -> Fact:
-        lo, hi = self.lo, self.hi
-        return Fact(None if hi is None else -hi, None if lo is None else -lo, self.away, self.nonzero)
-
-    def __or__(self, other: Fact) -> Fact:
-        """Of a value that is one or the other."""
-        lo = None if self.lo is None or other.lo is None else min(self.lo, other.lo)
-        hi = None if self.hi is None or other.hi is None else max(self.hi, other.hi)
-        return Fact(lo, hi, min(self.away, other.away), self.nonzero and other.nonzero)
-
 
 # ---- running error bounds: many points at once
 

@@ -11,15 +11,10 @@ import numpy as np
 
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array, Interval
-from wmrgen.ir.ops.analysis import Bounded, Fact, Noise, Partial, Value, Walk
+from wmrgen.ir.ops.analysis import Bounded, Noise, Partial, Value, Walk
 from wmrgen.ir.ops.record import Conditional, Op
 
 # ---- absolute values
-
-
-def _size_fact(a: Fact) -> Fact:
-    hi = None if a.lo is None or a.hi is None else max(-a.lo, a.hi)
-    return Fact.between(a.away, hi, a.away, a.nonzero)
 
 
 def _size(w: Walk, i: int, a: int) -> Value:
@@ -33,21 +28,12 @@ Op.ABS = Op(
     "abs", 1, abs, many=np.abs, parity=1, cost="signs",
     c="fabs{f}({0})", rust="wmrgen_abs({0})", javascript="Math.abs({0})", includes=("<math.h>",), numpy="np.abs({0})",
     casadi="OP_FABS",
-    fact=_size_fact, interval=iv.absolute, lemma=_size,
+    interval=iv.absolute, lemma=_size,
     running=lambda unit, a: Bounded(np.abs(a.value), a.error),
 )  # fmt: skip
 
 
 # ---- the smaller and the larger
-
-
-def _larger_fact(a: Fact, b: Fact) -> Fact:
-    los = [lo for lo in (a.lo, b.lo) if lo is not None]
-    hi = None if a.hi is None or b.hi is None else max(a.hi, b.hi)
-    positive = (a.at_least_zero and a.nonzero) or (b.at_least_zero and b.nonzero)
-    return Fact.between(
-        max(los) if los else None, hi, min(a.away, b.away), positive or (a.nonzero and b.nonzero)
-    )
 
 
 def _smaller(w: Walk, i: int, a: int, b: int) -> Value:
@@ -80,14 +66,14 @@ Op.MIN = Op(
     # fminf would be a library call on most targets, and leaves the sign of zero open.
     c=Conditional("({0} < {1}) ? {0} : {1}"), rust=Conditional("if {0} < {1} {{ {0} }} else {{ {1} }}"),
     numpy="np.minimum({0}, {1})", casadi="OP_FMIN",
-    fact=lambda a, b: -_larger_fact(-a, -b), interval=iv.smaller, lemma=_smaller,
+    interval=iv.smaller, lemma=_smaller,
     running=lambda unit, a, b: _extreme_error(a, b, np.where(a.value < b.value, a.value, b.value)),
 )  # fmt: skip
 Op.MAX = Op(
     "max", 2, lambda a, b: b if a < b else a, many=np.maximum, commutative=True, cost="comparisons",
     c=Conditional("({0} < {1}) ? {1} : {0}"), rust=Conditional("if {0} < {1} {{ {1} }} else {{ {0} }}"),
     numpy="np.maximum({0}, {1})", casadi="OP_FMAX",
-    fact=_larger_fact, interval=iv.larger, lemma=_larger,
+    interval=iv.larger, lemma=_larger,
     running=lambda unit, a, b: _extreme_error(a, b, np.where(b.value < a.value, a.value, b.value)),
 )  # fmt: skip
 
@@ -150,7 +136,7 @@ Op.SELECT = Op(
     cost="comparisons",
     c=Conditional("({0} < {1}) ? {2} : {3}"), rust=Conditional("if {0} < {1} {{ {2} }} else {{ {3} }}"),
     numpy=Conditional("np.where({0} < {1}, {2}, {3})"), casadi=_casadi_choice,
-    fact=lambda a, b, x, y: x | y, interval=iv.chosen, lemma=_choice, running=_choice_error,
+    interval=iv.chosen, lemma=_choice, running=_choice_error,
 )  # fmt: skip
 
 
@@ -188,7 +174,6 @@ Op.CLAMP = Op(
     many=lambda a, m: np.clip(a, -m, m), cost="comparisons",
     c="wmrgen_clamp({0}, {1})", javascript="_clamp({0}, {1})", includes=("<stdint.h>",),
     numpy="np.clip({0}, -{1}, {1})", casadi=_casadi_clamp,
-    fact=lambda a, m: replace(m | -m, away=min(a.away, m.away), nonzero=a.nonzero),
     interval=_clamped_range, lemma=_clamp, running=_clamp_error,
 )  # fmt: skip
 
@@ -220,7 +205,7 @@ Op.WITH_SIGN_OF = Op(
     c="wmrgen_with_sign_of({0}, {1})", javascript=Conditional("_is_negative({1}) ? -({0}) : {0}"),
     includes=("<stdint.h>",),
     numpy=Conditional("np.where(np.signbit({1}), np.negative({0}), {0})"), casadi=_casadi_with_sign,
-    fact=lambda a, b: a | -a, interval=_signed_range, lemma=_with_sign, running=_with_sign_error,
+    interval=_signed_range, lemma=_with_sign, running=_with_sign_error,
 )  # fmt: skip
 
 
@@ -256,6 +241,5 @@ Op.AT_LEAST = Op(
     many=lambda a, m: np.where(np.abs(a) < m, np.copysign(m, a), a), cost="comparisons",
     c="wmrgen_at_least({0}, {1})", javascript="_at_least({0}, {1})", includes=("<stdint.h>",),
     numpy=Conditional("np.where(np.abs({0}) < {1}, np.copysign({1}, {0}), {0})"), casadi=_casadi_at_least,
-    fact=lambda a, m: replace(a | m | -m, away=m.away, nonzero=True),
     interval=_at_least_range, lemma=_at_least, running=_at_least_error,
 )  # fmt: skip

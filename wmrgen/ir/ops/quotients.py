@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from wmrgen.exact.number import ZERO, Exact, exact_sqrt
+from wmrgen.exact.number import Exact, exact_sqrt
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array
-from wmrgen.ir.ops.analysis import Bounded, Fact, Noise, Partial, Value, Walk, rounded
+from wmrgen.ir.ops.analysis import Bounded, Noise, Partial, Value, Walk, rounded
 from wmrgen.ir.ops.record import Op
 
 DIGITS = 60  # of exact numbers that are not in the field
@@ -61,8 +61,6 @@ def _quotient_error(unit: Array, a: Bounded, b: Bounded) -> Bounded:
 Op.DIV = Op(
     "div", 2, _exact_quotient, _divided, rounds=True, many=np.divide, cost="divisions",
     infix="/", casadi="OP_DIV",
-    fact=lambda a, b: Fact(ZERO if a.at_least_zero and b.at_least_zero else None),
-    needs=(1, "nonzero", "the divisor may be zero"),
     interval=iv.quotient, lemma=_quotient, running=_quotient_error,
 )  # fmt: skip
 Op.IDIV = Op(
@@ -83,15 +81,6 @@ def _exact_root(a: Exact) -> Exact:
     q = a.rational()
     scale = 10 ** (DIGITS + 3) * max(1, isqrt(q.denominator // q.numerator))
     return Exact(Fraction(isqrt(q.numerator * scale * scale // q.denominator), scale))
-
-
-def _root_fact(a: Fact) -> Fact:
-    if a.lo is None or a.lo <= 0:
-        return Fact(ZERO, None, ZERO, a.nonzero and a.at_least_zero)
-    q = a.lo.rational()
-    scale = 10**40
-    below = Exact(Fraction(max(isqrt(q.numerator * scale * scale // q.denominator) - 1, 0), scale))
-    return Fact.between(below, None, nonzero=True)
 
 
 def _root(w: Walk, i: int, a: int) -> Value:
@@ -124,7 +113,6 @@ Op.SQRT = Op(
     "sqrt", 1, _exact_root, lambda a: math.sqrt(a) if a >= 0 else math.nan, rounds=True, many=np.sqrt,
     opaque=True, modular=False, fold=exact_sqrt, cost="roots",
     c="sqrt{f}({0})", includes=("<math.h>",), numpy="np.sqrt({0})", casadi=_casadi_root,
-    fact=_root_fact, needs=(0, "at_least_zero", "the root's argument may be negative"),
     interval=iv.root, lemma=_root, running=_root_error,
 )  # fmt: skip
 Op.ISQRT = Op(

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from wmrgen.ir.ops.analysis import Fact, by_slopes, from_slopes
+from wmrgen.ir.ops.analysis import by_slopes, from_slopes
 from wmrgen.ir.rounding import nearest_float32
 
 Rule = Callable[..., Any]
@@ -43,9 +43,8 @@ class Op:
     members of Math.
     ``casadi`` is the name of one of CasADi's operations, or a function of the module and the arguments.
 
-    Bounds. ``fact`` says of a result, without limits, what is known of it by facts of its arguments; ``needs``: which
-    argument must have which property of `Fact`, and what is wrong where it has not. ``interval`` encloses the results
-    of intervals, ``slopes`` the derivatives in each argument. ``lemma`` says what a walk over boxes records, see
+    Bounds. ``interval`` encloses the results of intervals, ``slopes`` the derivatives in each argument. ``lemma`` says
+    what a walk over boxes records, see
     `wmrgen.ir.ops.analysis.Value`; ``running`` the error of one value per point. Both follow from ``interval`` and
     ``slopes`` if they are not given. ``ulps``: what is assumed of a C library's function, in units in the last place.
     """
@@ -70,8 +69,6 @@ class Op:
     numpy: str = ""
     casadi: str | Rule = ""
     cost: str = ""  # a field of `wmrgen.ir.nodes.Cost`
-    fact: Callable[..., Fact] = lambda *facts: Fact()
-    needs: tuple[int, str, str] | None = None
     interval: Rule | None = None
     slopes: Rule | None = None
     lemma: Rule | None = None

@@ -10,10 +10,10 @@ from struct import pack, unpack
 
 import numpy as np
 
-from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.number import Exact
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array, Interval
-from wmrgen.ir.ops.analysis import Bounded, Fact, Noise, Partial, Value, Walk, rounded
+from wmrgen.ir.ops.analysis import Bounded, Noise, Partial, Value, Walk, rounded
 from wmrgen.ir.ops.record import Op
 from wmrgen.ir.rounding import nearest_float32, to_float64
 
@@ -34,13 +34,6 @@ Op.RESULT = Op("result", 1)
 
 
 # ---- sums
-
-
-def _sum_fact(a: Fact, b: Fact) -> Fact:
-    lo = None if a.lo is None or b.lo is None else a.lo + b.lo
-    hi = None if a.hi is None or b.hi is None else a.hi + b.hi
-    one_sided = a.at_least_zero and b.at_least_zero
-    return Fact.between(lo, hi, nonzero=one_sided and (a.nonzero or b.nonzero))
 
 
 def _sum(w: Walk, i: int, a: int, b: int, roundings: float = 1.0) -> Value:
@@ -65,19 +58,19 @@ def _difference(w: Walk, i: int, a: int, b: int) -> Value:
 Op.ADD = Op(
     "add", 2, operator.add, rounds=True, many=np.add, commutative=True, cost="additions",
     infix="+", casadi="OP_ADD",
-    fact=_sum_fact, interval=iv.plus, lemma=_sum,
+    interval=iv.plus, lemma=_sum,
     running=lambda unit, a, b: rounded(a.value + b.value, a.error + b.error, unit),
 )  # fmt: skip
 Op.SUB = Op(
     "sub", 2, operator.sub, rounds=True, many=np.subtract, cost="additions",
     infix="-", casadi="OP_SUB",
-    fact=lambda a, b: _sum_fact(a, -b), interval=iv.minus, lemma=_difference,
+    interval=iv.minus, lemma=_difference,
     running=lambda unit, a, b: rounded(a.value - b.value, a.error + b.error, unit),
 )  # fmt: skip
 Op.COMPENSATED = Op(
     "compensated", 2, operator.add, rounds=True, many=np.add, cost="additions",
     infix="+", casadi="OP_ADD",
-    fact=_sum_fact, interval=iv.plus, lemma=lambda w, i, a, b: _sum(w, i, a, b, 2.0),
+    interval=iv.plus, lemma=lambda w, i, a, b: _sum(w, i, a, b, 2.0),
     running=lambda unit, a, b: rounded(a.value + b.value, a.error + b.error, 2 * unit),
 )  # fmt: skip
 
@@ -118,30 +111,13 @@ Op.ROUNDING_ERROR = Op(
 Op.NEG = Op(
     "neg", 1, operator.neg, many=np.negative, parity=-1, cost="signs",
     infix="-", casadi="OP_NEG",
-    fact=operator.neg, interval=iv.negative,
+    interval=iv.negative,
     lemma=lambda w, i, a: Value(iv.negative(w.ranges[a]), (Partial(a, -1),), away=w.away[a]),
     running=lambda unit, a: Bounded(-a.value, a.error),
 )  # fmt: skip
 
 
 # ---- products
-
-
-def _product_fact(a: Fact, b: Fact) -> Fact:
-    """A product counts as non-zero where it is bounded away from zero: floats underflow."""
-    away = a.away * b.away
-    if a.at_least_zero and b.at_least_zero:
-        hi = None if a.hi is None or b.hi is None else a.hi * b.hi
-        return Fact.between((a.lo or ZERO) * (b.lo or ZERO), hi, away)
-    if a.lo is None or a.hi is None or b.lo is None or b.hi is None:
-        return Fact.between(None, None, away)
-    corners = (a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi)
-    return Fact.between(min(corners), max(corners), away)
-
-
-def _square_fact(a: Fact) -> Fact:
-    ends = [bound * bound for bound in (a.lo, a.hi) if bound is not None]
-    return Fact.between(a.away * a.away, max(ends) if len(ends) == 2 else None, a.away * a.away)
 
 
 def _product(w: Walk, i: int, a: int, b: int) -> Value:
@@ -186,11 +162,11 @@ def _square_error(unit: Array, a: Bounded) -> Bounded:
 Op.MUL = Op(
     "mul", 2, operator.mul, rounds=True, many=np.multiply, commutative=True, cost="multiplications",
     infix="*", casadi="OP_MUL",
-    fact=_product_fact, interval=iv.times, lemma=_product, running=_product_error,
+    interval=iv.times, lemma=_product, running=_product_error,
 )  # fmt: skip
 Op.SQUARE = Op(
     "square", 1, lambda a: a * a, rounds=True,
-    fact=_square_fact, interval=iv.square, lemma=_square, running=_square_error,
+    interval=iv.square, lemma=_square, running=_square_error,
 )  # fmt: skip
 Op.IMUL = Op(
     "imul", 2, float32=Op.MUL.float32, many=np.multiply, c="wmrgen_mul({0}, {1})", includes=("<stdint.h>",)

@@ -12,7 +12,7 @@ from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array, Interval
 from wmrgen.ir.ops import integer
-from wmrgen.ir.ops.analysis import Bounded, Fact, Noise, Partial, Value, Walk
+from wmrgen.ir.ops.analysis import Bounded, Noise, Partial, Value, Walk
 from wmrgen.ir.ops.record import Op
 
 # Of the tables of self-tests: what code may be off, more than our kernels and any libm in use need.
@@ -72,7 +72,7 @@ Op.SIN = Op(
     lambda a: math.sin(a) if math.isfinite(a) else math.nan, rounds=True, many=np.sin,
     opaque=True, parity=-1, fold=lambda a: None if a else ZERO, cost="sines", ulps=1.0,
     c="sin{f}({0})", includes=("<math.h>",), numpy="np.sin({0})", casadi="OP_SIN",
-    fact=lambda a: Fact(-ONE, ONE), interval=iv.sine, lemma=_sine,
+    interval=iv.sine, lemma=_sine,
     running=lambda unit, a: _wave_error(unit, a, np.sin(a.value), np.cos(a.value)),
 )  # fmt: skip
 Op.COS = Op(
@@ -80,7 +80,7 @@ Op.COS = Op(
     lambda a: math.cos(a) if math.isfinite(a) else math.nan, rounds=True, many=np.cos,
     opaque=True, parity=1, fold=lambda a: None if a else ONE, cost="sines", ulps=1.0,
     c="cos{f}({0})", includes=("<math.h>",), numpy="np.cos({0})", casadi="OP_COS",
-    fact=lambda a: Fact(-ONE, ONE), interval=iv.cosine, lemma=_cosine,
+    interval=iv.cosine, lemma=_cosine,
     running=lambda unit, a: _wave_error(unit, a, np.cos(a.value), np.sin(a.value)),
 )  # fmt: skip
 Op.ISIN = Op("isin", 1, float32=integer.sine, many=np.sin, c="wmrgen_sin({0})", includes=("<stdint.h>",))
@@ -110,7 +110,7 @@ Op.ATAN = Op(
     "atan", 1, lambda a: _exactly("mpf_atan", a) if a else ZERO, math.atan, rounds=True, many=np.arctan,
     opaque=True, parity=-1, fold=lambda a: None if a else ZERO, cost="arctangents", ulps=1.0,
     c="atan{f}({0})", includes=("<math.h>",), numpy="np.arctan({0})", casadi="OP_ATAN",
-    fact=lambda a: Fact(Exact(-2), Exact(2)), interval=iv.slope_angle, lemma=_slope, running=_slope_error,
+    interval=iv.slope_angle, lemma=_slope, running=_slope_error,
 )  # fmt: skip
 Op.IATAN = Op(
     "iatan", 1, float32=integer.arctangent, many=np.arctan, c="wmrgen_atan({0})", includes=("<stdint.h>",)
@@ -167,6 +167,6 @@ Op.ATAN2 = Op(
     "atan2", 2, _exact_direction, math.atan2, rounds=True, many=np.arctan2,
     opaque=True, fold=lambda y, x: ZERO if not y and x.sign >= 0 else None, cost="arctangents", ulps=2.0,
     c="atan2{f}({0}, {1})", includes=("<math.h>",), numpy="np.arctan2({0}, {1})", casadi=_casadi_direction,
-    fact=lambda y, x: Fact(Exact(-4), Exact(4)), interval=iv.arctangent, lemma=_direction,
+    interval=iv.arctangent, lemma=_direction,
     running=_direction_error,
 )  # fmt: skip

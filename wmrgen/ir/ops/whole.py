@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 from struct import pack, unpack
 from typing import Any
 
@@ -12,15 +11,10 @@ import numpy as np
 from wmrgen.exact.number import Exact
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array, Interval
-from wmrgen.ir.ops.analysis import Bounded, Fact, Partial, Value, Walk
+from wmrgen.ir.ops.analysis import Bounded, Partial, Value, Walk
 from wmrgen.ir.ops.record import Conditional, Op
 
 # ---- the nearest whole number
-
-
-def _nearest_fact(a: Fact) -> Fact:
-    half = Exact(Fraction(1, 2))
-    return Fact(None if a.lo is None else a.lo - half, None if a.hi is None else a.hi + half)
 
 
 def _nearest(w: Walk, i: int, a: int) -> Value:
@@ -46,7 +40,7 @@ Op.RINT = Op(
     lambda a: float(round(a)) if abs(a) < 2.0**52 else a, many=np.rint, modular=False, parity=-1,
     fold=lambda a: Exact(round(a.parts[0])) if a.is_rational else None, cost="roundings",
     javascript="_rint({0})", numpy="np.rint({0})", casadi=_casadi_nearest,
-    fact=_nearest_fact, interval=iv.whole, lemma=_nearest, running=_nearest_error,
+    interval=iv.whole, lemma=_nearest, running=_nearest_error,
 )  # fmt: skip
 
 
@@ -83,7 +77,7 @@ Op.FLIP = Op(
     many=lambda a, n: np.where(n % 2 == 1, -a, a), cost="signs",
     javascript=Conditional("({1}) % 2 ? -({0}) : {0}"),
     numpy=Conditional("np.where(np.mod({1}, 2) == 1, np.negative({0}), {0})"), casadi=_casadi_flip,
-    fact=lambda a, n: a | -a, interval=_either_sign, lemma=_flip, running=_flip_error,
+    interval=_either_sign, lemma=_flip, running=_flip_error,
 )  # fmt: skip
 Op.NEGATE_IF_ODD = Op(
     "negate_if_odd", 2,

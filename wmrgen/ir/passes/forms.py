@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.ir.build import Builder
-from wmrgen.ir.facts import Form, Monomial, Scalars, accumulate, geometry_only, times
+from wmrgen.ir.geometry import Form, Monomial, Scalars, accumulate, geometry_only, times
 from wmrgen.ir.linear_program import Coefficient, Emitter, Graph, Magnitudes
 from wmrgen.ir.linear_search import cheapest
 from wmrgen.ir.nodes import Function, Op

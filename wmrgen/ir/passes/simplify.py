@@ -8,14 +8,16 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
+
+import numpy as np
 
 from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.ir import interval as iv
 from wmrgen.ir.build import Builder
-from wmrgen.ir.facts import facts, geometry_only
+from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.nodes import Function, Node, Op, uses_of
 
-_FAR = Fraction(1, 2**64)
+_FAR = 2.0**-64
 _SUMS = (Op.ADD, Op.SUB)
 
 Built = list[int]  # what the nodes of a function are in the builder, as far as it has come
@@ -65,10 +67,25 @@ def _shared_divisors(function: Function) -> set[int]:
         if node.op is Op.DIV:
             dividends[node.args[1]].add(node.args[0])
     repeated = {divisor for divisor, divided in dividends.items() if len(divided) > 1}
-    if not repeated:
-        return repeated
-    fact = facts(function)
-    return {divisor for divisor in repeated if fact[divisor].away >= _FAR}
+    return repeated and repeated & _far_from_zero(function)
+
+
+def _far_from_zero(function: Function) -> set[int]:
+    """The nodes that are `_FAR` from zero, whatever the inputs are."""
+    anything = np.array([-np.inf]), np.array([np.inf])
+    ranges: list[iv.Interval] = []
+    far: set[int] = set()
+    with np.errstate(all="ignore"):
+        for i, node in enumerate(function.nodes):
+            op, args = node.meaning
+            if node.value is not None:
+                value = np.array([float(node.value)])
+                ranges.append(iv.outward(value, value))
+            else:
+                ranges.append(op.interval(*(ranges[arg] for arg in args)) if op.interval else anything)
+            if iv.smallest(ranges[args[1] if op is Op.AT_LEAST else i]) >= _FAR:
+                far.add(i)
+    return far
 
 
 # ---- common factors

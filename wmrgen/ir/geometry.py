@@ -1,29 +1,19 @@
-"""What is known of the nodes of a function before its inputs are: what depends on geometry alone, and ranges.
+"""What depends on geometry alone: it is known before the other inputs are.
 
 A geometry-only value is a constant times a monomial: a product of whole powers of atoms. Atoms are nodes of the
 builder: inputs, functions, and sums whose first coefficient is one. So proportional values meet in one monomial,
 whatever way they were written.
-
-Ranges prove that no quotient has a zero divisor and no square root a negative argument. Every node gets an enclosing
-interval, a bound away from zero, and whether it can be zero at all. What a `select` has compared is used for the branch
-that it chooses between the values compared.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.linear_program import Coefficient
-from wmrgen.ir.nodes import Function, Node, Op, Role
-from wmrgen.ir.ops.analysis import Fact
+from wmrgen.ir.nodes import Function, Op, Role
 
 Monomial = tuple[tuple[int, int], ...]  # ((builder's node, power), ...) by node
 Form = dict[Monomial, Exact]  # a sum of monomials with non-zero coefficients
-
-
-# ---- geometry
 
 
 def geometry_only(function: Function) -> list[bool]:
@@ -136,61 +126,3 @@ class Scalars:
             base = atom if power > 0 else builder.div(builder.const(ONE), atom)
             factors += [base] * abs(power)
         return builder.mul(builder.const(value), builder.product(factors))
-
-
-# ---- ranges
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """An operation that is not shown to be defined. ``geometry``: it depends on the parameters alone."""
-
-    function: str
-    node: int
-    what: str
-    geometry: bool
-
-    def __str__(self) -> str:
-        return f"{self.function}, node {self.node}: {self.what}"
-
-
-def findings(function: Function) -> tuple[Finding, ...]:
-    """Every operation of ``function`` that is not shown to be defined: divisions and square roots, say."""
-    early, ranges = geometry_only(function), facts(function)
-    undefined: list[Finding] = []
-    for i, node in enumerate(function.nodes):
-        if node.op.needs is not None:
-            position, needed, what = node.op.needs
-            argument = node.args[position]
-            if not getattr(ranges[argument], needed):
-                undefined.append(Finding(function.name, i, what, early[argument]))
-    return tuple(undefined)
-
-
-def facts(function: Function) -> list[Fact]:
-    """A fact for every node, in list order."""
-    before: list[Fact] = []
-    for node in function.nodes:
-        if node.value is not None:
-            before.append(Fact.between(node.value, node.value))
-            continue
-        op, args = node.meaning
-        below = [before[arg] for arg in args]
-        if op is Op.SELECT:
-            below[2:] = (_chosen(before, node, branch) for branch in (2, 3))
-        before.append(op.fact(*below))
-    return before
-
-
-def _chosen(before: list[Fact], node: Node, branch: int) -> Fact:
-    """The fact of a branch of a select, knowing how the comparison went there."""
-    small, large = (node.args[0], node.args[1]) if branch == 2 else (node.args[1], node.args[0])
-    value, strict = node.args[branch], branch == 2
-    fact, below, above = before[value], before[small], before[large]
-    if value == large and below.lo is not None:  # value > small or value >= small
-        lo = below.lo if fact.lo is None else max(fact.lo, below.lo)
-        return Fact.between(lo, fact.hi, fact.away, fact.nonzero or (strict and below.lo >= 0))
-    if value == small and above.hi is not None:
-        hi = above.hi if fact.hi is None else min(fact.hi, above.hi)
-        return Fact.between(fact.lo, hi, fact.away, fact.nonzero or (strict and above.hi <= 0))
-    return fact

@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 from wmrgen.exact.number import SQRT2, SQRT3, Exact
 from wmrgen.ir.build import Builder
-from wmrgen.ir.nodes import Function, Node, Op, Port, Role
+from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role
+from wmrgen.ir.pipeline import AFTER_HOIST, BEFORE_HOIST, Pass, hoist, optimise
+from wmrgen.ir.verify import verify_function, verify_module
 
 Matrix = list[list[Exact]]
 CONSTANTS = (
@@ -104,3 +106,23 @@ def functions(draw: st.DrawFn, kinds: Sequence[Op] = _KINDS, size: int = 24) -> 
 
 _UNARY = (Op.NEG, Op.ABS, Op.SIN, Op.COS, Op.ATAN, Op.SQRT)
 RING = (Op.ADD, Op.SUB, Op.MUL, Op.NEG)
+
+
+def optimised(functions: tuple[Function, ...], name: str) -> Module:
+    """`optimise`, and every pass of it checked at several exact points."""
+    before = tuple(_checked(function, BEFORE_HOIST) for function in functions)
+    hoisted = hoist(before, name)
+    verify_module(before, hoisted, "hoist")
+    for function in hoisted.every:
+        _checked(function, AFTER_HOIST)
+    module = optimise(functions, name)
+    verify_module(functions, module, "the pipeline", 3)
+    return module
+
+
+def _checked(function: Function, passes: Sequence[Pass]) -> Function:
+    for step in passes:
+        changed = step(function)
+        verify_function(function, changed, step.__name__)
+        function = changed
+    return function

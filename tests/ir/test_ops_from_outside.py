@@ -14,6 +14,7 @@ import pytest
 
 from tests.bounds.small import walked
 from tests.c.harness import COMPILERS, STRICT, Program
+from tests.ir.common import optimised
 from tests.ir.defined import RULES, Fact, facts, findings
 from tests.tools import need
 from wmrgen.backends import casadi, numpy
@@ -127,7 +128,7 @@ def test_a_formula_names_it(excess: Op) -> None:
 
 def test_passes_keep_it_and_their_checks_see_it(excess: Op) -> None:
     f = made(excess)
-    module = optimise((f,), "outside", verify=True)
+    module = optimised((f,), "outside")
     assert sum(node.op is excess for node in module.functions[0].nodes) == 3
     assert count(module.functions[0]).additions == 4 and count(module.functions[0]).multiplications == 2
     swapped = tuple(

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 
 from tests.depth import examples
-from tests.ir.common import RING, build, functions
+from tests.ir.common import RING, build, functions, optimised
 from tests.ir.defined import findings
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.interpret import EXACT, FLOAT64, evaluate
@@ -42,7 +42,7 @@ def test_polynomials_keep_their_values_in_plain_exact_arithmetic(f: Function) ->
 @settings(max_examples=examples(100), deadline=None)
 def test_the_pipeline_keeps_every_value_and_reads_no_geometry(f: Function, g: Function) -> None:
     g = Function("g", g.inputs, g.nodes, g.outputs, g.results)
-    module = optimise((f, g), "m", verify=True)
+    module = optimised((f, g), "m")
     for function in module.functions:
         assert all(port.role is not Role.GEOMETRY for port in function.inputs)
         assert [port.name for port in function.inputs][:3] == ["x", "y", "z"]
@@ -113,7 +113,7 @@ def test_tunable_coefficients_are_shared_up_to_sign() -> None:
 
     geometry = {"r": Fraction(1, 20), "lx": Fraction(1, 5), "ly": Fraction(1, 6)}
     f = build(["vx", "w"], body, geometry)
-    module = optimise((f,), "m", verify=True)
+    module = optimised((f,), "m")
     assert count(module.functions[0]).flops == 4
     assert count(module.functions[0]).divisions == 0
     assert module.prepare is not None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import Any
 
 import numpy as np
@@ -156,11 +157,7 @@ def _up(value: float, sign: int = 1) -> float:
     if abs(value) < _NOTHING:
         return 0.0
     value += sign * abs(value) * 1e-9  # whatever the last place on a processor, the digits are the same
-    printed = float(f"{value:.5e}")
-    if (printed - value) * sign >= 0:
-        return printed
-    step = 10.0 ** (np.floor(np.log10(abs(value))) - 5)
-    return float(f"{printed + sign * step:.5e}")
+    return float(Context(6, ROUND_CEILING if sign > 0 else ROUND_FLOOR).create_decimal_from_float(value))
 
 
 def data(result: Bounds) -> dict[str, Any]:

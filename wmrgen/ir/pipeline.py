@@ -15,7 +15,7 @@ from wmrgen.ir.nodes import Function, Module, Op, Port, Role, prune
 from wmrgen.ir.passes.forms import share_linear_forms
 from wmrgen.ir.passes.schedule import schedule
 from wmrgen.ir.passes.simplify import factor, reduce_strength, regroup_products, settle_signs
-from wmrgen.ir.verify import check_module, verify_function, verify_module
+from wmrgen.ir.verify import check_module
 
 # ---- what nothing needs
 
@@ -133,45 +133,35 @@ AFTER_HOIST: tuple[Pass, ...] = (drop_dead_code, schedule)
 def optimise(
     functions: tuple[Function, ...],
     name: str,
-    verify: bool = False,
     kernels: tuple[Function, ...] = (),
     meaning: tuple[Function, ...] | None = None,
 ) -> Module:
     """The module of ``functions``, which call ``kernels``, in as few operations as the passes find.
 
-    The result is always checked against ``meaning``, the functions in base operations (``functions`` themselves where
-    they call nothing), at one point, modulo a prime; ``verify`` checks every pass at several exact points.
+    The result is checked against ``meaning``, the functions in base operations (``functions`` themselves where they
+    call nothing), at one point, modulo a prime.
     """
-    steps = tuple(_run(function, BEFORE_HOIST, verify) for function in functions)
+    steps = tuple(_run(function, BEFORE_HOIST) for function in functions)
     module = replace(hoist(steps, name), kernels=kernels)
-    if verify:
-        verify_module(steps, module, "hoist")
-    steps = tuple(_run(function, AFTER_HOIST, verify) for function in module.functions)
-    prepare = None if module.prepare is None else _prepare(module.prepare, verify)
+    steps = tuple(_run(function, AFTER_HOIST) for function in module.functions)
+    prepare = None if module.prepare is None else _prepare(module.prepare)
     pairs = zip(steps, functions, strict=True)
     steps = tuple(
         replace(step, variant_of=f.variant_of, limits=f.limits, in_place=f.in_place) for step, f in pairs
     )
     module = Module(name, steps, prepare, kernels)
-    plain, functions = inlined_calls(module), functions if meaning is None else meaning
-    if verify:
-        verify_module(functions, plain, "the pipeline", 3)
-    else:
-        check_module(functions, plain, "the pipeline")
+    check_module(functions if meaning is None else meaning, inlined_calls(module), "the pipeline")
     return module
 
 
 @lru_cache(maxsize=64)  # the two modules of a robot have functions in common
-def _run(function: Function, passes: tuple[Pass, ...], verify: bool) -> Function:
+def _run(function: Function, passes: tuple[Pass, ...]) -> Function:
     for step in passes:
-        changed = step(function)
-        if verify:
-            verify_function(function, changed, step.__name__)
-        function = changed
+        function = step(function)
     return function
 
 
-def _prepare(prepare: Function, verify: bool) -> Function:
+def _prepare(prepare: Function) -> Function:
     """`prepare` through the same passes, its parameters taken for ordinary inputs."""
     roles = {port.name: port for port in prepare.inputs}
 
@@ -179,5 +169,5 @@ def _prepare(prepare: Function, verify: bool) -> Function:
         return replace(port, role=Role.STATE)
 
     ordinary = replace(prepare, inputs=tuple(plain(port) for port in prepare.inputs))
-    run = _run(ordinary, BEFORE_HOIST + AFTER_HOIST, verify)
+    run = _run(ordinary, BEFORE_HOIST + AFTER_HOIST)
     return replace(run, inputs=tuple(roles[port.name] for port in run.inputs))

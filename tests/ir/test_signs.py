@@ -13,9 +13,7 @@ from wmrgen.ir.build import Builder
 from wmrgen.ir.interpret import FLOAT32, evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import HOST, LIBM
-from wmrgen.ir.kernels.expand import kept_across, ordered
 from wmrgen.ir.nodes import Function, Module, Op
-from wmrgen.ir.passes.schedule import schedule
 from wmrgen.ir.rounding import nearest_float32
 from wmrgen.ports import Port, Role
 
@@ -85,24 +83,3 @@ def test_no_number() -> None:
     assert of(Op.CLAMP)(-math.inf, 2.0) == -2.0
     assert of(Op.AT_LEAST)(-0.0, 2.0) == -2.0
     assert of(Op.WITH_SIGN_OF)(3.0, -0.0) == -3.0
-
-
-def waves(count: int, chain: bool) -> Function:
-    """Sums of products of sines; ``chain``: each ends before the next begins."""
-    b = Builder()
-    angles = [b.input(f"x{k}") for k in range(count)]
-    pairs = [(b.sin(a), b.cos(a)) for a in angles]
-    if chain:
-        results = [b.atan(b.mul(a, a)) for a in angles]
-    else:
-        u = [b.add(b.mul(s, s), b.mul(c, angles[0])) for s, c in pairs]
-        v = [b.add(b.mul(s, c), b.mul(c, angles[1])) for s, c in pairs]
-        results = [b.add(b.sum(u), b.product(v)), b.sub(b.product(u), b.sum(v))]
-    return function(b, results, *(f"x{k}" for k in range(count)))
-
-
-def test_calls_come_first_where_that_keeps_less() -> None:
-    crossing, plain = waves(4, chain=False), waves(4, chain=True)
-    assert kept_across(ordered(crossing)) == 7 < kept_across(schedule(crossing))  # all but the last sine
-    assert ordered(plain) == schedule(plain)
-    assert kept_across(schedule(plain)) == 0

@@ -2,7 +2,7 @@
 
 Runs after optimisation and its exact checks. What comes out is float code, operation by operation: the float32
 interpreter predicts its bits on every target. It is no longer exact algebra, so no pass may follow but
-`schedule`: `ordered` finds the order that keeps fewer values alive across calls of library functions.
+`schedule`.
 """
 
 from __future__ import annotations
@@ -15,11 +15,9 @@ from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
 from wmrgen.ir.kernels.sums import compensated_sum, fuse, rounding_error
 from wmrgen.ir.kernels.trigonometry import EVEN32, RINT32, RINT64, Processor, flipped, library, soft
 from wmrgen.ir.nodes import Function, Module, Node, Op, shared, uses_of
-from wmrgen.ir.passes.schedule import calls_first, schedule
+from wmrgen.ir.passes.schedule import schedule
 from wmrgen.ir.tape import Tape, compared
 
-_FREE = (Op.CONST, Op.INPUT)
-_STATEMENTS = (Op.SELECT, Op.MIN, Op.MAX)  # other values that are used once are printed where they are used
 _INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}
 
 
@@ -108,7 +106,7 @@ class _Expansion:
         results = tuple(self.place[r] for r in self.function.results)
         expanded = replace(self.function, nodes=tuple(self.tape.nodes), results=results, named=())
         expanded = fuse(expanded, kernel, self.common) if self.processor.fused else expanded
-        return ordered(soft(expanded) if self.processor.integer else expanded)
+        return schedule(soft(expanded) if self.processor.integer else expanded)
 
     def _node(self, i: int, node: Node) -> int:
         tape, args, p = self.tape, tuple(self.place[a] for a in node.args), self.processor
@@ -172,34 +170,3 @@ class _Expansion:
         else:
             raised = tape.add(whole, tape.const(self.processor.magic))
         return flipped(tape, a, raised, self.processor)
-
-
-def ordered(function: Function) -> Function:
-    """``function`` depth first, or with its calls before the rest where that keeps fewer values by a fifth.
-
-    A call may overwrite the registers: what is computed before it and needed after it is saved to the stack. Less does
-    not pay: what stands apart from the call that it prepares is compared and loaded again.
-    """
-    deep = schedule(function)
-    early = calls_first(deep)
-    return early if 5 * kept_across(early) <= 4 * kept_across(deep) else deep
-
-
-def kept_across(function: Function) -> int:
-    """How many values are computed before a call and needed after it, as the code is printed."""
-    nodes = function.nodes
-    users: list[list[int]] = [[] for _ in nodes]
-    for i, node in enumerate(nodes):
-        for arg in set(node.args):
-            users[arg].append(i)
-    for result in function.results:
-        users[result].append(len(nodes))
-    place = [*range(len(nodes)), len(nodes)]  # of the statement that computes a node
-    for i in range(len(nodes) - 1, -1, -1):
-        if len(users[i]) == 1 and nodes[i].op not in _STATEMENTS:
-            place[i] = place[users[i][0]]
-    calls = [place[i] for i, node in enumerate(nodes) if node.op.ulps]
-    return sum(
-        node.op not in _FREE and any(place[i] < k < max(place[u] for u in users[i]) for k in calls)
-        for i, node in enumerate(nodes)
-    )

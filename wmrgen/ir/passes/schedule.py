@@ -6,7 +6,6 @@ registers first (Sethi and Ullman 1970, which is optimal for trees).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from wmrgen.ir.nodes import Function, Node, Op
@@ -33,29 +32,12 @@ def schedule(function: Function) -> Function:
             else:
                 done[i] = 1
                 order.append(stack.pop())
-    return reordered(function, order)
-
-
-def calls_first(function: Function) -> Function:
-    """What library functions need, and they themselves, before the rest: few values then live across a call."""
-    nodes = function.nodes
-    first = bytearray(node.op.ulps > 0 for node in nodes)
-    for i in range(len(nodes) - 1, -1, -1):
-        if first[i]:
-            for arg in nodes[i].args:
-                first[arg] = 1
-    return reordered(function, sorted(range(len(nodes)), key=lambda i: not first[i]))
-
-
-def reordered(function: Function, order: Sequence[int]) -> Function:
-    """``function`` with its nodes in ``order``, arguments before what needs them; others are left out."""
     place = {i: k for k, i in enumerate(order)}
-    nodes = tuple(
-        Node(n.op, tuple(place[arg] for arg in n.args), n.value, n.name)
-        for n in (function.nodes[i] for i in order)
+    moved = tuple(
+        Node(n.op, tuple(place[arg] for arg in n.args), n.value, n.name) for n in (nodes[i] for i in order)
     )
     named = tuple((name, place[i]) for name, i in function.named if i in place)
-    return replace(function, nodes=nodes, results=tuple(place[i] for i in function.results), named=named)
+    return replace(function, nodes=moved, results=tuple(place[i] for i in function.results), named=named)
 
 
 def registers(nodes: tuple[Node, ...]) -> list[int]:

@@ -42,16 +42,6 @@ class Form:
     def degree(self) -> int:
         return max(map(len, self.terms), default=0)
 
-    def proportional(self, other: Form) -> float | None:
-        """c where this form is c times the other, up to the rounding of coefficients."""
-        if self.terms.keys() != other.terms.keys() or not other.terms:
-            return None
-        first = next(iter(other.terms))
-        c = self.terms[first] / other.terms[first]
-        pairs = [(self.terms[m], c * other.terms[m]) for m in other.terms]
-        pairs.append((self.constant, c * other.constant))
-        return c if all(abs(x - y) <= 1e-12 * abs(x) for x, y in pairs) else None
-
 
 class Forms:
     """The forms of the nodes of one walk; ``off``: how far c c + s s may be from 1 as computed."""

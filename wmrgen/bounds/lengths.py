@@ -12,7 +12,6 @@ from typing import Protocol
 
 import numpy as np
 
-from wmrgen.bounds.forms import Forms
 from wmrgen.bounds.shapes import scaled, terms_below_root
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array, magnitude
@@ -102,7 +101,7 @@ def lost(parts: Sequence[tuple[float, int]]) -> float:
 
 
 def _below(nodes: Sequence[Node], i: int) -> Parts | None:
-    """A vector whose length node ``i`` is at least: a length, an absolute value, a sum of such."""
+    """A vector whose length node ``i`` is: a length, an absolute value."""
     node = nodes[i]
     if node.op is Op.ABS:
         return ((1.0, node.args[0]),)
@@ -111,16 +110,12 @@ def _below(nodes: Sequence[Node], i: int) -> Parts | None:
         return (
             tuple((float(t.factor) ** 0.5, t.base) for t in terms) if all(t.squared for t in terms) else None
         )
-    if node.op is Op.ADD:
-        parts = [_below(nodes, k) for k in node.args]
-        return None if None in parts else max((p for p in parts if p is not None), key=len)
     return None
 
 
 class Known(Walk, Protocol):
-    """What a walk knows besides: which nodes are multiples of each other, how far they count, what is near zero."""
+    """What a walk knows besides: how far nodes count, what is near zero."""
 
-    forms: Forms
     effective: Mapping[int, tuple[float, float]]
     singular: set[int]
 
@@ -131,29 +126,13 @@ def share(w: Known, length: Length, i: int) -> Share | None:
     """(s, a) where |node i| is at most s h + a; None where nothing is known. Roundings count."""
     if i not in length.shares:
         length.shares[i] = None
-        length.shares[i] = _component(w, length, i) or _computed(w, length, i) or _multiple(w, length, i)
+        length.shares[i] = _component(length, i) or _computed(w, length, i)
     return length.shares[i]
 
 
-def _component(w: Known, length: Length, i: int) -> Share | None:
-    """Of a component of the vector, or of y - x where x - y is one."""
-    node = w.nodes[i]
-    for x, s in length.facts:
-        other = w.nodes[x]
-        if i == x or (node.op is other.op is Op.SUB and node.args == other.args[::-1]):
-            return s * _MARGIN, 0.0
-    return None
-
-
-def _multiple(w: Known, length: Length, i: int) -> Share | None:
-    """Of what is a multiple of a component as a formula, but is rounded apart."""
-    form = w.forms.list[i]
-    for x, s in length.facts:
-        other = w.forms.list[x]
-        c = form.proportional(other)
-        if c is not None:
-            return s * abs(c) * _MARGIN, float(abs(c) * other.slack.max() + form.slack.max())
-    return None
+def _component(length: Length, i: int) -> Share | None:
+    """Of a component of the vector."""
+    return next(((s * _MARGIN, 0.0) for x, s in length.facts if i == x), None)
 
 
 def _computed(w: Known, length: Length, i: int) -> Share | None:
@@ -172,14 +151,12 @@ def _computed(w: Known, length: Length, i: int) -> Share | None:
                 most = float(magnitude(w.ranges[other]).max()) * _MARGIN
                 return inner[0] * most, inner[1] * most + w.form.tiny
         return None
-    if node.op not in (Op.SELECT, Op.MIN, Op.MAX, *_SUMS):
+    if node.op not in _SUMS:
         return None
-    parts = [share(w, length, k) for k in node.args[-2:]]
-    both = [p for p in parts if p is not None]
-    if len(both) < 2:
+    parts = [p for k in node.args if (p := share(w, length, k)) is not None]
+    if len(parts) < 2:
         return None
-    join = sum if node.op in _SUMS else max
-    return join(s for s, _ in both) * _MARGIN, join(a for _, a in both) * _MARGIN
+    return sum(s for s, _ in parts) * _MARGIN, sum(a for _, a in parts) * _MARGIN
 
 
 # ---- what lemmas ask for

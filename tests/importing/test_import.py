@@ -346,6 +346,20 @@ def test_a_missing_axis_is_asked_about(read: Import) -> None:
         assert "moves above wheels" not in said["notes"]
 
 
+@pytest.mark.parametrize(("kind", "axis"), [("fixed", ""), ("revolute", "0 0 1")])
+def test_the_base_link_of_a_hand_is_none_of_the_robot(read: Import, kind: str, axis: str) -> None:
+    """One that moves and carries little is an arm's. Beside the root a small one may be the robot's frame."""
+    frame = link("hand_base_link") + joint("wrist", "trunk", "hand_base_link", "0.4 0 1", kind, axis)
+    wheels = pair().replace('"base_link"', '"trunk"')
+    base = read(f'<robot name="probe">{link("trunk")}{frame}{wheels}</robot>')["base"]
+    assert base == ("trunk" if kind == "revolute" else "hand_base_link")
+
+
+def test_the_frame_of_a_robot_that_moves_in_its_world_is_its_base_link(read: Import) -> None:
+    world = link("world") + joint("slide", "world", "base_link", "1 2 3", "prismatic", axis="1 0 0")
+    assert read(robot(pair(), world))["base"] == "base_link"
+
+
 def test_base_is_the_callers_choice(read: Import) -> None:
     deck = link("deck") + joint("deck", "base_link", "deck", "0.05 0 0.4", "fixed", rpy="0 0 3.14159265")
     said = read(robot(pair(), deck), "--base", "deck")

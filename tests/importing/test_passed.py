@@ -14,6 +14,7 @@ from tests.importing.urdf import cylinder, joint, link, pair, robot, wheel
 
 Cli = Callable[..., Outcome]
 Import = Callable[..., dict[str, Any]]
+LIMITS = '<limit lower="-1" upper="1"/>'
 
 
 @pytest.fixture
@@ -97,16 +98,30 @@ def test_a_robot_of_flippers_alone_is_refused_with_the_reason(read: Import) -> N
 @pytest.mark.parametrize("drawn", [False, True])
 def test_the_middle_wheel_of_a_simulator(read: Import, drawn: bool) -> None:
     """Two front wheels that are only drawn, and between them one that only touches; a trike's is drawn."""
-    parts, limits = [], '<limit lower="-1" upper="1"/>'
+    parts = []
     for n, y in (("fl", "0.25"), ("fm", "0"), ("fr", "-0.25")):
         roles = ["collision"] if n == "fm" else ["visual"]
         roles += ["visual"] if n == "fm" and drawn else []
         parts += [
             link(f"{n}_s"),
-            joint(f"{n}_s", "base_link", f"{n}_s", f"0.5 {y} 0.1", "revolute", "0 0 1", more=limits),
+            joint(f"{n}_s", "base_link", f"{n}_s", f"0.5 {y} 0.1", "revolute", "0 0 1", more=LIMITS),
             body(f"{n}_link", *((role, "0 0 0", cylinder("0.1")) for role in roles)),
             joint(f"{n}_joint", f"{n}_s", f"{n}_link", "0 0 0"),
         ]  # fmt: skip
     said = read(robot(pair(), *parts))
     assert ("fm" in said["names"]) is drawn and {"fl", "fr", "left", "right"} <= {*said["names"]}
     assert ("between 'fl_joint' and 'fr_joint', which touch nothing" in said["notes"]) is not drawn
+
+
+def test_fingers_are_no_wheels(read: Import) -> None:
+    """Upright under an upright joint, as a steered wheel is whose axis is written wrongly, but at the end of an arm."""
+    parts = []
+    for n, y in (("l", 0.2), ("r", -0.2)):
+        parts += [link(f"{n}_{k}") for k in ("arm", "knuckle", "tip")]
+        parts += [
+            joint(f"{n}_arm", "base_link", f"{n}_arm", f"0.5 {y} 0.1", "revolute", "1 0 0", more=LIMITS),
+            joint(f"{n}_knuckle", f"{n}_arm", f"{n}_knuckle", "0.1 0 0", axis="0 0 1"),
+            joint(f"{n}_tip", f"{n}_knuckle", f"{n}_tip", "0.04 0 0", axis="0 0 1"),
+        ]
+    said = read(robot(*parts))
+    assert said["code"] == 2 and "0 joints are wheels" in said["notes"]

@@ -106,7 +106,7 @@ def _spin(robot: Robot, joint: Joint) -> Candidate | None:
     candidate = _candidate(robot, joint, robot.axis(joint), steer, above, tuple(moving))
     if abs(candidate.axis[2]) <= LEVEL:
         return _without_axis(robot, candidate)
-    if abs(candidate.axis[2]) >= UPRIGHT and steer is not None and above and above[0] == steer:
+    if abs(candidate.axis[2]) >= UPRIGHT and steer is not None and above == [steer]:
         why = "its axis is upright, as that of the steering joint above it"
         return replace(candidate, shape=None, doubt=why, unsure=True)
     return None

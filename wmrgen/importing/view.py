@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -153,7 +154,8 @@ class Robot:
 
 
 def base_link(description: Description, wanted: str | None) -> str:
-    """The link ``wanted``, else `*base_link` nearest the root, else the root that carries most."""
+    """The link ``wanted``, else `*base_link` nearest the root, but none of an arm or a hand, else the root that carries
+    most."""
     if wanted is not None:
         if wanted not in description.links:
             raise refuse(
@@ -165,12 +167,14 @@ def base_link(description: Description, wanted: str | None) -> str:
     if MODEL in description.links:
         return MODEL
     above = parents(description.joints)
+    chains = {link: ancestors(link, above) for link in description.links}
+    carried = Counter(link for own, chain in chains.items() for link in (own, *(j.parent for j in chain)))
     named = [link for link in description.links if link.endswith("base_link")]
-    if named:
-        return min(named, key=lambda link: len(ancestors(link, above)))
-    carried: dict[str, int] = {}
-    for link in description.links:
-        chain = ancestors(link, above)
-        root = chain[-1].parent if chain else link
-        carried[root] = carried.get(root, 0) + 1
-    return max(carried, key=lambda root: carried[root])
+    whole = [
+        link
+        for link in named
+        if 2 * carried[link] >= len(chains) or not any(joint.moves for joint in chains[link])
+    ]
+    if whole:
+        return min(whole, key=lambda link: len(chains[link]))
+    return max((link for link, chain in chains.items() if not chain), key=lambda root: carried[root])

@@ -125,3 +125,48 @@ def test_fingers_are_no_wheels(read: Import) -> None:
         ]
     said = read(robot(*parts))
     assert said["code"] == 2 and "0 joints are wheels" in said["notes"]
+
+
+MESH = '<mesh filename="package://x/wheel.stl"/>'
+
+
+@pytest.mark.parametrize(
+    ("trail", "height", "drives"), [("-0.04", "0.11", True), ("0", "0.11", False), ("-0.04", "0.3", False)]
+)
+def test_wheels_larger_than_the_castors_beside_them(
+    read: Import, trail: str, height: str, drives: bool
+) -> None:
+    """Of meshes alone the ground is not known: castors do not drive, what drives beside them stands on it too."""
+    parts = [wheel(n, f"0 {y} {height}", MESH) for n, y in (("left_wheel", 0.2), ("right_wheel", -0.2))]
+    for n, y in (("a", 0.1), ("b", -0.1)):
+        parts += [
+            link(f"{n}_s"),
+            joint(f"{n}_s", "base_link", f"{n}_s", f"-0.3 {y} 0.1", axis="0 0 1"),
+            wheel(n, f"{trail} 0 -0.06", MESH, parent=f"{n}_s"),
+        ]
+    said = read(robot(*parts))
+    assert ({"left", "right"} <= {*said["names"]}) is drives and {"a", "b"} <= {*said["names"]}
+    assert ("'left_wheel_joint' is not taken" in said["notes"]) is not drives
+
+
+def test_a_limited_joint_whose_mirror_image_turns_without_end(read: Import) -> None:
+    limited = wheel("right", "0.05 -0.25 0.1", kind="revolute", more='<limit lower="-3.14" upper="3.14"/>')
+    said = read(robot(wheel("left", "0.05 0.25 0.1"), limited))
+    assert said["names"] == ["left", "right"] and ("right", "type") in said["asked"]
+    assert read(robot(limited.replace("right", "left").replace("-0.25", "0.25"), limited))["code"] == 2
+
+
+def test_a_fixed_wheel_of_which_nothing_is_told(read: Import) -> None:
+    """Two have axes, the third has nothing; what carries a wheel or is a part of one is not told."""
+    parts = [
+        link(f"w{k}", MESH, "visual") + joint(f"w{k}_wheel", "base_link", f"w{k}", at, "fixed", axis)
+        for k, at, axis in (
+            (1, "-0.2 0.3 0.03", ""),
+            (2, "-0.2 -0.3 0.03", "0 1 0"),
+            (3, "0.3 0 0.03", "0 1 0"),
+        )
+    ]
+    cap = link("cap") + joint("wheel_cap", "w2", "cap", "0 0.01 0", "fixed", "")
+    said = read(robot(*parts, cap))
+    assert said["notes"].count("is not taken for a wheel") == 1
+    assert "'w1_wheel' is not taken for a wheel: it is called one, but fixed" in said["notes"]

@@ -14,7 +14,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from wmrgen.importing.frames import dot, plus, transposed, turned, unit
-from wmrgen.importing.passed import Passed, no_wheel, off_the_ground, wheel_like
+from wmrgen.importing.passed import UNTOLD, Passed, no_wheel, nothing_told, off_the_ground, wheel_like
 from wmrgen.importing.records import RIGID, Joint, Vector
 from wmrgen.importing.view import COAXIAL, EVEN, UNSEEN, UPRIGHT, Candidate, Robot, Z
 from wmrgen.spec.text import quoted
@@ -34,8 +34,10 @@ def candidates(robot: Robot) -> tuple[list[Candidate], list[Passed]]:
     none = [Passed(c.joint, why) for c in turning if (why := no_wheel(robot, c, turning))]
     spins = [c for c in turning if all(c.joint is not each.joint for each in none)]
     wheels = _mirrored(_on_ground(robot, spins), spins)
+    wheels += [c for joint in joints if (c := _limited(robot, joint)) and any(_mirrors(c, w) for w in wheels)]
     if len(wheels) < 2:
         wheels = _on_ground(robot, spins + _all_fixed(robot))
+        none += [Passed(j, UNTOLD) for j in joints if not j.moves and nothing_told(robot, j, wheels)]
     else:
         wheels += [c for c in rigid_wheels(robot, wheels) if _alike(c, wheels)]
     taken = {c.joint.name for c in wheels}
@@ -110,6 +112,16 @@ def _spin(robot: Robot, joint: Joint) -> Candidate | None:
         why = "its axis is upright, as that of the steering joint above it"
         return replace(candidate, shape=None, doubt=why, unsure=True)
     return None
+
+
+def _limited(robot: Robot, joint: Joint) -> Candidate | None:
+    """What would be a wheel if it turned without end."""
+    if not joint.turns or joint.spins or robot.moving_below(joint.child) or abs(robot.axis(joint)[2]) > LEVEL:
+        return None
+    above = robot.moving_above(joint)
+    steer = next((j for j in above if robot.upright(j)), None)
+    why = "its joint has limits, and its mirror image turns without end"
+    return replace(_candidate(robot, joint, robot.axis(joint), steer, above, ()), doubt=why)
 
 
 def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
@@ -206,13 +218,27 @@ def _on_ground(robot: Robot, wheels: list[Candidate]) -> list[Candidate]:
     shaped = [w for w in wheels if w.shape]
     if not shaped:
         reach, lowest = _reach(robot, ()), min((w.centre[2] for w in wheels), default=Fraction(0))
-        return [w for w in wheels if w.centre[2] - lowest <= reach]
+        highest = lowest + reach
+        if all(
+            _trails(robot, w) for w in wheels if w.centre[2] <= highest
+        ):  # what drives is larger than castors
+            above = (w.centre[2] for w in wheels if w.steer is None)
+            highest = min((z for z in above if z <= lowest + 4 * UNSEEN), default=highest)
+        return [w for w in wheels if w.centre[2] <= highest]
     lowest = min(w.lowest for w in shaped)
     standing = [w for w in shaped if w.lowest - lowest <= w.radius * Fraction(35, 100) + EVEN]
     reach = _reach(robot, standing)
     least = reach / 20 + EVEN
     meshes = [w for w in wheels if not w.shape and least < w.centre[2] - lowest <= UNSEEN + reach]
     return [w for w in wheels if w in standing or w in meshes]
+
+
+def _trails(robot: Robot, c: Candidate) -> bool:
+    """A castor, by where it stands from its steering axis."""
+    if c.steer is None:
+        return False
+    off = plus(c.centre, robot.origin(c.steer), -1)
+    return abs(off[0] * c.axis[1] - off[1] * c.axis[0]) > EVEN
 
 
 def _reach(robot: Robot, standing: Sequence[Candidate]) -> Fraction:

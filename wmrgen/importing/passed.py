@@ -25,6 +25,19 @@ class Passed:
         return f"joint {quoted(self.joint.name)} is not taken for a wheel: {self.why}"
 
 
+UNTOLD = "it is called one, but fixed, and neither an axis nor a cylinder says how it stands"
+
+
+def nothing_told(robot: Robot, joint: Joint, wheels: Sequence[Candidate]) -> bool:
+    """A fixed joint is called a wheel, at the height of one, of which it is no part, and says no more."""
+    named = re.search("wheel", f"{joint.name} {joint.child}", re.IGNORECASE)
+    height = robot.origin(joint)[2]
+    level = any(abs(height - w.origin[2]) < EVEN for w in wheels)
+    own = {id(each) for w in wheels for each in (w.joint, *robot.under(w.joint.child))}
+    carries = {id(each) for each in robot.under(joint.child)} & own
+    return bool(named) and level and id(joint) not in own and not carries
+
+
 def wheel_like(c: Candidate, wheels: Sequence[Candidate]) -> bool:
     """It is called a wheel, or drawn as large as one that is."""
     named = re.search("wheel", f"{c.joint.name} {c.joint.child}", re.IGNORECASE)

@@ -96,3 +96,12 @@ def test_explain_lists_all_codes(wmrgen_cli: Cli) -> None:
 def test_an_unknown_code_names_the_nearest(wmrgen_cli: Cli) -> None:
     done = wmrgen_cli("explain", "WMR0012")
     assert done.code == 2 and "Did you mean WMR012?" in done.err
+
+
+def test_parameters_are_not_blamed_for_a_robot_that_cannot_be_read(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    parameters = tmp_path / "c.yaml"
+    parameters.write_text("drive: {type: diff_drive_controller/DiffDriveController, wheel_separation: 0.4}\n")
+    alone = wmrgen_cli("lint", parameters)
+    assert alone.code == 2 and "has no robot before it" in alone.err
+    done = wmrgen_cli("lint", tmp_path / "none.yaml", parameters)
+    assert done.code == 2 and "no such file" in done.err and "no robot before it" not in done.err

@@ -76,7 +76,7 @@ def test_free_text() -> None:
         (f"{HEAD}description:\n{WHEELS}", "no value"), (f'{HEAD}description: "a\\tb"\n{WHEELS}', "tab"),
         (f"{HEAD}description: __import__('os')\n{WHEELS}", "__import__"),
         (f"{HEAD}description: a: b\n{WHEELS}", "a second ':'"),
-        (f"{HEAD}description: @a\n{WHEELS}", "not YAML"), (f"{HEAD}a: &x 1\n", "anchor"),
+        (f"{HEAD}description: @a\n{WHEELS}", "cannot begin a value"), (f"{HEAD}a: &x 1\n", "anchor"),
         (f"{HEAD}a: *x\n", "alias"), (f"{HEAD}a: !!int 1\n", "tag"), (f"{HEAD}a: !x 1\n", "tag"),
         (f"{HEAD}? [a]\n: 1\n", "short word"), (f"{HEAD}? {{a: 1}}\n: 1\n", "short word"),
         (f"%YAML 1.1\n---\n{HEAD}", "directive"), (f"%TAG ! x\n---\n{HEAD}", "directive"),

@@ -109,7 +109,7 @@ def test_a_castor_and_a_ball_need_no_orientation_and_a_ball_no_radius() -> None:
         (wheel("a", actuated="[spin, spin]"), "stands twice", "Delete"),
         (wheel("a", "spherical", sensed="[spin]"), "no joint 'spin'", "sensed: []"),
         (wheel("a", limits="{steer: 1}"), "unknown key 'steer'", "spin"),
-        (wheel("a", limits="{spin: [1]}"), "has 1 values", "[low, high]"),
+        (wheel("a", limits="{spin: [1]}"), "has 1 value", "[low, high]"),
         (wheel("a", limits="{spin: 1 m/s}"), "angular rate", "rpm"),
         (wheel("a", limits="{vx_rate: 1}"), "unknown key 'vx_rate'", "spin"),
         (wheel("a", limits="3"), "must be a mapping", "omega"),

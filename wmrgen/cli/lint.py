@@ -38,6 +38,8 @@ def lint(robots: Sequence[Path], as_json: bool) -> int:
                 elif layout.form == DESCRIPTION and (robot is None or robot.form == DESCRIPTION):
                     findings += labelled(layout)
                     robot = layout
+                elif robot is None and errors:
+                    continue  # what it belongs to cannot be read
                 elif robot is None:
                     raise UsageError(
                         f"{layout.source} has no robot before it: give a robot file or description first"

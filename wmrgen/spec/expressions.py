@@ -97,8 +97,11 @@ class _Parser:
             "^": "Write ** for powers.",
             "%": "Write the number itself.",
             "°": "Write deg after a plain number.",
+            "#": "Write a space before # to begin a comment.",
+            "'": "Write ft for feet.",
+            "±": "Write both ends, as [-35 deg, 35 deg].",
             "=": "Comparisons and assignments have no meaning here.",
-            "−": "Write the hyphen-minus '-' of the keyboard.",
+            **dict.fromkeys("−–—", "Write the hyphen-minus '-' of the keyboard."),
             "·": "Write *.",
             "×": "Write *.",
             "\n": "Keep the expression on one line.",
@@ -115,6 +118,8 @@ class _Parser:
             return word
         if kind == "name":
             return self._name("pi" if word in ("π", "Π") else word, after == "(", at)
+        if word == before == "/":
+            raise self._error("'//' cannot stand in an expression", _GRAMMAR, "Write / for a quotient.", at)
         if word == "(" and before and (before[-1] == ")" or before[0] in "0123456789."):
             raise self._juxtaposed(before, word, at)
         return word
@@ -127,8 +132,9 @@ class _Parser:
                 "Give the number its unit as a parameter, and use the parameter here.",
                 at,
             )
+        instead = "Write one decimal point; a range is [low, high]." if word[0] == "." else "Write *."
         return self._error(
-            f"an operator is missing between {quoted(before)} and {quoted(word)}", "", "Write *.", at
+            f"an operator is missing between {quoted(before)} and {quoted(word)}", "", instead, at
         )
 
     def _name(self, word: str, called: bool, at: int) -> str:
@@ -161,7 +167,9 @@ class _Parser:
         except SyntaxError as error:
             column = min(max((error.offset or 1) - 1, 0), len(self._text))
             opened = self._text.count("(") - self._text.count(")")
-            hint = f"Write the missing '{')' if opened > 0 else '('}'." if opened else ""
+            last = re.search(r"[-+*/]+$", self._text)
+            hint = f"Write what stands after {last[0]}, or delete it." if last else ""
+            hint = f"Write the missing '{')' if opened > 0 else '('}'." if opened else hint
             raise self._error(
                 f"{quoted(self._node.text)} is not a complete expression",
                 _GRAMMAR,

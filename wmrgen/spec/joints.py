@@ -32,7 +32,7 @@ def _limit(name: str, table: Table, scope: Scope) -> Limit:
     if isinstance(node, SequenceNode):
         if len(node.items) != 2:
             raise node.error(
-                f"{what} has {len(node.items)} values",
+                f"{what} has {len(node.items)} value{'s' * (len(node.items) != 1)}",
                 "A range has two.",
                 f"Write {name}: [low, high], or one value.",
             )

@@ -43,7 +43,7 @@ WHEEL = Section(
     (
         Field("name", Name(), "name of the wheel, which its joints bear", required=True, missing=A_NAME),
         Field(
-            "type", OneOf("type"), "type of the wheel", required=True,
+            "type", OneOf("type"), "type of the wheel", required=True, aliases={"kind": ""},
             missing=("It decides what the wheel constrains.", "Write type: and one of {types}."),
         ),
         Field(
@@ -57,11 +57,13 @@ WHEEL = Section(
         ),
         Field(
             "x", _LENGTH, "pivot position forward of P; with y",
-            aliases=dict.fromkeys(("pos", "position", "pose", "xy"), "Write x: and y:."),
+            aliases=dict.fromkeys(("pos", "position", "pose", "xy"), "Write x: and y:.")
+            | dict.fromkeys(("pos_x", "position_x", "x_pos"), ""),
             missing=(_PLACE[1], "Write x: and the distance forward of the origin."),
         ),
         Field(
             "y", _LENGTH, "pivot position left of P; with x",
+            aliases=dict.fromkeys(("pos_y", "position_y", "y_pos"), ""),
             missing=(_PLACE[1], "Write y: and the distance left of the origin."),
         ),
         Field(

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from wmrgen.errors import Code, RobotFileError, Several
+from wmrgen.spec.consequences import causes
 from wmrgen.spec.expressions import read_quantity, scalar_of
 from wmrgen.spec.fields import Text, Version
 from wmrgen.spec.joints import read_encoders, read_lag, read_limits, read_noise
@@ -30,10 +31,8 @@ from wmrgen.spec.records import (
 from wmrgen.spec.tables import Table, table_of
 from wmrgen.spec.text import (
     MAX_BYTES,
-    MappingNode,
     Node,
     Scalar,
-    SequenceNode,
     Source,
     bytes_of,
     decode,
@@ -69,24 +68,20 @@ def read_text(text: str, file_name: str, several: Several | None = None) -> Robo
         mark, example = Source.of(text, file_name).mark(0, 0), f"A robot file begins {ROBOT.example}."
         raise RobotFileError("the file is empty", mark, "", example, Code.NOT_YAML)
     table = table_of(tree, ROBOT, wrong)
-    _check_format(table)
-    refuse_questions(tree)
+    if not _of_this_format(table, wrong):
+        wrong.errors = [error for error in wrong.errors if error.code is not Code.UNKNOWN_KEY]
+        wrong.end()
+    with wrong:
+        refuse_questions(tree)
+    if any(error.code is Code.OPEN for error in wrong.errors):
+        wrong.end()
     spec = _robot(table, wrong)
-    if _names_in_doubt(table, wrong):
-        wrong.errors = [error for error in wrong.errors if error.code is not Code.UNDECLARED]
+    wrong.errors = causes(table, wrong.errors)
     if several is None or not wrong.errors:
         wrong.end()
         return spec
     several.add(*wrong.errors)
     return replace(spec, couplings=(), virtual=(), trailers=())
-
-
-def _names_in_doubt(table: Table, wrong: Several) -> bool:
-    """Some name cannot be read, so that where it is used nothing is to be told."""
-    wheels, parameters = table.get("wheels"), table.get("parameters")
-    unnamed = isinstance(wheels, SequenceNode) and len(declared_types(table)) < len(wheels.items)
-    no_mapping = parameters is not None and not isinstance(parameters, MappingNode)
-    return unnamed or no_mapping or any(error.code is Code.NAME for error in wrong.errors)
 
 
 class _Reading(NamedTuple):
@@ -120,16 +115,23 @@ def _robot(table: Table, several: Several) -> RobotSpec:
     return RobotSpec(name=name, mark=table.mark, **facts)
 
 
-def _check_format(table: Table) -> None:
-    node = scalar_of(table.require("wmrgen", "the robot file"), "wmrgen")
+def _of_this_format(table: Table, several: Several) -> bool:
+    """Whether the file can be read on: it is one of a robot, and names no other version of the format."""
     version = ROBOT.field("wmrgen").value
     assert isinstance(version, Version)
-    if node.text != version.number:
-        raise node.error(
-            f"format version {quoted(node.text)} is not known",
-            f"This wmrgen reads version {version.number}; another one may mean the same words differently.",
-            f"Write wmrgen: {version.number}.",
+    with several:
+        node = scalar_of(table.require("wmrgen", "the robot file"), "wmrgen")
+        if node.text == version.number:
+            return True
+        several.add(
+            node.error(
+                f"format version {quoted(node.text)} is not known",
+                f"This wmrgen reads version {version.number}; another one may mean the same words differently.",
+                f"Write wmrgen: {version.number}.",
+            )
         )
+        return not re.fullmatch(r"[0-9.]+", node.text)
+    return table.get("wheels") is not None or table.get("name") is not None
 
 
 def _free_text(table: Table, key: str) -> str:

@@ -8,7 +8,7 @@ import unicodedata
 from wmrgen.backends.registry import why_reserved
 from wmrgen.backends.words import AVR_MACROS
 from wmrgen.errors import Code, RobotFileError
-from wmrgen.spec.text import Node, Scalar, quoted
+from wmrgen.spec.text import Node, Scalar, lookalike, quoted
 
 NAME_PATTERN = "^[A-Za-z][A-Za-z0-9_]{0,30}$"
 _ENDS = {"front": "front", "fore": "front", "fwd": "front", "middle": "middle", "center": "middle"}
@@ -56,6 +56,7 @@ def _check(node: Scalar, what: str) -> str:
         raise _no_name(node, f"the {what} name is empty", "", "front_left")
     if not re.fullmatch(NAME_PATTERN, name):
         why = "Names become identifiers of generated C: letters a-z and A-Z, digits and _, at most 31, a letter first."
+        why = lookalike(name) if len(name) == 1 and lookalike(name) else why
         raise _no_name(node, f"{quoted(name)} is not a valid {what} name", why, _repaired(name))
     reason = _reserved(name)
     if reason:

@@ -12,8 +12,8 @@ from wmrgen.spec.keys import PARAMETER, ROBOT
 from wmrgen.spec.names import Names, parameter_name
 from wmrgen.spec.numbers import Kind, Scope, facts_of, parameters_in
 from wmrgen.spec.records import ParameterSpec, Quantity
-from wmrgen.spec.tables import mapping_of, table_of
-from wmrgen.spec.text import MappingNode, Node, Scalar
+from wmrgen.spec.tables import mapping_of, severed, table_of
+from wmrgen.spec.text import MappingNode, Node, Scalar, quoted
 
 
 def read_parameters(
@@ -32,8 +32,14 @@ def read_parameters(
     nodes: dict[str, Scalar] = {}
     trees = {}
     tunable = {}
-    for key, entry in mapping.entries:
+    rests = [severed(key, entry) for key, entry in mapping.entries]
+    for (key, entry), rest, behind in zip(mapping.entries, rests, [*rests[1:], None], strict=True):
         name = key.text
+        if rest:
+            several.add(key.error(f"{quoted(name)} stands where a key is expected", *rest))
+        if rest or behind:  # half of a value is not judged
+            scope = replace(scope, facts={**scope.facts, name: None})
+            continue
         with several:
             names.add(parameter_name(key), "a parameter", key)
         with several:

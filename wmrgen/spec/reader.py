@@ -7,7 +7,7 @@ text that was written. Tags and directives, in robot files anchors and aliases t
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple, NoReturn
 
 import yaml
@@ -16,6 +16,7 @@ from yaml.reader import Reader
 from yaml.scanner import Scanner
 
 from wmrgen.errors import Code, Mark, RobotFileError, Several
+from wmrgen.spec.slips import Line, Place, Slip, slip_of, without
 from wmrgen.spec.text import (
     MappingNode,
     Node,
@@ -36,27 +37,18 @@ _DEPTH = (
     "A robot file needs five levels; more is refused.",
     "Look for brackets or dashes that do not end.",
 )
-# What PyYAML says, and the same for people: (part of its text, what, instead).
-_PLAIN_WORDS = (
-    ("'\\t'", "a tab where spaces are needed", "YAML indents with spaces: replace the tab."),
-    ("unexpected end of stream", "a quote that is never closed", "Close the quote."),
-    ("expected ',' or ']'", "a ',' or ']' is missing here", "Separate items by ',' and end the list with ']'."),
-    ("expected ',' or '}'", "a ',' or '}' is missing here", "Separate keys by ',' and end with '}'."),
-    ("did not find expected <document start>", "text after the end of the document", "Delete it."),
-    ("expected the node content", "a value is missing here", "Write it, indented deeper than what asks for it."),
-    ("escape", "an unknown escape in double quotes", "Use single quotes, or none."),
-)  # fmt: skip
-_UNALIGNED = "this line does not fit the indentation above", "Align it with its neighbours."
+_GOES_ON = re.compile(r"[{},]\s*\w+: |- \w+: ")  # keys that a quote has taken in
+_MENDED, _LONG = 10, 20_000  # lines that are mended to read on, in files of so many characters
 
 
 class _Composer(Reader, Scanner, Parser):
     """PyYAML's events to nodes, which are counted; without anchors, aliases, tags, directives and deep nesting."""
 
-    def __init__(self, text: str, source: Source, several: Several) -> None:
-        Reader.__init__(self, text)
+    def __init__(self, lines: tuple[Line, ...], source: Source, several: Several) -> None:
+        Reader.__init__(self, "\n".join(line.text for line in lines))
         Scanner.__init__(self)
         Parser.__init__(self)
-        self._source, self._several = source, several
+        self._lines, self._source, self._several = lines, source, several
         self._nodes = 0
         self._last_counts = False
 
@@ -65,7 +57,12 @@ class _Composer(Reader, Scanner, Parser):
 
     def mark_here(self) -> Mark:
         """How far the scanner has come."""
-        return self._source.mark(self.line, self.column)
+        return self._mark(self.line, self.column)
+
+    def _mark(self, line: int, column: int) -> Mark:
+        """The place in the file of a place in the lines as they are read."""
+        line = min(line, len(self._lines) - 1)
+        return self._source.mark(line, self._lines[line].column(column))
 
     def fetch_anchor(self) -> None:
         self._refuse(
@@ -113,7 +110,7 @@ class _Composer(Reader, Scanner, Parser):
 
     def _node(self, depth: int) -> Node:
         event = self.get_event()
-        mark = self._source.mark(event.start_mark.line, event.start_mark.column)
+        mark = self._mark(event.start_mark.line, event.start_mark.column)
         self._nodes += 1
         if depth > MAX_DEPTH:
             raise RobotFileError(_DEPTH[0], mark, *_DEPTH[1:], Code.NOT_YAML)
@@ -126,6 +123,10 @@ class _Composer(Reader, Scanner, Parser):
                 Code.NOT_YAML,
             )
         if isinstance(event, yaml.ScalarEvent):
+            end = event.end_mark.line + 1 if event.end_mark else mark.line
+            if event.style in ("'", '"') and end > mark.line and _GOES_ON.search(event.value):
+                what = f"the quote that opens here is closed on line {end}"
+                raise RobotFileError(what, mark, "", "Close it behind the value.", Code.NOT_YAML)
             return self._scalar(Scalar(mark, event.value, event.style is None))
         if isinstance(event, yaml.SequenceStartEvent):
             items = []
@@ -175,8 +176,8 @@ class _Aliased(_Composer):
     fetch_anchor = Scanner.fetch_anchor
     fetch_alias = Scanner.fetch_alias
 
-    def __init__(self, text: str, source: Source, several: Several) -> None:
-        super().__init__(text, source, several)
+    def __init__(self, lines: tuple[Line, ...], source: Source, several: Several) -> None:
+        super().__init__(lines, source, several)
         self._last_counts = True
         self._anchored: dict[str, tuple[Node, int]] = {}  # with the number of its nodes
 
@@ -196,79 +197,64 @@ class _Aliased(_Composer):
         return node
 
 
-def _from_yaml(error: yaml.MarkedYAMLError, source: Source) -> RobotFileError:
-    problem, context = str(error.problem or error.context or ""), error.context_mark
-    mark = error.problem_mark or context
-    if mark is None:
-        return RobotFileError(f"not YAML: {quoted(problem, 120)}", code=Code.NOT_YAML)
-    line, column = min(mark.line, len(source.lines) - 1), mark.column
-    why, before = "", source.lines[line][:column]
-    above = max((k for k in range(line) if source.lines[k].partition("#")[0].strip()), default=line)
-    plain = [(what, instead) for part, what, instead in _PLAIN_WORDS if part in problem]
-    if context and "expected ':'" in problem:
-        line, column = context.line, context.column
-        what, instead = _no_colon(source.lines[line])
-    elif "mapping values are not allowed" in problem:
-        what, instead = (
-            "a second ':' in one line",
-            "Write a line for each key; put text that contains ': ' in quotes.",
-        )
-        if re.fullmatch(r" *(- +)*[^:]*", before) and above < line and not re.search(r":( |$)", before):
-            column, (what, instead) = len(before) - len(before.lstrip()), _UNALIGNED
-            if re.match(r" *-[^ -]", source.lines[above]) or not re.search(r":( |$)", source.lines[above]):
-                line, (what, instead) = above, _no_colon(source.lines[above])
-                column = len(source.lines[line]) - len(source.lines[line].lstrip())
-    elif "expected <block end>" in problem:
-        rest, (what, instead) = source.lines[line][column:], _UNALIGNED
-        if rest[:1] in ("]", "}"):
-            what, instead = f"'{rest[0]}' closes nothing", "Delete it."
-        elif before.strip(" -"):
-            what, instead = "text after the end of a value", "Put the whole value in double quotes."
-    elif plain:
-        what, instead = plain[0]
-        if context and "never closed" in what:
-            line, column = context.line, context.column
-        elif context and "missing here" in what and "," in what:
-            why = f"What is not closed begins on line {context.line + 1}."
-            if not before.strip(" -"):  # it is missing where the text before ends
-                line, column = above, len(source.lines[above].rstrip())
-    else:
-        what, instead = f"not YAML: {quoted(problem, 120)}", "Compare with a file under robots/."
-    return RobotFileError(what, source.mark(line, column), why, instead, Code.NOT_YAML)
-
-
-def _no_colon(text: str) -> tuple[str, str]:
-    """What is wrong with a line that should have been ``key: value``, and what to write."""
-    dash, key, sign, value = re.findall(r"^ *(- *)?([^ :=]*) *([:=]?) *(.*?) *$", text)[0]
-    instead = f"Write {'- ' if dash else ''}{key}: {value}".rstrip() + "."
-    if dash and not dash.endswith(" "):
-        return "no space after the dash", instead
-    return "no space after the colon" if sign == ":" else "a line without ':'", instead
-
-
 def read_tree(text: str, file: str, several: Several | None = None, aliases: bool = False) -> Node | None:
-    """The raw tree of ``text``, None for an empty file; ``several``, where given, takes keys that stand twice.
-    ``aliases``: of files of others, of whose keys that stand twice the last counts."""
+    """The raw tree of ``text``, None for an empty file; ``several``, where given, takes keys that stand twice, and
+    slips of YAML, which are mended to read on; None where that fails. ``aliases``: of files of others."""
     text = normalise(text, file)
-    source = Source.of(text, file)
-    wrong = several or Several()
-    composer = (_Aliased if aliases else _Composer)(text, source, wrong)
-    try:
-        tree = composer.document()
-    except yaml.MarkedYAMLError as error:
-        raise _from_yaml(error, source) from None
-    except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
-        # PyYAML's own slips, such as the escape "\\UFFFFFFFF"
-        raise RobotFileError(
-            f"not YAML: {quoted(str(error))}",
-            composer.mark_here(),
-            "",
-            "Compare with a file under robots/.",
-            Code.NOT_YAML,
-        ) from None
+    source, wrong = Source.of(text, file), several or Several()
+    lines, slips = tuple(Line(line) for line in text.split("\n")), list[Slip]()
+    while True:
+        twice = Several()
+        try:
+            tree = _composed(lines, source, twice, aliases)
+            break
+        except _Slipped as slipped:
+            slip = slipped.slip
+            if several is None:
+                raise slip.error from None
+            slips += [] if _of_a_mend(slip, slips) else [slip]
+            tree = None
+            if slip.meant is None or len(slips) > _MENDED or len(text) > _LONG:
+                break
+            lines = (*lines[: slip.number], slip.meant, *lines[slip.number + 1 :])
+    wrong.add(*(slip.error for slip in slips), *twice.errors)
     if several is None:
         wrong.end()
     return tree
+
+
+def _place(mark: Any) -> Place | None:
+    """A mark of PyYAML."""
+    return Place(mark.line, mark.column) if mark else None
+
+
+def _of_a_mend(slip: Slip, slips: Sequence[Slip]) -> bool:
+    """Whether a slip is likely one of how the lines above were mended."""
+    return slip.follows and any("tab" in s.error.what or s.number >= slip.number - 1 for s in slips)
+
+
+class _Slipped(Exception):
+    def __init__(self, slip: Slip) -> None:
+        super().__init__()
+        self.slip = slip
+
+
+def _composed(lines: tuple[Line, ...], source: Source, several: Several, aliases: bool) -> Node | None:
+    """The tree of lines that stand in ``source`` as they were before they were mended."""
+    composer = (_Aliased if aliases else _Composer)(lines, source, several)
+    try:
+        return composer.document()
+    except RobotFileError as error:
+        meant = without(lines, error.mark) if error.mark and error.code is Code.NOT_YAML else None
+        raise _Slipped(Slip(error, error.mark.line - 1 if error.mark else 0, meant)) from None
+    except yaml.MarkedYAMLError as error:
+        problem, context = str(error.problem or error.context or ""), _place(error.context_mark)
+        at = _place(error.problem_mark) or context or Place(composer.line, composer.column)
+        raise _Slipped(slip_of(problem, at, context, lines, source)) from None
+    except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
+        # PyYAML's own slips, such as the escape "\\UFFFFFFFF"
+        what, instead = f"not YAML: {quoted(str(error))}", "Compare with a file under robots/."
+        raise _Slipped(Slip(RobotFileError(what, composer.mark_here(), "", instead, Code.NOT_YAML))) from None
 
 
 class Token(NamedTuple):
@@ -286,7 +272,8 @@ class Token(NamedTuple):
 
 def tokens(text: str, file: str) -> Iterator[Token]:
     """The words of a robot file that `read_tree` reads, in order; what stands between them is blank or comment."""
-    composer = _Composer(text, Source.of(text, file), Several())
+    lines = tuple(Line(line) for line in text.split("\n"))
+    composer = _Composer(lines, Source.of(text, file), Several())
     while composer.check_token():
         token = composer.get_token()
         start, end = token.start_mark, token.end_mark

@@ -200,7 +200,7 @@ def table_of(
         name = spelled(key.text, section)
         if all(name != f.key for f in fields):
             unknown.append((key, value))
-            if _rest(key, value) and last in table.values:  # so that half of a value is not judged
+            if severed(key, value) and last in table.values:  # so that half of a value is not judged
                 del table.keys[last], table.values[last]
                 table.excused.add(last)
         elif name in table.keys:
@@ -230,7 +230,7 @@ def _meant(word: str, fields: Collection[Field]) -> tuple[str, bool]:
     return nearest(word, keys), bool(nearest(word, keys, 0.75))
 
 
-def _rest(key: Scalar, value: Node) -> tuple[str, str] | None:
+def severed(key: Scalar, value: Node) -> tuple[str, str] | None:
     """Why, and what to write, where a key is what stood behind the comma of a value."""
     if not isinstance(value, Scalar) or value.text or not key.plain:
         return None
@@ -246,7 +246,7 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
     """The error for a key that does not exist, with the nearest one that does."""
     empty = isinstance(value, Scalar) and not value.text
     valid = {f.key for f in fields}
-    if behind := _rest(key, value):
+    if behind := severed(key, value):
         return key.error(f"{quoted(key.text)} stands where a key is expected", *behind)
     if key.plain and ":" in key.text and empty:
         word, _, rest = key.text.partition(":")

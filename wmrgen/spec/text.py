@@ -143,9 +143,11 @@ def suggestion(wrong: str, valid: Iterable[str], aliases: Mapping[str, str] | No
     hint = (aliases or {}).get(wrong.lower())
     if hint:
         return hint
-    near = nearest(wrong, words)
+    near, alias = nearest(wrong, words), nearest(wrong, aliases or (), 0.8)
     if near:
         return f"Did you mean {near}?"
+    if alias and aliases:
+        return aliases[alias]
     return f"Valid here: {' '.join(words)}." if words else ""
 
 

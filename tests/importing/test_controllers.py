@@ -267,6 +267,20 @@ def test_arguments_stand_for_themselves_and_what_is_not_given_is_not_said(tmp_pa
     assert (c.joints[0].joint, c.lengths) == ("left", {})
 
 
+def test_units_in_names_null_and_angles_of_ros(tmp_path: Path) -> None:
+    path = tmp_path / "parameters.yaml"
+    path.write_text(
+        "a:\n  wheelbase_m: 0.3\n  track_width_mm: 200\n  wheel_diameter_cm: 12\n  ring: {wheel_radius: null}\n"
+        "  pan: {max_velocity: !degrees 120.0, min_velocity: !radians -1}\n"
+    )
+    (c,) = read_controllers(path)
+    assert {key: float(s.value) for key, s in c.lengths.items()} == {
+        "wheelbase": 0.3,
+        "track": 0.2,
+        "radius": 0.06,
+    }
+
+
 def test_an_empty_list_is_no_length(tmp_path: Path) -> None:
     path = tmp_path / "rover.yaml"
     dimensions = "{{d1: 0.1, d2: 0.3, d3: 0.2, d4: {}, wheel_radius: 0.05}}"

@@ -110,11 +110,19 @@ def test_the_multiplier_of_a_skid_steer_is_its_effective_track(
     said = read(robot(FOUR), SKID.format(factor=1.875))
     assert "\neffective_track: 0.9375\n" in said["text"]
     comment = " ".join(said["text"].replace("#", "").split())
-    assert "'wheel_separation' 0.5 times 'wheel_separation_multiplier' 1.875; drive.yaml, line 5" in comment
+    assert "'wheel_separation' 0.5 times 'wheel_separation_multiplier' 1.875; drive.yaml, line 6" in comment
     path = tmp_path / "probe.yaml"
     path.write_text(said["text"].replace("TODO", "[spin]"), encoding="utf-8")
     done = wmrgen_cli("compare", path, tmp_path / "drive.yaml")
     assert done.code == 0 and "does not count" not in done.out
+
+
+def test_a_multiplier_of_the_track_that_the_description_has(read: Import) -> None:
+    """Controllers of ROS 1 take it from there; of wheels on four lines it is not sure which."""
+    parameters = SKID.format(factor=1.5).replace("    wheel_separation: 0.5\n", "")
+    assert "\neffective_track: 0.75\n" in read(robot(FOUR), parameters)["text"]
+    aslant = robot(*(wheel(n, f"{x} {y + x / 9:.3f} 0.1") for n, (x, y) in CORNERS.items()))
+    assert "effective_track" not in read(aslant, parameters)["text"]
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from wmrgen.errors import Mark, RobotFileError, Several
+from wmrgen.errors import Code, Mark, RobotFileError, Several
 from wmrgen.importing.read import local
 from wmrgen.importing.records import Controller, Named, Setting
 from wmrgen.spec.names import role
@@ -36,7 +36,7 @@ LENGTHS = {  # what a parameter gives: the words by which it is known
     " wheel_track wheels_track track_width axle_track axle_width base_width wheel_distance chassis_width",
     "front_track": "front_wheel_track steering_track_width kingpin_width",
     "rear_track": "rear_wheel_track traction_track_width",
-    "wheelbase": "wheelbase wheel_base wheel_separation_x wheel_separation_h chassis_length",
+    "wheelbase": "wheelbase wheel_base axis_separation wheel_separation_x wheel_separation_h chassis_length",
     "sum": "sum_of_robot_center_projection_on_x_y_axis",
     "ring": "robot_radius base_radius",
     "radius": "wheel_radius wheels_radius wheels.radius",
@@ -46,10 +46,11 @@ LENGTHS = {  # what a parameter gives: the words by which it is known
     "rear_radius": "rear_wheel_radius rear_wheels_radius traction_wheel_radius traction_wheels_radius",
     "offset": "wheel_lever_arm wheel_steering_y_offset",
 }
+_UNITS = {"_mm": Fraction(1, 1000), "_cm": Fraction(1, 100), "_m": Fraction(1), "": Fraction(1)}
 _WORDS = {word: key for key, words in LENGTHS.items() for word in words.split()}
 _KINDS = (  # the first whose pattern occurs in a type
     ("mecanum", "mecanum"),
-    ("four_?wheel_?steer|swerve|omni_?drive_?controller/wheel|omnidrive", "swerve"),
+    ("four_?wheel_?steer|swerve|omni_?drive_?controller/wheel|omnidrive(?!controller)", "swerve"),
     ("ackermann", "ackermann"),
     ("bicycle", "bicycle"),
     ("tricycle", "tricycle"),
@@ -63,6 +64,7 @@ _SIGN = re.compile(r"(rot_sign|directions?|signs?)$")
 _PLACE = re.compile(r"(?:center_pos_|pos_|position_)?([xy])$")
 _SUBSTITUTION = re.compile(r"\$\(arg ([^()\s]+)\)|\$[({][^(){}]*[)}]")
 _JOINT = re.compile(r"(?=[^A-Za-z]*[A-Za-z])[\w./ -]{1,200}")
+_NOTHING = ("", "~", "null", "Null", "NULL")
 _NODE, _PASSED, _MOST = "ros__parameters", ("**", "*", "<<", ""), 64  # controllers of a file
 _ROVER = [  # role, x and y of the wheels of JPL's rover
     (f"{end} {side}", along, ahead, across, sign)
@@ -91,11 +93,14 @@ class _Leaf:
 def read_controllers(path: Path, arguments: Mapping[str, str] | None = None) -> tuple[Controller, ...]:
     """The controllers of a YAML file; ``arguments`` stand for ``$(arg name)``. RobotFileError where it cannot be read,
     or a length is no number. Of keys that stand twice the last holds, as in ROS, which the first controller notes."""
-    name, twice = printable(str(path)), Several()
-    tree = read_tree(decode(bytes_of(path, MAX_BYTES + 1), name), name, twice, aliases=True)
+    name, told, wrong = printable(str(path)), Several(), Several()
+    tree = read_tree(decode(bytes_of(path, MAX_BYTES + 1), name), name, told, aliases=True)
+    twice = [error for error in told.errors if error.code is Code.TWICE]
+    wrong.add(*(error for error in told.errors if error not in twice))
+    wrong.end()
     controllers = controllers_of(tree, arguments or {})
-    told = [f"{e.mark.line}: {e.what}: the last one holds, as in ROS" for e in twice.errors if e.mark]
-    notes = tuple(f"{printable(path.name)}:{words}" for words in told)
+    lines = [f"{e.mark.line}: {e.what}: the last one holds, as in ROS" for e in twice if e.mark]
+    notes = tuple(f"{printable(path.name)}:{line}" for line in lines)
     return (*(replace(c, notes=notes) for c in controllers[:1]), *controllers[1:])
 
 
@@ -195,17 +200,18 @@ def _length(leaf: _Leaf) -> tuple[str, str, Fraction, bool] | None:
     for count in (2, 1):
         words = ".".join(leaf.path[-count:])
         plain = _snake(words).removesuffix("_multiplier")
-        key = _WORDS.get(plain.replace("diameter", "radius"))
+        unit = next((u for u in _UNITS if plain.endswith(u)), "")
+        key = _WORDS.get(plain.removesuffix(unit).replace("diameter", "radius"))
         if key and len(leaf.texts) == 1:
-            return words, key, Fraction(1, 2 if "diameter" in plain else 1), plain != _snake(words)
+            return words, key, _UNITS[unit] / (2 if "diameter" in plain else 1), plain != _snake(words)
     return None
 
 
 def _number(leaf: _Leaf, index: int = 0, factor: Fraction = Fraction(1)) -> Setting | None:
-    """A value; None of what is not there, of an argument that nobody gave, and of 0, which stands for what is read
-    elsewhere; in XML, where others read it otherwise, of what is no number."""
+    """A value; None of what is not there or null, of an argument that nobody gave, and of 0, which stands for what is
+    read elsewhere; in XML, where others read it otherwise, of what is no number."""
     text = leaf.texts[index] if index < len(leaf.texts) else "$"
-    if "$" in text:
+    if "$" in text or text in _NOTHING:
         return None
     size = abs(float(text)) if len(text) <= 40 and re.fullmatch(f"[+-]?{NUMBER}", text) else -1.0
     key, mark = ".".join(leaf.path), leaf.marks[index]

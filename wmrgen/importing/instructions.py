@@ -16,6 +16,7 @@ from wmrgen.importing.records import Controller, Description, Wheel
 from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, FIXED, SPHERICAL
 
+_EQUAL = 1e-6  # of the track, by which wheels of a side stand beside one another
 _LEVEL = 1e-6  # sine of the angle between axles that are parallel
 _ROLLERS = ("mecanum", "omni")  # kinds of controllers that drive wheels with rollers
 
@@ -50,7 +51,8 @@ def _joint_called(name: str, joints: Collection[str]) -> str | None:
 
 def skid_track(wheels: Sequence[Wheel], controllers: Sequence[Controller]) -> tuple[Fraction, str] | None:
     """The effective track of wheels that are fixed on several axles and skid in curves: the track of the controllers of
-    differential drives times its multiplier, which is made for that; None where they have none, or two."""
+    differential drives, or of the wheels where they leave it to them, times its multiplier, which is made for that;
+    None where they have none, or two."""
     fixed = [w for w in wheels if w.type == FIXED.name]
     if len(fixed) < 3 or any(w.type not in (FIXED.name, CASTOR.name, SPHERICAL.name) for w in wheels):
         return None
@@ -60,11 +62,13 @@ def skid_track(wheels: Sequence[Wheel], controllers: Sequence[Controller]) -> tu
     size = max(aside) - min(aside)
     if not all(level) or size == 0 or max(ahead) - min(ahead) < size / 10:
         return None
+    two_lines = all(min(y - min(aside), max(aside) - y) < _EQUAL * size for y in aside)
     told = {}
     for c in controllers:
         track, factor = c.lengths.get("track"), c.multipliers.get("track")
-        if c.kind == "differential" and track and factor and factor.value != 1:
-            where = f"; {track.mark.file.rpartition('/')[2]}, line {track.mark.line}" if track.mark else ""
-            product = f"{quoted(track.key)} {float(track.value):g} times {quoted(factor.key)} {float(factor.value):g}"
-            told[track.value * factor.value] = product + where
+        if c.kind == "differential" and factor and factor.value != 1 and (track or two_lines):
+            own = f"{quoted(track.key)} {float(track.value):g}" if track else f"the track {size:g}"
+            where = f"; {factor.mark.file.rpartition('/')[2]}, line {factor.mark.line}" if factor.mark else ""
+            product = f"{own} times {quoted(factor.key)} {float(factor.value):g}{where}"
+            told[(track.value if track else Fraction(size)) * factor.value] = product
     return next(iter(told.items())) if len(told) == 1 else None

@@ -176,6 +176,11 @@ class _Aliased(_Composer):
     fetch_anchor = Scanner.fetch_anchor
     fetch_alias = Scanner.fetch_alias
 
+    def fetch_tag(self) -> None:
+        """Of an angle in ROS, whose number is taken as it is; others are refused."""
+        ours = any(self.prefix(len(tag)) == tag for tag in ("!degrees", "!radians"))
+        (Scanner if ours else _Composer).fetch_tag(self)
+
     def __init__(self, lines: tuple[Line, ...], source: Source, several: Several) -> None:
         super().__init__(lines, source, several)
         self._last_counts = True

@@ -111,13 +111,8 @@ def evaluate_module(
 
 def values_of(function: Function, inputs: Mapping[str, Any], kind: Any) -> list[Any]:
     """Every node at many points at once, in NumPy's arithmetic of ``kind``: the last place may be another."""
-    values: list[Any] = []
-    for node in function.nodes:
-        if node.value is not None:
-            values.append(kind(to_float64(node.value)))
-        elif node.op is Op.INPUT:
-            values.append(inputs[node.name or ""].astype(kind))
-        else:
-            assert node.op.many is not None
-            values.append(node.op.many(*(values[a] for a in node.args)))
-    return values
+
+    def enter(value: Any) -> Any:
+        return kind(to_float64(value)) if isinstance(value, Exact) else value.astype(kind)
+
+    return evaluate_nodes(function, inputs, Arithmetic(kind.__name__, enter, attrgetter("many")))

@@ -8,7 +8,7 @@ What is read off the list stands here, too: uses, what results need, counts of o
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from typing import TypeVar
 
@@ -140,7 +140,11 @@ def prune(nodes: Sequence[Node], results: Sequence[int]) -> tuple[tuple[Node, ..
 
 def pruned(function: Function) -> Function:
     """``function`` with the nodes that its results need, and the names of these."""
-    place = places(function.nodes, function.results)
+    return placed(function, places(function.nodes, function.results))
+
+
+def placed(function: Function, place: Mapping[int, int]) -> Function:
+    """``function`` with the nodes that have a ``place``, each there; it lists them in that order."""
     return replace(
         function,
         nodes=_moved(function.nodes, place),
@@ -149,15 +153,13 @@ def pruned(function: Function) -> Function:
     )
 
 
-def _moved(nodes: Sequence[Node], place: dict[int, int]) -> tuple[Node, ...]:
-    if len(place) == len(nodes):
-        return tuple(nodes)
-    kept: list[Node] = []
+def _moved(nodes: Sequence[Node], place: Mapping[int, int]) -> tuple[Node, ...]:
+    moved: list[Node] = []
     for i in place:
         node = nodes[i]
         args = tuple(place[arg] for arg in node.args)
-        kept.append(node if args == node.args else Node(node.op, args, node.value, node.name))
-    return tuple(kept)
+        moved.append(node if args == node.args else Node(node.op, args, node.value, node.name))
+    return tuple(moved)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,7 @@ registers first (Sethi and Ullman 1970, which is optimal for trees).
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ir.nodes import Function, Node, Op, placed
 
 
 def schedule(function: Function) -> Function:
@@ -32,12 +30,7 @@ def schedule(function: Function) -> Function:
             else:
                 done[i] = 1
                 order.append(stack.pop())
-    place = {i: k for k, i in enumerate(order)}
-    moved = tuple(
-        Node(n.op, tuple(place[arg] for arg in n.args), n.value, n.name) for n in (nodes[i] for i in order)
-    )
-    named = tuple((name, place[i]) for name, i in function.named if i in place)
-    return replace(function, nodes=moved, results=tuple(place[i] for i in function.results), named=named)
+    return placed(function, {i: k for k, i in enumerate(order)})
 
 
 def registers(nodes: tuple[Node, ...]) -> list[int]:

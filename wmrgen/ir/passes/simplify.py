@@ -105,13 +105,13 @@ def factor(function: Function) -> Function:
     Only products that nothing else uses are taken apart, so that every step saves a multiplication. Constant and
     geometry-only factors are left to the linear forms.
     """
-    return _Factoring(function).run()
+    return _rewritten(function, _Factoring(function).rule)
 
 
 class _Factoring:
     def __init__(self, function: Function) -> None:
         self._function, self._builder = function, Builder()
-        self._place: list[int] = []
+        self._place: Built = []
         self._geometric = geometry_only(function)
         self._uses = uses_of(function)
         self._inside = self._inner_sums()
@@ -127,17 +127,13 @@ class _Factoring:
     def _is_sum(self, i: int) -> bool:
         return self._function.nodes[i].op in (*_SUMS, Op.NEG) and not self._geometric[i]
 
-    def run(self) -> Function:
-        function, builder, built = self._function, self._builder, self._place
-        for i, node in enumerate(function.nodes):
-            plain = not self._is_sum(i) or i in self._inside
-            terms = None if plain else self._terms(i)
-            if terms is not None and self._common(terms) is not None:
-                built.append(self._sum(terms))
-            else:
-                built.append(builder.copy(node, [built[arg] for arg in node.args]))
-        results = [built[result] for result in function.results]
-        return builder.function(function.name, function.inputs, function.outputs, results, function.text)
+    def rule(self, builder: Builder, i: int, node: Node, built: Built) -> int:
+        self._builder, self._place = builder, built
+        plain = not self._is_sum(i) or i in self._inside
+        terms = None if plain else self._terms(i)
+        if terms is not None and self._common(terms) is not None:
+            return self._sum(terms)
+        return builder.copy(node, _args(node, built))
 
     def _terms(self, root: int) -> list[_Term]:
         """The addends of ``root`` as products, in order."""

@@ -140,12 +140,11 @@ def compile_and_run(
     stdin: str,
     cc: str | None = None,
     flags: Sequence[str] = DEFAULT_FLAGS,
-    env: Mapping[str, str] | None = None,
 ) -> str:
     """Compile every ``.c`` among ``files`` (name -> text) in a temporary folder and run it."""
     with _folder_of(files) as folder:
         program = compile_program(folder, [file for file in files if file.endswith(".c")], cc, flags)
-        return run_program(program, stdin, env)
+        return run_program(program, stdin)
 
 
 def run_rust(crate: str, library: str, program: str, stdin: str, flags: Sequence[str]) -> str:

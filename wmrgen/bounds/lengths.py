@@ -6,9 +6,8 @@ multiplied by a value of at most s h on the way has no slope beyond s: `Length` 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 
@@ -113,16 +112,7 @@ def _below(nodes: Sequence[Node], i: int) -> Parts | None:
     return None
 
 
-class Known(Walk, Protocol):
-    """What a walk knows besides: how far nodes count, what is near zero."""
-
-    effective: Mapping[int, tuple[float, float]]
-    singular: set[int]
-
-    def measured(self, j: int) -> Length: ...
-
-
-def share(w: Known, length: Length, i: int) -> Share | None:
+def share(w: Walk, length: Length, i: int) -> Share | None:
     """(s, a) where |node i| is at most s h + a; None where nothing is known. Roundings count."""
     if i not in length.shares:
         length.shares[i] = None
@@ -135,7 +125,7 @@ def _component(length: Length, i: int) -> Share | None:
     return next(((s * _MARGIN, 0.0) for x, s in length.facts if i == x), None)
 
 
-def _computed(w: Known, length: Length, i: int) -> Share | None:
+def _computed(w: Walk, length: Length, i: int) -> Share | None:
     """Of what an operation makes of such values."""
     node = w.nodes[i]
     if node.value is not None:
@@ -162,7 +152,7 @@ def _computed(w: Known, length: Length, i: int) -> Share | None:
 # ---- what lemmas ask for
 
 
-def quotient_by_length(w: Known, i: int, a: int, b: int) -> Value:
+def quotient_by_length(w: Walk, i: int, a: int, b: int) -> Value:
     """n / d with d no smaller than the length h of a vector: d(n / d) is at most (|dn| + |n / d| |dd|) / h."""
     length, least = w.measured(i), w.away[b]
     reach = magnitude(w.ranges[a]) / least
@@ -186,7 +176,7 @@ def quotient_by_length(w: Known, i: int, a: int, b: int) -> Value:
     return Value(value, partials, Noise(w.rounded(value, i).size + w.form.tiny))
 
 
-def root_of_squares(w: Known, i: int, a: int) -> Value | None:
+def root_of_squares(w: Walk, i: int, a: int) -> Value | None:
     """The root of a sum of squares moves by no more than the length of the errors of what is squared."""
     terms = terms_below_root(w.nodes, a)
     if not all(t.squared for t in terms):
@@ -206,7 +196,7 @@ def root_of_squares(w: Known, i: int, a: int) -> Value | None:
     return Value((np.maximum(widened[0], 0.0), widened[1]), (), noise, widen=False)
 
 
-def branch(w: Known, i: int, small: int, large: int, value: int) -> tuple[Array, Array, Array]:
+def branch(w: Walk, i: int, small: int, large: int, value: int) -> tuple[Array, Array, Array]:
     """(low, high, distance from zero) of a branch of node ``i``, given small <= large there up to their errors."""
     interval, away = w.ranges[value], w.away[value]
     far = np.full(w.boxes, np.inf)

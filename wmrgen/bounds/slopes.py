@@ -8,26 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array, Interval
-from wmrgen.ir.ops.analysis import Partial
-
-
-class Divisions(Protocol):
-    """What a walk knows of quotients by lengths.
-
-    ``behind``: the lengths by which each node, or what it depends on, is divided. ``share(j, i)``: s where |node i| is
-    at most s times the length of ``j``.
-    """
-
-    behind: list[frozenset[int]]
-
-    def share(self, j: int, i: int) -> float | None: ...
+from wmrgen.ir.ops.analysis import Partial, Walk
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +58,7 @@ class Slope:
         zero = _zero(self.plain) & _zero(other.plain)
         return Slope(_kept(zero, iv.plus(self.plain, other.plain)), over, shared)
 
-    def times(self, p: Partial, w: Divisions) -> Slope:
+    def times(self, p: Partial, w: Walk) -> Slope:
         """The derivative in the argument of ``p``, for this one in the node: the chain rule."""
         if isinstance(p.by, int):
             return Slope(self.plain if p.by > 0 else iv.negative(self.plain), self.over, self.shared)
@@ -107,7 +94,7 @@ class Slope:
         return Slope((-gone, gone), {j: np.where(a != 0, a * steep, 0.0)})
 
 
-def _share(p: Partial, w: Divisions, j: int) -> float | None:
+def _share(p: Partial, w: Walk, j: int) -> float | None:
     """s where the derivative is at most s h_j."""
     s = None if p.like is None else w.share(j, p.like)
     return None if s is None else s * abs(p.times)

@@ -42,11 +42,6 @@ class System:
         return sympy.Matrix(len(self.state), len(self.inputs), lambda i, k: self.fields[k][i])
 
     @property
-    def by_input(self) -> dict[str, tuple[Expr, ...]]:
-        """Input name -> its vector field, components in the order of the state."""
-        return {port.name: field for port, field in zip(self.inputs, self.fields, strict=True)}
-
-    @property
     def rates(self) -> tuple[Expr, ...]:
         """q' as expressions in state, inputs and geometry, in the order of the state."""
         pairs = [(field, signal(u.name)) for field, u in zip(self.fields, self.inputs, strict=True)]

@@ -150,7 +150,7 @@ def optimise(
         replace(step, variant_of=f.variant_of, limits=f.limits, in_place=f.in_place) for step, f in pairs
     )
     module = Module(name, steps, prepare, kernels)
-    check_module(functions if meaning is None else meaning, inlined_calls(module), "the pipeline")
+    check_module(functions if meaning is None else meaning, inlined_calls(module))
     return module
 
 

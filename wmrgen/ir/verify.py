@@ -154,12 +154,12 @@ def verify_function(before: Function, after: Function, step: str, count: int = 2
         _compare(_values(before, point), _values(after, point), f"{step} of {before.name}")
 
 
-def check_module(before: tuple[Function, ...], after: Module, step: str) -> None:
+def check_module(before: tuple[Function, ...], after: Module) -> None:
     """A quick `verify_module`: one point, residues modulo a prime. What differs there is decided exactly."""
     try:
-        _check(before, after, step, 1, RESIDUES)
+        _check(before, after, "the pipeline", 1, RESIDUES)
     except PassError:
-        verify_module(before, after, step, 1)
+        verify_module(before, after, "the pipeline", 1)
 
 
 def verify_module(before: tuple[Function, ...], after: Module, step: str, count: int = 2) -> None:

@@ -174,5 +174,5 @@ def test_driven_wheels_beyond_need_are_named() -> None:
 
 def test_fields_by_input() -> None:
     system = derived(CAR_REAR).system("posture", symbolic=True)
-    assert list(system.by_input) == ["rear.spin", "front.steer_rate"]
-    assert list(system.G[:, 0]) == list(system.by_input["rear.spin"])
+    assert [port.name for port in system.inputs] == ["rear.spin", "front.steer_rate"]
+    assert list(system.G[:, 0]) == list(system.fields[0])

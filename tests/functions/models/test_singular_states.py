@@ -95,7 +95,7 @@ def test_eta_moves_nothing_on_its_singular_set_alone(name: str) -> None:
     a, b = (derivation.robot.wheel(w) for w in derivation.mobility.basis_wheels)
     across = 1j * (b.pivot - a.pivot)
     on_line = {f"{w.name}_steer": np.angle(across / w.zero_heading) for w in (a, b)}
-    column = sympy.Matrix(system.by_input["eta1"])
+    column = sympy.Matrix(system.fields[[port.name for port in system.inputs].index("eta1")])
     for off in (0.0, 0.3):
         names = {s.name: s for s in (*domain.expression.free_symbols, *column.free_symbols)}
         values = {

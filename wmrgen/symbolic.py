@@ -200,6 +200,34 @@ def gathered(*terms: Expr) -> Expr:
     return add(constant, *sorted(kept, key=cmp_to_key(sympy.Basic.compare)))
 
 
+def multiplied(*factors: Expr) -> Expr:
+    """A product whose numbers and powers of one base are gathered, as sympy's own has them; see `gathered`."""
+    number, pending = sympy.S.One, list(factors)
+    powers: dict[Expr, Expr] = {}
+    for factor in pending:
+        if factor.is_Mul:
+            pending.extend(factor.args)
+        elif factor.is_Number:
+            number *= factor
+        else:
+            base, exponent = factor.as_base_exp()
+            powers[base] = exponent + powers[base] if base in powers else exponent
+    kept = [sympy.Pow(base, exponent) for base, exponent in powers.items()]
+    if len(kept) == 1 and kept[0].is_Add and number != 1:
+        return gathered(*(sympy.Mul(number, term) for term in kept[0].args))
+    return sympy.Mul(number, *kept)
+
+
+def evaluated(expr: Expr, values: dict[Expr, Expr]) -> Expr:
+    """``expr.xreplace(values)``; see `gathered`."""
+    if expr in values or not expr.args:
+        return values.get(expr, expr)
+    args = [evaluated(a, values) for a in expr.args]
+    if all(a is b for a, b in zip(args, expr.args, strict=True)):
+        return expr
+    return (gathered if expr.is_Add else multiplied if expr.is_Mul else expr.func)(*args)
+
+
 def subtract(a: Expr, b: Expr) -> Expr:
     """a - b as it stands."""
     return add(a, times(-1, b))

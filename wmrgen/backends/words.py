@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 
 class Reserved(NamedTuple):
-    """Words, in lower case, and why no robot, wheel or parameter may bear one of them in any case; ``exact``: those
-    that are kept as they are written alone."""
+    """Words, in lower case, and why no robot, wheel or parameter may bear one of them in any case; ``exact``: a pattern
+    of those that are kept as they are written alone, in upper case."""
 
     words: frozenset[str]
     why: str
-    exact: re.Pattern[str] | None = None
+    exact: str = ""
 
     def keeps(self, name: str) -> bool:
-        return name.lower() in self.words or bool(self.exact and self.exact.fullmatch(name))
+        return name.lower() in self.words or (name.isupper() and bool(re.fullmatch(self.exact, name)))
 
 
 def reserved(words: str, why: str) -> Reserved:
@@ -61,7 +61,7 @@ seek_set
 AVR_MACROS = Reserved(
     frozenset(),
     "avr-libc or Arduino's core has a macro of that name.",
-    re.compile(
+    (
         "B[01]{1,8}|P[A-L][0-7]|DD[A-L]?[0-7]|(PORT|PIN)([0-7]|[A-L][0-7]?)|DDR[A-L]|[XYZ][HL]|SP[EHL]?|S[EM]|SM[0-2]|"
         "PE|PI|ID|AVR|AC[DIO]|ADC[HLW]?|AS[0-2]|BIN|OCT|DEC|HEX|NAN|EOF|DT[1-8]|IPR|ISR|JTD|LSM|PRR[0-2]?|PUD|RCE|SRE|"
         "TSM|WDE|INT[0-7]|(DOR|FE|RXC|TXC|U2X|UDR)[0-3]?|(CAL|MUX|TWA|TWD|TWS)[0-7]|CS[0-5][0-3]|(ICR|OCR|TCNT)[0-5]"

@@ -11,7 +11,7 @@ import sympy
 from wmrgen.functions.system import Domain, Lag, System, of_commands, rate_port
 from wmrgen.ports import Port, Role
 from wmrgen.printing import Latex, Reader, Text, Writer, exact, size
-from wmrgen.symbolic import Expr, gathered, signal
+from wmrgen.symbolic import Expr, gathered, multiplied, signal
 
 LONGEST = 4000  # nodes of an expression that is still written out
 
@@ -76,7 +76,9 @@ def _tidied(expr: Expr, memo: dict[Expr, Expr]) -> Expr:
         args = [_tidied(a, memo) for a in expr.args]
         if isinstance(expr, sympy.Add):
             memo[expr] = gathered(*args)
-        elif isinstance(expr, (sympy.Mul, sympy.Pow, sympy.sin, sympy.cos)):
+        elif isinstance(expr, sympy.Mul):
+            memo[expr] = _tangent(multiplied(*args))
+        elif isinstance(expr, (sympy.Pow, sympy.sin, sympy.cos)):
             memo[expr] = _tangent(expr.func(*args))
         else:
             memo[expr] = expr

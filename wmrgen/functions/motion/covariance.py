@@ -101,7 +101,7 @@ def forward_covariance(robot: Robot, _: Mobility) -> Formula:
     inverse = _constant_inverse(measured, names) if constant else _moving_inverse(blocks, measured, names)
     matrix = _propagated(blocks, inverse, names)
     residual = {port.name: value for port, value in forward(robot).outputs}["slip"]
-    slips = len(measured.rows) > 3 and not residual.is_zero
+    slips = len(measured.rows) > 3 and residual is not sympy.S.Zero
     outputs = [expression(matrix[i][j]) for i, j in _PAIRS]
     if slips:
         excess = _excess(blocks, inverse, len(measured.rows), names)

@@ -95,3 +95,9 @@ def test_what_cannot_be_told_from_zero() -> None:
     inside = wheel("a", x="1e-30", y="sin(p)", heading="", beta="0")
     with pytest.raises(RobotFileError, match="too small to be told from zero"):
         wmrgen.robot_of(read(robot(inside, top="parameters: {p: {value: 1e-30, tunable: true}}\n")))
+
+
+@pytest.mark.parametrize("length", ["'atan2(1, 2)'", "tan(0.3)*sqrt(2)"])
+def test_a_length_that_is_an_angle(length: str) -> None:
+    """The report wrote the arctangent of a number in a recursion without end."""
+    derive(robot(wheel("a", y=length)).encode())

@@ -119,8 +119,8 @@ def _factor(expr: Expr, ports: Ports) -> Factor:
         return Factor(r"\pi", n, 0, (0, "pi"))
     if isinstance(base, sympy.Abs):
         return Factor(rf"\left|{latex(base.args[0], ports)}\right|", n, 2, (8, ""))
-    if isinstance(base, sympy.cos | sympy.sin):
-        head, angle = rf"\{base.func.__name__}", base.args[0]
+    if isinstance(base, sympy.cos | sympy.sin | sympy.tan | sympy.atan):
+        head, angle = rf"\{base.func.__name__.replace('atan', 'arctan')}", base.args[0]
         named = isinstance(angle, sympy.Symbol)
         shown = (
             notation.port(ports.get(angle.name, angle.name))

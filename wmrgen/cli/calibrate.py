@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from math import degrees, isfinite, isnan, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,10 +57,11 @@ def calibrate(
         write_file(out, with_values(robot, values).encode())
     if files is not None:
         _write_all(files, robot, derivation, result, values)
+    told = _Told.of(derivation, result)
     if as_json:
-        console.data(_as_data(derivation, result))
+        console.data(_as_data(result, told))
         return 0
-    _tell(derivation, result)
+    _tell(derivation.robot.name, result, told)
     if plan:
         return _planned(derivation, precision, as_json, result)
     return 0
@@ -86,20 +87,33 @@ def _write_all(
         console.note(f"no parameters for ROS: {why}")
 
 
-def _as_data(derivation: Derivation, result: Calibration) -> dict[str, Any]:
-    from wmrgen.calibrating.leftover import by_joint, by_time
-    from wmrgen.calibrating.written import counts_per_turn
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """What a calibration says beside its parameters: what joints disagree by [rad] and counts per turn, by joint;
+    sentences that a user should know."""
 
-    estimates = {
-        name: {"value": e.value, "sigma": e.sigma, "observable": e.observable, "nominal": e.nominal}
-        for name, e in result.parameters.items()
-    }
-    values = {name: e.value for name, e in result.parameters.items()}
+    by_joint: dict[str, float]
+    counts_per_turn: dict[str, float]
+    notes: list[str]
+
+    @staticmethod
+    def of(derivation: Derivation, result: Calibration) -> _Told:
+        from wmrgen.calibrating.leftover import by_joint
+        from wmrgen.calibrating.written import counts_per_turn
+
+        values = {name: e.value for name, e in result.parameters.items()}
+        counts = counts_per_turn(derivation.robot, values)
+        return _Told(by_joint(derivation, result.fit), counts, _notes(derivation, result))
+
+
+def _as_data(result: Calibration, told: _Told) -> dict[str, Any]:
+    from wmrgen.calibrating.leftover import by_time
+
     return {
-        "parameters": estimates,
+        "parameters": {name: asdict(estimate) for name, estimate in result.parameters.items()},
         "unobservable": [list(group) for group in result.unobservable],
-        "notes": _notes(derivation, result),
-        "counts_per_turn": counts_per_turn(derivation.robot, values),
+        "notes": told.notes,
+        "counts_per_turn": told.counts_per_turn,
         "rms": result.fit.rms[0],
         "rms_heading": result.fit.rms[1],
         "mount": dict(zip(("x", "y", "theta"), result.fit.mount, strict=True)),
@@ -109,7 +123,7 @@ def _as_data(derivation: Derivation, result: Calibration) -> dict[str, Any]:
                 name: [dict(zip(("t", "position", "heading"), row, strict=True)) for row in rows]
                 for name, rows in by_time(result.fit).items()
             },
-            "by_joint": by_joint(derivation, result.fit),
+            "by_joint": told.by_joint,
         },
         "outliers": [
             {name: None if isnan(value) else value for name, value in asdict(slip).items() if name != "drive"}
@@ -127,14 +141,11 @@ def _as_data(derivation: Derivation, result: Calibration) -> dict[str, Any]:
     }
 
 
-def _tell(derivation: Derivation, result: Calibration) -> None:
-    from wmrgen.calibrating.leftover import by_joint
-    from wmrgen.calibrating.written import counts_per_turn
-
+def _tell(robot: str, result: Calibration, told: _Told) -> None:
     drives = result.fit.problem.drives
     seconds = sum(float(d.t[-1] - d.t[0]) for d in drives)
     count = len(result.clocks)
-    console.result(f"{derivation.robot.name}: {count} drive{'s' * (count > 1)}, {seconds:.0f} s")
+    console.result(f"{robot}: {count} drive{'s' * (count > 1)}, {seconds:.0f} s")
     width = max(map(len, result.parameters))
     for name, e in result.parameters.items():
         change = f" ({100 * (e.value / e.nominal - 1):+.2f} %)" if e.nominal else ""
@@ -152,14 +163,12 @@ def _tell(derivation: Derivation, result: Calibration) -> None:
             console.result(
                 f"  odometry {title}: {1000 * errors.position:.1f} mm and {degrees(errors.heading):.2f} deg (rms)"
             )
-    joints = {joint: value for joint, value in by_joint(derivation, result.fit).items() if value > _SHOWN}
+    joints = [f"{joint} {value:.2g}" for joint, value in told.by_joint.items() if value > _SHOWN]
     if joints:
-        told = ", ".join(f"{joint} {value:.2g}" for joint, value in joints.items())
-        console.result(f"  what joints disagree by in each reading, rad (rms): {told}")
-    values = {name: e.value for name, e in result.parameters.items()}
-    for joint, counts in counts_per_turn(derivation.robot, values).items():
+        console.result(f"  what joints disagree by in each reading, rad (rms): {', '.join(joints)}")
+    for joint, counts in told.counts_per_turn.items():
         console.result(f"  or, with the nominal radius, {joint} has {counts:.8g} counts a turn")
-    for note in _notes(derivation, result):
+    for note in told.notes:
         console.note(note)
 
 

@@ -169,7 +169,7 @@ def verdict(at: Configuration) -> str:
         why = "no motion is free of sliding"
     elif skids(at):
         solved = (
-            "least squares and report the residual"
+            "least squares and report the residual; `effective_track` in the robot file would say how far it turns"
             if at.robot.effective_track is None
             else "those of a differential drive of its effective track"
         )

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import casadi as ca
 import numpy as np
 
-from examples import by_hand, car, car_do_mpc, skid_steer, swerve, trailers
+from examples import by_hand, car, car_acados, car_do_mpc, skid_steer, swerve, trailers
 from examples.model import Model, generated
 from examples.mpc import OPTIONS, Course, Drive, off_course
 
@@ -56,3 +56,8 @@ def _drives() -> Iterator[tuple[str, str, Model, Model, Course, float, Loop]]:
         "car", "do-mpc", cars, by_hand.car(cars), car.course, car.SECONDS,
         lambda m, plant: car_do_mpc.run(car_do_mpc.problem(m), plant),
     )  # fmt: skip
+    if car_acados.installed():
+        yield (
+            "car", "acados", cars, by_hand.car(cars), car.course, car.SECONDS,
+            lambda m, plant: car_acados.run(car_acados.problem(m), plant),
+        )  # fmt: skip

@@ -6,7 +6,6 @@ Without it ``python -m examples.car_acados`` prints what acados would be given.
 from __future__ import annotations
 
 from importlib.util import find_spec
-from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
@@ -68,9 +67,8 @@ def run(ocp: Any, plant: ca.Function, seconds: float = SECONDS) -> Drive:
     """From the middle, along the course, at its speed."""
     from acados_template import AcadosOcpSolver
 
-    folder = Path(mkdtemp())
-    ocp.code_export_directory = str(folder / "c")
-    solver = AcadosOcpSolver(ocp, json_file=str(folder / "ocp.json"), verbose=False)
+    ocp.code_gen_options.code_export_directory = mkdtemp()
+    solver = AcadosOcpSolver(ocp, verbose=False)
     start = (0, 0, np.arctan2(HEIGHT, WIDTH), 0)
     for k in range(STEPS + 1):
         solver.set(k, "x", np.array(start))

@@ -317,6 +317,7 @@ def _exchanged(rows: np.ndarray, a: int, b: int) -> None:
     [
         *((mistake, "diff-square") for mistake in MISTAKES),
         ("the first two joints exchanged", "tricycle-circle"),
+        ("the first two joints exchanged", "omni3-square"),
         ("joints in degrees", "tricycle-circle"),
     ],
 )

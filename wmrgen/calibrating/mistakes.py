@@ -18,6 +18,8 @@ _SURE = 3.0  # standard deviations from nominal: a value that is sure to be anot
 _TIMES = 4.0  # nominal values are nearer than that; units and encoders that are wrong are not
 _ABOUT_ZERO = 1.0  # [m, rad] the same for a value that is nominally 0
 _BETTER = 0.25  # of the residual: what another reading of the columns has to come to, to be proposed
+_LESS = 0.5  # the same where residuals are small, but a length is none that a robot has
+_NO_HINT = "do log and truth belong to one drive of this robot?"
 _LIKE = 3.0  # times: how well truth and odometry agree on ways and turns, if units are to be right
 _APART = 1.0  # [s] rows of truth that ways and turns are measured between
 _MOST = 0.9  # of these; the others may be jumps of headings that wrap
@@ -30,10 +32,13 @@ Change = Callable[[Drive], Drive]
 def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Callable[[Sequence[Drive]], Fit]) -> None:
     """UsageError where no parameters bring joints and truth together, with the reading of the columns of ``drives``, as
     they were read, that would."""
-    if not _strange(best):
+    strange = _strange(best)
+    unlikely = _unlikely(best, _SURE if strange else 0.0)
+    if not strange and not unlikely:
         return
-    unlikely = _unlikely(best)
     hint = _hint(best, drives[:2], fitted)
+    if not strange and hint == _NO_HINT:
+        return  # a length that these drives do not tell may come out as it likes
     if unlikely:
         raise UsageError(f"log and truth agree only where {unlikely}: {hint}")
     if best.rms[1] > _TURNED:
@@ -53,31 +58,33 @@ def _hint(best: Fit, drives: Sequence[Drive], fitted: Callable[[Sequence[Drive]]
         if name.endswith(".steer") and np.max(np.abs(column)) > 2 * np.pi * _TURNS:
             far = np.max(np.abs(column))
             return f"{name} goes as far as {far:.0f} rad: is it in degrees, or exchanged with another?"
-    turned, unlikely = best.rms[1] > _TURNED, _unlikely(best)
+    turned, most = best.rms[1] > _TURNED, np.inf if _unlikely(best, _SURE) else _BETTER
+    most = most if _strange(best) else _LESS
     hints = []
     for text, change in _readings(best, drives):
         other = fitted([change(drive) for drive in drives])
-        if not _strange(other) and (unlikely or other.rms[turned] < _BETTER * best.rms[turned]):
+        if not _strange(other) and other.rms[turned] < most * best.rms[turned]:
             hints.append(f"they would agree with {text}")
             if abs(other.mount[2]) < _AHEAD:
                 return hints[-1]
-    return hints[0] if hints else "do log and truth belong to one drive of this robot?"
+    return hints[0] if hints else _NO_HINT
 
 
 def _strange(best: Fit) -> bool:
     """Whether joints and truth stay so far apart that they cannot belong together, or a length had to be negative,
     or another length altogether."""
-    return best.rms[0] > _FAR * _extent(best) or best.rms[1] > _TURNED or bool(_unlikely(best))
+    return best.rms[0] > _FAR * _extent(best) or best.rms[1] > _TURNED or bool(_unlikely(best, _SURE))
 
 
-def _unlikely(best: Fit) -> str:
-    """The parameters whose sign is not that of their nominal value, or whose size is far from it, in words."""
+def _unlikely(best: Fit, sure: float) -> str:
+    """The parameters whose sign is not that of their nominal value, or whose size is far from it, by so many standard
+    deviations, in words."""
     names = best.problem.increments.parameters
     rows = zip(names, best.problem.nominal, best.values, best.deviations, strict=True)
     return " and ".join(
         f"{name} is {value:.3g}, not about {nominal:g}"
         for name, nominal, value, sigma in rows
-        if abs(value - nominal) > _SURE * sigma
+        if abs(value - nominal) > sure * sigma
         and (not 1 / _TIMES < value / nominal < _TIMES if nominal else abs(value) > _ABOUT_ZERO)
     )
 

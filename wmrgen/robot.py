@@ -42,8 +42,8 @@ from wmrgen.symbolic import Expr, expression, matrix
 
 if TYPE_CHECKING:
     from wmrgen.functions.models.frobenius import Integrability
+    from wmrgen.functions.models.growth import Growth
     from wmrgen.functions.models.state_space import StateSpace
-    from wmrgen.functions.models.vector_fields import Growth
     from wmrgen.functions.system import System
 
 
@@ -99,7 +99,7 @@ class Derivation:
     @cached_property
     def growth(self) -> Growth:
         """Vector fields, Lie brackets and growth vector of the posture model, with trailers where there are some."""
-        from wmrgen.functions.models.vector_fields import robot_growth
+        from wmrgen.functions.models.growth import robot_growth
 
         return robot_growth(self.robot, self.mobility)
 

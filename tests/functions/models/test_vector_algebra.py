@@ -9,16 +9,17 @@ import pytest
 import sympy
 
 from tests.functions.models.robots import UNICYCLE, derived, p, s
+from tests.robots import of_text
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
+from wmrgen.functions.models import growth as growth_of
+from wmrgen.functions.models.growth import MOST_STATES, growth, robot_growth
 from wmrgen.functions.models.vector_fields import (
-    MOST_STATES,
     at_point,
     bracket,
     by_state,
     generic_point,
-    growth,
     to_poly,
     value_at,
 )
@@ -134,3 +135,27 @@ def test_brackets_are_formed_up_to_a_number_of_states() -> None:
     many = derived(UNICYCLE, "trailers: [" + ", ".join("{length: 1}" for _ in range(8)) + "]")
     with pytest.raises(NotDerivableError, match="has 11 states"):
         growth(many.system("trailer", symbolic=True))
+
+
+DRIVEN_CASTORS = """wmrgen: 1
+name: sample
+wheels:
+  - {name: a, type: swedish, x: -0.241, y: 0.423, heading: -0.53, r: 0.074, gamma: pi/4}
+  - {name: b, type: castor, x: 0.532, y: 0.646, heading: 1.21, r: 0.183, d: -0.107, sensed: [steer]}
+  - {name: c, type: castor, x: 0.806, y: 0.799, heading: 1.21, r: 0.183, d: 0.161, offset_y: 0.172,
+     actuated: [spin, steer], sensed: []}
+  - {name: d, type: castor, x: 0.073, y: 0.393, heading: 1.21, r: 0.183, d: -0.053, actuated: [spin, steer]}
+  - {name: e, type: swedish, x: 1.067, y: -0.086, heading: -pi/4, r: 0.04, gamma: pi/4}
+couplings:
+  - equal: [b.steer, c.steer]
+trailers: [{length: 0.9}, {length: 0.7, hitch: 0.2}]
+"""
+
+
+@pytest.mark.slow
+def test_brackets_of_many_terms_are_refused_before_they_are_formed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Terms of its fields hold polynomials of their own: the first bracket alone takes 17 s."""
+    d = of_text(DRIVEN_CASTORS)
+    monkeypatch.setattr(growth_of, "bracket_by", lambda *fields: pytest.fail("a bracket is formed"))
+    with pytest.raises(NotDerivableError, match="too many terms to be formed in symbols"):
+        robot_growth(d.robot, d.mobility)

@@ -23,7 +23,7 @@ from tests.functions.models.robots import (
     zero,
 )
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.models.vector_fields import growth
+from wmrgen.functions.models.growth import growth
 from wmrgen.robot import Derivation
 
 ROBOTS = sorted((Path(__file__).parents[3] / "robots").glob("*.yaml"))

@@ -27,7 +27,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.functions.models.vector_fields import robot_growth
+from wmrgen.functions.models.growth import robot_growth
 from wmrgen.functions.motion.wheel_speeds import relations
 from wmrgen.mobility.ranks import decide, numeric_rank
 

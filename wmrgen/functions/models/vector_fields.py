@@ -1,35 +1,22 @@
-"""Vector fields as exact polynomials, their Lie brackets, and how far these reach (Siegwart 3.4.1; Tzafestas 2.2.3).
+"""Vector fields as exact polynomials, and their Lie brackets (Siegwart 3.4.1; Tzafestas 2.2.3).
 
 Generators are states, parameters, and sines and cosines of sums of states; tan is sin/cos. [f, g] = (dg/dq) f -
-(df/dq) g is formed in symbols. Which brackets are independent is decided at a rational point of the state space, where
-every angle is a rational point of the unit circle: without rounding. The growth vector counts the dimensions that
-brackets of up to k fields span there; its length is the degree of nonholonomy.
+(df/dq) g is formed in symbols. Its values at a rational point of the state space, where every angle is a rational point
+of the unit circle, are without rounding.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
-from typing import NamedTuple
 
 import sympy
 
-from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import CosSin, add_angles, circle, function, multiple, number, sqrt_poly
-from wmrgen.exact.linalg import rank
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, derivative
-from wmrgen.functions.models.sheet import tidy
-from wmrgen.functions.registry import system_builder
-from wmrgen.functions.system import System
-from wmrgen.layout.records import Robot
-from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port
-from wmrgen.printing import exact
-from wmrgen.symbolic import Expr, Parameter, Quantity, expression
-
-MOST_STATES = 10  # each further state triples the time; 10 take a second
-MOST_PRODUCTS = 130_000  # of terms, in all brackets together: 20,000 take a second
+from wmrgen.symbolic import Expr, Parameter, Quantity
 
 Field = tuple[Poly, ...]
 
@@ -155,127 +142,43 @@ def _on_circle(angle: Poly, point: Mapping[str, Exact]) -> CosSin | None:
     return total
 
 
-class Bracket(NamedTuple):
-    """A vector field reached by the inputs. ``name``: g1, [g1, g2], [g1, [g1, g2]]; ``order``: fields in it."""
+class Slopes:
+    """Derivatives by the states; those of generators are formed once."""
 
-    name: str
-    order: int
-    polys: Field
+    def __init__(self, state: tuple[str, ...]) -> None:
+        self.states = tuple(q.replace(".", "_") for q in state)
+        self.rates: dict[Gen, tuple[Poly, ...]] = {}
 
-    @property
-    def field(self) -> tuple[Expr, ...]:
-        """Components in the order of the state."""
-        return tuple(expression(p) for p in self.polys)
+    def of_generator(self, g: Gen) -> tuple[Poly, ...]:
+        """dg / dq_k"""
+        if g not in self.rates:
+            self.rates[g] = tuple(_of_generator(g, q) for q in self.states)
+        return self.rates[g]
 
-    def written(self, shown: Callable[[Expr], str] = exact) -> tuple[str, ...]:
-        """Components in Python syntax, or as ``shown`` writes them."""
-        return tuple(shown(tidy(e)) for e in self.field)
+    def jacobian(self, f: Field) -> tuple[Field, ...]:
+        """df_i / dq_k, a row for each component."""
 
+        def by(p: Poly, k: int) -> Poly:
+            return derivative(p, lambda g: self.of_generator(g)[k])
 
-class Growth(NamedTuple):
-    """``brackets``: those that add a dimension, the input fields first. ``vector``: dimensions by order."""
+        return tuple(tuple(by(p, k) for k in range(len(self.states))) for p in f)
 
-    state: tuple[str, ...]
-    inputs: tuple[str, ...]
-    vector: tuple[int, ...]
-    brackets: tuple[Bracket, ...]
-
-    @property
-    def degree(self) -> int:
-        """Degree of nonholonomy: the order after which nothing is added."""
-        return len(self.vector)
-
-    @property
-    def controllable(self) -> bool:
-        """True where the brackets span every direction of the state space."""
-        return self.vector[-1] == len(self.state)
-
-    @property
-    def text(self) -> str:
-        """The growth vector, and which bracket adds each dimension."""
-        vector = ", ".join(map(str, self.vector))
-        added = [b.name for b in self.brackets if b.order > 1]
-        text = f"growth vector ({vector}), degree of nonholonomy {self.degree}"
-        if added:
-            text += f"; {', '.join(added)} add{'s' if len(added) == 1 else ''} one dimension each"
-        reach = (
-            "every direction" if self.controllable else f"{self.vector[-1]} of {len(self.state)} directions"
-        )
-        return f"{text}; the brackets reach {reach}"
+    def products(self, f: Field) -> int:
+        """How many products of terms the Jacobian takes."""
+        return sum(len(rate.terms) for p in f for m in p.terms for g, _ in m for rate in self.of_generator(g))
 
 
 def bracket(f: Field, g: Field, state: tuple[str, ...]) -> Field:
     """[f, g] = (dg/dq) f - (df/dq) g."""
+    slopes = Slopes(state)
+    return bracket_by(f, slopes.jacobian(f), g, slopes.jacobian(g))
+
+
+def bracket_by(f: Field, df: tuple[Field, ...], g: Field, dg: tuple[Field, ...]) -> Field:
+    """[f, g] by the Jacobians."""
     return tuple(
         Poly.sum(
-            part
-            for k, q in enumerate(state)
-            for part in (by_state(g[i], q) * f[k], -(by_state(f[i], q) * g[k]))
-            if part
+            part for a, p, b, q in zip(dgi, f, dfi, g, strict=True) for part in (a * p, -(b * q)) if part
         )
-        for i in range(len(state))
+        for dgi, dfi in zip(dg, df, strict=True)
     )
-
-
-def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
-    """The growth vector of a system. NotDerivableError where its brackets in symbols take more than ``most`` products
-    of terms, or it has too many states."""
-    if len(system.state) > MOST_STATES:
-        raise NotDerivableError(
-            f"{system.name} has {len(system.state)} states: Lie brackets are formed for up to {MOST_STATES}. "
-            "Where a chained form of n states exists (`chained`), the growth vector is (2, 3, ..., n)"
-        )
-    state = tuple(p.name for p in system.state)
-    values = {p.name: p.default for p in system.geometry if p.default is not None}
-    point = generic_point(system.state, seed)
-    reached: list[Bracket] = []
-    rows: list[list[Exact]] = []
-
-    def adds_a_dimension(candidate: Bracket) -> bool:
-        row = [value_at(p, point, values) for p in candidate.polys]
-        if rank([*rows, row]) == len(rows):
-            return False
-        reached.append(candidate)
-        rows.append(row)
-        return True
-
-    inputs = [
-        Bracket(f"g{k + 1}", 1, tuple(to_poly(e) for e in field)) for k, field in enumerate(system.fields)
-    ]
-    newest = [b for b in inputs if adds_a_dimension(b)]
-    vector, products = [len(reached)], 0
-    while newest and len(reached) < len(state):
-        pairs = _pairs(inputs, newest)
-        products += sum(_products(a.polys, b.polys) for a, b in pairs)
-        if products > most:
-            raise NotDerivableError(
-                f"{system.name} has Lie brackets of too many terms to be formed in symbols. "
-                "Trailers that are coupled off the axle (`hitch`) double them one by one"
-            )
-        order = len(vector) + 1
-        brackets = (
-            Bracket(f"[{a.name}, {b.name}]", order, bracket(a.polys, b.polys, state)) for a, b in pairs
-        )
-        newest = [b for b in brackets if len(reached) < len(state) and any(b.polys) and adds_a_dimension(b)]
-        if newest:
-            vector.append(len(reached))
-    return Growth(state, tuple(p.name for p in system.inputs), tuple(vector), tuple(reached))
-
-
-def _pairs(inputs: list[Bracket], newest: list[Bracket]) -> list[tuple[Bracket, Bracket]]:
-    """What may add a dimension: the bracket of each input with each field that added one last."""
-    if newest[0].order == 1:
-        return [(a, b) for i, a in enumerate(inputs) for b in inputs[i + 1 :]]
-    return [(g, b) for b in newest for g in inputs]
-
-
-def _products(f: Field, g: Field) -> int:
-    """About how many products of terms the bracket of two fields takes."""
-    return 2 * sum(len(p.terms) for p in f) * sum(len(p.terms) for p in g)
-
-
-def robot_growth(robot: Robot, mobility: Mobility, most: int = MOST_PRODUCTS) -> Growth:
-    """The growth of the posture model in null-space coordinates, of body and trailers where there are some."""
-    if not mobility.degree_of_mobility:
-        raise NotDerivableError(f"{robot.name} cannot move: it has no vector fields")
-    return growth(system_builder("trailer" if robot.trailers else "eta")(robot, mobility, True), most=most)

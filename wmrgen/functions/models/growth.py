@@ -1,0 +1,153 @@
+"""How far Lie brackets of a model's vector fields reach: its growth vector (Siegwart 3.4.1; Tzafestas 2.2.3).
+
+Which brackets are independent is decided at a rational point of the state space, see `vector_fields`. The growth vector
+counts the dimensions that brackets of up to k fields span there; its length is the degree of nonholonomy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from wmrgen.errors import NotDerivableError
+from wmrgen.exact.linalg import rank
+from wmrgen.exact.number import Exact
+from wmrgen.functions.models.sheet import tidy
+from wmrgen.functions.models.vector_fields import Field, Slopes, bracket_by, generic_point, to_poly, value_at
+from wmrgen.functions.registry import system_builder
+from wmrgen.functions.system import System
+from wmrgen.layout.records import Robot
+from wmrgen.mobility.records import Mobility
+from wmrgen.printing import exact
+from wmrgen.symbolic import Expr, expression
+
+MOST_STATES = 10  # each further state triples the time; 10 take a second
+MOST_PRODUCTS = 80_000  # of terms, in all derivatives and brackets together: 7,000 to 18,000 take a second
+
+
+class Bracket(NamedTuple):
+    """A vector field reached by the inputs. ``name``: g1, [g1, g2], [g1, [g1, g2]]; ``order``: fields in it."""
+
+    name: str
+    order: int
+    polys: Field
+
+    @property
+    def field(self) -> tuple[Expr, ...]:
+        """Components in the order of the state."""
+        return tuple(expression(p) for p in self.polys)
+
+    def written(self, shown: Callable[[Expr], str] = exact) -> tuple[str, ...]:
+        """Components in Python syntax, or as ``shown`` writes them."""
+        return tuple(shown(tidy(e)) for e in self.field)
+
+
+class Growth(NamedTuple):
+    """``brackets``: those that add a dimension, the input fields first. ``vector``: dimensions by order."""
+
+    state: tuple[str, ...]
+    inputs: tuple[str, ...]
+    vector: tuple[int, ...]
+    brackets: tuple[Bracket, ...]
+
+    @property
+    def degree(self) -> int:
+        """Degree of nonholonomy: the order after which nothing is added."""
+        return len(self.vector)
+
+    @property
+    def controllable(self) -> bool:
+        """True where the brackets span every direction of the state space."""
+        return self.vector[-1] == len(self.state)
+
+    @property
+    def text(self) -> str:
+        """The growth vector, and which bracket adds each dimension."""
+        vector = ", ".join(map(str, self.vector))
+        added = [b.name for b in self.brackets if b.order > 1]
+        text = f"growth vector ({vector}), degree of nonholonomy {self.degree}"
+        if added:
+            text += f"; {', '.join(added)} add{'s' if len(added) == 1 else ''} one dimension each"
+        reach = (
+            "every direction" if self.controllable else f"{self.vector[-1]} of {len(self.state)} directions"
+        )
+        return f"{text}; the brackets reach {reach}"
+
+
+def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
+    """The growth vector of a system. NotDerivableError where its brackets in symbols take more than ``most`` products
+    of terms, or it has too many states."""
+    if len(system.state) > MOST_STATES:
+        raise NotDerivableError(
+            f"{system.name} has {len(system.state)} states: Lie brackets are formed for up to {MOST_STATES}. "
+            "Where a chained form of n states exists (`chained`), the growth vector is (2, 3, ..., n)"
+        )
+    state = tuple(p.name for p in system.state)
+    values = {p.name: p.default for p in system.geometry if p.default is not None}
+    point = generic_point(system.state, seed)
+    reached: list[Bracket] = []
+    rows: list[list[Exact]] = []
+
+    def adds_a_dimension(candidate: Bracket) -> bool:
+        row = [value_at(p, point, values) for p in candidate.polys]
+        if rank([*rows, row]) == len(rows):
+            return False
+        reached.append(candidate)
+        rows.append(row)
+        return True
+
+    inputs = [
+        Bracket(f"g{k + 1}", 1, tuple(to_poly(e) for e in field)) for k, field in enumerate(system.fields)
+    ]
+    newest = [b for b in inputs if adds_a_dimension(b)]
+    vector, work, slopes = [len(reached)], 0, Slopes(state)
+    rates: dict[str, tuple[Field, ...]] = {}
+    if any(g.kind in ("inv", "sqrt") for b in inputs for p in b.polys for g in p.generators):
+        most //= 3  # terms that hold polynomials of their own take longer
+    while newest and len(reached) < len(state):
+        pairs, formed = _pairs(inputs, newest), [b for b in newest if b.name not in rates]
+        work += sum(slopes.products(b.polys) for b in formed)
+        if work <= most:
+            rates |= {b.name: slopes.jacobian(b.polys) for b in formed}
+            work += sum(_products(a, rates[a.name], b, rates[b.name]) for a, b in pairs)
+        if work > most:
+            raise NotDerivableError(
+                f"{system.name} has Lie brackets of too many terms to be formed in symbols. "
+                "Trailers that are coupled off the axle (`hitch`) double them one by one"
+            )
+        order = len(vector) + 1
+        brackets = (
+            Bracket(
+                f"[{a.name}, {b.name}]", order, bracket_by(a.polys, rates[a.name], b.polys, rates[b.name])
+            )
+            for a, b in pairs
+        )
+        newest = [b for b in brackets if len(reached) < len(state) and any(b.polys) and adds_a_dimension(b)]
+        if newest:
+            vector.append(len(reached))
+    return Growth(state, tuple(p.name for p in system.inputs), tuple(vector), tuple(reached))
+
+
+def _pairs(inputs: list[Bracket], newest: list[Bracket]) -> list[tuple[Bracket, Bracket]]:
+    """What may add a dimension: the bracket of each input with each field that added one last."""
+    if newest[0].order == 1:
+        return [(a, b) for i, a in enumerate(inputs) for b in inputs[i + 1 :]]
+    return [(g, b) for b in newest for g in inputs]
+
+
+def _products(f: Bracket, df: tuple[Field, ...], g: Bracket, dg: tuple[Field, ...]) -> int:
+    """How many products of terms the bracket of two fields takes."""
+    sizes = [[len(p.terms) for p in b.polys] for b in (f, g)]
+    return sum(
+        len(p.terms) * n
+        for rows, size in zip((dg, df), sizes, strict=True)
+        for row in rows
+        for p, n in zip(row, size, strict=True)
+    )
+
+
+def robot_growth(robot: Robot, mobility: Mobility, most: int = MOST_PRODUCTS) -> Growth:
+    """The growth of the posture model in null-space coordinates, of body and trailers where there are some."""
+    if not mobility.degree_of_mobility:
+        raise NotDerivableError(f"{robot.name} cannot move: it has no vector fields")
+    return growth(system_builder("trailer" if robot.trailers else "eta")(robot, mobility, True), most=most)

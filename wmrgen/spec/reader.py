@@ -204,7 +204,8 @@ class _Aliased(_Composer):
 
 def read_tree(text: str, file: str, several: Several | None = None, aliases: bool = False) -> Node | None:
     """The raw tree of ``text``, None for an empty file; ``several``, where given, takes keys that stand twice, and
-    slips of YAML, which are mended to read on; None where that fails. ``aliases``: of files of others."""
+    slips of YAML, which are mended to read on; None where that fails. ``aliases``: of files of others, which are not
+    mended."""
     text = normalise(text, file)
     source, wrong = Source.of(text, file), several or Several()
     lines, slips = tuple(Line(line) for line in text.split("\n")), list[Slip]()
@@ -215,7 +216,7 @@ def read_tree(text: str, file: str, several: Several | None = None, aliases: boo
             break
         except _Slipped as slipped:
             slip = slipped.slip
-            if several is None:
+            if several is None or aliases:
                 raise slip.error from None
             slips += [] if _of_a_mend(slip, slips) else [slip]
             tree = None

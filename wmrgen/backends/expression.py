@@ -40,6 +40,19 @@ class Style(NamedTuple):
     scalar: str = ""
 
 
+def variables(function: Function, keeps: Callable[[str], bool]) -> dict[str, str]:
+    """Contract name -> variable of each input: ``_`` for the dot, and appended where the name is taken or the language
+    ``keeps`` it."""
+    names: dict[str, str] = {}
+    # Names without a dot come first: a parameter keeps its own where a wheel's port would clash with it.
+    for port in sorted(function.inputs, key=lambda port: "." in port.name):
+        name = port.name.replace(".", "_")
+        while name in names.values() or keeps(name):
+            name += "_"
+        names[port.name] = name
+    return {port.name: names[port.name] for port in function.inputs}
+
+
 def expanded(module: Module, choice: Choice) -> tuple[Module, dict[str, Cost]]:
     """``module`` as the processor of ``choice`` computes it, with a `prepare` that hands raw values through; and how
     many operations the formula of each function takes."""

@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from wmrgen.backends.expression import Style, body
+from wmrgen.backends.expression import Style, body, variables
 from wmrgen.backends.registry import Facts
 from wmrgen.compiler import run_node
 from wmrgen.exact.number import Exact
@@ -58,20 +58,9 @@ def _plain(text: str) -> str:
     return re.sub(r"<(?=[!/?a-zA-Z])", "< ", " ".join(text.split()))
 
 
-def _variables(function: Function) -> dict[str, str]:
-    """Contract name -> variable: ``_`` for the dot, and appended where the name is taken."""
-    names: dict[str, str] = {}
-    for port in sorted(function.inputs, key=lambda port: "." in port.name):
-        name = port.name.replace(".", "_")
-        while name in names.values() or name in _KEYWORDS:
-            name += "_"
-        names[port.name] = name
-    return names
-
-
 def _printed(function: Function) -> dict[str, Any]:
     """A function of the generated module, as finished lines."""
-    names = _variables(function)
+    names = variables(function, _KEYWORDS.__contains__)
     code = body(function, names.__getitem__, _STYLE)
     taken = [
         (p.name if names[p.name] == p.name else f'"{p.name}": {names[p.name]}')

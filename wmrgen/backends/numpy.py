@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmrgen.backends.expression import Style, body
+from wmrgen.backends.expression import Style, body, variables
 from wmrgen.backends.registry import Facts, VectorForm
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import complete, self_contained
@@ -39,15 +39,8 @@ _STYLE = Style(
 
 
 def argument_names(function: Function) -> dict[str, str]:
-    """Contract name -> Python argument: ``_`` for the dot, and appended where the name is taken."""
-    names: dict[str, str] = {}
-    # Names without a dot come first: a parameter keeps its own where a wheel's port would clash with it.
-    for port in sorted(function.inputs, key=lambda port: "." in port.name):
-        name = port.name.replace(".", "_")
-        while name in names.values() or name == "np" or keyword.iskeyword(name):
-            name += "_"
-        names[port.name] = name
-    return {port.name: names[port.name] for port in function.inputs}
+    """Contract name -> Python argument."""
+    return variables(function, lambda name: name == "np" or keyword.iskeyword(name))
 
 
 # ---- as text

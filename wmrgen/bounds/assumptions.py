@@ -178,10 +178,6 @@ class Domain:
                 ranges[port.name] = interval
         return ranges, unknown
 
-    def assumed(self, function: Function) -> dict[str, Range]:
-        """Ranges of inputs that the robot file does not limit."""
-        return {name: r for name, r in self.of(function)[0].items() if name not in self.declared}
-
     def _asked(self, port: Port) -> Range | None:
         """The range of an input of what keeps limits: beyond them."""
         if port.name.rpartition(".")[2] in ("spin", "steer_rate"):

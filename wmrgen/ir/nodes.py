@@ -181,17 +181,6 @@ class Cost:
         """Additions and multiplications: the figure that robots are compared by."""
         return self.additions + self.multiplications
 
-    @property
-    def weight(self) -> int:
-        """All operations in units of an addition, roughly as a Cortex-M4F has them."""
-        return (
-            self.flops + 14 * (self.divisions + self.roots) + 60 * self.sines + 90 * self.arctangents
-            + 2 * (self.comparisons + self.roundings) + self.signs
-        )  # fmt: skip
-
-    def __add__(self, other: Cost) -> Cost:
-        return Cost(*(a + b for a, b in zip(astuple(self), astuple(other), strict=True)))
-
     def __str__(self) -> str:
         """``6 additions, 3 multiplications``; ``none``."""
         names = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -125,6 +126,19 @@ def test_fingers_are_no_wheels(read: Import) -> None:
         ]
     said = read(robot(*parts))
     assert said["code"] == 2 and "0 joints are wheels" in said["notes"]
+
+
+@pytest.mark.slow
+def test_many_wheels_that_are_drawn_or_touch_take_no_longer(read: Import) -> None:
+    """Every one could stand between any two others: of more than a few none is asked."""
+    parts = [
+        body(f"w{k}", (("visual", "collision")[k % 2], "0 0 0", cylinder("0.1")))
+        + joint(f"j{k}", "base_link", f"w{k}", f"{k * 0.31:.3f} {k * 37 % 101} 0.1")
+        for k in range(400)
+    ]
+    start = time.process_time()
+    assert len(read(robot(*parts))["names"]) == 400
+    assert time.process_time() - start < 8  # 30 s where all were
 
 
 MESH = '<mesh filename="package://x/wheel.stl"/>'

@@ -31,7 +31,8 @@ def candidates(robot: Robot) -> tuple[list[Candidate], list[Passed]]:
     turning = [c for joint in joints if (c := _spin(robot, joint) or _steer_only(robot, joint))]
     rollers = {roller.child for c in turning for roller in c.rollers}
     turning = [c for c in turning if c.joint.child not in rollers]
-    none = [Passed(c.joint, why) for c in turning if (why := no_wheel(robot, c, turning))]
+    drawn = [c for c in turning if robot.roles(c.joint.child) == {"visual"}]
+    none = [Passed(c.joint, why) for c in turning if (why := no_wheel(robot, c, drawn))]
     spins = [c for c in turning if all(c.joint is not each.joint for each in none)]
     wheels = _mirrored(_on_ground(robot, spins), spins)
     wheels += [c for joint in joints if (c := _limited(robot, joint)) and any(_mirrors(c, w) for w in wheels)]
@@ -64,12 +65,11 @@ def _apart(c: Candidate, other: Candidate) -> bool:
 
 def _mirrored(wheels: list[Candidate], spins: list[Candidate]) -> list[Candidate]:
     """With the wheels those that do not stand, as they are drawn, and whose mirror images do: the drawing is wrong."""
-    both = []
+    both, standing = list[Candidate](), {c.joint.name for c in wheels}
     for c in spins:
-        other = next((w for w in wheels if _mirrors(c, w)), None)
-        if c in wheels:
+        if c.joint.name in standing:
             both.append(c)
-        elif other and c.shape and not c.via:
+        elif c.shape and not c.via and (other := next((w for w in wheels if _mirrors(c, w)), None)):
             own, others = float(c.radius), float(other.radius)
             why = f"it is drawn with radius {own:.6g}, as if in the air, its mirror image with {others:.6g}"
             both.append(replace(c, shape=None, doubt=why))
@@ -79,8 +79,8 @@ def _mirrored(wheels: list[Candidate], spins: list[Candidate]) -> list[Candidate
 def _mirrors(c: Candidate, other: Candidate) -> bool:
     """The axles of two wheels stand at one height and place, left and right of the middle."""
     (x, y, z), (u, v, w) = c.origin, other.origin
-    level = abs(dot(c.axis, other.axis)) > COAXIAL
-    return level and max(abs(x - u), abs(y + v), abs(z - w)) < EVEN / 5
+    near = (abs(off) < EVEN / 5 for off in (x - u, y + v, z - w))
+    return all(near) and abs(dot(c.axis, other.axis)) > COAXIAL
 
 
 def rigid_wheels(robot: Robot, wheels: Sequence[Candidate]) -> list[Candidate]:

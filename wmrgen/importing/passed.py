@@ -25,6 +25,7 @@ class Passed:
         return f"joint {quoted(self.joint.name)} is not taken for a wheel: {self.why}"
 
 
+_FEW = 16  # wheels; of more a simulator has no other in their middle
 UNTOLD = "it is called one, but fixed, and neither an axis nor a cylinder says how it stands"
 
 
@@ -51,15 +52,16 @@ def off_the_ground(c: Candidate, wheels: Sequence[Candidate]) -> str:
     return f"{what} {abs(height):.3g} m {'below' if height < 0 else 'above'} the ground on which the wheels stand"
 
 
-def no_wheel(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> str:
-    """Why what turns as a wheel does is none, wherever the ground is; empty for what may be one."""
+def no_wheel(robot: Robot, c: Candidate, drawn: Sequence[Candidate]) -> str:
+    """Why what turns as a wheel does is none, wherever the ground is; empty for what may be one. ``drawn``: what is
+    only drawn."""
     leaders = {joint.mimic[0] for joint in robot.description.joints if joint.mimic}
     roles = robot.roles(c.joint.child)
     if roles == {"visual"} and leaders & {c.joint.name, c.steer.name if c.steer else ""}:
         return "it is drawn, touches nothing, and others mimic it"
     if reach := _reaches_aside(robot, c):
         return f"its body reaches {reach:.3g} m to one side of the axle, as a flipper or an arm does"
-    if roles == {"collision"} and (ends := _between(robot, c, turning)):
+    if roles == {"collision"} and (ends := _between(c, drawn)):
         names = " and ".join(quoted(end.joint.name) for end in ends)
         return f"it is not drawn and stands in the middle between {names}, which touch nothing: a simulator's"
     return ""
@@ -78,12 +80,11 @@ def _reaches_aside(robot: Robot, c: Candidate) -> float:
     return 0.0 if balanced or dot(far, far) <= c.radius**2 else math.sqrt(dot(far, far))
 
 
-def _between(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> tuple[Candidate, ...]:
-    """Two that are drawn and touch nothing, of which each is the mirror image of the other in the middle ``c``."""
-    shown = [w for w in turning if robot.roles(w.joint.child) == {"visual"}]
-    drawn = [w for w in shown if abs(dot(w.axis, c.axis)) > COAXIAL]
-    for i, a in enumerate(drawn):
-        for b in drawn[:i]:
+def _between(c: Candidate, drawn: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """Two of few that are only drawn, of which each is the mirror image of the other in the middle ``c``."""
+    level = [w for w in drawn[: _FEW + 1] if abs(dot(w.axis, c.axis)) > COAXIAL]
+    for i, a in enumerate(level if len(drawn) <= _FEW else []):
+        for b in level[:i]:
             off = plus(plus(a.origin, b.origin), c.origin, -2)
             if dot(off, off) < EVEN**2:
                 return b, a

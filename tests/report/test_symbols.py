@@ -115,6 +115,7 @@ def test_a_wheel_alone_is_one() -> None:
     page = page_of("f1tenth")
     assert "**Steered wheel** (`front`)" in page and "**Fixed wheel** (`rear`)" in page
     assert "the two equations of a fixed wheel" in page and "\n`rear` stands still" in page
+    assert ">rear stands still" in of_gallery("f1tenth").figures["singular.svg"][1]
     assert "**Fixed wheels** (`left` and `right`)" in page_of("tractor_off_axle")
 
 

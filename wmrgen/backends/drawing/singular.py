@@ -54,7 +54,9 @@ def singular(derivation: Derivation) -> Figure | None:
 def _words(s: Singularity, mobility: Mobility) -> list[str]:
     others = " (likewise the others)" if sum(o.kind == s.kind for o in mobility.singularities) > 1 else ""
     words = s.meaning.partition(". ")[0]
-    return wrapped(words[0].upper() + words[1:] + others, _WIDE - 24)
+    if words.partition(" ")[0] not in s.wheels:  # a name stays as it is
+        words = words[0].upper() + words[1:]
+    return wrapped(words + others, _WIDE - 24)
 
 
 def _twist(s: Singularity, robot: Robot, mobility: Mobility) -> Twist | None:

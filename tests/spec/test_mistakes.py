@@ -11,6 +11,7 @@ import wmrgen
 from tests.conftest import Outcome
 from tests.spec.files import HEAD
 from wmrgen.errors import Code, NotDerivableError, RobotFileError
+from wmrgen.lint import Subject, findings
 from wmrgen.spec.mistakes import CALLS, MISTAKES, Mistake
 
 
@@ -23,7 +24,8 @@ def test_examples(mistake: Mistake, tmp_path: Path) -> None:
         wmrgen.load(wrong)
     assert [error.code for error in caught.value.parts] == [mistake.code]
     assert str(caught.value).startswith(f"error[{mistake.code}]: ")
-    assert wmrgen.load(right).wheels
+    spec, robot = wmrgen.read(right)
+    assert findings(Subject(spec, robot, wmrgen.derive(robot).mobility)) == []
 
 
 @pytest.mark.parametrize(("code", "exit_code"), [(Code.FILE, 2), (Code.USAGE, 2), (Code.ENVIRONMENT, 4)])

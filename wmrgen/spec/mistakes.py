@@ -20,6 +20,7 @@ class Mistake(NamedTuple):
 
 
 _WHEELS = "wheels:\n  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 50 mm}\n"
+_SECOND = _WHEELS.removeprefix("wheels:\n").replace("left", "right").replace("0.2", "-0.2")
 _TURNING = """\
 wheels:
   - {name: front, type: steered, x: 0.3, y: 0, heading: 0, r: 50 mm}
@@ -31,7 +32,7 @@ _KEYS = (
 )
 
 MISTAKES = {
-    mistake.code: mistake
+    mistake.code: mistake._replace(wrong=mistake.wrong + _SECOND, right=mistake.right + _SECOND)
     for mistake in (
         Mistake(
             Code.NOT_YAML, "not the YAML of robot files",

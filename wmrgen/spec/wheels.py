@@ -193,7 +193,8 @@ def _coupling(table: Table, types: Mapping[str, WheelType | None], scope: Scope)
         raise table.keys["ratios"].error(
             "ratios of steering angles",
             "Wheels whose angles are in proportion have no common ICR in general; what is derived is equal angles.",
-            "Delete ratios:, or the coupling, and let each wheel steer by itself.",
+            "Delete the coupling: inverse gives each wheel the angle that fits. Of a front and a rear wheel they are "
+            "opposite where the origin lies halfway between them and vy is 0.",
         )
     if ratios and len(ratios) != len(names):
         raise table.values["ratios"].error(

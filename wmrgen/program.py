@@ -102,9 +102,10 @@ def written(program: Program) -> Module:
     return Module(program.name, tuple(lower(f) for f in program.formulas))
 
 
-def with_calls(program: Program) -> Module:
-    """As `written`, with calls of the kernels that the formulas name."""
-    functions = tuple(lower(f, calls=True) for f in program.formulas)
+def with_calls(program: Program, plain: Module) -> Module:
+    """As `written`, which is ``plain``, with calls of the kernels that the formulas name."""
+    pairs = zip(program.formulas, plain.functions, strict=True)
+    functions = tuple(lower(f, calls=True) if f.calls else function for f, function in pairs)
     return Module(program.name, functions, kernels=kernels_of(program.formulas))
 
 

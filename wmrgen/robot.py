@@ -269,7 +269,7 @@ class Derivation:
         """As `_optimised`, with calls of kernels where formulas name them."""
         if not any(f.calls for f in self.program.formulas):
             return self._optimised
-        return optimised(with_calls(self.program), self.raw_module)
+        return optimised(with_calls(self.program, self.raw_module), self.raw_module)
 
     @cached_property
     def module(self) -> Module:

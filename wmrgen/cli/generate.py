@@ -49,8 +49,6 @@ def derive(
     pdf: bool,
 ) -> int:
     """Derive every robot, then write every robot, then print."""
-    from wmrgen.emit import MODEL, artifacts
-    from wmrgen.emit import package as packaged
     from wmrgen.ir.kernels.choice import choice
 
     kinds = _kinds(package) if package else []
@@ -58,7 +56,14 @@ def derive(
     formats = [name for name, wanted in (("html", html), ("pdf", pdf)) if wanted]
     results: list[tuple[Derivation, dict[str, bytes]]] = []
     with console.progress() as step:
-        for spec, robot in _load_all(robots):
+        files_read = _load_all(robots)
+        from wmrgen.emit import (
+            MODEL,
+            artifacts,
+        )  # loads sympy, for which a file that is refused need not wait
+        from wmrgen.emit import package as packaged
+
+        for spec, robot in files_read:
             step(f"deriving {robot.name} ({len(results) + 1} of {len(robots)})")
             derivation = derived(spec, robot)
             files = artifacts(derivation, chosen, fuzz)

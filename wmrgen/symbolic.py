@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cmp_to_key, lru_cache
+from functools import lru_cache
 from typing import Any, ClassVar, TypeAlias
 
 import sympy
@@ -180,52 +180,6 @@ def add(*terms: Expr) -> Expr:
     """A sum as it stands. Not evaluated: the first evaluated sum would load sympy's tensors and permutations."""
     kept = [t for t in terms if t is not sympy.S.Zero]
     return sympy.Add(*kept, evaluate=False) if len(kept) > 1 else kept[0] if kept else sympy.S.Zero
-
-
-def gathered(*terms: Expr) -> Expr:
-    """A sum whose numbers and like terms are gathered, as sympy's own, which loads what `add` says, has them."""
-    constant, pending = sympy.S.Zero, list(terms)
-    factors: dict[Expr, Expr] = {}
-    for term in pending:
-        if term.is_Add:
-            pending.extend(term.args)
-        elif term.is_Number:
-            constant += term
-        else:
-            factor, rest = term.as_coeff_Mul()
-            factors[rest] = factors.get(rest, sympy.S.Zero) + factor
-    kept = [
-        sympy.Mul(f, rest, evaluate=not rest.is_Add) if f != 1 else rest for rest, f in factors.items() if f
-    ]
-    return add(constant, *sorted(kept, key=cmp_to_key(sympy.Basic.compare)))
-
-
-def multiplied(*factors: Expr) -> Expr:
-    """A product whose numbers and powers of one base are gathered, as sympy's own has them; see `gathered`."""
-    number, pending = sympy.S.One, list(factors)
-    powers: dict[Expr, Expr] = {}
-    for factor in pending:
-        if factor.is_Mul:
-            pending.extend(factor.args)
-        elif factor.is_Number:
-            number *= factor
-        else:
-            base, exponent = factor.as_base_exp()
-            powers[base] = exponent + powers[base] if base in powers else exponent
-    kept = [sympy.Pow(base, exponent) for base, exponent in powers.items()]
-    if len(kept) == 1 and kept[0].is_Add and number != 1:
-        return gathered(*(sympy.Mul(number, term) for term in kept[0].args))
-    return sympy.Mul(number, *kept)
-
-
-def evaluated(expr: Expr, values: dict[Expr, Expr]) -> Expr:
-    """``expr.xreplace(values)``; see `gathered`."""
-    if expr in values or not expr.args:
-        return values.get(expr, expr)
-    args = [evaluated(a, values) for a in expr.args]
-    if all(a is b for a, b in zip(args, expr.args, strict=True)):
-        return expr
-    return (gathered if expr.is_Add else multiplied if expr.is_Mul else expr.func)(*args)
 
 
 def subtract(a: Expr, b: Expr) -> Expr:

@@ -19,11 +19,8 @@ from wmrgen.symbolic import (
     Nearest,
     WithSignOf,
     add,
-    evaluated,
     expression,
-    gathered,
     local,
-    multiplied,
     number,
     over,
     parameter,
@@ -133,31 +130,3 @@ def test_a_substitution_evaluates_nothing() -> None:
     assert put.xreplace({local("a"): sympy.Integer(5), Y: sympy.Integer(1)}).doit() == 11
     clamped = substituted(Clamp(X, Y), {X: sympy.Integer(3), Y: sympy.Integer(2)}, {})
     assert isinstance(clamped, Clamp)
-
-
-def _structure(expr: Expr) -> tuple[object, ...]:
-    return type(expr), expr, tuple(_structure(a) for a in expr.args)
-
-
-def test_gathered_terms_and_factors_are_those_of_sympy() -> None:
-    rng = random.Random(13)
-    loose = [
-        times(2, X),
-        times(X, add(Y, -1)),
-        square(Z),
-        root(add(X, Y)),
-        sympy.sin(Y),
-        sympy.pi,
-        times(Z, Z),
-    ]
-    pool = [X, Y, -X, X * Y, sympy.sqrt(2) * Z, X / 3, add(X, Y), add(X, times(-1, X), 2), 1 / Y, *loose]
-    for _ in range(200):
-        parts = [
-            rng.choice((-2, -1, 0, 1, sympy.Rational(1, 3))) * rng.choice(pool)
-            for _ in range(rng.randrange(7))
-        ]
-        parts += [sympy.Integer(rng.randrange(-2, 3))]
-        assert _structure(gathered(*parts)) == _structure(sympy.Add(*parts))
-        assert _structure(multiplied(*parts)) == _structure(sympy.Mul(*parts))
-        whole, values = add(root(X), times(*parts), *parts), {X: add(Y, 2), Z: rng.choice(pool)}
-        assert _structure(evaluated(whole, values)) == _structure(whole.xreplace(values))

@@ -18,7 +18,6 @@ from wmrgen.kinematics.forward import nominal_rank, normal_equations
 from wmrgen.kinematics.rigid import spread
 from wmrgen.kinematics.sensing import Contact, Measured, Measurements, generic_rank, measurements
 from wmrgen.printing import symbol_names
-from wmrgen.symbolic import evaluated
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
@@ -187,8 +186,8 @@ def fits_of(d: Derivation) -> tuple[dict[str, Expr], dict[str, Expr], dict[str, 
     formula = d.program.formula("forward")
     results = {result for call in formula.calls for result in call.results}
     vectors = {symbol: e for symbol, e in formula.locals if symbol in results}
-    outputs = {p.name: evaluated(e, vectors) for p, e in formula.outputs}
-    fits = {symbol.name.removesuffix("_fit"): evaluated(e, vectors) for symbol, e in formula.locals}
+    outputs = {p.name: e.xreplace(vectors) for p, e in formula.outputs}
+    fits = {symbol.name.removesuffix("_fit"): e.xreplace(vectors) for symbol, e in formula.locals}
     return outputs, fits, symbol_names(formula.inputs)
 
 

@@ -11,7 +11,7 @@ import sympy
 from wmrgen.functions.system import Domain, Lag, System, of_commands, rate_port
 from wmrgen.ports import Port, Role
 from wmrgen.printing import Latex, Reader, Text, Writer, exact, size
-from wmrgen.symbolic import Expr, gathered, multiplied, signal
+from wmrgen.symbolic import Expr, signal
 
 LONGEST = 4000  # nodes of an expression that is still written out
 
@@ -74,20 +74,15 @@ def _tidied(expr: Expr, memo: dict[Expr, Expr]) -> Expr:
         return expr
     if expr not in memo:
         args = [_tidied(a, memo) for a in expr.args]
-        if isinstance(expr, sympy.Add):
-            memo[expr] = gathered(*args)
-        elif isinstance(expr, sympy.Mul):
-            memo[expr] = _tangent(multiplied(*args))
-        elif isinstance(expr, (sympy.Pow, sympy.sin, sympy.cos)):
-            memo[expr] = _tangent(expr.func(*args))
-        else:
-            memo[expr] = expr
+        gathered = isinstance(expr, (sympy.Add, sympy.Mul, sympy.Pow))
+        rebuilt = expr.func(*args) if gathered or isinstance(expr, (sympy.sin, sympy.cos)) else expr
+        memo[expr] = _tangent(rebuilt) if isinstance(rebuilt, sympy.Mul) else rebuilt
     return memo[expr]
 
 
 def _tangent(product: Expr) -> Expr:
     """sin(a)/cos(a) as tan(a)."""
-    for arg in product.args if product.is_Mul else ():
+    for arg in product.args:
         if isinstance(arg, sympy.sin) and sympy.cos(arg.args[0]) ** -1 in product.args:
             rest = [a for a in product.args if a not in (arg, sympy.cos(arg.args[0]) ** -1)]
             return sympy.Mul(*rest, sympy.tan(arg.args[0]))

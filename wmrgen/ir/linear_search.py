@@ -173,16 +173,22 @@ def _pairs(rows: Sequence[Row]) -> int:
     return sum(len(row) * (len(row) - 1) // 2 for row in rows)
 
 
+_MOST_PAIRS = 2500  # of a side that is searched
+
+
 def _candidates(rows: Sequence[Row], columns: int, magnitudes: Magnitudes) -> Iterator[Graph]:
-    """Programs of the map and of its transpose; a side with many more pairs is left to the other one."""
+    """Programs of the map and of its transpose; a side with many more pairs is left to the other one. Where both are
+    too large, the rows as they are."""
     if len(rows) == 1:  # nothing to share; only equal magnitudes to factor
         yield by_ratios(columns, rows, magnitudes)
         return
     turned = _transposed(rows, columns)
     straight, across = _pairs(rows), _pairs(turned)
-    if straight <= 8 * across + 64:
+    if min(straight, across) > _MOST_PAIRS:
+        yield by_products(columns, rows, [0] * len(rows))
+    if straight <= min(8 * across + 64, _MOST_PAIRS):
         yield from _one_side(rows, columns, magnitudes)
-    if across <= 8 * straight + 64:
+    if across <= min(8 * straight + 64, _MOST_PAIRS):
         merged, copies = _distinct(turned, magnitudes)
         for graph in _one_side(merged, len(rows), magnitudes):
             yield transpose(_with_copies(graph, copies))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from itertools import combinations, permutations
+from itertools import combinations
 
 from wmrgen.errors import Mark
 from wmrgen.lint.record import Finding, Subject, rule
@@ -136,11 +136,14 @@ def _says(text: str, what: str, size: float) -> bool:
 
 def faced(subject: Subject) -> Iterator[Finding]:
     """Two wheels that face each other across the x axis, of which one has exactly twice what the other has."""
-    for (spec, a), (_, b) in permutations(subject.wheels, 2):
-        fellows = [
-            w for w in subject.robot.wheels if w.kind is a.kind and abs(w.pivot.real - a.pivot.real) < _CLOSE
+    for spec, a in subject.wheels:
+        others = [
+            w
+            for w in subject.robot.wheels
+            if w is not a and w.kind is a.kind and abs(w.pivot.real - a.pivot.real) < _CLOSE
         ]
-        if b not in fellows or len(fellows) != 2 or a.pivot.imag * b.pivot.imag >= 0:
+        b = others[0] if len(others) == 1 else a
+        if a.pivot.imag * b.pivot.imag >= 0:
             continue
         radii, sides = float(a.nominal.r) / (float(b.nominal.r) or 1), abs(a.pivot.imag / b.pivot.imag)
         if abs(radii - 2) < _CLOSE and abs(sides - 1) < _CLOSE:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
-from itertools import islice
+from itertools import chain, islice
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.report.closed import closed_forward, closed_inverse
@@ -66,10 +66,11 @@ def example(d: Derivation) -> list[tuple[str, Values, Values]]:
     """Function, inputs and outputs of each step; nothing where the robot has no joint to command or cannot move."""
     if not any(w.actuated for w in d.robot.wheels):
         return []
-    first = list(islice(_driven(d), _TRIED))
-    if not first:
+    tried = islice(_driven(d), _TRIED)
+    first = next(tried, None)
+    if first is None:
         return []
-    twist, joints = next((pair for pair in first if _repeats(d, *pair)), first[0])
+    twist, joints = next((pair for pair in chain([first], tried) if _repeats(d, *pair)), first)
     own = {n: v for n, v in joints.items() if d.robot.wheel(n.rpartition(".")[0]).actuated}
     steps = [("inverse", twist, own)]
     measured = _measured(d, joints)
@@ -87,8 +88,11 @@ def _measured(d: Derivation, joints: Values) -> Values:
 
 
 def _repeats(d: Derivation, twist: Values, joints: Values) -> bool:
-    """Whether the six digits of the joints that a command has give the twist again."""
-    again = d.evaluate("forward", {n: Exact(Fraction(_short(v))) for n, v in _measured(d, joints).items()})
+    """Whether the six digits of the joints that a command has give the twist again, where they are printed."""
+    measured = _measured(d, joints)
+    if len(measured) > _MANY:
+        return True
+    again = d.evaluate("forward", {n: Exact(Fraction(_short(v))) for n, v in measured.items()})
     return all(abs(float(again[n] - v)) < _NO_SLIP for n, v in twist.items())
 
 

@@ -22,6 +22,7 @@ from wmrgen.ir.nodes import Function, Op
 
 Rows = dict[int, dict[int, Coefficient]]  # row's node -> term -> coefficient
 _SUMS = (Op.ADD, Op.SUB)
+_MANY = 700  # nodes of a function whose sums are not expanded past what is shared
 _GROWTH = 3  # expanding may make the rows this many times longer than keeping shared sums
 
 
@@ -35,7 +36,10 @@ def share_linear_forms(function: Function) -> Function:
     search = _Search()
     limit = len(function.nodes)
     stops = shape.stops
-    for kept in (stops, stops | _early(function, shape, scalars, stops), frozenset[int]()):
+    ways = [stops, stops | _early(function, shape, scalars, stops)]
+    if len(function.nodes) <= _MANY:
+        ways.append(frozenset())
+    for kept in ways:
         rows = _rows(function, shape, scalars, kept, limit)
         if rows is None or rows in tried:
             continue

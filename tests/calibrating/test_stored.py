@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import tracemalloc
 from pathlib import Path
 
@@ -50,6 +51,7 @@ def test_drives_are_not_held_in_memory(tmp_path: Path, monkeypatch: pytest.Monke
             path.with_suffix(".truth.csv").write_text(truth, encoding="utf-8")
         tracemalloc.start()
         result = calibrate(derivation, paths, [])
+        gc.collect()
         held.append(tracemalloc.get_traced_memory()[0])
         tracemalloc.stop()
         assert len(result.fit.problem.drives) == count

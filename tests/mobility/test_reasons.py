@@ -30,7 +30,7 @@ STEER, SPIN = ("steer", ["a", "b", "c"]), ("spin", ["a", "b", "c"])
 
 SHARED = "a and b share an axle line, so the second adds no constraint."
 PAIR = "The fixed wheels a and b forbid motion along the axle: rank C1f = 1."
-STEERS = "a, b and c are coupled: their steer angles are equal."
+STEERS = "a, b and c are coupled: their steering angles are equal."
 
 
 def degrees(m: int, s: int) -> str:
@@ -108,7 +108,7 @@ CASES: dict[str, tuple[list[dict[str, Any]], list[tuple[str, list[str]]], tuple[
         degrees(1, 1),
     )),
     "two of three steer alike": (STEERED, [("steer", ["b", "c"])], (
-        "b and c are coupled: their steer angles are equal.", "The coupled steering admits a plane of twists only.",
+        "b and c are coupled: their steering angles are equal.", "The coupled steering admits a plane of twists only.",
         "Steering a chooses the ICR (delta_s = 1); b and c must point the same way round.", degrees(1, 1),
     )),
     "locked axle": ([A, B], [("spin", ["a", "b"])], (

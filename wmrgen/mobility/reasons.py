@@ -108,7 +108,7 @@ def _couplings(at: Configuration) -> list[str]:
     sentences = []
     for joint, names in at.robot.couplings:
         spins = f"they {turning(at.robot.ratios(names))}"
-        what = "their steer angles are equal" if joint == "steer" else spins
+        what = "their steering angles are equal" if joint == "steer" else spins
         sentences.append(f"{listed(list(names))} are coupled: {what}.")
     normal = at.admissible.normal
     if normal is not None:

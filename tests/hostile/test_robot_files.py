@@ -163,6 +163,15 @@ def many(count: int, kind: str, more: str = "", tunable: bool = False) -> str:
     return f"wmrgen: 1\nname: bad\n{f'parameters:{chr(10)}{parameters}' if tunable else ''}wheels:\n{lines}"
 
 
+# Found by Atheris: the report cleared a divisor of three roots for a minute.
+ROOTS = """wmrgen: 1
+name: roots
+parameters: {a: 0.3, b: 0.1}
+wheels:
+  - {name: front, type: steered, l: sqrt(a + b**2), alpha: "atan2(b, a)", heading: 0, r: 0.1}
+  - {name: rear, type: steered, l: sqrt(a**3 + b**2), alpha: "atan2(b, -a)", heading: 0, r: 0.1}
+"""
+
 LARGE = {
     "steered": (0, many(64, "steered")),
     "castors": (0, many(64, "castor", ", d: 0.0#1, actuated: [spin, steer]")),
@@ -170,6 +179,7 @@ LARGE = {
     "tunable Swedish": (0, many(64, "swedish", ", gamma: 0.7", tunable=True)),
     "Swedish": (0, many(32, "swedish", ", gamma: 0.7")),
     "tunable steered": (0, many(64, "steered", tunable=True)),
+    "roots": (0, ROOTS),
     "trailers": (0, robot(end="  - {name: f, type: steered, x: 1, y: 0, heading: 0, r: 0.1}\ntrailers:\n"
                           + "".join(f"  - {{name: t{k}, length: 1.{k}, hitch: 0.{k}1}}\n" for k in range(16)))),
     "all limits": (0, many(8, "steered", ", limits: {spin: 1e-30, steer: [-1e-9, 1e-9]}")

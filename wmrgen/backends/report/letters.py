@@ -104,7 +104,7 @@ def in_letters(d: Derivation, rows: list[Measured]) -> list[str]:
     ports = symbol_names(d.program.formula("forward").inputs)
     adjoint, below = adjugate(normal), determinant(normal)
     above = [Poly.sum(a * b for a, b in zip(row, moment, strict=True)) for row in adjoint]
-    if sum(len(p.terms) for p in (*above, below)) * len(named) > _WORK:
+    if sum(len(p.terms) for p in (*above, below)) * len(named) > _WORK or not _one_root(below):
         return []
     sums = _quotients(above, below, ports)
     shown = _written(sums, _WIDEST)
@@ -127,7 +127,7 @@ def by_three(d: Derivation, rows: list[Measured], nominal: list[Measured]) -> li
     ):
         return []
     above = [Poly.sum(a * b for a, b in zip(row, z, strict=True)) for row in adjugate(h)]
-    if len(below.terms) > 1 and not _easy([*above, below]):
+    if len(below.terms) > 1 and not (_one_root(below) and _easy([*above, below])):
         return []
     return _written(_quotients(above, below, symbol_names(d.program.formula("forward").inputs)), _SHORT)
 
@@ -137,6 +137,11 @@ def _easy(polys: Sequence[Poly]) -> bool:
     generators = {g for p in polys for g in p.generators}
     rational = all(c.is_rational for p in polys for c in p.terms.values())
     return rational and sum(len(p.terms) for p in polys) * len(generators) <= _WORK
+
+
+def _one_root(below: Poly) -> bool:
+    """Whether sympy clears a divisor of roots in no time: of one term, or with one root at the most."""
+    return len(below.terms) == 1 or sum(g.kind == "sqrt" for g in below.generators) <= 1
 
 
 def _quotients(above: Sequence[Poly], below: Poly, ports: Ports) -> list[list[Term]]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from math import atan, atan2, cos, sin
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -31,11 +32,19 @@ WRITTEN = (
 
 
 def result(name: str) -> str:
-    return page_of(name).partition("## The result")[2].partition("\n## 1 ")[0]
+    return box(page_of(name))
+
+
+def box(page: str) -> str:
+    return page.partition("## The result")[2].partition("\n## 1 ")[0]
 
 
 def part(name: str, head: str, end: str) -> str:
-    text = result(name).partition(f"**{head}")[2].partition(f"**{end}")[0]
+    return between(result(name), head, end)
+
+
+def between(text: str, head: str, end: str) -> str:
+    text = text.partition(f"**{head}")[2].partition(f"**{end}")[0]
     return text.replace(r"\Bigl", r"\left").replace(r"\Bigr", r"\right")
 
 
@@ -196,30 +205,32 @@ def test_the_factors_as_numbers(name: str) -> None:
             assert len(sides) > 1 and sides == pytest.approx([sides[0]] * len(sides), rel=1e-5)
 
 
-def steps(name: str) -> list[tuple[dict[str, float], str]]:
+def steps(text: str) -> list[tuple[dict[str, float], str]]:
     """What each row of the example says, and its command."""
-    rows = re.findall(r"(?m)^\| (.*?) \| `wmrgen (.*?)` \|$", part(name, "An example", "Files"))
+    rows = re.findall(r"(?m)^\| (.*?) \| `wmrgen (.*?)` \|$", between(text, "An example", "Files"))
     return [({n: float(v) for n, v in UNITS.findall(said)}, command) for said, command in rows]
 
 
-def check_example(name: str, wmrgen_cli: Cli) -> None:
-    shown = steps(name)
+def check_example(text: str, file: Path, wmrgen_cli: Cli) -> None:
+    """The example in a result with this text: joints to six digits, a twist to six decimals."""
+    shown = steps(text)
     assert [command.split()[2] for _, command in shown] == ["inverse", "forward", "odometry"]
     twist = {}
     for said, command in shown:
-        verb, file, *rest = command.split()
-        assert file == f"{name}.yaml"
-        done = wmrgen_cli(verb, ROBOTS[name], *rest)
+        verb, name, *rest = command.split()
+        assert name.endswith(".yaml")
+        done = wmrgen_cli(verb, file, *rest)
         assert done.code == 0, done.err
         printed = {n: float(v) for n, v in UNITS.findall(done.out)}
+        bound = {"rel": 0.0, "abs": 5.1e-7} if rest[0] == "forward" else {"rel": 5.1e-6, "abs": 1e-12}
         for port, value in said.items():
-            assert printed[port] == pytest.approx(value, rel=2e-5, abs=1e-5), (command, port)
+            assert value == pytest.approx(printed[port], **bound), (command, port)
         if rest[0] == "inverse":
             twist = {"vx": 0.0, "vy": 0.0, "omega": 0.0} | {
                 n: float(v) for n, v in (w.split("=") for w in rest[1:])
             }
     assert any(twist.values())
-    assert ("the same twist again" in result(name)) == (shown[1][0] == pytest.approx(twist, abs=1e-5))
+    assert ("the same twist again" in text) == (shown[1][0] == twist)
     vx, vy, omega = twist.values()
     small = np.eye(3) + np.array([[0, -omega, vx], [omega, 0, vy], [0, 0, 0]]) / 2**26
     pose = np.linalg.matrix_power(small, 2**26)  # exp of the twist
@@ -232,14 +243,42 @@ EXAMPLES = ("pioneer3dx", "wpilib_swervebot", "kuka_youbot", "ackermann_car")
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_the_example_is_what_the_commands_print(name: str, wmrgen_cli: Cli) -> None:
-    check_example(name, wmrgen_cli)
+    check_example(result(name), ROBOTS[name], wmrgen_cli)
+
+
+TWO = (
+    "{name: l, type: fixed, x: 0, y: A, heading: 0, r: B}",
+    "{name: r, type: fixed, x: 0, y: -A, heading: 0, r: C}",
+)
+THREE = tuple(
+    f"{{name: w{k}, type: steered, x: {x}, y: {y}, heading: 0, r: {r}}}"
+    for k, (x, y, r) in enumerate((("A", "-B", "C"), ("-B", "A", "C"), ("-C", "-A", "B")))
+)
+
+
+@pytest.mark.parametrize("wheels", [TWO, THREE])
+@pytest.mark.parametrize(
+    "lengths", [("0.002", "0.19", "0.04"), ("3 mm", "150 mm", "4 mm"), ("1990", "200", "310")]
+)
+def test_an_example_of_small_and_large_robots(
+    wheels: tuple[str, ...], lengths: tuple[str, ...], tmp_path: Path, wmrgen_cli: Cli
+) -> None:
+    """Six digits of a wheel speed say little about how fast they turn."""
+    text = "wmrgen: 1\nname: sample\nwheels:\n" + "".join(f"  - {w}\n" for w in wheels)
+    for letter, length in zip("ABC", lengths, strict=True):
+        text = re.sub(rf"(?<=[ -]){letter}(?=[,}}])", length, text)
+    file = tmp_path / "sample.yaml"
+    file.write_text(text)
+    page = box(page_written(text))
+    check_example(page, file, wmrgen_cli)
+    assert "the same twist again" in page
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [n for n in ROBOTS if n not in EXAMPLES])
 def test_every_example_is_what_its_commands_print(name: str, wmrgen_cli: Cli) -> None:
     if "An example" in result(name):
-        check_example(name, wmrgen_cli)
+        check_example(result(name), ROBOTS[name], wmrgen_cli)
     else:
         assert name in ("office_chair",)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from itertools import chain, islice
 from typing import TYPE_CHECKING
@@ -18,8 +18,10 @@ if TYPE_CHECKING:
     from wmrgen.robot import Derivation
 
 Values = Mapping[str, Exact]
+Texts = Mapping[str, str]
 _NO_SLIP = 1e-5  # m/s; of numbers with six digits
 _TRIED = 4  # twists
+_FEW, _EVERY = 6, 12  # digits of joints
 _DIGITS = 5  # of a round number, with its point
 _MANY = 24  # values of one step of an example
 _SPEEDS: tuple[tuple[Fraction | int, ...], ...] = (
@@ -52,18 +54,19 @@ def _example(d: Derivation) -> list[str]:
     rows = []
     for function, inputs, outputs in steps:
         units = {p.name: p.unit for p, _ in d.program.formula(function).outputs}
-        shown = ", ".join(f"{n} = {_short(v)}{_unit(units[n])}" for n, v in outputs.items())
-        words = " ".join(f"{n}={_short(v)}" for n, v in inputs.items() if v)
+        shown = ", ".join(f"{n} = {v}{_unit(units[n])}" for n, v in outputs.items())
+        words = " ".join(f"{n}={v}" for n, v in inputs.items() if v != "0")
         rows.append([shown, code(f"wmrgen eval {d.robot.name}.yaml {function} {words}")])
     again = "the same twist again"
-    if len(steps) > 2 and any(abs(float(steps[1][2][n] - v)) > _NO_SLIP for n, v in steps[0][1].items()):
+    if len(steps) > 2 and any(steps[1][2][n] != v for n, v in steps[0][1].items()):
         again = "the part of the twist that is measured"
     head = f"**An example**: twist, joints, {f'{again}, ' if len(steps) > 2 else ''}and the pose after one second."
     return [head, *table(["result", "command"], rows, "l")]
 
 
-def example(d: Derivation) -> list[tuple[str, Values, Values]]:
-    """Function, inputs and outputs of each step; nothing where the robot has no joint to command or cannot move."""
+def example(d: Derivation) -> list[tuple[str, Texts, Texts]]:
+    """Function, inputs and outputs of each step, as they are printed; nothing where the robot has no joint to command
+    or cannot move."""
     if not any(w.actuated for w in d.robot.wheels):
         return []
     tried = islice(_driven(d), _TRIED)
@@ -71,29 +74,41 @@ def example(d: Derivation) -> list[tuple[str, Values, Values]]:
     if first is None:
         return []
     twist, joints = next((pair for pair in chain([first], tried) if _repeats(d, *pair)), first)
+    digits = _digits(d, joints)
     own = {n: v for n, v in joints.items() if d.robot.wheel(n.rpartition(".")[0]).actuated}
-    steps = [("inverse", twist, own)]
+    steps = [("inverse", _each(_six, twist), _each(_short, own, digits))]
     measured = _measured(d, joints)
-    if measured and len(measured) <= _MANY:
-        again = d.evaluate("forward", measured)
-        steps.append(("forward", measured, {n: again[n] for n in TWIST_NAMES}))
+    if measured:
+        steps.append(("forward", _each(_short, measured, digits), _again(d, measured, digits)))
     pose = d.evaluate("odometry", {**twist, "dt": ONE})
-    return [*steps, ("odometry", {**twist, "dt": ONE}, pose)]
+    return [*steps, ("odometry", {**_each(_six, twist), "dt": "1"}, _each(_short, pose))]
 
 
 def _measured(d: Derivation, joints: Values) -> Values:
-    """What `forward` is told of the joints."""
-    sensed = (p.name for p in d.program.formula("forward").inputs if p.default is None)
-    return {n: joints.get(n, ZERO) for n in sensed}
+    """What `forward` is told of the joints; nothing where that is too much for a line."""
+    sensed = [p.name for p in d.program.formula("forward").inputs if p.default is None]
+    return {n: joints.get(n, ZERO) for n in sensed} if len(sensed) <= _MANY else {}
+
+
+def _again(d: Derivation, measured: Values, digits: int) -> Texts:
+    """The twist of measurements that are printed with so many digits."""
+    twist = d.evaluate("forward", {n: _read(_short(v, digits)) for n, v in measured.items()})
+    return {n: _six(twist[n]) for n in TWIST_NAMES}
 
 
 def _repeats(d: Derivation, twist: Values, joints: Values) -> bool:
-    """Whether the six digits of the joints that a command has give the twist again, where they are printed."""
+    """Whether the joints that a command has give the twist again, where they are printed."""
     measured = _measured(d, joints)
-    if len(measured) > _MANY:
-        return True
-    again = d.evaluate("forward", {n: Exact(Fraction(_short(v))) for n, v in measured.items()})
-    return all(abs(float(again[n] - v)) < _NO_SLIP for n, v in twist.items())
+    return not measured or _again(d, measured, _EVERY) == _each(_six, twist)
+
+
+def _digits(d: Derivation, joints: Values) -> int:
+    """How many digits of the joints give their twist to six decimals, which takes more where lengths differ much."""
+    measured = _measured(d, joints)
+    if not measured:
+        return _FEW
+    twist = _again(d, measured, _EVERY)
+    return next((k for k in range(_FEW, _EVERY) if _again(d, measured, k) == twist), _EVERY)
 
 
 def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
@@ -105,7 +120,7 @@ def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
         asked = (
             {n: Exact(k * scale) for n, k in zip(TWIST_NAMES, s, strict=True)} for s in (*_SPEEDS, *rounded)
         )
-        allowed = [{n: _six(v) for n, v in admissible(d, twist).items()} for twist in asked]
+        allowed = [{n: _read(_six(v)) for n, v in admissible(d, twist).items()} for twist in asked]
         for twist in sorted(allowed, key=_plain):
             if not any(twist.values()) or not all(_inside(d, n, v) for n, v in twist.items()):
                 continue
@@ -117,12 +132,16 @@ def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
 
 def _plain(twist: Values) -> tuple[bool, bool]:
     """What turns comes first, of that what has few digits."""
-    return not twist["omega"], any(len(_short(v)) > _DIGITS for v in twist.values())
+    return not twist["omega"], any(len(_six(v)) > _DIGITS for v in twist.values())
 
 
-def _six(value: Exact) -> Exact:
-    """Six decimals, as a command has it."""
-    return Exact(Fraction(round(10**6 * float(value)), 10**6))
+def _each(shown: Callable[..., str], values: Values, *digits: int) -> Texts:
+    return {n: shown(v, *digits) for n, v in values.items()}
+
+
+def _six(value: Exact) -> str:
+    """Six decimals, as a command has the twist."""
+    return f"{round(float(value), 6) + 0.0:.{_EVERY}g}"
 
 
 def _inside(d: Derivation, name: str, value: Exact) -> bool:
@@ -131,9 +150,13 @@ def _inside(d: Derivation, name: str, value: Exact) -> bool:
     return limit is None or float(limit.low) <= float(value) <= float(limit.high)
 
 
-def _short(value: Exact) -> str:
+def _short(value: Exact, digits: int = _FEW) -> str:
     """As `wmrgen eval` reads it."""
-    return f"{round(float(value), 12) + 0.0:.6g}"
+    return f"{round(float(value), 12) + 0.0:.{digits}g}"
+
+
+def _read(text: str) -> Exact:
+    return Exact(Fraction(text))
 
 
 def _unit(unit: str) -> str:

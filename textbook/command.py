@@ -8,7 +8,7 @@ from textbook.emit import artifacts, errata
 from textbook.library import FUNCTIONS, Textbook, textbook
 from wmrgen.artifacts import Difference, differences, file_difference, write_file, write_tree
 from wmrgen.cli import console
-from wmrgen.cli.generate import ERRATA, FOLDER
+from wmrgen.cli.textbook import ERRATA, FOLDER
 from wmrgen.errors import UsageError
 from wmrgen.spec.text import suggestion
 

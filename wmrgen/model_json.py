@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wmrgen.bounds.robot import Bounds
 from wmrgen.bounds.robot import data as bounds_data
@@ -20,13 +20,19 @@ from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility, Rank, Singularity
 from wmrgen.program import asked
 
+if TYPE_CHECKING:
+    from wmrgen.functions.models.state_space import StateSpace
+
 FORMAT = 1
 
 
-def model(robot: Robot, mobility: Mobility, formulas: Module, code: Module, bounds: Bounds) -> dict[str, Any]:
+def model(
+    robot: Robot, mobility: Mobility, formulas: Module, code: Module, bounds: Bounds, space: StateSpace | None
+) -> dict[str, Any]:
     """Everything others may rely on, in contract order.
 
-    ``formulas``: the functions as written; ``code``: those of the C; ``bounds``: of that code.
+    ``formulas``: the functions as written; ``code``: those of the C; ``bounds``: of that code; ``space``: the default
+    state space, None where the robot has no model of motion.
     """
     c = constrain(robot, working_view)
     spins = [-dict(r.rates)[r.wheel.index, "spin"] for r in c.rolling]
@@ -48,7 +54,16 @@ def model(robot: Robot, mobility: Mobility, formulas: Module, code: Module, boun
         **({} if bounds.missing else {"bounds": bounds_data(bounds)}),
         **(slips if robot.slip else {}),
         **_domains(robot, mobility),
+        **_state_space(space),
     }
+
+
+def _state_space(space: StateSpace | None) -> dict[str, Any]:
+    if space is None:
+        return {}
+    from wmrgen.functions.models.state_space import data
+
+    return {"state_space": data(space)}
 
 
 def _domains(robot: Robot, mobility: Mobility) -> dict[str, Any]:

@@ -201,10 +201,6 @@ class Derivation:
             return model
         return casadi.offers("step")(model, lower(self.formula("odometry")), discrete, dt)
 
-    def step_file(self, form: str | None, discrete: str, dt: float) -> bytes:
-        """The content of a file of the step that `state_space` gives, for casadi.Function.load."""
-        return bytes(BACKENDS["casadi"].offers("content")(self.state_space(form, discrete, dt)))
-
     def rolling(self) -> Any:
         """casadi.Function (x, u, p) -> g [m/s] of the model in twist inputs, 0 where no steered wheel slides; None
         without steered wheels."""
@@ -299,11 +295,8 @@ class Derivation:
 
     def model(self) -> dict[str, Any]:
         """The content of model.json."""
-        from wmrgen.functions.models.state_space import data
-
         space = self.default_state_space
-        content = model(self.robot, self.mobility, self.raw_module, self.c_module, self.bounds)
-        return content if space is None else {**content, "state_space": data(space)}
+        return model(self.robot, self.mobility, self.raw_module, self.c_module, self.bounds, space)
 
     def casadi(self) -> dict[str, Any]:
         """Function name -> casadi.Function."""

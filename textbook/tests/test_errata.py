@@ -14,7 +14,7 @@ from textbook.errata.forms import Form, symbol
 from textbook.errata.records import Class, Record, judge
 from textbook.errata.texts import BIBLIOGRAPHY, ENTRIES, HOLDS
 from textbook.errata.zero import is_zero
-from wmrgen.cli.generate import installed
+from wmrgen.cli.textbook import installed
 
 CLASSES = {
     "Tzafestas": {

@@ -11,6 +11,7 @@ import wmrgen
 from wmrgen.backends.registry import EXACT_WORD, Entry, known_words, of_word
 from wmrgen.cli import console
 from wmrgen.cli.loading import noted, warn_of_gains
+from wmrgen.cli.textbook import installed
 from wmrgen.cli.values import Case, from_file, from_words, note_zeros
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
@@ -103,8 +104,6 @@ def _beyond(modules: Modules, function: Function, cases: Sequence[Case]) -> dict
 def _modules(path: Path, name: str) -> Modules:
     """The function of a robot; of the library where ``path`` is the word textbook and no such file is there."""
     if path == Path("textbook") and not path.is_file():
-        from wmrgen.cli.generate import installed
-
         return cast(Modules, installed().library(name))
     from wmrgen.functions.registry import has_function, names
 

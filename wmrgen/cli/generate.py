@@ -1,16 +1,14 @@
 """What stands in the output directory: robot files in, folders of generated files out.
 
-``wmrgen derive`` writes them, ``wmrgen check`` says whether they are those of today. ``wmrgen textbook`` writes the
-textbook library, a package of its own beside this one.
+``wmrgen derive`` writes them, ``wmrgen check`` says whether they are those of today.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING
 
 import wmrgen
 from wmrgen.artifacts import Difference, Written, differences, made_with, write_tree
@@ -19,7 +17,8 @@ from wmrgen.cli import console
 from wmrgen.cli.failures import all_as_data
 from wmrgen.cli.gallery import differing_gallery
 from wmrgen.cli.loading import linted, noted, warn_of_gains
-from wmrgen.errors import EnvironmentFailure, NotDerivableError, Several, StaleError, UsageError, WmrgenError
+from wmrgen.cli.textbook import ERRATA, FOLDER, differing_library
+from wmrgen.errors import NotDerivableError, Several, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
     from wmrgen.backends.packages import Package
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from wmrgen.robot import Derivation
     from wmrgen.spec.records import RobotSpec
 
-FOLDER, ERRATA = "textbook", "errata.md"  # of the textbook library, in the output directory
 _WHY = {
     "missing": "missing",
     "differs": "not what the robot file gives today",
@@ -57,10 +55,8 @@ def derive(
     results: list[tuple[Derivation, dict[str, bytes]]] = []
     with console.progress() as step:
         files_read = _load_all(robots)
-        from wmrgen.emit import (
-            MODEL,
-            artifacts,
-        )  # loads sympy, for which a file that is refused need not wait
+        # This loads sympy, for which a file that is refused need not wait.
+        from wmrgen.emit import MODEL, artifacts
         from wmrgen.emit import package as packaged
 
         for spec, robot in files_read:
@@ -183,7 +179,7 @@ def check(robots: Sequence[Path] | None, out: Path, as_json: bool) -> int:
             stale += files
     if not robots and not errors:
         try:
-            stale += _differing_library(out)
+            stale += differing_library(out)
         except WmrgenError as error:  # the folder is here, the library is not
             errors.append(error)
         stale += [*differing_gallery(out), *(Difference(p, "not produced") for p in _strangers(out, names))]
@@ -263,44 +259,3 @@ def _strangers(out: Path, names: set[str]) -> list[Path]:
         for p in sorted(place.iterdir())
         if p.name not in expected
     ]
-
-
-# ---- the textbook library
-
-
-class Library(Protocol):
-    """What the module ``textbook.command`` offers."""
-
-    def library(self, name: str) -> Any:
-        """One function, with modules as a Derivation has them. UsageError for a name that there is not."""
-
-    def run(self, out: Path, as_json: bool) -> int:
-        """Write the library and the errata into ``out``, and say so."""
-
-    def differing(self, out: Path) -> list[Difference]:
-        """What is not as `run` would leave it."""
-
-
-def installed() -> Library:
-    """The textbook library. EnvironmentFailure where it is not installed."""
-    try:
-        return cast(Library, import_module("textbook.command"))
-    except ModuleNotFoundError as error:
-        if error.name not in ("textbook", "textbook.command"):
-            raise
-        raise EnvironmentFailure(
-            "the textbook library is not installed: it is a package of its own. Install wmrgen[textbook], or from a "
-            "checkout: pip install ./textbook. In a checkout itself it is there."
-        ) from error
-
-
-def textbook(out: Path, as_json: bool) -> int:
-    """Write the library and the errata."""
-    return installed().run(out, as_json)
-
-
-def _differing_library(out: Path) -> list[Difference]:
-    """What of the library under ``out`` is not fresh; nothing is asked of a directory that holds none of it."""
-    if not (out / FOLDER).is_dir() and not (out / ERRATA).exists():
-        return []
-    return installed().differing(out)

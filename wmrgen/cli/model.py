@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wmrgen.artifacts import write_file
+from wmrgen.backends.registry import BACKENDS
 from wmrgen.cli import console
 from wmrgen.cli.loading import derived
 from wmrgen.cli.values import from_words
@@ -83,7 +84,8 @@ def _step(
     if not span > 0:
         raise UsageError(f"--dt is {dt}: a step takes time. Write --dt 0.05 [s].")
     if out is not None:
-        write_file(out, derivation.step_file(form, discrete, span))
+        step = derivation.state_space(form, discrete, span)
+        write_file(out, BACKENDS["casadi"].offers("content")(step))
         console.result(str(out))
         return 0
     space = state_space(derivation.robot, derivation.mobility, form)

@@ -124,7 +124,7 @@ def export(
     """
 
 
-@verb("generate", "Write the library of textbook formulas and the errata of the texts.")
+@verb("textbook", "Write the library of textbook formulas and the errata of the texts.")
 def textbook(out: Out = Path("generated"), as_json: Json = False) -> None:
     """Example:  wmrgen textbook -o generated
 

@@ -64,9 +64,8 @@ def prepare() -> None:
         try:
             os.fstat(handle)
         except OSError:
-            os.open(
-                os.devnull, os.O_WRONLY if handle == 2 else os.O_RDONLY
-            )  # what is printed is missed, a note not
+            # What is printed is missed, a note not.
+            os.open(os.devnull, os.O_WRONLY if handle == 2 else os.O_RDONLY)
     sys.stdout = _stream(sys.stdout, 1, "standard output")
     sys.stderr = _stream(sys.stderr, 2, "standard error")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import sys
 from collections.abc import Callable, Sequence
@@ -58,13 +59,10 @@ class Verbs(typer.Typer):
 
     def __call__(self, args: Sequence[str] | None = None, **options: Any) -> Any:
         """Run the command that ``args``, else those of the process, name. See `Commands.main`."""
-        first, every = (sys.argv[1:] if args is None else args)[:1], self.registered_commands
-        self.registered_commands = [command for command in every if command.name in first] or every
-        try:
-            commands = get_command(self)
-        finally:
-            self.registered_commands = every
-        return commands(args, **options)
+        words, chosen = sys.argv[1:] if args is None else args, copy.copy(self)
+        named = [command for command in self.registered_commands if command.name in words[:1]]
+        chosen.registered_commands = named or self.registered_commands
+        return get_command(chosen)(args, **options)
 
 
 app = Verbs(

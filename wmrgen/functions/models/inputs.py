@@ -112,7 +112,7 @@ def posture_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> 
     inputs = (*(d.port for d in drives), *_rate_ports(frame))
     note = f"; {', '.join(idle)} must follow" if idle else ""
     text = f"posture model in {', '.join(p.name for p in inputs)}{note}"
-    return replace(_motion(frame, inputs, etas, determinant, text), followers=tuple(idle))
+    return _motion(frame, inputs, etas, determinant, text, tuple(idle))
 
 
 def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual: bool = False) -> Motion:
@@ -145,12 +145,19 @@ def _rate_ports(frame: Frame) -> tuple[Port, ...]:
     return tuple(joint_port(w, "steer_rate", Role.COMMAND) for w in frame.wheels)
 
 
-def _motion(frame: Frame, inputs: tuple[Port, ...], etas: list[Eta], divisor: Poly, text: str) -> Motion:
+def _motion(
+    frame: Frame,
+    inputs: tuple[Port, ...],
+    etas: list[Eta],
+    divisor: Poly,
+    text: str,
+    followers: tuple[str, ...] = (),
+) -> Motion:
     twists = []
     for eta in etas:
         x, y, turn = (Poly.sum(c[i] * e for c, e in zip(frame.columns, eta, strict=True)) for i in range(3))
         twists.append(divided((x, y, turn), divisor))
-    return Motion(frame, inputs, tuple(etas), divisor, tuple(twists), text)
+    return Motion(frame, inputs, tuple(etas), divisor, tuple(twists), text, followers)
 
 
 def _solved(drives: list[Drive], rates: tuple[str, ...]) -> tuple[list[Eta], Poly]:

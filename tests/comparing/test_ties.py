@@ -13,9 +13,8 @@ from tests.comparing.test_motion import said
 from tests.conftest import Outcome
 from tests.importing.urdf import robot, wheel
 from wmrgen.comparing.compare import compare
-from wmrgen.comparing.record import Comparison, Layout, Tie
+from wmrgen.comparing.record import Comparison, Layout
 from wmrgen.comparing.sources import layouts, of_header
-from wmrgen.comparing.ties import shafts
 from wmrgen.emit import artifacts
 
 CORNERS = {"fl": (0.3, 0.25), "fr": (0.3, -0.25), "rl": (-0.3, 0.25), "rr": (-0.3, -0.25)}
@@ -65,11 +64,15 @@ def test_couplings_are_compared(
     assert told(compare(layout(tmp_path, a), layout(tmp_path, b, backward))) == expected
 
 
-def test_what_turns_together_through_others() -> None:
-    ties = [Tie("spin", {"a": 1, "b": 2}), Tie("spin", {"c": 1, "d": 1}), Tie("spin", {"b": 1, "c": 5})]
-    (shaft,) = shafts(ties, "spin")
-    assert {w: turns / shaft["a"] for w, turns in shaft.items()} == {"a": 1, "b": 2, "c": 10, "d": 10}
-    assert shafts(ties, "steer") == []
+def test_what_turns_together_through_others(tmp_path: Path) -> None:
+    own = layout(
+        tmp_path,
+        "{equal: [fl.spin, fr.spin], ratios: [1, 2]} {equal: [rl.spin, rr.spin]} "
+        "{equal: [fr.spin, rl.spin], ratios: [1, 5]}",
+    )
+    (shaft,) = own.ties or ()
+    assert (shaft.joint, len(shaft.marks)) == ("spin", 3)
+    assert shaft.turns == {"fl": 1, "fr": 2, "rl": 10, "rr": 10}
 
 
 def test_what_a_coupling_does_to_the_motion(tmp_path: Path) -> None:

@@ -16,16 +16,14 @@ from numpy.typing import NDArray
 
 from wmrgen.comparing.quantities import forward
 from wmrgen.comparing.record import SAME, Effect, Side, Tie
-from wmrgen.comparing.ties import JOINTS, shafts
 from wmrgen.wheels import WHEEL_TYPES
 
 Array = NDArray[np.float64]
 Pairs = Sequence[tuple[Side, Side]]  # wheels of the first robot, each with what the second file says of it
 Coupled = tuple[Sequence[Side], Sequence[Tie]]  # wheels, and which of their joints turn together
 _SEEN = 5e-4  # of a motion: what changes less is not told
-_GENTLE = (
-    1e-4  # curvature of the turn of a car, per its own size: there the angles of its wheels are in proportion
-)
+# Curvature of the turn of a car, per its own size: there the angles of its wheels are in proportion.
+_GENTLE = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,19 +65,15 @@ def _command(w: Side, twist: Array) -> Command:
 def _together(commands: Sequence[Command], wheels: Sequence[Side], ties: Sequence[Tie]) -> Sequence[Command]:
     """Commands of which coupled joints follow the one that has the motor."""
     result, names = list(commands), [w.name for w in wheels]
-    for joint in JOINTS:
-        for shaft in shafts(ties, joint):
-            (lead, turns), *others = [(names.index(w), k) for w, k in shaft.items() if w in names] or [
-                (0, 1.0)
-            ]
-            c = result[lead]
-            for i, k in others:
-                same = (
-                    {"spin": c.spin * k / turns}
-                    if joint == "spin"
-                    else {"steer": c.steer, "steer_rate": c.steer_rate}
-                )
-                result[i] = replace(result[i], **same)
+    for tie in ties:
+        members = [(names.index(name), turns) for name, turns in tie.turns.items() if name in names]
+        for i, turns in members[1:]:
+            first, own = members[0]
+            lead = result[first]
+            if tie.joint == "spin":
+                result[i] = replace(result[i], spin=lead.spin * turns / own)
+            else:
+                result[i] = replace(result[i], steer=lead.steer, steer_rate=lead.steer_rate)
     return result
 
 

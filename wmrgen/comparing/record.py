@@ -10,12 +10,9 @@ from wmrgen.importing.records import Controller
 from wmrgen.wheels import WHEEL_TYPES
 
 Value = float | str | tuple[float, float] | None
-ROBOT_FILE, DESCRIPTION, HEADER, CONTROLLER = (
-    "robot file",
-    "description",
-    "header",
-    "controller",
-)  # forms of files
+# Forms of files.
+ROBOT_FILE, DESCRIPTION, HEADER, CONTROLLER = "robot file", "description", "header", "controller"
+JOINTS = ("spin", "steer")  # which couplings join
 SAME = 2e-3  # of a length, or rad: what differs less is equal
 
 
@@ -52,12 +49,12 @@ class Side:
 
 @dataclass(frozen=True, slots=True)
 class Tie:
-    """Joints, spin or steer, that turn together: wheel -> its ``turns`` for one of their shaft. The first has the
-    motor."""
+    """All joints, spin or steer, of one shaft: wheel -> its ``turns`` for one of the first, which has the motor.
+    ``marks``: the couplings of a file that say so."""
 
     joint: str
     turns: Mapping[str, float]
-    mark: Mark | None = None
+    marks: tuple[Mark, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

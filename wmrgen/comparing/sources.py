@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import Path
 
 import wmrgen
-from wmrgen.comparing.record import CONTROLLER, DESCRIPTION, HEADER, ROBOT_FILE, Layout, Side, Tie
+from wmrgen.comparing.record import CONTROLLER, DESCRIPTION, HEADER, JOINTS, ROBOT_FILE, Layout, Side, Tie
 from wmrgen.errors import Mark, RobotFileError
 from wmrgen.importing.controllers import read_controllers
 from wmrgen.importing.records import Controller, Imported, Wheel
@@ -22,9 +22,8 @@ from wmrgen.spec.text import Source, printable, read_at_most
 from wmrgen.wheels import WHEEL_TYPES
 
 _HEADER = re.compile(r"^#define (\w+)_WHEELS \d+", re.MULTILINE)
-_WHEEL = re.compile(
-    r"^ \*   (\w+): (\w+),((?:.|\n \*   (?!\w+: ))*)$", re.MULTILINE
-)  # on as many lines as it takes
+# A wheel, on as many lines as it takes.
+_WHEEL = re.compile(r"^ \*   (\w+): (\w+),((?:.|\n \*   (?!\w+: ))*)$", re.MULTILINE)
 _VALUE = re.compile(rf" (x|y|heading|r|d|offset_y|gamma) (-?{NUMBER}) (m|deg)\b")
 _TRACK = re.compile(rf"^ \*   effective track ({NUMBER}) m$", re.MULTILINE)
 _MACRO = re.compile(rf"^#define (\w+)_(X|Y|RADIUS) \(?(-?{NUMBER})f?\)?(?= |$)", re.MULTILINE)
@@ -54,23 +53,29 @@ def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
         sides.append(Side((w.name,), w.type, values, marks, w.actuated))
     track, said = robot.effective_track, spec.effective_track
     effective = (float(track.nominal), said.mark) if track and said else None
+    return Layout(source, ROBOT_FILE, tuple(sides), True, effective_track=effective, ties=_ties(spec, robot))
+
+
+def _ties(spec: RobotSpec, robot: Robot) -> tuple[Tie, ...]:
     ties = []
-    for coupling in spec.couplings:
-        members = [w for w in robot.wheels if w.name in coupling.wheels]
-        turns = [float(robot.spin_ratio(w)) if coupling.joint == "spin" else 1.0 for w in members]
-        names = (w.name for w in members)
-        ties.append(Tie(coupling.joint, dict(zip(names, turns, strict=True)), coupling.mark))
-    return Layout(source, ROBOT_FILE, tuple(sides), True, effective_track=effective, ties=tuple(ties))
+    for joint in JOINTS:
+        for members in robot.together(joint, robot.wheels):
+            spins = [float(robot.spin_ratio(w)) if joint == "spin" else 1.0 for w in members]
+            turns = {w.name: spin / spins[0] for w, spin in zip(members, spins, strict=True)}
+            marks = (c.mark for c in spec.couplings if c.joint == joint and c.wheels[0] in turns)
+            ties.append(Tie(joint, turns, tuple(marks)))
+    return tuple(tie for tie in ties if len(tie.turns) > 1)
 
 
 def of_import(robot: Imported, joints: frozenset[str], source: str) -> Layout:
-    """The layout of a URDF or SDF, as far as it says."""
-    ties = list[Tie]()
+    """The layout of a URDF or SDF, as far as it says: of couplings nothing where one is in doubt."""
+    turns: dict[tuple[str, str], dict[str, float]] = {}
     for each in robot.couplings:
         (first, _, joint), (second, _, _) = each.first.rpartition("."), each.second.rpartition(".")
-        ties.append(Tie(joint, {first: 1.0, second: float(each.ratio)}))
-    known = None if any(q.key == "equal" for q in robot.questions) else tuple(ties)
-    return Layout(source, DESCRIPTION, tuple(map(_imported, robot.wheels)), joints=joints, ties=known)
+        turns.setdefault((first, joint), {first: 1.0})[second] = float(each.ratio)
+    doubted = any(q.key == "equal" for q in robot.questions)
+    ties = None if doubted else tuple(Tie(joint, shaft) for (_, joint), shaft in turns.items())
+    return Layout(source, DESCRIPTION, tuple(map(_imported, robot.wheels)), joints=joints, ties=ties)
 
 
 def _imported(wheel: Wheel) -> Side:

@@ -19,11 +19,12 @@ SECTIONS = {
     "budgets": lambda chosen: budgets.run(chosen.update),
     "processor": lambda chosen: figures.run(chosen.update),
 }
+# These take long: only where they are named.
 ASKED = {
     "mutants": lambda chosen: mutants.run(chosen.count, chosen.seed),
     "coverage": lambda chosen: calibration.table(chosen.count),
     "solvers": lambda chosen: solvers.table(chosen.runs),
-}  # takes long: only where it is named
+}
 
 
 def main() -> None:

@@ -83,9 +83,8 @@ class Latex(LatexPrinter):  # type: ignore[misc]
         return self._upright(r"\mathrm{rounding\ error}", expr, exp)
 
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
-        text = str(
-            super()._print_Add(expr, order)
-        )  # the signs of products that are not evaluated stand twice
+        # The signs of products that are not evaluated stand twice.
+        text = str(super()._print_Add(expr, order))
         return text.replace("- - ", "+ ").replace("+ - ", "- ")
 
     def summand(self, expr: Expr) -> str:

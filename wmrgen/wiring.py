@@ -58,10 +58,8 @@ def motions(d: Derivation) -> list[Motion]:
 def _motion(d: Derivation, title: str, **parts: Exact) -> Motion:
     twist = {name: parts.get(name, ZERO) for name in TWIST_NAMES}
     allowed = admissible(d, twist)
-    if (
-        allowed["omega"] == twist["omega"] != ZERO
-    ):  # turning about another point than P has its sideways velocity
-        twist = allowed
+    if allowed["omega"] == twist["omega"] != ZERO:
+        twist = allowed  # turning about another point than P has its sideways velocity
     joints = {name: float(value) for name, value in d.evaluate("inverse", twist).items()}
     slides = joints.pop("slip") > _NEGLIGIBLE and not d.mobility.degenerate  # a degenerate robot skids
     driven = {f"{w.name}.{joint}" for w in d.robot.wheels for joint in (*w.actuated, *_rate(w.actuated))}

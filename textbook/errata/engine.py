@@ -25,10 +25,8 @@ wheels:
   - {name: castor, type: castor, l: l, alpha: alpha, beta: beta, d: d, r: r}
   - {name: steered, type: steered, l: l, alpha: alpha, beta: beta, r: r}
 """
-_ROLLS, _SLIDES = (
-    ("fixed", "swedish", "castor", "steered"),
-    ("fixed", "castor", "steered"),
-)  # the order of their rows
+# The order of their rows.
+_ROLLS, _SLIDES = ("fixed", "swedish", "castor", "steered"), ("fixed", "castor", "steered")
 ALPHA, BETA, GAMMA = symbol(r"\alpha"), symbol(r"\beta"), symbol(r"\gamma")
 L, R, D = symbol("l"), symbol("r"), symbol("d")
 _NAMES = {"l": L, "alpha": ALPHA, "beta": BETA, "g": GAMMA, "r": R, "d": D}

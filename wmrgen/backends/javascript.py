@@ -28,10 +28,8 @@ public return static super switch this throw true try typeof undefined var void 
 """.split()
 )
 _LONGEST = 84  # columns of an object on one line
-_NEEDED = {
-    Op.AT_LEAST: "_is_negative",
-    Op.WITH_SIGN_OF: "_is_negative",
-}  # what else the form of an operation calls
+# What else the form of an operation calls.
+_NEEDED = {Op.AT_LEAST: "_is_negative", Op.WITH_SIGN_OF: "_is_negative"}
 
 
 def number(value: float) -> str:

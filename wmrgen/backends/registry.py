@@ -91,8 +91,8 @@ class Entry(NamedTuple):
     ``itself`` (a backend for readers). ``word``: what `wmrgen eval --backend` calls it; nothing where it computes
     nothing. ``files``: what it writes. ``reserved``: words that its language keeps. ``options``: of what `derive` and
     `eval` let the user choose, the names that it takes; ``switches``: the same of `derive` alone. ``proved``: the
-    proofs are about its code, and it writes them down. ``package``: it writes only where
-    `derive --package` asks for it.
+    proofs are about its code, and it writes them down. ``package``: it writes only where `derive --package` asks for
+    it.
     """
 
     name: str

@@ -41,9 +41,8 @@ class Length:
     parts: Parts
     rho: float = SHORT
     shares: dict[int, Share | None] = field(default_factory=dict)
-    facts: list[tuple[int, float]] = field(
-        default_factory=list
-    )  # (x, s): |x| is at most s h where `at` counts
+    # (x, s): |x| is at most s h where `at` counts.
+    facts: list[tuple[int, float]] = field(default_factory=list)
 
     def value(self, nodes: Sequence[np.ndarray]) -> np.ndarray:
         """h, from the values of the nodes."""

@@ -219,9 +219,8 @@ def _on_ground(robot: Robot, wheels: list[Candidate]) -> list[Candidate]:
     if not shaped:
         reach, lowest = _reach(robot, ()), min((w.centre[2] for w in wheels), default=Fraction(0))
         highest = lowest + reach
-        if all(
-            _trails(robot, w) for w in wheels if w.centre[2] <= highest
-        ):  # what drives is larger than castors
+        # Where castors alone stand so low, what drives is larger.
+        if all(_trails(robot, w) for w in wheels if w.centre[2] <= highest):
             above = (w.centre[2] for w in wheels if w.steer is None)
             highest = min((z for z in above if z <= lowest + 4 * UNSEEN), default=highest)
         return [w for w in wheels if w.centre[2] <= highest]

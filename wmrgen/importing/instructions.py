@@ -7,17 +7,16 @@ turns that skids no description says: that is theirs.
 from __future__ import annotations
 
 import cmath
-import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
 from wmrgen.importing.records import Controller, Description, Wheel
+from wmrgen.layout.skid import parallel
 from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, FIXED, SPHERICAL
 
 _EQUAL = 1e-6  # of the track, by which wheels of a side stand beside one another
-_LEVEL = 1e-6  # sine of the angle between axles that are parallel
 _ROLLERS = ("mecanum", "omni")  # kinds of controllers that drive wheels with rollers
 
 
@@ -56,11 +55,11 @@ def skid_track(wheels: Sequence[Wheel], controllers: Sequence[Controller]) -> tu
     fixed = [w for w in wheels if w.type == FIXED.name]
     if len(fixed) < 3 or any(w.type not in (FIXED.name, CASTOR.name, SPHERICAL.name) for w in wheels):
         return None
-    turns = [cmath.rect(1, -(fixed[0].heading or 0.0)) * complex(w.x, w.y) for w in fixed]
-    level = [abs(math.sin((w.heading or 0.0) - (fixed[0].heading or 0.0))) < _LEVEL for w in fixed]
-    ahead, aside = ([getattr(z, part) for z in turns] for part in ("real", "imag"))
+    headings = [cmath.rect(1, w.heading or 0.0) for w in fixed]
+    seen = [headings[0].conjugate() * complex(w.x, w.y) for w in fixed]
+    ahead, aside = [z.real for z in seen], [z.imag for z in seen]
     size = max(aside) - min(aside)
-    if not all(level) or size == 0 or max(ahead) - min(ahead) < size / 10:
+    if not parallel(headings) or size == 0 or max(ahead) - min(ahead) < size / 10:
         return None
     two_lines = all(min(y - min(aside), max(aside) - y) < _EQUAL * size for y in aside)
     told = {}

@@ -53,8 +53,7 @@ def swivel_doubts(
     stray: bool,
 ) -> Iterator[Question]:
     """What may be otherwise of a wheel on a steering axis, from which its contact lies ``d`` off. ``transmitted``: only
-    a transmission says that a motor steers it. ``stray``: nothing turns it, but
-    something other wheels."""
+    a transmission says that a motor steers it. ``stray``: nothing turns it, but something other wheels."""
     if rolling:
         text = f"{rolling}, and here the wheel swivels: does the robot have this swivel?"
         yield Question(name, "type", text, ("swedish, where it has not",))

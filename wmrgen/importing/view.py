@@ -33,8 +33,8 @@ class Round:
 @dataclass(frozen=True, slots=True)
 class Candidate:
     """A joint that may be a wheel's, in the base frame: ``axis`` through ``origin``. ``steer``: the nearest joint above
-    that turns about an upright axis, ``via`` what else moves above. ``doubt`` says
-    why that may be wrong, ``unsure`` that the axis of the wheel itself is."""
+    that turns about an upright axis, ``via`` what else moves above. ``doubt`` says why that may be wrong, ``unsure``
+    that the axis of the wheel itself is."""
 
     joint: Joint
     origin: Vector

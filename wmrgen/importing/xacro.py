@@ -1,8 +1,8 @@
 """Xacro to URDF by the package xacro, kept from what a file of strangers must not do.
 
 The package evaluates Python: `${…}` under a check that nested functions and `vars` pass by, `$(eval …)` under none.
-Here both are what `importing/expressions.py` leaves of it; files are read only in the
-folders of the packages given and of the file itself, the environment is not read. Macros end after so many elements.
+Here both are what `importing/expressions.py` leaves of it; files are read only in the folders of the packages given and
+of the file itself, the environment is not read. Macros end after so many elements.
 """
 
 from __future__ import annotations

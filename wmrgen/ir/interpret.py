@@ -70,8 +70,8 @@ FLOAT32 = Arithmetic("float32", _enter32, attrgetter("float32"))
 def evaluate_nodes(function: Function, inputs: Mapping[str, Number], arithmetic: Arithmetic) -> list[Any]:
     """The value of every node, in list order. Inputs left out take the default of their port.
 
-    UsageError where an input has neither value nor default; ZeroDivisionError and ValueError
-    (exact arithmetic only) where a quotient or a square root is undefined.
+    UsageError where an input has neither value nor default; ZeroDivisionError and ValueError (exact arithmetic only)
+    where a quotient or a square root is undefined.
     """
     defaults = {port.name: port.default for port in function.inputs}
     of, enter = arithmetic.of, arithmetic.enter

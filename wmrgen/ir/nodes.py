@@ -1,8 +1,8 @@
 """The intermediate representation: a flat single-assignment list of scalar operations.
 
-A function is a tuple of nodes; a node's arguments are indices of earlier nodes. Constants are
-exact (`wmrgen.exact.Exact`, the field Q(sqrt2, sqrt3)), rounded once, by the backend that prints them.
-What is read off the list stands here, too: uses, what results need, counts of operations.
+A function is a tuple of nodes; a node's arguments are indices of earlier nodes. Constants are exact
+(`wmrgen.exact.Exact`, the field Q(sqrt2, sqrt3)), rounded once, by the backend that prints them. What is read off the
+list stands here, too: uses, what results need, counts of operations.
 """
 
 from __future__ import annotations

@@ -14,8 +14,8 @@ from wmrgen.exact.number import Exact
 def round_rational(value: Fraction, precision: int, lowest: int, highest: int) -> float:
     """``value`` rounded to a format of ``precision`` bits; the result is returned as a double.
 
-    ``lowest`` is the exponent of the least subnormal, ``highest`` that of the first number
-    beyond the range (float32: 24, -149, 128; float64: 53, -1074, 1024).
+    ``lowest`` is the exponent of the least subnormal, ``highest`` that of the first number beyond the range (float32:
+    24, -149, 128; float64: 53, -1074, 1024).
     """
     n, d = abs(value.numerator), value.denominator
     if not n:

@@ -1,7 +1,7 @@
 """A wheel layout: every quantity exact, in three views of the same geometry.
 
-``symbolic`` keeps every named parameter as a symbol, ``working`` only the tunable ones,
-``nominal`` is numbers. Robot frame: x forward, y left, origin P. SI units, radians.
+``symbolic`` keeps every named parameter as a symbol, ``working`` only the tunable ones, ``nominal`` is numbers. Robot
+frame: x forward, y left, origin P. SI units, radians.
 """
 
 from __future__ import annotations

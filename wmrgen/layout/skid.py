@@ -37,7 +37,7 @@ def effective_track(quantity: Quantity | None, scope: Scope, wheels: Sequence[Wh
     elif others:
         what = f"effective_track of a robot with the {others[0].kind.noun} {others[0].name}"
         why = "It says how a robot turns whose wheels are all fixed."
-    elif not parallel(fixed):
+    elif not parallel([w.zero_heading for w in fixed]):
         what = "effective_track of a robot whose fixed wheels are not parallel"
         why = "They have no left and right."
     elif not fixed or not {*sides([w.pivot for w in fixed], fixed[0].zero_heading)} >= {_LEFT, _RIGHT}:
@@ -50,9 +50,8 @@ def effective_track(quantity: Quantity | None, scope: Scope, wheels: Sequence[Wh
     return track
 
 
-def parallel(wheels: Sequence[Wheel]) -> bool:
-    """Whether wheels point the same way, forwards or backwards, at nominal parameters."""
-    headings = [w.zero_heading for w in wheels]
+def parallel(headings: Sequence[complex]) -> bool:
+    """Whether wheels of these headings, points of the unit circle, point the same way, forwards or backwards."""
     return all(abs((h * headings[0].conjugate()).imag) < _PARALLEL for h in headings)
 
 

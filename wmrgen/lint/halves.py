@@ -8,6 +8,7 @@ from itertools import combinations
 
 from wmrgen.errors import Mark
 from wmrgen.lint.record import Finding, Subject, rule
+from wmrgen.spec.records import ParameterSpec
 
 _SPANS = {
     "x": re.compile(r"(wheel_?)?base(?!_?(radius|link))|length"),
@@ -73,13 +74,7 @@ def _called(subject: Subject) -> Iterator[Finding]:
             span = _extent(subject, axis) / (2 * size if half else size)
             word = _times(span) if pattern.search(name) else ""
             if word and (_SURE.search(name) or (word == "twice" and not half)):
-                yield Finding(
-                    p.value.mark,
-                    f"{p.name} = {p.value.text}, and the wheels stand {word} as far apart in {axis}"
-                    f"{' as two of it' * half}",
-                    f"Write {p.name if half else f'{p.name}/2'} in the places of the wheels, or call it otherwise"
-                    f"{f': half_{p.name}' * (word == 'twice' and not half)}.",
-                )
+                yield _span(p, word, axis, half)
         right, whole = (f"{p.name}/2", size / 2) if "dia" in name else (p.name, size)
         for w in subject.spec.wheels if size and _ROUND.search(name) else ():
             word = _times(subject.value(w.r) / whole) if w.r and re.search(rf"\b{p.name}\b", w.r.text) else ""
@@ -88,11 +83,22 @@ def _called(subject: Subject) -> Iterator[Finding]:
                 yield Finding(w.r.mark, what, f"Write r: {right}.")
 
 
+def _span(p: ParameterSpec, word: str, axis: str, half: bool) -> Finding:
+    """The distance of wheels that a parameter names, or the half of it; they stand ``word`` as far apart."""
+    what = f"{p.name} = {p.value.text}, and the wheels stand {word} as far apart in {axis}"
+    if half:
+        instead = f"Write {p.name} in the places of the wheels, or call it otherwise."
+        return Finding(p.value.mark, f"{what} as two of it", instead)
+    name = f": half_{p.name}" if word == "twice" else ""
+    return Finding(
+        p.value.mark, what, f"Write {p.name}/2 in the places of the wheels, or call it otherwise{name}."
+    )
+
+
 def _times(ratio: float) -> str:
     """The word for a ratio that a full size in the place of a half makes, or a half of a half; else ""."""
-    return next(
-        (word for word, times in (("twice", 2), ("half", 0.5)) if abs(ratio / times - 1) < _CLOSE), ""
-    )
+    words = {"twice": 2, "half": 0.5}
+    return next((word for word, times in words.items() if abs(ratio / times - 1) < _CLOSE), "")
 
 
 def _said(subject: Subject) -> Iterator[Finding]:

@@ -118,6 +118,7 @@ def crossed(subject: Subject) -> Iterator[Finding]:
     if len(rollers) < 3 or _lost(subject):
         return
     middle = sum(w.pivot for w in rollers) / len(rollers)
+    straight = parallel([w.zero_heading for w in rollers])
     ways = []
     for w in rollers:
         arm = w.pivot - middle
@@ -127,7 +128,7 @@ def crossed(subject: Subject) -> Iterator[Finding]:
     if all(ways):
         what = f"the rollers of {listed([w.name for w in rollers])} form an X at the ground"
         yield Finding(subject.mark(rollers[0]), what, _MECANUM)
-    elif any(ways) and len(rollers) == len(subject.robot.wheels) == 4 and parallel(rollers):
+    elif any(ways) and len(rollers) == len(subject.robot.wheels) == 4 and straight:
         odd = [w.name for w, crossing in zip(rollers, ways, strict=True) if crossing]
         what = f"the rollers of {listed(odd)} point past the middle, as of an X, those of the others run around it"
         yield Finding(subject.mark(rollers[ways.index(True)]), what, _MECANUM)

@@ -28,10 +28,8 @@ _SLACK = 1.05  # the printed tolerance above the bound: second-order terms, roun
 _FLOOR = 1e-12
 INVERSES = ("inverse", "inverse_together")
 _LAWS = 6
-_NUMBERS, _LEAST = (
-    2400,
-    8,
-)  # numbers in a table, and rows however long they are: tens of wheels have fewer rows
+# Numbers in a table, and rows however long they are: tens of wheels have fewer rows.
+_NUMBERS, _LEAST = 2400, 8
 _SPARE = 20  # points for branches
 THERE = "there and back"
 _RARE = 2  # points that a pair of outcomes should have

@@ -71,10 +71,8 @@ class _Line:
             elif word in _CLOSES and depth:
                 depth -= 1
                 if not depth:
-                    return [
-                        *(start for start in starts if start < i),
-                        i,
-                    ]  # a comma may stand before the brace
+                    # A comma may stand before the brace.
+                    return [*(start for start in starts if start < i), i]
             elif word == "," and depth == 1:
                 starts.append(i + 1)
         return []

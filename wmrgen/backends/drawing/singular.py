@@ -65,9 +65,8 @@ def _twist(s: Singularity, robot: Robot, mobility: Mobility) -> Twist | None:
     if not mobility.admissible.linear:
         return None
     _, size = extent(robot.wheels)
-    forbidden = null_basis(
-        mobility.admissible.basis * np.array([1.0, 1.0, size])
-    )  # rows on (vx, vy, size omega)
+    # Rows on (vx, vy, size omega).
+    forbidden = null_basis(mobility.admissible.basis * np.array([1.0, 1.0, size]))
     if s.kind == "icr_on_pivot":
         return _turning(wheels[0].pivot, forbidden, size)
     if s.kind == "shared_axle":

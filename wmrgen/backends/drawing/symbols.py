@@ -31,13 +31,8 @@ if TYPE_CHECKING:
 
 FILE = "symbols.svg"
 _PANEL, _DRAWN, _ROW = WIDTH / 2, 206.0, 15.0
-_L, _D, _O, _TYRE, _AXLE = (
-    88.0,
-    34.0,
-    26.0,
-    30.0,
-    56.0,
-)  # l, d, offset, half a tyre, lines from the pivot [px]
+# l, d, offset, half a tyre, lines from the pivot [px].
+_L, _D, _O, _TYRE, _AXLE = 88.0, 34.0, 26.0, 30.0, 56.0
 _PSI = radians(28)  # the steering angle that is shown
 _FLAT = radians(3)  # an angle below has no arc
 

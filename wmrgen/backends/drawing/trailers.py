@@ -24,9 +24,8 @@ from wmrgen.functions.models.axle import leading_axle
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
 
-Train = list[
-    tuple[str, Point, Point, Point]
-]  # name; where the axle in front, the coupling and the own axle are [m]
+# Name; where the axle in front, the coupling and the own axle are [m].
+Train = list[tuple[str, Point, Point, Point]]
 
 
 def train(derivation: Derivation) -> Train:

@@ -73,9 +73,8 @@ def _function(d: Derivation, f: Formula) -> list[str]:
     intermediate = [f"{shown(symbol)} &= {shown(expr)}" for symbol, expr in steps]
     own = {p.name for p in f.inputs}
     equations = [(notation.port(n) + "'" * (n in own), shown(e)) for n, e in results]
-    changed = [
-        f"{name} &= {value}" for name, value in equations if name != f"{value}'"
-    ]  # x' = x tells nothing
+    # x' = x tells nothing.
+    changed = [f"{name} &= {value}" for name, value in equations if name != f"{value}'"]
     blocks += ["With", *_short(intermediate)] if intermediate else []
     return [*blocks, *_short(changed)]
 

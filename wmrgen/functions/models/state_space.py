@@ -48,7 +48,11 @@ def default_form(robot: Robot, mobility: Mobility) -> str:
     wheels slide whatever the robot does; else driven speeds (`posture`)."""
     castors = any(w.kind.swivels and w.actuated for w in robot.wheels)
     several = mobility.degree_of_steerability > 1 or mobility.degenerate or castors
-    return "twist" if several and parallel([w for w in robot.wheels if w.kind.fixed_axle]) else "posture"
+    return (
+        "twist"
+        if several and parallel([w.zero_heading for w in robot.wheels if w.kind.fixed_axle])
+        else "posture"
+    )
 
 
 def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> StateSpace:

@@ -90,7 +90,7 @@ def _free(robot: Robot, mobility: Mobility, view: View) -> tuple[tuple[Port, ...
     units = [tuple(sympy.Integer(int(i == k)) for i in range(3)) for k in range(3)]
     if not wheels:
         return TWIST, tuple((x, y, turn) for x, y, turn in units)
-    if not parallel(wheels):
+    if not parallel([w.zero_heading for w in wheels]):
         raise underivable(robot, "model in twist inputs", "its fixed wheels point in different directions")
     heading = wheels[0].zero_heading
     dependent = 1 if abs(heading.real) > abs(heading.imag) else 0

@@ -225,9 +225,8 @@ def odometry_covariance(_: Robot, __: Mobility) -> Formula:
     before = {p.name: signal(p.name) for p in (*POSE_COVARIANCE, *TWIST_COVARIANCE)}
     (xx, xy, yy), by_rate = _of_velocity(before, names)
     half = names.define("half_dt", signal("dt") / 2)
-    swing = names.define(
-        "swing", times(half, before["omegaomega"])
-    )  # covariance of half the turn and the yaw rate
+    # Covariance of half the turn and the yaw rate.
+    swing = names.define("swing", times(half, before["omegaomega"]))
     heading = names.define("heading_variance", add(before["thetatheta"], times(half, swing)))
     lever = (times(-1, dy), dx)
     with_heading, turned, rates = [], [], []

@@ -193,13 +193,14 @@ def _arctangent2(tape: Tape, p: Processor) -> list[int]:
 
 
 _Write = Callable[[Tape, Processor], list[int]]
+# Those that are called stand before those that call.
 _KERNELS: dict[str, tuple[str, tuple[str, ...], _Write]] = {
     "sine": ("sin r, |r| <= pi/2.", ("value",), _sine),
     "direction": ("(cos angle, sin angle).", VECTOR, _direction),
     "vector_at": ("The vector of this size at this angle: size (cos angle, sin angle).", VECTOR, _vector_at),
     "arctangent": ("atan q, |q| <= 1.", ("value",), _arctangent),
     "arctangent2": ("The angle of (x, y): atan2(y, x), and 0 at the origin.", ("value",), _arctangent2),
-}  # those that are called before those that call
+}
 
 
 def library(processor: Processor) -> tuple[Function, ...]:

@@ -40,13 +40,13 @@ class Op:
     Text. ``infix`` is the sign of an operator that all languages have. ``c`` and ``numpy`` are formats over the
     arguments by position, ``{f}`` the suffix of C's float functions; ``includes`` the headers that this takes. ``rust``
     is what Rust writes where it is not what C writes, as a call is; ``javascript`` the same, where C's functions are
-    members of Math.
-    ``casadi`` is the name of one of CasADi's operations, or a function of the module and the arguments.
+    members of Math. ``casadi`` is the name of one of CasADi's operations, or a function of the module and the
+    arguments.
 
     Bounds. ``interval`` encloses the results of intervals, ``slopes`` the derivatives in each argument. ``lemma`` says
-    what a walk over boxes records, see
-    `wmrgen.ir.ops.analysis.Value`; ``running`` the error of one value per point. Both follow from ``interval`` and
-    ``slopes`` if they are not given. ``ulps``: what is assumed of a C library's function, in units in the last place.
+    what a walk over boxes records, see `wmrgen.ir.ops.analysis.Value`; ``running`` the error of one value per point.
+    Both follow from ``interval`` and ``slopes`` if they are not given. ``ulps``: what is assumed of a C library's
+    function, in units in the last place.
     """
 
     name: str

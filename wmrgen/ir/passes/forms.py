@@ -1,10 +1,10 @@
 """Linear forms: all sums of a function together, as maps over its non-linear terms.
 
-A row is an output or an argument of a non-linear operation; its terms are inputs and non-linear
-operations, its coefficients constants or geometry-only values. Rows that share terms are given
-to the search of `wmrgen.ir.linear_search` at once. How far sums are expanded is tried three ways: into
-each other entirely, down to other rows and every shared sum, and down to every sum of values, too,
-that are known before the rest of the sum that it stands in: such a part may share with earlier rows.
+A row is an output or an argument of a non-linear operation; its terms are inputs and non-linear operations, its
+coefficients constants or geometry-only values. Rows that share terms are given to the search of
+`wmrgen.ir.linear_search` at once. How far sums are expanded is tried three ways: into each other entirely, down to
+other rows and every shared sum, and down to every sum of values, too, that are known before the rest of the sum that it
+stands in: such a part may share with earlier rows.
 """
 
 from __future__ import annotations

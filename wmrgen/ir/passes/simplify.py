@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -91,8 +91,7 @@ def _far_from_zero(function: Function) -> set[int]:
 # ---- common factors
 
 
-@dataclass(frozen=True, slots=True)
-class _Term:
+class _Term(NamedTuple):
     """``value`` times the product of ``factors`` (nodes of the builder, sorted)."""
 
     value: Exact
@@ -105,43 +104,44 @@ def factor(function: Function) -> Function:
     Only products that nothing else uses are taken apart, so that every step saves a multiplication. Constant and
     geometry-only factors are left to the linear forms.
     """
-    return _rewritten(function, _Factoring(function).rule)
+    sums = _Sums(function)
+
+    def rule(builder: Builder, i: int, node: Node, built: Built) -> int:
+        terms = sums.terms(i, built) if sums.outer(i) else []
+        return builder.copy(node, _args(node, built)) if _common(terms) is None else _sum(builder, terms)
+
+    return _rewritten(function, rule)
 
 
-class _Factoring:
+class _Sums:
+    """The sums of a function and what they are of."""
+
     def __init__(self, function: Function) -> None:
-        self._function, self._builder = function, Builder()
-        self._place: Built = []
-        self._geometric = geometry_only(function)
-        self._uses = uses_of(function)
+        self._nodes, self._uses, self._geometric = function.nodes, uses_of(function), geometry_only(function)
         self._inside = self._inner_sums()
 
     def _inner_sums(self) -> set[int]:
         """Sums, negations and scalings that only a larger sum uses."""
         inside: set[int] = set()
-        for i, node in enumerate(self._function.nodes):
+        for i, node in enumerate(self._nodes):
             if self._is_sum(i) or i in inside:
                 inside.update(arg for arg in node.args if self._uses[arg] == 1 and self._is_sum(arg))
         return inside
 
     def _is_sum(self, i: int) -> bool:
-        return self._function.nodes[i].op in (*_SUMS, Op.NEG) and not self._geometric[i]
+        return self._nodes[i].op in (*_SUMS, Op.NEG) and not self._geometric[i]
 
-    def rule(self, builder: Builder, i: int, node: Node, built: Built) -> int:
-        self._builder, self._place = builder, built
-        plain = not self._is_sum(i) or i in self._inside
-        terms = None if plain else self._terms(i)
-        if terms is not None and self._common(terms) is not None:
-            return self._sum(terms)
-        return builder.copy(node, _args(node, built))
+    def outer(self, i: int) -> bool:
+        """Whether node ``i`` is a sum that is no part of a larger one."""
+        return self._is_sum(i) and i not in self._inside
 
-    def _terms(self, root: int) -> list[_Term]:
+    def terms(self, root: int, built: Built) -> list[_Term]:
         """The addends of ``root`` as products, in order."""
         terms: dict[tuple[int, ...], Exact] = {}  # like terms meet
         stack: list[tuple[int, Exact]] = [(root, ONE)]
         while stack:
             i, sign = stack.pop()
-            node = self._function.nodes[i]
+            node = self._nodes[i]
             if i == root or i in self._inside:
                 if node.op is Op.NEG:
                     stack.append((node.args[0], -sign))
@@ -149,47 +149,48 @@ class _Factoring:
                     second = sign if node.op is Op.ADD else -sign
                     stack += [(node.args[1], second), (node.args[0], sign)]
             else:
-                term = self._product(i, sign)
+                term = self._product(i, sign, built)
                 terms[term.factors] = terms.get(term.factors, ZERO) + term.value
         return [_Term(value, factors) for factors, value in terms.items() if value]
 
-    def _product(self, root: int, sign: Exact) -> _Term:
+    def _product(self, root: int, sign: Exact, built: Built) -> _Term:
         """Node ``root`` as constant times factors; products used elsewhere stay whole."""
         value, factors, stack = sign, [], [root]
         while stack:
             i = stack.pop()
-            node = self._function.nodes[i]
+            node = self._nodes[i]
             if node.value is not None:
                 value = value * node.value
             elif node.op is Op.MUL and self._uses[i] == 1 and not self._geometric[i]:
                 stack += reversed(node.args)
             else:
-                factors.append(self._place[i])
+                factors.append(built[i])
         return _Term(value, tuple(sorted(factors)))
 
-    def _common(self, terms: list[_Term]) -> int | None:
-        """The factor that most products hold, at least two; products of one factor do not count."""
-        counts: Counter[int] = Counter()
-        for term in terms:
-            if len(term.factors) > 1:
-                counts.update(set(term.factors))
-        candidates = {k: n for k, n in counts.items() if n > 1}
-        return min(candidates, key=lambda k: (-candidates[k], k)) if candidates else None
 
-    def _sum(self, terms: list[_Term]) -> int:
-        """The sum of ``terms``, factored as often as it can be."""
-        builder = self._builder
-        common = self._common(terms)
-        if common is None or len(terms) == 1:
-            return builder.sum(self._value(term) for term in terms)
-        inner = [_without(term, common) for term in terms if common in term.factors]
-        outer = [term for term in terms if common not in term.factors]
-        product = builder.mul(common, self._sum(inner))
-        return builder.add(self._sum(outer), product) if outer else product
+def _common(terms: list[_Term]) -> int | None:
+    """The factor that most products hold, at least two; products of one factor do not count."""
+    counts: Counter[int] = Counter()
+    for term in terms:
+        if len(term.factors) > 1:
+            counts.update(set(term.factors))
+    candidates = {k: n for k, n in counts.items() if n > 1}
+    return min(candidates, key=lambda k: (-candidates[k], k)) if candidates else None
 
-    def _value(self, term: _Term) -> int:
-        builder = self._builder
-        return builder.mul(builder.const(term.value), builder.product(term.factors))
+
+def _sum(builder: Builder, terms: list[_Term]) -> int:
+    """The sum of ``terms``, factored as often as it can be."""
+    common = _common(terms)
+    if common is None or len(terms) == 1:
+        return builder.sum(_value(builder, term) for term in terms)
+    inner = [_without(term, common) for term in terms if common in term.factors]
+    outer = [term for term in terms if common not in term.factors]
+    product = builder.mul(common, _sum(builder, inner))
+    return builder.add(_sum(builder, outer), product) if outer else product
+
+
+def _value(builder: Builder, term: _Term) -> int:
+    return builder.mul(builder.const(term.value), builder.product(term.factors))
 
 
 def _without(term: _Term, common: int) -> _Term:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from html import escape
-from math import cos, hypot, pi, sin
+from math import cos, hypot, inf, pi, sin
 
 Point = tuple[float, float]
 Segment = tuple[Point, Point]
@@ -21,7 +21,7 @@ _NARROW, _WIDE = frozenset(" iljft.,:;'|!()[]°/\""), frozenset("mwMW@%=+<>±×�
 _GAPS = (4.0, 12.0, 22.0, 36.0, 54.0)  # between a name and its wheel
 _LEADER = 14.0  # from this gap on a line leads from the name to the wheel
 _DIRECTIONS = 24
-_HIT = 500.0  # what a name costs that touches what is drawn
+_CROSSED, _MOST_CROSSED = 14.0, 400.0  # what a name costs for each line that it crosses, and for all of them
 
 
 def width(words: str, size: float = SIZE) -> float:
@@ -203,7 +203,7 @@ class Paper:
         """
         half = (width(words, LETTER if cls == "letter" else SIZE) / 2 + 1, HEIGHT / 2)
         outward = unit(away, middle(target)) if distance(middle(target), away) > 2 else (1.0, 0.0)
-        best: tuple[float, Point, float] = (_HIT, (0.0, 0.0), 0.0)
+        best: tuple[float, Point, float] = (inf, (0.0, 0.0), 0.0)
         for gap in _GAPS:
             for k in range(_DIRECTIONS):
                 c, s = cos(2 * pi * k / _DIRECTIONS), sin(2 * pi * k / _DIRECTIONS)
@@ -211,11 +211,14 @@ class Paper:
                 if cost >= best[0]:
                     continue
                 centre = _clear_of(target, half, (c, s), gap)
-                cost += self._cost(_box(centre, half, 1))
+                around = _box(centre, half, 1)
+                if not self._free(around):
+                    continue
+                cost += self._crossed(around)
                 if round(cost, 3) < round(best[0], 3):
                     best = (cost, centre, gap)
         cost, centre, gap = best
-        if cost >= _HIT:
+        if cost == inf:
             return []
         box = _box(centre, half)
         leader = _leader(box, target) if gap >= _LEADER else None
@@ -225,12 +228,15 @@ class Paper:
         name = text((centre[0], centre[1] + 4.1), words, f"{cls} middle")
         return [line(*leader, "leader"), name] if leader else [name]
 
-    def _cost(self, box: Box) -> float:
-        """What is wrong with words in ``box``: boxes that they touch, paper that ends, lines that they cross."""
-        hits = sum(_HIT + common for other in self.boxes if (common := overlap(box, other)) > 0)
-        outside = (box[2] - box[0]) * (box[3] - box[1]) - overlap(box, self.area)
-        crossed = sum(14.0 for a, b in self.segments if _crosses(a, b, box))
-        return hits + (4 * _HIT if outside > 1e-6 else 0.0) + min(crossed, 0.8 * _HIT)
+    def _free(self, box: Box) -> bool:
+        """Whether words in ``box`` touch nothing and stand on the paper."""
+        if any(overlap(box, other) > 0 for other in self.boxes):
+            return False
+        return (box[2] - box[0]) * (box[3] - box[1]) - overlap(box, self.area) <= 1e-6
+
+    def _crossed(self, box: Box) -> float:
+        """What the lines cost that words in ``box`` cross."""
+        return min(_CROSSED * sum(_crosses(a, b, box) for a, b in self.segments), _MOST_CROSSED)
 
 
 def _box(centre: Point, half: Point, grow: float = 0.0) -> Box:

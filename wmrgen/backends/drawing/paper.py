@@ -203,6 +203,9 @@ class Paper:
         """
         half = (width(words, LETTER if cls == "letter" else SIZE) / 2 + 1, HEIGHT / 2)
         outward = unit(away, middle(target)) if distance(middle(target), away) > 2 else (1.0, 0.0)
+        x, y = (2 * h + max(_GAPS) + 2 for h in half)
+        zone = target[0] - x, target[1] - y, target[2] + x, target[3] + y
+        near = [box for box in self.boxes if overlap(box, zone) > 0]
         best: tuple[float, Point, float] = (inf, (0.0, 0.0), 0.0)
         for gap in _GAPS:
             for k in range(_DIRECTIONS):
@@ -212,7 +215,7 @@ class Paper:
                     continue
                 centre = _clear_of(target, half, (c, s), gap)
                 around = _box(centre, half, 1)
-                if not self._free(around):
+                if not self._inside(around) or any(overlap(around, box) > 0 for box in near):
                     continue
                 cost += self._crossed(around)
                 if round(cost, 3) < round(best[0], 3):
@@ -228,10 +231,8 @@ class Paper:
         name = text((centre[0], centre[1] + 4.1), words, f"{cls} middle")
         return [line(*leader, "leader"), name] if leader else [name]
 
-    def _free(self, box: Box) -> bool:
-        """Whether words in ``box`` touch nothing and stand on the paper."""
-        if any(overlap(box, other) > 0 for other in self.boxes):
-            return False
+    def _inside(self, box: Box) -> bool:
+        """Whether words in ``box`` stand on the paper."""
         return (box[2] - box[0]) * (box[3] - box[1]) - overlap(box, self.area) <= 1e-6
 
     def _crossed(self, box: Box) -> float:

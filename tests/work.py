@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from types import FrameType
 from typing import Any
 
 
@@ -26,3 +27,22 @@ def calls(function: Callable[[], object], most: int) -> int:
     finally:
         sys.setprofile(before)
     return count
+
+
+def arguments(work: Callable[[], object], *functions: Callable[..., Any]) -> list[tuple[str, Any]]:
+    """Of each call of one of ``functions`` that ``work`` makes the function's name and its first argument."""
+    codes = {function.__code__ for function in functions}
+    called: list[tuple[str, Any]] = []
+
+    def entered(frame: FrameType, event: str, _arg: Any) -> None:
+        code = frame.f_code
+        if event == "call" and code in codes:
+            called.append((code.co_name, frame.f_locals[code.co_varnames[0]]))
+
+    before = sys.getprofile()
+    sys.setprofile(entered)
+    try:
+        work()
+    finally:
+        sys.setprofile(before)
+    return called

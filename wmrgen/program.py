@@ -80,11 +80,6 @@ def _refuse_shared_names(robot: Robot, built: Formula) -> None:
         )
 
 
-def program(robot: Robot, mobility: Mobility, names: Iterable[str]) -> Program:
-    """The named functions of a robot."""
-    return Program(robot.name, tuple(formula(robot, mobility, name) for name in names))
-
-
 def standard(robot: Robot) -> tuple[str, ...]:
     """The functions generated for a robot: the standard ones that it has, then those it asks for."""
     has = [d.name for d in standard_functions() if d.exists(robot)]
@@ -97,13 +92,8 @@ def asked(robot: Robot) -> tuple[str, ...]:
     return (*robot.functions, *slip)
 
 
-def written(program: Program) -> Module:
-    """Not optimised: what the exact backend evaluates."""
-    return Module(program.name, tuple(lower(f) for f in program.formulas))
-
-
 def with_calls(program: Program, plain: Module) -> Module:
-    """As `written`, which is ``plain``, with calls of the kernels that the formulas name."""
+    """``plain``, the program's functions in operations, with calls of the kernels that the formulas name."""
     pairs = zip(program.formulas, plain.functions, strict=True)
     functions = tuple(lower(f, calls=True) if f.calls else function for f, function in pairs)
     return Module(program.name, functions, kernels=kernels_of(program.formulas))

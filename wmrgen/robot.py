@@ -11,14 +11,27 @@ import sympy
 from wmrgen.backends.registry import BACKENDS, VectorForm
 from wmrgen.bounds.assumptions import library
 from wmrgen.bounds.robot import Bounds, bounds
-from wmrgen.constraints import ConstraintRow, Constraints, constrain, pfaffian, pfaffian_rates, symbolic_view
+from wmrgen.constraints import (
+    ConstraintRow,
+    Constraints,
+    constrain,
+    nominal_view,
+    pfaffian,
+    pfaffian_rates,
+    seen,
+    symbolic_view,
+)  # fmt: skip
 from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import system_builder
 from wmrgen.ir.calls import select
 from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Function, Module
+from wmrgen.kinematics.forward import nominal_rank
+from wmrgen.kinematics.least_squares import project
 from wmrgen.kinematics.records import Formula
+from wmrgen.kinematics.sensing import Measured, Measurements, measurements
 from wmrgen.layout.records import Robot
 from wmrgen.lower import lower
 from wmrgen.mobility import Mobility, analyse
@@ -31,12 +44,10 @@ from wmrgen.program import (
     for_c,
     formula,
     optimised,
-    program,
     rates_form,
     standard,
     vector_forms,
     with_calls,
-    written,
 )  # fmt: skip
 from wmrgen.symbolic import Expr, expression, matrix
 
@@ -57,6 +68,7 @@ class Derivation:
     def __init__(self, robot: Robot, functions: Sequence[str] | None = None) -> None:
         self.robot = robot
         self._functions = functions
+        self._formulas: dict[str, Formula] = {}
         self._lowered: dict[str, Function] = {}
 
     @property
@@ -86,8 +98,32 @@ class Derivation:
     @cached_property
     def driven(self) -> Derivation:
         """The derivation of what wheel speeds and motion follow from: itself, unless it has an effective track."""
-        acting = self.mobility.driven
-        return Derivation(acting[0], self._functions) if acting else self
+        if self.mobility.driven is None:
+            return self
+        robot, mobility = self.mobility.driven
+        driven = Derivation(robot, self._functions)
+        driven.mobility = mobility
+        return driven
+
+    @cached_property
+    def nearest(self) -> tuple[Poly, Poly, Poly]:
+        """The twist without what the wheels forbid, from a commanded one, at nominal values."""
+        return project(seen(self.driven.robot, nominal_view), self.driven.mobility).twist
+
+    @cached_property
+    def measured(self) -> Measurements:
+        """What the sensed joints measure, parameters as symbols."""
+        return measurements(seen(self.robot, symbolic_view))
+
+    @cached_property
+    def measured_at_nominal(self) -> list[Measured]:
+        """The rows of `measured` at nominal values."""
+        return measurements(seen(self.robot, nominal_view)).rows
+
+    @cached_property
+    def determined(self) -> bool:
+        """Whether `measured_at_nominal` gives the whole twist."""
+        return nominal_rank(self.measured_at_nominal, self.robot).value == 3
 
     @cached_property
     def integrability(self) -> Integrability:
@@ -173,11 +209,13 @@ class Derivation:
     def program(self) -> Program:
         """The functions of the model in symbols."""
         names = standard(self.robot) if self._functions is None else self._functions
-        return program(self.robot, self.mobility, names)
+        return Program(self.robot.name, tuple(map(self.formula, names)))
 
     def formula(self, name: str) -> Formula:
         """Any function of the robot in symbols. NotDerivableError where it does not have it."""
-        return formula(self.robot, self.mobility, name)
+        if name not in self._formulas:
+            self._formulas[name] = formula(self.robot, self.mobility, name)
+        return self._formulas[name]
 
     def system(self, name: str, symbolic: bool = False) -> System:
         """A model q' = G(q) u: posture, configuration, trailer, zeta or eta. NotDerivableError where there is none.
@@ -223,38 +261,42 @@ class Derivation:
 
     def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
         """Any function at exact values. Inputs left out are 0, parameters nominal."""
-        if name not in self._lowered:
-            self._lowered[name] = lower(self.formula(name))
-        function = self._lowered[name]
+        function = self._in_operations(name)
         missing = {p.name: ZERO for p in function.inputs if p.default is None}
         return evaluate(function, missing | dict(values), EXACT)
+
+    def _in_operations(self, name: str) -> Function:
+        """Any function, not optimised."""
+        if name not in self._lowered:
+            self._lowered[name] = lower(self.formula(name))
+        return self._lowered[name]
 
     @property
     def inverse(self) -> dict[str, Expr]:
         """Output name -> expression: joint commands of a twist."""
-        return self.program.formula("inverse").closed()
+        return self.formula("inverse").closed()
 
     @property
     def forward(self) -> dict[str, Expr]:
         """Output name -> expression: twist and slip of sensed joint rates."""
-        return self.program.formula("forward").closed()
+        return self.formula("forward").closed()
 
     @property
     def odometry(self) -> dict[str, Expr]:
         """Output name -> expression: pose after a step."""
-        return self.program.formula("odometry").closed()
+        return self.formula("odometry").closed()
 
     @property
     def dynamics(self) -> dict[str, Expr]:
         """Output name -> expression: rates of the posture model."""
-        return self.program.formula("dynamics").closed()
+        return self.formula("dynamics").closed()
 
     # Code.
 
     @cached_property
     def raw_module(self) -> Module:
         """The functions as written, not optimised: what the exact backend evaluates."""
-        return written(self.program)
+        return Module(self.robot.name, tuple(self._in_operations(f.name) for f in self.program.formulas))
 
     @cached_property
     def _optimised(self) -> Module:

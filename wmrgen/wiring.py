@@ -7,10 +7,8 @@ from fractions import Fraction
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
-from wmrgen.constraints import nominal_view, seen
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly
-from wmrgen.kinematics.least_squares import project
 from wmrgen.notation import listed
 from wmrgen.ports import TWIST_NAMES
 
@@ -70,14 +68,12 @@ def _motion(d: Derivation, title: str, **parts: Exact) -> Motion:
 
 def admissible(d: Derivation, twist: Mapping[str, Exact]) -> dict[str, Exact]:
     """The twist without what the wheels forbid."""
-    robot = seen(d.driven.robot, nominal_view)
     values = {name: Poly.of(value) for name, value in twist.items()}
 
     def value(g: Gen) -> Poly | None:
         return values.get(g.name)
 
-    components = project(robot, d.driven.mobility).twist
-    return {n: p.substitute(value).constant or ZERO for n, p in zip(TWIST_NAMES, components, strict=True)}
+    return {n: p.substitute(value).constant or ZERO for n, p in zip(TWIST_NAMES, d.nearest, strict=True)}
 
 
 def _rate(actuated: tuple[str, ...]) -> tuple[str, ...]:

@@ -10,9 +10,13 @@ import numpy as np
 import pytest
 
 from tests.report.common import numerics_of, page_of, page_written
-from tests.robots import ROBOTS, of_gallery
-from wmrgen.emit import wheel_lines
+from tests.robots import ROBOTS, of_gallery, of_text
+from tests.work import arguments
+from wmrgen.emit import artifacts, wheel_lines
+from wmrgen.kinematics.least_squares import project
 from wmrgen.kinematics.pose import WORST_ERROR
+from wmrgen.lower import lower
+from wmrgen.mobility.analyse import analyse
 
 EVERY_TWIST = "Every twist is admissible"
 SOME_ANGLES = "for every twist there are angles at which it is"
@@ -117,17 +121,28 @@ def test_headers_say_it_of_the_same_robots(name: str) -> None:
     assert any("lean the other way" in line for line in lines) == (LEAN in page_of(name))
 
 
+CORNERS = ((0.3, 0.25), (0.3, -0.25), (-0.1, 0.25), (-0.1, -0.25))
+SKIDDING = "\n".join([
+    "wmrgen: 1", "name: sample", "effective_track: 0.8", "wheels:",
+    *(f"  - {{name: w{k}, type: fixed, x: {x}, y: {y}, heading: 0, r: 0.1}}" for k, (x, y) in enumerate(CORNERS)), "",
+])  # fmt: skip
+
+
+def test_no_stage_is_computed_twice() -> None:
+    """Of a robot that skids: its mobility and that of the drive it turns as are analysed, twists are projected on the
+    motions of that drive, and `inverse` is lowered for code and example."""
+    d = of_text(SKIDDING)
+    done = arguments(lambda: artifacts(d), analyse, project, lower)
+    names = [name for name, _ in done]
+    assert names.count("analyse") == 2
+    assert names.count("project") == 4  # for code, two sections of the report and all examples
+    assert [f.name for name, f in done if name == "lower"].count("inverse") == 1
+
+
 def test_a_robot_that_skids() -> None:
     """Without slip it goes straight, as the drive that turns as it does it is not holonomic; two relations are told,
     and two are written."""
-    corners = ((0.3, 0.25), (0.3, -0.25), (-0.1, 0.25), (-0.1, -0.25))
-    wheels = [
-        f"  - {{name: w{k}, type: fixed, x: {x}, y: {y}, heading: 0, r: 0.1}}"
-        for k, (x, y) in enumerate(corners)
-    ]
-    page = page_written(
-        "\n".join(["wmrgen: 1", "name: sample", "effective_track: 0.8", "wheels:", *wheels, ""])
-    )
+    page = page_written(SKIDDING)
     assert "Without slip, 1 velocity can be chosen" in page and "That drive has DDOF = 2 and DOF = 3" in page
     assert page.count("Driving: ") == 1 and "2 relations must hold between the rates" in page
     relations = page.partition("(compatibility)")[2].partition("```math")[2].partition("```")[0]

@@ -6,15 +6,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.forward import distinct, fits_of, nominal_rows
+from wmrgen.backends.report.forward import distinct, fits_of
 from wmrgen.backends.report.latex import broken, latex, summands, terms, wrapped
 from wmrgen.backends.report.letters import by_three, heads, in_letters
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, math
 from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.forward import nominal_rank
 from wmrgen.kinematics.least_squares import Projection, project
-from wmrgen.kinematics.sensing import generic_rank, measurements
+from wmrgen.kinematics.sensing import generic_rank
 from wmrgen.ports import TWIST_NAMES
 
 if TYPE_CHECKING:
@@ -113,18 +112,17 @@ def pivot_velocity(w: Wheel, twist: Row) -> str:
 
 def closed_forward(d: Derivation) -> list[str]:
     """The twist of measured rates: written out where the matrix is constant, else the rule that gives it."""
-    measured = measurements(seen(d.robot, symbolic_view))
+    measured = d.measured
     if not measured.rows:
         return ["No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
     if measured.constant_normal:
-        rank = nominal_rank(nominal_rows(d), d.robot).value
-        return (in_letters(d, distinct(measured)) if rank == 3 else []) or _closed(d)
+        return (in_letters(d, distinct(measured)) if d.determined else []) or _closed(d)
     if not measured.components:
         return _rigid_motion(len(measured.contacts))
     best = "The twist that explains all measurements best, with H and z of section 7:"
     if generic_rank(measured) < 3:
         return [best, *math(r"\xi = (H^T H)^{+} H^T z")]
-    three = by_three(d, measured.rows, nominal_rows(d))
+    three = by_three(d, measured.rows, d.measured_at_nominal)
     if not three:
         return [best, *math(r"\xi = (H^T H)^{-1} H^T z")]
     if len(measured.rows) == 3:

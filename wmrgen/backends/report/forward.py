@@ -11,10 +11,10 @@ from wmrgen import notation
 from wmrgen.backends.report.latex import latex, summands, terms, width, wrapped
 from wmrgen.backends.report.letters import factored, pair, square
 from wmrgen.backends.report.markdown import aligned, cut_note, math, matrix, some
-from wmrgen.constraints import XI, nominal_view, seen, symbolic_view
+from wmrgen.constraints import XI
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.poly import dot
-from wmrgen.kinematics.forward import nominal_rank, normal_equations
+from wmrgen.kinematics.forward import normal_equations
 from wmrgen.kinematics.rigid import spread
 from wmrgen.kinematics.sensing import Contact, Measured, Measurements, generic_rank, measurements
 from wmrgen.printing import symbol_names
@@ -41,7 +41,7 @@ _INVARIANTS = r"M = H^T H,\quad c_1 = \mathrm{tr}\,M,\quad c_2 = \mathrm{tr}\,\m
 
 def forward(d: Derivation) -> list[str]:
     """Section 7."""
-    measured = _stacking(measurements(seen(d.robot, symbolic_view)), d.robot)
+    measured = _stacking(d.measured, d.robot)
     blocks = ["## 7 Forward kinematics"]
     if not measured.rows:
         return [*blocks, "No row of section 2 has joint rates that are all sensed."]
@@ -56,7 +56,7 @@ def forward(d: Derivation) -> list[str]:
         blocks[-1] += " H has these rows of section 3, and z has r φ̇ for a rolling row, 0 for a sliding row."
     if measured.constant_normal:
         return [*blocks, *_constant(d, measured, rows), *_residual(d), *cut_note(d.robot.wheels)]
-    locals_ = {symbol.name for symbol, _ in d.program.formula("forward").locals}
+    locals_ = {symbol.name for symbol, _ in d.formula("forward").locals}
     return [
         *blocks,
         *_solution(generic_rank(measured), "over_c2" in locals_),
@@ -127,16 +127,10 @@ def _stacked(rows: list[Measured]) -> list[str]:
     return aligned([*(line + times[n] for line, n in Counter(lines).items()), *(rf"& {d}" for d in dots)])
 
 
-def nominal_rows(d: Derivation) -> list[Measured]:
-    """The measured rows at nominal values."""
-    return measurements(seen(d.robot, nominal_view)).rows
-
-
 def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> list[str]:
     """Everything but z is known at derivation time."""
-    numbers = nominal_rows(d)
-    full = nominal_rank(numbers, d.robot).value == 3
-    if len(rows) == 3 and full:
+    numbers = d.measured_at_nominal
+    if len(rows) == 3 and d.determined:
         return square(d, rows)
     normal = _normal(rows, numbers)
     why = "The matrix does not depend on any joint angle."
@@ -145,7 +139,7 @@ def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> li
             "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x], and a rotation drops out of HᵀH: the "
             "matrix is constant whatever the steering does."
         )
-    if not full:
+    if not d.determined:
         return [
             "The rows leave a direction unseen, so that HᵀH is singular. Of all twists that explain the rates best the "
             "smallest is, with the Moore-Penrose inverse of HᵀH,",
@@ -183,7 +177,7 @@ def _condition(rows: list[Measured]) -> list[str]:
 
 def fits_of(d: Derivation) -> tuple[dict[str, Expr], dict[str, Expr], dict[str, str]]:
     """The results of ``forward``, the fits before the residual is taken, and the names of its symbols."""
-    formula = d.program.formula("forward")
+    formula = d.formula("forward")
     results = {result for call in formula.calls for result in call.results}
     vectors = {symbol: e for symbol, e in formula.locals if symbol in results}
     outputs = {p.name: e.xreplace(vectors) for p, e in formula.outputs}

@@ -101,7 +101,7 @@ def in_letters(d: Derivation, rows: list[Measured]) -> list[str]:
     named = {g.name for p in entries for g in p.generators if g.kind == "param"}
     if named <= tunable or max(len(p.terms) for p in entries) > _ENTRY or not _short(entries):
         return []
-    ports = symbol_names(d.program.formula("forward").inputs)
+    ports = symbol_names(d.formula("forward").inputs)
     adjoint, below = adjugate(normal), determinant(normal)
     above = [Poly.sum(a * b for a, b in zip(row, moment, strict=True)) for row in adjoint]
     if sum(len(p.terms) for p in (*above, below)) * len(named) > _WORK or not _one_root(below):
@@ -129,7 +129,7 @@ def by_three(d: Derivation, rows: list[Measured], nominal: list[Measured]) -> li
     above = [Poly.sum(a * b for a, b in zip(row, z, strict=True)) for row in adjugate(h)]
     if len(below.terms) > 1 and not (_one_root(below) and _easy([*above, below])):
         return []
-    return _written(_quotients(above, below, symbol_names(d.program.formula("forward").inputs)), _SHORT)
+    return _written(_quotients(above, below, symbol_names(d.formula("forward").inputs)), _SHORT)
 
 
 def _easy(polys: Sequence[Poly]) -> bool:
@@ -170,7 +170,7 @@ def _written(sums: Sequence[Sequence[Term]], most: int) -> list[str]:
 
 def heads(d: Derivation, sums: Sequence[tuple[str, Sequence[Term]]]) -> list[str]:
     """The factors before the sums of wheel speeds as numbers: r / (4 (a + b)) = 125/4954 = 0.02523."""
-    ports = {notation.port(p.name): p.name for p in d.program.formula("forward").inputs}
+    ports = {notation.port(p.name): p.name for p in d.formula("forward").inputs}
     equal: dict[str, str] = {}
     for name, summed in sums:
         number, common, rest = pulled_out(summed) if len(summed) > 1 else (ONE, (), ())

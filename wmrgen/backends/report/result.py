@@ -53,7 +53,7 @@ def _example(d: Derivation) -> list[str]:
         return []
     rows = []
     for function, inputs, outputs in steps:
-        units = {p.name: p.unit for p, _ in d.program.formula(function).outputs}
+        units = {p.name: p.unit for p, _ in d.formula(function).outputs}
         shown = ", ".join(f"{n} = {v}{_unit(units[n])}" for n, v in outputs.items())
         words = " ".join(f"{n}={v}" for n, v in inputs.items() if v != "0")
         rows.append([shown, code(f"wmrgen eval {d.robot.name}.yaml {function} {words}")])
@@ -86,7 +86,7 @@ def example(d: Derivation) -> list[tuple[str, Texts, Texts]]:
 
 def _measured(d: Derivation, joints: Values) -> Values:
     """What `forward` is told of the joints; nothing where that is too much for a line."""
-    sensed = [p.name for p in d.program.formula("forward").inputs if p.default is None]
+    sensed = [p.name for p in d.formula("forward").inputs if p.default is None]
     return {n: joints.get(n, ZERO) for n in sensed} if len(sensed) <= _MANY else {}
 
 

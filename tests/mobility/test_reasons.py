@@ -104,7 +104,7 @@ CASES: dict[str, tuple[list[dict[str, Any]], list[tuple[str, list[str]]], tuple[
     "synchro drive": (STEERED, [STEER, SPIN], (
         STEERS, "a, b and c are coupled: they turn at one speed.",
         "With equal steering the axles stay parallel: only translation remains, omega = 0.",
-        "Steering b chooses the direction of motion (delta_s = 1); a and c must point the same way round.",
+        "Steering a chooses the direction of motion (delta_s = 1); b and c must point the same way round.",
         degrees(1, 1),
     )),
     "two of three steer alike": (STEERED, [("steer", ["b", "c"])], (
@@ -117,7 +117,7 @@ CASES: dict[str, tuple[list[dict[str, Any]], list[tuple[str, list[str]]], tuple[
         degenerate(1, 0, "couplings or parallel steering leave fewer degrees of freedom than any useful robot has"),
     )),
     "omni": (OMNI, [], (
-        "w0, w1 and w2 impose no sliding constraint: the rollers of a Swedish wheel give way across the wheel.",
+        "w0, w1 and w2 impose no sliding constraint: a Swedish wheel moves freely across the axes of its rollers.",
         degrees(3, 0),
     )),
 }  # fmt: skip

@@ -91,9 +91,29 @@ def test_only_rollers_at_an_angle_lean(name: str) -> None:
 def test_the_heading_of_a_synchro_drive_is_constant() -> None:
     page = page_of("synchro_drive")
     assert "ω = 0, which integrates to θ = const." in page and "Nor can" not in page
-    assert "chooses the direction of motion" in page and "chooses the ICR" not in page
+    assert "Steering w1 chooses the direction of motion" in page and "chooses the ICR" not in page
+    assert r"N = \begin{bmatrix}" + "\n\\cos\\psi_{\\mathrm{w1}}" in page
     null = of_gallery("synchro_drive").null_space
     assert all(null[2, j] == 0 for j in range(null.cols))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_minus_signs_and_code(name: str) -> None:
+    """No number of a sentence has a hyphen for its sign, no code stands between backticks that are escaped."""
+    words = re.sub(r"`[^`]*`|```math.*?```", "", page_of(name), flags=re.DOTALL)
+    assert not re.search(r"(?<![\w.)])-(?=\d)", words) and "\\`" not in page_of(name)
+
+
+def test_a_negative_ratio_has_a_minus_sign() -> None:
+    wheels = "".join(
+        f"  - {{name: w{k}, type: fixed, x: 0, y: {y}, heading: 0, r: 0.1}}\n"
+        for k, y in enumerate((0.2, -0.2))
+    )
+    page = page_written(
+        f"wmrgen: 1\nname: sample\nwheels:\n{wheels}couplings:\n"
+        "  - {equal: [w0.spin, w1.spin], ratios: [1, -5/6]}\n"
+    )
+    assert page.count("turn in the ratio 1 : −5/6") == 2 and "-5/6" not in page
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -145,7 +165,7 @@ def test_a_robot_that_skids() -> None:
     page = page_written(SKIDDING)
     assert "Without slip, 1 velocity can be chosen" in page and "That drive has DDOF = 2 and DOF = 3" in page
     assert page.count("Driving: ") == 1 and "2 relations must hold between the rates" in page
-    relations = page.partition("(compatibility)")[2].partition("```math")[2].partition("```")[0]
+    relations = page.partition("of compatibility")[2].partition("```math")[2].partition("```")[0]
     assert relations.count("0 &= ") == 2 and "```math\nT_e = 0.8\n```" in page
     assert "In a curve its wheels skid" in page.partition("## 1 ")[0]
 

@@ -46,6 +46,25 @@ def test_the_normal_matrix_has_names(name: str, entry: str) -> None:
     assert f"0 & 0 & {entry}\n" in page_of(name)
 
 
+@pytest.mark.parametrize(
+    ("name", "condition", "angles"),
+    [
+        ("kelly_4ws", r"{track}\,\sin{w4}+{base}\,\cos{w4} &= 0", ("-59.0362", "120.9638")),
+        ("wpilib_swervebot", r"\cos{back\_right}+\sin{back\_right} &= 0", ("-45", "135")),
+    ],
+)
+def test_singular_configurations_have_names(name: str, condition: str, angles: tuple[str, str]) -> None:
+    """Lengths that the robot file names, none that all terms have, and the angles to four decimals."""
+    page = page_of(name).partition("## 9 ")[2]
+    condition = re.sub(r"(?<=[sn]){(.*?)}", r"\\psi_{\\mathrm{\1}}", condition)
+    for short in ("track", "base"):
+        condition = condition.replace(
+            f"{{{short}}}", rf"\mathit{{half\_{'wheel' * (short == 'base')}{short}}}"
+        )
+    low, high = angles
+    assert condition in page and rf"{low}^{{\circ}}\;\mathrm{{or}}\;{high}^{{\circ}}" in page
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_where_a_form_does_not_hold(name: str) -> None:
     """G is introduced before it is unbounded, conditions are formulas, and each form is told of."""

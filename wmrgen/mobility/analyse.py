@@ -84,7 +84,7 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
     if at.mobility != 1 or len(wheels) != 2:
         return []
     a, b = wheels
-    conditions = (towards(a, b), towards(b, a))
+    conditions = (towards(a, b, symbolic_view), towards(b, a, symbolic_view))
     many = sum(w.kind.steers for w in at.robot.wheels) > 2 and not _pivots_in_line(at)
     what = (
         f"{a.name} and {b.name} no longer determine the motion; another steered wheel does"
@@ -140,7 +140,7 @@ def _rolling_rank(at: Configuration) -> list[Singularity]:
     if rank == 3:
         return []
     text = (
-        f"the rolling rows of {', '.join(w.name for w in wheels)} have rank {rank}: one motion of the body turns no "
+        f"the rolling rows of {listed([w.name for w in wheels])} have rank {rank}: one motion of the body turns no "
         "wheel, so the wheels cannot drive it"
     )
     if any(w.nominal.sg for w in wheels) and len(wheels) > 2:

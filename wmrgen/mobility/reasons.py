@@ -134,7 +134,8 @@ def _steered(at: Configuration, deciding: tuple[Wheel, ...]) -> list[str]:
             f"{listed(steered)} can be steered, but one direction alone lets every wheel roll: "
             "no degree of freedom of steering is left."
         ]
-    lead = [w.name for w in deciding][: at.steerability]
+    leaders = [at.robot.wheels[at.robot.steer_group[w.index]].name for w in deciding]
+    lead = list(dict.fromkeys(leaders))[: at.steerability]
     rest = [name for name in steered if name not in lead]
     chosen = "ICR" if np.abs(at.admissible.basis[:, 2]).max() > TOLERANCE else "direction of motion"
     sentence = f"Steering {listed(lead)} chooses the {chosen} (delta_s = {at.steerability})"
@@ -240,7 +241,7 @@ def _coincidences(at: Configuration) -> list[str]:
     ):
         if ranks[0] < ranks[1]:
             sentences.append(
-                f"rank {name} is {ranks[0]} at the given values ({nominal}) and {ranks[1]} for general ones."
+                f"The rank of {name} is {ranks[0]} at the given values ({nominal}) and {ranks[1]} for general ones."
             )
     return sentences
 

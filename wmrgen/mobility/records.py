@@ -63,7 +63,7 @@ class Admissible:
 
 
 class Singularity(NamedTuple):
-    """Where a rank drops or an angle is undefined. ``conditions`` all vanish there.
+    """Where a rank drops or an angle is undefined. ``conditions``, which may have named parameters, all vanish there.
 
     ``twist`` is True when a condition is a row to be multiplied with (vx, vy, omega).
     """

@@ -103,9 +103,9 @@ SWEDISH = WheelType(
         ),
     ),
     words=Words(
-        "A Swedish wheel is driven along its wheel plane and slides freely across its rollers. Only the component "
-        "along the roller axis is enforced (3.19); the second line, (3.20), gives the rollers' own speed:",
-        free="the rollers of a Swedish wheel give way across the wheel",
+        "A Swedish wheel is driven along its wheel plane and moves freely across the axes of its rollers. Only the "
+        "component along the roller axis is enforced (3.19); the second line, (3.20), gives the rollers' own speed:",
+        free="a Swedish wheel moves freely across the axes of its rollers",
         equations=(19, 20),
         note="(The book prints (3.20) with −r φ̇ sin γ. With the rollers locked, (3.19) and (3.20) must together "
         "give the velocity r φ̇ along the wheel, and only the plus sign does.)",

@@ -9,7 +9,7 @@ from math import atan2, lcm, pi
 from wmrgen import notation
 from wmrgen.backends.report.latex import terms, total
 from wmrgen.backends.report.terms import Factor, Term, merged
-from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, Row
 
 _MOST = 100  # a common denominator above this makes numbers longer, not shorter
@@ -18,7 +18,9 @@ _MOST = 100  # a common denominator above this makes numbers longer, not shorter
 def whole(column: Row) -> Row:
     """The column times the least number that leaves no fraction, where that is small: columns of N have no scale."""
     common = lcm(*(c.den for p in column for c in p.terms.values()))
-    x, y, z = (p.scale(common if common <= _MOST else 1) for p in column)
+    turn = column[2].constant
+    sign = -1 if turn is not None and turn.sign < 0 else 1  # what turns does so to the left
+    x, y, z = (p.scale(sign * common if common <= _MOST else sign) for p in column)
     return x, y, z
 
 
@@ -102,7 +104,10 @@ def _of_two(like: Factor, head: str, angles: Sequence[str], sign: str) -> Factor
 
 
 def equation(p: Poly) -> Poly:
-    """The left-hand side of ``p = 0`` without a common number; with the sign of most of its terms."""
+    """The left-hand side of ``p = 0`` without a common number or length; with the sign of most of its terms."""
+    powers = [dict(m) for m in p.terms]
+    lengths = ((g, min(m.get(g, 0) for m in powers)) for g in sorted(p.generators) if g.kind == "param")
+    p = p * Poly({tuple((g, e) for g, e in lengths if e): ONE}).inverse()
     numbers = list(p.terms.values())
     size = abs(numbers[0]) if all(abs(c) == abs(numbers[0]) for c in numbers) else Exact(1)
     negative = sum(c.sign for c in numbers) < 0 or (numbers[0].sign < 0 and sum(c.sign for c in numbers) == 0)
@@ -128,4 +133,4 @@ def roots(p: Poly) -> str:
 
 
 def _degrees(angle: float) -> str:
-    return rf"{round(angle, 4) + 0.0:.6g}^{{\circ}}"
+    return rf"{round(angle, 4) + 0.0:.7g}^{{\circ}}"

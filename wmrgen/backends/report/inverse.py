@@ -10,7 +10,7 @@ from wmrgen import notation
 from wmrgen.backends.report.car import circle
 from wmrgen.backends.report.closed import driven_twist, pivot_velocity, projected, spin_rate, swivel_rate
 from wmrgen.backends.report.latex import latex
-from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, math, some
+from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, math, minus, some
 from wmrgen.constraints import XI, seen, symbolic_view
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Gen, Poly, Row
@@ -172,7 +172,7 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
             if ratios:
                 share = "each takes its part k of it times the least-squares rate Σ k r·(r φ̇) / Σ (k r)²"
             blocks += [
-                f"{listed(members)} {notation.turning(ratios)}: {share} of the "
+                f"{listed(members)} {minus(notation.turning(ratios))}: {share} of the "
                 f"single solutions above.{_way(robot, wheels)}"
             ]
         elif _alike(wheels, twist):
@@ -184,7 +184,8 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
                 "them."
             ]
     if same:
-        blocks += [f"{'; '.join(same)} share one angle, and the formula gives the same ψ⁺ for each."]
+        each = "each " * (len(same) > 1)
+        blocks += [f"{'; '.join(same)} {each}share one angle, and the formula gives the same ψ⁺ for each."]
     return blocks
 
 
@@ -271,8 +272,8 @@ def _forbidden(projection: Projection, coupled: bool, steered: bool, held: bool)
     if not forms:
         return [_admissible(steered, held)]
     words = "`slip` is the sideways speed [m/s] that the commanded twist would force on the contact points"
-    if projection.twist == XI:
-        words += "; nothing is projected away here, the wheels follow as well as they can"
+    follow = "Nothing is taken away from the twist here: the wheels follow as well as they can. "
+    words = f"{follow * (projection.twist == XI)}{words}"
     if forms == [XI[1]]:
         return [words.replace("speed [m/s]", "speed |v<sub>y</sub>| [m/s]", 1) + "."]
     if len(forms) == 1:

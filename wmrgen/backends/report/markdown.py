@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 CAP = 16  # wheels whose equations are written out
 _ENTITY = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "$": "&#36;"}
 _LOW = str.maketrans("12", "₁₂")
+_NEGATIVE = re.compile(r"(?<![\w.)])-(?=\d)")
+_CODE = re.compile(r"\\`(.*?)\\`")
 _INDEX = re.compile(r"\b(delta|rank C1|C1|J1|J2)(\\_)?(m|s|M|f)?\b")
 
 
@@ -40,8 +42,14 @@ def escape(text: str) -> str:
 
 
 def sentence(text: str) -> str:
-    """A finding in words: escaped, with delta_m and C1f set as symbols."""
-    return _INDEX.sub(_symbol, escape(text)).replace("omega = 0", "ω = 0")
+    """A finding in words: escaped, with delta_m and C1f set as symbols, and code as code."""
+    shown = minus(_INDEX.sub(_symbol, escape(text))).replace("omega = 0", "ω = 0")
+    return _CODE.sub(lambda match: code(match[1].replace("\\_", "_")), shown)
+
+
+def minus(text: str) -> str:
+    """Words and numbers, these with a minus sign in place of a hyphen."""
+    return _NEGATIVE.sub("−", text)
 
 
 def _symbol(match: re.Match[str]) -> str:

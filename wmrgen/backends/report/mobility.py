@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +10,6 @@ import numpy as np
 from wmrgen.backends.report.angles import equation, gathered, roots
 from wmrgen.backends.report.latex import latex, summands, terms, width, wrapped
 from wmrgen.backends.report.markdown import (
-    CAP,
     aligned,
     capitalised,
     items,
@@ -22,17 +20,15 @@ from wmrgen.backends.report.markdown import (
     sentence,
     some,
 )
-from wmrgen.constraints import XI, constrain, nominal_view, symbolic_view
+from wmrgen.constraints import XI, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
-from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.functions.models.growth import robot_growth
 from wmrgen.functions.motion.wheel_speeds import relations
-from wmrgen.mobility.ranks import decide, numeric_rank
+from wmrgen.mobility.ranks import numeric_rank
 
 if TYPE_CHECKING:
-    from wmrgen.constraints import ConstraintRow
     from wmrgen.layout.records import Robot, Wheel
     from wmrgen.mobility.records import Mobility, Singularity
     from wmrgen.robot import Derivation
@@ -46,7 +42,8 @@ def analysis(d: Derivation) -> list[str]:
     """Section 5."""
     m = d.mobility
     steered = any(w.kind.steers for w in d.robot.wheels)
-    argument = [r for r in m.reasons if not r.startswith("delta_m = ")]  # what (3.40) to (3.42) say
+    told = ("delta_m = ", " are coupled: ")  # by (3.40) to (3.42), by section 1
+    argument = [r for r in m.reasons if not any(words in r for words in told)]
     return [
         "## 5 Mobility",
         *items(map(sentence, argument), lambda k: f"{k}."),
@@ -54,7 +51,6 @@ def analysis(d: Derivation) -> list[str]:
         + (", at steering angles for which all axles meet in one ICR," if steered else ""),
         *_degrees(m),
         *(_remark(m) if steered else []),
-        *_generic(d),
         *_verdicts(d),
         *integrability(d),
         *([] if d.robot.effective_track else _actuation(d)),
@@ -91,33 +87,6 @@ def _remark(m: Mobility) -> list[str]:
         "The book writes rank C<sub>1s</sub> in (3.41). Wheels whose axles are bound to meet in one point "
         "must not be counted twice, so the rank that steering adds to C<sub>1f</sub> is what counts."
     ]
-
-
-def _generic(d: Derivation) -> list[str]:
-    """Where the values of the parameters make a rank that other values would not."""
-    if not d.robot.parameters or len(d.robot.wheels) > CAP:
-        return []
-    other: dict[str, Poly] = {}
-    for k, p in enumerate(d.robot.parameters):
-        free = p.symbolic.constant is not None
-        other[p.name] = Poly.of(p.nominal * Fraction(101 + 7 * k, 97)) if free else p.symbolic
-    letters, numbers = d.constraints, constrain(d.robot, nominal_view)
-    pairs = [("C<sub>1f</sub>", letters.sliding_fixed, numbers.sliding_fixed)]
-    if not any(w.turns for w in d.robot.wheels):
-        pairs.append(("J₁", letters.rolling, numbers.rolling))
-    blocks = []
-    for name, own, nominal in pairs:
-        general, here = decide(_numbers(own, other)).value, decide(_numbers(nominal, {})).value
-        if general != here:
-            blocks += [
-                f"The rank of {name} is {here} for the values given, but {general} for parameters in general: two "
-                "lengths happen to be equal."
-            ]
-    return blocks
-
-
-def _numbers(rows: Sequence[ConstraintRow], values: dict[str, Poly]) -> list[tuple[Exact, ...]]:
-    return [tuple(fix(p, values).constant or ZERO for p in r.row) for r in rows]
 
 
 def _growth(d: Derivation) -> tuple[tuple[int, ...], str]:
@@ -171,7 +140,7 @@ def _actuation(d: Derivation) -> list[str]:
     held = ", the steering held," if any(g.kind in ("cos", "sin") for p in sums for g in p.generators) else ""
     return [
         *blocks,
-        f"Speeds of driven wheels that fit each other{held} satisfy (compatibility)",
+        f"Speeds of driven wheels that fit each other{held} satisfy the conditions of compatibility",
         *aligned(lines),
     ]
 
@@ -261,7 +230,7 @@ def singular(d: Derivation) -> list[str]:
             where = " This happens where" + (", at once," if len(s.conditions) > 1 else "")
             said = capitalised(s.meaning, [w.name for w in d.robot.wheels])
             blocks += [said + (where if s.conditions else "")]
-            blocks += _conditions(s.conditions) if s.conditions else []
+            blocks += _conditions(s.conditions, d.robot) if s.conditions else []
     return blocks
 
 
@@ -284,11 +253,11 @@ def _turns_about(w: Wheel, m: Mobility) -> bool:
     return numeric_rank(np.vstack([m.admissible.basis, turn]))[0] == m.admissible.dimension
 
 
-def _conditions(conditions: Sequence[Poly | Row]) -> list[str]:
-    """Each condition as a sum that is 0, without a common number, and the steering angles where that is so."""
+def _conditions(conditions: Sequence[Poly | Row], robot: Robot) -> list[str]:
+    """Each condition as a sum that is 0, without a common factor, and the steering angles where that is so."""
     lines = []
     for c in conditions:
         p = equation(c if isinstance(c, Poly) else dot(c, XI))
-        at = roots(p)
+        at = roots(fix(p, robot.constants))
         lines.append(f"{wrapped(summands(terms(p)))} &= 0" + (f", & {at}" if at else ""))
     return aligned(lines)

@@ -16,6 +16,7 @@ from wmrgen.backends.report.markdown import (
     in_degrees,
     items,
     listed,
+    minus,
     pictures,
     plain,
     rounded,
@@ -88,7 +89,11 @@ def layout(d: Derivation) -> list[str]:
     if robot.couplings:
         couplings = items(
             f"{listed(names)} "
-            + (notation.turning(robot.ratios(names)) if joint == "spin" else "share one steering angle")
+            + (
+                minus(notation.turning(robot.ratios(names)))
+                if joint == "spin"
+                else "share one steering angle"
+            )
             for joint, names in robot.couplings
         )
         blocks += ["Mechanical couplings:", *couplings]

@@ -42,6 +42,7 @@ from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.basis import scaled
 from wmrgen.mobility.ranks import numeric_rank
 from wmrgen.mobility.records import Mobility
+from wmrgen.notation import listed
 from wmrgen.ports import Port, Role, output
 
 Eta = tuple[Poly, ...]  # coordinates of a twist along the columns of N
@@ -98,7 +99,7 @@ class Motion:
         else:
             condition = essential(self.divisor)
             rates = {f"{w.name}.steer_rate" for w in self.frame.wheels}
-            drives = ", ".join(p.name for p in self.inputs if p.name not in rates)
+            drives = listed([p.name for p in self.inputs if p.name not in rates])
             lost = "stands still whatever the robot does" if one else "no longer determine the motion"
             text = f"G is unbounded: {drives} {lost}"
         return domain_of(condition, text, self.robot)

@@ -269,8 +269,8 @@ def _locked(directory: Path) -> Iterator[None]:
     try:
         with contextlib.suppress(OSError):
             fcntl.flock(handle, fcntl.LOCK_EX)
-            for leftover in directory.glob(_STAGE + "*"):
-                shutil.rmtree(leftover, ignore_errors=True)
+            for stage in directory.glob(_STAGE + "*"):
+                shutil.rmtree(stage, ignore_errors=True)
         yield
     finally:
         os.close(handle)

@@ -107,27 +107,27 @@ def arguments(function: Function, joints: Sequence[str] | None) -> tuple[Argumen
         return _own(inputs, IN, 0, set()) + _own(outputs, OUT, 0, set())
     reads, other_inputs = _sorted(inputs, joints)
     writes, other_outputs = _sorted(outputs, joints)
-    taken: set[str] = set()
+    names: set[str] = set()
     both = {
         (kind, suffix)
         for kind, suffix in reads.keys() & writes.keys()
         if kind in _ALWAYS_IN_PLACE or (function.in_place and not suffix)
     }
     changed = [
-        Argument(_unique(suffix or kind, kind, taken), kind, reads[kind, suffix], writes[kind, suffix])
+        Argument(_unique(suffix or kind, kind, names), kind, reads[kind, suffix], writes[kind, suffix])
         for kind, suffix in _in_order(both)
     ]
     commands = (WHEELS, "") in writes.keys() - both
     read = [
-        Argument(_unique(_input_name(*key, commands), key[0], taken), key[0], reads[key], {})
+        Argument(_unique(_input_name(*key, commands), key[0], names), key[0], reads[key], {})
         for key in _in_order(reads.keys() - both)
     ]
-    scalars = _own(other_inputs, IN, FEW, taken)
+    scalars = _own(other_inputs, IN, FEW, names)
     written = [
-        Argument(_unique(_output_name(*key, key in reads), key[0], taken), key[0], {}, writes[key])
+        Argument(_unique(_output_name(*key, key in reads), key[0], names), key[0], {}, writes[key])
         for key in _in_order(writes.keys() - both)
     ]
-    return (*changed, *read, *scalars, *written, *_own(other_outputs, OUT, FEW, taken))
+    return (*changed, *read, *scalars, *written, *_own(other_outputs, OUT, FEW, names))
 
 
 _Key = tuple[str, str]  # kind, suffix
@@ -160,22 +160,22 @@ def _output_name(kind: str, suffix: str, read: bool) -> str:
     return suffix or (OUT if kind == WHEELS or read else kind)
 
 
-def _unique(name: str, kind: str, taken: set[str]) -> str:
+def _unique(name: str, kind: str, names: set[str]) -> str:
     """``name``, with the type where an argument is called so already."""
-    if name in taken:
+    if name in names:
         name = f"{name}_{kind}"
-    taken.add(name)
+    names.add(name)
     return name
 
 
-def _own(ports: Sequence[Port], kind: str, few: int, taken: set[str]) -> tuple[Argument, ...]:
+def _own(ports: Sequence[Port], kind: str, few: int, names: set[str]) -> tuple[Argument, ...]:
     """Up to ``few`` scalars that are no wheel's, or one struct."""
     if not ports:
         return ()
-    if len(ports) <= few and not any("." in port.name or port.name in taken for port in ports):
+    if len(ports) <= few and not any("." in port.name or port.name in names for port in ports):
         return tuple(_scalar(port.name, kind) for port in ports)
     own = {port.name: port.name for port in ports}
-    name = _unique(kind, kind, taken)
+    name = _unique(kind, kind, names)
     return (Argument(name, kind, own, {}) if kind == IN else Argument(name, kind, {}, own),)
 
 

@@ -151,11 +151,11 @@ class _Printer:
         kernels: Mapping[str, Results],
         names: Mapping[int, str],
         apart: Collection[int],
-        taken: Collection[str],
+        reserved: Collection[str],
     ) -> None:
         self.function, self.access, self.style, self.notes = function, access, style, notes
         self.kernels, self.names, self.apart = kernels, names, apart
-        self.taken = {*names.values(), *taken}
+        self.reserved = {*names.values(), *reserved}
         self.uses = _uses(function, style)
         self.choices = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
         self.statements: list[str] = []
@@ -208,7 +208,7 @@ class _Printer:
         return name
 
     def _temporary(self) -> str:
-        while (name := self.style.temporary.format(self.count)) in self.taken:
+        while (name := self.style.temporary.format(self.count)) in self.reserved:
             self.count += 1
         self.count += 1
         return name
@@ -222,15 +222,15 @@ def body(
     kernels: Mapping[str, Results] | None = None,
     names: Mapping[int, str] | None = None,
     apart: Collection[int] = (),
-    taken: Collection[str] = (),
+    reserved: Collection[str] = (),
 ) -> Body:
     """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name.
 
     ``notes``: node -> finished comment, printed behind the statement that names the node. ``kernels``: what may be
     called, by name. ``names``: what a node is called where it gets a statement, each name once. ``apart``: nodes that
-    have a statement of their own, also where they are needed once. ``taken``: names that no temporary may have.
+    have a statement of their own, also where they are needed once. ``reserved``: names that no temporary may have.
     """
-    printer = _Printer(function, access, style, notes or {}, kernels or {}, names or {}, apart, taken)
+    printer = _Printer(function, access, style, notes or {}, kernels or {}, names or {}, apart, reserved)
     printer.run()
     ops = frozenset(node.op for node in function.nodes)
     return Body(tuple(printer.statements), tuple(printer.texts[r].text for r in function.results), ops)

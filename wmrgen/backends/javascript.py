@@ -60,7 +60,7 @@ def _printed(function: Function) -> dict[str, Any]:
     """A function of the generated module, as finished lines."""
     names = variables(function, _KEYWORDS.__contains__)
     code = body(function, names.__getitem__, _STYLE)
-    taken = [
+    members = [
         (p.name if names[p.name] == p.name else f'"{p.name}": {names[p.name]}')
         + ("" if p.default is None else f" = {_literal(p.default)}")
         for p in function.inputs
@@ -69,7 +69,7 @@ def _printed(function: Function) -> dict[str, Any]:
     return {
         "name": function.name,
         "document": _document(function),
-        "signature": _object(taken, "") + " = {}" if taken else "",
+        "signature": _object(members, "") + " = {}" if members else "",
         "lines": code.statements,
         "results": _object(returned, "  "),
         "ops": code.ops,

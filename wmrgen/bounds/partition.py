@@ -29,7 +29,7 @@ def cases(
     ``finer``: how often every part is halved once more along the inputs that were divided, or on which divisors depend.
     """
     names = [name for name, (lo, hi) in ranges.items() if lo < hi]
-    done: list[dict[str, Range]] = []
+    parts: list[dict[str, Range]] = []
     open_: list[dict[str, Range]] = [dict(ranges)]
     cones = _cones(function)
     for depth in range(_DEPTH):
@@ -37,21 +37,21 @@ def cases(
         halves: list[dict[str, Range]] = []
         for part, node in zip(open_, first, strict=True):
             along = [n for n in names if node >= 0 and n in cones[node]]
-            if not along or len(done) + len(halves) + len(open_) > MOST:
-                done.append(part)
+            if not along or len(parts) + len(halves) + len(open_) > MOST:
+                parts.append(part)
             else:
                 halves += _halved(part, along[depth % len(along)])
         open_ = halves
         if not open_:
             break
-    done += open_
-    divided = [n for n in names if any(part[n] != ranges[n] for part in done)]
+    parts += open_
+    divided = [n for n in names if any(part[n] != ranges[n] for part in parts)]
     if not divided:  # an analyser may see less than is seen here: what divisors depend on
         below = {n for node in function.nodes if node.op is Op.DIV for n in cones[node.args[1]]}
         divided = [n for n in names if n in below]
     for name in divided * finer:
-        done = [half for part in done for half in _halved(part, name)]
-    return done
+        parts = [half for part in parts for half in _halved(part, name)]
+    return parts
 
 
 def _halved(part: dict[str, Range], name: str) -> list[dict[str, Range]]:

@@ -111,13 +111,13 @@ def _wheel(v: Side, w: Side) -> Iterator[Difference]:
 
 def _contact(v: Side, w: Side) -> Iterator[Difference]:
     """Where the contact lies from the pivot: of castors that nothing drives only how far."""
-    arms = [cmath.rect(1, x.of("heading")) * complex(x.of("d"), x.of("offset_y")) for x in (v, w)]
+    offsets = [cmath.rect(1, x.of("heading")) * complex(x.of("d"), x.of("offset_y")) for x in (v, w)]
     if not parts([v]):
-        arms = [complex(abs(arm)) for arm in arms]
+        offsets = [complex(abs(offset)) for offset in offsets]
     said = all({"d", "offset_y"} & x.values.keys() for x in (v, w)) and WHEEL_TYPES[v.type].turns
-    if said and abs(arms[0] - arms[1]) > SAME * max(map(abs, arms)) + 1e-6:
-        words = f"{v.name}: contact from pivot {shown(arms)}"
-        yield _pointed(OFFSET, "contact", v.name, arms, words, _marks(v, w, keys=("d", "offset_y")))
+    if said and abs(offsets[0] - offsets[1]) > SAME * max(map(abs, offsets)) + 1e-6:
+        words = f"{v.name}: contact from pivot {shown(offsets)}"
+        yield _pointed(OFFSET, "contact", v.name, offsets, words, _marks(v, w, keys=("d", "offset_y")))
 
 
 def shown(points: Sequence[complex]) -> str:
@@ -178,10 +178,10 @@ def _permuted(a: Sequence[complex], b: Sequence[complex], near: float) -> list[i
 def _sizes(pairs: Pairs, where: Sequence[str], along: complex) -> Iterator[tuple[str, float, float]]:
     """Of wheels in a ring their distance, of others track and wheelbase, where both have them."""
     moved = [replace(w, type=v.type, values={**v.values, **w.values}) for v, w in pairs]
-    mine, its = (lengths(wheels, where, along) for wheels in ([v for v, _ in pairs], moved))
-    for key in ("ring",) if "ring" in mine else ("track", "wheelbase", "front_track", "rear_track"):
-        if mine.get(key) and key in its:
-            yield key, mine[key], its[key]
+    first, second = (lengths(wheels, where, along) for wheels in ([v for v, _ in pairs], moved))
+    for key in ("ring",) if "ring" in first else ("track", "wheelbase", "front_track", "rear_track"):
+        if first.get(key) and key in second:
+            yield key, first[key], second[key]
 
 
 def order(wheels: Sequence[Side], indices: Sequence[int]) -> Iterator[Difference]:

@@ -126,8 +126,8 @@ def effects(pairs: Pairs, own_ties: Sequence[Tie] = (), told_ties: Sequence[Tie]
     size = max(abs(w.pivot - v.pivot) for w in own for v in own) or 1.0
     robot = own, own_ties
     for motion in ("straight", "strafe", "turn"):
-        mine, got = (_driven(robot, each, motion, size) for each in (robot, (told, told_ties)))
-        effect = _effect(motion, mine, got, forward(own), size / 2)
+        nominal, actual = (_driven(robot, each, motion, size) for each in (robot, (told, told_ties)))
+        effect = _effect(motion, nominal, actual, forward(own), size / 2)
         if effect:
             yield effect
 
@@ -147,19 +147,19 @@ def _driven(robot: Coupled, by: Coupled, motion: str, size: float) -> Array:
     return (response(ahead + bend * asked) - response(ahead - bend * asked)) / (2 * bend)
 
 
-def _effect(motion: str, mine: Array, got: Array, forward: complex, arm: float) -> Effect | None:
+def _effect(motion: str, nominal: Array, actual: Array, forward: complex, arm: float) -> Effect | None:
     """The change from one's own motion to that by the other's commands; None where it is not one's own to do."""
 
     def parts(twist: Array) -> dict[str, float]:
         along = forward.conjugate() * complex(*twist[:2])
         return {"straight": along.real, "strafe": along.imag, "turn": float(twist[2]) * arm}
 
-    was, now = parts(mine), parts(got)
+    was, now = parts(nominal), parts(actual)
     if was[motion] < {"straight": 0.5, "strafe": 0.99, "turn": 1e-3 * arm}[motion]:
         return None
     ratio = now[motion] / was[motion]
     others = {m: (now[m] - was[m] * ratio) / abs(was[motion]) for m in now if m != motion}
-    slip = float(np.linalg.norm(got[3:]) - np.linalg.norm(mine[3:]) * abs(ratio)) / abs(was[motion])
+    slip = float(np.linalg.norm(actual[3:]) - np.linalg.norm(nominal[3:]) * abs(ratio)) / abs(was[motion])
     return Effect(motion, ratio, ", ".join(_words(motion, ratio, others, slip)))
 
 

@@ -72,19 +72,19 @@ def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, 
     where, along = roles(wheels), forward(wheels)
     skids = all(k.fixed_axle for k in kinds) and any("front" in word for word in where)
     only = a.controller.lengths if a.controller else LENGTHS
-    mine = {key: value for key, value in lengths(wheels, where, along).items() if key in only}
-    c = _as_meant(c, kinds, mine.get("wheelbase", 0.0))
+    sizes = {key: value for key, value in lengths(wheels, where, along).items() if key in only}
+    c = _as_meant(c, kinds, sizes.get("wheelbase", 0.0))
     said = {key: worth(c, key, not skids) for key in c.lengths}
     differences: list[Difference] = []
     for key, value in list(said.items()):
-        tracks = [mine[k] for k in ("front_track", "rear_track") if k in mine and key == "track"]
-        if key in mine and any(same(v, value) for v in (mine[key], *tracks)):
+        tracks = [sizes[k] for k in ("front_track", "rear_track") if k in sizes and key == "track"]
+        if key in sizes and any(same(v, value) for v in (sizes[key], *tracks)):
             del said[key]
-        elif key in mine:
+        elif key in sizes:
             settings = (c.lengths[key], c.multipliers.get(key))
             marks = tuple(s.mark for s in settings if s and s.mark)
             title = "effective_track" if key == "track" and a.effective_track else key
-            differences.append(length(title, mine[key], value, marks, f" ({settings[0].key})"))
+            differences.append(length(title, sizes[key], value, marks, f" ({settings[0].key})"))
     pairs = list(zip(wheels, _moved(c, wheels, said), strict=True))
     if c.places:
         differences += places(pairs, along)
@@ -162,7 +162,7 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
     """What a controller has of the wheels of a robot, in order: places at the lengths ``said`` about the middle of the
     robot, which it takes to be symmetric, its fixed axle kept."""
     where, along = roles(wheels), forward(wheels)
-    mine = lengths(wheels, where, along)
+    sizes = lengths(wheels, where, along)
     at = [along.conjugate() * w.pivot for w in wheels]
     axle = [p.real for p, w in zip(at, wheels, strict=True) if WHEEL_TYPES[w.type].fixed_axle]
     middle = box(at)[0]
@@ -173,7 +173,7 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
         told, off = own.role or word, p - centre
         if signs := _mirror(c, told, word):
             off = complex(off.real * signs.real, off.imag * signs.imag)
-        place = along * (centre + _displaced(off, told, said, mine))
+        place = along * (centre + _displaced(off, told, said, sizes))
         values, marks = {"x": place.real, "y": place.imag}, {}
         if signs and "gamma" in w.values:
             values["gamma"] = w.values["gamma"] * signs.real * signs.imag  # the rollers that are usual there
@@ -194,14 +194,14 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
     return result
 
 
-def _displaced(p: complex, told: str, said: Mapping[str, float], mine: Mapping[str, float]) -> complex:
+def _displaced(p: complex, told: str, said: Mapping[str, float], sizes: Mapping[str, float]) -> complex:
     """A pivot from the centre of the robot, by the lengths of a controller; ``told``: where the wheel is."""
     end = told.split(" ")[0]
     track = said.get(f"{end}_track", said.get("track"))
     if track is not None and told.endswith(("left", "right")):
         p = complex(p.real, track / 2 if told.endswith("left") else -track / 2)
-    if "wheelbase" in said and mine.get("wheelbase"):
-        p = complex(p.real * said["wheelbase"] / mine["wheelbase"], p.imag)
-    if "sum" in said and "sum" in mine:
-        p = complex(p.real, math.copysign(abs(p.imag) + said["sum"] - mine["sum"], p.imag))
-    return p * said["ring"] / mine["ring"] if "ring" in said and "ring" in mine else p
+    if "wheelbase" in said and sizes.get("wheelbase"):
+        p = complex(p.real * said["wheelbase"] / sizes["wheelbase"], p.imag)
+    if "sum" in said and "sum" in sizes:
+        p = complex(p.real, math.copysign(abs(p.imag) + said["sum"] - sizes["sum"], p.imag))
+    return p * said["ring"] / sizes["ring"] if "ring" in said and "ring" in sizes else p

@@ -16,11 +16,11 @@ def coupled(a: Layout, b: Layout, pairs: Sequence[tuple[Side, Side]]) -> Iterato
     if a.ties is None or b.ties is None:
         return
     for joint in JOINTS:
-        mine, theirs = ([tie for tie in ties if tie.joint == joint] for ties in (a.ties, b.ties))
-        own = [{v.name: t.turns[v.name] for v, _ in pairs if v.name in t.turns} for t in mine]
+        own_ties, told_ties = ([tie for tie in ties if tie.joint == joint] for ties in (a.ties, b.ties))
+        own = [{v.name: t.turns[v.name] for v, _ in pairs if v.name in t.turns} for t in own_ties]
         told = [
             {v.name: t.turns[w.name] * _sense(v, w, joint) for v, w in pairs if w.name in t.turns}
-            for t in theirs
+            for t in told_ties
         ]
         for wheels in dict.fromkeys(tuple(shaft) for shaft in (*own, *told) if len(shaft) > 1):
             p, q = (next((_shown(s) for s in side if tuple(s) == wheels), None) for side in (own, told))
@@ -30,7 +30,7 @@ def coupled(a: Layout, b: Layout, pairs: Sequence[tuple[Side, Side]]) -> Iterato
             alone = f"together only by {(a if p else b).source}"
             words = f"{joints} turn {f'{p} -> {q}' if p and q else alone}"
             names = {w.name for v, w in pairs if v.name in wheels}
-            marks = (*_marks(theirs, names), *_marks(mine, {*wheels}))
+            marks = (*_marks(told_ties, names), *_marks(own_ties, {*wheels}))
             yield Difference(COUPLED, "coupling", wheels[0], p, q, words, marks)
 
 

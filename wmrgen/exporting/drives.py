@@ -60,11 +60,11 @@ def refusing(what: str) -> Iterator[None]:
         raise NotDerivableError(f"{what}: {error.what}.") from None
 
 
-def drive_of(robot: Robot, known: Collection[str]) -> Drive:
+def drive_of(robot: Robot, kinds: Collection[str]) -> Drive:
     """What drives a robot: differential, mecanum, omni, swerve, or one of `KINDS`. NotDerivableError where it is none
-    of these or not among the ``known``, and why."""
+    of these or not among the ``kinds``, and why."""
     drive = _drive_of(driven(robot))
-    if drive.kind not in known:
+    if drive.kind not in kinds:
         raise NotDerivableError(f"there is none for {drive.kind} drives")
     return drive
 

@@ -32,22 +32,21 @@ def candidates(robot: Robot) -> tuple[list[Candidate], list[Passed]]:
     rollers = {roller.child for c in turning for roller in c.rollers}
     turning = [c for c in turning if c.joint.child not in rollers]
     drawn = [c for c in turning if robot.roles(c.joint.child) == {"visual"}]
-    none = [Passed(c.joint, why) for c in turning if (why := no_wheel(robot, c, drawn))]
-    spins = [c for c in turning if all(c.joint is not each.joint for each in none)]
+    passed = [Passed(c.joint, why) for c in turning if (why := no_wheel(robot, c, drawn))]
+    spins = [c for c in turning if all(c.joint is not each.joint for each in passed)]
     wheels = _mirrored(_on_ground(robot, spins), spins)
     wheels += [c for joint in joints if (c := _limited(robot, joint)) and any(_mirrors(c, w) for w in wheels)]
     if len(wheels) < 2:
         wheels = _on_ground(robot, spins + _all_fixed(robot))
-        none += [Passed(j, UNTOLD) for j in joints if not j.moves and nothing_told(robot, j, wheels)]
+        passed += [Passed(j, UNTOLD) for j in joints if not j.moves and nothing_told(robot, j, wheels)]
     else:
         wheels += [c for c in rigid_wheels(robot, wheels) if _alike(c, wheels)]
-    taken = {c.joint.name for c in wheels}
-    none += [
+    passed += [
         Passed(c.joint, off_the_ground(c, wheels))
         for c in spins
-        if c.joint.name not in taken and wheel_like(c, wheels)
+        if all(c.joint is not w.joint for w in wheels) and wheel_like(c, wheels)
     ]
-    return wheels, none
+    return wheels, passed
 
 
 def _alike(c: Candidate, wheels: list[Candidate]) -> bool:

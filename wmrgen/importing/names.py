@@ -25,8 +25,8 @@ def near_wheel_names(joints: Sequence[str]) -> list[str]:
         near = _KINDS_OF_JOINT.sub("", _plain(joint))[:_MOST].strip("_")
         tries = (near, near.lower(), f"{near.lower()}_{number}", f"wheel_{number}")
         name = _first(tries, wheel_name) or f"wheel_{number}"
-        taken = name.lower() in (other.lower() for other in names)
-        names.append(f"{name[: _MOST - 2]}_{number}" if taken else name)
+        clashes = name.lower() in (other.lower() for other in names)
+        names.append(f"{name[: _MOST - 2]}_{number}" if clashes else name)
     return names
 
 

@@ -20,10 +20,10 @@ _GROUND = ("base_footprint",)
 
 
 def doubt(c: Candidate, name: str, heading: float) -> Question:
-    taken = (
+    where = (
         "by the axis of its cylinder" if c.shape else "if the axle lies along y where the steering angle is 0"
     )
-    hints = (f"{heading:.6g} {taken}",) if c.unsure else ()
+    hints = (f"{heading:.6g} {where}",) if c.unsure else ()
     text = f"joint {quoted(c.joint.name)}: {c.doubt}. Is it a wheel that stands so?"
     return Question(name, "heading" if c.unsure else "type", text, hints)
 

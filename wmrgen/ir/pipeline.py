@@ -45,8 +45,8 @@ def hoist(functions: tuple[Function, ...], name: str) -> Module:
     """
     builder = Builder()
     ports: dict[str, Port] = {}
-    taken = {port.name for function in functions for port in function.inputs}
-    free = (k for i in count() if (k := f"k{i}") not in taken)
+    names = {port.name for function in functions for port in function.inputs}
+    free = (k for i in count() if (k := f"k{i}") not in names)
     # Node of prepare -> its output, which is made when first asked for.
     prepared: dict[int, Port] = defaultdict(lambda: Port(next(free), Role.PREPARED, "", ""))
     steps = tuple(_hoist_one(function, builder, ports, prepared) for function in functions)

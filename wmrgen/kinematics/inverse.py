@@ -66,7 +66,7 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
     twist = _named_twist(projection, names)
     targets = steering(robot, twist, names)
     seen = castor_motion(robot, twist, names)
-    swivels, left_over = _swivels(robot, seen)
+    swivels, residuals = _swivels(robot, seen)
     joints = {w.index: _joints(w, twist, targets, swivels, seen) for w in robot.wheels if w.has_spin}
     speeds = spins(robot, joints)
     outputs: list[tuple[Port, Expr]] = []
@@ -76,7 +76,7 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
     outputs.append(
         (
             slip_port(f"sliding that the ground must give: RMS over the constraining wheels{_held(targets)}"),
-            _slip(projection, targets, [*left_over, *turned_unlike(robot, joints, speeds)]),
+            _slip(projection, targets, [*residuals, *turned_unlike(robot, joints, speeds)]),
         )
     )
     steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
@@ -120,7 +120,7 @@ def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Pol
     Castors turned by one motor share the least-squares rate; what their contacts still slide comes second.
     """
     rates: dict[int, Poly] = {}
-    left_over: list[list[Expr]] = []
+    residuals: list[list[Expr]] = []
     for members in robot.together("steer", (w for w in robot.wheels if w.kind.swivels)):
         if len(members) == 1:
             rates[members[0].index] = seen[members[0].index].free_rate
@@ -129,8 +129,8 @@ def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Pol
         offsets = [working_view(w).d for w in members]
         shared = common_rate(offsets, slides)
         rates.update({w.index: shared for w in members})
-        left_over.append([expression(s + d * shared) for d, s in zip(offsets, slides, strict=True)])
-    return rates, left_over
+        residuals.append([expression(s + d * shared) for d, s in zip(offsets, slides, strict=True)])
+    return rates, residuals
 
 
 def common_rate(offsets: Sequence[Poly], slides: Sequence[Poly]) -> Poly:

@@ -101,14 +101,14 @@ class Locals:
     def __init__(self) -> None:
         self.items: list[tuple[Local, Expr]] = []
         self.calls: list[Call] = []
-        self._taken: set[str] = set()
+        self._names: set[str] = set()
 
     def define(self, name: str, value: Expr | Poly) -> Local:
         """A new intermediate result; returns its symbol, numbered where the name is taken."""
         symbol, number = local(name), 2
-        while symbol.name in self._taken:
+        while symbol.name in self._names:
             symbol, number = local(f"{name}_{number}"), number + 1
-        self._taken.add(symbol.name)
+        self._names.add(symbol.name)
         self.items.append((symbol, expression(value) if isinstance(value, Poly) else value))
         return symbol
 

@@ -146,9 +146,9 @@ def _sound(results: Iterable[Bounded], scalar: str) -> Array:
 
 def _kept(nodes: Sequence[Bounded], tried: Sequence[Point], sound: Array) -> list[int]:
     """The first points that are sound; of the pool those with two outcomes of choices that are rare together."""
-    choices = [b.taken[0] for b in nodes if b.taken is not None]
-    taken = np.array(choices).reshape(len(choices), len(tried))
-    outcomes = np.concatenate([taken == 1, taken == -1])
+    choices = [b.outcome[0] for b in nodes if b.outcome is not None]
+    matrix = np.array(choices).reshape(len(choices), len(tried))
+    outcomes = np.concatenate([matrix == 1, matrix == -1])
     seen = np.zeros((len(outcomes), len(outcomes)), dtype=int)
     rows, spare = [], _SPARE
     for k in np.flatnonzero(sound).tolist():

@@ -10,12 +10,12 @@ from typing import Any, NamedTuple
 
 from wmrgen.errors import Code, RobotFileError, Several
 from wmrgen.spec.consequences import causes
-from wmrgen.spec.expressions import read_quantity, scalar_of
+from wmrgen.spec.expressions import scalar_of
 from wmrgen.spec.fields import Text, Version
 from wmrgen.spec.joints import read_encoders, read_lag, read_limits, read_noise
 from wmrgen.spec.keys import ROBOT
 from wmrgen.spec.names import Names, robot_name, wheel_name
-from wmrgen.spec.numbers import Kind, Scope, plain_number
+from wmrgen.spec.numbers import Scope
 from wmrgen.spec.parameters import read_parameters
 from wmrgen.spec.part_keys import CG, GAINS, TRAILER, VIRTUAL
 from wmrgen.spec.questions import refuse_questions
@@ -28,7 +28,7 @@ from wmrgen.spec.records import (
     TrailerSpec,
     VirtualSpec,
 )
-from wmrgen.spec.tables import Table, table_of
+from wmrgen.spec.tables import Table, read_number, table_of
 from wmrgen.spec.text import (
     MAX_BYTES,
     Node,
@@ -239,21 +239,9 @@ def _gains(node: Node | None, scope: Scope) -> tuple[tuple[str, Quantity], ...]:
     several, gains = Several(), []
     for key, value in table_of(node, GAINS, several).values.items():
         with several:
-            gains.append((key, _gain(value, key, scope)))
+            gains.append((key, read_number(value, key, scope)))
     several.end()
     return tuple(gains)
-
-
-def _gain(node: Node, key: str, scope: Scope) -> Quantity:
-    scalar = scalar_of(node, key)
-    plain = plain_number(scalar)
-    if plain and plain[1] is not None:
-        raise scalar.error(
-            f"{key} is a number per second, and {quoted(scalar.text.strip())} has a unit",
-            "",
-            f"Write the number alone, as {key}: 3.",
-        )
-    return read_quantity(scalar, Kind.ANY, key, scope)
 
 
 def _own_name(table: Table, default: str, names: Names, what: str) -> str:

@@ -260,7 +260,7 @@ def facts_of(expr: Expr, has_unit: bool, scope: Scope, node: Scalar, angle: bool
     RobotFileError when its exact value would be too large to handle, or when it takes the cosine of what may be
     degrees or radians.
     """
-    declared = {name: known for name, known in scope.facts.items() if known is not None}
+    declared = {name: value for name, value in scope.facts.items() if value is not None}
     if not parameters_in(expr) <= declared.keys():
         raise node.error("a parameter that cannot be read is used here", code=Code.CONSEQUENCE)
     facts = _facts(expr, declared)

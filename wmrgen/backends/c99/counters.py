@@ -36,7 +36,7 @@ def counting(module: Module, contract: Mapping[str, Step], scalar: str) -> tuple
     counters = struct(f"{robot}_counters", tuple(members.values()), scalar, note, types)
     own = next(s for s in counted.structs if s.name.endswith(f"_{IN}"))
     (counts,) = (p for p in counted.parameters if p.type == own.name)
-    taken = [Parameter(when, counters.name, {}, {}) for when in ("now", "last")]
+    readings = [Parameter(when, counters.name, {}, {}) for when in ("now", "last")]
     timed = [Parameter("dt", scalar, {"dt": ""}, {})] if "dt" in counts.reads else []
     others = [p for p in counted.parameters if p is not counts]
     declared, lines = [f"{own.name} counts;"], []
@@ -59,7 +59,7 @@ def counting(module: Module, contract: Mapping[str, Step], scalar: str) -> tuple
     )
     comment = tuple(block_comment([text], doxygen=True))
     return counters, Step(
-        f"{robot}_joints_from_counters", (), comment, (*declared, "", *lines), (*taken, *timed, *others)
+        f"{robot}_joints_from_counters", (), comment, (*declared, "", *lines), (*readings, *timed, *others)
     )
 
 

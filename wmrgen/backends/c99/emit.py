@@ -249,10 +249,10 @@ def _arithmetic_notes(unit: Unit) -> list[str]:
             "The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several calls "
             "are called: the least flash, the same results to the bit; calls cost time and stack."
         )
-    taken = [f"{step.name}()" for step in unit.steps if step.small]
-    if taken:
+    calls = [f"{step.name}()" for step in unit.steps if step.small]
+    if calls:
         notes.append(
-            f"With -DWMRGEN_SMALL {' and '.join(taken)} also call{'s' * (len(taken) == 1)} the function that gives the "
+            f"With -DWMRGEN_SMALL {' and '.join(calls)} also call{'s' * (len(calls) == 1)} the function that gives the "
             "same results and more, instead of computing them again."
         )
     if Op.FMA in ops:

@@ -158,7 +158,9 @@ def _step(
     names = _names(function, set(parameters_of))
 
     def printed(access: Mapping[str, str]) -> Body:
-        return body(function, access.__getitem__, _style(scalar), notes, kernels, names, taken=parameters_of)
+        return body(
+            function, access.__getitem__, _style(scalar), notes, kernels, names, reserved=parameters_of
+        )
 
     code = printed(reads)
     early = _overwritten(parameters, code.results, [port.name for port in function.outputs])
@@ -218,17 +220,17 @@ def _sentence(text: str) -> str:
     return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
 
 
-def _names(function: Function, taken: set[str]) -> dict[int, str]:
+def _names(function: Function, used: set[str]) -> dict[int, str]:
     """What nodes are called: as the formula calls them; what a kernel gives for a wheel, as the wheel.
 
-    ``taken``: names of parameters.
+    ``used``: names of parameters.
     """
     nodes, names = function.nodes, dict[int, str]()
 
     def call(k: int, name: str) -> None:
-        if k not in names and name not in taken:
+        if k not in names and name not in used:
             names[k] = name
-            taken.add(name)
+            used.add(name)
 
     for label, k in function.named:
         call(k, label)
@@ -258,8 +260,8 @@ def printed_kernels(module: Module, scalar: str) -> tuple[Kernel, ...]:
 
 
 def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results], once: bool) -> Kernel:
-    taken = {"result", *(port.name for port in kernel.inputs)}
-    names = {k: name for name, k in reversed(kernel.named) if name not in taken}
+    used = {"result", *(port.name for port in kernel.inputs)}
+    names = {k: name for name, k in reversed(kernel.named) if name not in used}
     if len(set(names.values())) < len(names):
         names = {}
     code = body(kernel, str, _style(scalar), kernels=results, names=names, apart=_shared(kernel))

@@ -107,14 +107,14 @@ class Struct(NamedTuple):
     members: Mapping[str, str]
 
 
-def _identifier(name: str, taken: set[str]) -> str:
-    """A C identifier like ``name``, which is added to those ``taken``."""
+def _identifier(name: str, used: set[str]) -> str:
+    """A C identifier like ``name``, which is added to those ``used``."""
     result = re.sub(r"[^A-Za-z0-9_]", "_", name)
     if not result[:1].isalpha():
         result = "k" + result
-    while result in taken:
+    while result in used:
         result += "_"
-    taken.add(result)
+    used.add(result)
     return result
 
 
@@ -122,13 +122,13 @@ def _paths(ports: tuple[Port, ...]) -> dict[str, tuple[str, str]]:
     """Contract name -> (wheel or "", member), in C identifiers free of clashes at each level."""
     paths: dict[str, tuple[str, str]] = {}
     wheels = {"": ""}
-    taken: dict[str, set[str]] = {"": set()}
+    used: dict[str, set[str]] = {"": set()}
     for port in sorted(ports, key=lambda port: "." in port.name):  # a name without a dot keeps its own
         wheel, _, member = port.name.rpartition(".")
         if wheel not in wheels:
-            wheels[wheel] = _identifier(wheel, taken[""])
-            taken[wheel] = set()
-        paths[port.name] = wheels[wheel], _identifier(member, taken[wheel])
+            wheels[wheel] = _identifier(wheel, used[""])
+            used[wheel] = set()
+        paths[port.name] = wheels[wheel], _identifier(member, used[wheel])
     return paths
 
 

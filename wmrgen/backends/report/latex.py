@@ -212,7 +212,7 @@ def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[T
         powers = [next((g.power for g in t.factors if g.base == f.base), 0) for t in terms]
         if all(p > 0 for p in powers) or all(p < 0 for p in powers):
             shared.append(replace(f, power=min(powers, key=abs)))
-    taken = {f.base: f.power for f in shared}
+    common = {f.base: f.power for f in shared}
     # The common magnitude; negative when all terms are and nothing is collected.
     first = abs(terms[0].number)
     negative = all(t.number.sign < 0 for t in terms) and _TWIST.isdisjoint(map(_lead, terms))
@@ -222,7 +222,7 @@ def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[T
         return ONE, (), list(terms)
     rest = []
     for t in terms:
-        reduced = (replace(f, power=f.power - taken.get(f.base, 0)) for f in t.factors)
+        reduced = (replace(f, power=f.power - common.get(f.base, 0)) for f in t.factors)
         rest.append(Term(t.number / number, tuple(f for f in reduced if f.power)))
     return number, tuple(shared), rest
 

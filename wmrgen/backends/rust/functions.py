@@ -122,7 +122,7 @@ class _Printer:
         function = _hard(function)
         reads = {port: p.member(member) for p in parameters for port, member in p.reads.items()}
         names = {p.name for p in parameters}
-        code = body(function, reads.__getitem__, self.style, kernels=self.kernels, taken=names)
+        code = body(function, reads.__getitem__, self.style, kernels=self.kernels, reserved=names)
         texts = dict(zip((port.name for port in function.outputs), code.results, strict=True))
         results = tuple(p for p in parameters if p.returned)
         arguments = tuple(p for p in parameters if not p.returned)
@@ -139,7 +139,7 @@ class _Printer:
         """A private function whose arguments are numbers."""
         kernel = _hard(kernel)
         names = {port.name for port in kernel.inputs}
-        code = body(kernel, identifier, self.style, kernels=self.kernels, taken=names)
+        code = body(kernel, identifier, self.style, kernels=self.kernels, reserved=names)
         own = self.kernels[kernel.name]
         several = None if len(own.members) == 1 else (own.type, own.members)
         texts = zip(own.members, code.results, strict=True)

@@ -23,12 +23,12 @@ from wmrgen.ir.interval import Array, Interval
 class Bounded:
     """``value`` per point; ``error``: two rows, of code in the target's arithmetic and of ``value`` itself.
 
-    ``taken``: for choices, +1 and -1 where the outcome is sure, else 0, in the rows of ``error``.
+    ``outcome``: for choices, +1 and -1 where the outcome is sure, else 0, in the rows of ``error``.
     """
 
     value: Array
     error: Array
-    taken: Array | None = None
+    outcome: Array | None = None
 
 
 def rounded(value: Array, error: Array, unit: Array) -> Bounded:

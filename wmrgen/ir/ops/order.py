@@ -40,13 +40,13 @@ def _smaller(w: Walk, i: int, a: int, b: int) -> Value:
     """The smaller moves with one of the two, and no further than it."""
     x, y = w.ranges[a], w.ranges[b]
     away = np.minimum(w.away[a], w.away[b])
-    return _one_of_two(w, iv.smaller(x, y), away, {a: _taken(x, y), b: _taken(y, x)})
+    return _one_of_two(w, iv.smaller(x, y), away, {a: _derivative(x, y), b: _derivative(y, x)})
 
 
 def _larger(w: Walk, i: int, a: int, b: int) -> Value:
     x, y = w.ranges[a], w.ranges[b]
     away = np.minimum(w.away[a], w.away[b])
-    return _one_of_two(w, iv.larger(x, y), away, {a: _taken(y, x), b: _taken(x, y)})
+    return _one_of_two(w, iv.larger(x, y), away, {a: _derivative(y, x), b: _derivative(x, y)})
 
 
 def _less(a: Bounded, b: Bounded) -> Array:
@@ -90,38 +90,38 @@ def _choice(w: Walk, i: int, a: int, b: int, x: int, y: int) -> Value:
         np.where(always, p, np.where(never, q, choose(p, q)))
         for p, q, choose in zip(first, second, (np.minimum, np.maximum, np.minimum), strict=True)
     )
-    taken = {x: _taken(small, large), y: _taken(large, small)}
+    slopes = {x: _derivative(small, large), y: _derivative(large, small)}
     if x == y:
-        taken = {x: (np.ones(w.boxes), np.ones(w.boxes))}
-    return _one_of_two(w, (lo, hi), away, taken)
+        slopes = {x: (np.ones(w.boxes), np.ones(w.boxes))}
+    return _one_of_two(w, (lo, hi), away, slopes)
 
 
-def _one_of_two(w: Walk, value: Interval, away: Array, taken_by: Mapping[int, Interval]) -> Value:
-    """One of two values is off by no more than the one that is off more. ``taken_by``: derivatives, by value."""
-    counting = [k for k, (_, most) in taken_by.items() if np.any(most) and w.noisy[k]]
+def _one_of_two(w: Walk, value: Interval, away: Array, slopes: Mapping[int, Interval]) -> Value:
+    """One of two values is off by no more than the one that is off more. ``slopes``: derivatives, by value."""
+    counting = [k for k, (_, most) in slopes.items() if np.any(most) and w.noisy[k]]
     if len(counting) < 2:
-        return Value(value, tuple(Partial(k, taken_by[k]) for k in counting), away=away)
+        return Value(value, tuple(Partial(k, slopes[k]) for k in counting), away=away)
     errors = w.errors(counting)
-    taken = np.array([taken_by[k][1] for k in counting])
-    over = {j: (o * taken).max(axis=0) for j, o in errors.over.items()}
-    noise = Noise((errors.plain * taken).max(axis=0), over, frozenset[int]().union(*errors.divisions))
+    steepest = np.array([slopes[k][1] for k in counting])
+    over = {j: (o * steepest).max(axis=0) for j, o in errors.over.items()}
+    noise = Noise((errors.plain * steepest).max(axis=0), over, frozenset[int]().union(*errors.divisions))
     return Value(value, (), noise, away, widen=False)
 
 
-def _taken(small: Interval, large: Interval) -> Interval:
+def _derivative(small: Interval, large: Interval) -> Interval:
     """The derivative in what is chosen where small < large."""
     always, never = small[1] < large[0], small[0] > large[1]
     return np.where(always, 1.0, 0.0), np.where(never, 0.0, 1.0)
 
 
 def _choice_error(unit: Array, a: Bounded, b: Bounded, x: Bounded, y: Bounded) -> Bounded:
-    taken = _less(a, b)
+    outcome = _less(a, b)
     first = a.value < b.value
     value = np.where(first, x.value, y.value)
     apart = np.abs(x.value - y.value)
     either = np.where(first, np.maximum(x.error, apart + y.error), np.maximum(y.error, apart + x.error))
-    error = np.where(taken == 1, x.error, np.where(taken == -1, y.error, either))
-    return Bounded(value, error, taken)
+    error = np.where(outcome == 1, x.error, np.where(outcome == -1, y.error, either))
+    return Bounded(value, error, outcome)
 
 
 def _casadi_choice(ca: Any, a: Any, b: Any, x: Any, y: Any) -> Any:
@@ -156,7 +156,7 @@ def _clamped_range(x: Interval, m: Interval) -> Interval:
 def _clamp(w: Walk, i: int, a: int, m: int) -> Value:
     """clamp(a, m) moves with one of the two, and no further than it."""
     x, limit = w.ranges[a], w.ranges[m]
-    inside, outside = _taken(iv.absolute(x), limit), _taken(limit, iv.absolute(x))
+    inside, outside = _derivative(iv.absolute(x), limit), _derivative(limit, iv.absolute(x))
     away = np.minimum(w.away[a], limit[0])
     return _one_of_two(w, _clamped_range(x, limit), away, {a: inside, m: (-outside[1], outside[1])})
 
@@ -220,7 +220,7 @@ def _at_least(w: Walk, i: int, a: int, m: int) -> Value:
     x, least = w.ranges[a], w.ranges[m]
     lo = np.where(x[0] > least[1], x[0], np.where(x[0] > 0, least[0], np.minimum(x[0], -least[1])))
     hi = np.where(x[1] < -least[1], x[1], np.where(x[1] < 0, -least[0], np.maximum(x[1], least[1])))
-    inside, outside = _taken(iv.absolute(x), least), _taken(least, iv.absolute(x))
+    inside, outside = _derivative(iv.absolute(x), least), _derivative(least, iv.absolute(x))
     away = np.maximum(w.away[a], least[0])
     return _one_of_two(w, (lo, hi), away, {a: outside, m: (-inside[1], inside[1])})
 
@@ -228,7 +228,7 @@ def _at_least(w: Walk, i: int, a: int, m: int) -> Value:
 def _at_least_error(unit: Array, a: Bounded, m: Bounded) -> Bounded:
     size = Bounded(np.abs(a.value), a.error)
     kept = _extreme_error(size, m, np.maximum(size.value, m.value))
-    return replace(_with_sign_error(unit, kept, a), taken=kept.taken)
+    return replace(_with_sign_error(unit, kept, a), outcome=kept.outcome)
 
 
 def _casadi_at_least(ca: Any, a: Any, m: Any) -> Any:

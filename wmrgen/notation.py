@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import Literal
 
 from wmrgen.exact.number import Exact
 
@@ -15,6 +16,7 @@ _JOINTS = {
     "spin": r"\dot{\varphi}", "spin_rate": r"\ddot{\varphi}",
     "steer": r"\psi", "steer_rate": r"\dot{\psi}", "steer_acceleration": r"\ddot{\psi}",
 }  # fmt: skip
+Style = Literal["", "decimals", "fractions"]
 _COMPONENT = re.compile(r"([a-z])([xyz])")  # vx
 _ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")
 _READABLE = (2, 3, 4, 6, 7, 8, 9, 11, 12)  # denominators
@@ -42,13 +44,16 @@ def decimal(value: float) -> str:
     return rf"{digits}\cdot 10^{{{int(exponent)}}}" if e else digits
 
 
-def magnitude(value: Exact) -> tuple[str, str, bool]:
-    """|value| above and below the line, 1 as nothing; and whether a sum stands above."""
+def magnitude(value: Exact, style: Style = "") -> tuple[str, str, bool]:
+    """|value| above and below the line, 1 as nothing; and whether a sum stands above.
+
+    ``style``: decimals or fractions in place of the other, where both would do.
+    """
     value = abs(value)
     parts = [(p, root) for p, root in zip(value.parts, _ROOTS, strict=True) if p]
     if len(parts) == 1:
         p, root = parts[0]
-        short = _fraction(abs(p), bool(root))
+        short = _fraction(abs(p), bool(root), style)
         if short:
             above, below = short
             return ("" if above == "1" else above) + root, below, False
@@ -61,13 +66,16 @@ def magnitude(value: Exact) -> tuple[str, str, bool]:
     return "" if shown == "1" else shown, "", False
 
 
-def _fraction(f: Fraction, root: bool) -> tuple[str, str] | None:
+def _fraction(f: Fraction, root: bool, style: Style) -> tuple[str, str] | None:
     """Numerator and denominator, or an exact decimal and "", or None when neither is short."""
     if f.denominator == 1:
         return (str(f.numerator), "") if f.numerator < 10**7 else None
-    if f.denominator in _READABLE and f.numerator < (2 if f.denominator in (2, 4, 8) and not root else 100):
-        return str(f.numerator), str(f.denominator)
     exact = terminating(f)
+    if style == "decimals" and not root:
+        return exact or decimal(float(f)), ""
+    halves = f.denominator in (2, 4, 8) and not root and style != "fractions"
+    if f.denominator in _READABLE and f.numerator < (2 if halves else 100):
+        return str(f.numerator), str(f.denominator)
     if exact is not None:
         return exact, ""
     return (str(f.numerator), str(f.denominator)) if max(f.numerator, f.denominator) < 10**4 else None

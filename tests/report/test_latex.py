@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 from fractions import Fraction
+from typing import get_args
 
 import pytest
 import sympy
@@ -107,6 +108,11 @@ def test_a_long_sum_in_brackets_is_broken_inside_them() -> None:
         )
 
 
+def test_a_sum_of_roots_before_brackets_has_brackets() -> None:
+    names = Poly.sum(Poly.gen("param", f"parameter_{n}") for n in "abcdefghijk")
+    assert broken(names.scale(Exact(-1, 1))).startswith(r"\left(\sqrt{2}-1\right)\Bigl(")
+
+
 def test_formulas_of_symbols_have_their_value() -> None:
     ports = {
         n.replace(".", "_"): n for n in ("vx", "vy", "omega", "left.spin", "front.steer_rate", "front.steer")
@@ -151,6 +157,12 @@ def test_formulas_of_symbols_have_their_value() -> None:
         (cos_sin(A)[0] * COS * B, r"\mathit{half\_track}\,\cos\psi_{\mathrm{front}}\,\cos\left(a\right)"),
         (sqrt_poly(A + B) * R, r"r_{1}\,\sqrt{a+\mathit{half\_track}}"),
         (PI * A, r"\pi\,a"),
+        # one style of numbers in a sum: decimals, fractions, a root that all have before it
+        (VX.scale(Fraction(1, 2)) + VY.scale(Fraction(3, 10)), r"0.5\;v_x+0.3\;v_y"),
+        (VX.scale(Fraction(1, 3)) - VY.scale(Fraction(3, 10)), r"0.333333\;v_x-0.3\;v_y"),
+        (VX.scale(Fraction(25, 2)) + VY.scale(Exact(0, 0, Fraction(1, 2))), r"\frac{25}{2}\;v_x+\frac{\sqrt{3}}{2}\;v_y"),
+        (VX.scale(Exact(0, Fraction(1, 2))) - OMEGA.scale(Exact(0, Fraction(1, 5))),
+         r"\frac{\sqrt{2}}{2}\left(v_x-0.4\;\omega\right)"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )  # fmt: skip
@@ -168,7 +180,8 @@ def test_matrices() -> None:
 def test_magnitudes_have_their_value() -> None:
     for number in (drawn_number() for _ in range(200)):
         if number:
-            above, below, _ = notation.magnitude(number)
-            value = read(above or "1", {}) / read(below or "1", {})
-            assert abs(value) == pytest.approx(abs(float(number)), rel=5e-6)
-            assert not above.startswith("1\\") and "+1\\" not in above and "-1\\" not in above
+            for style in get_args(notation.Style):
+                above, below, _ = notation.magnitude(number, style)
+                value = read(above or "1", {}) / read(below or "1", {})
+                assert abs(value) == pytest.approx(abs(float(number)), rel=5e-6)
+                assert not above.startswith("1\\") and "+1\\" not in above and "-1\\" not in above

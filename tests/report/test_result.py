@@ -148,9 +148,9 @@ def test_the_joints_of_a_twist(name: str) -> None:
         if w.kind.steers or (w.kind.swivels and w.actuated):
             (line,) = [
                 line for line in text.split("\n")
-                if line.startswith("a &=") and notation.wheel(w.name) in line.partition("&& ")[2]
+                if line.startswith("v_{Ax} &=") and notation.wheel(w.name) in line.partition("&& ")[2]
             ]  # fmt: skip
-            one, two = re.findall(r"[ab] &= (.*?)(?=, & b| &&)", line)
+            one, two = re.findall(r"v_{A[xy]} &= (.*?)(?=, & v| &&)", line)
             assert (read(one, values), read(two, values)) == pytest.approx((a, b), rel=1e-5, abs=1e-9)
         elif w.has_spin and w.actuated:
             gamma = float(w.gamma) if w.kind.rollers else 0.0
@@ -162,15 +162,27 @@ def test_the_joints_of_a_twist(name: str) -> None:
 
 @pytest.mark.parametrize("turned", [0.0, 2.5])
 def test_a_steered_wheel_rolls_at_both_angles(turned: float) -> None:
-    """What is printed for steered wheels: tan psi = b / a, and the speed along the wheel."""
+    """What is printed for steered wheels: tan psi = v_Ay / v_Ax, and the speed along the wheel."""
     text = part("wpilib_swervebot", "Inverse", "Forward")
-    assert (
-        r"\tan\psi &= \frac{b}{a}, & \dot{\varphi} &= \frac{1}{r}\left(a\cos\psi + b\sin\psi\right)" in text
+    assert r"\tan\psi &= \frac{v_{Ay}}{v_{Ax}}, & " in text
+    vx, vy, r = -0.3, 0.7, 0.0508
+    psi = atan2(vy, vx) + (np.pi if turned else 0.0)
+    values = {"v_{Ax}": vx, "v_{Ay}": vy, notation.parameter("radius"): r, r"\psi": psi}
+    spin = read(text.partition(r"\dot{\varphi} &= ")[2].partition("\n")[0], values)
+    assert (spin * r * cos(psi), spin * r * sin(psi)) == pytest.approx((vx, vy))
+
+
+def test_no_letter_of_a_result_has_two_meanings() -> None:
+    """A robot whose half-lengths are a and b, whose wheels have the sizes that its file says, or different ones."""
+    text = part("textbook_two_steer", "Inverse", "Forward")
+    assert r"v_{Ax} &= v_x-b\;\omega, & v_{Ay} &= v_y+a\;\omega && (\mathrm{front})" in text
+    assert r"\dot{\varphi} &= \frac{v_{Ax}\cos\psi + v_{Ay}\sin\psi}{0.1}" in text
+    wheels = "".join(
+        f"  - {{name: w{k}, type: steered, x: {x}, y: 0, heading: 0, r: {r}, offset_y: 0.02}}\n"
+        for k, (x, r) in enumerate(((0.3, 0.1), (-0.3, 0.2)))
     )
-    a, b, r = -0.3, 0.7, 0.05
-    psi = atan2(b, a) + (np.pi if turned else 0.0)
-    spin = read(r"\frac{1}{r}\left(a\cos\psi + b\sin\psi\right)", {"a": a, "b": b, "r": r, r"\psi": psi})
-    assert (spin * r * cos(psi), spin * r * sin(psi)) == pytest.approx((a, b))
+    page = page_written(f"wmrgen: 1\nname: sample\nwheels:\n{wheels}")
+    assert r"\frac{v_{Ax}\cos\psi + v_{Ay}\sin\psi - 0.02\,\omega}{r}" in page
 
 
 @pytest.mark.parametrize("name", ["nomad_xr4000", "tidybot2"])
@@ -180,11 +192,21 @@ def test_the_rates_of_a_driven_castor(name: str) -> None:
     shown = re.search(r"\\dot\{\\psi\} &= (.*), & \\dot\{\\varphi\} &= (.*)", text)
     assert shown
     a, b, omega, r, d, o, psi, h = 0.4, -0.3, 0.7, 0.05, -0.04, 0.02, 0.6, 2.1
-    if "o\\left" not in shown[2]:
+    if "b_{y}" not in shown[2]:
         o = 0.0
     if "h+" not in shown[2]:
         h = 0.0
-    values = {"a": a, "b": b, r"\omega": omega, "r": r, "d": d, "o": o, r"\psi": psi, "h": h}
+    values = {
+        "v_{Ax}": a,
+        "v_{Ay}": b,
+        r"\omega": omega,
+        "r": r,
+        r"\psi": psi,
+        "h": h,
+        "b_{x}": d,
+        "b_{y}": o,
+    }
+    values[notation.parameter("trail")] = -d
     rate = read(shown[1], values)
     spin = read(shown[2], values | {r"\dot{\psi}": rate})
     along, left = np.array([cos(h + psi), sin(h + psi)]), np.array([-sin(h + psi), cos(h + psi)])

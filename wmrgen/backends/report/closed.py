@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.forward import distinct, fits_of
-from wmrgen.backends.report.latex import broken, latex, summands, terms, wrapped
+from wmrgen.backends.report.latex import WIDE, broken, latex, summands, terms, width, wrapped
 from wmrgen.backends.report.letters import by_three, heads, in_letters
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, math
 from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
@@ -50,34 +50,59 @@ def _pivots(wheels: list[Wheel], twist: Row) -> list[str]:
     castors = wheels[0].kind.swivels
     turned = any(w.heading for w in wheels)
     psi = r"\left(h+\psi\right)" if turned else r"\psi"
-    zero = "with h its heading at ψ = 0" if turned else ""
+    zero = ", with h its heading at ψ = 0" if turned else ""
     noun = "driven castor" if castors else "steered wheel"
     who = f"Each {noun}" if len(wheels) > 1 else f"The {noun} {code(wheels[0].name)}"
-    along = rf"a\cos{psi} + b\sin{psi}"
+    views = [working_view(w) for w in wheels]
+    r, d, o = (_of_all(own, name) for name, own in (
+        ("r", [g.r for g in views]), ("d", [g.d for g in views]), ("o", [g.o for g in views])
+    ))  # fmt: skip
+    rim, across = rf"v_{{Ax}}\cos{psi} + v_{{Ay}}\sin{psi}", rf"v_{{Ax}}\sin{psi} - v_{{Ay}}\cos{psi}"
+    velocity = "velocity (v<sub>Ax</sub>, v<sub>Ay</sub>) of its pivot A"
     if castors:
-        shift = r"-o\left(\omega + \dot{\psi}\right)" if any(w.nominal.o for w in wheels) else ""
-        words = f"{who} has both rates from the velocity (a, b) of its pivot{f', {zero}' if zero else ''}:"
-        first = rf"\dot{{\psi}} &= \frac{{1}}{{d}}\left(a\sin{psi} - b\cos{psi}\right) - \omega"
+        shift = rf" - {o}\left(\omega + \dot{{\psi}}\right)" if o != "0" else ""
+        words = f"{who} has both rates from the {velocity}{zero}:"
+        first = rf"\dot{{\psi}} &= {_over(across, d)} - \omega"
     else:
-        shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
-        words = (
-            f"{who} stands along the velocity (a, b) of its pivot{f', {zero},' if zero else ','} and rolls as fast, "
-            "forwards or backwards:"
-        )
-        first = rf"\tan{psi} &= \frac{{b}}{{a}}"
+        shift = rf" - {o}\,\omega" if o != "0" else ""
+        words = f"{who} stands along the {velocity}{zero}, and rolls as fast, forwards or backwards:"
+        first = rf"\tan{psi} &= \frac{{v_{{Ay}}}}{{v_{{Ax}}}}"
     return [
         words,
         *aligned([
             *(f"{text} && ({', '.join(names)})" for text, names in velocities.items()),
-            rf"{first}, & \dot{{\varphi}} &= \frac{{1}}{{r}}\left({along}{shift}\right)",
+            rf"{first}, & \dot{{\varphi}} &= {_over(rim + shift.replace('- -', '+ '), r)}",
         ]),
     ]  # fmt: skip
 
 
+def _of_all(lengths: list[Poly], letter: str) -> str:
+    """A length that all wheels have; the letter of the layout table where they differ, and for a sum."""
+    first, *others = lengths
+    return latex(first) if all(p == first for p in others) and len(first.terms) < 2 else letter
+
+
+def _over(above: str, below: str) -> str:
+    """A fraction with its sign before it."""
+    length = below.removeprefix("-")
+    return rf"{'-' * (length != below)}\frac{{{above}}}{{{length}}}"
+
+
 def spin_rate(w: Wheel, twist: Row) -> str:
     g = working_view(w)
-    spin = dot(driving_row(w, g), twist) * g.rolling_radius.inverse()
-    return f"{notation.port(f'{w.name}.spin')} &= {broken(spin)}"
+    rim, radius = dot(driving_row(w, g), twist), g.rolling_radius
+    above = latex(rim)
+    rational = all(c.is_rational for p in (rim, radius) for c in p.terms.values())
+    if len(rim.terms) > 1 and radius.constant and rational and width(above) <= WIDE and not _short(radius):
+        spin = _over(above, latex(radius))
+    else:
+        spin = broken(rim * radius.inverse())
+    return f"{notation.port(f'{w.name}.spin')} &= {spin}"
+
+
+def _short(radius: Poly) -> bool:
+    """Whether 1 / radius is a number of few digits."""
+    return all(notation.terminating(c.parts[0]) for c in radius.inverse().terms.values())
 
 
 def swivel_rate(w: Wheel, twist: Row) -> str:
@@ -107,7 +132,7 @@ def pivot_velocity(w: Wheel, twist: Row) -> str:
     """The components of the pivot's velocity, aligned."""
     g = working_view(w)
     a, b = dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
-    return f"a &= {latex(a)}, & b &= {latex(b)}"
+    return f"v_{{Ax}} &= {latex(a)}, & v_{{Ay}} &= {latex(b)}"
 
 
 def closed_forward(d: Derivation) -> list[str]:

@@ -92,17 +92,18 @@ def _narrow_wheels(robot: Robot, wheels: list[Wheel], twist: Row) -> list[Wheel]
 
 def _nearer(shift: str) -> list[str]:
     return [
-        "A steered wheel has to point along the velocity (a, b) of its pivot, a = v<sub>x</sub> − y ω and "
-        "b = v<sub>y</sub> + x ω. Seen from the wheel as it stands, at angle ψ, that velocity has a component u along "
-        "the wheel and w across it, where h is the wheel's heading at ψ = 0. Two headings roll, half a turn apart. The "
-        "nearer one is at most 90° away; it is reached by driving backwards when u < 0:",
+        "A steered wheel has to point along the velocity of its pivot A, v<sub>Ax</sub> = v<sub>x</sub> − y ω and "
+        "v<sub>Ay</sub> = v<sub>y</sub> + x ω. Seen from the wheel as it stands, at angle ψ, that velocity has a "
+        "component u along the wheel and w across it, where h is the wheel's heading at ψ = 0. Two headings roll, half "
+        "a turn apart. The nearer one is at most 90° away; it is reached by driving backwards when u < 0:",
         *aligned([
-            r"u &= a\cos(h+\psi) + b\sin(h+\psi), & w &= b\cos(h+\psi) - a\sin(h+\psi)",
+            r"u &= v_{Ax}\cos(h+\psi) + v_{Ay}\sin(h+\psi), & w &= v_{Ay}\cos(h+\psi) - v_{Ax}\sin(h+\psi)",
             rf"\Delta &= \mathrm{{atan2}}\left(\pm w, |u|\right), & \psi^{{+}} &= \psi + \Delta, \qquad "
-            rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{a^2+b^2}}{shift}}}{{r}}, \qquad "
+            rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{v_{{Ax}}^2+v_{{Ay}}^2}}{shift}}}{{r}}, \qquad "
             r"\pm = \begin{cases} - & u < 0 \\ + & u \ge 0 \end{cases}",
         ]),
-        "With a = b = 0 the pivot is the ICR and any heading rolls: atan2(0, 0) = 0 holds the present one.",
+        "With v<sub>Ax</sub> = v<sub>Ay</sub> = 0 the pivot is the ICR and any heading rolls: atan2(0, 0) = 0 "
+        "holds the present one.",
     ]  # fmt: skip
 
 
@@ -130,10 +131,10 @@ def _narrow(ranges: str, shift: str) -> list[str]:
     return [
         f"Steering is limited to less than a quarter turn: {ranges}. At most one of the two headings "
         "that roll lies inside, and the wheel takes the angle inside at which it slides least. Seen from the "
-        "middle m of the limits, which are 2ρ apart, the pivot's velocity (a, b) is p along the wheel and q across it, "
-        "h being the wheel's heading at ψ = 0:",
+        "middle m of the limits, which are 2ρ apart, the velocity (v<sub>Ax</sub>, v<sub>Ay</sub>) of its pivot "
+        "A is p along the wheel and q across it, h being the wheel's heading at ψ = 0:",
         *aligned([
-            r"p &= a\cos(h+m) + b\sin(h+m), & q &= b\cos(h+m) - a\sin(h+m)",
+            r"p &= v_{Ax}\cos(h+m) + v_{Ay}\sin(h+m), & q &= v_{Ay}\cos(h+m) - v_{Ax}\sin(h+m)",
             r"t &= \min\left(\max\left(\frac{q}{p}, -\tan\rho\right), \tan\rho\right), & "
             r"\psi^{+} &= m + \arctan t, & "
             rf"\dot{{\varphi}} &= \frac{{1}}{{r}}\left(\frac{{p + q\,t}}{{\sqrt{{1+t^2}}}}{shift}\right)",

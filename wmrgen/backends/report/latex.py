@@ -159,19 +159,20 @@ def wrapped(parts: Sequence[str], limit: int = WIDE) -> str:
 def pieces(terms: Sequence[Term]) -> list[str]:
     """The signed summands of a sum, each beginning with + or -."""
     if len(terms) < 2:
-        return [_product(t.number, t.factors) for t in terms]
+        return [_product(t.number, t.factors, style=t.style) for t in terms]
     number, common, rest = pulled_out(terms)
     if common or number != 1:
         return [_product(number, common, total(rest))]
+    terms = _alike(terms)
     groups: dict[str, list[Term]] = {}
     for t in sorted(terms, key=_key):
         groups.setdefault(_lead(t), []).append(t)
     signed: list[str] = []
     for lead, members in groups.items():
         if not lead or len(members) == 1:
-            signed += [_product(t.number, t.factors) for t in members]
+            signed += [_product(t.number, t.factors, style=t.style) for t in members]
             continue
-        rest = [Term(t.number, tuple(f for f in t.factors if f.base != lead)) for t in members]
+        rest = [replace(t, factors=tuple(f for f in t.factors if f.base != lead)) for t in members]
         inside = pieces(rest)
         one = inside[0] if len(inside) == 1 else rf"+\left({total(rest)}\right)"
         signed.append(f"{one}{lead}" if one.endswith(")") else f"{one}{_SPACE}{lead}")
@@ -179,6 +180,17 @@ def pieces(terms: Sequence[Term]) -> list[str]:
     if two_joints or not any(groups):
         return sorted(signed, key=lambda piece: piece.startswith("-"))
     return signed
+
+
+def _alike(terms: Sequence[Term]) -> Sequence[Term]:
+    """The terms with one style of numbers: no halves beside decimals."""
+    if any(t.style for t in terms):
+        return terms
+    shown = [notation.magnitude(t.number) for t in terms]
+    if not (any("." in above for above, _, _ in shown) and any(below for _, below, _ in shown)):
+        return terms
+    exact = all("." not in notation.magnitude(t.number, "fractions")[0] for t in terms)
+    return [replace(t, style="fractions" if exact else "decimals") for t in terms]
 
 
 def summands(terms: Sequence[Term]) -> list[str]:
@@ -190,9 +202,9 @@ def summands(terms: Sequence[Term]) -> list[str]:
     inside = pieces(rest)
     if len(inside) < 2:
         return parts
-    head = _product(number, common)
-    head = head[:1] if head in ("+1", "-1") else head
-    return [rf"{head}\Bigl({inside[0].removeprefix('+')}", *inside[1:-1], rf"{inside[-1]}\Bigr)"]
+    head, bracket, after = _product(number, common, total(rest)).partition(rf"\left({total(rest)}\right)")
+    head = head if bracket else _product(number, common)
+    return [rf"{head}\Bigl({inside[0].removeprefix('+')}", *inside[1:-1], rf"{inside[-1]}\Bigr){after}"]
 
 
 def _lead(t: Term) -> str:
@@ -228,17 +240,25 @@ def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[T
 
 
 def _over_common(terms: Sequence[Term]) -> Exact:
-    """1/6 of halves and thirds, where each number is written as a fraction of small numbers; else 1."""
+    """1/6 of halves and thirds, where each number is written as a fraction of small numbers; a root that all numbers
+    have; else 1."""
+    first = abs(terms[0].number)
+    if (
+        not first.is_rational
+        and not notation.magnitude(first)[2]
+        and all((t.number / first).is_rational for t in terms)
+    ):
+        return first
     below = [notation.magnitude(t.number)[1] for t in terms]
     common = lcm(*map(int, below)) if all(below) else 1
     return Exact(1) / Exact(common if common <= _COMMON else 1)
 
 
-def _product(number: Exact, factors: Iterable[Factor], inner: str = "") -> str:
+def _product(number: Exact, factors: Iterable[Factor], inner: str = "", style: notation.Style = "") -> str:
     """One signed summand; ``inner`` is a sum that is multiplied with it."""
     sign = "-" if number.sign < 0 else "+"
     ordered = sorted(factors, key=lambda f: (f.rank, f.order))
-    head, divisor, is_sum = notation.magnitude(number)
+    head, divisor, is_sum = notation.magnitude(number, style)
     above = [f.shown() for f in ordered if f.power > 0 and f.rank < 2]
     leads = "".join(f"{_SPACE}{f.shown()}" for f in ordered if f.power > 0 and f.rank == 2)
     below = [f for f in ordered if f.power < 0]

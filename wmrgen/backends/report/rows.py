@@ -223,7 +223,13 @@ def _quotient(above: Poly, below: Poly) -> str:
         quotient = over(top, bottom[0])
         if all(f.power > 0 for t in quotient for f in t.factors):
             return total(quotient)
-    return rf"\frac{{{total(top)}}}{{{total(bottom)}}}" if top else "0"
+    if not top:
+        return "0"
+    sign = "-" if len(pieces(top)) == 1 and total(top).startswith("-") else ""
+    shown = total(top).removeprefix(sign)
+    if sign and shown.startswith(r"\left("):
+        shown = shown.removeprefix(r"\left(").removesuffix(r"\right)")
+    return rf"{sign}\frac{{{shown}}}{{{total(bottom)}}}"
 
 
 def _motion(c: Row) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from wmrgen.exact.number import Exact
+from wmrgen.notation import Style
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +33,11 @@ class Factor:
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """number * product of factors"""
+    """number * product of factors. ``style``: how the sum it stands in writes numbers, see `notation.magnitude`."""
 
     number: Exact
     factors: tuple[Factor, ...]
+    style: Style = ""
 
 
 def merged(factors: Iterable[Factor]) -> tuple[Factor, ...]:

@@ -135,3 +135,24 @@ def test_what_is_no_mesh_gives_no_hint(
     hints: Callable[..., dict[str, list[str]]], name: str, data: bytes | None
 ) -> None:
     assert hints(name, data)["left.r"] == []
+
+
+@pytest.mark.parametrize(("scale", "is_gear"), [("0.1", True), ("0.8", False)])
+def test_the_mesh_of_a_gear_does_not_reach_the_ground(
+    wmrgen_cli: Cli, tmp_path: Path, scale: str, is_gear: bool
+) -> None:
+    """In the middle of an axle stands a wheel where its mesh reaches about as far as those of the others."""
+    (tmp_path / "a.obj").write_bytes(obj(1.0))
+    (tmp_path / "probe.urdf").write_text(
+        robot(
+            *(
+                f'<link name="{n}"><visual><origin rpy="{-TURN} 0 0"/><geometry><mesh filename="a.obj" '
+                f'scale="{k} {k} {k}"/></geometry></visual></link>' + joint(n, "base_link", n, f"0 {y} 0.1")
+                for n, y, k in (("left", 0.2, "1"), ("right", -0.2, "1"), ("middle", 0, scale))
+            )
+        ),
+        encoding="utf-8",
+    )
+    done = wmrgen_cli("import", tmp_path / "probe.urdf", "--json")
+    assert ("middle" in [w["name"] for w in json.loads(done.out)["wheels"]]) is not is_gear
+    assert ("it reaches 0.008 m from it, they 0.08 m: the gear of a differential" in done.err) is is_gear

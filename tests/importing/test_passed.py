@@ -16,6 +16,7 @@ from tests.importing.urdf import cylinder, joint, link, pair, robot, wheel
 Cli = Callable[..., Outcome]
 Import = Callable[..., dict[str, Any]]
 LIMITS = '<limit lower="-1" upper="1"/>'
+MESH = '<mesh filename="package://x/wheel.stl"/>'
 
 
 @pytest.fixture
@@ -29,6 +30,7 @@ def read(wmrgen_cli: Cli, tmp_path: Path) -> Import:
             "names": [w["name"] for w in said["wheels"]],
             "asked": {(q["wheel"], q["key"]): q["hints"] for q in said["questions"]},
             "notes": done.err,
+            "text": (tmp_path / "probe.yaml").read_text(encoding="utf-8") if done.code == 0 else "",
         }
 
     return call
@@ -114,6 +116,31 @@ def test_the_middle_wheel_of_a_simulator(read: Import, drawn: bool) -> None:
     assert ("between 'fl_joint' and 'fr_joint', which touch nothing" in said["notes"]) is not drawn
 
 
+@pytest.mark.parametrize(
+    ("geometry", "at", "wheels", "is_gear"),
+    [
+        ("", "0 0 0", "", True),
+        (MESH, "0 0 0", "", True),
+        (MESH, "0 0 0", MESH, True),
+        (cylinder("0.03"), "0 0 0", "", True),
+        (cylinder("0.09"), "0 0 0", "", False),  # it stands, too
+        (MESH, "0 0.02 0", "", False),  # off the middle
+        (MESH, "0.1 0 0", "", False),  # before the axle
+    ],
+)
+def test_the_gear_of_a_differential(read: Import, geometry: str, at: str, wheels: str, is_gear: bool) -> None:
+    """It turns in the middle of an axle and does not reach the ground; what drives it drives the wheels."""
+    base = link("axle") + joint("axle", "base_link", "axle", "0 0 0.1", "fixed", "")
+    rear = [wheel(n, f"0 {y} 0", wheels, "axle") for n, y in (("rl", 0.2), ("rr", -0.2))]
+    gear = link("gear_link", geometry) + joint("gear", "axle", "gear_link", at)
+    motor = '<transmission><joint name="gear"/></transmission>'
+    said = read(robot(base, *rear, wheel("front", "0.4 0.1 0.1"), gear, motor))
+    assert ("gear" not in said["names"]) is is_gear and {"rl", "rr", "front"} <= {*said["names"]}
+    words = "'gear' is not taken for a wheel: it turns in the middle of the axle of 'rl_joint' and 'rr_joint'"
+    assert (words in said["notes"]) is is_gear
+    assert ("actuated: []" in said["text"].partition("name: rr")[2].partition("name: ")[0]) is not is_gear
+
+
 def test_fingers_are_no_wheels(read: Import) -> None:
     """Upright under an upright joint, as a steered wheel is whose axis is written wrongly, but at the end of an arm."""
     parts = []
@@ -139,9 +166,6 @@ def test_many_wheels_that_are_drawn_or_touch_take_no_longer(read: Import) -> Non
     start = time.process_time()
     assert len(read(robot(*parts))["names"]) == 400
     assert time.process_time() - start < 8  # 30 s where all were
-
-
-MESH = '<mesh filename="package://x/wheel.stl"/>'
 
 
 @pytest.mark.parametrize(

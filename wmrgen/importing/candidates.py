@@ -16,7 +16,7 @@ from fractions import Fraction
 from wmrgen.importing.frames import dot, plus, transposed, turned, unit
 from wmrgen.importing.passed import UNTOLD, Passed, no_wheel, nothing_told, off_the_ground, wheel_like
 from wmrgen.importing.records import RIGID, Joint, Vector
-from wmrgen.importing.view import COAXIAL, EVEN, UNSEEN, UPRIGHT, Candidate, Robot, Z
+from wmrgen.importing.view import COAXIAL, EVEN, SUNK, UNSEEN, UPRIGHT, Candidate, Robot, Z
 from wmrgen.spec.text import quoted
 
 LEVEL = math.sin(math.radians(12))
@@ -31,8 +31,7 @@ def candidates(robot: Robot) -> tuple[list[Candidate], list[Passed]]:
     turning = [c for joint in joints if (c := _spin(robot, joint) or _steer_only(robot, joint))]
     rollers = {roller.child for c in turning for roller in c.rollers}
     turning = [c for c in turning if c.joint.child not in rollers]
-    drawn = [c for c in turning if robot.roles(c.joint.child) == {"visual"}]
-    passed = [Passed(c.joint, why) for c in turning if (why := no_wheel(robot, c, drawn))]
+    passed = [none for c in turning if (none := no_wheel(robot, c, turning))]
     spins = [c for c in turning if all(c.joint is not each.joint for each in passed)]
     wheels = _mirrored(_on_ground(robot, spins), spins)
     wheels += [c for joint in joints if (c := _limited(robot, joint)) and any(_mirrors(c, w) for w in wheels)]
@@ -224,7 +223,7 @@ def _on_ground(robot: Robot, wheels: list[Candidate]) -> list[Candidate]:
             highest = min((z for z in above if z <= lowest + 4 * UNSEEN), default=highest)
         return [w for w in wheels if w.centre[2] <= highest]
     lowest = min(w.lowest for w in shaped)
-    standing = [w for w in shaped if w.lowest - lowest <= w.radius * Fraction(35, 100) + EVEN]
+    standing = [w for w in shaped if w.lowest - lowest <= w.radius * SUNK + EVEN]
     reach = _reach(robot, standing)
     least = reach / 20 + EVEN
     meshes = [w for w in wheels if not w.shape and least < w.centre[2] - lowest <= UNSEEN + reach]

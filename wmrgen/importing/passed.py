@@ -5,20 +5,22 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from wmrgen.importing.frames import dot, plus
-from wmrgen.importing.records import Joint
-from wmrgen.importing.view import COAXIAL, EVEN, Candidate, Robot
+from wmrgen.importing.records import Description, Joint
+from wmrgen.importing.view import COAXIAL, EVEN, SUNK, Candidate, Robot
 from wmrgen.spec.text import quoted
 
 
 @dataclass(frozen=True, slots=True)
 class Passed:
-    """A joint that turns as a wheel's does, and ``why`` it is none."""
+    """A joint that turns as a wheel's does, and ``why`` it is none. ``axle``: the joints of the wheels between which it
+    is the gear of a differential."""
 
     joint: Joint
     why: str
+    axle: tuple[str, ...] = ()
 
     @property
     def note(self) -> str:
@@ -52,19 +54,57 @@ def off_the_ground(c: Candidate, wheels: Sequence[Candidate]) -> str:
     return f"{what} {abs(height):.3g} m {'below' if height < 0 else 'above'} the ground on which the wheels stand"
 
 
-def no_wheel(robot: Robot, c: Candidate, drawn: Sequence[Candidate]) -> str:
-    """Why what turns as a wheel does is none, wherever the ground is; empty for what may be one. ``drawn``: what is
-    only drawn."""
+def no_wheel(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> Passed | None:
+    """What turns as a wheel does, or is fixed, and is none wherever the ground is; None for what may be one.
+    ``turning``: all that turns so."""
     leaders = {joint.mimic[0] for joint in robot.description.joints if joint.mimic}
     roles = robot.roles(c.joint.child)
     if roles == {"visual"} and leaders & {c.joint.name, c.steer.name if c.steer else ""}:
-        return "it is drawn, touches nothing, and others mimic it"
+        return Passed(c.joint, "it is drawn, touches nothing, and others mimic it")
     if reach := _reaches_aside(robot, c):
-        return f"its body reaches {reach:.3g} m to one side of the axle, as a flipper or an arm does"
-    if roles == {"collision"} and (ends := _between(c, drawn)):
-        names = " and ".join(quoted(end.joint.name) for end in ends)
-        return f"it is not drawn and stands in the middle between {names}, which touch nothing: a simulator's"
-    return ""
+        why = f"its body reaches {reach:.3g} m to one side of the axle, as a flipper or an arm does"
+        return Passed(c.joint, why)
+    if roles == {"collision"}:
+        drawn = [w for w in turning if robot.roles(w.joint.child) == {"visual"}]
+        if ends := _between(c, drawn):
+            why = f"it is not drawn and stands in the middle between {_named(ends)}, which touch nothing: a simulator's"
+            return Passed(c.joint, why)
+    return _gear(robot, c, turning) if c.joint.moves else None
+
+
+def _gear(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> Passed | None:
+    """What turns in the middle of an axle, and by its shape and its meshes does not reach the ground as the wheels on
+    it do: the gear of a differential."""
+    ends = () if c.steer else _between(c, [w for w in turning if not w.steer])
+    if not ends:
+        return None
+    own, radius = _radius(robot, c), max(_radius(robot, w) for w in ends)
+    if own and (not radius or own >= radius * float(1 - SUNK) - float(EVEN)):
+        return None
+    reach = (
+        f"it reaches {own:.3g} m from it, they {radius:.3g} m" if own else "nothing says how far it reaches"
+    )
+    why = f"it turns in the middle of the axle of {_named(ends)}, and {reach}: the gear of a differential"
+    return Passed(c.joint, why, tuple(w.joint.name for w in ends))
+
+
+def _radius(robot: Robot, c: Candidate) -> float:
+    """The radius of a wheel's shape, else how far its meshes reach from the axle [m]; 0 where neither says it."""
+    meshes = () if c.shape else robot.meshes(c)
+    return (
+        float(c.radius) if c.shape else max((bounds.radius for _, _, bounds in meshes if bounds), default=0.0)
+    )
+
+
+def _named(ends: Sequence[Candidate]) -> str:
+    return " and ".join(quoted(end.joint.name) for end in ends)
+
+
+def with_gears(description: Description, passed: Sequence[Passed]) -> Description:
+    """The description, in which what drives the gear of a differential drives the wheels on its axle."""
+    driven = description.driven or frozenset()
+    wheels = {joint for each in passed if each.joint.name in driven for joint in each.axle}
+    return replace(description, driven=driven | wheels) if wheels else description
 
 
 def _reaches_aside(robot: Robot, c: Candidate) -> float:
@@ -80,12 +120,14 @@ def _reaches_aside(robot: Robot, c: Candidate) -> float:
     return 0.0 if balanced or dot(far, far) <= c.radius**2 else math.sqrt(dot(far, far))
 
 
-def _between(c: Candidate, drawn: Sequence[Candidate]) -> tuple[Candidate, ...]:
-    """Two of few that are only drawn, of which each is the mirror image of the other in the middle ``c``."""
-    level = [w for w in drawn[: _FEW + 1] if abs(dot(w.axis, c.axis)) > COAXIAL]
-    for i, a in enumerate(level if len(drawn) <= _FEW else []):
+def _between(c: Candidate, others: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """Two of few ``others`` on the axle of ``c``, each the mirror image of the other in the middle ``c``."""
+    level = [w for w in others[: _FEW + 1] if w is not c and abs(dot(w.axis, c.axis)) > COAXIAL]
+    for i, a in enumerate(level if len(others) <= _FEW else []):
         for b in level[:i]:
+            apart = plus(a.origin, b.origin, -1)
+            across = plus(apart, c.axis, -dot(apart, c.axis))
             off = plus(plus(a.origin, b.origin), c.origin, -2)
-            if dot(off, off) < EVEN**2:
+            if dot(off, off) < EVEN**2 and dot(across, across) < EVEN**2:
                 return b, a
     return ()

@@ -6,8 +6,7 @@ import math
 from collections.abc import Iterator
 from fractions import Fraction
 
-from wmrgen.importing.frames import composed, dot, plus
-from wmrgen.importing.meshes import Reach, reach
+from wmrgen.importing.frames import dot, plus
 from wmrgen.importing.records import Question, Vector
 from wmrgen.importing.view import Candidate, Robot
 from wmrgen.spec.text import quoted
@@ -78,7 +77,7 @@ def _height_above_ground(robot: Robot, c: Candidate) -> tuple[str, Fraction] | N
 def size_asked(robot: Robot, c: Candidate, name: str, lateral: Fraction | None) -> Iterator[Question]:
     """The radius; and the wheel's plane along the axle, where its meshes do not stand about the joint, or are not at
     hand and look as if they did not. ``lateral``: the joint's, left of the steering axis."""
-    meshes = [] if c.unsure else list(_meshes(robot, c))
+    meshes = [] if c.unsure else list(robot.meshes(c))
     seen = [(words, bounds) for words, _, bounds in meshes if bounds]
     text = "no cylinder or sphere about the axle gives the radius: measure it, ground to axle under load"
     hints = [f"{bounds.radius:.6g} by the {words}" for words, bounds in seen]
@@ -99,20 +98,6 @@ def size_asked(robot: Robot, c: Candidate, name: str, lateral: Fraction | None) 
         for words, shift in off.items()
     ]
     yield Question(name, key, text, (f"{at:.6g} at the joint", *hints))
-
-
-def _meshes(robot: Robot, c: Candidate) -> Iterator[tuple[str, float, Reach | None]]:
-    """The meshes of a wheel's body in words, how far their origins are off the joint along the axle, and how far they
-    reach where their file is at hand."""
-    link = c.joint.child
-    for each in (link, *(joint.child for joint in robot.under(link, rigid=True))):
-        for shape in robot.description.shapes.get(each, ()):
-            if shape.uri:
-                data = robot.description.file_of(shape.uri)
-                where = composed(robot.frame(each), shape.frame)
-                words = f"{shape.role} mesh {quoted(shape.uri.rsplit('/', 1)[-1])}"
-                bounds = reach(data, shape.uri, shape.scale, where, c.origin, c.axis) if data else None
-                yield words, float(dot(plus(where.origin, c.origin, -1), c.axis)), bounds
 
 
 def _radii_told(robot: Robot) -> list[str]:

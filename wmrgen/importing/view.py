@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from wmrgen.importing.frames import ancestors, composed, dot, inverse, parents, plus, pose, turned, unit
+from wmrgen.importing.meshes import Reach, reach
 from wmrgen.importing.read import refuse
 from wmrgen.importing.records import MODEL, Description, Frame, Joint, Vector
 from wmrgen.spec.text import quoted
@@ -17,6 +18,7 @@ UPRIGHT = math.cos(math.radians(15))
 COAXIAL = 0.99  # cosine
 UNSEEN = Fraction(5, 100)  # [m] the radius of a wheel that is a mesh, where one must be supposed
 EVEN = Fraction(5, 1000)  # [m] by which the ground may be uneven
+SUNK = Fraction(35, 100)  # of its radius: as far a wheel may end above the lowest, and stand with it
 X, Z = (Fraction(1), Fraction(0), Fraction(0)), (Fraction(0), Fraction(0), Fraction(1))
 
 
@@ -125,6 +127,18 @@ class Robot:
         """Whether a link, with what is fixed to it, touches (collision), is drawn (visual), or both."""
         links = (link, *(joint.child for joint in self.under(link, rigid=True)))
         return {shape.role for each in links for shape in self.description.shapes.get(each, ())}
+
+    def meshes(self, c: Candidate) -> Iterator[tuple[str, float, Reach | None]]:
+        """The meshes of a wheel's body in words, how far their origins are off the joint along the axle, and how far
+        they reach where their file is at hand."""
+        for each in (c.joint.child, *(joint.child for joint in self.under(c.joint.child, rigid=True))):
+            for shape in self.description.shapes.get(each, ()):
+                if shape.uri:
+                    data = self.description.file_of(shape.uri)
+                    where = composed(self.frame(each), shape.frame)
+                    words = f"{shape.role} mesh {quoted(shape.uri.rsplit('/', 1)[-1])}"
+                    bounds = reach(data, shape.uri, shape.scale, where, c.origin, c.axis) if data else None
+                    yield words, float(dot(plus(where.origin, c.origin, -1), c.axis)), bounds
 
     def balls(self, link: str) -> Iterator[tuple[Vector, Fraction]]:
         """Centre and lowest height of the cylinders and spheres of a link itself."""

@@ -11,6 +11,7 @@ from wmrgen.importing.couplings import couplings
 from wmrgen.importing.frames import ancestors, dot, plus
 from wmrgen.importing.instructions import skid_track
 from wmrgen.importing.names import near_wheel_names
+from wmrgen.importing.passed import with_gears
 from wmrgen.importing.questions import (
     CONFLICT,
     TRAIL,
@@ -48,6 +49,7 @@ def import_wheels(description: Description, base: str | None = None, forward: st
     """
     robot = Robot(description, base_link(description, base), DIRECTIONS[forward or "x"])
     wheels, passed = candidates(robot)
+    robot.description = description = with_gears(description, passed)
     seen = [*(each.note for each in passed), *description.notes]
     if len(wheels) < 2 and not any(c.shape and not c.doubt and _actuated(robot, c) for c in wheels):
         raise refuse(

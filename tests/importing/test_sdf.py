@@ -222,10 +222,52 @@ def test_nested_models_and_frames_of_joints(read: Import) -> None:
 def test_a_model_that_nobody_gave_is_named(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:
     include = "<include><uri>model://sonar</uri></include>"
     assert "--package NAME=DIR" in read(sdf(PAIR, include))["notes"]
-    hold = '<joint name="hold" type="fixed"><parent>chassis</parent><child>sonar::link</child></joint>'
-    (tmp_path / "bad.sdf").write_text(sdf(PAIR, include, hold), encoding="utf-8")
+    turn = '<joint name="turn" type="revolute"><parent>chassis</parent><child>sonar::link</child></joint>'
+    (tmp_path / "bad.sdf").write_text(sdf(PAIR, include, turn), encoding="utf-8")
     done = wmrgen_cli("import", tmp_path / "bad.sdf")
-    assert done.code == 2 and "sonar::link" in done.err and "--package sonar=DIR" in done.err
+    assert done.code == 2 and "--package sonar=DIR" in done.err
+    assert "joint 'turn': there is no link or frame 'sonar::link'" in done.err
+
+
+ENDS = "<limit><lower>-1</lower><upper>1</upper></limit>"
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis", "parent", "child", "hangs"),
+    [
+        ("fixed", "", "chassis", "sonar", False),
+        ("revolute", ENDS, "chassis", "sonar", False),
+        ("revolute", ENDS, "sonar", "mast", False),
+        ("revolute", "", "chassis", "sonar", True),  # it may be a wheel's
+        ("revolute", ENDS, "sonar", "knuckle", True),  # a wheel turns on it
+        ("fixed", "", "sonar", "arm", True),  # and on what it carries
+    ],
+)
+def test_a_joint_without_its_link_is_passed_over_where_no_wheel_hangs_on_it(
+    wmrgen_cli: Cli, tmp_path: Path, kind: str, axis: str, parent: str, child: str, hangs: bool
+) -> None:
+    front = wheel("front", "0.5 0 0.1").replace("<parent>chassis", "<parent>knuckle")
+    bodies = "".join(
+        f'<link name="{name}"><pose>0.5 0 0.1 0 0 0</pose></link>' for name in ("knuckle", "mast", "arm")
+    )
+    arm = (
+        "<joint name='arm' type='fixed'><parent>arm</parent><child>knuckle</child></joint>"
+        if child == "arm"
+        else ""
+    )
+    lost = (
+        f'<joint name="lost" type="{kind}"><parent>{parent}</parent><child>{child}</child>'
+        f"<axis><xyz>0 0 1</xyz>{axis}</axis></joint>"
+    )
+    (tmp_path / "probe.sdf").write_text(sdf(PAIR, bodies, front, arm, lost), encoding="utf-8")
+    done = wmrgen_cli("import", tmp_path / "probe.sdf", "--json")
+    words = "joint 'lost': there is no link or frame 'sonar'"
+    assert done.code == (2 if hangs else 0) and words in done.err
+    assert (f"{words}; it is not read" in done.err) is not hangs
+    if not hangs:
+        assert {"left_joint", "right_joint", "front_joint"} == {
+            w["joint"] for w in json.loads(done.out)["wheels"]
+        }
 
 
 def test_includes_stay_inside(read: Import, side: Path, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from xml.etree.ElementTree import Element
 
@@ -14,6 +15,25 @@ from wmrgen.importing.records import MODEL, Frame, Vector
 from wmrgen.spec.text import printable, quoted
 
 _MOST = 256  # frames of which each is relative to the next
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """A model: ``prefix`` of the names in it, its own frame, whether its axes are given in that."""
+
+    prefix: str
+    own: str
+    axes_in_model: bool
+
+    def full(self, name: str, default: str) -> str:
+        """The full name of what an element of the model calls ``name``."""
+        if not name:
+            return default
+        return {"__model__": self.own, "world": MODEL}.get(name, self.prefix + name)
+
+
+class MissingLinkError(RobotFileError):
+    """A link or frame that is not there."""
 
 
 class FrameGraph:
@@ -45,16 +65,15 @@ class FrameGraph:
             result = composed(where, result)
         raise refuse(f"the frame {quoted(name)} is relative to itself")
 
-    def _lacks(self, what: str) -> RobotFileError:
+    def _lacks(self, what: str) -> MissingLinkError:
         if not self.missing:
-            return refuse(what)
+            return MissingLinkError(what)
         name = printable(self.missing[0].rpartition("://")[2].partition("/")[0])
-        return refuse(
-            what, f"The model {quoted(self.missing[0])} was not given.", f"Give --package {name}=DIR."
-        )
+        why = f"The model {quoted(self.missing[0])} was not given."
+        return MissingLinkError(what, None, why, f"Give --package {name}=DIR.")
 
     def carrier(self, name: str) -> str:
-        """The link that carries a frame; a link is its own. RobotFileError for a frame that is not there."""
+        """The link that carries a frame; a link is its own. MissingLinkError for a frame that is not there."""
         for _ in range(_MOST):
             if name == MODEL:
                 return name

@@ -101,6 +101,12 @@ def child(element: Element, name: str) -> Element | None:
     return next(iter(children(element, name)), None)
 
 
+def text_in(element: Element, name: str) -> str:
+    """The text of the first child of a name; empty where there is none."""
+    part = child(element, name)
+    return "" if part is None else (part.text or "").strip()
+
+
 def below(element: Element, name: str) -> Iterator[Element]:
     return (each for each in element.iter() if local(each) == name)
 

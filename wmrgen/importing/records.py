@@ -37,6 +37,12 @@ class Shape:
     scale: Vector = (Fraction(1), Fraction(1), Fraction(1))
 
 
+def endless(kind: str, limits: tuple[Fraction, Fraction] | None) -> bool:
+    """Whether a joint turns without end: a continuous one keeps no limits, whatever the file writes beside it."""
+    low, high = limits or (Fraction(0), Fraction(0))
+    return kind == "continuous" or (kind == "revolute" and (low == high == 0 or high - low >= 100))
+
+
 @dataclass(frozen=True, slots=True)
 class Joint:
     """``frame``: the child's in the parent's. ``axis`` through ``pivot``, both in the child's frame; the axis is None
@@ -62,11 +68,8 @@ class Joint:
 
     @property
     def spins(self) -> bool:
-        """It turns without end: a continuous joint keeps no limits, whatever the file writes beside it."""
-        low, high = self.limits or (Fraction(0), Fraction(0))
-        return self.kind == "continuous" or (
-            self.kind == "revolute" and (low == high == 0 or high - low >= 100)
-        )
+        """It turns without end."""
+        return endless(self.kind, self.limits)
 
 
 @dataclass(frozen=True, slots=True)

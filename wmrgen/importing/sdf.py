@@ -1,53 +1,24 @@
 """SDF to a `Description` in the frame of the model, `MODEL`, with nested and included models in it.
 
-Every pose is followed to the model's frame; joints then carry links as those of a URDF do. A joint with two axes
-becomes two of its name, of which the upper is the one that stands steeper.
+Every pose is followed to the model's frame; joints then carry links as those of a URDF do.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from fractions import Fraction
 from xml.etree.ElementTree import Element
 
 from wmrgen.errors import RobotFileError
-from wmrgen.importing.frames import IDENTITY, composed, inverse, plus, transposed, tree, turned
+from wmrgen.importing.frames import IDENTITY, composed, inverse, transposed, tree, turned
 from wmrgen.importing.gazebo import driven_by_plugins, friction, words
-from wmrgen.importing.poses import FrameGraph, placement, reference
-from wmrgen.importing.read import below, bound, child, children, direction, name_of, number, refuse, vector
-from wmrgen.importing.records import MODEL, RIGID, Description, Frame, Friction, Joint, Shape, Vector
+from wmrgen.importing.poses import FrameGraph, Scope, placement, reference
+from wmrgen.importing.read import below, child, children, name_of, number, refuse, text_in, vector
+from wmrgen.importing.records import MODEL, RIGID, Description, Frame, Friction, Joint, Shape
+from wmrgen.importing.sdf_joints import joints_of, passed_over
 from wmrgen.spec.text import quoted
 
 Include = Callable[[str], Element | None]  # the root of the file that a URI names; None where nobody gave it
-_KINDS = {"universal": "revolute", "revolute2": "revolute", "screw": "prismatic", "ball": "floating"}
-_TREELESS = "gearbox"  # it couples two joints, and carries nothing
 _MOST_MODELS = 64
-_Mimic = tuple[str, Fraction, Fraction]
-
-
-@dataclass(frozen=True, slots=True)
-class _Scope:
-    """A model: ``prefix`` of the names in it, its own frame, whether its axes are given in that."""
-
-    prefix: str
-    own: str
-    axes_in_model: bool
-
-    def full(self, name: str, default: str) -> str:
-        """The full name of what an element of the model calls ``name``."""
-        if not name:
-            return default
-        return {"__model__": self.own, "world": MODEL}.get(name, self.prefix + name)
-
-
-@dataclass(frozen=True, slots=True)
-class _Axis:
-    """A joint's axis in the model's frame."""
-
-    along: Vector | None
-    limits: tuple[Fraction, Fraction] | None
-    mimic: _Mimic | None
 
 
 def describe(root: Element, file: str, include: Include) -> Description:
@@ -73,8 +44,8 @@ class _Reader:
     def __init__(self, include: Include) -> None:
         self.include = include
         self.frames = FrameGraph()
-        self.links: dict[str, tuple[Element, _Scope]] = {}
-        self.joints: dict[str, tuple[Element, _Scope]] = {}
+        self.links: dict[str, tuple[Element, Scope]] = {}
+        self.joints: dict[str, tuple[Element, Scope]] = {}
         self.plugins: list[Element] = []
         self.words: list[str] = []
         self.notes: list[str] = []
@@ -85,7 +56,7 @@ class _Reader:
         self.models += 1
         if self.models > _MOST_MODELS:
             raise refuse(f"more than {_MOST_MODELS} models")
-        scope = _Scope(prefix, own, version in ("1.0", "1.2", "1.3", "1.4"))
+        scope = Scope(prefix, own, version in ("1.0", "1.2", "1.3", "1.4"))
         self.words += words(element)
         self.plugins += children(element, "plugin")
         for link in children(element, "link"):
@@ -104,17 +75,17 @@ class _Reader:
             if name in self.joints:
                 self.notes.append(f"joint {quoted(name)}: several joints have this name")
             self.joints.setdefault(name, (joint, scope))
-            carrier = scope.full(_text(joint, "child"), MODEL)
+            carrier = scope.full(text_in(joint, "child"), MODEL)
             self._place(joint, name, scope, carrier, carrier)
         first = next((name for name in self.links if name.startswith(prefix)), MODEL)
         return scope.full(element.get("canonical_link", ""), first)
 
-    def _place(self, element: Element, name: str, scope: _Scope, default: str, carrier: str) -> None:
+    def _place(self, element: Element, name: str, scope: Scope, default: str, carrier: str) -> None:
         where = placement(element, quoted(name))
         self.frames.add(name, scope.full(reference(element), default), where, carrier)
 
-    def _include(self, element: Element, scope: _Scope) -> None:
-        uri = _text(element, "uri")
+    def _include(self, element: Element, scope: Scope) -> None:
+        uri = text_in(element, "uri")
         root = self.include(uri)
         model = None if root is None else child(root, "model")
         if root is None or model is None:
@@ -126,25 +97,26 @@ class _Reader:
         self.plugins += children(element, "plugin")
         self._within(element, model, scope, root.get("version", ""))
 
-    def _within(self, outer: Element, model: Element, scope: _Scope, version: str) -> None:
+    def _within(self, outer: Element, model: Element, scope: Scope, version: str) -> None:
         """A model in another, at the pose of ``outer``: the model itself, or the element that includes it."""
-        name = scope.prefix + (_text(outer, "name") or outer.get("name") or name_of(model, "model"))
+        name = scope.prefix + (text_in(outer, "name") or outer.get("name") or name_of(model, "model"))
         merged = outer.get("merge") in ("true", "1")
         own = f"{name}::__model__"
         carrier = self.model(model, scope.prefix if merged else f"{name}::", own, version)
         placed = outer if child(outer, "pose") is not None else model
         where = placement(placed, quoted(name))
-        held = _text(outer, "placement_frame") or placed.get("placement_frame", "")
+        held = text_in(outer, "placement_frame") or placed.get("placement_frame", "")
         if held:
-            inner = _Scope(scope.prefix if merged else f"{name}::", own, False)
+            inner = Scope(scope.prefix if merged else f"{name}::", own, False)
             where = composed(where, inverse(self.frames.pose(inner.full(held, own), own)))
         self.frames.add(own, scope.full(reference(placed), scope.own), where, carrier)
         self.frames.add(name, own, IDENTITY, carrier)
 
     def description(self, name: str) -> Description:
-        joints = [joint for full in self.joints if self._carries(full) for joint in self._joint(full)]
+        joints, lost = joints_of(self.joints, self.frames, self.notes)
         links = (MODEL, *self.links, *(j.child for j in joints if j.child not in self.links))
         carried, closing = tree(joints, links, self.notes)
+        self.notes += passed_over(lost, carried)
         free = set(self.links) - {joint.child for joint in carried}
         held = [
             Joint(link, RIGID, MODEL, link, self.frames.pose(link), None, None, None)
@@ -167,61 +139,6 @@ class _Reader:
             closing=closing,
         )
 
-    def _carries(self, full: str) -> bool:
-        """Joints that carry a link: not one that couples, nor one that holds the model in the world."""
-        element, _ = self.joints[full]
-        if element.get("type") == _TREELESS:
-            self.notes.append(f"joint {quoted(full)} is a gearbox, and not read")
-        return element.get("type") != _TREELESS and _text(element, "child") != "world"
-
-    def _joint(self, full: str) -> list[Joint]:
-        element, scope = self.joints[full]
-        what = f"joint {quoted(full)}"
-        parent, body = (
-            self.frames.carrier(scope.full(_text(element, end), MODEL)) for end in ("parent", "child")
-        )
-        place = self.frames.pose(body)
-        own = self.frames.pose(scope.full(reference(element), body))
-        at = composed(own, placement(element, what))
-        pivot = turned(transposed(place.rotation), plus(at.origin, place.origin, -1))
-        where = composed(inverse(self.frames.pose(parent)), place)
-        axes = [
-            self._axis(axis, scope, at, what) for key in ("axis", "axis2") for axis in children(element, key)
-        ] or [_Axis(None, None, None)]
-        kind = element.get("type", "")
-        if kind not in _KINDS or len(axes) < 2:
-            axes = axes[:1]
-        axes.sort(key=lambda axis: -abs(axis.along[2]) if axis.along else 0)
-        ends = [*(f"{full}::{number}" for number in range(1, len(axes))), body]
-        joints = []
-        for axis, end in zip(axes, ends, strict=True):
-            along = turned(transposed(place.rotation), axis.along) if axis.along else None
-            joints.append(
-                Joint(
-                    full, _kind(kind, axis.limits), parent, end, where, along, axis.limits, axis.mimic, pivot
-                )
-            )
-            parent, where = end, IDENTITY
-        return joints
-
-    def _axis(self, element: Element, scope: _Scope, joint: Frame, what: str) -> _Axis:
-        xyz = child(element, "xyz")
-        along = direction("0 0 1" if xyz is None else xyz.text, f"{what}: axis")
-        said = "" if xyz is None else xyz.get("expressed_in", "")
-        in_model = scope.axes_in_model or _text(element, "use_parent_model_frame") in ("true", "1")
-        rotation = joint.rotation
-        if said or in_model:
-            rotation = self.frames.pose(scope.full(said, scope.own)).rotation
-        limit = child(element, "limit")
-        limits = None
-        if limit is not None:
-            low, high = (
-                bound(_text(limit, key) or default, f"{what}: {key}")
-                for key, default in (("lower", "-inf"), ("upper", "inf"))
-            )
-            limits = (low, high)
-        return _Axis(turned(rotation, along) if along else None, limits, _mimic(element, scope, what))
-
     def _shapes(self, full: str) -> list[Shape]:
         link, scope = self.links[full]
         shapes = []
@@ -230,16 +147,16 @@ class _Reader:
                 what = f"link {quoted(full)}: {role}"
                 geometry = child(part, "geometry")
                 for form in [] if geometry is None else list(geometry):
-                    radius = _text(form, "radius") if form.tag in ("cylinder", "sphere", "capsule") else ""
-                    uri = "" if child(form, "submesh") is not None else _text(form, "uri")
-                    scale = vector(_text(form, "scale") or "1 1 1", f"{what}: scale")
+                    radius = text_in(form, "radius") if form.tag in ("cylinder", "sphere", "capsule") else ""
+                    uri = "" if child(form, "submesh") is not None else text_in(form, "uri")
+                    scale = vector(text_in(form, "scale") or "1 1 1", f"{what}: scale")
                     value = number(radius, f"{what} radius") if radius else None
                     shapes.append(
                         Shape(str(form.tag), role, self._in_link(part, full, scope), value, uri, scale)
                     )
         return shapes
 
-    def _in_link(self, part: Element, link: str, scope: _Scope) -> Frame:
+    def _in_link(self, part: Element, link: str, scope: Scope) -> Frame:
         """The frame of a collision or visual in that of its link."""
         where = placement(part, f"link {quoted(link)}")
         if not reference(part):
@@ -258,7 +175,7 @@ class _Reader:
                     self.notes.append(f"link {quoted(full)}: {error.what}; this fdir1 is not read")
         return frictions
 
-    def _in_body(self, says: Friction, part: Element, link: str, scope: _Scope) -> Friction:
+    def _in_body(self, says: Friction, part: Element, link: str, scope: Scope) -> Friction:
         """The friction in the frame of the link that carries the frame in which it is given: else of the collision."""
         body = self.frames.carrier(scope.full(says.link, link))
         if says.link:
@@ -267,29 +184,3 @@ class _Reader:
         else:
             along = turned(self._in_link(part, link, scope).rotation, says.direction)
         return Friction(along, body, says.mu1, says.mu2)
-
-
-def _text(element: Element, name: str) -> str:
-    part = child(element, name)
-    return "" if part is None else (part.text or "").strip()
-
-
-def _kind(kind: str, limits: tuple[Fraction, Fraction] | None) -> str:
-    """The kind of a URDF joint: one that turns and whose limits are one angle is locked."""
-    kind = _KINDS.get(kind, kind)
-    if kind in ("revolute", "continuous"):
-        if limits is None:
-            return "continuous"
-        return RIGID if limits[0] == limits[1] else "revolute"
-    return kind if kind in ("prismatic", RIGID) else "floating"
-
-
-def _mimic(axis: Element, scope: _Scope, what: str) -> _Mimic | None:
-    element = child(axis, "mimic")
-    if element is None:
-        return None
-    factor, offset, zero = (
-        number(_text(element, key) or default, f"{what}: {key}")
-        for key, default in (("multiplier", "1"), ("offset", "0"), ("reference", "0"))
-    )
-    return scope.full(element.get("joint", ""), ""), factor, offset - factor * zero

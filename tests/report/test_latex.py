@@ -160,7 +160,8 @@ def test_formulas_of_symbols_have_their_value() -> None:
         # one style of numbers in a sum: decimals, fractions, a root that all have before it
         (VX.scale(Fraction(1, 2)) + VY.scale(Fraction(3, 10)), r"0.5\;v_x+0.3\;v_y"),
         (VX.scale(Fraction(1, 3)) - VY.scale(Fraction(3, 10)), r"0.333333\;v_x-0.3\;v_y"),
-        (VX.scale(Fraction(25, 2)) + VY.scale(Exact(0, 0, Fraction(1, 2))), r"\frac{25}{2}\;v_x+\frac{\sqrt{3}}{2}\;v_y"),
+        (VX.scale(Fraction(25, 2)) + VY.scale(Exact(0, 0, Fraction(1, 2))),
+         r"\frac{25}{2}\;v_x+\frac{\sqrt{3}}{2}\;v_y"),
         (VX.scale(Exact(0, Fraction(1, 2))) - OMEGA.scale(Exact(0, Fraction(1, 5))),
          r"\frac{\sqrt{2}}{2}\left(v_x-0.4\;\omega\right)"),
     ],

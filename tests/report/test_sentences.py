@@ -199,3 +199,63 @@ def test_who_stands_still_with_its_icr_on_a_pivot(name: str) -> None:
         if w.kind.steers
     ]
     assert ("The robot then stands still, too." in page_of(name)) == (min(ranks) == 3)
+
+
+LOCKED = """wmrgen: 1
+name: sample
+wheels:
+  - {name: a, type: fixed, x: 0.3, y: 0.2, heading: 0.4, r: 0.1}
+  - {name: b, type: fixed, x: -0.3, y: 0.1, heading: 0, r: 0.1}
+  - {name: c, type: fixed, x: 0.1, y: -0.3, heading: 1.2, r: 0.1}
+"""
+SPINNING = """wmrgen: 1
+name: sample
+wheels:
+  - {name: l, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}
+  - {name: q, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.12}
+  - {name: f, type: steered, x: 0.5, y: 0, heading: 0, r: 0.1, actuated: [steer], sensed: [steer]}
+couplings: [{equal: [l.spin, q.spin], ratios: [1, -5/6]}]
+"""
+PARALLEL = """wmrgen: 1
+name: sample
+wheels:
+  - {name: fl, type: steered, x: 0.5, y: 0.3, heading: 0, r: 0.1}
+  - {name: fr, type: steered, x: 0.5, y: -0.3, heading: 0, r: 0.1}
+  - {name: rl, type: fixed, x: -0.5, y: 0.3, heading: 0, r: 0.1}
+  - {name: rr, type: fixed, x: -0.5, y: -0.3, heading: 0, r: 0.1}
+couplings: [{equal: [fl.steer, fr.steer]}]
+"""
+OMNI = """wmrgen: 1
+name: sample
+wheels:
+  - {name: drive, type: swedish, x: 0.1, y: 0, heading: 0, gamma: 0, r: 0.05}
+  - {name: ball, type: spherical, x: -0.1, y: 0.1, r: 0.02}
+"""
+REACH = """wmrgen: 1
+name: sample
+wheels:
+  - {name: drive, type: steered, x: -1.5, y: 0, heading: 0, r: 0.12}
+  - {name: l, type: fixed, x: 0, y: 0.45, heading: 0, r: 0.05, actuated: []}
+  - {name: q, type: fixed, x: 0, y: -0.45, heading: 0, r: 0.05, actuated: []}
+"""
+
+
+@pytest.mark.parametrize(
+    ("robot", "said", "unsaid"),
+    [
+        (LOCKED, "Without slip nothing moves: DDOF = DOF = 0.", "holonomic, but not"),
+        (SPINNING, r"\dot{x} &= 0 \\", r"\left(0\right)"),
+        (SPINNING, r"\mathrm{slip} = \sqrt{v_y^2 + v_x^2}", "2\\,"),
+        (PARALLEL, "3 relations must hold", "of compatibility"),  # they hold straight ahead alone
+        (PARALLEL, "0 & 1 & 0.5 \\\\\n1 & 0 & 0.3", r"0 & 1 & \frac{1}{2} \\[4pt]" + "\n1 & 0"),
+        (
+            OMNI,
+            "two independent motions of the body turn no wheel, so the wheels cannot drive them",
+            "one motion of",
+        ),
+        (REACH, "L is negative, for it steers behind P:", "front wheel"),
+    ],
+)
+def test_robots_that_few_have(robot: str, said: str, unsaid: str) -> None:
+    page = page_written(robot)
+    assert said in page and unsaid not in page

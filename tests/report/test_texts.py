@@ -101,3 +101,27 @@ def test_the_report_shows_it() -> None:
 def test_the_condition_on_the_rank_is_said(robot: str, count: str, condition: str) -> None:
     section = page_of(robot).split("## 7 Forward kinematics")[1].split("\n## ")[0]
     assert count in section and condition in section
+
+
+AXLE = (
+    "wmrgen: 1\nname: sample\nwheels:\n"
+    "  - {name: l, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1EXTRA}\n"
+    "  - {name: q, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1EXTRA}\n"
+)
+FRONT = "  - {name: f, type: steered, x: 0.5, y: 0, heading: 0, r: 0.1, actuated: [steer]}\n"
+SHAFT = "couplings: [{equal: [l.spin, q.spin], ratios: [1, -1]}]\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "there"),
+    [
+        (AXLE.replace("EXTRA", ""), True),
+        (AXLE.replace("EXTRA", ", actuated: [], sensed: [spin]"), False),
+        (AXLE.replace("EXTRA", ", sensed: []"), False),
+        (AXLE.replace("EXTRA", "") + FRONT, True),
+        (AXLE.replace("EXTRA", "") + FRONT + SHAFT, False),
+    ],
+)
+def test_what_no_text_has_is_not_cited(text: str, there: bool) -> None:
+    """An axle that nothing drives, or nothing measures; wheels on one shaft that turn the robot on the spot."""
+    assert bool(citations(of_text(text).robot)) == there

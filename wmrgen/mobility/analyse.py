@@ -140,8 +140,9 @@ def _rolling_rank(at: Configuration) -> list[Singularity]:
     if rank == 3:
         return []
     text = (
-        f"the rolling rows of {listed([w.name for w in wheels])} have rank {rank}: one motion of the body turns no "
-        "wheel, so the wheels cannot drive it"
+        f"the rolling rows of {listed([w.name for w in wheels])} have rank {rank}: "
+        f"{'one motion of the body turns' if rank == 2 else 'two independent motions of the body turn'} no wheel, so "
+        f"the wheels cannot drive {'it' if rank == 2 else 'them'}"
     )
     if any(w.nominal.sg for w in wheels) and len(wheels) > 2:
         text += (

@@ -31,11 +31,12 @@ def circle(robot: Robot) -> list[str]:
     base, track = left.nominal.x, left.nominal.y - right.nominal.y
     radius = rf"&= \frac{{\omega\,L}}{{v_x}} = \frac{{L}}{{R}}, \qquad L = {plain(base)}"
     words = "P turns on a circle of radius R, to the left where R > 0, with v<sub>x</sub> = ω R"
+    behind = ", and L is negative, for it steers behind P" if base.sign < 0 else ""
     if len(steered) == 1:
-        return [f"{words}:", *aligned([rf"\tan{psi_l} {radius}"])]
+        return [f"{words}{behind}:", *aligned([rf"\tan{psi_l} {radius}"])]
     ratio = rf"\frac{{\mathrm{{track}}}}{{\mathrm{{wheelbase}}}} = {notation.decimal(float(track / base))}"
     return [
-        f"{words}. The axles of both front wheels pass through its centre (Ackermann), and ψ is the angle of the "
-        "virtual wheel midway:",
+        f"{words}. The axles of both steered wheels pass through its centre (Ackermann), ψ is the angle of the virtual "
+        f"wheel midway{behind}:",
         *aligned([rf"\tan\psi {radius}", rf"\cot{psi_r} - \cot{psi_l} &= {ratio}"]),
     ]

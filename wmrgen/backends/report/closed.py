@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.forward import distinct, fits_of
-from wmrgen.backends.report.latex import WIDE, broken, latex, summands, terms, width, wrapped
+from wmrgen.backends.report.latex import WIDE, alike, broken, latex, summands, terms, width, wrapped
 from wmrgen.backends.report.letters import by_three, heads, in_letters
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, math
 from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
@@ -46,7 +46,9 @@ def closed_inverse(d: Derivation) -> list[str]:
 
 def _pivots(wheels: list[Wheel], twist: Row) -> list[str]:
     """What steered wheels or driven castors do, with the velocity of each one's pivot."""
-    velocities = grouped((pivot_velocity(w, twist), notation.wheel(w.name)) for w in wheels)
+    pairs = alike([p for w in wheels for p in pivot_velocity(w, twist)])
+    texts = (f"v_{{Ax}} &= {a}, & v_{{Ay}} &= {b}" for a, b in zip(pairs[::2], pairs[1::2], strict=True))
+    velocities = grouped(zip(texts, (notation.wheel(w.name) for w in wheels), strict=True))
     castors = wheels[0].kind.swivels
     turned = any(w.heading for w in wheels)
     psi = r"\left(h+\psi\right)" if turned else r"\psi"
@@ -92,8 +94,13 @@ def spin_rate(w: Wheel, twist: Row) -> str:
     g = working_view(w)
     rim, radius = dot(driving_row(w, g), twist), g.rolling_radius
     above = latex(rim)
-    rational = all(c.is_rational for p in (rim, radius) for c in p.terms.values())
-    if len(rim.terms) > 1 and radius.constant and rational and width(above) <= WIDE and not _short(radius):
+    if (
+        len(rim.terms) > 1
+        and radius.constant
+        and radius == g.r
+        and width(above) <= WIDE
+        and not _short(radius)
+    ):
         spin = _over(above, latex(radius))
     else:
         spin = broken(rim * radius.inverse())
@@ -128,11 +135,10 @@ def projected(projection: Projection) -> list[str]:
     ]
 
 
-def pivot_velocity(w: Wheel, twist: Row) -> str:
-    """The components of the pivot's velocity, aligned."""
+def pivot_velocity(w: Wheel, twist: Row) -> tuple[Poly, Poly]:
+    """The components of the pivot's velocity."""
     g = working_view(w)
-    a, b = dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
-    return f"v_{{Ax}} &= {latex(a)}, & v_{{Ay}} &= {latex(b)}"
+    return dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
 
 
 def closed_forward(d: Derivation) -> list[str]:

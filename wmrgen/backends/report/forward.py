@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.latex import latex, summands, terms, width, wrapped
+from wmrgen.backends.report.latex import alike, latex, summands, terms, width, wrapped
 from wmrgen.backends.report.letters import factored, pair, square
 from wmrgen.backends.report.markdown import aligned, cut_note, math, matrix, some
 from wmrgen.constraints import XI
@@ -115,8 +115,9 @@ def _stacked(rows: list[Measured]) -> list[str]:
     """H xi = z, as matrices where they fit on a line, else equation by equation."""
     shown = rows[:_ROWS]
     dots = [r"\vdots"] if len(rows) > _ROWS else []
-    h = [[latex(p) for p in row] for row, _, _ in shown]
-    z = [[latex(value)] for _, value, _ in shown]
+    entries = iter(alike([p for row, _, _ in shown for p in row]))
+    h = [[next(entries) for _ in row] for row, _, _ in shown]
+    z = [[text] for text in alike([value for _, value, _ in shown])]
     if sum(max(map(width, column)) for m in (h, z) for column in zip(*m, strict=True)) <= _STACK:
         both = matrix([*h, *([dots * 3] * len(dots))]), matrix([*z, *([dots] * len(dots))])
         return math(rf"H\,\xi = z, \qquad H = {both[0]}, \qquad z = {both[1]}")

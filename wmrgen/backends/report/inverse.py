@@ -115,7 +115,7 @@ def _partners(robot: Robot, w: Wheel) -> list[Wheel]:
 
 def _alike(wheels: list[Wheel], twist: Row) -> bool:
     """One velocity and one zero heading: each single solution is the common one."""
-    return len({(pivot_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
+    return len({(*pivot_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
 
 
 def _wide(ranges: str) -> list[str]:
@@ -279,9 +279,10 @@ def _forbidden(projection: Projection, coupled: bool, steered: bool, held: bool)
         return [words.replace("speed [m/s]", "speed |v<sub>y</sub>| [m/s]", 1) + "."]
     if len(forms) == 1:
         return [f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]
-    squares = Counter(rf"\left({latex(p)}\right)^2" for p in forms)
-    parts = [text if n == 1 else rf"{n}\,{text}" for text, n in squares.items()]
+    squares = Counter(rf"{latex(p)}^2" if p in XI else rf"\left({latex(p)}\right)^2" for p in forms)
+    each = min(squares.values()) if len(set(squares.values())) == 1 else 1
+    parts = [text if n == each else rf"{n}\,{text}" for text, n in squares.items()]
     mean = " + ".join([*parts[:4], *([r"\cdots"] if len(parts) > 4 else [])])
-    if projection.weight != 1:
-        mean = rf"{latex(Poly.of(projection.weight))}\left[ {mean} \right]"
+    if projection.weight * each != 1:
+        mean = rf"{latex(Poly.of(projection.weight * each))}\left[ {mean} \right]"
     return [f"{words}, root mean square over the wheels:", *math(rf"\mathrm{{slip}} = \sqrt{{{mean}}}")]

@@ -182,14 +182,23 @@ def pieces(terms: Sequence[Term]) -> list[str]:
     return signed
 
 
+def alike(values: Sequence[Poly]) -> list[str]:
+    """Polynomials of one formula, such as the entries of a matrix, with one style of numbers."""
+    every = [terms(value) for value in values]
+    styled = iter(_alike([t for own in every for t in own]))
+    return [total([next(styled) for _ in own]) for own in every]
+
+
 def _alike(terms: Sequence[Term]) -> Sequence[Term]:
-    """The terms with one style of numbers: no halves beside decimals."""
+    """The terms with one style of numbers: no halves beside decimals, where no roots stand that are halved, too."""
     if any(t.style for t in terms):
         return terms
     shown = [notation.magnitude(t.number) for t in terms]
     if not (any("." in above for above, _, _ in shown) and any(below for _, below, _ in shown)):
         return terms
     exact = all("." not in notation.magnitude(t.number, "fractions")[0] for t in terms)
+    if not exact and not all(t.number.is_rational for t in terms):
+        return terms
     return [replace(t, style="fractions" if exact else "decimals") for t in terms]
 
 

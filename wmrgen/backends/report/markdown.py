@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, SupportsFloat
 
 from wmrgen import notation
 from wmrgen.backends.registry import BACKENDS
-from wmrgen.backends.report.latex import latex
+from wmrgen.backends.report.latex import alike
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 
@@ -122,7 +122,9 @@ def math(*blocks: str) -> list[str]:
 
 def matrix(rows: Iterable[Iterable[Poly | str]]) -> str:
     """A bracketed matrix of polynomials or finished entries."""
-    entries = [[latex(e) if isinstance(e, Poly) else e for e in row] for row in rows]
+    listed_rows = [list(row) for row in rows]
+    shown = iter(alike([e for row in listed_rows for e in row if isinstance(e, Poly)]))
+    entries = [[next(shown) if isinstance(e, Poly) else e for e in row] for row in listed_rows]
     end = " \\\\[4pt]\n" if any("\\frac" in entry for row in entries for entry in row) else " \\\\\n"
     body = end.join(" & ".join(row) for row in entries)
     return f"\\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"

@@ -107,6 +107,8 @@ def _verdicts(d: Derivation) -> list[str]:
     """What follows for the motions: how many at once, how many poses, and by how many brackets."""
     m = d.mobility
     vector, states = _growth(d)
+    if not m.ddof:
+        return ["Without slip nothing moves: DDOF = DOF = 0."]
     rolling = "Without slip, " if m.degenerate else ""
     velocities = (
         f"{m.ddof} {'velocity' if m.ddof == 1 else 'velocities'} can be chosen at once (DDOF = {m.ddof})"
@@ -138,6 +140,8 @@ def _actuation(d: Derivation) -> list[str]:
     if not lines or max(map(width, lines)) > _RELATION or len(lines) > _RELATIONS:
         return blocks
     held = ", the steering held," if any(g.kind in ("cos", "sin") for p in sums for g in p.generators) else ""
+    if held and not d.mobility.degree_of_steerability:  # one angle alone is admissible, where less is asked
+        return blocks
     return [
         *blocks,
         f"Speeds of driven wheels that fit each other{held} satisfy the conditions of compatibility",

@@ -134,6 +134,8 @@ def _rates(twist: Row, towing: bool) -> list[str]:
         parts = [f"{notation.port(n)} &= {total(p)}" for n, p in (("vx", vx), ("vy", vy))]
         turned = r"v_x\cos\theta - v_y\sin\theta", r"v_x\sin\theta + v_y\cos\theta"
         return [*parts, rf"\dot{{x}} &= {turned[0]}", rf"\dot{{y}} &= {turned[1]}", turn]
+    if not vx and not towing:
+        return [r"\dot{x} &= 0", r"\dot{y} &= 0", turn]
     named = towing or width(ahead) > _SHORT
     parts = [f"v_x &= {total(vx)}"] if named else []
     speed = "v_x" if named else ahead

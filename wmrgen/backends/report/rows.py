@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.angles import gathered, over, readable, whole
-from wmrgen.backends.report.latex import WIDE, broken, latex, pieces, terms, total, width, wrapped
+from wmrgen.backends.report.latex import WIDE, alike, broken, latex, pieces, terms, total, width, wrapped
 from wmrgen.backends.report.markdown import aligned, code, math, matrix, some
 from wmrgen.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.exact.poly import Poly, Row, dot
@@ -124,7 +124,7 @@ def matrices(d: Derivation) -> list[str]:
         absent = [" There is neither a fixed nor a steered wheel, so C₁ has no rows."]
     own = [f"C_{{{name}}} = {_capped(rows)}" for name, rows in shown.items() if rows]
     if c.rolling:
-        diagonal = _diagonal([latex(-dict(r.rates)[r.wheel.index, "spin"]) for r in c.rolling])
+        diagonal = _diagonal(alike([-dict(r.rates)[r.wheel.index, "spin"] for r in c.rolling]))
         own = [f"J_1 = {_capped([r.row for r in c.rolling])}", diagonal, *own]
     return [
         "## 3 The matrices",

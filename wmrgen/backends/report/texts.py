@@ -56,11 +56,20 @@ def texts(d: Derivation) -> list[str]:
 
 
 def citations(robot: Robot) -> list[Citation]:
-    """Every citation that holds for the robot; none where a wheel slides along itself as no wheel of the texts does."""
+    """Every citation that holds for the robot; none where a wheel slides along itself as no wheel of the texts does.
+
+    Couplings occur in the texts only where all wheels steer.
+    """
     wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
     if not all(w.has_spin for w in wheels):
         return []
-    return [c for rule in _RULES for c in rule(robot, wheels)]
+    rules = (_all_steered, _castors) if robot.couplings else _RULES
+    return [c for rule in rules for c in rule(robot, wheels)]
+
+
+def _driven(wheels: Wheels) -> bool:
+    """Every wheel is driven and measured, so that `inverse` and `forward` are those of the texts."""
+    return all("spin" in w.actuated and "spin" in w.sensed for w in wheels)
 
 
 def _same(a: Exact, b: Exact) -> bool:
@@ -101,7 +110,7 @@ def _unicycle(robot: Robot, wheels: Wheels) -> list[Citation]:
 
 def _differential(robot: Robot, wheels: Wheels) -> list[Citation]:
     """Two fixed wheels on one axle, the same on both sides of x."""
-    if len(wheels) != 2 or any(not w.kind.fixed_axle or not _ahead(w) for w in wheels):
+    if len(wheels) != 2 or any(not w.kind.fixed_axle or not _ahead(w) for w in wheels) or not _driven(wheels):
         return []
     pair = right, left = sorted(wheels, key=lambda w: float(w.nominal.y))
     a, b, r = left.nominal.y, left.nominal.x, left.nominal.r
@@ -153,9 +162,9 @@ def car(robot: Robot, wheels: Wheels) -> list[Citation]:
             Citation("Kelly, Ackermann", "tan ψ = ω D / v<sub>x</sub>", letters),
         ]
     driven = "spin" in steered[0].actuated
-    equations, end = ("(2.46), (2.56a)", "front") if driven else ("(2.52)-(2.55)", "rear")
+    equations, end = ("(2.46), (2.56a)", "steered wheel") if driven else ("(2.52)-(2.55)", "fixed axle")
     return [
-        Citation(f"Tzafestas {equations}", f"the posture model, {end} wheel driven", letters),
+        Citation(f"Tzafestas {equations}", f"the posture model, {end} driven", letters),
         Citation("Tzafestas (2.51)", "the constraints", letters),
         Citation("Kelly, Ackermann", "`inverse` and `forward`: tan ψ = ω D / v<sub>x</sub>", letters),
     ]
@@ -163,7 +172,9 @@ def car(robot: Robot, wheels: Wheels) -> list[Citation]:
 
 def _omni(robot: Robot, wheels: Wheels) -> list[Citation]:
     """Omni wheels that drive along the tangent of one circle."""
-    if len(wheels) < 3 or any(not w.kind.rollers or not _same(w.nominal.sg, ZERO) for w in wheels):
+    if len(wheels) < 3 or not _driven(wheels):
+        return []
+    if any(not w.kind.rollers or not _same(w.nominal.sg, ZERO) for w in wheels):
         return []
     r = wheels[0].nominal.r
     if not all(_same(w.nominal.x * w.nominal.ch + w.nominal.y * w.nominal.sh, ZERO) for w in wheels):
@@ -195,7 +206,9 @@ def _ring(wheels: Wheels, twelfths: tuple[int, ...], equation: str, letters: Let
 
 def _mecanum(robot: Robot, wheels: Wheels) -> list[Citation]:
     """Four Swedish 45 degree wheels in a rectangle, roller axes at the ground through its middle lines."""
-    if len(wheels) != 4 or any(not w.kind.rollers or not _ahead(w) or not w.nominal.sg for w in wheels):
+    if len(wheels) != 4 or not _driven(wheels):
+        return []
+    if any(not w.kind.rollers or not _ahead(w) or not w.nominal.sg for w in wheels):
         return []
     ordered = sorted(wheels, key=lambda w: (w.nominal.x.sign < 0, w.nominal.y.sign * w.nominal.x.sign))
     front = ordered[0].nominal

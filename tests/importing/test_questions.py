@@ -108,6 +108,23 @@ def test_a_wheel_on_a_passive_steering_axis_is_asked_about(read: Import) -> None
     assert read(robot(*parts, control("left_joint", "right_joint", "s")))["asked"] == []
 
 
+@pytest.mark.parametrize(
+    ("body", "kind", "asked"),
+    [("", "continuous", True), (cylinder("0.02"), "continuous", False), ("", "revolute", False)],
+)
+def test_a_swivel_that_only_a_transmission_names(read: Import, body: str, kind: str, asked: bool) -> None:
+    """Without a body and a limit, as descriptions of the youBot have it, whose wheels have rollers and do not steer."""
+    fork = joint(
+        "s", "base_link", "s", "-0.3 0 0.1", kind, axis="0 0 1", more='<limit lower="-1" upper="1"/>'
+    )
+    parts = (pair(), link("s", body), fork, wheel("tail", "0 0 0", parent="s"))
+    said = '<transmission><joint name="s"/></transmission>' + control(
+        "left_joint", "right_joint", "tail_joint"
+    )
+    assert read(robot(*parts, said))["asked"] == [("tail", "type")] * asked
+    assert read(robot(*parts, said, control("s")))["asked"] == []
+
+
 def test_rollers_that_reach_further_than_the_wheel_is_drawn(read: Import) -> None:
     """A hub of 0.1 with rollers of 0.01 on a circle of 0.1."""
     rollers = ""

@@ -50,9 +50,11 @@ def swivel_doubts(
     transmitted: bool,
     rolling: str,
     stray: bool,
+    bodiless: bool,
 ) -> Iterator[Question]:
     """What may be otherwise of a wheel on a steering axis, from which its contact lies ``d`` off. ``transmitted``: only
-    a transmission says that a motor steers it. ``stray``: nothing turns it, but something other wheels."""
+    a transmission says that a motor steers it. ``stray``: nothing turns it, but something other wheels. ``bodiless``:
+    it turns without end, no shape is drawn of what it turns, and only a transmission names it."""
     if rolling:
         text = f"{rolling}, and here the wheel swivels: does the robot have this swivel?"
         yield Question(name, "type", text, ("swedish, where it has not",))
@@ -62,6 +64,14 @@ def swivel_doubts(
     elif kind == STEERED.name and stray:
         text = "nothing turns its steering axis, on which it stands: does it trail, as castors do, or is it fixed?"
         yield Question(name, "type", text, ("castor, with d as measured", "steered, where a motor turns it"))
+    elif kind == STEERED.name and bodiless:
+        text = "no body is drawn between the robot and its wheel, and only a transmission names its swivel"
+        yield Question(
+            name,
+            "type",
+            f"{text}: does the robot have it?",
+            ("steered, where it has", "swedish, where it has not and the wheel has rollers"),
+        )
     elif kind == CASTOR.name and transmitted:
         text = "the swivel has a transmission: does a motor turn it, or does it follow?"
         rest = ", ".join(key for key in actuated or () if key != "steer")

@@ -124,7 +124,10 @@ def _wheel(
         said = robot.description
         transmitted = steer.name in said.transmitted - (frozenset() if "" in powered else said.commanded)
         stray = "" in powered and steer.name not in powered and -c.radius < (offset or 0) < c.radius
-        questions += swivel_doubts(name, kind, d or Fraction(0), actuated, transmitted, rolling, stray)
+        bodiless = steer.spins and steer.name in said.transmitted and not robot.roles(steer.child)
+        questions += swivel_doubts(
+            name, kind, d or Fraction(0), actuated, transmitted, rolling, stray, bodiless
+        )
     questions += _size_doubts(robot, c, name, offset, remarks)
     wheel = Wheel(
         name,

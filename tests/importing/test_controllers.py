@@ -357,9 +357,12 @@ def test_plugins() -> None:
       <ros2_control name="base"><hardware><plugin>diffdrive/Hardware</plugin>
         <param name="left_wheel_name">l</param><param name="wheelRadius">0.05</param></hardware></ros2_control>
       <gazebo><plugin filename="libgazebo_ros_imu.so" name="imu"><frame_name>imu</frame_name></plugin></gazebo>
+      <gazebo><plugin filename="libgazebo_ros_ackerman.so" name="four_diff_controller">
+        <wheelSeparation>0.172</wheelSeparation></plugin></gazebo>
     </robot>"""
-    mobile, drive, mecanum, hardware = plugin_controllers(fromstring(text))
-    assert [c.kind for c in (mobile, drive, mecanum)] == ["differential", "differential", "mecanum"]
+    mobile, drive, mecanum, hardware, car = plugin_controllers(fromstring(text))
+    kinds = ["differential", "differential", "mecanum", "ackermann"]
+    assert [c.kind for c in (mobile, drive, mecanum, car)] == kinds
     assert {k: float(s.value) for k, s in mobile.lengths.items()} == {"track": 0.53, "radius": 0.1}
     assert {k: float(s.value) for k, s in drive.lengths.items()} == {"track": 0.158, "radius": 0.06}
     assert {k: float(s.value) for k, s in mecanum.lengths.items()} == {

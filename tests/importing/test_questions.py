@@ -66,11 +66,14 @@ def test_what_moves_the_body_names_no_motors(read: Import) -> None:
 
 
 def test_a_simulator_that_moves_a_body_any_way_says_rollers_of_four_wheels_alone(read: Import) -> None:
-    """Of a pair and of a car it is the simulator's way."""
+    """Of a pair, of a car and of the wheels of tracks it is the simulator's way."""
     moves = '<gazebo><plugin filename="libgazebo_ros_planar_move.so"/></gazebo>'
     steered = link("s") + joint("s", "base_link", "s", "0.3 0 0.1", axis="0 0 1")
     car = (pair(), steered, wheel("front", "0 0 0", parent="s"))
-    for parts, kinds in ((four(), {"swedish"}), (pair(), {"fixed"}), ("".join(car), {"fixed", "steered"})):
+    tracks = four() + pair()
+    for parts, kinds in (
+        (four(), {"swedish"}), (pair(), {"fixed"}), (tracks, {"fixed"}), ("".join(car), {"fixed", "steered"})
+    ):  # fmt: skip
         said = read(robot(parts, moves))
         assert {w["type"] for w in said["wheels"].values()} == kinds
 

@@ -51,7 +51,7 @@ _WORDS = {word: key for key, words in LENGTHS.items() for word in words.split()}
 _KINDS = (  # the first whose pattern occurs in a type
     ("mecanum", "mecanum"),
     ("four_?wheel_?steer|swerve|omni_?drive_?controller/wheel|omnidrive(?!controller)", "swerve"),
-    ("ackermann", "ackermann"),
+    ("ackermann?", "ackermann"),
     ("bicycle", "bicycle"),
     ("tricycle", "tricycle"),
     ("omni", "omni"),

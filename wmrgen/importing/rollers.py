@@ -14,7 +14,8 @@ from wmrgen.spec.text import quoted
 
 UNSAID = "not in the file"
 _SAYS_ROLLERS = re.compile("mecanum|omni", re.IGNORECASE)
-_MOVES_ANY_WAY = re.compile("planar_?move", re.IGNORECASE)  # simulators move cars so, too
+_MOVES_ANY_WAY = re.compile("planar_?move", re.IGNORECASE)  # simulators move cars and tracks so, too
+_MOST = 4  # wheels with rollers, where nothing but how they move says them
 
 
 def heading(axis: Vector) -> Vector:
@@ -30,7 +31,7 @@ def rollers_said(robot: Robot, wheels: Sequence[Candidate]) -> str:
     """What says, of the whole robot, that its wheels have rollers; empty where nothing does."""
     steers = any(wheel.steer for wheel in wheels)
     for word in (*robot.description.words, *(word for c in wheels for word in _called(robot, c))):
-        moved = _MOVES_ANY_WAY.search(word) and len(wheels) > 2 and not steers
+        moved = _MOVES_ANY_WAY.search(word) and 2 < len(wheels) <= _MOST and not steers
         if moved or _SAYS_ROLLERS.search(word):
             return f"the file says {quoted(word)}"
     if steers:

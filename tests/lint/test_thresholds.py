@@ -83,6 +83,9 @@ def polar(alpha: str, head: str = "") -> str:
         (differential() + "limits: {vx: 101, spin: 1001}\n", ["WMR002", "WMR002"]),
         (differential() + "trailers: [{name: t, length: 19.9}]\n", []),
         (differential() + "trailers: [{name: t, length: 3000}]\n", ["WMR003"]),
+        (differential() + "trailers: [{name: t, length: 0.9 mm}]\n", ["WMR004"]),
+        (differential() + "cg: {x: 0, y: 0.1 mm, z: 0.3}\n", []),
+        (differential() + "cg: {x: 0, y: 0, z: 300}\n", ["WMR003"]),
         (differential(r="10"), ["WMR005"]),  # at one place they are not for that
     ],
 )  # fmt: skip
@@ -190,13 +193,14 @@ def test_what_to_write_for_an_angle_without_unit(tmp_path: Path) -> None:
         assert [f.instead for f in linted(path) if f.code == "WMR001"] == [instead]
 
 
-def test_a_skid_steer_robot_that_senses_one_side_alone(tmp_path: Path) -> None:
+def test_a_skid_steer_robot(tmp_path: Path) -> None:
     four = [
         f"name: w{k}, type: fixed, x: {x}, y: {y}, heading: 0, r: 0.1, sensed: [spin]"
         for k, (x, y) in enumerate(((0.3, 0.2), (-0.3, 0.2), (0.3, -0.2), (-0.3, -0.2)))
     ]
     track = "effective_track: 0.6\n"
-    assert codes(tmp_path / "robot.yaml", track + wheels(*four)) == []
+    for size, expected in (("0.6", []), ("0.39", []), ("0.3", ["WMR005"]), ("600", ["WMR003"])):
+        assert codes(tmp_path / "robot.yaml", track.replace("0.6", size) + wheels(*four)) == expected
     left = [*four[:2], *(wheel.replace("[spin]", "[]") for wheel in four[2:])]
     assert codes(tmp_path / "robot.yaml", track + wheels(*left)) == ["WMR022"]
 

@@ -25,6 +25,7 @@ _WRITTEN = {
 }
 _DIAMETER = re.compile(r"(?:the )?(?:wheel )?(?:diameter|dia\.?|[Øø⌀])", re.IGNORECASE)
 _CLOSE, _ABOUT = 1e-6, 1e-3
+_LEAST = 0.95  # of the track of its wheels, the effective one of a robot that skids
 
 
 @rule(
@@ -34,7 +35,8 @@ _CLOSE, _ABOUT = 1e-6, 1e-3
     a radius. Where a wheel stands that far from the middle, or has that radius, the robot is twice as large as meant,
     and it turns half as fast. Divide by 2, or call the parameter half_track where it is the half. The same is told of a
     half that is halved again, where the comment beside a number or the description says such a size, where of two
-    wheels that face each other one has twice the size of the other, and of wheels that are larger than the robot.""",
+    wheels that face each other one has twice the size of the other, of wheels that are larger than the robot, and of an
+    effective track below the track of the wheels: skidding makes a robot turn slower, never faster.""",
     """
 parameters: {track: 0.331, diameter: 0.195}
 wheels:
@@ -52,12 +54,27 @@ def full(subject: Subject) -> Iterator[Finding]:
     yield from _called(subject)
     yield from _said(subject)
     yield from faced(subject)
+    yield from _skids(subject)
     rolling = [w for w in subject.robot.wheels if w.has_spin]
     extent = max((abs(b.pivot - a.pivot) for a, b in combinations(subject.robot.wheels, 2)), default=0.0)
     large = [w for w in rolling if float(w.nominal.r) > extent > 0]
     if large and len(large) == len(rolling):
         what = f"a wheel of radius {float(large[0].nominal.r):.4g} m is larger than the robot, which is {extent:.4g} m"
         yield Finding(subject.mark(large[0]), what, "r is the radius, not the diameter.")
+
+
+def _skids(subject: Subject) -> Iterator[Finding]:
+    """An effective track that is less than the wheels stand apart across their heading."""
+    told = subject.spec.effective_track
+    ahead = subject.robot.wheels[0].zero_heading.conjugate()
+    sides = [(ahead * w.pivot).imag for w in subject.robot.wheels if w.kind.directed]
+    if told and (size := subject.value(told)) < _LEAST * (track := max(sides) - min(sides)):
+        what = (
+            f"effective_track = {told.text} is {size:.4g} m, less than the wheels stand apart, {track:.4g} m"
+        )
+        yield Finding(
+            told.mark, what, "Write the whole of it, not the half: 1.2 to 2 times the track of the wheels."
+        )
 
 
 def _extent(subject: Subject, axis: str) -> float:

@@ -112,7 +112,8 @@ def _extent(subject: Subject) -> tuple[float, Wheel]:
 @rule(
     "WMR003",
     "a robot larger than 20 m",
-    """Lengths without a unit are in metres; a base of more than 20 m was likely written in millimetres.""",
+    """Lengths without a unit are in metres; a base of more than 20 m was likely written in millimetres, and so
+    was a trailer, a place of the centre of gravity or an effective track of more.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0, y: 165,  heading: 0, r: 97}
@@ -139,11 +140,18 @@ def huge(subject: Subject) -> Iterator[Finding]:
             f"the wheels stand up to {extent:.4g} m apart",
             "Did you mean mm? Write the unit.",
         )
-    for trailer in subject.spec.trailers:
-        for quantity in filter(None, (trailer.length, trailer.hitch)):
-            if abs(size := subject.value(quantity)) > LARGEST:
-                what = f"the trailer {trailer.name} has a length of {size:.4g} m"
-                yield Finding(quantity.mark, what, "Did you mean mm? Write the unit.")
+    for words, quantity in _lengths(subject):
+        if abs(size := subject.value(quantity)) > LARGEST:
+            yield Finding(quantity.mark, f"{words} of {size:.4g} m", "Did you mean mm? Write the unit.")
+
+
+def _lengths(subject: Subject) -> Iterator[tuple[str, Quantity]]:
+    """Lengths that are no wheel's, in words."""
+    spec = subject.spec
+    told = [(f"the trailer {t.name} has a length", q) for t in spec.trailers for q in (t.length, t.hitch)]
+    told += [(f"the centre of gravity has a {key}", getattr(spec.cg, key, None)) for key in "xyz"]
+    told.append(("the robot has an effective track", spec.effective_track))
+    yield from ((words, quantity) for words, quantity in told if quantity)
 
 
 @rule(
@@ -151,7 +159,7 @@ def huge(subject: Subject) -> Iterator[Finding]:
     "sizes a hundred times apart",
     """Radii of the wheels and the distance between them that differ by more than a factor of 100 were likely written in
     different units; so was an offset of a contact, or a radius of rollers, that is larger than the robot or a hundred
-    times smaller than its wheels.""",
+    times smaller than its wheels, and a trailer that is that small.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
@@ -180,6 +188,10 @@ def sizes(subject: Subject) -> Iterator[Finding]:
             if quantity and size and (size > max(usual, extent) or not size / usual > 1 / APART):
                 what = f"{w.name}: {key} = {quantity.text} is {size:.4g} m beside a radius of {usual:.4g} m"
                 yield Finding(quantity.mark, what, unit)
+    for trailer in subject.spec.trailers:
+        if (size := abs(subject.value(trailer.length))) and not size / usual > 1 / APART:
+            what = f"{trailer.name}: a length of {size:.4g} m beside a radius of {usual:.4g} m"
+            yield Finding(trailer.length.mark, what, unit)
 
 
 @rule(

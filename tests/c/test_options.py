@@ -9,7 +9,7 @@ import pytest
 from benchmarks.emulator.zig import FLAGS as ZIG
 from benchmarks.emulator.zig import M4F
 from tests.c.harness import COMPILERS
-from tests.selftest.every import EVERY, FEW, NAMES, failures, write
+from tests.selftest.every import EVERY, FEW, FUNCTIONS, NAMES, TESTS, failures, write
 from tests.selftest.target import on_target
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.errors import EnvironmentFailure
@@ -31,33 +31,46 @@ REFUSED = {  # by compilers that tell of them: gcc since 12; clang tells of -ffa
     "gcc": set(OPTIONS[:7]) | {"-fno-signed-zeros"},
     "clang": {"-ffast-math", "-Ofast", "-ffp-model=fast"},
 }
+PLAIN = ("-std=c99", "-w")
+OBJECT = "tests.o"
 EVERYDAY = ("turtlebot3_burger", "ackermann_car")
 PAIRS = [(c, option) for c in COMPILERS for option in (*OPTIONS, *(OF_CLANG if c == "clang" else ()))]
 
 
-def outcome(folder: Path, compiler: str, flags: str) -> str | list[str]:
+def outcome(folder: Path, compiler: str, flags: str, sources: tuple[str, ...] = (EVERY,)) -> str | list[str]:
     """``refused``, or which self-tests fail."""
     try:
-        program = compile_program(folder, [EVERY], compiler, ("-std=c99", "-w", "-O2", *flags.split()))
+        program = compile_program(folder, sources, compiler, (*PLAIN, "-O2", *flags.split()))
     except EnvironmentFailure as error:
         assert "#error" in str(error) or 'error: "-f' in str(error), str(error)
         return "refused"
     return failures(run_program(program, ""))
 
 
-@pytest.mark.parametrize(("compiler", "option"), [pair for pair in PAIRS if pair[0] == COMPILERS[0]])
+@pytest.mark.parametrize(
+    ("compiler", "option"),
+    [p if p[0] == COMPILERS[0] else pytest.param(*p, marks=pytest.mark.slow) for p in PAIRS],
+)
 def test_refused_or_right(compiler: str, option: str, tmp_path: Path) -> None:
-    """By one compiler; the others, and all robots, below."""
+    """Every day by one compiler."""
     write(tmp_path, EVERYDAY)
     assert outcome(tmp_path, compiler, option) == ("refused" if option in REFUSED[compiler] else [])
 
 
+@pytest.fixture(scope="module", params=["float", "double"])
+def gallery(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The C of all robots, and their self-tests as an object that knows no option, and so tells a NaN."""
+    folder = tmp_path_factory.mktemp("options")
+    write(folder, NAMES, request.param)
+    compile_program(folder, [TESTS], COMPILERS[0], (*PLAIN, "-c")).rename(folder / OBJECT)
+    return folder
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("scalar", ["float", "double"])
 @pytest.mark.parametrize(("compiler", "option"), PAIRS)
-def test_the_gallery_is_refused_or_right(compiler: str, option: str, scalar: str, tmp_path: Path) -> None:
-    write(tmp_path, NAMES, scalar)
-    assert outcome(tmp_path, compiler, option) == ("refused" if option in REFUSED[compiler] else [])
+def test_the_gallery_is_refused_or_right(compiler: str, option: str, gallery: Path) -> None:
+    right = "refused" if option in REFUSED[compiler] else []
+    assert outcome(gallery, compiler, option, (FUNCTIONS, OBJECT)) == right
 
 
 @pytest.mark.parametrize("option", ["-funsafe-math-optimizations", ASSOCIATIVE])

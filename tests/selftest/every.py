@@ -24,7 +24,7 @@ FEW = (
     "nomad_xr4000",
     "ackermann_car",
 )
-EVERY = "every.c"
+FUNCTIONS, TESTS, EVERY = "functions.c", "tests.c", "every.c"
 _OWN = re.compile(r"\b(miss|fetch|\w+_rows|\w+_misses)\b")  # what is static in a self-test
 _MAIN = """
 #include <stdio.h>
@@ -51,8 +51,9 @@ def place_of(robot: str) -> str:
 
 
 def write(folder: Path, robots: Sequence[str], scalar: str = "float", checks: bool = False) -> None:
-    """`EVERY`: C and self-test of every robot; a main that prints a line for each, or ``checks``, one a robot."""
-    lines = []
+    """`FUNCTIONS`: the C of every robot; `TESTS`: the self-tests, and a main that prints a line for each, or with
+    ``checks`` a function for each; `EVERY`: both."""
+    tests = []
     for robot in robots:
         files = files_of(robot, scalar)
         text = _OWN.sub(lambda m, robot=robot: f"{robot}_{m[1]}", files[place_of(robot)].decode())  # type: ignore[misc]
@@ -60,17 +61,18 @@ def write(folder: Path, robots: Sequence[str], scalar: str = "float", checks: bo
             folder,
             {**{name: files[name] for name in (f"{robot}.h", f"{robot}.c")}, place_of(robot): text.encode()},
         )
-        lines += [f'#include "{robot}.c"', f'#include "{place_of(robot)}"']
+        tests.append(f'#include "{place_of(robot)}"')
         if checks:
-            lines += [
+            tests += [
                 f"void check_{robot}(int *y);",
                 f"void check_{robot}(int *y) {{ *y = {robot}_selftest(); }}",
             ]
-    text = "\n".join(lines) + "\n"
     if not checks:
         calls = [f'    printf("{robot} %d\\n", {robot}_selftest());' for robot in robots]
-        text += _MAIN.format(calls="\n".join(calls))
-    (folder / EVERY).write_text(text)
+        tests.append(_MAIN.format(calls="\n".join(calls)))
+    (folder / FUNCTIONS).write_text("".join(f'#include "{robot}.c"\n' for robot in robots))
+    (folder / TESTS).write_text("\n".join(tests) + "\n")
+    (folder / EVERY).write_text(f'#include "{FUNCTIONS}"\n#include "{TESTS}"\n')
 
 
 def failures(printed: str) -> list[str]:

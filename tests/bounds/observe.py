@@ -143,13 +143,15 @@ def bred(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: in
     found = {}
     for name, value, moved in _inherited(rng, ranges, parents, count):
         lo, hi = ranges[name]
-        kind = rng.random(count)
-        nudged = value * (1 + rng.normal(0, 1, count) * 10.0 ** rng.uniform(-7, -1, count))
-        near = value * (1 + rng.integers(-40, 41, count) * 2.0**-24)
-        end = np.where(rng.random(count) < 0.5, lo, hi)
-        new = np.where(kind < 0.08, end, np.where(kind < 0.15, -value, nudged))
-        new = np.where((kind > 0.15) & (kind < 0.2), rng.uniform(lo, hi, count), new)
-        found[name] = _inside(np.where(moved, np.where(kind > 0.6, near, new), value), lo, hi)
+        old = value[moved]
+        kind = rng.random(len(old))
+        nudged = old * (1 + rng.normal(0, 1, len(old)) * 10.0 ** rng.uniform(-7, -1, len(old)))
+        near = old * (1 + rng.integers(-40, 41, len(old)) * 2.0**-24)
+        end = np.where(rng.random(len(old)) < 0.5, lo, hi)
+        new = np.where(kind < 0.08, end, np.where(kind < 0.15, -old, nudged))
+        new = np.where((kind > 0.15) & (kind < 0.2), rng.uniform(lo, hi, len(old)), new)
+        value[moved] = np.where(kind > 0.6, near, new)
+        found[name] = _inside(value, lo, hi)
     return found
 
 
@@ -158,9 +160,10 @@ def nudged(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: 
     rng = np.random.default_rng(seed)
     found = {}
     for name, value, moved in _inherited(rng, ranges, parents, count):
-        units = np.rint(rng.normal(0, 1, count) * 2.0 ** rng.uniform(0, 8, count)) * moved
-        near = np.where(moved, -value, value) if name.startswith(CHOICE) else value * (1 + units * 2.0**-23)
-        found[name] = _inside(near, *ranges[name])
+        old = value[moved]
+        units = np.rint(rng.normal(0, 1, len(old)) * 2.0 ** rng.uniform(0, 8, len(old)))
+        value[moved] = -old if name.startswith(CHOICE) else old * (1 + units * 2.0**-23)
+        found[name] = _inside(value, *ranges[name])
     return found
 
 

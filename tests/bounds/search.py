@@ -10,6 +10,7 @@ it is tried (`choices`): proofs hold for any library that is so exact.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from wmrgen.bounds.assumptions import LIBM, SINGLE
 from wmrgen.bounds.lengths import lengths as vectors
 from wmrgen.bounds.robot import FunctionBound
 from wmrgen.bounds.walk import Walk
-from wmrgen.ir.nodes import Function
+from wmrgen.ir.nodes import Function, pruned
 
 Points = dict[str, np.ndarray]
 Score = Callable[[Points], np.ndarray]
@@ -76,6 +77,15 @@ def _best(points: Points, value: np.ndarray, kept: int) -> tuple[Points, np.ndar
     return {n: v[order] for n, v in points.items()}, value[order]
 
 
+def alone(function: Function, bound: FunctionBound, output: str) -> tuple[Function, FunctionBound]:
+    """The nodes and inputs that one output depends on, and what is claimed of it."""
+    row = [o.name for o in bound.outputs].index(output)
+    one = pruned(replace(function, outputs=(function.outputs[row],), results=(function.results[row],)))
+    read = {node.name for node in one.nodes}
+    inputs = {name: limits for name, limits in bound.inputs.items() if name in read}
+    return one, replace(bound, inputs=inputs, outputs=(bound.outputs[row],))
+
+
 def worst(
     function: Function,
     bound: FunctionBound,
@@ -85,15 +95,14 @@ def worst(
     enough: float,
 ) -> float:
     """The largest share that the searches find for ``output``; those for slips alone while it is below ``enough``."""
+    function, bound = alone(function, bound, output)
     ranges = bound.inputs | choices(function)
 
     def share(points: Points) -> np.ndarray:
         return shares(function, bound, points)[output]
 
-    row = [o.name for o in bound.outputs].index(output)
-
     def allowed(points: Points) -> np.ndarray:
-        return np.asarray(possible(function, points)[row])
+        return np.asarray(possible(function, points)[0])
 
     def climb(start: Points) -> Points:
         return climbed(ranges, share, start, generations)
@@ -109,10 +118,10 @@ def worst(
     if output != "slip":
         return best()
     if function.name == "inverse_slip" and best() < enough:
-        least = bound.outputs[row].error
+        least = bound.outputs[0].error
 
         def slipping(points: Points) -> np.ndarray:
-            exact = run(function, points).exact[function.results[row]]
+            exact = run(function, points).exact[function.results[0]]
             return np.where(exact > least, share(points), 0.0)
 
         ends.append(climbed(ranges, slipping, first, generations))

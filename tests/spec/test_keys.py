@@ -4,27 +4,33 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
 from tests.conftest import GALLERY, ROOT, Outcome
-from tests.depth import everyday
+from tests.depth import everyday, examples
 from tests.spec.files import read
 from wmrgen import robot_of
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Code, Mark, RobotFileError
 from wmrgen.functions.control.gains import TEXTBOOK
 from wmrgen.functions.registry import check, optional_names
 from wmrgen.layout import build
+from wmrgen.spec.expressions import parse_value
 from wmrgen.spec.fields import Amount, Field
 from wmrgen.spec.keys import ROBOT, SECTIONS, WHEEL
+from wmrgen.spec.numbers import Kind, spellings_of
 from wmrgen.spec.part_keys import GAINS, VIRTUAL
 from wmrgen.spec.reference import example, mistake, reference
 from wmrgen.spec.schema import MODELINE, SCHEMA_FILE, json_schema
+from wmrgen.spec.text import Scalar
 from wmrgen.wheels import WHEEL_TYPES
 
 SCHEMA = json_schema(optional_names())
@@ -112,6 +118,38 @@ def test_reader_and_schema_refuse_what_is_wrong(name: str) -> None:
     for what, mutant in mutants(document):
         assert not accepted(mutant), what
         assert not VALIDATOR.is_valid(mutant), what
+
+
+def quantity(text: str, kind: Kind) -> bool:
+    """The reader takes a text for a quantity of a kind, by the parameters p and q."""
+    try:
+        parse_value(Scalar(Mark("bot.yaml", 1, 1, text), text, False), ("p", "q"), kind, "x")
+    except RobotFileError:
+        return False
+    return True
+
+
+def pattern(kind: Kind) -> str:
+    return str(SCHEMA["$defs"][kind.name.lower()]["pattern"])
+
+
+TOKENS = "p q pi π 12 0.5 .5 1e5 2E-3 e ( ) + - * ** / , sin( atan2(".split()
+TOKENS += [" ", "\t", *(unit for kind in Kind for unit in spellings_of(kind))]
+
+
+@settings(max_examples=examples(300), deadline=None, derandomize=True)
+@given(st.lists(st.sampled_from(TOKENS), min_size=1, max_size=7).map("".join), st.sampled_from(Kind))
+def test_the_schema_takes_every_quantity_that_is_read(text: str, kind: Kind) -> None:
+    assert re.search(pattern(kind), text) or not quantity(text, kind)
+
+
+@pytest.mark.parametrize("kind", Kind)
+def test_reader_and_schema_take_the_same_units(kind: Kind) -> None:
+    """Behind a number stands a unit of the kind, in any spelling, or none; no word that is no unit."""
+    units = [unit for each in Kind for unit in spellings_of(each)]
+    words = [f"{gap}{word}" for gap in ("", " ") for word in (*units, *'pi inch e e5 m² "'.split(), "")]
+    for text in (number + word for number in ("3", "-.5", "1.5") for word in words):
+        assert bool(re.search(pattern(kind), text)) is quantity(text, kind), text
 
 
 def test_the_page_is_fresh() -> None:
@@ -215,3 +253,9 @@ def test_the_page_shows_what_is_taken_and_what_is_refused(title: str, field: Fie
     with pytest.raises(RobotFileError) as refused:
         robot_of(read(written(title, field, wrong)))
     assert [part.code for part in refused.value.parts] == [code]
+    assert VALIDATOR.is_valid(yaml.safe_load(written(title, field, example(field))))
+    if isinstance(field.value, Amount) and field.value.unit:
+        wrong, code = f"{field.key}: 2 mm", Code.FORM
+        with pytest.raises(RobotFileError, match="has a unit"):
+            read(written(title, field, wrong))
+    assert not VALIDATOR.is_valid(yaml.safe_load(written(title, field, wrong))) or code is not Code.FORM

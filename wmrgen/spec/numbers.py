@@ -90,6 +90,11 @@ def units_of(kind: Kind) -> list[str]:
     return [name for name, unit in UNITS.items() if kind in (unit.kind, Kind.ANY)]
 
 
+def spellings_of(kind: Kind) -> list[str]:
+    """Its units, in every form that is read."""
+    return [*(own := units_of(kind)), *(word for word, unit in _SPELLINGS.items() if unit in own)]
+
+
 def number(text: str, node: Scalar, offset: int = 0) -> Fraction:
     """The exact value of a NUMBER with an optional sign, which stands at ``offset`` of the node."""
     mantissa, _, exponent = text.lower().partition("e")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -24,7 +25,7 @@ from wmrgen.spec.fields import (
 from wmrgen.spec.joint_keys import ENCODER, LIMITS, NOISE
 from wmrgen.spec.keys import ROBOT, WHEEL
 from wmrgen.spec.names import NAME_PATTERN
-from wmrgen.spec.numbers import Kind, units_of
+from wmrgen.spec.numbers import NUMBER, Kind, spellings_of, units_of
 from wmrgen.spec.wheels import keys_of_type, takes
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
@@ -40,7 +41,7 @@ SI = {
 def json_schema(functions: Sequence[str] = ()) -> Schema:
     """JSON Schema 2020-12 of a robot file. ``functions``: those that a file may ask for; any where none are listed.
 
-    It admits a little more than reading does: names may be reserved, expressions wrong, wheels not there.
+    It admits a little more than reading does: names may be reserved or nowhere declared, expressions wrong.
     """
     function = {"enum": list(functions)} if functions else _ref("name")
     return {
@@ -51,6 +52,7 @@ def json_schema(functions: Sequence[str] = ()) -> Schema:
             "name": {"type": "string", "pattern": NAME_PATTERN},
             "function": function,
             **{_kind(kind): _quantity(kind) for kind in Kind},
+            "plain": _written("a number, or an expression", []),
             **{kind.name: _wheel(kind) for kind in WHEEL_TYPES.values()},
         },
     }
@@ -61,11 +63,21 @@ def _kind(kind: Kind) -> str:
 
 
 def _quantity(kind: Kind) -> Schema:
-    units = ", ".join(units_of(kind))
+    text = f"[{SI[kind]}] a number, a number with a unit ({', '.join(units_of(kind))}), or an expression"
+    return _written(text, spellings_of(kind))
+
+
+def _written(text: str, units: Iterable[str]) -> Schema:
+    """What ``text`` says: no word stands behind a number but one of ``units``, at the end, and nothing that no quantity
+    has. Editors show the text of a value that is none."""
+    number = rf"[+-]?{NUMBER}(?![0-9.]|[eE][+-]?[0-9])"
+    other = rf"\s*{number}[ \t]*(?!(?:{'|'.join(map(re.escape, units))})\s*$)[A-Za-zµμ°π_]"
     return {
         "type": ["number", "string"],
         "maxLength": MAX_CHARACTERS,
-        "description": f"[{SI[kind]}] a number, a number with a unit ({units}), or an expression",
+        "pattern": rf"^(?!{other})[-+*/().,\sA-Za-z0-9_πΠµμ°²^]+$",
+        "patternErrorMessage": text,
+        "description": text,
     }
 
 
@@ -111,8 +123,8 @@ def _value(value: Value) -> Schema:
             if set(words) == {"true", "false"}:
                 return {"type": "boolean", "default": default == "true"}
             return {"enum": list(words), "default": default}
-        case Amount(kind):
-            return _ref(_kind(kind))
+        case Amount(kind, unit):
+            return _ref("plain" if unit else _kind(kind))
         case Interval(kind):
             ends = {"type": "array", "minItems": 2, "maxItems": 2, "items": _ref(_kind(kind))}
             return {"anyOf": [_ref(_kind(kind)), ends]}
@@ -134,7 +146,7 @@ def _value(value: Value) -> Schema:
 def _one_of(what: str) -> Schema:
     match what:
         case "wheel.joint":
-            return {"type": "string", "pattern": r"\.(spin|steer)$"}
+            return {"type": "string", "pattern": NAME_PATTERN[:-1] + r"\.(spin|steer)$"}
         case "function":
             return _ref("function")
         case "type":

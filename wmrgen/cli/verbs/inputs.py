@@ -91,7 +91,8 @@ def fmt(
     """Example:  wmrgen fmt robots/*.yaml
 
     Lay out robot files alike: indentation, columns of wheels one below the other, spaces at brackets and comments.
-    Words, comments and their lines stay, and so does the robot.
+    Words, comments and their lines stay, and so does the robot. What no robot file may have is refused and not
+    rewritten: anchors and aliases, for which there are parameters, and tags.
     """
 
 

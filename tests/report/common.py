@@ -27,3 +27,20 @@ def numerics_of(name: str) -> str:
 def page_written(text: str) -> str:
     """The report of a robot file given as text."""
     return report.emit(of_text(text), FACTS)[report.FILE].decode()
+
+
+def result(name: str) -> str:
+    return box(page_of(name))
+
+
+def box(page: str) -> str:
+    return page.partition("## The result")[2].partition("\n## 1 ")[0]
+
+
+def part(name: str, head: str, end: str) -> str:
+    return between(result(name), head, end)
+
+
+def between(text: str, head: str, end: str) -> str:
+    text = text.partition(f"**{head}")[2].partition(f"**{end}")[0]
+    return text.replace(r"\Bigl", r"\left").replace(r"\Bigr", r"\right")

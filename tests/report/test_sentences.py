@@ -243,6 +243,7 @@ wheels:
 @pytest.mark.parametrize(
     ("robot", "said", "unsaid"),
     [
+        (LOCKED, "`slip` is the norm of z − H ξ [m/s].", r"\mathrm{slip} = \sqrt{{"),  # too wide for a page
         (LOCKED, "Without slip nothing moves: DDOF = DOF = 0.", "holonomic, but not"),
         (SPINNING, r"\dot{x} &= 0 \\", r"\left(0\right)"),
         (SPINNING, r"\mathrm{slip} = \sqrt{v_y^2 + v_x^2}", "2\\,"),

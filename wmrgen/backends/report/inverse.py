@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from wmrgen import notation
 from wmrgen.backends.report.car import circle
 from wmrgen.backends.report.closed import driven_twist, pivot_velocity, projected, spin_rate, swivel_rate
-from wmrgen.backends.report.latex import latex
+from wmrgen.backends.report.latex import latex, width
 from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, math, minus, some
 from wmrgen.constraints import XI, seen, symbolic_view
 from wmrgen.exact.number import ONE
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from wmrgen.layout.records import Interval, Robot, Wheel
     from wmrgen.robot import Derivation
 
+_ROOT = 120  # glyphs under a root
 _WORDS = {"vx": "v<sub>x</sub>", "vy": "v<sub>y</sub>", "omega": "ω"}
 
 
@@ -282,7 +283,8 @@ def _forbidden(projection: Projection, coupled: bool, steered: bool, held: bool)
     squares = Counter(rf"{latex(p)}^2" if p in XI else rf"\left({latex(p)}\right)^2" for p in forms)
     each = min(squares.values()) if len(set(squares.values())) == 1 else 1
     parts = [text if n == each else rf"{n}\,{text}" for text, n in squares.items()]
-    mean = " + ".join([*parts[:4], *([r"\cdots"] if len(parts) > 4 else [])])
+    shown = [text for k, text in enumerate(parts) if not k or width("".join(parts[: k + 1])) < _ROOT]
+    mean = " + ".join([*shown, *([r"\cdots"] if len(parts) > len(shown) else [])])
     if projection.weight * each != 1:
         mean = rf"{latex(Poly.of(projection.weight * each))}\left[ {mean} \right]"
     return [f"{words}, root mean square over the wheels:", *math(rf"\mathrm{{slip}} = \sqrt{{{mean}}}")]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
-from itertools import chain, islice
+from itertools import chain, islice, product
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.report.closed import closed_forward, closed_inverse
@@ -116,18 +116,25 @@ def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
     sample = [float(v) for v in d.mobility.admissible.sample] if d.mobility.degree_of_mobility else [0.0]
     size = 2 * max(map(abs, sample))
     rounded = [tuple(Fraction(round(10**7 * v / size), 10**6) for v in sample)] if size else []
-    for scale in _SCALES:
+    for goes, scale in product((True, False), _SCALES):  # what drives and turns tells most
         asked = (
             {n: Exact(k * scale) for n, k in zip(TWIST_NAMES, s, strict=True)} for s in (*_SPEEDS, *rounded)
         )
         allowed = [{n: _read(_six(v)) for n, v in admissible(d, twist).items()} for twist in asked]
         for twist in sorted(allowed, key=_plain):
-            if not any(twist.values()) or not all(_inside(d, n, v) for n, v in twist.items()):
+            if _goes(twist) != goes or not any(twist.values()):
+                continue
+            if not all(_inside(d, n, v) for n, v in twist.items()):
                 continue
             joints = d.evaluate("inverse", twist)
             slip = joints.pop("slip")
             if abs(float(slip)) < _NO_SLIP and all(_inside(d, n, v) for n, v in joints.items()):
                 yield twist, joints
+
+
+def _goes(twist: Values) -> bool:
+    """Whether P moves and the robot turns."""
+    return bool(twist["omega"]) and any(twist[n] for n in ("vx", "vy"))
 
 
 def _plain(twist: Values) -> tuple[bool, bool]:

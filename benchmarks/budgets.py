@@ -10,7 +10,6 @@ import json
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +50,9 @@ def _robot(fleet: Fleet, module: Module) -> Budget:
         calls: Counter[str] = Counter()
         for run in runs:
             calls |= Counter(run.calls)
-        operations = {kind: n for kind, n in asdict(count(inlined_calls(module).function(name))).items() if n}
+        operations = {
+            kind: n for kind, n in count(inlined_calls(module).function(name))._asdict().items() if n
+        }
         functions[name] = {
             "operations": operations,
             "instructions": max(run.instructions for run in runs),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING, SupportsFloat
 
@@ -49,7 +49,7 @@ def _written(
     entry: Entry, derivation: Derivation, common: Facts, choice: Choice, fuzz: bool = False
 ) -> dict[str, bytes]:
     """What a backend writes."""
-    chosen = {**asdict(choice), "fuzz": fuzz}
+    chosen = {**choice._asdict(), "fuzz": fuzz}
     options = {name: chosen[name] for name in (*entry.options, *entry.switches)}
     lines = _bound_lines(derivation, choice) if entry.proved else ()
     own = replace(common, options=options, bound_lines=lines)
@@ -65,7 +65,7 @@ def package(
     common = facts(derivation, choice, files[MODEL])
     if kind.backend:
         return _written(BACKENDS[kind.backend], derivation, common, choice)
-    return packaged(kind, derivation.c_module, replace(common, options=asdict(choice)), files)
+    return packaged(kind, derivation.c_module, replace(common, options=choice._asdict()), files)
 
 
 def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -50,7 +49,7 @@ def model(
             f.name: {"inputs": [p.name for p in f.inputs], "outputs": [p.name for p in f.outputs]}
             for f in formulas.functions
         },
-        "operations": {f.name: asdict(count(f)) for f in inlined_calls(code).functions},
+        "operations": {f.name: count(f)._asdict() for f in inlined_calls(code).functions},
         **({} if bounds.missing else {"bounds": bounds_data(bounds)}),
         **(slips if robot.slip else {}),
         **_domains(robot, mobility),

@@ -8,8 +8,7 @@ and u M v, u and v two such points, no more than the spectral norm of M.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -24,8 +23,7 @@ _MOST_SQUARES = 400  # terms of a product
 _UNIT = 1 + 1e-5  # the length of (cos, sin) as computed
 
 
-@dataclass(frozen=True, slots=True)
-class Form:
+class Form(NamedTuple):
     """The sum of coefficient times monomial, plus ``constant``, within ``slack`` (per box)."""
 
     terms: Mapping[Monomial, float]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.ir.nodes import Function, Node, Op, uses_of
@@ -11,8 +11,7 @@ from wmrgen.ir.nodes import Function, Node, Op, uses_of
 _MOST_ROUNDINGS = 200
 
 
-@dataclass(frozen=True, slots=True)
-class Term:
+class Term(NamedTuple):
     """``factor`` times the square of node ``base`` (``squared``) or node ``base`` itself; ``roundings`` on its way."""
 
     factor: Exact

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.ir.build import Builder
@@ -16,8 +17,7 @@ from wmrgen.ir.build import Builder
 Edge = tuple[int, int]  # (node, sign)
 
 
-@dataclass(frozen=True, slots=True)
-class Coefficient:
+class Coefficient(NamedTuple):
     """``value`` times an opaque non-zero quantity ``atom`` (None: nothing but the value)."""
 
     value: Exact

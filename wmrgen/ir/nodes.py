@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass, replace
-from typing import TypeVar
+from dataclasses import dataclass, replace
+from typing import NamedTuple, TypeVar
 
 from wmrgen.exact.number import Exact
 from wmrgen.ir.ops import Op
@@ -20,8 +20,7 @@ T = TypeVar("T")
 __all__ = ["Function", "Limits", "Module", "Node", "Op", "Port", "Role"]
 
 
-@dataclass(frozen=True, slots=True)
-class Node:
+class Node(NamedTuple):
     """One operation. CONST carries ``value``; INPUT carries ``name`` (the name of an input port)."""
 
     op: Op
@@ -99,8 +98,7 @@ def uses_of(function: Function) -> Counter[int]:
     return uses
 
 
-@dataclass(frozen=True, slots=True)
-class Shared:
+class Shared(NamedTuple):
     """The part of a function that its variant has too, and that both compute alike: to the bit.
 
     ``nodes``: those that common results need; ``uses``: how often each is an argument or a result among them.
@@ -162,8 +160,7 @@ def _moved(nodes: Sequence[Node], place: Mapping[int, int]) -> tuple[Node, ...]:
     return tuple(moved)
 
 
-@dataclass(frozen=True, slots=True)
-class Cost:
+class Cost(NamedTuple):
     """How many operations of each kind one call takes."""
 
     additions: int = 0
@@ -189,7 +186,7 @@ class Cost:
             ("arctangent", "arctangents"), ("comparison", "comparisons"),
             ("sign operation", "sign operations"), ("rounding", "roundings"),
         )  # fmt: skip
-        counted = zip(astuple(self), names, strict=True)
+        counted = zip(self, names, strict=True)
         return ", ".join(f"{n} {name[n != 1]}" for n, name in counted if n) or "none"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from wmrgen.errors import UsageError
 
@@ -12,8 +12,7 @@ LIBM, INLINE = MATHS = ("libm", "inline")
 M4F, M0, AVR, HOST = TARGETS = ("m4f", "m0", "avr", "host")
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
+class Choice(NamedTuple):
     """What ``--scalar``, ``--math`` and ``--target`` say.
 
     ``math``: ``inline`` (own float kernels) or ``libm``. ``target``: ``m4f`` has a fused multiply-add (Cortex-M4F,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -40,8 +40,7 @@ def rounded(value: Array, error: Array, unit: Array) -> Bounded:
 # ---- lemmas: boxes of inputs
 
 
-@dataclass(frozen=True, slots=True)
-class Partial:
+class Partial(NamedTuple):
     """The derivative of a node in its argument ``arg``: within ``by``; 1 or -1 of sums.
 
     ``like``: it is ``times`` node ``like``. ``steep``: it is at most this over the length of node ``length``.
@@ -67,8 +66,7 @@ class Noise:
     divisions: frozenset[int] = frozenset()
 
 
-@dataclass(frozen=True, slots=True)
-class Value:
+class Value(NamedTuple):
     """What a lemma says of a result, for arguments anywhere in their ranges.
 
     ``range``: where the exact result lies; ``partials``: how much it moves with each argument; ``noise``: how far the

@@ -44,13 +44,14 @@ _MENDED, _LONG = 10, 20_000  # lines that are mended to read on, in files of so 
 class _Composer(Reader, Scanner, Parser):
     """PyYAML's events to nodes, which are counted; without anchors, aliases, tags, directives and deep nesting."""
 
+    last_counts = False  # of a key that stands twice; else the first
+
     def __init__(self, lines: tuple[Line, ...], source: Source, several: Several) -> None:
         Reader.__init__(self, "\n".join(line.text for line in lines))
         Scanner.__init__(self)
         Parser.__init__(self)
         self._lines, self._source, self._several = lines, source, several
         self._nodes = 0
-        self._last_counts = False
 
     def _refuse(self, what: str, why: str, instead: str) -> NoReturn:
         raise RobotFileError(what, self.mark_here(), why, instead, Code.NOT_YAML)
@@ -142,7 +143,7 @@ class _Composer(Reader, Scanner, Parser):
             if key.text in entries:
                 self._several.add(_duplicate(key, entries[key.text][0]))
                 repeated = True
-            if key.text not in entries or self._last_counts:
+            if key.text not in entries or self.last_counts:
                 entries[key.text] = (key, value)
         self.get_event()
         return MappingNode(mark, tuple(entries.values()), repeated)
@@ -173,6 +174,7 @@ class _Aliased(_Composer):
     """Files of others, with anchors; of a key that stands twice the last counts, as in ROS. What an alias stands
     for counts again: a few lines cannot mean very many nodes."""
 
+    last_counts = True
     fetch_anchor = Scanner.fetch_anchor
     fetch_alias = Scanner.fetch_alias
 
@@ -183,7 +185,6 @@ class _Aliased(_Composer):
 
     def __init__(self, lines: tuple[Line, ...], source: Source, several: Several) -> None:
         super().__init__(lines, source, several)
-        self._last_counts = True
         self._anchored: dict[str, tuple[Node, int]] = {}  # with the number of its nodes
 
     def _node(self, depth: int) -> Node:

@@ -6,23 +6,17 @@ A line that is mended keeps its place and, as far as something is put in or move
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import NamedTuple
 
 from wmrgen.errors import Code, Mark, RobotFileError
 from wmrgen.spec.text import Source, quoted
 
-# What PyYAML says, and the same for people: (part of its text, what, instead).
-_PLAIN_WORDS = (
-    ("'\\t'", "a tab where spaces are needed", "YAML indents with spaces: replace the tab."),
-    ("unexpected end of stream", "a quote that is never closed", "Close the quote."),
-    ("expected ',' or ']'", "a ',' or ']' is missing here", "Separate items by ',' and end the list with ']'."),
-    ("expected ',' or '}'", "a ',' or '}' is missing here", "Separate keys by ',' and end with '}'."),
-    ("did not find expected <document start>", "text after the end of the document", "Delete it."),
-    ("expected the node content", "a value is missing here", "Write it, indented deeper than what asks for it."),
-    ("escape", "an unknown escape in double quotes", "Use single quotes, or none."),
-)  # fmt: skip
 _UNALIGNED = "this line does not fit the indentation above", "Align it with its neighbours."
 _SECOND = "a second ':' in one line", "Write a line for each key; put text that contains ': ' in quotes."
+_AFTER_THE_END = "text after the end of the document", "Delete it."
+_NO_VALUE = "a value is missing here", "Write it, indented deeper than what asks for it."
+_COLON = re.compile(r":( |$)")
 _KEY = re.compile(r"^( *)(- *)?([^ :=]*)( *)([:=]?)( *)(.*?) *$")
 
 
@@ -62,72 +56,190 @@ class Slip(NamedTuple):
     follows: bool = False
 
 
+class _Trouble(NamedTuple):
+    """``problem``, in PyYAML's words, ``at`` a place of ``lines``; ``context``: where that began which it is about."""
+
+    problem: str
+    at: Place
+    context: Place | None
+    lines: tuple[Line, ...]
+
+    @property
+    def line(self) -> Line:
+        return self.lines[self.at.line]
+
+    @property
+    def before(self) -> str:
+        return self.line.text[: self.at.column]
+
+    @property
+    def rest(self) -> str:
+        return self.line.text[self.at.column :]
+
+    @property
+    def above(self) -> int:
+        """The number of the line above that says something; of this one where there is none."""
+        said = (k for k in range(self.at.line) if self.lines[k].text.partition("#")[0].strip())
+        return max(said, default=self.at.line)
+
+    def here(self, what: str, instead: str, meant: str | Line | None = None, why: str = "") -> _Mistake:
+        """A mistake where PyYAML says it is; ``meant``: the line or its text."""
+        line = self.line._replace(text=meant) if isinstance(meant, str) else meant
+        return _Mistake(what, instead, self.at, line, why)
+
+    def no_colon(self, at: Place) -> _Mistake:
+        """The line of ``at`` should have been ``key: value``."""
+        what, instead, meant = _no_colon(self.lines[at.line])
+        return _Mistake(what, instead, at, meant)
+
+
+class _Mistake(NamedTuple):
+    what: str
+    instead: str
+    at: Place
+    meant: Line | None = None
+    why: str = ""
+
+
 def slip_of(problem: str, at: Place, context: Place | None, lines: tuple[Line, ...], source: Source) -> Slip:
     """What ``problem``, in PyYAML's words, is to people; ``source``: the lines of the file."""
-    line, column = min(at.line, len(lines) - 1), at.column
-    text = lines[line].text
-    why, before, meant = "", text[:column], None
-    above = max((k for k in range(line) if lines[k].text.partition("#")[0].strip()), default=line)
-    plain = [(what, instead) for part, what, instead in _PLAIN_WORDS if part in problem]
-    if context and "expected ':'" in problem:
-        line, column = context.line, context.column
-        what, instead, meant = _no_colon(lines[line])
-    elif "mapping values are not allowed" in problem:
-        what, instead = _SECOND
-        if re.fullmatch(r" *(- +)*[^:]*", before) and above < line and not re.search(r":( |$)", before):
-            column, (what, instead) = len(before) - len(before.lstrip()), _UNALIGNED
-            other = lines[above].text
-            if re.match(r" *-[^ -]", other) or not re.search(r":( |$)", other):
-                line, column = above, len(other) - len(other.lstrip())
-                what, instead, meant = _no_colon(lines[line])
-            else:
-                meant = _aligned(lines, line, above)
-        elif "#" not in text and (key := re.match(r"(?:description|source): +(?=\w)", text)):
-            meant = (
-                Line(text.replace("'", "’"), lines[line].moved).put_in(len(text), "'").put_in(key.end(), "'")
-            )
-    elif "expected <block end>" in problem:
-        rest, (what, instead) = text[column:], _UNALIGNED
-        if rest[:1] in ("]", "}", ","):
-            what = f"'{rest[0]}' {'stands behind a value that is complete' if rest[0] == ',' else 'closes nothing'}"
-            instead, meant = "Delete it.", lines[line]._replace(text=f"{before} {rest[1:]}")
-        elif re.match(r"-[^ -]", rest) and not before.strip():
-            what, instead, meant = _no_colon(lines[line])
-        elif before.endswith(" ") and rest.startswith("//"):
-            what, instead = "'//' begins no comment", "Write # in the place of //."
-            meant = lines[line]._replace(text=f"{before}# {rest[2:]}")
-        elif before.strip(" -"):
-            what, instead = "text after the end of a value", "Put the whole value in double quotes."
-    elif plain:
-        what, instead = plain[0]
-        if "a tab" in what:
-            meant = lines[line]._replace(text=f"{before} {text[column + 1 :]}")
-        elif context and "never closed" in what:
-            line, column = context.line, context.column
-        elif context and "missing here" in what and "," in what:
-            why = f"What is not closed begins on line {context.line + 1}."
-            if not before.strip(" -"):  # it is missing where the text before ends
-                line, column = above, len(lines[above].text.rstrip())
-                if context.line == above and "#" not in lines[above].text:
-                    meant = lines[above].put_in(column, what[what.index("or '") + 4])
-        elif text[column : column + 2] == "- ":
-            what, instead = (
-                "a '-' with a space behind it begins an item of a list",
-                "Write -0.1 without the space.",
-            )
-            meant = lines[line]._replace(text=f"{before} -{text[column + 2 :]}")
-    elif "cannot start any token" in problem and (word := re.match(r"[^ ,\[\]{}:#]+", text[column:])):
-        what, instead = (
-            f"{quoted(text[column])} cannot begin a value",
-            "Delete it, or put the value in quotes.",
-        )
-        if "'" not in word[0]:
-            meant = lines[line].put_in(column + word.end(), "'").put_in(column, "'")
-    else:
-        what, instead = f"not YAML: {quoted(problem, 120)}", "Compare with a file under robots/."
+    trouble = _Trouble(problem, at._replace(line=min(at.line, len(lines) - 1)), context, lines)
+    mistakes = (rule(trouble) for part, rule in _RULES if part in problem)
+    what, instead, (line, column), meant, why = next((m for m in mistakes if m), None) or _not_yaml(trouble)
     mark = source.mark(line, lines[line].column(column))
-    follows = what == _UNALIGNED[0] or (not meant and what in {said for _, said, _ in _PLAIN_WORDS[4:6]})
+    follows = what == _UNALIGNED[0] or (not meant and what in (_AFTER_THE_END[0], _NO_VALUE[0]))
     return Slip(RobotFileError(what, mark, why, instead, Code.NOT_YAML), line, meant, follows)
+
+
+# ---- the mistakes, each None where it is another
+
+_Rule = Callable[[_Trouble], _Mistake | None]
+
+
+def _said(what: str, instead: str) -> _Rule:
+    """A mistake that is where PyYAML says it is, and is not mended."""
+    return lambda t: t.here(what, instead)
+
+
+def _key_alone(t: _Trouble) -> _Mistake | None:
+    return t.no_colon(t.context) if t.context else None
+
+
+def _misindented(t: _Trouble) -> _Mistake | None:
+    """The line, or the one above is no key with a value."""
+    key = re.fullmatch(r" *(- +)*[^:]*", t.before) and not _COLON.search(t.before)
+    if not key or t.above == t.at.line:
+        return None
+    other = t.lines[t.above].text
+    if re.match(r" *-[^ -]", other) or not _COLON.search(other):
+        return t.no_colon(Place(t.above, len(other) - len(other.lstrip())))
+    place = t.at._replace(column=len(t.before) - len(t.before.lstrip()))
+    return _Mistake(*_UNALIGNED, place, _aligned(t.lines, t.at.line, t.above))
+
+
+def _colon_in_a_text(t: _Trouble) -> _Mistake | None:
+    text, key = t.line.text, re.match(r"(?:description|source): +(?=\w)", t.line.text)
+    if not key or "#" in text:
+        return None
+    line = t.line._replace(text=text.replace("'", "’"))
+    return t.here(*_SECOND, line.put_in(len(text), "'").put_in(key.end(), "'"))
+
+
+def _surplus(t: _Trouble) -> _Mistake | None:
+    """A bracket or a comma."""
+    if t.rest[:1] not in ("]", "}", ","):
+        return None
+    why = "stands behind a value that is complete" if t.rest[0] == "," else "closes nothing"
+    return t.here(f"'{t.rest[0]}' {why}", "Delete it.", f"{t.before} {t.rest[1:]}")
+
+
+def _dash_without_space(t: _Trouble) -> _Mistake | None:
+    return t.no_colon(t.at) if re.match(r"-[^ -]", t.rest) and not t.before.strip() else None
+
+
+def _slashes(t: _Trouble) -> _Mistake | None:
+    if not t.before.endswith(" ") or not t.rest.startswith("//"):
+        return None
+    return t.here("'//' begins no comment", "Write # in the place of //.", f"{t.before}# {t.rest[2:]}")
+
+
+def _text_after_a_value(t: _Trouble) -> _Mistake | None:
+    if not t.before.strip(" -"):
+        return None
+    return t.here("text after the end of a value", "Put the whole value in double quotes.")
+
+
+def _tab(t: _Trouble) -> _Mistake:
+    what, instead = "a tab where spaces are needed", "YAML indents with spaces: replace the tab."
+    return t.here(what, instead, f"{t.before} {t.rest[1:]}")
+
+
+def _open_quote(t: _Trouble) -> _Mistake:
+    return _Mistake("a quote that is never closed", "Close the quote.", t.context or t.at)
+
+
+def _open(end: str, instead: str) -> _Rule:
+    """A list or a mapping that does not end."""
+    what = f"a ',' or '{end}' is missing here"
+
+    def rule(t: _Trouble) -> _Mistake:
+        if t.context is None:
+            return t.here(what, instead)
+        why = f"What is not closed begins on line {t.context.line + 1}."
+        if t.before.strip(" -"):
+            return t.here(what, instead, why=why)
+        other = t.lines[t.above]  # it is missing where the text before ends
+        column = len(other.text.rstrip())
+        meant = other.put_in(column, end) if t.context.line == t.above and "#" not in other.text else None
+        return _Mistake(what, instead, Place(t.above, column), meant, why)
+
+    return rule
+
+
+def _minus_with_space(t: _Trouble) -> _Mistake | None:
+    if not t.rest.startswith("- "):
+        return None
+    what = "a '-' with a space behind it begins an item of a list"
+    return t.here(what, "Write -0.1 without the space.", f"{t.before} -{t.rest[2:]}")
+
+
+def _no_beginning(t: _Trouble) -> _Mistake | None:
+    """A character with which no value begins."""
+    word = re.match(r"[^ ,\[\]{}:#]+", t.rest)
+    if not word:
+        return None
+    end = t.at.column + word.end()
+    meant = t.line.put_in(end, "'").put_in(t.at.column, "'") if "'" not in word[0] else None
+    what = f"{quoted(t.rest[0])} cannot begin a value"
+    return t.here(what, "Delete it, or put the value in quotes.", meant)
+
+
+def _not_yaml(t: _Trouble) -> _Mistake:
+    return t.here(f"not YAML: {quoted(t.problem, 120)}", "Compare with a file under robots/.")
+
+
+# A part of what PyYAML says, and the mistakes that it may be, in order.
+_RULES: tuple[tuple[str, _Rule], ...] = (
+    ("expected ':'", _key_alone),
+    ("mapping values are not allowed", _misindented),
+    ("mapping values are not allowed", _colon_in_a_text),
+    ("mapping values are not allowed", _said(*_SECOND)),
+    ("expected <block end>", _surplus),
+    ("expected <block end>", _dash_without_space),
+    ("expected <block end>", _slashes),
+    ("expected <block end>", _text_after_a_value),
+    ("expected <block end>", _said(*_UNALIGNED)),
+    ("'\\t'", _tab),
+    ("unexpected end of stream", _open_quote),
+    ("expected ',' or ']'", _open("]", "Separate items by ',' and end the list with ']'.")),
+    ("expected ',' or '}'", _open("}", "Separate keys by ',' and end with '}'.")),
+    ("did not find expected <document start>", _minus_with_space),
+    ("did not find expected <document start>", _said(*_AFTER_THE_END)),
+    ("expected the node content", _minus_with_space),
+    ("expected the node content", _said(*_NO_VALUE)),
+    ("escape", _said("an unknown escape in double quotes", "Use single quotes, or none.")),
+    ("cannot start any token", _no_beginning),
+)
 
 
 def without(lines: tuple[Line, ...], mark: Mark) -> Line | None:

@@ -425,7 +425,7 @@ OUTSIDE = '<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/hostname">]><robot name="
         ("<html/>", "not <robot> or <sdf>"),
         ('<robot name="empty"/>', "has no link"),
         (robot(), "0 joints are wheels"),
-        (robot(wheel("left", "0 0 0.1")), "1 joint is a wheel"),
+        (robot(wheel("left", "0 0 0.1")), "'left_joint' alone is a wheel"),
         (robot(pair()).replace('radius="0.1"', 'radius="1e99"'), "too large"),
         (robot(pair()).replace('radius="0.1"', 'radius="1e999999999"'), "not a number"),
         (robot(pair()).replace('radius="0.1"', 'radius="__import__(1)"'), "not a number"),

@@ -33,10 +33,14 @@ UNTOLD = "it is called one, but fixed, and neither an axis nor a cylinder says h
 
 def nothing_told(robot: Robot, joint: Joint, wheels: Sequence[Candidate]) -> bool:
     """A fixed joint is called a wheel, at the height of one, of which it is no part, and says no more; where there are
-    none, and nothing hangs on it."""
+    fewer than two, and nothing hangs on it."""
     named = re.search("wheel", f"{joint.name} {joint.child}", re.IGNORECASE)
     height = robot.origin(joint)[2]
-    level = any(abs(height - w.origin[2]) < EVEN for w in wheels) if wheels else not robot.under(joint.child)
+    level = (
+        any(abs(height - w.origin[2]) < EVEN for w in wheels)
+        if len(wheels) > 1
+        else not robot.under(joint.child)
+    )
     own = {id(each) for w in wheels for each in (w.joint, *robot.under(w.joint.child))}
     carries = {id(each) for each in robot.under(joint.child)} & own
     return bool(named) and level and id(joint) not in own and not carries

@@ -53,7 +53,7 @@ def import_wheels(description: Description, base: str | None = None, forward: st
     seen = [*(each.note for each in passed), *description.notes]
     if len(wheels) < 2 and not any(c.shape and not c.doubt and _actuated(robot, c) for c in wheels):
         raise refuse(
-            "1 joint is a wheel" if len(wheels) == 1 else f"{len(wheels)} joints are wheels",
+            f"{quoted(wheels[0].joint.name)} alone is a wheel" if wheels else "0 joints are wheels",
             " ".join(
                 (
                     "A wheel's joint turns without end about a level axis and is the lowest of all.",

@@ -355,6 +355,17 @@ def test_the_base_link_of_a_hand_is_none_of_the_robot(read: Import, kind: str, a
     assert base == ("trunk" if kind == "revolute" else "hand_base_link")
 
 
+@pytest.mark.parametrize(("root", "base"), [("base_footprint", "base_footprint"), ("cad", "base_link")])
+def test_a_base_link_upside_down_in_the_frame_of_the_ground_is_no_base(
+    read: Import, root: str, base: str
+) -> None:
+    """x forward, y right, z down, as in ships; other roots say as little of what is up."""
+    foot = link(root) + joint("foot", root, "base_link", "0 0 0.1", "fixed", rpy="3.14159265 0 0")
+    said = read(robot(foot, wheel("left", "0 -0.2 0"), wheel("right", "0 0.2 0")))
+    side = -1 if base == "base_link" else 1
+    assert said["base"] == base and said["wheels"]["left"]["y"] == side * 0.2
+
+
 def test_the_frame_of_a_robot_that_moves_in_its_world_is_its_base_link(read: Import) -> None:
     world = link("world") + joint("slide", "world", "base_link", "1 2 3", "prismatic", axis="1 0 0")
     assert read(robot(pair(), world))["base"] == "base_link"

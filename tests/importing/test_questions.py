@@ -128,6 +128,18 @@ def test_a_swivel_that_only_a_transmission_names(read: Import, body: str, kind: 
     assert read(robot(*parts, said, control("s")))["asked"] == []
 
 
+def test_a_sphere_that_nothing_drives(read: Import) -> None:
+    """On a joint about one axle, where simulators have it; what carries the robot is a ball."""
+    parts = (pair(), wheel("tail", "-0.3 0 0.03", BALL))
+    drives = ("left_joint", "right_joint")
+    assert read(robot(*parts, control(*drives)))["asked"] == [("tail", "type")]
+    for text in (
+        robot(*parts, control(*drives, "tail_joint")),
+        robot(*parts).replace(BALL, cylinder("0.03")),
+    ):
+        assert ("tail", "type") not in read(text)["asked"]
+
+
 def test_rollers_that_reach_further_than_the_wheel_is_drawn(read: Import) -> None:
     """A hub of 0.1 with rollers of 0.01 on a circle of 0.1."""
     rollers = ""

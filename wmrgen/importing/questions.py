@@ -78,6 +78,11 @@ def swivel_doubts(
         yield Question(name, "actuated", text, (f"[{rest}]", f"[{', '.join(actuated or ())}]"))
 
 
+def ball_asked(name: str) -> Question:
+    text = "a sphere that nothing drives: does it roll any way, as the ball of a castor, or about its axle alone?"
+    return Question(name, "type", text, ("spherical, where it rolls any way", "fixed, about its axle alone"))
+
+
 def _height_above_ground(robot: Robot, c: Candidate) -> tuple[str, Fraction] | None:
     links = robot.description.links
     ground = next((link for link in _GROUND if link in links and robot.reaches(link)), None)

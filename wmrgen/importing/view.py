@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -19,6 +20,7 @@ COAXIAL = 0.99  # cosine
 UNSEEN = Fraction(5, 100)  # [m] the radius of a wheel that is a mesh, where one must be supposed
 EVEN = Fraction(5, 1000)  # [m] by which the ground may be uneven
 SUNK = Fraction(35, 100)  # of its radius: as far a wheel may end above the lowest, and stand with it
+_GROUND = re.compile("(footprint|world|map|odom)$")
 X, Z = (Fraction(1), Fraction(0), Fraction(0)), (Fraction(0), Fraction(0), Fraction(1))
 
 
@@ -168,8 +170,8 @@ class Robot:
 
 
 def base_link(description: Description, wanted: str | None) -> str:
-    """The link ``wanted``, else `*base_link` nearest the root, but none of an arm or a hand, else the root that carries
-    most."""
+    """The link ``wanted``, else `*base_link` nearest the root, but none of an arm or a hand, nor one that lies in the
+    frame of the ground, else the root that carries most."""
     if wanted is not None:
         if wanted not in description.links:
             raise refuse(
@@ -183,7 +185,7 @@ def base_link(description: Description, wanted: str | None) -> str:
     above = parents(description.joints)
     chains = {link: ancestors(link, above) for link in description.links}
     carried = Counter(link for own, chain in chains.items() for link in (own, *(j.parent for j in chain)))
-    named = [link for link in description.links if link.endswith("base_link")]
+    named = [link for link in description.links if link.endswith("base_link") and _stands(link, above)]
     whole = [
         link
         for link in named
@@ -192,3 +194,11 @@ def base_link(description: Description, wanted: str | None) -> str:
     if whole:
         return min(whole, key=lambda link: len(chains[link]))
     return max((link for link, chain in chains.items() if not chain), key=lambda root: carried[root])
+
+
+def _stands(link: str, above: Mapping[str, Joint]) -> bool:
+    """The frame of a link has its z up, where its root is a frame of the ground."""
+    chain = ancestors(link, above)
+    return (
+        not chain or not _GROUND.search(chain[-1].parent) or pose(link, above).rotation[2][2] > Fraction(1, 2)
+    )

@@ -15,6 +15,7 @@ from wmrgen.importing.passed import with_gears
 from wmrgen.importing.questions import (
     CONFLICT,
     TRAIL,
+    ball_asked,
     doubt,
     other_height,
     radius_doubted,
@@ -128,6 +129,8 @@ def _wheel(
         questions += swivel_doubts(
             name, kind, d or Fraction(0), actuated, transmitted, rolling, stray, bodiless
         )
+    elif powered and actuated == () and c.shape and not c.shape.cylinder:
+        questions.append(ball_asked(name))
     questions += _size_doubts(robot, c, name, offset, remarks)
     wheel = Wheel(
         name,

@@ -185,17 +185,17 @@ def _exchange(directory: Path, old: Sequence[str], new: Sequence[str], before: P
     """Move ``old`` out to ``before``, all of it, then ``new`` in from ``after``: at no moment do both stand there.
     Where one cannot be moved, all stand as they did."""
     out = [(directory / name, before / name) for name in old if (directory / name).exists()]
-    done: list[tuple[Path, Path]] = []
+    completed: list[tuple[Path, Path]] = []
     try:
         for moves in (out, [(after / name, directory / name) for name in new]):
             for source, target in moves:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 source.replace(target)
-                done.append((source, target))
+                completed.append((source, target))
             for folder in {path.parent for move in moves for path in move if path.is_relative_to(directory)}:
                 _sync_directory(folder)
     except BaseException:
-        for source, target in reversed(done):
+        for source, target in reversed(completed):
             target.replace(source)
         raise
 

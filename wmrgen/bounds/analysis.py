@@ -209,7 +209,7 @@ class Outcomes:
             for g in functions
             if g is not f and set(self.keys[f.name]) < set(self.keys[g.name])
         }
-        self.done: dict[str, Outcome] = {}
+        self.outcomes: dict[str, Outcome] = {}
 
     def of(self, function: Function, ranges: Mapping[str, Range]) -> Outcome:
         """The outcome of ``function``: from a function that computes more, if nothing is amiss there."""
@@ -222,9 +222,9 @@ class Outcomes:
         return self._analysed(function, ranges)
 
     def _analysed(self, function: Function, ranges: Mapping[str, Range]) -> Outcome:
-        if function.name not in self.done:
-            self.done[function.name] = analysed(function, ranges, SINGLE, self.library)
-        return self.done[function.name]
+        if function.name not in self.outcomes:
+            self.outcomes[function.name] = analysed(function, ranges, SINGLE, self.library)
+        return self.outcomes[function.name]
 
     def _numbered(self, function: Function) -> list[int]:
         """A number per result; equal for equal operations on equal inputs."""

@@ -28,9 +28,9 @@ class Slope:
     @classmethod
     def unit(cls, row: int, rows: int, boxes: int) -> Slope:
         """1 in one row."""
-        one = np.zeros((rows, boxes))
-        one[row] = 1.0
-        return cls((one, one))
+        derivative = np.zeros((rows, boxes))
+        derivative[row] = 1.0
+        return cls((derivative, derivative))
 
     @property
     def size(self) -> Array:
@@ -49,8 +49,8 @@ class Slope:
         return self.shared.get(j) or (self.size, np.zeros(()))
 
     def plus(self, other: Slope) -> Slope:
-        none = np.zeros(())
-        over = {j: self.over.get(j, none) + other.over.get(j, none) for j in {**self.over, **other.over}}
+        zeros = np.zeros(())
+        over = {j: self.over.get(j, zeros) + other.over.get(j, zeros) for j in {**self.over, **other.over}}
         shared = {}
         for j in {**self.shared, **other.shared}:
             (a, b), (c, d) = self.of(j), other.of(j)
@@ -69,29 +69,29 @@ class Slope:
         behind = w.behind[p.arg]
         if not behind and not self.over:
             return Slope(plain)
-        size, gone, over = iv.magnitude(p.by), np.zeros(()), {}
+        size, cancelled, over = iv.magnitude(p.by), np.zeros(()), {}
         shares = {j: _share(p, w, j) for j in behind | self.over.keys()}
         for j, c in self.over.items():
             s = shares[j]
             if s is None:
                 over[j] = c * size
             else:
-                gone = gone + c * s  # h_j cancels
+                cancelled = cancelled + c * s  # h_j cancels
         shared = {}
         for j in behind:
             (a, b), s = self.of(j), shares[j]
             if s is not None:
-                shared[j] = gone, a * s + b * size
+                shared[j] = cancelled, a * s + b * size
             elif j in self.shared:
-                shared[j] = a * size + gone, b * size
-        return Slope((plain[0] - gone, plain[1] + gone), over, shared)
+                shared[j] = a * size + cancelled, b * size
+        return Slope((plain[0] - cancelled, plain[1] + cancelled), over, shared)
 
     def _divided(self, j: int, steep: Array) -> Slope:
         """Times what is at most ``steep`` / h_j of either sign."""
         a, b = self.of(j)
         twice = sum(self.over.values(), np.zeros(())) != 0  # 1 / h twice: nothing is claimed
-        gone = np.where(twice, np.inf, b * steep) + np.zeros_like(a)
-        return Slope((-gone, gone), {j: np.where(a != 0, a * steep, 0.0)})
+        bound = np.where(twice, np.inf, b * steep) + np.zeros_like(a)
+        return Slope((-bound, bound), {j: np.where(a != 0, a * steep, 0.0)})
 
 
 def _share(p: Partial, w: Walk, j: int) -> float | None:

@@ -55,9 +55,9 @@ def with_layout(a: Layout, b: Layout) -> tuple[list[Difference], Pairs, list[str
                 notes.append(f"{words}; it leaves every motion free")
     pairs = [(v, w) for v, w in every if parts([v])]
     if a.effective_track and b.effective_track:
-        (was, there), (now, here) = a.effective_track, b.effective_track
-        if not same(was, now):
-            differences.append(length("effective_track", was, now, (here, there)))
+        (old, old_mark), (new, new_mark) = a.effective_track, b.effective_track
+        if not same(old, new):
+            differences.append(length("effective_track", old, new, (new_mark, old_mark)))
     along = forward([v for v, _ in pairs])
     differences += [*places(pairs, along), *_radii(every)]
     for v, w in every:
@@ -143,10 +143,10 @@ def places(pairs: Pairs, along: complex) -> Iterator[Difference]:
     (middle, size), (other, _) = box(a), box(b)
     near = SAME * abs(size)
     if permuted := _permuted(a, b, near):
-        for (v, w), (there, _) in zip(pairs, (pairs[i] for i in permuted), strict=True):
-            if there is not v:
-                words = f"{v.name} stands where {there.name} is"
-                yield Difference(PLACE, "place", v.name, v.name, there.name, words, _marks(v, w, keys="xy"))
+        for (v, w), (u, _) in zip(pairs, (pairs[i] for i in permuted), strict=True):
+            if u is not v:
+                words = f"{v.name} stands where {u.name} is"
+                yield Difference(PLACE, "place", v.name, v.name, u.name, words, _marks(v, w, keys="xy"))
         return
     where = roles([v for v, _ in pairs])
     changed: dict[str, float] = {}

@@ -99,17 +99,17 @@ class _Collada:
     def _node(self, node: Element, outer: Rows, depth: int) -> Iterator[Point]:
         if depth > _DEPTH:
             raise ValueError("nodes without end")
-        here = outer
+        matrix = outer
         for element in node:
             kind = local(element)
             if kind in ("matrix", "translate", "rotate", "scale"):
-                here = _product(here, _transform(kind, [float(v) for v in (element.text or "").split()]))
+                matrix = _product(matrix, _transform(kind, [float(v) for v in (element.text or "").split()]))
             elif kind == "instance_geometry" and element.get("url", "") in self.named:
-                yield from (_moved(here, p) for p in self._geometry(self.named[element.get("url", "")]))
+                yield from (_moved(matrix, p) for p in self._geometry(self.named[element.get("url", "")]))
             elif kind == "node":
-                yield from self._node(element, here, depth + 1)
+                yield from self._node(element, matrix, depth + 1)
             elif kind == "instance_node" and element.get("url", "") in self.named:
-                yield from self._node(self.named[element.get("url", "")], here, depth + 1)
+                yield from self._node(self.named[element.get("url", "")], matrix, depth + 1)
 
     def _geometry(self, geometry: Element) -> Iterator[Point]:
         for vertices in below(geometry, "vertices"):

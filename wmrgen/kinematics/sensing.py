@@ -243,8 +243,8 @@ def _at(poly: Poly, point: int) -> float:
         p, q = _POINTS[point]
         return Poly.of(circle(Fraction(p * index, q + index))[gen.kind == "sin"])
 
-    there = poly.substitute(value)
-    number = fix(there, {name: Poly.of(1) for name in parameters_in(there)}).constant
+    evaluated = poly.substitute(value)
+    number = fix(evaluated, {name: Poly.of(1) for name in parameters_in(evaluated)}).constant
     return float(number) if number is not None else 0.0
 
 

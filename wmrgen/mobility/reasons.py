@@ -232,12 +232,12 @@ def _coincidences(at: Configuration) -> list[str]:
     def general(w: Wheel) -> Geometry[Poly]:
         return w.symbolic.mapped(lambda constant: fix(constant, values))
 
-    here, there = constrain(at.robot, nominal_view), constrain(at.robot, at.unit.view(general))
+    at_nominal, at_general = constrain(at.robot, nominal_view), constrain(at.robot, at.unit.view(general))
     nominal = ", ".join(f"{p.name} = {float(p.nominal):.6g}" for p in parameters)
     sentences = []
     for name, ranks in (
-        ("C1f", [_rank([r.row for r in c.sliding_fixed]) for c in (here, there)]),
-        ("J1", [_rank([r.row for r in c.rolling if not r.wheel.turns]) for c in (here, there)]),
+        ("C1f", [_rank([r.row for r in c.sliding_fixed]) for c in (at_nominal, at_general)]),
+        ("J1", [_rank([r.row for r in c.rolling if not r.wheel.turns]) for c in (at_nominal, at_general)]),
     ):
         if ranks[0] < ranks[1]:
             sentences.append(

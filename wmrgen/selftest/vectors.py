@@ -140,8 +140,8 @@ def _columns(
 def _sound(results: Iterable[Bounded], scalar: str) -> Array:
     """Per point: every output is finite and its bound small."""
     worst = _WORST * UNITS[scalar]
-    good = [np.isfinite(b.value) & (b.error[0] <= worst * (1 + np.abs(b.value))) for b in results]
-    return np.logical_and.reduce(good)
+    each = [np.isfinite(b.value) & (b.error[0] <= worst * (1 + np.abs(b.value))) for b in results]
+    return np.logical_and.reduce(each)
 
 
 def _kept(nodes: Sequence[Bounded], tried: Sequence[Point], sound: Array) -> list[int]:
@@ -152,13 +152,13 @@ def _kept(nodes: Sequence[Bounded], tried: Sequence[Point], sound: Array) -> lis
     seen = np.zeros((len(outcomes), len(outcomes)), dtype=int)
     rows, spare = [], _SPARE
     for k in np.flatnonzero(sound).tolist():
-        now = np.outer(outcomes[:, k], outcomes[:, k])
+        pairs = np.outer(outcomes[:, k], outcomes[:, k])
         if tried[k][0] == BRANCH:
-            if not spare or not (now & (seen < _RARE)).any():
+            if not spare or not (pairs & (seen < _RARE)).any():
                 continue
             spare -= 1
         rows.append(k)
-        seen += now
+        seen += pairs
     return rows
 
 
@@ -203,16 +203,16 @@ def _law(module: Module, name: str, scalar: str, site: Site, prepared: Mapping[s
     inverse, forward = by_name[name], by_name["forward"]
     ports = contract(inverse)
     names = _names(ports)
-    names_there = {*names, *(p.name for p in inverse.outputs)}
-    if not (set(TWIST_NAMES) <= set(names) and {p.name for p in contract(forward)} <= names_there):
+    joints_too = {*names, *(p.name for p in inverse.outputs)}
+    if not (set(TWIST_NAMES) <= set(names) and {p.name for p in contract(forward)} <= joints_too):
         return None
     tried = list(_there_and_back(ports, site))
     # Zeros of both signs are one number to the law: which way a wheel then rolls does not matter.
     columns = _columns(ports, [(text, row + 0.0) for text, row in tried], prepared)
-    there = inverse.outputs_of(bounds(inverse, columns, scalar, len(tried)))
-    back = forward.outputs_of(bounds(forward, {**columns, **there}, scalar, len(tried)))
-    results = {n: Bounded(columns[n].value, back[n].error) for n in TWIST_NAMES}
-    missed = np.logical_or.reduce([np.abs(back[n].value - columns[n].value) > 1e-9 for n in TWIST_NAMES])
+    joints = inverse.outputs_of(bounds(inverse, columns, scalar, len(tried)))
+    twists = forward.outputs_of(bounds(forward, {**columns, **joints}, scalar, len(tried)))
+    results = {n: Bounded(columns[n].value, twists[n].error) for n in TWIST_NAMES}
+    missed = np.logical_or.reduce([np.abs(twists[n].value - columns[n].value) > 1e-9 for n in TWIST_NAMES])
     sound = np.flatnonzero(_sound(results.values(), scalar) & ~missed).tolist()
     generic = [k for k in sound if tried[k][0] == THERE]
     picked = generic[:_LAWS] + [k for k in sound if tried[k][0] != THERE]

@@ -187,15 +187,15 @@ def _overwritten(
     stored = {name: (p.type, member) for p in parameters for name, member in p.writes.items() if member}
     inputs = [(name, p, member) for p in parameters for name, member in p.reads.items() if member]
     early: dict[str, None] = {}
-    done: set[tuple[str, str]] = set()
+    overwritten: set[tuple[str, str]] = set()
     for output, text in zip(outputs, results, strict=True):
         for name, p, member in inputs:
-            if (p.type, member) in done and re.search(
+            if (p.type, member) in overwritten and re.search(
                 rf"(?<![\w>.]){re.escape(p.within(member))}(?![\w.])", text
             ):
                 early[name] = None
         if output in stored:
-            done.add(stored[output])
+            overwritten.add(stored[output])
     return list(early)
 
 

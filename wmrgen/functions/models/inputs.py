@@ -228,9 +228,9 @@ def _virtual(frame: Frame, w: Wheel) -> Drive:
 
 def _coincident(frame: Frame, w: Wheel) -> Wheel:
     """The steering coordinate that stands in the same place, whose speed has no root; else the wheel."""
-    here = (w.nominal.x, w.nominal.y, w.nominal.ch, w.nominal.sh)
+    standing = (w.nominal.x, w.nominal.y, w.nominal.ch, w.nominal.sh)
     for c in frame.wheels if w.turns else ():
-        if (c.nominal.x, c.nominal.y, c.nominal.ch, c.nominal.sh) == here and not c.nominal.o:
+        if (c.nominal.x, c.nominal.y, c.nominal.ch, c.nominal.sh) == standing and not c.nominal.o:
             return c
     return w
 

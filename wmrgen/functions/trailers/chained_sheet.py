@@ -184,12 +184,12 @@ class _Place:
 
     def outputs(self, formula: Formula) -> list[tuple[Exact, Exact]]:
         """Value and rate of each output."""
-        here = _Place(dict(self.values), dict(self.rates), self.geometry)
+        place = _Place(dict(self.values), dict(self.rates), self.geometry)
         for symbol, expr in formula.locals:
-            here.values[symbol.name], rate = here._value_and_rate(expr)
+            place.values[symbol.name], rate = place._value_and_rate(expr)
             if self.rates:
-                here.rates[symbol.name] = rate
-        return [here._value_and_rate(expr) for _, expr in formula.outputs]
+                place.rates[symbol.name] = rate
+        return [place._value_and_rate(expr) for _, expr in formula.outputs]
 
     def _value_and_rate(self, expr: Expr) -> tuple[Exact, Exact]:
         expr = self._unguarded(expr)
@@ -217,13 +217,13 @@ def _residuals(t: Train, mobility: Mobility, functions: tuple[Formula, ...], see
     geometry = {p.name: p.default for p in tunable_ports(t.robot) if p.default is not None}
     state = _generic_state(t, seed)
     driven = _Place(state | inputs, {}, geometry)
-    here = _Place(
+    place = _Place(
         state,
         {_symbol(q): driven.value(to_poly(e)) for q, e in zip(system.state, system.rates, strict=True)},
         geometry,
     )
-    own = {"v": _speed(t, here), _symbol(t.turning): here.rates[_symbol(t.steering_port or POSE[2])]}
-    z = here.outputs(functions[0])
+    own = {"v": _speed(t, place), _symbol(t.turning): place.rates[_symbol(t.steering_port or POSE[2])]}
+    z = place.outputs(functions[0])
     rates = [rate for _, rate in z]
     chain = [rates[0], rates[1], *(value * rates[0] for value, _ in z[1:-1])]
     claimed = [value for value, _ in _Place(state | own, {}, geometry).outputs(functions[1])]
@@ -253,10 +253,10 @@ def _generic_state(t: Train, seed: int) -> dict[str, Exact]:
     }
 
 
-def _speed(t: Train, here: _Place) -> Exact:
+def _speed(t: Train, place: _Place) -> Exact:
     """The speed of the axle's centre along the direction of travel, from the rates of the pose."""
     theta = signal("theta")
-    c, s = here.value(to_poly(sympy.cos(theta))), here.value(to_poly(sympy.sin(theta)))
-    x, y, omega = (here.rates[name] for name in ("x", "y", "theta"))
-    ex, ey, qx, qy = (here.value(p) for p in (t.axle.ex, t.axle.ey, t.axle.x, t.axle.y))
+    c, s = place.value(to_poly(sympy.cos(theta))), place.value(to_poly(sympy.sin(theta)))
+    x, y, omega = (place.rates[name] for name in ("x", "y", "theta"))
+    ex, ey, qx, qy = (place.value(p) for p in (t.axle.ex, t.axle.ey, t.axle.x, t.axle.y))
     return ex * (c * x + s * y - omega * qy) + ey * (c * y - s * x + omega * qx)

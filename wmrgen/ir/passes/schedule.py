@@ -13,22 +13,22 @@ def schedule(function: Function) -> Function:
     """``function`` with its nodes in a new order; unneeded ones are left out."""
     nodes = function.nodes
     needs = registers(nodes)
-    done = bytearray(len(nodes))
+    scheduled = bytearray(len(nodes))
     order: list[int] = []
     for result in function.results:
         stack = [result]
         while stack:
             i = stack[-1]
-            if done[i]:
+            if scheduled[i]:
                 stack.pop()
                 continue
-            waiting = {arg for arg in nodes[i].args if not done[arg]}
+            waiting = {arg for arg in nodes[i].args if not scheduled[arg]}
             if len(waiting) > 1:
                 stack += sorted(waiting, key=lambda arg: (needs[arg], -nodes[i].args.index(arg)))
             elif waiting:
                 stack += waiting
             else:
-                done[i] = 1
+                scheduled[i] = 1
                 order.append(stack.pop())
     return placed(function, {i: k for k, i in enumerate(order)})
 

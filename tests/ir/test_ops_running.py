@@ -127,7 +127,7 @@ def test_of_a_choice_that_is_sure_the_error_is_that_of_what_is_taken(op: Op) -> 
 def test_what_is_taken_for_sure_is_taken_everywhere(op: Op, size: float) -> None:
     """By a comparison of the first two arguments, of the size of the first where the second is a limit of it."""
     values, errors = arguments(op, size)
-    taken = running(op, values, errors).taken
+    taken = running(op, values, errors).outcome
     assert taken is not None and taken.shape == (2, COUNT)
     smaller = np.zeros(COUNT)
     for at in moved(op, values, errors):
@@ -147,7 +147,7 @@ def test_the_sign_of_a_zero_may_be_read() -> None:
             NO_UNIT, Bounded(a, none), Bounded(b, none), one, Bounded(np.array([3.0]), none)
         )
         assert result.value == 3.0 and result.error == pytest.approx(np.full((2, 1), 0.0 if sure else 2.0))
-        assert (result.taken == (-1 if sure else 0)).all()
+        assert (result.outcome == (-1 if sure else 0)).all()
 
 
 def test_behind_the_robot_a_direction_may_be_off_by_a_full_turn() -> None:

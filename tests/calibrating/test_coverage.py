@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from benchmarks.calibration import coverage
+import wmrgen
+from benchmarks.calibration import coverage, logs
 from tests.calibrating.simulated import LAYOUTS
+from wmrgen.calibrating.calibrate import calibrate
 
 
 @pytest.mark.slow
@@ -17,3 +21,15 @@ def test_true_parameters_lie_within_three_standard_deviations() -> None:
     assert sum(row.runs - row.within for row in rows) <= 4
     assert 0.6 < np.sqrt(np.mean(np.square([error for row in rows for error in row.errors]))) < 1.4
     assert [row.name for row in rows if row.named < row.runs] == []
+
+
+def test_an_angle_that_no_drive_tells_is_no_mistake_of_the_logs(tmp_path: Path) -> None:
+    """The base never turns, so the zero of its steering comes out as it likes, here beyond a radian: that is no reason
+    to refuse the drives, which tell the radius."""
+    layout = LAYOUTS["synchro"]
+    (tmp_path / "robot.yaml").write_text(layout.text, encoding="utf-8")
+    derivation = wmrgen.derive(wmrgen.load(tmp_path / "robot.yaml"))
+    result = calibrate(derivation, logs(tmp_path, np.random.default_rng(8), layout), [])
+    assert abs(result.parameters["zero"].value) > 1 and ("zero",) in result.unobservable
+    radius = result.parameters["r"]
+    assert abs(radius.value - layout.true["r"]) < 3 * radius.sigma

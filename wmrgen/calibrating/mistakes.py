@@ -10,6 +10,7 @@ import numpy as np
 
 from wmrgen.calibrating.certainty import Fit
 from wmrgen.calibrating.logs import Drive
+from wmrgen.calibrating.observability import unobservable
 from wmrgen.errors import UsageError
 
 _FAR = 0.1  # of the truth's extent: where residuals stay so large, joints and truth do not belong together
@@ -78,14 +79,18 @@ def _strange(best: Fit) -> bool:
 
 def _unlikely(best: Fit, sure: float) -> str:
     """The parameters whose sign is not that of their nominal value, or whose size is far from it, by so many standard
-    deviations, in words."""
-    names = best.problem.increments.parameters
+    deviations, in words; an angle from 0 that drives do not tell may come out as it likes."""
+    names, weak = best.problem.increments.parameters, {n for group in unobservable(best) for n in group}
     rows = zip(names, best.problem.nominal, best.values, best.deviations, strict=True)
     return " and ".join(
         f"{name} is {value:.3g}, not about {nominal:g}"
         for name, nominal, value, sigma in rows
         if abs(value - nominal) > sure * sigma
-        and (not 1 / _TIMES < value / nominal < _TIMES if nominal else abs(value) > _ABOUT_ZERO)
+        and (
+            not 1 / _TIMES < value / nominal < _TIMES
+            if nominal
+            else abs(value) > _ABOUT_ZERO and name not in weak
+        )
     )
 
 

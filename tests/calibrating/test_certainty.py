@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from wmrgen.calibrating.calibrate import _deviations
-from wmrgen.calibrating.certainty import _pulls, _spans, _walk
+from tests.calibrating.simulated import LAYOUTS, Encoders, Tracker, csv, drive
+from tests.calibrating.test_calibrate import derivation_of
+from wmrgen.calibrating.calibrate import _deviations, calibrate
+from wmrgen.calibrating.certainty import _pulls, _spans, _walk, fit
+from wmrgen.calibrating.clocks import ALONE, shown
 from wmrgen.calibrating.fit import LEVER, Residuals
 from wmrgen.calibrating.logs import Drive, Truth
 
@@ -50,15 +55,14 @@ def test_a_drive_that_is_hardly_measured_says_nothing() -> None:
 def test_what_slips_and_noise_do_to_the_gradient() -> None:
     """The same, slip by slip: one along, across or about the robot moves and turns all residuals from then on."""
     random = np.random.default_rng(6)
-    count, unknowns, own = 7, 3, 2
+    count, unknowns = 7, 3
     t = np.cumsum(random.uniform(0.1, 0.4, count))
-    by, weights = random.normal(size=(3, count, unknowns + own)), random.uniform(0.5, 1, (3, count))
+    by, weights = random.normal(size=(3, count, unknowns)), random.uniform(0.5, 1, (3, count))
     place, heading = random.normal(size=count) + 1j * random.normal(size=count), random.normal(size=count)
     rows = Residuals(np.zeros((3, count)), by, weights, place, heading)
-    eliminated = random.normal(size=(unknowns, own))
-    pulls = _pulls(SimpleNamespace(scale=0.02), t, rows, eliminated)  # type: ignore[arg-type]
+    pulls = _pulls(SimpleNamespace(scale=0.02), t, rows)  # type: ignore[arg-type]
 
-    gradient = weights[..., None] / 0.02**2 * (by[..., :unknowns] - by[..., unknowns:] @ eliminated.T)
+    gradient = weights[..., None] / 0.02**2 * by
 
     def moved(k: int, step: complex, turn: float) -> np.ndarray:
         way = step + 1j * turn * (place[k:] - place[k])
@@ -88,6 +92,43 @@ def test_drives_that_differ_by_more_than_their_own_slips_make() -> None:
     deviations = _deviations(best, others)  # type: ignore[arg-type]
     assert deviations == pytest.approx([readings.std(ddof=1) / 5**0.5, 0.2])
     assert list(_deviations(best, others[:2])) == [0.01, 0.2]  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("late", [(0.0, 0.0, 0.0), (-0.3, 0.2, 0.05)])
+def test_clocks_that_agree_and_clocks_that_differ(tmp_path: Path, late: tuple[float, ...]) -> None:
+    """Wheels that slip move offsets of clocks: where clocks agree, that is taken from them; where they differ by far
+    more than that, the offsets stay what each drive says."""
+    layout, paths = LAYOUTS["mecanum"], list[Path]()
+    for index, (twist, seconds) in enumerate(zip(layout.drives, late, strict=True)):
+        tracker = Tracker(late=seconds, noise=(0.002, 0.003))
+        recorded = drive(layout, twist, tracker=tracker, encoders=Encoders(slip=0.05), seed=index)
+        paths.append(tmp_path / f"{index}.csv")
+        paths[-1].write_text(csv(recorded.log), encoding="utf-8")
+        paths[-1].with_suffix(".truth.csv").write_text(csv(recorded.truth), encoding="utf-8")
+    best = calibrate(derivation_of(tmp_path, layout), paths, []).fit
+    alone = fit(replace(best.problem, clocks=ALONE))
+    errors, of_each = (np.abs(np.subtract(which.offsets, late)) for which in (best, alone))
+    assert np.all(of_each > 0.005) and np.all(of_each < 3 * 0.1 * np.sqrt(alone.spread[0]))
+    if any(late):
+        assert best.offsets == pytest.approx(alone.offsets, abs=0.001)
+    else:
+        assert np.all(errors < 0.5 * of_each)
+
+
+@pytest.mark.parametrize(
+    ("mean", "apart", "error"), [(0.0, 0.0, 1.0), (-3.0, 0.0, 1.0), (2.0, 4.0, 0.5), (0.0, 3.0, 2.0)]
+)
+def test_mean_and_variance_of_clocks_are_found_back(mean: float, apart: float, error: float) -> None:
+    """Of 2000 drives, whose errors are unequal; a single drive's offset is less by its own chance alone."""
+    random = np.random.default_rng(7)
+    errors = error * random.uniform(0.5, 2, 2000)
+    offsets = random.normal(mean, apart, 2000) + errors * random.normal(size=2000)
+    clocks = shown(offsets, errors**2, errors**2 / 9)
+    assert clocks.counted == pytest.approx(9)
+    assert abs(clocks.late - mean) < 3 * clocks.error < 0.5
+    assert clocks.apart == pytest.approx(apart, abs=0.2)
+    one = shown(np.array([4.0]), np.array([1.0]), np.array([1.0]))
+    assert one.late == pytest.approx(4 - 1 / 4, abs=1e-3) and one.apart < 0.02
 
 
 def test_a_robot_stands_where_no_wheel_turns() -> None:

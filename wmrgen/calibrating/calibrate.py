@@ -119,6 +119,7 @@ def calibrate(
     drives = _parts(stored(every) if large else tuple(every))
     best, slips = _without_slips(_fitted(replace(problem, drives=drives), each), each)
     refuse_strangers(best, drives, lambda others: _fitted(replace(problem, drives=tuple(others)), each))
+    best = certainty.agreeing(best, each)
     parts = best if len(drives) > 1 else _in_parts(best, each)
     others = _without_each(parts, each)
     weak = _unobservable(derivation.robot, best)

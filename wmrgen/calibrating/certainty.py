@@ -13,20 +13,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wmrgen.calibrating.clocks import shown
 from wmrgen.calibrating.fit import (
     LEVER,
     Each,
     Problem,
     Residuals,
     Sums,
+    clock_columns,
     information,
     nearest,
-    prior_of_shared,
+    own_columns,
+    prior,
     residuals,
     serial,
     solved,
     summed,
-    through,
 )
 from wmrgen.calibrating.path import Reals
 from wmrgen.calibrating.stored import chosen
@@ -42,7 +44,8 @@ class Fit:
     """What was estimated: ``values`` of the parameters and ``mount`` (x, y [m], heading [rad] of the tracked point on
     the robot); ``covariance`` of both, in `Problem.units`; ``information``: the matrix that the drives alone give,
     own unknowns eliminated; ``noise``: the mean square of residuals in units of the scale; ``rms`` [m] of positions
-    and [rad] of headings; ``offsets`` [s] by drive."""
+    and [rad] of headings; ``offsets`` [s] by drive; ``spread``
+    (2, drives): their variances in units, and what these were, if residuals did not depend on each other."""
 
     problem: Problem
     unknowns: Reals
@@ -53,6 +56,7 @@ class Fit:
     noise: float
     rms: tuple[float, float]
     offsets: tuple[float, ...]
+    spread: Reals
 
     @property
     def deviations(self) -> Reals:
@@ -75,11 +79,19 @@ def without(best: Fit, drives: Sequence[int], each: Each = serial) -> Fit:
     return fit_at(rest, nearest(rest, np.concatenate([best.unknowns[:shared], own.ravel()]), each), each)
 
 
+def agreeing(best: Fit, each: Each = serial) -> Fit:
+    """The fit in which clocks agree as far as those of ``best``, where each drive tells its own alone, show that they
+    do: what is no more than slips and noise make of an offset is taken from it, and little where they truly differ."""
+    offsets = best.unknowns[clock_columns(best.problem)]
+    problem = replace(best.problem, clocks=shown(offsets, *best.spread))
+    return fit_at(problem, nearest(problem, best.unknowns, each), each)
+
+
 @dataclass(frozen=True, slots=True)
 class _Evidence:
     """What one drive says of how certain a fit is. ``squares`` [m^2] and ``counts`` of residuals: of x and y, and of
-    headings; ``usual``: the mean of squares that are usual; ``spans``: as `_spans` has them; ``pulls`` (5, shared,
-    shared): as `_pulls` has them; ``offset`` [s]: of the clock."""
+    headings; ``usual``: the mean of squares that are usual; ``spans``: as `_spans` has them; ``pulls`` (5, k, k),
+    of its k unknowns: as `_pulls` has them; ``offset`` [s]: of the clock."""
 
     sums: Sums
     squares: tuple[float, float]
@@ -95,32 +107,52 @@ def fit_at(problem: Problem, unknowns: Reals, each: Each = serial) -> Fit:
     count = len(problem.nominal)
     shared = problem.shared(unknowns)
     every = each(problem, unknowns, _evidence)
-    told = information(problem, [drive.sums for drive in every])
-    prior = prior_of_shared(problem)
-    inverse = np.linalg.inv(told + prior)
     counts = np.sum([drive.counts for drive in every], axis=0)
     squares = np.sum([drive.squares for drive in every], axis=0) / np.where(counts, counts, np.nan)
     measured = int(counts.sum())
     # Squares of errors are so much larger than those of residuals, for unknowns take part of them up.
     freedom = measured / max(1, measured - len(unknowns))
     walk = _walk([drive.spans for drive in every if drive.spans is not None])
-    spread = prior @ prior
-    for drive in every:
-        square = sum(drive.squares) / max(1, sum(drive.counts))
-        rates = np.array([0.0, 0.0, 0.0, square, square / LEVER**2]) if drive.spans is None else walk
-        spread = spread + freedom * np.tensordot(rates, drive.pulls, 1)
+    rates = [_independent(drive) if drive.spans is None else walk for drive in every]
+    noise = [freedom * np.tensordot(r, drive.pulls, 1) for r, drive in zip(rates, every, strict=True)]
+    inverse, covariance = _spread(problem, every, noise)
+    clocks = clock_columns(problem)
     x, y, heading = shared[count:]
     return Fit(
         problem,
         unknowns,
         tuple(float(v) for v in shared[:count]),
         (float(x), float(y), float(np.angle(np.exp(1j * heading)))),
-        inverse @ spread @ inverse,
-        told,
+        covariance[: len(shared), : len(shared)],
+        information(problem, [drive.sums for drive in every]),
         sum(drive.usual * sum(drive.counts) for drive in every) / measured / problem.scale**2,
         (float(np.sqrt(2 * squares[0])), float(np.sqrt(squares[1])) / LEVER),
         tuple(drive.offset for drive in every),
+        np.array([np.diag(covariance)[clocks], np.diag(inverse)[clocks]]),
     )
+
+
+def _independent(drive: _Evidence) -> Reals:
+    """The rates, as `_walk` returns them, of a drive of which too little is measured to tell slips from noise."""
+    square = sum(drive.squares) / max(1, sum(drive.counts))
+    return np.array([0.0, 0.0, 0.0, square, square / LEVER**2])
+
+
+def _spread(problem: Problem, every: Sequence[_Evidence], noise: Sequence[Reals]) -> tuple[Reals, Reals]:
+    """Of all k unknowns (k, k): the inverse of the cost's matrix, and the covariance that the ``noise`` of each drive's
+    gradient makes. Priors make noise, too: a shared unknown is a unit off, what a drive has of its own as far as its
+    prior says, and all clocks together by the error of their mean."""
+    weak, first, clocks = prior(problem), len(problem.units), problem.clocks
+    mean = np.zeros_like(weak)
+    mean[clock_columns(problem)] = clocks.weight * clocks.error
+    matrix = np.diag(weak)
+    gradient = np.diag([*weak[:first] ** 2, *clocks.counted * weak[first:]]) + np.outer(mean, mean)
+    for index, drive in enumerate(every):
+        columns = np.ix_(*[own_columns(problem, index)] * 2)
+        matrix[columns] += drive.sums.matrix
+        gradient[columns] += noise[index]
+    inverse = np.linalg.inv(matrix)
+    return np.asarray(inverse), np.asarray(inverse @ gradient @ inverse)
 
 
 def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:
@@ -134,7 +166,7 @@ def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:
         (len(of_axes[0]), len(of_axes[1])),
         _usual(np.concatenate(of_axes)) if measured.any() else 0.0,
         _spans(t, rows, measured),
-        _pulls(problem, t, rows, through(problem, sums)),
+        _pulls(problem, t, rows),
         float(problem.own(unknowns, index)[3]),
     )
 
@@ -149,14 +181,12 @@ def _glitch(squares: Reals) -> float:
     return float(_GLITCH * np.mean(np.sort(squares)[: max(1, round(_COMMON * len(squares)))]))
 
 
-def _pulls(problem: Problem, t: Reals, rows: Residuals, eliminated: Reals) -> Reals:
-    """The covariances of a drive's gradient by the shared unknowns, ``eliminated`` own ones following them, that a unit
-    of each of what `_walk` returns makes (5, shared, shared)."""
-    shared = len(eliminated)
+def _pulls(problem: Problem, t: Reals, rows: Residuals) -> Reals:
+    """The covariances of a drive's gradient by its k unknowns that a unit of each of what `_walk` returns makes
+    (5, k, k)."""
     z = rows.values / problem.scale
     gain = (rows.weights / (problem.scale**2 * (1 + z * z) ** 1.5))[..., None]
-    by = rows.by[..., :shared] - rows.by[..., shared:] @ eliminated.T
-    pull = gain * by  # (3, n, shared) by metre of residual
+    pull = gain * rows.by  # (3, n, k) by metre of residual
     after = np.cumsum(pull[:, ::-1], axis=1)[:, ::-1]  # of a step along x, y that all that follows takes
     turning = LEVER * pull[2] - pull[0] * rows.place.imag[:, None] + pull[1] * rows.place.real[:, None]
     turned = np.cumsum(turning[::-1], axis=0)[::-1]

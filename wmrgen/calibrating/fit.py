@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from wmrgen.calibrating.clocks import ALONE, Clocks
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Complexes, Increments, Reals, reckoned
 from wmrgen.calibrating.stored import changed
@@ -43,13 +44,15 @@ _PRIOR = 0.1  # residuals, in units of the loss's scale, that one unit (10 % of 
 @dataclass(frozen=True, slots=True)
 class Problem:
     """What is estimated from which drives. ``nominal``: values of the parameters; ``scale`` [m]: residuals far above it
-    count by their size; ``turned`` [rad]: about what the tracked body is turned by on the robot."""
+    count by their size; ``turned`` [rad]: about what the tracked body is turned by on the robot; ``clocks``:
+    how far those of drives agree."""
 
     increments: Increments
     nominal: tuple[float, ...]
     drives: Sequence[Drive]
     scale: float = 0.01
     turned: float = 0.0
+    clocks: Clocks = ALONE
 
     @property
     def units(self) -> Reals:
@@ -58,8 +61,7 @@ class Problem:
 
     def shared(self, unknowns: Reals) -> Reals:
         """Parameters and mount in SI units; ``unknowns`` are in units away from nominal."""
-        count = len(self.nominal) + _MOUNT
-        return np.array([*self.nominal, 0.0, 0.0, self.turned]) + self.units * unknowns[:count]
+        return np.array([*self.nominal, 0.0, 0.0, self.turned]) + self.units * unknowns[: len(self.units)]
 
     def own(self, unknowns: Reals, index: int) -> Reals:
         """Start x, y [m], heading [rad] and clock offset [s] of a drive."""
@@ -227,24 +229,21 @@ def prior_of_shared(problem: Problem) -> Reals:
     return np.eye(len(problem.nominal) + _MOUNT) * _PRIOR**2
 
 
-def through(problem: Problem, part: Sums) -> Reals:
-    """How a drive's own unknowns follow the shared ones (shared, own)."""
-    shared = len(problem.nominal) + _MOUNT
-    own = part.matrix[shared:, shared:] + np.eye(_OWN) * _PRIOR_OWN**2
-    return np.asarray(np.linalg.solve(own, part.matrix[shared:, :shared]).T)
-
-
 def information(problem: Problem, parts: Sequence[Sums]) -> Reals:
     """What the drives tell of the shared unknowns, their own ones eliminated (a Schur complement)."""
-    shared = len(problem.nominal) + _MOUNT
-    each = (p.matrix[:shared, :shared] - through(problem, p) @ p.matrix[shared:, :shared] for p in parts)
-    return np.asarray(sum(each))
+    weak = np.diag(prior(problem)[-_OWN:])
+
+    def told(matrix: Reals) -> Reals:
+        (of_shared, _), (cross, own) = (np.hsplit(rows, [-_OWN]) for rows in np.vsplit(matrix, [-_OWN]))
+        return np.asarray(of_shared - cross.T @ np.linalg.solve(own + weak, cross))
+
+    return np.asarray(sum(told(part.matrix) for part in parts))
 
 
-def _prior(problem: Problem) -> Reals:
-    """The diagonal of the weak prior's matrix."""
-    shared = len(problem.nominal) + _MOUNT
-    return np.concatenate([np.full(shared, _PRIOR**2), np.full(_OWN * len(problem.drives), _PRIOR_OWN**2)])
+def prior(problem: Problem) -> Reals:
+    """The diagonal of the matrix of the weak prior of all unknowns."""
+    own = np.tile(_PRIOR_OWN**2 + np.array([0.0, 0.0, 0.0, problem.clocks.weight]), len(problem.drives))
+    return np.concatenate([np.diag(prior_of_shared(problem)), own])
 
 
 def own_columns(problem: Problem, index: int) -> NDArray[np.intp]:
@@ -253,18 +252,24 @@ def own_columns(problem: Problem, index: int) -> NDArray[np.intp]:
     return np.concatenate([np.arange(shared), shared + _OWN * index + np.arange(_OWN)])
 
 
+def clock_columns(problem: Problem) -> NDArray[np.intp]:
+    """Where the clock offsets of all drives stand."""
+    return len(problem.units) + _OWN * np.arange(1, len(problem.drives) + 1) - 1
+
+
 def nearest(problem: Problem, start: Reals, each: Each = serial) -> Reals:
     """The unknowns of least cost from ``start`` on, at the problem's scale. The matrix is positive definite, as the
     dogleg method needs: what squares of derivatives add up to, and the prior."""
-    prior = _prior(problem)
+    weak, likely = prior(problem), start_of(problem)
+    likely[clock_columns(problem)] = problem.clocks.late
     last: dict[bytes, Sums] = {}
 
     def total(unknowns: Reals) -> Sums:
         key = unknowns.tobytes()
         if key not in last:
             last.clear()
-            gradient, matrix = prior * unknowns, np.diag(prior)
-            cost = 0.5 * float(gradient @ unknowns)
+            gradient, matrix = weak * (unknowns - likely), np.diag(weak)
+            cost = 0.5 * float(gradient @ (unknowns - likely))
             for index, part in enumerate(each(problem, unknowns, sums)):
                 columns = own_columns(problem, index)
                 cost += part.cost

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+import math
+import re
+from fractions import Fraction
+
 import pytest
 
-from tests.robots import of_text
+from tests.report.common import page_of
+from tests.report.reading import read
+from tests.robots import ROBOTS, of_gallery, of_text
+from wmrgen import notation
 from wmrgen.backends.report.forward import forward
+from wmrgen.exact.number import Exact
 
 UNSEEN, ENOUGH, MORE = (
     "The rows leave a direction unseen",
@@ -80,3 +88,24 @@ def test_which_rows_are_known(sensed: str, words: str) -> None:
     assert ("`w0` and `w1` give both rows" in text) == (words == "both")
     assert ("`w0` and `w1` give the sliding row alone" in text) == (words == "one")
     assert r"v + ω ẑ × B = r φ̇ e, with" in text or words == "one"
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_residual_is_that_of_forward(name: str) -> None:
+    """In the robot file's names where it has some, of measurements that do not fit each other."""
+    d = of_gallery(name)
+    told = re.search(r"(?<=\\mathrm{slip} = ).*", page_of(name).partition("## 7 ")[2].partition("## 8 ")[0])
+    if not told:
+        return
+    formula = d.driven.program.formula("forward")
+    values = {
+        p.name: Fraction(3 * k * k - 5 * k + 7, 10) for k, p in enumerate(formula.inputs) if not p.default
+    }
+    twist = d.driven.evaluate("forward", {n: Exact(v) for n, v in values.items()})
+    known = {notation.parameter(p.name): float(p.nominal) for p in d.robot.parameters}
+    known |= {notation.port(n): float(v) for n, v in (values | twist).items()}
+    root = re.fullmatch(r"\\sqrt{(.*)}", told[0])
+    value = read(root[1] if root else told[0], known)
+    assert (math.sqrt(value) if root else value) == pytest.approx(float(twist["slip"]), rel=1e-6)
+    named = all(w.symbolic.r.constant is None for w in d.robot.wheels if w.has_spin)
+    assert float(twist["slip"]) > 0.01 and not (named and re.search(r"\d\.\d", told[0]))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.latex import alike, latex, summands, terms, width, wrapped
-from wmrgen.backends.report.letters import factored, pair, square
+from wmrgen.backends.report.letters import factored, pair, residual, square
 from wmrgen.backends.report.markdown import aligned, cut_note, math, matrix, some
 from wmrgen.constraints import XI
 from wmrgen.exact.linalg import determinant
@@ -55,7 +55,7 @@ def forward(d: Derivation) -> list[str]:
     else:
         blocks[-1] += " H has these rows of section 3, and z has r φ̇ for a rolling row, 0 for a sliding row."
     if measured.constant_normal:
-        return [*blocks, *_constant(d, measured, rows), *_residual(d), *cut_note(d.robot.wheels)]
+        return [*blocks, *_constant(d, measured, rows), *_residual(d, measured), *cut_note(d.robot.wheels)]
     locals_ = {symbol.name for symbol, _ in d.formula("forward").locals}
     return [
         *blocks,
@@ -186,12 +186,12 @@ def fits_of(d: Derivation) -> tuple[dict[str, Expr], dict[str, Expr], dict[str, 
     return outputs, fits, symbol_names(formula.inputs)
 
 
-def _residual(d: Derivation) -> list[str]:
+def _residual(d: Derivation, measured: Measurements) -> list[str]:
     """What no twist can explain."""
     outputs, _, ports = fits_of(d)
-    slip = latex(outputs["slip"], ports)
-    if slip == "0":
+    if not outputs["slip"]:
         return ["The rates can never contradict each other, so the residual `slip` is 0."]
+    slip = latex(outputs["slip"], ports) if measured.weighted else residual(measured.rows)
     return [
         "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed wires: `slip` is "
         "the norm of z − H ξ [m/s].",

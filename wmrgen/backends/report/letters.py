@@ -3,6 +3,7 @@ r / (4 (a + b)); the forms of the model, and the functions that are one."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
@@ -23,9 +24,11 @@ from wmrgen.backends.report.latex import (
 )  # fmt: skip
 from wmrgen.backends.report.markdown import aligned, code, listed, math, sentence
 from wmrgen.backends.report.terms import Term
+from wmrgen.constraints import XI
+from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.linalg import adjugate, determinant
-from wmrgen.exact.number import ONE
-from wmrgen.exact.poly import Poly, has_angles
+from wmrgen.exact.number import ONE, ZERO
+from wmrgen.exact.poly import Poly, dot, has_angles
 from wmrgen.functions.models.sheet import latex as equations
 from wmrgen.functions.models.sheet import sheet_of, tidy
 from wmrgen.functions.models.state_space import ROLLING_ALONE, forms, rolls_alone
@@ -130,6 +133,28 @@ def by_three(d: Derivation, rows: list[Measured], nominal: list[Measured]) -> li
     if len(below.terms) > 1 and not (_one_root(below) and _easy([*above, below])):
         return []
     return _written(_quotients(above, below, symbol_names(d.formula("forward").inputs)), _SHORT)
+
+
+def residual(rows: Sequence[Measured]) -> str:
+    """The norm of z - H xi.
+
+    Four rows leave one relation n^T H = 0, and the norm is |n^T z| / |n| where n is a multiple of numbers; it is the
+    root of a sum of squares else.
+    """
+    gaps = [value - dot(row, XI) for row, value, _ in rows]
+    if len(rows) == 4:
+        h = [list(row) for row, _, _ in rows]
+        minors = [determinant([*h[:k], *h[k + 1 :]]).scale((-1) ** k) for k in range(4)]
+        first = next(p for p in minors if p)
+        normal = [p.ordered[0][1] / first.ordered[0][1] if p else ZERO for p in minors]
+        if all(p == first.scale(c) for p, c in zip(minors, normal, strict=True)):
+            length = sqrt_poly(Poly.of(sum((c * c for c in normal), ZERO)))
+            left = Poly.sum(value.scale(c) for c, (_, value, _) in zip(normal, rows, strict=True))
+            return rf"\left|{latex(left * length.inverse())}\right|"
+    forms = (-p if all(c.sign < 0 for c in p.terms.values()) else p for p in gaps)
+    squares = Counter(rf"{latex(p)}^{{2}}" if p in XI else rf"\left({latex(p)}\right)^{{2}}" for p in forms)
+    parts = (text if n == 1 else rf"{n}\,{text}" for text, n in squares.items())
+    return rf"\sqrt{{{' + '.join(parts)}}}"
 
 
 def _easy(polys: Sequence[Poly]) -> bool:

@@ -47,6 +47,15 @@ def test_a_comment_beside_the_line_ignores_that_difference_alone(rule: Rule, tmp
     assert compared(files(tmp_path, rule.wrong, "# wmrgen: ignore WMR999")).differences != ()
 
 
+def test_another_wheelbase_stands_at_the_wheel_that_moved(tmp_path: Path) -> None:
+    """P on the rear axle has not moved: the middle of the wheels has."""
+    car = "wheels:\n"
+    for n, x in (("rear", "0"), ("front", "0.5")):
+        car += f"  - {{name: {n}, type: steered, x: {x}, y: 0, heading: 0, r: 0.1}}\n"
+    (difference,) = compared(files(tmp_path, f"{car}---\n{car.replace('0.5', '0.55')}")).differences
+    assert (difference.quantity, difference.marks[0].line, difference.marks[0].column) == ("wheelbase", 5, 37)
+
+
 def test_every_code_has_a_rule_and_none_is_of_one_robot() -> None:
     assert set(CODES.values()) <= set(BETWEEN)
     assert not set(BETWEEN) & set(RULES)

@@ -154,7 +154,8 @@ def places(pairs: Pairs, along: complex) -> Iterator[Difference]:
         changed[key] = now / was
         alike = key.endswith("_track") and same(changed[key], changed.get("track", 0))
         if not alike and not same(was, now):
-            yield length(key, was, now, _marks(*pairs[0], keys=("y", "x", "l")))
+            keys = ("x", "y", "l") if key == "wheelbase" else ("y", "x", "l")
+            yield length(key, was, now, _marks(*_farthest(pairs, a, b, keys[0]), keys=keys))
     for (v, w), p, q, word in zip(pairs, a, b, where, strict=True):
         aside = changed.get("ring", changed.get(f"{word.split(' ')[0]}_track", changed.get("track", 1.0)))
         ahead = changed.get("ring", changed.get("wheelbase", 1.0))
@@ -162,10 +163,23 @@ def places(pairs: Pairs, along: complex) -> Iterator[Difference]:
             points = (v.pivot, complex(w.of("x"), w.of("y")))
             marks = _marks(v, w, keys=("x", "y", "l", "alpha"))
             yield _pointed(PLACE, "place", v.name, points, f"{v.name}: place {shown(points)}", marks)
-    if abs(other - middle) > near:
+    if any(_shifted(a, b, other - middle, part, near) for part in ("real", "imag")):
         points = (along * middle, along * other)
         words = f"origin: the middle of the wheels lies at {shown(points)}"
         yield _pointed(PLACE, "origin", "", points, words, _marks(*pairs[0], keys=("x", "y", "l")))
+
+
+def _farthest(pairs: Pairs, a: Sequence[complex], b: Sequence[complex], along: str) -> tuple[Side, Side]:
+    """The first of the pairs whose wheel has moved farthest along x or y."""
+    moved = [abs((q - p).real if along == "x" else (q - p).imag) for p, q in zip(a, b, strict=True)]
+    return pairs[moved.index(max(moved))]
+
+
+def _shifted(a: Sequence[complex], b: Sequence[complex], shift: complex, part: str, near: float) -> bool:
+    """The middle of the wheels has moved by ``shift`` along one axis, and no wheel has stayed: of a car with another
+    wheelbase whose origin is on the rear axle those of that axle have."""
+    moves = (abs(getattr(q - p, part)) for p, q in zip(a, b, strict=True))
+    return abs(getattr(shift, part)) > near and min(moves) > near
 
 
 def _permuted(a: Sequence[complex], b: Sequence[complex], near: float) -> list[int]:

@@ -178,8 +178,8 @@ def _farthest(pairs: Pairs, a: Sequence[complex], b: Sequence[complex], along: s
 def _shifted(a: Sequence[complex], b: Sequence[complex], shift: complex, part: str, near: float) -> bool:
     """The middle of the wheels has moved by ``shift`` along one axis, and no wheel has stayed: of a car with another
     wheelbase whose origin is on the rear axle those of that axle have."""
-    moves = (abs(getattr(q - p, part)) for p, q in zip(a, b, strict=True))
-    return abs(getattr(shift, part)) > near and min(moves) > near
+    stayed = any(abs(getattr(q - p, part)) <= near for p, q in zip(a, b, strict=True))
+    return not stayed and bool(abs(getattr(shift, part)) > near)
 
 
 def _permuted(a: Sequence[complex], b: Sequence[complex], near: float) -> list[int]:

@@ -20,6 +20,7 @@ Style = Literal["", "decimals", "fractions"]
 _COMPONENT = re.compile(r"([a-z])([xyz])")  # vx
 _ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")
 _READABLE = (2, 3, 4, 6, 7, 8, 9, 11, 12)  # denominators
+_COVARIANCE = re.compile(r"(vx|vy|omega|x|y|theta)(vx|vy|omega|x|y|theta)")
 _NUMBERED = re.compile(r"([a-z]+)(\d+)")  # eta1, m12
 
 
@@ -133,6 +134,8 @@ def _is_letter(head: str) -> bool:
 
 def _quantity(name: str, indices: list[str]) -> str:
     """``x_rate`` with a dot, ``vx``, ``eta1``, ``k_rho`` and ``goal_x`` with an index of their own before others."""
+    if pair := _COVARIANCE.fullmatch(name):
+        return rf"\sigma_{{{port(pair[1])}\,{port(pair[2])}}}"
     base, dots = name, 0
     while base.endswith("_rate"):
         base, dots = base.removesuffix("_rate"), dots + 1

@@ -40,6 +40,8 @@ from wmrgen.symbolic import add, local, nearest, parameter, signal, times
         ("icr.x", r"x_{\mathrm{icr}}"),
         ("trailer1.theta_rate", r"\dot{\theta}_{\mathrm{trailer1}}"),
         ("rear.speed", r"v_{\mathrm{rear}}"),
+        ("xy", r"\sigma_{x\,y}"),
+        ("vxomega", r"\sigma_{v_x\,\omega}"),
     ],
 )
 def test_ports(name: str, shown: str) -> None:

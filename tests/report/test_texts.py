@@ -86,7 +86,7 @@ def test_the_report_shows_it() -> None:
     parts = re.split(r"^### ", numerics.split("## Further functions")[1].split("\n## ")[0], flags=re.M)[1:]
     assert len(parts) == 4
     for part in parts:
-        assert "In the texts: " in part and any(t in part for t in TEXTS)
+        assert "Source: " in part and any(t in part for t in TEXTS)
 
 
 @pytest.mark.parametrize(

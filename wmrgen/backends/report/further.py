@@ -49,7 +49,7 @@ def _wanted(d: Derivation) -> list[Formula]:
 def _function(d: Derivation, f: Formula) -> list[str]:
     ports = [(p, "in") for p in f.inputs] + [(p, "out") for p, _ in f.outputs]
     rows = [[code(p.name), way, p.unit or "1", sentence(p.text)] for p, way in ports]
-    blocks = [f"### `{f.name}`", f"{capitalised(f.text)} In the texts: {sentence(f.source)}."]
+    blocks = [f"### `{f.name}`", f"{capitalised(f.text)} Source: {sentence(f.source)}."]
     blocks += table(["port", "", "unit", "meaning"], rows, "l")
     if written := model(d, f):
         return [*blocks, *written]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wmrgen import notation
 from wmrgen.backends.registry import Facts
 from wmrgen.backends.report.further import formulas
-from wmrgen.backends.report.markdown import code, foot, items, math, page, table, written
+from wmrgen.backends.report.markdown import code, foot, items, math, minus, page, table, written
 from wmrgen.bounds.robot import SINGULAR, TIES, beyond, described, error, listed
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import count
@@ -104,7 +104,14 @@ def _ranges(bounds: Bounds) -> list[str]:
             f"{' and '.join(code(name) for name in bounds.missing)} (`wmrgen prove` says what to write).",
         ]
     rows = [
-        [code(f.name), code(o.name), f"{o.low:.6g}", f"{o.high:.6g}", o.unit or "1", error(o, "speed")]
+        [
+            code(f.name),
+            code(o.name),
+            minus(f"{o.low:.6g}"),
+            minus(f"{o.high:.6g}"),
+            o.unit or "1",
+            error(o, "speed"),
+        ]
         for f in bounds.functions
         if f.proved
         for o in f.outputs

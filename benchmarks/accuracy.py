@@ -98,7 +98,8 @@ def measure(
 ) -> Worst:
     """The worst error of function ``name`` of ``module`` against ``reference`` over ``cases``."""
     name = name or reference.name
-    computed = evaluate(module, name, cases) if compute is None else compute(module, name, cases)
+    requests = [(name, case) for case in cases]
+    computed = evaluate(module, requests) if compute is None else compute(module, name, cases)
     worst = Worst(cases=len(cases))
     units = [ulps(size) for size in magnitudes(reference, cases)]
     with mpmath.workdps(DIGITS):

@@ -98,6 +98,6 @@ def nearby(target: str, count: int = NEAR) -> tuple[float, float]:
     """The worst errors of the compiled C for a target."""
 
     def compiled(module: Module, name: str, cases: Sequence[Values]) -> list[Values]:
-        return evaluate(module, name, cases, math=INLINE, target=target)
+        return evaluate(module, [(name, case) for case in cases], math=INLINE, target=target)
 
     return worst(module(), twists(count, random.Random(f"near {target}")), compiled)[:2]

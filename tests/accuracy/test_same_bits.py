@@ -47,21 +47,21 @@ def mismatches(
         )
         fleets.append(fleet)
     for module in modules:
+        requests = []
         for function in (f for f in module.functions if f.outputs):
             source = random.Random(f"{target} {function.name}")
-            names = [p.name for p in function.inputs]
-            bounds = {n: largest(function.name, n) for n in names}
-            cases = [
-                {n: nearest_float32(source.uniform(-b, b)) for n, b in bounds.items()} for _ in range(count)
-            ]
-            here = evaluate_c(module, function.name, cases, Choice(target=target), None, FLAGS)
-            tried += count
-            for fleet in fleets:
-                step = next(s for s in fleet.steps(module.name) if s.name == f"{module.name}_{function.name}")
-                for case, expected in zip(cases, here, strict=True):
-                    _, got = fleet.call(step, case)
-                    if {k: v.hex() for k, v in got.items()} != {k: v.hex() for k, v in expected.items()}:
-                        wrong.append(f"{fleet.target.name} {function.name} {case}: {got}, x86 {expected}")
+            bounds = {p.name: largest(function.name, p.name) for p in function.inputs}
+            for _ in range(count):
+                case = {n: nearest_float32(source.uniform(-b, b)) for n, b in bounds.items()}
+                requests.append((function.name, case))
+        tried += len(requests)
+        here = evaluate_c(module, requests, Choice(target=target), None, FLAGS)
+        for fleet in fleets:
+            steps = {step.name: step for step in fleet.steps(module.name)}
+            for (name, case), expected in zip(requests, here, strict=True):
+                _, got = fleet.call(steps[f"{module.name}_{name}"], case)
+                if {k: v.hex() for k, v in got.items()} != {k: v.hex() for k, v in expected.items()}:
+                    wrong.append(f"{fleet.target.name} {name} {case}: {got}, x86 {expected}")
     return tried, wrong
 
 

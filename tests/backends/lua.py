@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from wmrgen.backends.expression import Style, body
-from wmrgen.backends.registry import Entry, Facts, Files, Place
+from wmrgen.backends.registry import Entry, Facts, Files, Place, Request
 from wmrgen.backends.words import reserved
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import complete, self_contained
@@ -110,16 +110,15 @@ class _Math:
         return math.atan2(y, x)
 
 
-def evaluate(
-    module: Module, function: str, cases: Sequence[Mapping[str, float]], scalar: str = "float"
-) -> list[dict[str, float]]:
+def evaluate(module: Module, requests: Sequence[Request], scalar: str = "float") -> list[dict[str, float]]:
     """By running the printed text: of the operators in it, Lua and Python share the meaning."""
     assert scalar in ("float", "double")  # the option that the entry asks for arrives
-    wanted = next(f for f in self_contained(module) if f.name == function)
-    lines = _lines(wanted)
-    table = lines[-2].removeprefix("  return ").replace('["', '"').replace('"] = ', '": ')
+    functions = {function.name: function for function in self_contained(module)}
     outputs = []
-    for case in cases:
+    for function, case in requests:
+        wanted = functions[function]
+        lines = _lines(wanted)
+        table = lines[-2].removeprefix("  return ").replace('["', '"').replace('"] = ', '": ')
         names: dict[str, object] = {"math": _Math, "choose": lambda c, x, y: x if c else y}
         names |= {_name(p.name): v for p, v in zip(wanted.inputs, complete(wanted, case), strict=True)}
         for line in lines[1:-2]:

@@ -32,29 +32,30 @@ def backend(name: str) -> Backend:
 @pytest.mark.parametrize("module", MODULES, ids=lambda m: m.name)
 @pytest.mark.parametrize("name", CODE)
 def test_agrees_with_the_interpreter(name: str, module: Module) -> None:
-    for function in module.functions:
-        cases = samples(module, function, 20)
-        results = backend(name).evaluate(module, function.name, cases)
-        assert len(results) == len(cases)
-        for case, result in zip(cases, results, strict=True):
-            expected = evaluate_module(module, function.name, case, FLOAT64)
-            assert list(result) == list(expected)
-            for key, value in expected.items():
-                assert result[key] == pytest.approx(value, rel=TOLERANCE.get(name, 1e-14), abs=1e-5)
+    requests = [
+        (function.name, case) for function in module.functions for case in samples(module, function, 20)
+    ]
+    results = backend(name).evaluate(module, requests)
+    for (function, case), result in zip(requests, results, strict=True):
+        expected = evaluate_module(module, function, case, FLOAT64)
+        assert list(result) == list(expected)
+        for key, value in expected.items():
+            assert result[key] == pytest.approx(value, rel=TOLERANCE.get(name, 1e-14), abs=1e-5)
 
 
 @pytest.mark.parametrize("name", CODE)
 def test_a_tunable_left_out_is_nominal(name: str) -> None:
     module = MODULES[-1]
     case = {"vx": 0.5, "a.steer": 0.25}
-    without, with_it = backend(name).evaluate(module, "inverse", [case, {**case, "radius": 39 / 400}])
+    requests = [("inverse", case), ("inverse", {**case, "radius": 39 / 400})]
+    without, with_it = backend(name).evaluate(module, requests)
     assert without == with_it
 
 
 @pytest.mark.parametrize("name", CODE)
 def test_a_missing_input_is_named(name: str) -> None:
     with pytest.raises(UsageError, match="omega"):
-        BACKENDS[name].load().evaluate(MODULES[0], "inverse", [{"vx": 0.5, "vy": 0.0}])
+        BACKENDS[name].load().evaluate(MODULES[0], [("inverse", {"vx": 0.5, "vy": 0.0})])
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda m: m.name)

@@ -154,5 +154,5 @@ def test_without_node_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr("shutil.which", lambda name: None)
     module = Module("one", (Function("f", (), (Node(Op.CONST, value=None),), (), ()),))
     with pytest.raises(EnvironmentFailure, match="apt-get install nodejs"):
-        JAVASCRIPT.load().evaluate(module, "f", [{}])
+        JAVASCRIPT.load().evaluate(module, [("f", {})])
     assert b"export function f()" in JAVASCRIPT.load().emit(module, Facts())["one.js"]

@@ -90,7 +90,7 @@ def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CC", raising=False)
     with pytest.raises(EnvironmentFailure, match="apt-get install gcc") as caught:
-        evaluate_c(mecanum(), "inverse", [{"vx": 1.0, "vy": 0.0, "omega": 0.0}])
+        evaluate_c(mecanum(), [("inverse", {"vx": 1.0, "vy": 0.0, "omega": 0.0})])
     assert caught.value.exit_code == 4
     monkeypatch.setenv("CC", "no-such-cc")
     with pytest.raises(EnvironmentFailure, match="no-such-cc"):
@@ -98,10 +98,8 @@ def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_evaluate_in_both_scalars() -> None:
-    case = {"vx": 0.3, "vy": 0.1, "omega": -2.0}
-    single, double = (
-        evaluate_c(mecanum(), "inverse", [case, case], Choice(scalar)) for scalar in ("float", "double")
-    )
+    asked = ("inverse", {"vx": 0.3, "vy": 0.1, "omega": -2.0})
+    single, double = (evaluate_c(mecanum(), [asked, asked], Choice(scalar)) for scalar in ("float", "double"))
     assert single[0] == single[1] and double[0] == double[1]
     assert single[0] != double[0]
     assert single[0]["front_left.spin"] == pytest.approx(double[0]["front_left.spin"], rel=1e-6)

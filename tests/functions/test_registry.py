@@ -125,7 +125,7 @@ case = {"vx": 3.0, "omega": -5.0}
 print(d.evaluate("half_twist", {"vx": Exact(3), "omega": Exact(-5)})["half.omega"])
 for name in ("numpy", "casadi", "c99"):
     entry = BACKENDS[name]
-    print(entry.load().evaluate(getattr(d, entry.source), "half_twist", [case])[0]["half.omega"])
+    print(entry.load().evaluate(getattr(d, entry.source), [("half_twist", case)])[0]["half.omega"])
 files = artifacts(d)
 print("_half_twist(" in files["unicycle.h"].decode(), "ours: half of everything" in files["numerics.md"].decode())
 """

@@ -208,8 +208,9 @@ def test_rust_declares_it_and_has_the_bits_of_the_interpreter(excess: Op) -> Non
 def test_numpy_and_casadi_compute_it(excess: Op) -> None:
     module = optimise((made(excess),), "outside")
     expectation = [evaluate(module.functions[0], p, FLOAT64) for p in points()]
-    assert numpy.evaluate(module, "rates", points()) == expectation
-    for result, wanted in zip(casadi.evaluate(module, "rates", points()), expectation, strict=True):
+    requests = [("rates", p) for p in points()]
+    assert numpy.evaluate(module, requests) == expectation
+    for result, wanted in zip(casadi.evaluate(module, requests), expectation, strict=True):
         assert result == pytest.approx(wanted, rel=1e-15, abs=1e-300)
     source = numpy.emit(module, Facts())["outside.py"].decode()
     assert source.count("np.maximum(") == 3

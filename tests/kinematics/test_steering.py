@@ -40,9 +40,9 @@ def every(robot: str) -> tuple[tuple[str, object], ...]:
 def inverses(robot: str, case: Case) -> Iterator[tuple[str, Case]]:
     for name, module in every(robot):
         if name == "casadi":
-            yield name, casadi.evaluate(module, "inverse", [case])[0]
+            yield name, casadi.evaluate(module, [("inverse", case)])[0]
         elif name == "numpy":
-            yield name, numpy.evaluate(module, "inverse", [case])[0]
+            yield name, numpy.evaluate(module, [("inverse", case)])[0]
         else:
             kind = EXACT if name == "exact" else FLOAT64 if name == "double" else FLOAT32
             found = evaluate_module(module, "inverse", case, kind)

@@ -117,11 +117,12 @@ def test_the_branch_is_that_of_every_branch_tried(seed: int) -> None:
         wanted.append((line, speed * forwards, standing))
     d = model.derivation
     exact = [evaluate_module(d.raw_module, "inverse", case, EXACT) for case in cases[::8]]
+    requests = [("inverse", case) for case in cases]
     answers: list[tuple[str, int, float, list[Any]]] = [
         ("exact", 8, 1e-9, exact),
         ("casadi", 1, 1e-9, [model.call("inverse", case) for case in cases]),
-        ("double", 1, 1e-9, evaluate_c(d.c_module, "inverse", cases, Choice("double"))),
-        ("float", 1, 2e-6, evaluate_c(d.c_module, "inverse", cases)),
+        ("double", 1, 1e-9, evaluate_c(d.c_module, requests, Choice("double"))),
+        ("float", 1, 2e-6, evaluate_c(d.c_module, requests)),
     ]
     for name, step, rounding, outs in answers:
         for out, (line, speed, standing) in zip(outs, wanted[::step], strict=True):

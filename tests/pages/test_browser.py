@@ -226,7 +226,7 @@ def _towed(d: Derivation, driven: dict[str, float], time: float) -> dict[str, tu
 
 
 def _called(d: Derivation, function: str, values: dict[str, float]) -> dict[str, float]:
-    return numpy.evaluate(d.module, function, [values])[0]
+    return numpy.evaluate(d.module, [(function, values)])[0]
 
 
 def _transform(text: str) -> tuple[float, float, float]:

@@ -86,7 +86,8 @@ def test_on_the_host(lie: int, tmp_path: Path) -> None:
 def test_the_function_of_differences_has_them_in_every_case() -> None:
     """What the counters are compared with: 2 pi over counts and dt."""
     cases = [{k: float(v) for k, v in counts(*pair).items()} | {"dt": 0.01} for pair in PAIRS]
-    for case, result in zip(cases, evaluate_c(module(), NAME, cases, Choice("double")), strict=True):
+    results = evaluate_c(module(), [(NAME, case) for case in cases], Choice("double"))
+    for case, result in zip(cases, results, strict=True):
         turn = 6.283185307179586
         assert result["a.spin"] == pytest.approx(-case["a.spin_counts"] / 512 * turn / 0.01, rel=1e-12)
         assert result["c.steer_rate"] == pytest.approx(

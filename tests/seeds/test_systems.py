@@ -89,7 +89,7 @@ def column(what: str, robot: str, name: str) -> bool:
     if what == "C":
         found = in_c(robot)[name]
     else:
-        (found,) = BACKENDS["casadi"].load().evaluate(d.module, name, [samples(robot, name)])
+        (found,) = BACKENDS["casadi"].load().evaluate(d.module, [(name, samples(robot, name))])
     truth = exact(robot, name)
     return bool(found) and all(math.isclose(found[k], truth[k], rel_tol=1e-9, abs_tol=1e-9) for k in found)
 

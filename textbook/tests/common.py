@@ -38,8 +38,8 @@ def call(backend: str, name: str, **values: float | Sequence[float]) -> dict[str
         found = evaluate_module(book.raw_module, name, case, EXACT)
         return {key: float(value) for key, value in found.items()}
     if backend == "c":
-        return evaluate_c(book.c_module, name, [case], Choice("double"))[0]
-    return BACKENDS[backend].load().evaluate(book.module, name, [case])[0]
+        return evaluate_c(book.c_module, [(name, case)], Choice("double"))[0]
+    return BACKENDS[backend].load().evaluate(book.module, [(name, case)])[0]
 
 
 def spread(values: Mapping[str, float | Sequence[float]]) -> dict[str, float]:

@@ -39,7 +39,7 @@ def test_backends_agree(name: str) -> None:
         for case in cases
     ]
     for backend in ("casadi", "numpy"):
-        found = BACKENDS[backend].load().evaluate(BOOK.module, name, cases)
+        found = BACKENDS[backend].load().evaluate(BOOK.module, [(name, case) for case in cases])
         for ours, theirs in zip(found, exact, strict=True):
             assert ours == pytest.approx(theirs, rel=1e-9, abs=1e-9)
 
@@ -49,15 +49,9 @@ def test_c_agrees_in_float() -> None:
     """All functions in one compiled library; inputs of moderate size, results to a few float roundings."""
     from wmrgen.backends.c99.driver import evaluate_c
 
-    for name in (
-        "polar_rates",
-        "two_step_acceleration",
-        "castor_swivel",
-        "mecanum_wheel_inverse",
-        "inverse_3x4",
-    ):
-        (case,) = points(name, 1)
-        (found,) = evaluate_c(BOOK.c_module, name, [case])
+    names = ("polar_rates", "two_step_acceleration", "castor_swivel", "mecanum_wheel_inverse", "inverse_3x4")
+    requests = [(name, case) for name in names for case in points(name, 1)]
+    for (name, case), found in zip(requests, evaluate_c(BOOK.c_module, requests), strict=True):
         theirs = {k: float(v) for k, v in evaluate_module(BOOK.raw_module, name, case, EXACT).items()}
         assert found == pytest.approx(theirs, rel=2e-4, abs=1e-4), name
 
@@ -68,7 +62,7 @@ def test_defined_everywhere(name: str) -> None:
     ports = [p.name for p in formula(name).inputs]
     cases = [dict.fromkeys(ports, v) for v in (0.0, 1e9, -1e9, 1e-200, math.pi / 2)]
     cases += [{p: float(k == i) for i, p in enumerate(ports)} for k in range(min(len(ports), 6))]
-    found = BACKENDS["casadi"].load().evaluate(BOOK.module, name, cases)
+    found = BACKENDS["casadi"].load().evaluate(BOOK.module, [(name, case) for case in cases])
     assert all(math.isfinite(v) for result in found for v in result.values())
     f = textbook(name).casadi()[name]
     jacobian = _jacobian(f)

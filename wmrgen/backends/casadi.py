@@ -11,14 +11,14 @@ points where they have no derivative; there the derivative given is 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmrgen.backends.registry import Facts, VectorForm
+from wmrgen.backends.registry import Facts, Request, VectorForm
 from wmrgen.errors import UsageError
 from wmrgen.ir.calls import complete, defaults, self_contained
 from wmrgen.ir.nodes import Function, Module, Op
@@ -105,14 +105,15 @@ def content(function: ca.Function) -> bytes:
     return bytes(serializer.encode().encode("ascii"))
 
 
-def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
-    """Outputs by contract name for each case, in float64."""
-    wanted = next(f for f in self_contained(module) if f.name == function)
-    call = to_casadi(wanted, "f")
+def evaluate(module: Module, requests: Sequence[Request]) -> list[dict[str, float]]:
+    """Outputs by contract name of each request, in float64."""
+    asked = {name for name, _ in requests}
+    called = {f.name: (f, to_casadi(f, "f")) for f in self_contained(module) if f.name in asked}
     results = []
-    for case in cases:
-        values = call.call([ca.DM(value) for value in complete(wanted, case)])
-        results.append({port.name: float(v) for port, v in zip(wanted.outputs, values, strict=True)})
+    for name, case in requests:
+        function, call = called[name]
+        values = call.call([ca.DM(value) for value in complete(function, case)])
+        results.append({port.name: float(v) for port, v in zip(function.outputs, values, strict=True)})
     return results
 
 

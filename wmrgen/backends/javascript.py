@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from wmrgen.backends.expression import Style, body, variables
-from wmrgen.backends.registry import Facts
+from wmrgen.backends.registry import Facts, Request
 from wmrgen.compiler import run_node
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import complete, self_contained
@@ -130,11 +130,13 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     return {f"{module.name}.js": text(module, facts).encode(), "package.json": manifest.encode()}
 
 
-def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
-    """Outputs by contract name for each case, in float64, by Node. EnvironmentFailure where there is none."""
-    wanted = next(f for f in self_contained(module) if f.name == function)
-    rows = [zip(wanted.inputs, complete(wanted, case), strict=True) for case in cases]
-    objects = [", ".join(f'"{port.name}": {number(value)}' for port, value in row) for row in rows]
-    program = render("javascript/driver.js.j2", function=function, cases=objects)
+def evaluate(module: Module, requests: Sequence[Request]) -> list[dict[str, float]]:
+    """Outputs by contract name of each request, in float64, by Node. EnvironmentFailure where there is none."""
+    functions = {function.name: function for function in self_contained(module)}
+    calls = []
+    for name, case in requests:
+        row = zip(functions[name].inputs, complete(functions[name], case), strict=True)
+        calls.append((name, ", ".join(f'"{port.name}": {number(value)}' for port, value in row)))
+    program = render("javascript/driver.js.j2", calls=calls)
     printed = run_node({"robot.mjs": text(module, Facts()), "main.mjs": program})
     return [{name: float(value) for name, value in json.loads(line)} for line in printed.splitlines()]

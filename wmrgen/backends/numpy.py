@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.backends.expression import Style, body, variables
-from wmrgen.backends.registry import Facts, VectorForm
+from wmrgen.backends.registry import Facts, Request, VectorForm
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import complete, self_contained
 from wmrgen.ir.interpret import values_of
@@ -193,12 +193,22 @@ def functions(module: Module, vectors: Sequence[VectorForm] = ()) -> SimpleNames
     )
 
 
-def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
-    """Outputs by contract name for each case, in float64, computed for all cases at once."""
-    wanted = next(f for f in self_contained(module) if f.name == function)
-    rows = [complete(wanted, case) for case in cases]
+def evaluate(module: Module, requests: Sequence[Request]) -> list[dict[str, float]]:
+    """Outputs by contract name of each request, in float64, computed for all of a function at once."""
+    cases: dict[str, list[Mapping[str, float]]] = {}
+    for name, case in requests:
+        cases.setdefault(name, []).append(case)
+    functions = (function for function in self_contained(module) if function.name in cases)
+    rows = {function.name: iter(_rows(function, cases[function.name])) for function in functions}
+    return [next(rows[name]) for name, _ in requests]
+
+
+def _rows(function: Function, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
+    rows = [complete(function, case) for case in cases]
     with np.errstate(all="ignore"):  # infinities and NaN are results
-        columns = _columns(wanted, {p.name: [row[k] for row in rows] for k, p in enumerate(wanted.inputs)})
-    if not wanted.inputs:
+        columns = _columns(
+            function, {p.name: [row[k] for row in rows] for k, p in enumerate(function.inputs)}
+        )
+    if not function.inputs:
         return [{name: float(value) for name, value in columns.items()} for _ in cases]
     return [{name: float(column[k]) for name, column in columns.items()} for k in range(len(cases))]

@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
 
 
+Request = tuple[
+    str, Mapping[str, float]
+]  # a function, its inputs by contract name; a tunable may be left out
+
+
 class Place(NamedTuple):
     """A function in a generated ``file``: its line, and the lines of the quantities that it names."""
 
@@ -70,10 +75,8 @@ class Backend(Protocol):
     def emit(self, module: Module, facts: Facts) -> dict[str, bytes]:
         """File name -> content, for every file of this backend."""
 
-    def evaluate(
-        self, module: Module, function: str, cases: Sequence[Mapping[str, float]], **options: str
-    ) -> list[dict[str, float]]:
-        """Outputs by contract name for each case (inputs by contract name; a tunable may be left out)."""
+    def evaluate(self, module: Module, requests: Sequence[Request], **options: str) -> list[dict[str, float]]:
+        """Outputs by contract name of each request."""
 
 
 class Files(NamedTuple):
@@ -129,13 +132,9 @@ class Entry(NamedTuple):
             has = " ".join(f.name for f in module.functions)
             raise UsageError(f"{self.word} has no function {function!r} of {module.name}. It has: {has}.")
         chosen = {name: options[name] for name in self.options if name in options}
-        results: list[dict[str, float]] = [{} for _ in cases]
-        for part in parts:
-            for result, more in zip(
-                results, self.load().evaluate(module, part, cases, **chosen), strict=True
-            ):
-                result.update(more)
-        return results
+        requests = [(part, case) for case in cases for part in parts]
+        answers = iter(self.load().evaluate(module, requests, **chosen))
+        return [{name: x for _ in parts for name, x in next(answers).items()} for _ in cases]
 
 
 BACKENDS: dict[str, Entry] = {}

@@ -119,8 +119,9 @@ def test_both_ways_as_far_outside(limit: int) -> None:
     for _ in range(60):
         standing = [top + source.uniform(-0.02, 0.02) for _ in CORNERS]
         cases.append({"vx": 0.0, "vy": source.uniform(0.2, 2), "omega": 0.0, **steers(standing)})
+    requests = [("inverse_together", case) for case in cases]
     for scalar in ("double", "float"):
-        for commands in evaluate_c(d.c_module, "inverse_together", cases, Choice(scalar)):
+        for commands in evaluate_c(d.c_module, requests, Choice(scalar)):
             assert all(commands[f"{n}.steer"] == pytest.approx(top, abs=1e-6) for n in CORNERS)
     for case in cases[:10]:
         assert all(call(d, "inverse_together", case)[f"{n}.steer"] == pytest.approx(top) for n in CORNERS)
@@ -213,6 +214,7 @@ def test_zeros_of_both_signs_and_exact_quarter_turns(target: str, limits: str) -
 
 def test_c_takes_the_branch_that_the_interpreter_predicts_beside_minus_zero(free: Derivation) -> None:
     code = expand(free.c_module, "float", "inline", "m4f").function("inverse_together")
-    for case, answer in zip(ZEROS, evaluate_c(free.c_module, "inverse_together", ZEROS), strict=True):
+    answers = evaluate_c(free.c_module, [("inverse_together", case) for case in ZEROS])
+    for case, answer in zip(ZEROS, answers, strict=True):
         predicted = evaluate(code, case, FLOAT32)
         assert all(answer[k] == v for k, v in predicted.items() if k in answer), case

@@ -127,7 +127,7 @@ def call(
     from wmrgen.backends.c99 import evaluate
 
     name = "forward_slip" if function == "forward" else function
-    return dict(evaluate(one.c_module, name, [full], scalar="double")[0])
+    return dict(evaluate(one.c_module, [(name, full)], scalar="double")[0])
 
 
 @cache

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 from wmrgen.backends.c99.emit import sources, unit
 from wmrgen.backends.c99.records import Step, Unit
+from wmrgen.backends.registry import Request
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
 from wmrgen.ir.calls import in_order, nominal
 from wmrgen.ir.kernels.choice import DEFAULT, HOST, LIBM, Choice
@@ -86,23 +87,22 @@ def answer(call: Call, line: str) -> dict[str, float]:
 
 def evaluate_c(
     module: Module,
-    function: str,
-    cases: Sequence[Mapping[str, float]],
+    requests: Sequence[Request],
     choice: Choice = DEFAULT,
     cc: str | None = None,
     flags: Sequence[str] = DEFAULT_FLAGS,
 ) -> list[dict[str, float]]:
-    """Outputs of ``function`` for each case, from the compiled C. A tunable left out is nominal."""
-    functions = unit(module, choice)
-    if function not in functions.contract:
-        return [{} for _ in cases]  # a function without outputs
-    call = _call(functions, functions.contract[function])
+    """Outputs of each request, from the compiled C: none of a function that has none."""
+    functions, default = unit(module, choice), nominal(module)
+    steps = {name: functions.contract[name] for name, _ in requests if name in functions.contract}
+    called = {name: (k, _call(functions, step)) for k, (name, step) in enumerate(steps.items())}
+    asked = [(*called[name], case) for name, case in requests if name in called]
+    lines = [request(k, call, {**default, **case}) for k, call, case in asked]
     header, source = sources(module, choice)
-    files = {f"{module.name}.h": header, f"{module.name}.c": source, "wmrgen-driver.c": driver([call])}
-    default = nominal(module)
-    lines = [request(0, call, {**default, **case}) for case in cases]
-    printed = compile_and_run(files, "\n".join(lines) + "\n", cc, flags)
-    return [answer(call, line) for line in printed.splitlines()]
+    main = driver([call for _, call in called.values()])
+    files = {f"{module.name}.h": header, f"{module.name}.c": source, "wmrgen-driver.c": main}
+    printed = iter(compile_and_run(files, "\n".join(lines) + "\n", cc, flags).splitlines())
+    return [answer(called[name][1], next(printed)) if name in called else {} for name, _ in requests]
 
 
 # ---- Frama-C Eva

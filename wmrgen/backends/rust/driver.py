@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from struct import pack, unpack
 
+from wmrgen.backends.registry import Request
 from wmrgen.backends.rust.emit import library
 from wmrgen.backends.rust.functions import unit
 from wmrgen.backends.rust.records import Unit
@@ -16,17 +17,16 @@ from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Function, Module, contract
 from wmrgen.render import render
 
-Case = Mapping[str, float]
 FLAGS = ("-Copt-level=1",)
 
 
-def evaluate(module: Module, function: str, cases: Sequence[Case], **words: str) -> list[dict[str, float]]:
-    """Outputs by contract name for each case, from the Rust of the `Choice` that ``words`` say, compiled."""
-    return run(module, [(function, case) for case in cases], Choice(**words))
+def evaluate(module: Module, requests: Sequence[Request], **words: str) -> list[dict[str, float]]:
+    """Outputs by contract name of each request, from the Rust of the `Choice` that ``words`` say, compiled."""
+    return run(module, requests, Choice(**words))
 
 
 def run(
-    module: Module, cases: Sequence[tuple[str, Case]], choice: Choice, flags: Sequence[str] = FLAGS
+    module: Module, cases: Sequence[Request], choice: Choice, flags: Sequence[str] = FLAGS
 ) -> list[dict[str, float]]:
     """Outputs of each function and case, compiled with ``flags``. A tunable left out is nominal."""
     functions, default = unit(module, choice), nominal(module)

@@ -11,7 +11,7 @@ from wmrgen.exact.number import SQRT2, SQRT3, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role
 from wmrgen.ir.pipeline import AFTER_HOIST, BEFORE_HOIST, Pass, hoist, optimise
-from wmrgen.ir.verify import verify_function, verify_module
+from wmrgen.ir.verify import verify_module
 
 Matrix = list[list[Exact]]
 CONSTANTS = (
@@ -118,6 +118,11 @@ def optimised(functions: tuple[Function, ...], name: str) -> Module:
     module = optimise(functions, name)
     verify_module(functions, module, "the pipeline", 3)
     return module
+
+
+def verify_function(before: Function, after: Function, step: str, count: int = 2) -> None:
+    """PassError unless both functions have the same outputs at ``count`` exact points."""
+    verify_module((before,), Module(before.name, (after,)), step, count)
 
 
 def _checked(function: Function, passes: Sequence[Pass]) -> Function:

@@ -9,11 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.depth import examples
-from tests.ir.common import CONSTANTS, functions
+from tests.ir.common import CONSTANTS, functions, verify_function
 from wmrgen.exact.number import SQRT2, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op
-from wmrgen.ir.verify import verify_function
 
 
 @pytest.fixture

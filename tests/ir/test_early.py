@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from tests.ir.common import build
+from tests.ir.common import build, verify_function
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Op
 from wmrgen.ir.passes import forms
-from wmrgen.ir.verify import verify_function
 
 
 def additions(function: Function) -> int:

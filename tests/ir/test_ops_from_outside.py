@@ -14,7 +14,7 @@ import pytest
 
 from tests.bounds.small import walked
 from tests.c.harness import COMPILERS, STRICT, Program
-from tests.ir.common import optimised
+from tests.ir.common import optimised, verify_function
 from tests.ir.defined import RULES, Fact, facts, findings
 from tests.tools import need
 from wmrgen.backends import casadi, numpy
@@ -34,7 +34,7 @@ from wmrgen.ir.nodes import Function, Module, Op, Port, Role, count
 from wmrgen.ir.ops import OPERATIONS
 from wmrgen.ir.ops.analysis import Bounded
 from wmrgen.ir.pipeline import optimise
-from wmrgen.ir.verify import RESIDUES, PassError, verify_function
+from wmrgen.ir.verify import RESIDUES, PassError
 from wmrgen.kinematics.records import Formula
 from wmrgen.lower import lower
 from wmrgen.selftest.rounding_bounds import bounds

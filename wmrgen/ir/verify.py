@@ -148,12 +148,6 @@ def _number(name: str, k: int) -> Exact:
     return Exact(Fraction(seed % 1999 - 999 or 7, 16 + (seed >> 32) % 5))
 
 
-def verify_function(before: Function, after: Function, step: str, count: int = 2) -> None:
-    """PassError unless both functions have the same outputs at ``count`` points."""
-    for point in points(before, count):
-        _compare(_values(before, point), _values(after, point), f"{step} of {before.name}")
-
-
 def check_module(before: tuple[Function, ...], after: Module) -> None:
     """A quick `verify_module`: one point, residues modulo a prime. What differs there is decided exactly."""
     try:
@@ -185,9 +179,7 @@ def _prepared(prepare: Function, k: int, arithmetic: Arithmetic) -> dict[str, An
     return evaluate(prepare, point, arithmetic)
 
 
-def _values(
-    function: Function, point: dict[str, Any], arithmetic: Arithmetic = OPAQUE
-) -> dict[str, Any] | None:
+def _values(function: Function, point: dict[str, Any], arithmetic: Arithmetic) -> dict[str, Any] | None:
     """The outputs, None where the point is outside the domain."""
     try:
         return evaluate(function, point, arithmetic)

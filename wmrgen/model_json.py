@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from wmrgen.bounds.robot import Bounds
 from wmrgen.bounds.robot import data as bounds_data
-from wmrgen.constraints import XI, constrain, pfaffian, pfaffian_rates, working_view
+from wmrgen.constraints import XI, Constraints, constrain, pfaffian, pfaffian_rates, working_view
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import has_system, system_builder
@@ -36,7 +36,6 @@ def model(
     c = constrain(robot, working_view)
     spins = [-dict(r.rates)[r.wheel.index, "spin"] for r in c.rolling]
     diagonal = [[spins[i] if i == j else Poly({}) for j in range(len(spins))] for i in range(len(spins))]
-    slips = {"pfaffian": strings(pfaffian(c, slip=True)), "pfaffian_rates": list(pfaffian_rates(c))}
     return {
         **_identity(robot),
         **_mobility(mobility),
@@ -51,10 +50,14 @@ def model(
         },
         "operations": {f.name: count(f)._asdict() for f in inlined_calls(code).functions},
         **({} if bounds.missing else {"bounds": bounds_data(bounds)}),
-        **(slips if robot.slip else {}),
+        **(_slips(c) if robot.slip else {}),
         **_domains(robot, mobility),
         **_state_space(space),
     }
+
+
+def _slips(c: Constraints) -> dict[str, Any]:
+    return {"pfaffian": strings(pfaffian(c, slip=True)), "pfaffian_rates": list(pfaffian_rates(c))}
 
 
 def _state_space(space: StateSpace | None) -> dict[str, Any]:

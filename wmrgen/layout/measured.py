@@ -36,7 +36,8 @@ _ONE_HEADING, _ONE_LINE, _ONE_PLACE = "one heading for them", "their places on o
 def tolerance_of(quantity: Quantity | None, wheels: Sequence[Wheel], scope: Scope) -> Tolerance:
     """The tolerance that a file names, else 1 mm per metre of the robot's size. RobotFileError where it is negative."""
     rims = [2 * float(w.nominal.r) for w in wheels]
-    rims += [abs(a.pivot - b.pivot) + float(a.nominal.r + b.nominal.r) for a, b in combinations(wheels, 2)]
+    places = [(w.pivot, w.nominal.r) for w in wheels]
+    rims += [abs(p - q) + float(r + s) for (p, r), (q, s) in combinations(places, 2)]
     size = max(rims, default=0.0)
     if quantity is None:
         return Tolerance(PER_METRE * size, size, False)

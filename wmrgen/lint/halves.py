@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from itertools import combinations
 
 from wmrgen.errors import Mark
 from wmrgen.lint.record import Finding, Subject, rule
@@ -56,7 +55,7 @@ def full(subject: Subject) -> Iterator[Finding]:
     yield from faced(subject)
     yield from _skids(subject)
     rolling = [w for w in subject.robot.wheels if w.has_spin]
-    extent = max((abs(b.pivot - a.pivot) for a, b in combinations(subject.robot.wheels, 2)), default=0.0)
+    extent, _ = subject.extent
     large = [w for w in rolling if float(w.nominal.r) > extent > 0]
     if large and len(large) == len(rolling):
         what = f"a wheel of radius {float(large[0].nominal.r):.4g} m is larger than the robot, which is {extent:.4g} m"

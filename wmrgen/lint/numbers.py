@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from itertools import combinations
 from math import degrees, tau
 
-from wmrgen.layout.records import Wheel
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.spec.records import Limit, Quantity
 
@@ -103,12 +102,6 @@ def limits(subject: Subject) -> Iterator[Finding]:
             )
 
 
-def _extent(subject: Subject) -> tuple[float, Wheel]:
-    """The largest distance of two pivots [m], and the second wheel of them; 0 for a single wheel."""
-    distances = ((abs(b.pivot - a.pivot), b) for a, b in combinations(subject.robot.wheels, 2))
-    return max(distances, key=lambda p: p[0], default=(0.0, subject.robot.wheels[0]))
-
-
 @rule(
     "WMR003",
     "a robot larger than 20 m",
@@ -126,7 +119,7 @@ wheels:
 """,
 )
 def huge(subject: Subject) -> Iterator[Finding]:
-    extent, wheel = _extent(subject)
+    extent, wheel = subject.extent
     largest = max(subject.robot.wheels, key=lambda w: float(w.nominal.r))
     if (r := float(largest.nominal.r)) > LARGEST:
         yield Finding(
@@ -172,7 +165,7 @@ def sizes(subject: Subject) -> Iterator[Finding]:
     if not wheels:
         return
     radii = sorted(float(w.nominal.r) for w in wheels)
-    usual, extent = radii[len(radii) // 2], _extent(subject)[0]
+    usual, extent = radii[len(radii) // 2], subject.extent[0]
     unit = "Write the unit where it is not metres: 97 mm."
     odd = [w for w in wheels if not 1 / APART < float(w.nominal.r) / usual < APART]
     for w in odd:
@@ -211,10 +204,11 @@ wheels:
 """,
 )
 def overlapping(subject: Subject) -> Iterator[Finding]:
-    for a, b in combinations([w for w in subject.robot.wheels if w.kind.directed and not w.kind.swivels], 2):
-        back = a.zero_heading.conjugate()
-        apart = back * (b.pivot - a.pivot)
-        turned = abs((back * b.zero_heading).imag)
+    wheels = [w for w in subject.robot.wheels if w.kind.directed and not w.kind.swivels]
+    placed = [(w, w.pivot, w.zero_heading) for w in wheels]
+    for (a, p, p_heading), (b, q, q_heading) in combinations(placed, 2):
+        apart = p_heading.conjugate() * (q - p)
+        turned = abs((p_heading.conjugate() * q_heading).imag)
         ahead, aside = abs(apart.real), abs(apart.imag) + abs(float(a.nominal.o - b.nominal.o))
         radii = float(a.nominal.r + b.nominal.r)
         if turned < 1e-3 and aside < 0.05 * radii and 0.05 * radii < ahead < radii:

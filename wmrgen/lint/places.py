@@ -53,14 +53,15 @@ wheels:
 )
 def together(subject: Subject) -> Iterator[Finding]:
     robot = subject.robot
-    extent = max((abs(b.pivot - a.pivot) for a, b in combinations(robot.wheels, 2)), default=0.0)
-    for a, b in combinations(robot.wheels, 2):
+    extent, _ = subject.extent
+    places = [(w, w.pivot, _contact(w)) for w in robot.wheels]
+    for (a, p, p_contact), (b, q, q_contact) in combinations(places, 2):
         near = _NEAR * min(float(a.nominal.r + b.nominal.r), extent)
         alike = a.turns and b.turns and robot.steer_group[a.index] != robot.steer_group[b.index]
-        one = alike and abs(a.pivot - b.pivot) <= near and abs(float(a.nominal.o - b.nominal.o)) <= near
-        if one or abs(_contact(a) - _contact(b)) <= near:
-            p = _contact(b)
-            what = f"{b.name} touches the ground where {a.name} does, at ({p.real:.4g}, {p.imag:.4g})"
+        one = alike and abs(p - q) <= near and abs(float(a.nominal.o - b.nominal.o)) <= near
+        if one or abs(p_contact - q_contact) <= near:
+            at = f"({q_contact.real:.4g}, {q_contact.imag:.4g})"
+            what = f"{b.name} touches the ground where {a.name} does, at {at}"
             yield Finding(subject.mark(b), what, "Look for a sign that is missing.")
 
 

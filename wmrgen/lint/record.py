@@ -6,6 +6,8 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from itertools import combinations
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -40,6 +42,13 @@ class Subject(NamedTuple):
     def wheels(self) -> tuple[tuple[WheelSpec, Wheel], ...]:
         """Each wheel as written and as laid out."""
         return tuple(zip(self.spec.wheels, self.robot.wheels, strict=True))
+
+    @property
+    def extent(self) -> tuple[float, Wheel]:
+        """The largest distance of two pivots [m], and the second wheel of them; 0 for a single wheel."""
+        places = [(w.pivot, w) for w in self.robot.wheels]
+        distances = ((abs(q - p), w) for (p, _), (q, w) in combinations(places, 2))
+        return max(distances, key=itemgetter(0), default=(0.0, self.robot.wheels[0]))
 
     def mark(self, wheel: Wheel) -> Mark:
         """The place of a wheel."""

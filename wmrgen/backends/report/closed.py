@@ -184,10 +184,10 @@ def _rigid_motion(contacts: int) -> list[str]:
 
 def _closed(d: Derivation) -> list[str]:
     """The twist as the code computes it."""
-    outputs, fits, ports = fits_of(d)
+    fits, ports = fits_of(d, *TWIST_NAMES)
     lines, sums = [], []
-    for name in TWIST_NAMES:
-        sums.append((name, terms(fits.get(name, outputs[name]), ports)))
+    for name, fit in zip(TWIST_NAMES, fits, strict=True):
+        sums.append((name, terms(fit, ports)))
         parts = summands(sums[-1][1])
         shown = [*parts[:_TERMS], r"+\cdots"] if len(parts) > _TERMS else parts
         lines.append(f"{notation.port(name)} &= {wrapped(shown)}")

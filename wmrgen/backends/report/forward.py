@@ -176,22 +176,22 @@ def _condition(rows: list[Measured]) -> list[str]:
     return [f"{words}:", *math(rf"\det(H^T H) = {det}")]
 
 
-def fits_of(d: Derivation) -> tuple[dict[str, Expr], dict[str, Expr], dict[str, str]]:
-    """The results of ``forward``, the fits before the residual is taken, and the names of its symbols."""
+def fits_of(d: Derivation, *names: str) -> tuple[list[Expr], dict[str, str]]:
+    """Results of ``forward``, of the twist before the residual is taken, and the names of its symbols."""
     formula = d.formula("forward")
     results = {result for call in formula.calls for result in call.results}
     vectors = {symbol: e for symbol, e in formula.locals if symbol in results}
-    outputs = {p.name: e.xreplace(vectors) for p, e in formula.outputs}
-    fits = {symbol.name.removesuffix("_fit"): e.xreplace(vectors) for symbol, e in formula.locals}
-    return outputs, fits, symbol_names(formula.inputs)
+    values = {p.name: e for p, e in formula.outputs}
+    values |= {s.name.removesuffix("_fit"): e for s, e in formula.locals if s.name.endswith("_fit")}
+    return [values[name].xreplace(vectors) for name in names], symbol_names(formula.inputs)
 
 
 def _residual(d: Derivation, measured: Measurements) -> list[str]:
     """What no twist can explain."""
-    outputs, _, ports = fits_of(d)
-    if not outputs["slip"]:
+    (value,), ports = fits_of(d, "slip")
+    if not value:
         return ["The rates can never contradict each other, so the residual `slip` is 0."]
-    slip = latex(outputs["slip"], ports) if measured.weighted else residual(measured.rows)
+    slip = latex(value, ports) if measured.weighted else residual(measured.rows)
     return [
         "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed wires: `slip` is "
         "the norm of z − H ξ [m/s].",

@@ -23,7 +23,7 @@ from wmrgen.backends.report.markdown import (
 from wmrgen.constraints import XI, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.models.growth import robot_growth
 from wmrgen.functions.motion.wheel_speeds import relations
 from wmrgen.mobility.ranks import numeric_rank
@@ -129,14 +129,16 @@ def _called(m: Mobility) -> str:
 
 def _actuation(d: Derivation) -> list[str]:
     """How many joints are driven for how many freedoms, and what the speeds of driven wheels have in common."""
+    told = " ".join(capitalised(str(balance)) for balance in d.mobility.actuation)
+    blocks = [told] if told else []
     spins = [Poly.gen("input", f"{w.name}.spin") for w in d.robot.wheels if "spin" in w.actuated]
+    if len(spins) > _RELATIONS + 3:
+        return blocks
     sums = [
-        Poly.sum(_one_angle(p, d.robot) * q for p, q in zip(row, spins, strict=True))
+        Poly.sum(p * q for p, q in zip(_with_one_angle(row, d.robot), spins, strict=True))
         for row in relations(d.robot, d.mobility, symbolic_view)
     ]
     lines = [f"0 &= {wrapped(summands(gathered(terms(p))))}" for p in sums]
-    told = " ".join(capitalised(str(balance)) for balance in d.mobility.actuation)
-    blocks = [told] if told else []
     if not lines or max(map(width, lines)) > _RELATION or len(lines) > _RELATIONS:
         return blocks
     held = ", the steering held," if any(g.kind in ("cos", "sin") for p in sums for g in p.generators) else ""
@@ -149,10 +151,14 @@ def _actuation(d: Derivation) -> list[str]:
     ]
 
 
-def _one_angle(p: Poly, robot: Robot) -> Poly:
-    """The polynomial with one angle for wheels that share it."""
+def _with_one_angle(row: Sequence[Poly], robot: Robot) -> list[Poly]:
+    """The polynomials with one angle for wheels that share it."""
     names = {w.name: robot.wheels[robot.steer_group[w.index]].name for w in robot.wheels}
-    return p.substitute(lambda g: Poly.gen(g.kind, names[g.name]) if g.kind in ("cos", "sin") else None)
+
+    def value(g: Gen) -> Poly | None:
+        return Poly.gen(g.kind, names[g.name]) if g.kind in ("cos", "sin") else None
+
+    return [p.substitute(value) for p in row]
 
 
 def integrability(d: Derivation) -> list[str]:

@@ -7,7 +7,9 @@ joints and the steering rates; where too few joints are driven, null-space coord
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -179,32 +181,35 @@ def _choose(frame: Frame) -> tuple[list[Drive], list[str]]:
     drives: list[Drive] = []
     rows: list[list[float]] = []
     idle = []
-    for drive in _candidates(frame):
-        row = [nominal_at(p, frame.robot, generic(frame.robot)) for p in drive.row]
-        row += [0.0] * (3 - len(row))
-        if len(drives) < len(frame.columns) and _independent([*rows, row]):
-            drives.append(drive)
-            rows.append(row)
-        else:
-            idle.append(drive.port.name)
+    angles = generic(frame.robot)
+    for name, drive_of in _candidates(frame):
+        if len(drives) < len(frame.columns):
+            drive = drive_of()
+            row = [nominal_at(p, frame.robot, angles) for p in drive.row]
+            row += [0.0] * (3 - len(row))
+            if _independent([*rows, row]):
+                drives.append(drive)
+                rows.append(row)
+                continue
+        idle.append(name)
     if len(drives) < len(frame.columns):
         raise UnderactuatedError(_missing(frame, drives, idle))
     return drives, idle
 
 
-def _candidates(frame: Frame) -> list[Drive]:
-    """Virtual drives, then driven joints in the order of the file; coupled spins once."""
+def _candidates(frame: Frame) -> Iterator[tuple[str, Callable[[], Drive]]]:
+    """Virtual drives, then driven joints in the order of the file, with their names; coupled spins once."""
     robot = frame.robot
-    drives = [_virtual(frame, as_wheel(robot, v)) for v in driving(robot)]
+    for v in driving(robot):
+        yield f"{v.name}.speed", partial(_virtual, frame, as_wheel(robot, v))
     geared = {robot.spin_group[robot.wheel(name).index] for v in driving(robot) for name in v.wheels}
     for w in robot.wheels:
         if "spin" in w.actuated and robot.spin_group[w.index] not in geared:
             geared.add(robot.spin_group[w.index])
             if has_coordinate(frame, w) or len(frame.columns) == 1:
-                drives.append(_spin(frame, w))
+                yield f"{w.name}.spin", partial(_spin, frame, w)
         if w.kind.swivels and "steer" in w.actuated:
-            drives.append(_swivel(frame, w))
-    return drives
+            yield f"{w.name}.steer_rate", partial(_swivel, frame, w)
 
 
 def _spin(frame: Frame, w: Wheel) -> Drive:

@@ -30,9 +30,10 @@ def straight(_: str) -> tuple[Exact, Exact]:
 def generic(robot: Robot, seed: int = 0) -> Angles:
     """Different angles for different wheels."""
     names = [w.name for w in robot.wheels] + [v.name for v in robot.virtual]
+    place = {name: k for k, name in enumerate(names, seed)}
 
     def angle(name: str) -> tuple[Exact, Exact]:
-        c, s, radius = _POINTS[(names.index(name) + seed) % len(_POINTS)]
+        c, s, radius = _POINTS[place[name] % len(_POINTS)]
         return Exact(Fraction(c, radius)), Exact(Fraction(s, radius))
 
     return angle

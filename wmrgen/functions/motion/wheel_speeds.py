@@ -67,8 +67,8 @@ def relations(robot: Robot, mobility: Mobility, view: View = working_view) -> li
     if not driven or not columns:
         return []
     rims = [tuple(dot(driving_row(w, view(w)), column) for column in columns) for w in driven]
-    numbers = np.zeros((len(driven), 3))
-    numbers[:, : len(columns)] = [[nominal_at(p, robot, generic(robot)) for p in row] for row in rims]
+    numbers, angles = np.zeros((len(driven), 3)), generic(robot)
+    numbers[:, : len(columns)] = [[nominal_at(p, robot, angles) for p in row] for row in rims]
     numbers = unit_rows(numbers)
     rows = independent(numbers, numeric_rank(numbers)[0])
     keep = independent(np.pad(numbers[rows].T, ((0, 0), (0, 3 - len(rows)))), len(rows)) if rows else []

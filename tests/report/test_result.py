@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.report.common import page_of, page_written, part, result
-from tests.report.reading import read
+from tests.report.reading import formulas, read
 from tests.robots import ROBOTS, of_gallery
 from wmrgen import notation
 from wmrgen.layout.records import Robot, Wheel
@@ -23,13 +23,6 @@ WRITTEN = (
     "ssl_parsian", "synchro_drive", "textbook_differential", "textbook_omni_steer", "textbook_omnidirectional",
     "textbook_tricycle", "textbook_two_steer", "tractor_off_axle", "turtlebot3_burger", "unicycle", "wpilib_swervebot",
 )  # fmt: skip
-
-
-def formulas(text: str) -> list[tuple[str, str]]:
-    """Left and right sides of aligned formulas; a further line of a sum begins with & and two quads."""
-    joined = text.replace("\\\\\n&\\qquad ", "")
-    pairs = (line.removesuffix(r"\\").strip().partition(" &= ") for line in joined.split("\n"))
-    return [(left, right) for left, equal, right in pairs if equal]
 
 
 def parameters(robot: Robot) -> dict[str, float]:

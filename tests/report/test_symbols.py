@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from tests.report.common import page_of, page_written
-from tests.report.reading import read
+from tests.report.reading import formulas, read
 from tests.robots import ROBOTS, of_gallery
 from wmrgen import notation
+from wmrgen.exact.number import Exact
 
 
 def printed(page: str, name: str, values: dict[str, float]) -> np.ndarray:
@@ -143,3 +145,30 @@ def test_coupled_wheels_have_one_angle() -> None:
     page = page_of("synchro_drive")
     assert r"0 &= \dot{\varphi}_{\mathrm{w1}}-\dot{\varphi}_{\mathrm{w2}} " in page
     assert r"\mathrm{slip} = \left|l\;\omega\right|" in page and r"\sqrt{{l}" not in page
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_twist_of_eta_is_that_of_dynamics(name: str) -> None:
+    """In named lengths, with sines of sums of angles."""
+    d = of_gallery(name)
+    text = (
+        page_of(name)
+        .partition("columns scaled as in `dynamics`")[2]
+        .partition("```math")[2]
+        .partition("```")[0]
+    )
+    shown = dict(formulas(text))
+    if not shown:
+        return
+    inputs = [p.name for p in d.program.formula("dynamics").inputs]
+    values = {n: 0.0 if n == "theta" else 0.2 + 0.3 * k for k, n in enumerate(inputs)}
+    rates = d.evaluate("dynamics", {n: Exact(Fraction(v)) for n, v in values.items()})
+    known = {notation.parameter(p.name): float(p.nominal) for p in d.robot.parameters}
+    known |= {notation.port(n): v for n, v in values.items()}
+    for port, rate in (("vx", "x_rate"), ("vy", "y_rate"), ("omega", "theta_rate")):
+        assert read(shown[notation.port(port)], known) == pytest.approx(
+            float(rates[rate]), rel=1e-5, abs=1e-9
+        )
+    assert name != "wpilib_swervebot" or shown[r"\omega"].startswith(
+        r"\frac{\sin\left(\psi_{\mathrm{front\_left}}-"
+    )

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.angles import with_tangents
-from wmrgen.backends.report.latex import broken, pieces, terms, total, width
+from wmrgen.backends.report.angles import gathered, with_tangents
+from wmrgen.backends.report.latex import broken, pieces, summands, terms, total, width, wrapped
 from wmrgen.backends.report.markdown import aligned, code, listed
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly, Row
@@ -44,7 +44,7 @@ def motion(d: Derivation) -> list[str]:
 
 
 def _posture(d: Derivation) -> list[str]:
-    columns = d.mobility.scaled
+    columns = d.mobility.scaled_symbolic
     if not columns:
         return ["Nothing can move without sliding, so the posture model is empty: all rates are 0."]
     etas = [Poly.gen("input", f"eta{k}") for k in range(1, len(columns) + 1)]
@@ -58,9 +58,12 @@ def _posture(d: Derivation) -> list[str]:
         + (" and the steering rates." if steering else ".")
     ]
     in_eta = [
-        "With the values of section 1, columns scaled as in `dynamics`, so that η are speeds, [m/s] or, of a rotation "
-        "whose centre no angle moves, [rad/s]:",
-        *aligned(f"{notation.port(n)} &= {broken(p)}" for n, p in zip(TWIST_NAMES, rates, strict=True)),
+        "With columns scaled as in `dynamics`, so that η are speeds, [m/s] or, of a rotation whose centre no angle "
+        "moves, [rad/s], the twist is",
+        *aligned(
+            f"{notation.port(n)} &= {wrapped(summands(gathered(terms(p))))}"
+            for n, p in zip(TWIST_NAMES, rates, strict=True)
+        ),
     ]
     driven = _in_driven_speeds(d)
     return [*general, *(driven or [*in_eta, *_angles(d.robot, d.mobility.basis_wheels)])]

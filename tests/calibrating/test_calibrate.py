@@ -23,7 +23,7 @@ from wmrgen.calibrating.certainty import fit
 from wmrgen.calibrating.fit import Problem, serial, sums
 from wmrgen.calibrating.logs import read
 from wmrgen.calibrating.observability import blind, courses, offers, plan
-from wmrgen.calibrating.path import reckoned
+from wmrgen.calibrating.path import passed, reckoned
 from wmrgen.calibrating.starts import laid
 from wmrgen.calibrating.written import with_values
 from wmrgen.errors import UsageError
@@ -131,8 +131,11 @@ def test_clean_drives_give_the_true_parameters(tmp_path: Path, name: str) -> Non
     assert result.held_out is not None and result.held_out.position < 0.01
 
 
-def test_derivatives_are_those_of_the_path(tmp_path: Path) -> None:
-    """Against differences, of every layout, at parameters that are not nominal."""
+def test_derivatives_are_those_of_the_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against differences, of every layout, at parameters that are not nominal; and steps of a path that is reckoned
+    in blocks, of which the last is shorter and one has none of them, begin and end where those of the whole do."""
+    monkeypatch.setattr("wmrgen.calibrating.path._BLOCK", 64)
+    steps = np.array([0, 0, 5, 63, 64, 65, 150, 199])
     for name, layout in LAYOUTS.items():
         folder = tmp_path / name
         folder.mkdir()
@@ -141,6 +144,11 @@ def test_derivatives_are_those_of_the_path(tmp_path: Path) -> None:
         columns = {joint: 0.1 * random.standard_normal(200) for joint in increments.joints}
         values = np.array([layout.true[parameter] for parameter in increments.parameters])
         path = reckoned(increments(columns, values))
+        ends = passed(increments, columns, values, steps)
+        for part in ("position", "heading", "position_by", "heading_by"):
+            whole = getattr(path, part)
+            assert np.allclose(getattr(ends, part)[..., 0, :], whole[..., steps], rtol=1e-12, atol=1e-13)
+            assert np.allclose(getattr(ends, part)[..., 1, :], whole[..., steps + 1], rtol=1e-12, atol=1e-13)
         for index in range(len(values)):
             step = 1e-6 * np.eye(len(values))[index]
             high = reckoned(increments(columns, values + step))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmrgen.calibrating.fit import Problem, between, place_at
-from wmrgen.calibrating.path import Complexes, Reals, reckoned
+from wmrgen.calibrating.path import Complexes, Reals, passed
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,15 +30,13 @@ class Drawn:
 def drawn(problem: Problem, shared: Reals, offset: float, index: int) -> Drawn:
     """A drive with ``shared`` parameters and mount, its truth's clock being off by ``offset`` [s]."""
     drive, count = problem.drives[index], len(problem.nominal)
-    path = reckoned(problem.increments(drive.columns, shared[:count]))
     true, true_heading = drive.truth.x + 1j * drive.truth.y, drive.truth.theta
     measured = np.isfinite(true) & np.isfinite(true_heading)
     t, true, true_heading = drive.truth.t[measured] + offset, true[measured], true_heading[measured]
     step, _, share = place_at(drive.t, t)
-    heading = between(path.heading, step, share)
-    place = between(path.position, step, share) + np.exp(1j * heading) * complex(
-        shared[count], shared[count + 1]
-    )
+    path = passed(problem.increments, drive.columns, shared[:count], step)
+    heading = between(path.heading, share)
+    place = between(path.position, share) + np.exp(1j * heading) * complex(shared[count], shared[count + 1])
     heading = heading + shared[count + 2]
     turn = true_heading[:1] - heading[:1]
     origin = true[:1] - np.exp(1j * turn) * place[:1]

@@ -21,7 +21,7 @@ from scipy.optimize import minimize
 
 from wmrgen.calibrating.clocks import ALONE, Clocks
 from wmrgen.calibrating.logs import Drive
-from wmrgen.calibrating.path import Complexes, Increments, Reals, reckoned
+from wmrgen.calibrating.path import Complexes, Increments, Reals, passed
 from wmrgen.calibrating.stored import changed
 
 Samples = TypeVar("Samples", Reals, Complexes)
@@ -89,13 +89,13 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     shared, own = problem.shared(unknowns), problem.own(unknowns, index)
     count = len(problem.nominal)
     mount, mount_heading = complex(shared[count], shared[count + 1]), shared[count + 2]
-    path = reckoned(increments(drive.columns, shared[:count]))
     at = drive.truth.t + own[3]
     step, length, share = place_at(drive.t, at)
+    path = passed(increments, drive.columns, shared[:count], step)
     moving = (at >= drive.t[0] - BEYOND) & (at <= drive.t[-1] + BEYOND)
 
     def there(samples: Samples) -> Samples:
-        return between(samples, step, share)
+        return between(samples, share)
 
     heading = there(path.heading)
     start = np.exp(1j * own[2])
@@ -103,8 +103,7 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     reached = start * there(path.position) + turned * mount  # from the start
     turn_by = there(path.heading_by)
     place_by = start * there(path.position_by) + 1j * turned * mount * turn_by
-    speed = (path.position[step + 1] - path.position[step]) / length * moving
-    turn = (path.heading[step + 1] - path.heading[step]) / length * moving
+    speed, turn = (np.diff(poses, axis=0)[0] / length * moving for poses in (path.position, path.heading))
     rows, ones = len(at), np.ones_like(at)
     place = np.zeros((count + _MOUNT + _OWN, rows), dtype=complex)
     angle = np.zeros((count + _MOUNT + _OWN, rows))
@@ -133,9 +132,9 @@ def place_at(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
     return step, length, (np.clip(at, t[0] - BEYOND, t[-1] + BEYOND) - t[step]) / length
 
 
-def between(samples: Samples, step: NDArray[np.intp], share: Reals) -> Samples:
-    """What samples along the last axis are, a ``share`` of a step behind its start."""
-    return samples[..., step] * (1 - share) + samples[..., step + 1] * share
+def between(samples: Samples, share: Reals) -> Samples:
+    """What samples (..., 2, n) of where steps begin and end are, a ``share`` of a step behind its start."""
+    return samples[..., 0, :] * (1 - share) + samples[..., 1, :] * share
 
 
 def _weights(times: Reals) -> Reals:

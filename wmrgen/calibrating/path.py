@@ -19,6 +19,7 @@ from wmrgen.ir.nodes import Function
 
 Reals = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
+_BLOCK = 4096  # steps that are reckoned at a time
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +31,16 @@ class Reckoning:
     heading: Reals
     position_by: Complexes
     heading_by: Reals
+
+    def at(self, which: Any) -> Reckoning:
+        """Some of the poses, by their indices."""
+        return Reckoning(
+            self.position[..., which], self.heading[..., which],
+            self.position_by[..., which], self.heading_by[..., which],
+        )  # fmt: skip
+
+
+_ORIGIN = Reckoning(np.zeros((), complex), np.zeros(()), np.zeros((), complex), np.zeros(()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +82,11 @@ class Increments:
         return self.sensitivity(np.vstack([inputs, constant]))
 
 
-def reckoned(step: Reckoning) -> Reckoning:
-    """Steps, one after the other: N + 1 poses, of which the first is zeros. A step goes by the chord u sinc(omega / 2)
-    along the heading at the middle of its arc; where omega is small, sinc is its series, right to 1e-16."""
-    heading, heading_by = _sums(step.heading), _sums(step.heading_by)
+def reckoned(step: Reckoning, start: Reckoning = _ORIGIN) -> Reckoning:
+    """Steps, one after the other: N + 1 poses, of which the first is ``start``. A step goes by the chord
+    u sinc(omega / 2) along the heading at the middle of its arc; where omega is small, sinc is its series, right to
+    1e-16."""
+    heading, heading_by = _sums(start.heading, step.heading), _sums(start.heading_by, step.heading_by)
     half = 0.5 * step.heading
     small = np.abs(half) < 1e-4
     divisor = np.where(small, 1.0, half)
@@ -85,11 +97,31 @@ def reckoned(step: Reckoning) -> Reckoning:
     chord = ahead * sinc
     turn = ahead * slope + 0.5j * chord
     chord_by = along * sinc * step.position_by + turn * step.heading_by + 1j * chord * heading_by[:, :-1]
-    return Reckoning(_sums(chord), heading, _sums(chord_by), heading_by)
+    position, position_by = _sums(start.position, chord), _sums(start.position_by, chord_by)
+    return Reckoning(position, heading, position_by, heading_by)
 
 
-def _sums(steps: Any) -> Any:
-    """0 and the running sums along the last axis."""
-    result = np.zeros((*steps.shape[:-1], steps.shape[-1] + 1), dtype=steps.dtype)
-    np.cumsum(steps, axis=-1, out=result[..., 1:])
-    return result
+def passed(
+    increments: Increments,
+    columns: Mapping[str, Reals],
+    values: Reals | Sequence[float],
+    step: NDArray[np.intp],
+) -> Reckoning:
+    """The poses in which n steps of the path, of numbers that do not fall, begin and end (..., 2, n). The path is
+    reckoned block by block: fresh memory for the whole takes the system as long as all that is computed in it."""
+    here, parts = _ORIGIN, []
+    for first in range(0, len(next(iter(columns.values()))), _BLOCK):
+        block = {joint: column[first : first + _BLOCK] for joint, column in columns.items()}
+        path = reckoned(increments(block, values), here)
+        here = path.at(-1)
+        inside = slice(*np.searchsorted(step, [first, first + _BLOCK]))
+        parts.append(path.at(step[inside] - first + [[0], [1]]))
+    every = ((p.position, p.heading, p.position_by, p.heading_by) for p in parts)
+    return Reckoning(*(np.concatenate(of_all, axis=-1) for of_all in zip(*every, strict=True)))
+
+
+def _sums(start: Any, steps: Any) -> Any:
+    """The start and the running sums from it along the last axis."""
+    result = np.empty((*steps.shape[:-1], steps.shape[-1] + 1), dtype=steps.dtype)
+    result[..., 0], result[..., 1:] = start, steps
+    return np.cumsum(result, axis=-1, out=result)

@@ -15,9 +15,20 @@ from itertools import pairwise
 
 import numpy as np
 
-from wmrgen.calibrating.fit import BEYOND, LEVER, Each, Problem, nearest, residuals, serial, start_of
+from wmrgen.calibrating.fit import (
+    BEYOND,
+    LEVER,
+    Each,
+    Problem,
+    between,
+    nearest,
+    place_at,
+    residuals,
+    serial,
+    start_of,
+)
 from wmrgen.calibrating.logs import Drive
-from wmrgen.calibrating.path import Complexes, Reals, Reckoning, reckoned
+from wmrgen.calibrating.path import Complexes, Reals, passed
 from wmrgen.calibrating.stored import changed
 
 _WAY = 1.0  # [s] a short way: nominal odometry is right about it, and a pose's noise is small beside it
@@ -36,14 +47,11 @@ def laid(problem: Problem) -> Problem:
     """The drives with starts, and headings of the truth as many turns on as odometry says between two rows, which may
     be far apart as start and end of a drive are; and the mount's heading."""
 
-    def path(drive: Drive) -> Reckoning:
-        return reckoned(problem.increments(drive.columns, problem.nominal))
-
     def started(_: int, drive: Drive) -> list[Drive]:
-        return [replace(drive, start=_start(drive, *_at(drive, path(drive)), turned))]
+        return [replace(drive, start=_start(drive, *_at(problem, drive), turned))]
 
-    drives = changed(problem.drives, lambda _, drive: [_unwound(drive, path(drive))])
-    turned = _turned((drive, _at(drive, path(drive))) for drive in drives)
+    drives = changed(problem.drives, lambda _, drive: [_unwound(problem, drive)])
+    turned = _turned((drive, _at(problem, drive)) for drive in drives)
     return replace(problem, drives=changed(drives, started), turned=turned)
 
 
@@ -81,12 +89,12 @@ def _pieces(drive: Drive, count: int, seconds: float) -> list[Drive]:
     return [part for part in parts if part.truth.measured >= _FEWEST] or [drive]
 
 
-def _at(drive: Drive, path: Reckoning) -> tuple[Complexes, Reals]:
-    """Odometry's places and headings at the truth's times."""
-    place = np.interp(drive.truth.t, drive.t, path.position.real) + 1j * np.interp(
-        drive.truth.t, drive.t, path.position.imag
-    )
-    return place, np.interp(drive.truth.t, drive.t, path.heading)
+def _at(problem: Problem, drive: Drive) -> tuple[Complexes, Reals]:
+    """Nominal odometry's places and headings at the truth's times."""
+    step, _, share = place_at(drive.t, drive.truth.t)
+    path = passed(problem.increments, drive.columns, problem.nominal, step)
+    inside = np.clip(share, 0.0, 1.0)
+    return between(path.position, inside), between(path.heading, inside)
 
 
 def _inside(drive: Drive) -> Drive:
@@ -96,10 +104,10 @@ def _inside(drive: Drive) -> Drive:
     return drive if inside.all() else drive.seen(inside)
 
 
-def _unwound(drive: Drive, path: Reckoning) -> Drive:
+def _unwound(problem: Problem, drive: Drive) -> Drive:
     drive = _inside(drive)
     measured = np.isfinite(drive.truth.theta)
-    reckoning = np.interp(drive.truth.t[measured], drive.t, path.heading)
+    reckoning = _at(problem, drive)[1][measured]
     theta = drive.truth.theta.copy()
     theta[measured] = reckoning + np.unwrap(theta[measured] - reckoning)
     return replace(drive, truth=replace(drive.truth, theta=theta))

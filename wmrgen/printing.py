@@ -14,7 +14,7 @@ from sympy.printing.str import StrPrinter
 
 from wmrgen import notation
 from wmrgen.ports import Port
-from wmrgen.symbolic import Expr
+from wmrgen.symbolic import Expr, Operation
 
 DIGITS = 12
 Writer = Callable[[Expr], str]
@@ -67,20 +67,11 @@ class Latex(LatexPrinter):  # type: ignore[misc]
     def _print_sign(self, expr: Expr, exp: str | None = None) -> str:
         return self._upright(r"\mathrm{sign}", expr, exp)
 
-    def _print_Nearest(self, expr: Expr, exp: str | None = None) -> str:
-        return self._upright(r"\mathrm{rint}", expr, exp)
-
-    def _print_Clamp(self, expr: Expr, exp: str | None = None) -> str:
-        return self._upright(r"\mathrm{clamp}", expr, exp)
-
-    def _print_AtLeast(self, expr: Expr, exp: str | None = None) -> str:
-        return self._upright(r"\mathrm{at\ least}", expr, exp)
-
-    def _print_WithSignOf(self, expr: Expr, exp: str | None = None) -> str:
-        return self._upright(r"\mathrm{with\ sign\ of}", expr, exp)
-
-    def _print_RoundingError(self, expr: Expr, exp: str | None = None) -> str:
-        return self._upright(r"\mathrm{rounding\ error}", expr, exp)
+    def _print_Function(self, expr: Expr, exp: str | None = None) -> str:
+        if not isinstance(expr, Operation):
+            return str(super()._print_Function(expr, exp))
+        name = str(expr.op).replace("_", r"\ ")
+        return self._upright(rf"\mathrm{{{name}}}", expr, exp)
 
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
         # The signs of products that are not evaluated stand twice.

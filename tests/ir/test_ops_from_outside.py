@@ -37,6 +37,7 @@ from wmrgen.ir.pipeline import optimise
 from wmrgen.ir.verify import RESIDUES, PassError
 from wmrgen.kinematics.records import Formula
 from wmrgen.lower import lower
+from wmrgen.printing import Latex
 from wmrgen.selftest.rounding_bounds import bounds
 from wmrgen.selftest.vectors import tables
 from wmrgen.symbolic import Operation, signal
@@ -124,6 +125,7 @@ def test_a_formula_names_it(excess: Op) -> None:
     assert sum(node.op is excess for node in f.nodes) == 2
     for p in points():
         assert evaluate(f, p, FLOAT64)["u"] == expected(p)[0]
+    assert Latex().doprint(Excess(y, x)) == rf"\mathrm{{{excess}}}\left(y,\, x\right)"
 
 
 def test_passes_keep_it_and_their_checks_see_it(excess: Op) -> None:

@@ -114,7 +114,7 @@ def site(derivation: Derivation) -> Site:
                 min(numbers[name][0] for name in angles),
                 max(numbers[name][1] for name in angles),
             )
-    return Site(numbers, pivots, reach(robot, derivation.c_module, numbers))
+    return Site(numbers, pivots, reach(robot, derivation.c_in_operations, numbers))
 
 
 _LIMITED = {port.name: port for port in TWIST} | JOINTS

@@ -12,7 +12,6 @@ from wmrgen.constraints import XI, Constraints, constrain, pfaffian, pfaffian_ra
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import has_system, system_builder
-from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Module, count
 from wmrgen.layout.records import Encoder, Noise, Robot, Wheel
 from wmrgen.mobility.analyse import driving
@@ -30,8 +29,8 @@ def model(
 ) -> dict[str, Any]:
     """Everything others may rely on, in contract order.
 
-    ``formulas``: the functions as written; ``code``: those of the C; ``bounds``: of that code; ``space``: the default
-    state space, None where the robot has no model of motion.
+    ``formulas``: the functions as written; ``code``: those of the C, in operations; ``bounds``: of that code;
+    ``space``: the default state space, None where the robot has no model of motion.
     """
     c = constrain(robot, working_view)
     spins = [-dict(r.rates)[r.wheel.index, "spin"] for r in c.rolling]
@@ -48,7 +47,7 @@ def model(
             f.name: {"inputs": [p.name for p in f.inputs], "outputs": [p.name for p in f.outputs]}
             for f in formulas.functions
         },
-        "operations": {f.name: count(f)._asdict() for f in inlined_calls(code).functions},
+        "operations": {f.name: count(f)._asdict() for f in code.functions},
         **({} if bounds.missing else {"bounds": bounds_data(bounds)}),
         **(_slips(c) if robot.slip else {}),
         **_domains(robot, mobility),

@@ -14,7 +14,7 @@ from wmrgen.constraints import nominal_view, seen
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import system_builder
-from wmrgen.ir.calls import select
+from wmrgen.ir.calls import inlined_calls, select
 from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Function, Module
@@ -196,20 +196,25 @@ class Derivation(Analysis):
         return for_c(self._kept_whole, self.robot, names, passive=self._functions is not None)
 
     @cached_property
+    def c_in_operations(self) -> Module:
+        """`c_module` with the operations of its kernels in the place of their calls."""
+        return inlined_calls(self.c_module)
+
+    @cached_property
     def bounds(self) -> Bounds:
         """`bounds_of` C as it is written unless asked otherwise."""
         return self.bounds_of(DEFAULT)
 
     def bounds_of(self, choice: Choice) -> Bounds:
         """Proved ranges and rounding errors of the C functions in float, where the robot file has limits."""
-        return bounds(self.robot, self.c_module, library(choice))
+        return bounds(self.robot, self.c_in_operations, library(choice))
 
     # What backends make of them.
 
     def model(self) -> dict[str, Any]:
         """The content of model.json."""
         space = self.default_state_space
-        return model(self.robot, self.mobility, self.raw_module, self.c_module, self.bounds, space)
+        return model(self.robot, self.mobility, self.raw_module, self.c_in_operations, self.bounds, space)
 
     def casadi(self) -> dict[str, Any]:
         """Function name -> casadi.Function."""

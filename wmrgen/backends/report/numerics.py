@@ -9,7 +9,6 @@ from wmrgen.backends.registry import Facts
 from wmrgen.backends.report.further import formulas
 from wmrgen.backends.report.markdown import code, foot, items, math, minus, page, table, written
 from wmrgen.bounds.robot import SINGULAR, TIES, beyond, described, error, listed
-from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import count
 from wmrgen.kinematics.pose import SWITCH, WORST_ERROR
 from wmrgen.mobility.records import TOLERANCE
@@ -40,7 +39,7 @@ def numerics(d: Derivation, facts: Facts) -> str:
 
 def _cost(d: Derivation) -> list[str]:
     """Operations of each function of the C."""
-    module = inlined_calls(d.c_module)
+    module = d.c_in_operations
     rows = []
     for f in module.every:
         c = count(f)

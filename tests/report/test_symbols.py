@@ -172,3 +172,16 @@ def test_the_twist_of_eta_is_that_of_dynamics(name: str) -> None:
     assert name != "wpilib_swervebot" or shown[r"\omega"].startswith(
         r"\frac{\sin\left(\psi_{\mathrm{front\_left}}-"
     )
+
+
+def test_angles_of_wheels_that_follow_are_symbols() -> None:
+    """Of two wheels with one steering motor the model has one angle; a condition may name the other."""
+    page = page_written(
+        "wmrgen: 1\nname: sample\nwheels:\n"
+        "  - {name: a, type: steered, x: 0.04, y: -0.49, heading: 0.08, r: 0.2, actuated: [steer]}\n"
+        "  - {name: b, type: steered, x: 0.63, y: -0.63, heading: -1.56, r: 0.1}\n"
+        "  - {name: o, type: swedish, x: 0.58, y: -0.76, heading: 0, gamma: -pi/4, r: 0.03}\n"
+        "couplings: [{equal: [a.steer, b.steer]}]\n"
+    )
+    assert r"\psi_{\mathrm{b}}" in page.partition("does not hold where")[2].partition("## 9 ")[0]
+    assert not re.search(r"\\(?:cos|sin|tan)[a-z]", page)

@@ -61,8 +61,9 @@ def top_view(derivation: Derivation) -> Figure:
         ("", [element for p in wheels for element in direction(p)]), (' class="fine"', sizes),
         ("", signs), (' class="fine"', [*names, *lengths]), (' class="fine"', keys),
     ]  # fmt: skip
+    count = f"{len(robot.wheels)} wheel{'s' * (len(robot.wheels) > 1)}"
     nouns = ", ".join(dict.fromkeys(w.kind.noun for w in robot.wheels))
-    alt = f"Top view of {robot.name}, x forward is up: {len(robot.wheels)} wheels ({nouns}) to scale"
+    alt = f"Top view of {robot.name}, x forward is up: {count} ({nouns}) to scale"
     return figure(FILE, f"{alt}{', with its trailers behind it' if trailers else ''}.", height + more, groups)
 
 

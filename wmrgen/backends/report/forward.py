@@ -30,7 +30,7 @@ _SHOWN = 2  # contact points that are written out
 _ENTRY = 12  # terms of an entry of H^T H: a determinant of longer ones is not worth expanding
 _NORMAL = 50  # glyphs of a row of a printed H^T H
 _DET = 70  # glyphs of a printed determinant
-_SLIP = 150  # glyphs of a printed residual
+_SLIP = 140  # glyphs of a printed residual
 _RANK_2 = r"\xi = \frac{1}{c_2}\left(c_1\left(I - \frac{\mathrm{adj}\,M}{c_2}\right) - M\right) H^T z"
 _WEIGHTS = (
     "Below, a row counts as often as its weight over the largest weight says: HᵀH and Hᵀz are Hᵀ W H and Hᵀ W z, means "

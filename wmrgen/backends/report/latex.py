@@ -121,13 +121,10 @@ def _factor(expr: Expr, ports: Ports) -> Factor:
         return Factor(rf"\left|{latex(base.args[0], ports)}\right|", n, 2, (8, ""))
     if isinstance(base, sympy.cos | sympy.sin | sympy.tan | sympy.atan):
         head, angle = rf"\{base.func.__name__.replace('atan', 'arctan')}", base.args[0]
-        named = isinstance(angle, sympy.Symbol)
-        shown = (
-            notation.port(ports.get(angle.name, angle.name))
-            if named
-            else rf"\left({latex(angle, ports)}\right)"
-        )
-        return Factor(head + shown, n, 1, (0, head))
+        if not isinstance(angle, sympy.Symbol):
+            return Factor(rf"{head}\left({latex(angle, ports)}\right)", n, 1, (0, head))
+        shown = notation.port(ports[angle.name]) if angle.name in ports else notation.symbol(angle.name)
+        return Factor(f"{head}{' ' * shown[0].isalpha()}{shown}", n, 1, (0, head))
     if isinstance(base, sympy.atan2):
         y, x = (latex(a, ports) for a in base.args)
         return Factor(rf"\mathrm{{atan2}}\left({y},\, {x}\right)", n, 1, (8, ""))

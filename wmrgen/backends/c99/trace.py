@@ -95,16 +95,17 @@ def traced(module: Module, formulas: Sequence[Function]) -> Module:
 
     Variants of a function have the names of that one.
     """
-    written = {f.name: f for f in formulas}
     tunables = _tunables(module, formulas) if formulas else {}
     kernels = kernels_by_name(module.kernels)
+    origins = {f.variant_of or f.name for f in (*module.functions, *module.kernels)}
+    inputs = {f.name: {**tunables, **_inputs(f)} for f in formulas if f.name in origins}
+    names = {f.name: _names(f, inputs[f.name]) for f in formulas if f.name in origins}
 
     def named(function: Function) -> Function:
-        formula = written.get(function.variant_of or function.name)
-        if formula is None:
+        origin = function.variant_of or function.name  # its inputs are among those of its origin
+        if origin not in names:
             return function
-        inputs = {**tunables, **_inputs(formula)}  # those of the function are among them
-        return replace(function, named=_labels(function, _names(formula, inputs), inputs, kernels))
+        return replace(function, named=_labels(function, names[origin], inputs[origin], kernels))
 
     functions, called = (tuple(map(named, each)) for each in (module.functions, module.kernels))
     return replace(module, functions=functions, kernels=called)

@@ -188,10 +188,13 @@ def fits_of(d: Derivation, *names: str) -> tuple[list[Expr], dict[str, str]]:
 
 def _residual(d: Derivation, measured: Measurements) -> list[str]:
     """What no twist can explain."""
-    (value,), ports = fits_of(d, "slip")
-    if not value:
+    if not any(value for port, value in d.formula("forward").outputs if port.name == "slip"):
         return ["The rates can never contradict each other, so the residual `slip` is 0."]
-    slip = latex(value, ports) if measured.weighted else residual(measured.rows)
+    if measured.weighted:
+        (value,), ports = fits_of(d, "slip")
+        slip = latex(value, ports)
+    else:
+        slip = residual(measured.rows)
     return [
         "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed wires: `slip` is "
         "the norm of z − H ξ [m/s].",

@@ -120,6 +120,50 @@ def test_reader_and_schema_refuse_what_is_wrong(name: str) -> None:
         assert not VALIDATOR.is_valid(mutant), what
 
 
+FIXED = {"name": "left", "type": "fixed", "x": 7, "y": 1, "heading": 3, "r": "5 cm"}
+TOLD = {
+    ("y",): ("required", "'y' is a required property"),
+    ("x", "y"): ("required", "a wheel has no place. Write x: and y:"),
+    ("heading",): ("required", "a wheel has no beta or heading. Write heading: 0"),
+    ("r=[1, 2]",): ("r", "[m] a number, a number with a unit (m, mm,"),
+    ("name=front-left",): ("name", "a name: a letter,"),
+    ("beta=1",): ("properties", "False schema does not allow 3"),
+    ("l=1", "alpha=0"): ("properties", "False schema does not allow 7"),
+    ("x", "y", "l=1", "alpha=5", "α=0"): ("properties", "False schema does not allow 5"),
+    ("limits={spin: [1, 2, 3]}",): ("spin", "[rad/s] a number"),
+    ("limits={spin: 3 m}",): ("spin", "[rad/s] a number"),
+}
+
+
+@pytest.mark.parametrize("changes", TOLD, ids=" ".join)
+def test_editors_mark_a_mistake_once_and_say_it(changes: tuple[str, ...]) -> None:
+    """A key without a value is left out. yaml-language-server says ``errorMessage`` in the place of its own words."""
+    wheel: dict[str, Any] = dict(FIXED)
+    for key, equals, value in (change.partition("=") for change in changes):
+        wheel.pop(key, None)
+        wheel |= {key: yaml.safe_load(value)} if equals else {}
+    (error,) = VALIDATOR.evolve(schema={**SCHEMA["$defs"]["fixed"], "$defs": SCHEMA["$defs"]}).iter_errors(
+        wheel
+    )
+    said = (
+        error.schema.get("errorMessage", error.message) if isinstance(error.schema, dict) else error.message
+    )
+    place, words = TOLD[changes]
+    assert [*error.schema_path, *error.path][-1] == place and said.startswith(words)
+
+
+def test_editors_show_units_and_defaults() -> None:
+    wheel = SCHEMA["$defs"]["swedish"]["properties"]
+    shown = [
+        wheel["gamma"],
+        wheel["weight"],
+        SCHEMA["properties"]["angles"],
+        wheel["limits"]["properties"]["spin"],
+    ]
+    ends = (" [rad]; default: 0", "; default: 1", "; default: rad", " [rad/s]")
+    assert all(each["description"].endswith(end) for each, end in zip(shown, ends, strict=True))
+
+
 def quantity(text: str, kind: Kind) -> bool:
     """The reader takes a text for a quantity of a kind, by the parameters p and q."""
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from itertools import combinations, permutations
 from typing import Any
 
 from wmrgen.spec.expressions import MAX_CHARACTERS
@@ -46,10 +47,12 @@ def json_schema(functions: Sequence[str] = ()) -> Schema:
     function = {"enum": list(functions)} if functions else _ref("name")
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "wmrgen robot file",
         **_section(ROBOT),
+        "title": "wmrgen robot file",
         "$defs": {
-            "name": {"type": "string", "pattern": NAME_PATTERN},
+            "name": _name(
+                NAME_PATTERN, "a name: a letter, then letters, digits and _, 31 characters at most"
+            ),
             "function": function,
             **{_kind(kind): _quantity(kind) for kind in Kind},
             "plain": _written("a number, or an expression", []),
@@ -62,8 +65,10 @@ def _kind(kind: Kind) -> str:
     return kind.name.lower()
 
 
-def _quantity(kind: Kind) -> Schema:
-    text = f"[{SI[kind]}] a number, a number with a unit ({', '.join(units_of(kind))}), or an expression"
+def _quantity(kind: Kind, more: str = "") -> Schema:
+    text = (
+        f"[{SI[kind]}] a number, a number with a unit ({', '.join(units_of(kind))}), or an expression{more}"
+    )
     return _written(text, spellings_of(kind))
 
 
@@ -76,38 +81,45 @@ def _written(text: str, units: Iterable[str]) -> Schema:
         "type": ["number", "string"],
         "maxLength": MAX_CHARACTERS,
         "pattern": rf"^(?!{other})[-+*/().,\sA-Za-z0-9_πΠµμ°²^]+$",
-        "patternErrorMessage": text,
+        "errorMessage": text,
         "description": text,
     }
+
+
+def _name(pattern: str, text: str) -> Schema:
+    return {"type": "string", "pattern": pattern, "errorMessage": text}
 
 
 def _ref(name: str) -> Schema:
     return {"$ref": f"#/$defs/{name}"}
 
 
-def _section(section: Section, fields: Iterable[Field] | None = None) -> Schema:
+def _section(
+    section: Section, fields: Iterable[Field] | None = None, choices: Iterable[Choice] | None = None
+) -> Schema:
     """A mapping with the keys of a section, or with those of ``fields``."""
     fields = section.fields if fields is None else tuple(fields)
     schema: Schema = {
+        "title": section.title,
         "type": "object",
         "additionalProperties": False,
         "properties": {word: _property(f) for f in fields for word in f.spellings},
     }
     if section.required:
         schema["required"] = list(section.required)
-    if section.choices:
-        schema["allOf"] = [_choice(section, choice, choice.optional) for choice in section.choices]
-    return schema
+    choices = section.choices if choices is None else choices
+    rules = [rule for choice in choices for rule in _choice(section, choice)]
+    rules += [_spelled_once(f) for f in fields if f.greek]
+    return {**schema, "allOf": rules} if rules else schema
 
 
 def _property(field: Field) -> Schema:
-    """A key's value with its meaning, which stands at alternatives too: editors show that of the one that fits."""
-    schema, said = _value(field.value), {"description": field.meaning}
-    if isinstance(field.value, Amount | Interval) and field.value.kind is not Kind.ANY:
-        said["description"] += f" [{SI[field.value.kind]}]"
-    if "anyOf" in schema:
-        schema["anyOf"] = [{**alternative, **said} for alternative in schema["anyOf"]]
-    return {**schema, **said}
+    """A key's value with its meaning, its unit and what counts where it is not given."""
+    value = field.value
+    unit = SI[value.kind] if isinstance(value, Amount | Interval) and value.kind is not Kind.ANY else ""
+    default = value.default if isinstance(value, Word) else field.default
+    said = f"{field.meaning}{f' [{unit}]' if unit else ''}{f'; default: {default}' if default else ''}"
+    return {**_value(value), "description": said}
 
 
 def _value(value: Value) -> Schema:
@@ -126,8 +138,12 @@ def _value(value: Value) -> Schema:
         case Amount(kind, unit):
             return _ref("plain" if unit else _kind(kind))
         case Interval(kind):
-            ends = {"type": "array", "minItems": 2, "maxItems": 2, "items": _ref(_kind(kind))}
-            return {"anyOf": [_ref(_kind(kind)), ends]}
+            ends = {"minItems": 2, "maxItems": 2, "prefixItems": [_ref(_kind(kind))] * 2}
+            return {
+                **_quantity(kind, ", or a list [low, high]"),
+                "type": ["number", "string", "array"],
+                **ends,
+            }
         case OneOf(what):
             return _one_of(what)
         case ListOf():
@@ -146,7 +162,9 @@ def _value(value: Value) -> Schema:
 def _one_of(what: str) -> Schema:
     match what:
         case "wheel.joint":
-            return {"type": "string", "pattern": NAME_PATTERN[:-1] + r"\.(spin|steer)$"}
+            return _name(
+                NAME_PATTERN[:-1] + r"\.(spin|steer)$", "a joint: the wheel's name, then .spin or .steer"
+            )
         case "function":
             return _ref("function")
         case "type":
@@ -167,7 +185,9 @@ def _list(value: ListOf) -> Schema:
 
 def _wheel(kind: WheelType) -> Schema:
     """One wheel type: the keys that it takes, its joints and their limits."""
-    schema = _section(WHEEL, (f for f in WHEEL.fields if takes(kind, f.key)))
+    placement, orientation = WHEEL.choices
+    choices = (placement, orientation._replace(optional=not kind.oriented))
+    schema = _section(WHEEL, (f for f in WHEEL.fields if takes(kind, f.key)), choices)
     properties = schema["properties"]
     properties["type"] = {"const": kind.name, "description": kind.meaning}
     for key in ("actuated", "sensed"):
@@ -176,30 +196,37 @@ def _wheel(kind: WheelType) -> Schema:
         own = keys_of_type(section, kind)
         of_joints = _section(section, (f for f in section.fields if f.key in own))
         properties[key] = {**of_joints, "description": WHEEL.field(key).meaning}
-    placement, orientation = WHEEL.choices
-    return {
-        **schema,
-        "description": kind.meaning,
-        "required": [*WHEEL.required, *kind.required],
-        "allOf": [_choice(WHEEL, placement, False), _choice(WHEEL, orientation, not kind.oriented)],
-    }
+    required = [*WHEEL.required, *kind.required]
+    return {**schema, "title": kind.name, "description": kind.meaning, "required": required}
 
 
-def _choice(section: Section, choice: Choice, optional: bool) -> Schema:
-    """Exactly one of the sets of keys, whole; where ``optional``, or none of them."""
-    every = {key for keys in choice.sets for key in keys}
-    alternatives = [
-        _keys(section, keys, every - set(keys)) for keys in (*choice.sets, *([()] if optional else []))
+def _choice(section: Section, choice: Choice) -> list[Schema]:
+    """Exactly one of the sets of keys, whole; where optional, or none. A rule for each mistake, in its words."""
+    rules = [
+        {"if": _any_of(section, [other]), "then": _any_of(section, [key])}
+        for keys in choice.sets
+        for key, other in permutations(keys, 2)
     ]
-    return {"oneOf": alternatives}
+    for one, (key, *_) in combinations(choice.sets, 2):
+        twice = {"errorMessage": " ".join(choice.several[1:])}
+        refused = {"properties": dict.fromkeys(section.field(key).spellings, False), **twice}
+        rules.append({"if": _any_of(section, one), "then": refused})
+    if not choice.optional:
+        every = [key for keys in choice.sets for key in keys]
+        words = {"errorMessage": f"{section.title} {choice.none[0]}. {choice.none[2]}"}
+        rules.append({"if": {"not": _any_of(section, every)}, "then": {"required": every[:1], **words}})
+    return rules
 
 
-def _keys(section: Section, present: Iterable[str], absent: Iterable[str]) -> Schema:
-    """Each of the ``present`` keys, in one spelling; none of the ``absent``."""
-    schema: Schema = {"allOf": [{"oneOf": _spelled(section, key)} for key in present]} if present else {}
-    others = [entry for key in sorted(absent) for entry in _spelled(section, key)]
-    return {**schema, "not": {"anyOf": others}} if others else schema
+def _any_of(section: Section, keys: Iterable[str]) -> Schema:
+    """One of the keys at least stands, in one of its spellings."""
+    alternatives = [{"required": [word]} for key in keys for word in section.field(key).spellings]
+    return {"anyOf": alternatives} if len(alternatives) > 1 else alternatives[0]
 
 
-def _spelled(section: Section, key: str) -> list[Schema]:
-    return [{"required": [word]} for word in section.field(key).spellings]
+def _spelled_once(field: Field) -> Schema:
+    same = f"{field.greek} is {field.key}. Keep one of them."
+    return {
+        "if": {"required": [field.greek]},
+        "then": {"properties": {field.key: False}, "errorMessage": same},
+    }

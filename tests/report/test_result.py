@@ -94,6 +94,20 @@ def test_the_twist_of_measurements_that_agree(sensed: str, angle: bool) -> None:
     assert (r"\psi" in shown[r"\omega"]) == angle
 
 
+def test_wheels_that_do_not_steer_come_first() -> None:
+    """Of six wheels on three axles the middle ones give the twist by themselves."""
+    wheels = [("f", "2.5", "spin, steer"), ("b", "-1", "steer")]
+    head, _, fixed = CAR.replace("SENSED", "spin").partition("  - {name: fl")[0].partition("  - ")
+    text = head + "".join(
+        f"  - {{name: {end}{side}, type: steered, x: {x}, y: {sign}0.7, heading: 0, r: 0.3, sensed: [{sensed}]}}\n"
+        for end, x, sensed in wheels
+        for side, sign in (("l", ""), ("r", "-"))
+    )
+    text += f"  - {fixed}"
+    shown = dict(formulas(page_written(text).partition("**Forward")[2].partition("**An ")[0]))
+    assert shown["v_y"] == "0" and "psi" not in shown["v_x"] + shown[r"\omega"]
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_joints_of_a_twist(name: str) -> None:
     """Rates of wheels that do not steer, and pivot velocities of those that do, of an admissible twist."""

@@ -252,7 +252,7 @@ def cross(a: Row, b: Row) -> Row:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def has_angles(row: Row) -> bool:
+def has_angles(row: Iterable[Poly]) -> bool:
     """True where the angle of a joint occurs."""
     return any(g.kind in ("cos", "sin") for p in row for g in p.generators)
 

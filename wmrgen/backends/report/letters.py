@@ -117,7 +117,7 @@ def in_letters(d: Derivation, rows: list[Measured]) -> list[str]:
 def by_three(d: Derivation, rows: list[Measured], nominal: list[Measured]) -> list[str]:
     """The twist that three of the rows give by themselves, by Cramer's rule, where it is short; rows without joint
     angles come first. Where all rows agree, the others add nothing."""
-    order = sorted(range(min(len(rows), _ROWS)), key=lambda k: has_angles(rows[k][0]))
+    order = sorted(range(min(len(rows), _ROWS)), key=lambda k: has_angles((*rows[k][0], rows[k][1])))
     three = next((t for t in combinations(order, 3) if determinant([list(nominal[k][0]) for k in t])), ())
     chosen = [rows[k] for k in three]
     h, z = [list(row) for row, _, _ in chosen], [value for _, value, _ in chosen]

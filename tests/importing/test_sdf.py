@@ -206,6 +206,20 @@ def test_included_models_stand_at_their_place(read: Import, side: Path, merge: s
     assert (back["x"], back["y"], back["heading"]) == (-0.4, -0.2, math.pi)
 
 
+def test_a_world_includes_its_robot(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:
+    (tmp_path / "bot").mkdir()
+    (tmp_path / "bot" / "model.sdf").write_text(sdf(PAIR), encoding="utf-8")
+    world = "<include><uri>model://bot</uri><pose>5 5 0 0 0 1</pose></include>"
+    world = f'<sdf version="1.6"><world name="w">{world}</world></sdf>'
+    assert list(read(world, "--package", f"bot={tmp_path / 'bot'}")["wheels"]) == [
+        "left_joint",
+        "right_joint",
+    ]
+    (tmp_path / "world.sdf").write_text(world, encoding="utf-8")
+    done = wmrgen_cli("import", tmp_path / "world.sdf")
+    assert done.code == 2 and "'model://bot' is not read" in done.err
+
+
 def test_nested_models_and_frames_of_joints(read: Import) -> None:
     """A joint may name a frame, or a model, for the links that carry them; a pose may be relative to a joint."""
     inner = (

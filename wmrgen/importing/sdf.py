@@ -23,19 +23,34 @@ _MOST_MODELS = 64
 
 def describe(root: Element, file: str, include: Include) -> Description:
     """What the first model says that has joints, itself or included. RobotFileError where none has."""
-    worlds = [model for world in children(root, "world") for model in children(world, "model")]
-    models = [*children(root, "model"), *worlds]
-    robots = [m for m in models if any(next(below(m, tag), None) is not None for tag in ("joint", "include"))]
+    version, lost = root.get("version", ""), list[str]()
+    worlds = children(root, "world")
+    models = [
+        (m, version) for m in (*children(root, "model"), *(m for w in worlds for m in children(w, "model")))
+    ]
+    for each in (included for world in worlds for included in children(world, "include")):
+        other = include(text_in(each, "uri"))
+        model = None if other is None else child(other, "model")
+        if other is None or model is None:
+            lost.append(unread(text_in(each, "uri")))
+        else:
+            models.append((model, other.get("version", "")))
+    robots = [
+        m for m in models if any(next(below(m[0], tag), None) is not None for tag in ("joint", "include"))
+    ]
     if not robots:
-        raise refuse(f"{file}: no model of it has a joint", "", "Give the file that describes the robot.")
+        why = " ".join(f"Note: {note}." for note in lost[:3])
+        raise refuse(f"{file}: no model of it has a joint", why, "Give the file that describes the robot.")
     reader = _Reader(include)
-    reader.model(robots[0], "", MODEL, root.get("version", ""))
-    if len(robots) > 1:
-        others = ", ".join(quoted(model.get("name", "")) for model in robots[1:])
-        reader.notes.append(
-            f"only the model {quoted(robots[0].get('name', ''))} is read, the first; not {others}"
-        )
-    return reader.description(robots[0].get("name", ""))
+    reader.model(robots[0][0], "", MODEL, robots[0][1])
+    first, *others = (quoted(model.get("name", "")) for model, _ in robots)
+    if others:
+        reader.notes.append(f"only the model {first} is read, the first; not {', '.join(others)}")
+    return reader.description(robots[0][0].get("name", ""))
+
+
+def unread(uri: str) -> str:
+    return f"the model {quoted(uri)} is not read: its folder was not given (--package NAME=DIR)"
 
 
 class _Reader:
@@ -90,9 +105,7 @@ class _Reader:
         model = None if root is None else child(root, "model")
         if root is None or model is None:
             self.frames.missing.append(uri)
-            self.notes.append(
-                f"the model {quoted(uri)} is not read: its folder was not given (--package NAME=DIR)"
-            )
+            self.notes.append(unread(uri))
             return
         self.plugins += children(element, "plugin")
         self._within(element, model, scope, root.get("version", ""))

@@ -79,13 +79,6 @@ def run(program: Path, seconds: float) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize("robot", everyday([ACKERMANN, TUNABLE], [TUNABLE]))
-@pytest.mark.slow
-def test_a_second_of_fuzzing(robot: str, tmp_path: Path) -> None:
-    done = run(compiled(tmp_path, robot), 1)
-    assert done.returncode == 0, done.stderr[-3000:]
-
-
 @pytest.mark.slow
 def test_virtual_wheels_do_not_command(tmp_path: Path) -> None:
     """Measured angles may be beyond their limits, and so may those that follow from them."""

@@ -147,14 +147,34 @@ def test_a_swerve_drive_is_commanded_by_position_and_velocity(tmp_path: Path) ->
         )
 
 
+FLAGS = ("-std=c++17", *WARNINGS.split(), f"-I{STUBS / 'include'}")
+
+
+def included(node: str) -> str:
+    """What a node takes from the standard library and from ROS."""
+    return "".join(line for line in node.splitlines(keepends=True) if line.startswith("#include <"))
+
+
+@pytest.fixture(scope="module")
+def header(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What every node includes, compiled once."""
+    need("g++")
+    folder = tmp_path_factory.mktemp("header")
+    (folder / "node.hpp").write_text(
+        included(of_gallery("pioneer3dx", "ros2")["node/pioneer3dx_node.cpp"].decode())
+    )
+    run(folder, "g++", *FLAGS, "-x", "c++-header", "node.hpp")
+    return folder / "node.hpp"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", sorted(GALLERY - {"office_chair"}))
-def test_the_node_of_every_robot_compiles(robot: str, tmp_path: Path) -> None:
+def test_the_node_of_every_robot_compiles(robot: str, header: Path, tmp_path: Path) -> None:
     """The chair has neither motors nor sensors, and no node."""
-    need("g++")
     put(tmp_path, of_gallery(robot, "ros2"))
-    words = ("-std=c++17", *WARNINGS.split(), "-Isrc", f"-I{STUBS / 'include'}", f"node/{robot}_node.cpp")
-    run(tmp_path, "g++", "-fsyntax-only", *words)
+    node = tmp_path / "node" / f"{robot}_node.cpp"
+    assert included(node.read_text()) == header.read_text()
+    run(tmp_path, "g++", "-fsyntax-only", *FLAGS, "-Isrc", "-include", header, node)
 
 
 NOISY = DIFFERENTIAL + (

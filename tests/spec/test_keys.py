@@ -60,6 +60,12 @@ def places(node: Any, path: Path_ = ()) -> Iterator[Path_]:
         yield from places(value, (*path, key))
 
 
+def unlike(document: Any) -> list[int]:
+    """Numbers of the wheels that differ in type or keys from those before them."""
+    forms = [(wheel["type"], *sorted(wheel)) for wheel in document["wheels"]]
+    return [k for k, form in enumerate(forms) if forms.index(form) == k]
+
+
 def at(document: Any, path: Path_) -> Any:
     for key in path:
         document = document[key]
@@ -68,7 +74,10 @@ def at(document: Any, path: Path_) -> Any:
 
 def mutants(document: Any) -> Iterator[tuple[str, Any]]:
     """Documents with one thing wrong: a key misspelled, a required one left out, a value of the wrong form."""
+    numbers = unlike(document)
     for path in places(document):
+        if path[0] == "wheels" and len(path) > 1 and path[1] not in numbers:
+            continue
         *above, key = path
         if isinstance(key, str) and (not above or above[-1] != "parameters"):
             changed = copy.deepcopy(document)
@@ -84,7 +93,8 @@ def mutants(document: Any) -> Iterator[tuple[str, Any]]:
             yield f"{path} = {wrong}", changed
     for key in ("wmrgen", "name", "wheels"):
         yield f"without {key}", {k: v for k, v in document.items() if k != key}
-    for k, wheel in enumerate(document["wheels"]):
+    for k in numbers:
+        wheel = document["wheels"][k]
         required = ("name", "type", *WHEEL_TYPES[wheel["type"]].required)
         pairs = [("heading", "beta"), ("x", "l"), ("y", "l"), ("l", "x"), ("alpha", "x")]
         changes = [{key: None} for key in required]

@@ -67,9 +67,8 @@ def call(path: Path, name: str, values: Mapping[str, float], backend: str = "cas
         ports = d.formula(name).inputs
         full = {p.name: float(p.default) if p.default is not None else 0.0 for p in ports}
         assert values.keys() <= full.keys()
-        return registry.BACKENDS["c99"].evaluate(
-            d.c_module, name, [full | dict(values)], {"scalar": "double"}
-        )[0]
+        requests = [(name, full | dict(values))]
+        return registry.BACKENDS["c99"].evaluate(d.c_module, requests, {"scalar": "double"})[0]
     f = _casadi(path, name)
     nominal = {p.name: float(p.nominal) for p in d.robot.tunable}
     result = f.call([values.get(n, nominal.get(n, 0.0)) for n in f.name_in()])

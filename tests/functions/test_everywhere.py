@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from functools import cache
 
 import casadi
@@ -39,10 +40,7 @@ TEXTS = {
 TEXTS |= {p.stem: p.read_text(encoding="utf-8") for p in GALLERY}
 MADE = [name for name in TEXTS if name not in {p.stem for p in GALLERY}]
 FEW = ("car", "skewed", "four_ws")  # whose cases are everyday
-# Of `test_backends_agree`: without formulas of half a second and more that the car's cases stand for.
-QUICK = {(n, f) for n in FEW for f in FUNCTIONS} - {
-    (n, f) for n in ("skewed", "four_ws") for f in ("axles", "forward_covariance", "stability", "steer_to")
-}
+LONG = ("axles", "forward_covariance", "stability", "steer_to")  # half a second and more each
 TINY = 1e-9
 
 
@@ -55,88 +53,94 @@ def robot(name: str) -> Robot:
     )
 
 
-def derivation(name: str, function: str) -> Derivation | None:
-    """That function alone; None where the robot does not have it, which the error explains."""
-    derived = wmrgen.derive(robot(name), [function])
-    try:
-        derived.formula(function)
-    except NotDerivableError as error:
-        assert error.what.startswith(f"{robot(name).name} ") and len(error.what) > 40
-        return None
-    return derived
+def derivation(name: str, functions: Iterable[str] = FUNCTIONS) -> Derivation:
+    """Those of the functions that the robot has, and no others; the error of each that it has not explains that."""
+    tried, has = wmrgen.derive(robot(name)), []
+    for function in functions:
+        try:
+            tried.formula(function)
+            has.append(function)
+        except NotDerivableError as error:
+            assert error.what.startswith(f"{robot(name).name} ") and len(error.what) > 40
+    return wmrgen.derive(robot(name), has)
 
 
 def test_a_function_can_be_tried() -> None:
     """Each on some robot."""
-    assert not [f for f in FUNCTIONS if not any(derivation(name, f) for name in (*MADE, "wpilib_swervebot"))]
+    has = {f.name for name in (*MADE, "wpilib_swervebot") for f in derivation(name).program.formulas}
+    assert has == set(FUNCTIONS)
 
 
-@pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize("name", everyday(TEXTS, FEW))
-def test_every_function_is_defined_everywhere(name: str, function: str) -> None:
+def test_every_function_is_defined_everywhere(name: str) -> None:
     """No division or root without proof; finite in float at rest and far out; Jacobians without NaN."""
-    derived = derivation(name, function)
-    if derived is None:
-        return
-    for f in derived.module.functions:
-        assert not findings(f)
-    assert not [f for f in findings(derived.raw_module.function(function)) if not f.geometry]
-    ports = [p for p in derived.formula(function).inputs if p.default is None]
-    for value in (0.0, 1e-30, 1.0, -1e6):
-        result = evaluate_module(derived.module, function, {p.name: value for p in ports}, FLOAT32)
-        assert all(math.isfinite(v) for v in result.values()), (value, result)
-    f = derived.casadi()[function]
-    x = casadi.SX.sym("x", f.n_in())
-    jacobian = casadi.Function("j", [x], [casadi.jacobian(casadi.vertcat(*f.call(casadi.vertsplit(x))), x)])
+    derived = derivation(name)
+    functions = derived.casadi()
     nominal = {p.name: float(p.nominal) for p in derived.robot.parameters}
-    assert np.isfinite(np.array(jacobian([nominal.get(n, 0.3) for n in f.name_in()]))).all()
+    for f in derived.module.functions:
+        assert not findings(f), f.name
+    for formula in derived.program.formulas:
+        raw = derived.raw_module.function(formula.name)
+        assert not [f for f in findings(raw) if not f.geometry], formula.name
+        ports = [p for p in formula.inputs if p.default is None]
+        for value in (0.0, 1e-30, 1.0, -1e6):
+            case = {p.name: value for p in ports}
+            result = evaluate_module(derived.module, formula.name, case, FLOAT32)
+            assert all(math.isfinite(v) for v in result.values()), (formula.name, value, result)
+        f = functions[formula.name]
+        x = casadi.SX.sym("x", f.n_in())
+        columns = casadi.jacobian(casadi.vertcat(*f.call(casadi.vertsplit(x))), x)
+        at = casadi.Function("j", [x], [columns])([nominal.get(n, 0.3) for n in f.name_in()])
+        assert np.isfinite(np.array(at)).all(), formula.name
 
 
 @pytest.mark.parametrize("function", ["inverse_world", "goto_pose", "pursuit", "accelerations"])
 def test_what_is_built_on_inverse_keeps_its_kernels(function: str) -> None:
     """One steering kernel for each module of a swerve drive, as in `inverse`; they were expanded in some."""
-    derived = derivation("wpilib_swervebot", function)
-    assert derived is not None
+    derived = derivation("wpilib_swervebot", [function])
     kernels = [c.kernel.name for c in derived.formula(function).calls]
     assert kernels == [c.kernel.name for c in derived.formula("inverse").calls] and len(kernels) == 4
 
 
-CASTORS_AND_COUPLINGS = [
-    ("ackermann_car", "accelerations"), ("kelly_4ws", "accelerations"), ("nomad_xr4000", "accelerations"),
-    ("synchro_drive", "accelerations"), ("jpl_osr", "stability"), ("nomad_xr4000", "stability"), ("pr2", "stability"),
-    ("wpilib_swervebot", "inverse_together"),
-]  # fmt: skip
+CASTORS_AND_COUPLINGS = {
+    "ackermann_car": ("accelerations",),
+    "jpl_osr": ("stability",),
+    "kelly_4ws": ("accelerations",),
+    "nomad_xr4000": ("accelerations", "stability"),
+    "pr2": ("stability",),
+    "synchro_drive": ("accelerations",),
+    "wpilib_swervebot": ("inverse_together",),
+}
+QUICK = [f for f in FUNCTIONS if f not in LONG]  # every day the car stands for the others
 
 
 @pytest.mark.parametrize(
-    ("name", "function"),
+    ("name", "functions"),
     [
-        *(
-            pytest.param(n, f, marks=() if (n, f) in QUICK else pytest.mark.slow)
-            for n in MADE
-            for f in FUNCTIONS
-        ),
-        *CASTORS_AND_COUPLINGS,
+        pytest.param("car", FUNCTIONS, id="car"),
+        *(pytest.param(n, QUICK, id=n) for n in FEW[1:]),
+        *(pytest.param(n, LONG, id=f"{n}-long", marks=pytest.mark.slow) for n in FEW[1:]),
+        *(pytest.param(n, FUNCTIONS, id=n, marks=pytest.mark.slow) for n in MADE if n not in FEW),
+        *(pytest.param(n, functions, id=n) for n, functions in CASTORS_AND_COUPLINGS.items()),
     ],
 )
-def test_backends_agree(name: str, function: str) -> None:
-    derived = derivation(name, function)
-    if derived is None:
-        return
+def test_backends_agree(name: str, functions: Sequence[str]) -> None:
+    derived = derivation(name, functions)
     rng = np.random.default_rng(3)
-    ports = derived.formula(function).inputs
-    nominal = {p.name: float(p.default) for p in ports if p.default is not None}
-    cases = [{p.name: round(float(rng.uniform(-1, 1)), 6) for p in ports} | nominal for _ in range(3)]
-    exact = [
-        {k: float(v) for k, v in evaluate_module(derived.raw_module, function, case, EXACT).items()}
-        for case in cases
-    ]
-    f = derived.casadi()[function]
-    in_casadi = [
-        dict(zip(f.name_out(), f.call([case[n] for n in f.name_in()]), strict=True)) for case in cases
-    ]
-    in_c = BACKENDS["c99"].evaluate(derived.c_module, function, cases, {"scalar": "double"})
-    for result in (in_casadi, in_c):
-        for a, b in zip(exact, result, strict=True):
-            assert a.keys() == b.keys()
-            np.testing.assert_allclose([float(b[k]) for k in a], list(a.values()), rtol=TINY, atol=TINY)
+    requests = []
+    for formula in derived.program.formulas:
+        nominal = {p.name: float(p.default) for p in formula.inputs if p.default is not None}
+        for _ in range(3):
+            case = {p.name: round(float(rng.uniform(-1, 1)), 6) for p in formula.inputs} | nominal
+            requests.append((formula.name, case))
+    in_c = BACKENDS["c99"].evaluate(derived.c_module, requests, {"scalar": "double"})
+    by_casadi = derived.casadi()
+    for (function, case), of_c in zip(requests, in_c, strict=True):
+        exact = evaluate_module(derived.raw_module, function, case, EXACT)
+        f = by_casadi[function]
+        in_casadi = dict(zip(f.name_out(), f.call([case[n] for n in f.name_in()]), strict=True))
+        for found in (in_casadi, of_c):
+            assert exact.keys() == found.keys(), function
+            wanted = [float(v) for v in exact.values()]
+            values = [float(found[k]) for k in exact]
+            np.testing.assert_allclose(values, wanted, rtol=TINY, atol=TINY, err_msg=function)

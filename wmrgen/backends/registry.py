@@ -118,23 +118,22 @@ class Entry(NamedTuple):
         return getattr(self.load(), name, None)
 
     def evaluate(
-        self,
-        module: Module,
-        function: str,
-        cases: Sequence[Mapping[str, float]],
-        options: Mapping[str, str],
+        self, module: Module, requests: Sequence[Request], options: Mapping[str, str]
     ) -> list[dict[str, float]]:
-        """`Backend.evaluate` with those of the options that it takes, of ``function`` and its variants: a backend may
-        give the residual in a function of its own, so that who does not need it does not pay. UsageError where
+        """`Backend.evaluate` with those of the options that it takes, of each function and its variants: a backend
+        may give the residual in a function of its own, so that who does not need it does not pay. UsageError where
         it has none of them."""
-        parts = [f.name for f in module.functions if (f.variant_of or f.name) == function]
-        if not parts:
+        parts = {
+            name: [f.name for f in module.functions if (f.variant_of or f.name) == name]
+            for name, _ in requests
+        }
+        for name in (name for name, variants in parts.items() if not variants):
             has = " ".join(f.name for f in module.functions)
-            raise UsageError(f"{self.word} has no function {function!r} of {module.name}. It has: {has}.")
+            raise UsageError(f"{self.word} has no function {name!r} of {module.name}. It has: {has}.")
         chosen = {name: options[name] for name in self.options if name in options}
-        requests = [(part, case) for case in cases for part in parts]
-        answers = iter(self.load().evaluate(module, requests, **chosen))
-        return [{name: x for _ in parts for name, x in next(answers).items()} for _ in cases]
+        every = [(part, case) for name, case in requests for part in parts[name]]
+        answers = iter(self.load().evaluate(module, every, **chosen))
+        return [{key: x for _ in parts[name] for key, x in next(answers).items()} for name, _ in requests]
 
 
 BACKENDS: dict[str, Entry] = {}

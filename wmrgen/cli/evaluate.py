@@ -136,7 +136,7 @@ def computed(
         module = modules.raw_module
         return [_doubles(evaluate_module(module, function.name, case, EXACT)) for case in cases]
     module = getattr(modules, entry.source)
-    results = entry.evaluate(module, function.name, [_doubles(case) for case in cases], choice.words())
+    results = entry.evaluate(module, [(function.name, _doubles(case)) for case in cases], choice.words())
     _note_overflow(results, entry, choice)
     order = [port.name for port in function.outputs]
     return [{name: result[name] for name in order if name in result} for result in results]

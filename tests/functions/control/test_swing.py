@@ -94,7 +94,7 @@ def test_in_c() -> None:
         for f in [d.formula("steer_toward")]
         for _ in range(50)
     ]
-    got = evaluate_c(d.c_module, "steer_toward", cases, Choice())
+    got = evaluate_c(d.c_module, [("steer_toward", case) for case in cases], Choice())
     for case, result in zip(cases, got, strict=True):
         for n in CORNERS:
             now, wanted = case[f"{n}.steer"], case[f"{n}.steer_wanted"]

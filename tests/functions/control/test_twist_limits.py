@@ -294,7 +294,7 @@ def test_both_in_c() -> None:
     low, high = np.array((LOW, SLOWER)), np.array((HIGH, FASTER))
     for name in ("limit_twist", "limit_acceleration"):
         names = [p.name for p in d.formula(name).inputs]
-        results = evaluate_c(d.c_module, name, [{n: case[n] for n in names} for case in cases], Choice())
+        results = evaluate_c(d.c_module, [(name, {n: case[n] for n in names}) for case in cases], Choice())
         for case, result in zip(cases, results, strict=True):
             values = np.array(
                 [[case[f"{n}{when}"] for n in ("vx", "vy", "omega")] for when in ("", "_wanted")]

@@ -44,9 +44,8 @@ def test_rates_and_angles() -> None:
         "c.steer": -math.pi / 6, "c.steer_rate": 12 / 3000 * math.tau / 0.01, "e.steer": 0.0,
     }  # fmt: skip
     assert d.numpy().joints_from_counts(**counts, dt=0.01) == pytest.approx(wanted, rel=1e-12)
-    (in_c,) = evaluate_c(
-        d.c_module, NAME, [{n: float(v) for n, v in counts.items()} | {"dt": 0.01}], Choice()
-    )
+    case = {n: float(v) for n, v in counts.items()} | {"dt": 0.01}
+    (in_c,) = evaluate_c(d.c_module, [(NAME, case)], Choice())
     assert in_c == pytest.approx(wanted, rel=1e-6)
 
 

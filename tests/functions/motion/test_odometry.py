@@ -161,9 +161,8 @@ def test_c_has_the_bits_of_the_interpreter(choice: Choice) -> None:
     arithmetic = FLOAT32 if choice.scalar == "float" else FLOAT64
     expected = [evaluate_module(operations, "odometry_compensated", case, arithmetic) for case in cases]
     assert any(abs(e["x_rest"]) > 0 for e in expected)
-    got = evaluate_c(
-        module, "odometry_compensated", cases, choice, None, ("-std=c99", "-O2", "-ffp-contract=off")
-    )
+    requests = [("odometry_compensated", case) for case in cases]
+    got = evaluate_c(module, requests, choice, None, ("-std=c99", "-O2", "-ffp-contract=off"))
     if choice.scalar == "float":
         assert got == expected
     else:

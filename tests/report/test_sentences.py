@@ -169,6 +169,9 @@ def test_a_robot_that_skids() -> None:
     relations = page.partition("of compatibility")[2].partition("```math")[2].partition("```")[0]
     assert relations.count("0 &= ") == 2 and "```math\nT_e = 0.8\n```" in page
     assert "In a curve its wheels skid" in page.partition("## 1 ")[0]
+    assert "that a predictive controller integrates (`dynamics`)" in page
+    alone = page_written(re.sub("effective_track: .*", "", SKIDDING))
+    assert "of ideal rolling (`dynamics`)" in alone and "a controller integrates `twist`, below" in alone
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -51,11 +51,15 @@ def _posture(d: Derivation) -> list[str]:
     rates = [Poly.sum(c[i] * eta for c, eta in zip(columns, etas, strict=True)) for i in range(3)]
     steering = bool(d.mobility.basis_wheels)
     rates_of = "dψ<sub>i</sub>/dt = ψ̇<sub>i</sub>"
+    straight = d.mobility.skids and d.robot.effective_track is None
     general = [
-        "The continuous model that a predictive controller integrates (`dynamics`) is d(x, y, θ)/dt = R(θ)ᵀ N η"
+        "The continuous model "
+        + ("of ideal rolling" if straight else "that a predictive controller integrates")
+        + " (`dynamics`) is d(x, y, θ)/dt = R(θ)ᵀ N η"
         + (f" and {rates_of}" if steering else "")
         + ". Its inputs are the coordinates η of the twist in the null space"
         + (" and the steering rates." if steering else ".")
+        + " It does not turn, as wheels that roll do not: a controller integrates `twist`, below." * straight
     ]
     in_eta = [
         "With columns scaled as in `dynamics`, so that η are speeds, [m/s] or, of a rotation whose centre no angle "

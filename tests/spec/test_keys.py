@@ -135,6 +135,7 @@ TOLD = {
     ("y",): ("required", "'y' is a required property"),
     ("x", "y"): ("required", "a wheel has no place. Write x: and y:"),
     ("heading",): ("required", "a wheel has no beta or heading. Write heading: 0"),
+    ("r=TODO",): ("r", "[m] a number"),
     ("r=[1, 2]",): ("r", "[m] a number, a number with a unit (m, mm,"),
     ("name=front-left",): ("name", "a name: a letter,"),
     ("beta=1",): ("properties", "False schema does not allow 3"),

@@ -27,6 +27,7 @@ from wmrgen.spec.joint_keys import ENCODER, LIMITS, NOISE
 from wmrgen.spec.keys import ROBOT, WHEEL
 from wmrgen.spec.names import NAME_PATTERN
 from wmrgen.spec.numbers import NUMBER, Kind, spellings_of, units_of
+from wmrgen.spec.questions import OPEN
 from wmrgen.spec.wheels import keys_of_type, takes
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
@@ -73,14 +74,14 @@ def _quantity(kind: Kind, more: str = "") -> Schema:
 
 
 def _written(text: str, units: Iterable[str]) -> Schema:
-    """What ``text`` says: no word stands behind a number but one of ``units``, at the end, and nothing that no quantity
-    has. Editors show the text of a value that is none."""
+    """What ``text`` says: no open question, behind a number no word but one of ``units``, at the end, and nothing that
+    no quantity has. Editors show the text of a value that is none."""
     number = rf"[+-]?{NUMBER}(?![0-9.]|[eE][+-]?[0-9])"
     other = rf"\s*{number}[ \t]*(?!(?:{'|'.join(map(re.escape, units))})\s*$)[A-Za-zµμ°π_]"
     return {
         "type": ["number", "string"],
         "maxLength": MAX_CHARACTERS,
-        "pattern": rf"^(?!{other})[-+*/().,\sA-Za-z0-9_πΠµμ°²^]+$",
+        "pattern": rf"^(?!{OPEN}$|{other})[-+*/().,\sA-Za-z0-9_πΠµμ°²^]+$",
         "errorMessage": text,
         "description": text,
     }

@@ -353,6 +353,23 @@ def test_wpilib_gets_its_speeds(tmp_path: Path, kind: str, seed: int) -> None:
 
 
 @pytest.mark.parametrize(
+    ("names", "called"),
+    [
+        (("frontLeft", "rear_right", "M3"), ["FRONT_LEFT", "REAR_RIGHT", "M3"]),
+        (("frontLeft", "front_left", "M3"), ["FRONTLEFT", "FRONT_LEFT", "M3"]),
+    ],
+)
+def test_constants_are_called_as_java_calls_them(
+    tmp_path: Path, names: tuple[str, ...], called: list[str]
+) -> None:
+    wheels = [
+        f"name: {name}, type: steered, x: {k}, y: 1, heading: 0, r: 0.1" for k, name in enumerate(names)
+    ]
+    text = wpilib(load(tmp_path, *wheels))["DrawnConstants.java"]
+    assert [name.removesuffix("_ZERO") for name in constants(text) if name.endswith("_ZERO")] == called
+
+
+@pytest.mark.parametrize(
     ("name", "why"),
     [("ackermann_car", "there is none for ackermann drives"), ("ssl_parsian", "none for omni drives")],
 )

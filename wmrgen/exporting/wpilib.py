@@ -6,6 +6,7 @@ the direction of modules at steering angle 0 stand beside.
 
 from __future__ import annotations
 
+import re
 from textwrap import wrap
 
 from wmrgen.backends.c99.text import comment_text
@@ -26,7 +27,7 @@ def wpilib(robot: Robot) -> dict[str, str]:
     with refusing(f"{robot.name}: no kinematics of WPILib fits"):
         drive = drive_of(robot, _CLASSES)
     swerve = drive.kind == "swerve"
-    names = {w.name: w.name.upper() for w in drive.wheels}
+    names = _constants([w.name for w in drive.wheels])
     tracks = [decimal(v) for v in drive.named({"": "separation"}, {}).values() if isinstance(v, float)]
     title = "".join(part[:1].upper() + part[1:] for part in robot.name.split("_")) + "Constants"
     context = {
@@ -39,3 +40,9 @@ def wpilib(robot: Robot) -> dict[str, str]:
         "arguments": "TRACK_WIDTH" if tracks else ", ".join(f"{name}_LOCATION" for name in names.values()),
     }  # fmt: skip
     return {f"{title}.{end}": render(f"export/Constants.{end}.j2", **context) for end in ("java", "h")}
+
+
+def _constants(names: list[str]) -> dict[str, str]:
+    """Names of wheels as constants are called, FRONT_LEFT of frontLeft, unless two would be called alike."""
+    words = {name: re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).upper() for name in names}
+    return words if len(set(words.values())) == len(names) else {name: name.upper() for name in names}

@@ -226,6 +226,7 @@ BAD: dict[str, tuple[Callable[[str], str], str]] = {
     "too few cells": (lambda s: s.replace("\n1,", "\n", 1), "cells"),
     "unsorted": (lambda s: s.replace("\n1,", "\n0.5,", 1), "t does not rise"),
     "no column t": (lambda s: s.replace("t,", "time,", 1), "no column t"),
+    "semicolons": (lambda s: s.replace(",", ";").replace(".", ","), "write commas between columns"),
     "no such joint": (lambda s: s.replace("left.angle", "lft.angle", 1), "lft.angle meant"),
     "milliseconds": (lambda s: _scaled(s, 1000), "milliseconds"),
     "another clock": (lambda s: _shifted(s, 1e6), "do not overlap"),

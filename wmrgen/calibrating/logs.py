@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -105,6 +106,7 @@ def _table(path: Path, empty: bool) -> dict[str, Reals]:
     try:
         with path.open(encoding="utf-8-sig") as stream:
             header = [name.strip() for name in next(csv.reader(stream), [])]
+            _check_header(path, header)
             try:
                 with warnings.catch_warnings(action="ignore"):  # of a file without rows: told below
                     numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
@@ -112,14 +114,8 @@ def _table(path: Path, empty: bool) -> dict[str, Reals]:
                 numbers = _by_line(path, len(header), empty)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(f"{path}: it cannot be read: {error}") from None
-    if not header or "t" not in header:
-        raise UsageError(
-            f"{path}:1: the header has no column t [s]; it reads {','.join(header)[:200] or 'nothing'}"
-        )
     if len(numbers) < 2 or numbers.shape[1] != len(header):
         raise UsageError(f"{path}: {len(header)} columns and at least two rows are needed")
-    if len(set(header)) < len(header):
-        raise UsageError(f"{path}:1: a column stands twice in {','.join(header)[:200]}")
     bad = ~np.isfinite(numbers) if not empty else np.isinf(numbers)
     if bad.any():
         row, column = (int(i[0]) for i in np.nonzero(bad))
@@ -127,6 +123,16 @@ def _table(path: Path, empty: bool) -> dict[str, Reals]:
             f"{path}:{row + 2}: {header[column]} is {numbers[row, column]}: delete or mend that row"
         )
     return dict(zip(header, numbers.T.copy(), strict=True))
+
+
+def _check_header(path: Path, header: Sequence[str]) -> None:
+    """Refuse a header without a column t, and one in which a name stands twice."""
+    reads = ",".join(header)[:200]
+    if "t" not in header:
+        hint = ": write commas between columns, and points in numbers" * bool(re.match(r"t\s*[;|\t]", reads))
+        raise UsageError(f"{path}:1: the header has no column t [s]; it reads {reads or 'nothing'}{hint}")
+    if len(set(header)) < len(header):
+        raise UsageError(f"{path}:1: a column stands twice in {reads}")
 
 
 def _by_line(path: Path, width: int, empty: bool) -> Reals:

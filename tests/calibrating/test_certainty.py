@@ -14,8 +14,9 @@ from tests.calibrating.test_calibrate import derivation_of
 from wmrgen.calibrating.calibrate import _deviations, calibrate
 from wmrgen.calibrating.certainty import _pulls, _spans, _walk, fit
 from wmrgen.calibrating.clocks import ALONE, shown
-from wmrgen.calibrating.fit import LEVER, Residuals
+from wmrgen.calibrating.fit import LEVER, Residuals, _typical
 from wmrgen.calibrating.logs import Drive, Truth
+from wmrgen.calibrating.outliers import _steps
 
 ALONG, ACROSS, TURN = 4e-6, 1e-6, 9e-6  # m^2/s, m^2/s, rad^2/s
 NOISE = np.array([2e-3, 3e-3])  # m, rad
@@ -139,3 +140,34 @@ def test_a_robot_stands_where_no_wheel_turns() -> None:
         "d", t, {"left.spin": turning, "right.spin": 0 * turning, "right.steer": 1 + 0 * turning}, still
     )
     assert drive.stands(-1) and not drive.stands(0)
+
+
+@pytest.mark.parametrize("ahead", [1, 1j])
+def test_a_slip_along_either_axis_is_a_step_of_the_path(
+    ahead: complex, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ten centimetres at once, and no turn."""
+    t = STEP * np.arange(300)
+    off = 0.1 * ahead * (t > 15)
+    place = SPEED * t * ahead + off
+    rows = Residuals(
+        np.array([off.real, off.imag, 0 * t]), np.zeros((3, 300, 1)), np.ones((3, 300)), place, np.zeros(300)
+    )
+    monkeypatch.setattr("wmrgen.calibrating.outliers.residuals", lambda *_: rows)
+    monkeypatch.setattr("wmrgen.calibrating.outliers.later", lambda *_: None)
+    drives = [SimpleNamespace(truth=Truth(t, t, t, t))]
+    best = SimpleNamespace(problem=SimpleNamespace(drives=drives), unknowns=None, offsets=(0.0,))
+    at, (moved, turned) = _steps(best, 0)  # type: ignore[arg-type]
+    assert moved.max() == pytest.approx(0.1) and 13 <= at[np.argmax(moved)] <= 15
+    assert not turned.any()
+
+
+@pytest.mark.parametrize(("count", "size"), [(11, 3 / 11**0.5), (12, 0.0)])
+def test_few_residuals_count_by_their_squares(
+    count: int, size: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A drive of so few that its own unknowns take most up has a median of nearly nothing."""
+    values = np.array([3.0, *[0.0] * (count - 1)])
+    rows = SimpleNamespace(values=values, weights=np.ones(count))
+    monkeypatch.setattr("wmrgen.calibrating.fit.residuals", lambda *_: rows)
+    assert _typical(None, None, 0) == pytest.approx(size)  # type: ignore[arg-type]

@@ -419,3 +419,12 @@ def test_swivels_of_a_robot_that_says_mecanum(read: Import) -> None:
     said = read(robot(arms, words))
     assert [w["type"] for w in said["wheels"].values()] == ["steered", "steered"]
     assert said["asked"][:2] == [("a", "type"), ("b", "type")]
+
+
+def test_a_wheel_beside_its_steering_axis_without_a_mesh(read: Import) -> None:
+    """Nothing is drawn that could stand elsewhere than its joint: the radius alone is asked."""
+    arm = link("arm") + joint("turn", "base_link", "arm", "0.5 0 0.3", axis="0 0 1")
+    bare = link("front_link") + joint("front_joint", "arm", "front_link", "0 0.03 -0.2")
+    said = read(robot(pair(), arm, bare))
+    assert ("front", "r") in said["asked"] and ("front", "offset_y") not in said["asked"]
+    assert said["wheels"]["front"]["offset_y"] == 0.03

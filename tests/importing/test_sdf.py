@@ -15,6 +15,7 @@ import pytest
 from tests.conftest import Outcome
 from tests.depth import DEEP
 from tests.importing.drawn_sdf import sdf, unsnapped
+from wmrgen.importing.read import MAX_BYTES
 
 Cli = Callable[..., Outcome]
 Import = Callable[..., dict[str, Any]]
@@ -204,6 +205,23 @@ def test_included_models_stand_at_their_place(read: Import, side: Path, merge: s
     said = read(sdf(PAIR, include, hold), "--package", f"side={side}")
     back = said["wheels"][f"{inner}rim_joint"]
     assert (back["x"], back["y"], back["heading"]) == (-0.4, -0.2, math.pi)
+
+
+@pytest.mark.parametrize("more", [0, 1])
+def test_the_largest_model_config_is_read(
+    read: Import, wmrgen_cli: Cli, side: Path, tmp_path: Path, more: int
+) -> None:
+    """Of exactly so many bytes; one more is refused."""
+    config = side / "model.config"
+    text = config.read_bytes()
+    config.write_bytes(text + b" " * (MAX_BYTES + more - len(text)))
+    include = "<include><uri>model://side</uri></include>"
+    if more:
+        (tmp_path / "probe.sdf").write_text(sdf(PAIR, include), encoding="utf-8")
+        refused = wmrgen_cli("import", tmp_path / "probe.sdf", "--package", f"side={side}")
+        assert refused.code == 2 and "model.config: larger than 4 MiB" in refused.err
+    else:
+        assert "is not read" not in read(sdf(PAIR, include), "--package", f"side={side}")["notes"]
 
 
 def test_a_world_includes_its_robot(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:

@@ -43,7 +43,7 @@ def idle(function: Function) -> Iterator[str]:
     for i, node in enumerate(function.nodes):
         for k in _TAKEN.get(node.op, ()):
             instead = [node.args[k] if j == i else j for j in range(len(function.nodes))]
-            nodes = tuple(replace(n, args=tuple(instead[a] for a in n.args)) for n in function.nodes)
+            nodes = tuple(n._replace(args=tuple(instead[a] for a in n.args)) for n in function.nodes)
             without = replace(function, nodes=nodes, results=tuple(instead[r] for r in function.results))
             values = values_of(without, at, np.float64)
             if all(

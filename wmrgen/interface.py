@@ -18,7 +18,7 @@ wheels where the function is declared so (`Function.in_place`). All others may b
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 from wmrgen.ir.nodes import Function, Module, contract
@@ -39,8 +39,7 @@ TYPES = {
 _ALWAYS_IN_PLACE = ("pose", "pose_covariance")
 
 
-@dataclass(frozen=True, slots=True)
-class Argument:
+class Argument(NamedTuple):
     """An argument of a function. ``kind``: a shared type, `IN`, `OUT`, or nothing where it is a scalar.
 
     ``reads`` and ``writes``: contract name of a port -> the contract name of the member that it is, of a shared type

@@ -6,7 +6,7 @@ A function whose results another one computes by the same operations has its cla
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -151,7 +151,7 @@ def errors_one_by_one(
             values = np.zeros((count, boxes))
             values[rates.index(name)] = magnitude((lo, hi))
             alone[name] = values.ravel(), values.ravel()
-    walk = Walk(function, alone, replace(form, relative=True), library).run(max(roots) + 1)
+    walk = Walk(function, alone, form._replace(relative=True), library).run(max(roots) + 1)
     if walk.lengths:
         return {}
     ordered = sorted(roots)

@@ -32,8 +32,7 @@ _EXPONENT = 0x7FF << 52  # of a double
 _LEAST = 2.0**-1000
 
 
-@dataclass(frozen=True, slots=True)
-class Format:
+class Format(NamedTuple):
     """A binary format: ``bits`` of precision, least subnormal 2**``lowest``, finite below 2**``highest``.
 
     ``relative``: errors of roundings are counted in proportion to the result, though they grow by steps.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import sympy
@@ -20,8 +19,7 @@ class Domain(NamedTuple):
     text: str
 
 
-@dataclass(frozen=True, slots=True)
-class System:
+class System(NamedTuple):
     """State q, inputs u and vector fields. The symbol of a port is ``signal(port.name)``.
 
     ``fields[k][i]``: component i of g_k, an exact expression in the state and in ``geometry``: the tunable

@@ -8,7 +8,6 @@ row only: what can be inverted now is not inverted on the robot.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -83,7 +82,7 @@ def nominal_rank(measured: list[Measured], robot: Robot) -> NominalRank:
     rank = decide(_numbers([unit.own_row(r) for r in rows], nominal))
     if rank.value == rank.exact == 3:
         return NominalRank(3, None)
-    about_P = replace(unit, centre=(Fraction(0), Fraction(0)))
+    about_P = unit._replace(centre=(Fraction(0), Fraction(0)))
     numbers = zip(
         _numbers([about_P.own_row(r) for r in rows], nominal), (m[2] for m in measured), strict=True
     )

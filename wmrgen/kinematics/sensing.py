@@ -22,8 +22,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,8 +44,7 @@ _POINTS = ((3, 5), (-7, 4), (2, -9))  # half-angle tangents p/q of generic joint
 Twist = tuple[Expr, Expr, Expr]
 
 
-@dataclass(frozen=True, slots=True)
-class Contact:
+class Contact(NamedTuple):
     """A measured contact velocity: v + omega z x (bx, by) = (wx, wy), robot frame; ``weight``: of both rows."""
 
     wheel: Wheel
@@ -61,8 +60,7 @@ class Contact:
         return contact_rows(self.bx, self.by, self.wx, self.wy, self.weight)
 
 
-@dataclass(frozen=True, slots=True)
-class Component:
+class Component(NamedTuple):
     """A measured component: row . xi = value [m/s], which counts ``weight``."""
 
     wheel: Wheel
@@ -76,8 +74,7 @@ class Component:
         return [(self.row, self.value, self.weight)]
 
 
-@dataclass(frozen=True, slots=True)
-class Measurements:
+class Measurements(NamedTuple):
     """All that the sensed joints of a robot measure."""
 
     contacts: tuple[Contact, ...]
@@ -146,8 +143,8 @@ def measurements(robot: Robot, names: Locals | None = None) -> Measurements:
             components.append(Component(w, sliding_row(w, g).row, -(g.d * rate), w.weight))
     largest = max((*(c.weight for c in contacts), *(c.weight for c in components)), default=ONE)
     return Measurements(
-        tuple(replace(c, weight=c.weight / largest) for c in contacts),
-        tuple(replace(c, weight=c.weight / largest) for c in components),
+        tuple(c._replace(weight=c.weight / largest) for c in contacts),
+        tuple(c._replace(weight=c.weight / largest) for c in components),
     )
 
 

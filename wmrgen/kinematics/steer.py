@@ -12,7 +12,6 @@ reads the C, an analyser too, sees that it is not zero.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -59,8 +58,7 @@ HYSTERESIS = QUARTER / 18  # 5 degrees
 NARROW = Exact(Fraction(157, 100))  # rad between limits, just under a quarter turn
 
 
-@dataclass(frozen=True, slots=True)
-class Target:
+class Target(NamedTuple):
     """Commanded angle [rad], rim speed of the pivot [m/s] and, where it may slide, its lateral speed [m/s]."""
 
     steer: Expr

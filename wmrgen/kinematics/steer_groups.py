@@ -7,8 +7,6 @@ that do not steer decide which way the chain runs, else the first steered wheel 
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import sympy
 
 from wmrgen.constraints import heading, rolling_row, working_view
@@ -41,7 +39,7 @@ def nearest_steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Targe
         lead = members[0]
         if moves_as_one(members, velocities):
             one = steer_one(robot, lead, velocities[lead.index], names)
-            result.update({w.index: one if _spins_as(w, lead) else replace(one, spin=None) for w in members})
+            result.update({w.index: one if _spins_as(w, lead) else one._replace(spin=None) for w in members})
         else:
             result.update(steer_group(robot, members, velocities, names))
     return turning_alike(robot, twist, result, names)

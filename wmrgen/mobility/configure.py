@@ -8,7 +8,6 @@ twist is.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -95,7 +94,7 @@ def in_metres(picked: Admissible, unit: Unit) -> Admissible:
     """The admissible twists as twists of P in SI units."""
     normal = None if picked.normal is None else unit.row(picked.normal)
     basis, sample, tangent = (unit.twists(rows) for rows in (picked.basis, picked.sample, picked.tangent))
-    return replace(picked, normal=normal, basis=basis, sample=sample, tangent=tangent)
+    return picked._replace(normal=normal, basis=basis, sample=sample, tangent=tangent)
 
 
 def _numbers(robot: Robot, rows: Sequence[Row], seed: int = 0) -> list[ExactRow]:
@@ -118,7 +117,7 @@ def _admissible(robot: Robot, rows: Sequence[Row], seed: int = 0) -> tuple[Admis
     array = unit_rows(to_array(numbers))
     chosen = independent(array, numeric_rank(array)[0])
     best = _freest(robot, array[chosen], components(array[chosen], quadrics(robot)))
-    picked = replace(best, chosen=tuple(chosen), normal=_normal(best, array[chosen]))
+    picked = best._replace(chosen=tuple(chosen), normal=_normal(best, array[chosen]))
     return picked, [numbers[i] for i in chosen]
 
 

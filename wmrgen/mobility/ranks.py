@@ -8,10 +8,10 @@ depend neither on the unit of length of the file nor on where P lies. With the c
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from math import copysign, hypot, log, sqrt
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -28,8 +28,7 @@ GRID = 1e12  # singular values are kept to this fraction of the largest
 _SPAN_TOLERANCE = 1e-8
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
+class Unit(NamedTuple):
     """``centre`` [m] and ``length`` [m]."""
 
     centre: tuple[Fraction, Fraction]

@@ -39,8 +39,7 @@ class Rank(NamedTuple):
         return self.exact is not None and self.exact != self.value
 
 
-@dataclass(frozen=True, slots=True)
-class Admissible:
+class Admissible(NamedTuple):
     """The twists that some steering permits: a cone inside null(C0).
 
     ``basis``: spans the cone (rows, numbers). ``sample``: one generic twist of the cone. ``linear`` is False when the

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from fractions import Fraction
 
 from wmrgen.backends.c99.checked import checked
@@ -83,7 +82,7 @@ def unit(module: Module, choice: Choice = DEFAULT, formulas: Sequence[Function] 
     plain_unit = Unit(
         module.name, choice, tuple(shared.values()), joints, steps, kernels, rounds(module), written
     )
-    return replace(plain_unit, counting=counting(module, plain_unit.contract, scalar))
+    return plain_unit._replace(counting=counting(module, plain_unit.contract, scalar))
 
 
 def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:

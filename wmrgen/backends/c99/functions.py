@@ -96,7 +96,7 @@ def steps_of(
     for variant in (f for f in module.functions if f.variant_of and f.outputs):
         part, whole = (by_name.get(f"{module.name}_{name}") for name in (variant.variant_of, variant.name))
         if part is not None and whole is not None and _computes(whole, part) and len(part.lines) > _SHORT:
-            by_name[part.name] = replace(part, small=_taken_from(whole, part))
+            by_name[part.name] = part._replace(small=_taken_from(whole, part))
     return tuple(by_name.values())
 
 

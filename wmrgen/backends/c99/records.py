@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from wmrgen.backends.c99.text import Struct, prototype
@@ -48,8 +47,7 @@ def of(variable: str, member: str) -> str:
     return f"{variable}.{member}" if member else variable
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
+class Step(NamedTuple):
     """A C function, ready to print. ``structs``: those that are declared for it alone. ``small``: what stands in the
     place of its ``lines`` where least flash is asked for."""
 
@@ -106,8 +104,7 @@ class Kernel(NamedTuple):
     struct: tuple[str, tuple[str, ...]] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
+class Unit(NamedTuple):
     """All C functions of a robot, in the order they are printed.
 
     ``shared``: the types that several functions take; ``joints``: contract names of those of wheels, in order.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from wmrgen.interface import Argument, arguments, members
 from wmrgen.ir.nodes import Function, Module, Role
@@ -45,7 +44,7 @@ def preparing(module: Module) -> dict[str, tuple[Argument, ...]]:
     """Name -> arguments of what is called before functions that read what `prepare` gives."""
     if not module.prepare:
         return {}
-    params, prepared = (replace(argument, writes=_FILLED) for argument in (_PARAMS, _PREPARED))
+    params, prepared = (argument._replace(writes=_FILLED) for argument in (_PARAMS, _PREPARED))
     if not module.prepare.inputs:
         return {"prepare": (prepared,)}
     return {"params_default": (params,), "prepare": (_PARAMS, prepared)}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
@@ -69,7 +68,7 @@ def _stacking(measured: Measurements, robot: Robot) -> Measurements:
     """The measurements, of a differential drive in the order of the book."""
     first = {w.index: k for k, w in enumerate(pair(robot))}
     contacts = sorted(measured.contacts, key=lambda c: first.get(c.wheel.index, 0))
-    return replace(measured, contacts=tuple(contacts))
+    return measured._replace(contacts=tuple(contacts))
 
 
 def distinct(measured: Measurements) -> list[Measured]:

@@ -8,7 +8,7 @@ that follows points along it (the Ackermann condition), on the side that is near
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from wmrgen.constraints import (
     View,
@@ -43,8 +43,7 @@ MOST_TERMS = 120  # a second for their square; twice as many take five
 ONE, ZERO = Poly.of(1), Poly({})
 
 
-@dataclass(frozen=True, slots=True)
-class Frame:
+class Frame(NamedTuple):
     """``columns``: those of N. ``wheels``: their angles are the steering coordinates; a virtual one has index -1."""
 
     robot: Robot

@@ -8,7 +8,6 @@ joints and the steering rates; where too few joints are driven, null-space coord
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -63,8 +62,7 @@ class Drive(NamedTuple):
     offsets: dict[str, Poly]
 
 
-@dataclass(frozen=True, slots=True)
-class Motion:
+class Motion(NamedTuple):
     """How inputs move the body.
 
     ``twists[k]``: the twist of P per unit of ``inputs[k]``, robot frame. ``etas[k] / divisor``: its coordinates
@@ -124,7 +122,7 @@ def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual
     cleared = build(robot, mobility, True)
     per_eta = scaled(cleared.columns, cleared.wheels, robot)
     columns = per_eta if symbolic else tuple(cleaned(fixed(column, robot)) for column in per_eta)
-    coordinates = replace(cleared if symbolic else build(robot, mobility, False), columns=columns)
+    coordinates = (cleared if symbolic else build(robot, mobility, False))._replace(columns=columns)
     size = range(len(columns))
     ports = tuple(
         output(f"eta{k}", unit_of_eta(column), f"speed along column {k} of the null space")
@@ -141,7 +139,7 @@ def best_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Mot
         return posture_motion(robot, mobility, symbolic)
     except UnderactuatedError as error:
         motion = eta_motion(robot, mobility, symbolic, virtual=True)
-        return replace(motion, text=f"{motion.text}: {error.what}")
+        return motion._replace(text=f"{motion.text}: {error.what}")
 
 
 def _rate_ports(frame: Frame) -> tuple[Port, ...]:

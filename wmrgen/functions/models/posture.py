@@ -100,7 +100,7 @@ def eta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Syst
     """`dynamics` as a system."""
     model = system_of("dynamics", eta_motion(robot, mobility, symbolic))
     lines = [s.wheels for s in mobility.singularities if s.kind == "shared_axle"]
-    return replace(model, domain=tuple(_one_line(robot, a, b, symbolic) for a, b in lines))
+    return model._replace(domain=tuple(_one_line(robot, a, b, symbolic) for a, b in lines))
 
 
 def _one_line(robot: Robot, first: str, second: str, symbolic: bool) -> Domain:
@@ -126,7 +126,7 @@ def configuration_system(robot: Robot, mobility: Mobility, symbolic: bool = Fals
         if w.has_spin and (has_coordinate(motion.frame, w) or len(motion.etas[0]) == 1)
     )
     model = system_of("configuration", motion, castors, rolling)
-    return replace(model, text=f"configuration model: {motion.text}")
+    return model._replace(text=f"configuration model: {motion.text}")
 
 
 @function("Siegwart (3.24)-(3.28), solved for the joint rates")

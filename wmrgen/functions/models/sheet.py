@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import sympy
@@ -24,8 +23,7 @@ class Equation(NamedTuple):
     rate: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Sheet:
+class Sheet(NamedTuple):
     """What is written down about a model. ``fields``: input name -> components in the order of the state."""
 
     form: str
@@ -61,7 +59,7 @@ def with_lags(sheet: Sheet, lags: Mapping[str, Lag]) -> Sheet:
     """The sheet with commanded steering angles for inputs; it says which rates follow from them."""
     where = tuple(Equation(name, tidy(lag.rate)) for name, lag in lags.items())
     inputs = tuple(lags[p.name].command if p.name in lags else p for p in sheet.inputs)
-    return replace(sheet, inputs=inputs, where=(*sheet.where, *where), text=of_commands(sheet.text, lags))
+    return sheet._replace(inputs=inputs, where=(*sheet.where, *where), text=of_commands(sheet.text, lags))
 
 
 def tidy(expr: Expr) -> Expr:

@@ -12,7 +12,6 @@ from the fixed axle at the centre of the fixed wheels, from P where there is non
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import sympy
@@ -133,8 +132,7 @@ def towing_system(motion: Motion, mobility: Mobility) -> System:
         convoy(motion, axle or THROUGH_P, [expression(p) for p in twist], None) for twist in motion.twists
     ]
     posture = system_of("trailer", motion)
-    return replace(
-        posture,
+    return posture._replace(
         text=f"body and {len(trailers)} trailer{'' if len(trailers) == 1 else 's'}: {motion.text}",
         state=(*posture.state, *state_ports(trailers)),
         fields=tuple(

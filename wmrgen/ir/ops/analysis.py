@@ -19,8 +19,7 @@ from wmrgen.ir.interval import Array, Interval
 # ---- running error bounds: many points at once
 
 
-@dataclass(frozen=True, slots=True)
-class Bounded:
+class Bounded(NamedTuple):
     """``value`` per point; ``error``: two rows, of code in the target's arithmetic and of ``value`` itself.
 
     ``outcome``: for choices, +1 and -1 where the outcome is sure, else 0, in the rows of ``error``.

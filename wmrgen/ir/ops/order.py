@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -228,7 +227,7 @@ def _at_least(w: Walk, i: int, a: int, m: int) -> Value:
 def _at_least_error(unit: Array, a: Bounded, m: Bounded) -> Bounded:
     size = Bounded(np.abs(a.value), a.error)
     kept = _extreme_error(size, m, np.maximum(size.value, m.value))
-    return replace(_with_sign_error(unit, kept, a), outcome=kept.outcome)
+    return _with_sign_error(unit, kept, a)._replace(outcome=kept.outcome)
 
 
 def _casadi_at_least(ca: Any, a: Any, m: Any) -> Any:

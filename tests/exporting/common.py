@@ -11,6 +11,7 @@ from xml.etree.ElementTree import Element
 from defusedxml.ElementTree import fromstring
 
 import wmrgen
+from tests.robots import of_gallery
 from wmrgen.layout.records import Robot
 
 
@@ -20,6 +21,10 @@ def load(tmp_path: Path, *wheels: str, more: str = "", name: str = "drawn") -> R
     text = "".join(f"  - {{{wheel}}}\n" for wheel in wheels)
     path.write_text(f"wmrgen: 1\nname: {name}\nsnap: false\nwheels:\n{text}{more}", encoding="utf-8")
     return wmrgen.load(path)
+
+
+def gallery(name: str) -> Robot:
+    return of_gallery(name).robot
 
 
 def root(text: str) -> Element:

@@ -20,7 +20,7 @@ import yaml
 import wmrgen
 from tests.conftest import ROOT
 from tests.depth import DEEP
-from tests.exporting.common import drives, load, root, speeds, twists
+from tests.exporting.common import drives, gallery, load, root, speeds, twists
 from tests.oracle.harness import robot_text
 from tests.peers.test_peers import layout
 from wmrgen.errors import NotDerivableError
@@ -46,10 +46,6 @@ REFUSED = {
     "jpl_osr": "not one fixed axle", "kelly_4ws": "beside its steering axis", "pr2": "coupled",
     "synchro_drive": "coupled", "nomad_xr4000": "powered castor", "office_chair": "no motor drives it",
 }  # fmt: skip
-
-
-def gallery(name: str) -> Robot:
-    return wmrgen.load(ROOT / "robots" / f"{name}.yaml")
 
 
 def parameters(robot: Robot) -> tuple[str, dict[str, Any]]:

@@ -22,13 +22,12 @@ import yaml
 
 import wmrgen
 from tests.conftest import ROOT, Outcome, tree
-from tests.exporting.common import drives, load, root
+from tests.exporting.common import drives, gallery, load, root
 from wmrgen.cli.exporting import _KINDS
 from wmrgen.exporting.ros2_control import ros2_control
 from wmrgen.exporting.sdf import sdf
 from wmrgen.exporting.urdf import urdf
 from wmrgen.exporting.wpilib import wpilib
-from wmrgen.layout.records import Robot
 
 Cli = Callable[..., Outcome]
 EVERY_TYPE = [
@@ -40,10 +39,6 @@ EVERY_TYPE = [
     "textbook_tricycle",
 ]
 HOSTILE = "ends */ --> ]]> -- } \\u002a\\u002f ??/ \\ // # \n- x: {y: 1}\n*/ </robot><!ENTITY a 'b'>&amp; \"'` é 😀 --"
-
-
-def gallery(name: str) -> Robot:
-    return wmrgen.load(ROOT / "robots" / f"{name}.yaml")
 
 
 def attribute(element: Element | None, name: str) -> str:

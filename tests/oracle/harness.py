@@ -13,17 +13,10 @@ import sympy
 from numpy.typing import NDArray
 
 import wmrgen
+from tests.oracle.robot_file import NAMES
 
 Array = NDArray[np.float64]
 Layout = dict[str, Any]
-_MATH = {
-    "pi": math.pi,
-    "sqrt": math.sqrt,
-    "sin": math.sin,
-    "cos": math.cos,
-    "tan": math.tan,
-    "atan2": math.atan2,
-}
 
 
 def robot_text(layout: Layout, name: str = "sample", polar: bool = False, extra: str = "") -> str:
@@ -108,7 +101,7 @@ class Model:
 
     def matrix(self, name: str, steer: dict[str, float] | None = None) -> Array:
         """A matrix of model.json at the steering angles (by wheel name, 0 where not given)."""
-        scope = _MATH | self.nominal
+        scope = NAMES | self.nominal
         scope |= {f"{w.name}_steer": (steer or {}).get(w.name, 0.0) for w in self.robot.wheels}
         rows = [[float(eval(entry, {"__builtins__": {}}, scope)) for entry in row] for row in self.data[name]]
         return np.array(rows, dtype=float) if rows else np.zeros((0, 3))

@@ -128,6 +128,16 @@ def test_a_swivel_that_only_a_transmission_names(read: Import, body: str, kind: 
     assert read(robot(*parts, said, control("s")))["asked"] == []
 
 
+def test_two_wheels_on_one_shaft(read: Import) -> None:
+    """One joint turns both: rigid parts of it, 0.4 m apart; two sides of one wheel stand nearer."""
+    for half, asked in ((0.2, [("axle", "type")]), (0.04, [])):
+        shaft = link("axle") + joint("axle", "base_link", "axle", "-0.3 0 0.1")
+        for n, y in (("a", half), ("b", -half)):
+            shaft += link(n, cylinder("0.1")) + joint(n, "axle", n, f"0 {y} 0", "fixed", "")
+        said = read(robot(pair(), shaft, control("axle", "left_joint", "right_joint")))
+        assert said["asked"] == asked and said["wheels"]["axle"]["y"] == 0
+
+
 def test_a_sphere_that_nothing_drives(read: Import) -> None:
     """On a joint about one axle, where simulators have it; what carries the robot is a ball."""
     parts = (pair(), wheel("tail", "-0.3 0 0.03", BALL))

@@ -78,6 +78,23 @@ def swivel_doubts(
         yield Question(name, "actuated", text, (f"[{rest}]", f"[{', '.join(actuated or ())}]"))
 
 
+def axle_asked(c: Candidate, name: str) -> Iterator[Question]:
+    """What may be two wheels on one shaft, in whose middle one is taken: as large as one another, and further apart
+    than their diameter."""
+    if not c.shape:
+        return
+    a, b = c.shape.sides
+    between = plus(b, a, -1)
+    if dot(between, between) > 4 * c.radius**2:
+        at = " and ".join(f"({float(p[0]):.6g}, {float(p[1]):.6g})" for p in (a, b))
+        text = "its joint turns two wheels, and one in their middle is taken: does a shaft turn both?"
+        hints = (
+            f"two wheels where it does, at {at}, and equal: their spins, under couplings:",
+            "else the one that touches the ground",
+        )
+        yield Question(name, "type", text, hints)
+
+
 def ball_asked(name: str) -> Question:
     text = "a sphere that nothing drives: does it roll any way, as the ball of a castor, or about its axle alone?"
     return Question(name, "type", text, ("spherical, where it rolls any way", "fixed, about its axle alone"))

@@ -70,7 +70,10 @@ def front_doubted(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidat
 def articulated(wheels: Sequence[Wheel]) -> list[Question]:
     """A joint that steers wheels far from it: it may turn a part of the body."""
     text = "its steering axis carries several wheels far from it: is the robot articulated there?"
-    hints = ("keep it if it steers", "a robot file has no articulated bodies")
+    hints = (
+        "keep it if it steers",
+        "a robot file has no articulated bodies; what is towed stands under trailers:",
+    )
     return [
         Question(w.name, "type", text, hints)
         for w in wheels

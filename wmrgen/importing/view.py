@@ -26,12 +26,14 @@ X, Z = (Fraction(1), Fraction(0), Fraction(0)), (Fraction(0), Fraction(0), Fract
 
 @dataclass(frozen=True, slots=True)
 class Round:
-    """The largest coaxial cylinder or sphere of a wheel: ``words`` say which."""
+    """The largest coaxial cylinder or sphere of a wheel: ``words`` say which, ``sides`` where those as large stand
+    along the axle."""
 
     radius: Fraction
     centre: Vector
     words: str
     cylinder: bool
+    sides: tuple[Vector, Vector]
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,8 +167,9 @@ class Robot:
         (collides, radius), _, kind = largest = max(shapes, key=lambda s: s[0])
         shares = [share for rank, share, _ in shapes if rank == largest[0]]
         words = f"{'collision' if collides else 'visual'} {kind}"
+        first, last = (plus(origin, axis, share) for share in (min(shares), max(shares)))
         middle = plus(origin, axis, (min(shares) + max(shares)) / 2)
-        return Round(radius, middle, words, kind == "cylinder")
+        return Round(radius, middle, words, kind == "cylinder", (first, last))
 
 
 def base_link(description: Description, wanted: str | None) -> str:

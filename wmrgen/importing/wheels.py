@@ -15,6 +15,7 @@ from wmrgen.importing.passed import with_gears
 from wmrgen.importing.questions import (
     CONFLICT,
     TRAIL,
+    axle_asked,
     ball_asked,
     doubt,
     other_height,
@@ -131,6 +132,7 @@ def _wheel(
         )
     elif powered and actuated == () and c.shape and not c.shape.cylinder:
         questions.append(ball_asked(name))
+    questions += axle_asked(c, name)
     questions += _size_doubts(robot, c, name, offset, remarks)
     wheel = Wheel(
         name,

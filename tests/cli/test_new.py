@@ -114,8 +114,11 @@ def test_new_never_writes_over_a_file(wmrgen_cli: Cli, here: Path) -> None:
 def test_questions(wmrgen_cli: Cli, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is given is not asked; an input that ends is no answer."""
     monkeypatch.setattr(console, "can_ask", lambda: True)
-    done = wmrgen_cli("new", "--from", "bicycle", stdin="int\nmine\n1.25\n\n")
-    assert done.code == 0 and "reserved" in done.err and "wheelbase? [1.1]" in done.err
+    done = wmrgen_cli("new", "--from", "bicycle", stdin="int\nmine\nlong\n1.25\n-2 m\n\n")
+    assert done.code == 0 and "reserved" in done.err and done.err.count("wheelbase? [1.1]") == 2
+    assert (
+        "'long' is not a declared parameter" in done.err and "150 mm" in done.err and "r? [0.34]" in done.err
+    )
     assert [float(p.nominal) for p in wmrgen.load(here / "mine.yaml").parameters] == [1.25, 0.34]
     assert wmrgen_cli("new", "other", "r=1", "--from", "bicycle").code == 0
     done = wmrgen_cli("new", stdin="bicycle\nlast\n")

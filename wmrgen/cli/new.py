@@ -6,6 +6,7 @@ import json
 import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 _WIDTH = 110
 _PLAIN = re.compile(r"[\w.+*/() -]+")  # values that mean the same without quotes, anywhere in YAML
+_UNITS = "Lengths are in metres, angles in radians; a unit may stand behind a number: 150 mm, 30 deg."
 _SELF_EVIDENT = ("wmrgen", "name", "description")
 
 
@@ -56,9 +58,12 @@ def new(
         raise UsageError(f"{path} exists already. Give another name, or another file with --out.")
     spec = read_text(origin, f"{start}.yaml")
     words = _words(values or (), spec, start)
-    if asks and not values:
+    if asks and not values and spec.parameters:
+        console.note(_UNITS)
         for p in spec.parameters:
-            words[p.name] = console.ask(f"{p.name}?", p.value.text, str)
+            words[p.name] = console.ask(
+                f"{p.name}?", p.value.text, partial(_value, p.name, words, origin, spec)
+            )
     text = _with_values(origin, spec, words)
     text = _commented(_renamed(text, name, description or f"after {spec.description}"), name, start)
     text = formatted(text, str(path))
@@ -84,6 +89,12 @@ def _of_gallery(name: str) -> str:
 def _name(name: str) -> str:
     """A name that a robot may have. RobotFileError for another."""
     return robot_name(Scalar(Mark("the name of the robot", 1, 1, name), name, True))
+
+
+def _value(name: str, words: Mapping[str, str], origin: str, spec: RobotSpec, word: str) -> str:
+    """``word``, with which as the value of a parameter the file is a robot. RobotFileError where it is none."""
+    wmrgen.robot_of(read_text(_with_values(origin, spec, {**words, name: word}), f"{spec.name}.yaml"))
+    return word
 
 
 def _words(values: Sequence[str], spec: RobotSpec, start: str) -> dict[str, str]:
@@ -133,7 +144,7 @@ def _commented(text: str, name: str, start: str) -> str:
     }
     head = (
         f"{name}, begun as {start} of wmrgen's gallery. x points forward, y to the left, angles are counter-clockwise. "
-        "Lengths are in metres, angles in radians; a unit may stand behind a number: 150 mm, 30 deg."
+        + _UNITS
     )
     lines = [MODELINE, *_comment(head)]
     for number, line in enumerate(text.rstrip("\n").split("\n"), 1):

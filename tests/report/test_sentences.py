@@ -164,7 +164,9 @@ def test_a_robot_that_skids() -> None:
     """Without slip it goes straight, as the drive that turns as it does it is not holonomic; two relations are told,
     and two are written."""
     page = page_written(SKIDDING)
-    assert "Without slip, 1 velocity can be chosen" in page and "That drive has DDOF = 2 and DOF = 3" in page
+    assert (
+        "Without slip, one velocity can be chosen" in page and "That drive has DDOF = 2 and DOF = 3" in page
+    )
     assert page.count("Driving: ") == 1 and "2 relations must hold between the rates" in page
     relations = page.partition("of compatibility")[2].partition("```math")[2].partition("```")[0]
     assert relations.count("0 &= ") == 2 and "```math\nT_e = 0.8\n```" in page

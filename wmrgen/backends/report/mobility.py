@@ -109,14 +109,13 @@ def _verdicts(d: Derivation) -> list[str]:
     vector, states = _growth(d)
     if not m.ddof:
         return ["Without slip nothing moves: DDOF = DOF = 0."]
-    rolling = "Without slip, " if m.degenerate else ""
-    velocities = (
-        f"{m.ddof} {'velocity' if m.ddof == 1 else 'velocities'} can be chosen at once (DDOF = {m.ddof})"
-    )
+    rolling = "without slip, " if m.degenerate else ""
+    velocities = ("one velocity", "two velocities", "three velocities")[m.ddof - 1]
+    said = f"{rolling}{velocities} can be chosen at once"
     return [
-        f"{rolling}{velocities}, and poses of dimension {m.dof} can be reached (DOF = {m.dof}). Holonomic means "
-        f"DDOF = DOF, omnidirectional DDOF = 3: the robot is {_called(m)}. The growth vector "
-        f"({', '.join(map(str, vector))}) counts the dimensions that the inputs span, then "
+        f"{said[0].upper()}{said[1:]} (DDOF = {m.ddof}), and poses of dimension {m.dof} can be reached "
+        f"(DOF = {m.dof}). Holonomic means DDOF = DOF, omnidirectional DDOF = 3: the robot is {_called(m)}. "
+        f"The growth vector ({', '.join(map(str, vector))}) counts the dimensions that the inputs span, then "
         f"those with their brackets, one order at a time{states}: the degree of nonholonomy is {len(vector)}."
     ]
 

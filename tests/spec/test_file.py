@@ -187,7 +187,8 @@ def test_a_robot_must_not_shadow_a_header_or_module(name: str) -> None:
 
 def test_paths_that_are_no_robot_file(tmp_path: Path) -> None:
     for path, message in (
-        (tmp_path / "none.yaml", "no such file"),
+        (tmp_path / "none.yaml", "no such file\n = Give the path"),
+        ("nowhere/lekiwi.yaml", "`wmrgen new lekiwi --from lekiwi -o nowhere/lekiwi.yaml` begins it"),
         (tmp_path, "is a directory"),
         ("a\0b", "cannot be read|no such file"),
         (tmp_path / ("x" * 5000), "cannot be read"),

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from wmrgen.errors import Code, Mark, RobotFileError
+from wmrgen.shipped import shipped
 
 MAX_BYTES = 256 * 1024
 
@@ -230,6 +231,9 @@ def bytes_of(path: str | Path, limit: int) -> bytes:
         return read_at_most(path, limit)
     except FileNotFoundError:
         what, instead = "no such file", "Give the path of a file."
+        name = Path(path).stem
+        if (shipped("robots") / Path(path).name).is_file():
+            instead = f"`wmrgen new {name} --from {name} -o {printable(str(path))}` begins it as that of the gallery."
     except IsADirectoryError:
         what, instead = "is a directory", "Give the file in it."
     except (OSError, ValueError) as error:

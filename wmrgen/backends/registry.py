@@ -18,9 +18,8 @@ if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
 
 
-Request = tuple[
-    str, Mapping[str, float]
-]  # a function, its inputs by contract name; a tunable may be left out
+# A function, and its inputs by contract name; a tunable may be left out.
+Request = tuple[str, Mapping[str, float]]
 
 
 class Place(NamedTuple):

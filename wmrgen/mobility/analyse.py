@@ -16,7 +16,7 @@ from wmrgen.layout.skid import driven
 from wmrgen.mobility.basis import basis, deciding, null_columns, primitive, scaled
 from wmrgen.mobility.configure import Configuration, configuration, in_metres
 from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.reasons import actuation, apart, reasons, skids, verdict
+from wmrgen.mobility.reasons import actuation, apart, reasons, skids, stated, verdict
 from wmrgen.mobility.records import Mobility, Singularity
 from wmrgen.notation import listed
 
@@ -36,7 +36,7 @@ def analyse(robot: Robot) -> Mobility:
     return Mobility(
         degree_of_mobility=at.mobility, degree_of_steerability=at.steerability,
         rank_C1f=at.rank_fixed, rank_C1=at.rank, dof=at.dof,
-        reasons=reasons(at, deciding(rows)), actuation=actuation(at),
+        reasons=reasons(at, deciding(rows)), stated=stated(at), actuation=actuation(at),
         apart=apart(at), skids=skids(at), verdict=verdict(at),
         growth_vector=growth_vector(now, at.admissible.tangent, at.steerability),
         singularities=singularities(at, deciding(rows), columns),

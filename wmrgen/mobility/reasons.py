@@ -23,9 +23,14 @@ SAME = 1e-9
 def reasons(at: Configuration, deciding: tuple[Wheel, ...]) -> tuple[str, ...]:
     """Why the degrees are what they are, one sentence each; ``deciding``: the steered wheels that give a row of C1."""
     return (
-        *_fixed(at), *_taken_for_one(at), *_couplings(at), *_steered(at, deciding), *_free_wheels(at),
+        *_fixed(at), *_taken_for_one(at), *_couplings(at), *_coupled(at), *_steered(at, deciding), *_free_wheels(at),
         *_degrees(at), *filter(None, [verdict(at)]), *_doubts(at), *_coincidences(at),
     )  # fmt: skip
+
+
+def stated(at: Configuration) -> tuple[str, ...]:
+    """Of `reasons` those that say what the robot file or a definition says: its couplings, (3.40) to (3.42)."""
+    return (*_couplings(at), *_degrees(at))
 
 
 def _axle(w: Wheel) -> Array:
@@ -110,6 +115,12 @@ def _couplings(at: Configuration) -> list[str]:
         spins = f"they {turning(at.robot.ratios(names))}"
         what = "their steering angles are equal" if joint == "steer" else spins
         sentences.append(f"{listed(list(names))} are coupled: {what}.")
+    return sentences
+
+
+def _coupled(at: Configuration) -> list[str]:
+    """What couplings leave of the motion."""
+    sentences = []
     normal = at.admissible.normal
     if normal is not None:
         if not normal[0] and not normal[1]:

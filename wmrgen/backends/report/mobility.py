@@ -42,8 +42,7 @@ def analysis(d: Derivation) -> list[str]:
     """Section 5."""
     m = d.mobility
     steered = any(w.kind.steers for w in d.robot.wheels)
-    told = ("delta_m = ", " are coupled: ")  # by (3.40) to (3.42), by section 1
-    argument = [r for r in m.reasons if not any(words in r for words in told)]
+    argument = [r for r in m.reasons if r not in m.stated]
     return [
         "## 5 Mobility",
         *items(map(sentence, argument), lambda k: f"{k}."),

@@ -110,3 +110,13 @@ def test_the_residual_is_that_of_forward(name: str) -> None:
     assert (math.sqrt(value) if root else value) == pytest.approx(float(twist["slip"]), rel=1e-6)
     named = all(w.symbolic.r.constant is None for w in d.robot.wheels if w.has_spin)
     assert float(twist["slip"]) > 0.001 and not (named and re.search(r"\d\.\d", told[0]))
+
+
+def test_wheels_in_one_place() -> None:
+    """Four rows of rank 2 leave two relations, so the residual is the root of a sum of squares."""
+    wheels = [
+        f"name: w{k}, type: fixed, x: 0, y: -0.6, heading: {k} * pi, r: {r}" for k, r in enumerate("12")
+    ]
+    text = section(wheels)
+    assert "rank 2" in text or "The rows leave a direction unseen" in text
+    assert r"\mathrm{slip} = \sqrt{" in text

@@ -138,23 +138,29 @@ def by_three(d: Derivation, rows: list[Measured], nominal: list[Measured]) -> li
 def residual(rows: Sequence[Measured]) -> str:
     """The norm of z - H xi.
 
-    Four rows leave one relation n^T H = 0, and the norm is |n^T z| / |n| where n is a multiple of numbers; it is the
-    root of a sum of squares else.
+    Four rows of rank 3 leave one relation n^T H = 0, and the norm is |n^T z| / |n| where n is a multiple of numbers; it
+    is the root of a sum of squares else.
     """
+    if normal := _relation(rows):
+        length = sqrt_poly(Poly.of(sum((c * c for c in normal), ZERO)))
+        gap = Poly.sum(value.scale(c) for c, (_, value, _) in zip(normal, rows, strict=True))
+        return rf"\left|{latex(gap * length.inverse())}\right|"
     gaps = [value - dot(row, XI) for row, value, _ in rows]
-    if len(rows) == 4:
-        h = [list(row) for row, _, _ in rows]
-        minors = [determinant([*h[:k], *h[k + 1 :]]).scale((-1) ** k) for k in range(4)]
-        first = next(p for p in minors if p)
-        normal = [p.ordered[0][1] / first.ordered[0][1] if p else ZERO for p in minors]
-        if all(p == first.scale(c) for p, c in zip(minors, normal, strict=True)):
-            length = sqrt_poly(Poly.of(sum((c * c for c in normal), ZERO)))
-            left = Poly.sum(value.scale(c) for c, (_, value, _) in zip(normal, rows, strict=True))
-            return rf"\left|{latex(left * length.inverse())}\right|"
     forms = (-p if all(c.sign < 0 for c in p.terms.values()) else p for p in gaps)
     squares = Counter(rf"{latex(p)}^{{2}}" if p in XI else rf"\left({latex(p)}\right)^{{2}}" for p in forms)
     parts = (text if n == 1 else rf"{n}\,{text}" for text, n in squares.items())
     return rf"\sqrt{{{' + '.join(parts)}}}"
+
+
+def _relation(rows: Sequence[Measured]) -> list[Exact]:
+    """Numbers n with n^T H = 0, of four rows of rank 3; nothing of others, or where n has no ratio of numbers."""
+    h = [list(row) for row, _, _ in rows]
+    minors = [determinant([*h[:k], *h[k + 1 :]]).scale((-1) ** k) for k in range(4)] if len(h) == 4 else []
+    first = next((p for p in minors if p), None)
+    if first is None:
+        return []
+    normal = [p.ordered[0][1] / first.ordered[0][1] if p else ZERO for p in minors]
+    return normal if all(p == first.scale(c) for p, c in zip(minors, normal, strict=True)) else []
 
 
 def _easy(polys: Sequence[Poly]) -> bool:

@@ -20,12 +20,7 @@ def calls(function: Callable[[], object], most: int) -> int:
                 sys.setprofile(None)
                 raise AssertionError(f"more than {most} calls")
 
-    before = sys.getprofile()
-    sys.setprofile(entered)
-    try:
-        function()
-    finally:
-        sys.setprofile(before)
+    _watched(function, entered)
     return count
 
 
@@ -39,10 +34,15 @@ def arguments(work: Callable[[], object], *functions: Callable[..., Any]) -> lis
         if event == "call" and code in codes:
             called.append((code.co_name, frame.f_locals[code.co_varnames[0]]))
 
+    _watched(work, entered)
+    return called
+
+
+def _watched(work: Callable[[], object], entered: Callable[[FrameType, str, Any], None]) -> None:
+    """Do ``work`` and tell ``entered`` of every function that it enters or leaves."""
     before = sys.getprofile()
     sys.setprofile(entered)
     try:
         work()
     finally:
         sys.setprofile(before)
-    return called

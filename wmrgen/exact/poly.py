@@ -252,6 +252,12 @@ def cross(a: Row, b: Row) -> Row:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
+def common_powers(polys: Iterable[Poly]) -> dict[Gen, int]:
+    """Of each generator the least power in any term (negative ones too): the largest monomial that divides all."""
+    monomials = [dict(m) for p in polys for m in p.terms]
+    return {g: min(m.get(g, 0) for m in monomials) for g in {g for m in monomials for g in m}}
+
+
 def has_angles(row: Iterable[Poly]) -> bool:
     """True where the angle of a joint occurs."""
     return any(g.kind in ("cos", "sin") for p in row for g in p.generators)

@@ -17,7 +17,7 @@ import numpy as np
 from wmrgen.constraints import View, rolling_row, sliding_row
 from wmrgen.exact.evaluate import number, sqrt_poly
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Gen, Monomial, Poly, Row, cross, each, has_angles
+from wmrgen.exact.poly import Gen, Monomial, Poly, Row, common_powers, cross, each, has_angles
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.admissible import along, geared
 from wmrgen.mobility.configure import Configuration
@@ -217,12 +217,9 @@ def _axle(row: Row) -> tuple[Row, ...]:
 
 def primitive(row: Polys) -> Polys:
     """The row without common factors: no common monomial, leading coefficient 1."""
-    monomials = [dict(m) for p in row for m in p.terms]
-    if not monomials:
+    if not any(row):
         return row
-    generators = {g for m in monomials for g in m}
-    shift = {g: min(m.get(g, 0) for m in monomials) for g in generators}
-    factor = _leading(row)
+    shift, factor = common_powers(row), _leading(row)
     return cast(Polys, tuple(_shifted(p, shift, factor) for p in row))
 
 

@@ -10,7 +10,7 @@ from wmrgen import notation
 from wmrgen.backends.report.latex import terms, total
 from wmrgen.backends.report.terms import Factor, Term, merged
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly, Row
+from wmrgen.exact.poly import Gen, Poly, Row, common_powers
 
 _MOST = 100  # a common denominator above this makes numbers longer, not shorter
 
@@ -105,9 +105,8 @@ def _of_two(like: Factor, head: str, angles: Sequence[str], sign: str) -> Factor
 
 def equation(p: Poly) -> Poly:
     """The left-hand side of ``p = 0`` without a common number or length; with the sign of most of its terms."""
-    powers = [dict(m) for m in p.terms]
-    lengths = ((g, min(m.get(g, 0) for m in powers)) for g in sorted(p.generators) if g.kind == "param")
-    p = p * Poly({tuple((g, e) for g, e in lengths if e): ONE}).inverse()
+    lengths = sorted((g, e) for g, e in common_powers([p]).items() if e and g.kind == "param")
+    p = p * Poly({tuple(lengths): ONE}).inverse()
     numbers = list(p.terms.values())
     size = abs(numbers[0]) if all(abs(c) == abs(numbers[0]) for c in numbers) else Exact(1)
     negative = sum(c.sign for c in numbers) < 0 or (numbers[0].sign < 0 and sum(c.sign for c in numbers) == 0)

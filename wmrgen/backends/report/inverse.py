@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -10,6 +9,7 @@ from wmrgen import notation
 from wmrgen.backends.report.car import circle
 from wmrgen.backends.report.closed import driven_twist, pivot_velocity, projected, spin_rate, swivel_rate
 from wmrgen.backends.report.latex import latex, width
+from wmrgen.backends.report.letters import multiples, squares
 from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, math, minus, some
 from wmrgen.constraints import XI, seen, symbolic_view
 from wmrgen.exact.number import ONE
@@ -280,9 +280,9 @@ def _forbidden(projection: Projection, coupled: bool, steered: bool, held: bool)
         return [words.replace("speed [m/s]", "speed |v<sub>y</sub>| [m/s]", 1) + "."]
     if len(forms) == 1:
         return [f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]
-    squares = Counter(rf"{latex(p)}^2" if p in XI else rf"\left({latex(p)}\right)^2" for p in forms)
-    each = min(squares.values()) if len(set(squares.values())) == 1 else 1
-    parts = [text if n == each else rf"{n}\,{text}" for text, n in squares.items()]
+    counts = squares(forms)
+    each = min(counts.values()) if len(set(counts.values())) == 1 else 1
+    parts = multiples(counts, each)
     shown = [text for k, text in enumerate(parts) if not k or width("".join(parts[: k + 1])) < _ROOT]
     mean = " + ".join([*shown, *([r"\cdots"] if len(parts) > len(shown) else [])])
     if projection.weight * each != 1:

@@ -4,7 +4,7 @@ r / (4 (a + b)); the forms of the model, and the functions that are one."""
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -147,9 +147,17 @@ def residual(rows: Sequence[Measured]) -> str:
         return rf"\left|{latex(gap * length.inverse())}\right|"
     gaps = [value - dot(row, XI) for row, value, _ in rows]
     forms = (-p if all(c.sign < 0 for c in p.terms.values()) else p for p in gaps)
-    squares = Counter(rf"{latex(p)}^{{2}}" if p in XI else rf"\left({latex(p)}\right)^{{2}}" for p in forms)
-    parts = (text if n == 1 else rf"{n}\,{text}" for text, n in squares.items())
-    return rf"\sqrt{{{' + '.join(parts)}}}"
+    return rf"\sqrt{{{' + '.join(multiples(squares(forms)))}}}"
+
+
+def squares(forms: Iterable[Poly]) -> Counter[str]:
+    """How often each square occurs in a sum of squares."""
+    return Counter(rf"{latex(p)}^2" if p in XI else rf"\left({latex(p)}\right)^2" for p in forms)
+
+
+def multiples(counts: Mapping[str, int], each: int = 1) -> list[str]:
+    """Summands with the numbers before them, ``each`` of them being one."""
+    return [text if n == each else rf"{n}\,{text}" for text, n in counts.items()]
 
 
 def _relation(rows: Sequence[Measured]) -> list[Exact]:

@@ -110,9 +110,9 @@ def _verdicts(d: Derivation) -> list[str]:
         return ["Without slip nothing moves: DDOF = DOF = 0."]
     rolling = "without slip, " if m.degenerate else ""
     velocities = ("one velocity", "two velocities", "three velocities")[m.ddof - 1]
-    said = f"{rolling}{velocities} can be chosen at once"
+    said = f"{rolling}{velocities} can be chosen at once".capitalize()
     return [
-        f"{said[0].upper()}{said[1:]} (DDOF = {m.ddof}), and poses of dimension {m.dof} can be reached "
+        f"{said} (DDOF = {m.ddof}), and poses of dimension {m.dof} can be reached "
         f"(DOF = {m.dof}). Holonomic means DDOF = DOF, omnidirectional DDOF = 3: the robot is {_called(m)}. "
         f"The growth vector ({', '.join(map(str, vector))}) counts the dimensions that the inputs span, then "
         f"those with their brackets, one order at a time{states}: the degree of nonholonomy is {len(vector)}."

@@ -69,17 +69,17 @@ def example(d: Derivation) -> list[tuple[str, Texts, Texts]]:
     or cannot move."""
     if not any(w.actuated for w in d.robot.wheels):
         return []
-    tried = islice(_driven(d), _TRIED)
+    tried = ((twist, joints, _again(d, joints)) for twist, joints in islice(_driven(d), _TRIED))
     first = next(tried, None)
     if first is None:
         return []
-    twist, joints = next((pair for pair in chain([first], tried) if _repeats(d, *pair)), first)
-    digits = _digits(d, joints)
+    repeated = (t for t in chain([first], tried) if not t[2] or t[2] == _each(_six, t[0]))
+    twist, joints, again = next(repeated, first)
+    digits = next((k for k in range(_FEW, _EVERY) if _again(d, joints, k) == again), _EVERY)
     own = {n: v for n, v in joints.items() if d.robot.wheel(n.rpartition(".")[0]).actuated}
     steps = [("inverse", _each(_six, twist), _each(_short, own, digits))]
-    measured = _measured(d, joints)
-    if measured:
-        steps.append(("forward", _each(_short, measured, digits), _again(d, measured, digits)))
+    if again:
+        steps.append(("forward", _each(_short, _measured(d, joints), digits), again))
     pose = d.evaluate("odometry", {**twist, "dt": ONE})
     return [*steps, ("odometry", {**_each(_six, twist), "dt": "1"}, _each(_short, pose))]
 
@@ -90,25 +90,11 @@ def _measured(d: Derivation, joints: Values) -> Values:
     return {n: joints.get(n, ZERO) for n in sensed} if len(sensed) <= _MANY else {}
 
 
-def _again(d: Derivation, measured: Values, digits: int) -> Texts:
-    """The twist of measurements that are printed with so many digits."""
-    twist = d.evaluate("forward", {n: _read(_short(v, digits)) for n, v in measured.items()})
-    return {n: _six(twist[n]) for n in TWIST_NAMES}
-
-
-def _repeats(d: Derivation, twist: Values, joints: Values) -> bool:
-    """Whether the joints that a command has give the twist again, where they are printed."""
+def _again(d: Derivation, joints: Values, digits: int = _EVERY) -> Texts:
+    """The twist of the measurements that joints give, where these are printed with so many digits."""
     measured = _measured(d, joints)
-    return not measured or _again(d, measured, _EVERY) == _each(_six, twist)
-
-
-def _digits(d: Derivation, joints: Values) -> int:
-    """How many digits of the joints give their twist to six decimals, which takes more where lengths differ much."""
-    measured = _measured(d, joints)
-    if not measured:
-        return _FEW
-    twist = _again(d, measured, _EVERY)
-    return next((k for k in range(_FEW, _EVERY) if _again(d, measured, k) == twist), _EVERY)
+    twist = measured and d.evaluate("forward", {n: _read(_short(v, digits)) for n, v in measured.items()})
+    return {n: _six(twist[n]) for n in TWIST_NAMES if twist}
 
 
 def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:

@@ -12,6 +12,8 @@ from wmrgen.exact.number import Exact
 _GREEK = frozenset(
     "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu xi rho sigma tau phi psi omega".split()
 )
+_LETTERS = frozenset("abdfgjlrs")  # those that mean nothing on pages, but for d, l, r of wheels
+_INDEXED = frozenset("v_x v_y c1 c2 c_1 c_2".split())
 _JOINTS = {
     "spin": r"\dot{\varphi}", "spin_rate": r"\ddot{\varphi}",
     "steer": r"\psi", "steer_rate": r"\dot{\psi}", "steer_acceleration": r"\ddot{\psi}",
@@ -97,11 +99,14 @@ def wheel(name: str) -> str:
 
 
 def parameter(name: str) -> str:
-    """``r``, ``d_1``, ``h_x`` as they are written by hand, ``gamma`` in Greek; other words in italics."""
-    short = re.fullmatch(r"([a-z])_?([a-z0-9]|\d+)?", name)
-    if short:
-        return f"{short[1]}_{{{short[2]}}}" if short[2] else name
-    return rf"\{name}" if name in _GREEK else rf"\mathit{{{escape(name)}}}"
+    """``r``, ``d_1``, ``h_x`` as they are written by hand, other words in italics; in typewriter what would look like
+    a symbol of the pages themselves: ``h``, which is a heading there, ``L``, ``gamma``, ``v_x``."""
+    if name in _LETTERS:
+        return name
+    if len(name) == 1 or name in _GREEK or name in _INDEXED:
+        return rf"\mathtt{{{escape(name)}}}"
+    indexed = re.fullmatch(r"([a-z])_?([a-z0-9]|\d+)", name)
+    return f"{indexed[1]}_{{{indexed[2]}}}" if indexed else rf"\mathit{{{escape(name)}}}"
 
 
 def port(name: str) -> str:

@@ -48,7 +48,7 @@ PARALLEL = (
 SINGLE = "its fixed axles are not one line, which leaves a single motion"
 SKIDS = (
     "its fixed axles are several parallel lines: it turns only by skidding (skid-steer); kinematics are least squares "
-    "and report the residual; `effective_track` in the robot file would say how far it turns"
+    "and report the residual; effective_track in the robot file would say how far it turns"
 )
 SIDES = (
     "fl and fr share an axle line, so the second adds no constraint.",

@@ -120,7 +120,7 @@ def test_ackermann() -> None:
             n: (radius - float(w.nominal.y)) / float(w.nominal.x) for n, w in wheels.items() if w.kind.steers
         }
         assert cot["front_right"] - cot["front_left"] == pytest.approx(float(shown[1]))
-    assert r"\tan\psi &= \frac{\omega\,L}{v_x} = \frac{L}{R}, \qquad L = 2.5" in page
+    assert r"\tan\psi &= \frac{\omega\,L}{v_x} = \frac{L}{R}, \qquad L = \mathit{wheelbase} = 2.5" in page
     assert r"\tan\psi_{\mathrm{front}} &= \frac{\omega\,L}{v_x} = \frac{L}{R}" in page_of("bicycle")
     assert "Ackermann)" not in page_of("bicycle") and "Ackermann)" not in page_of("wpilib_swervebot")
 

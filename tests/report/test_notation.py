@@ -53,8 +53,12 @@ def test_parameters() -> None:
         "r": "r",
         "d_1": "d_{1}",
         "hx": "h_{x}",
-        "gamma": r"\gamma",
         "half_track": r"\mathit{half\_track}",
+        "h": r"\mathtt{h}",
+        "L": r"\mathtt{L}",
+        "gamma": r"\mathtt{gamma}",
+        "v_x": r"\mathtt{v\_x}",
+        "c1": r"\mathtt{c1}",
     }
     assert {n: notation.parameter(n) for n in names} == names
 

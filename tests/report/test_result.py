@@ -8,7 +8,7 @@ from math import atan, atan2, cos, sin
 import numpy as np
 import pytest
 
-from tests.report.common import page_of, page_written, part, result
+from tests.report.common import page_of, page_written, part
 from tests.report.reading import formulas, read
 from tests.robots import ROBOTS, of_gallery
 from wmrgen import notation
@@ -35,7 +35,7 @@ def place(w: Wheel) -> tuple[float, float, float]:
 
 @pytest.mark.slow
 def test_whose_twist_is_written_out() -> None:
-    shown = {n: part(n, "Forward", "An example") for n in ROBOTS if "B_i" not in result(n)}
+    shown = {n: part(n, "Forward", "An example") for n in ROBOTS}
     told = {n: AGREE in text for n, text in shown.items() if r"\omega &=" in text}
     assert tuple(n for n, agree in told.items() if not agree) == WRITTEN
     assert tuple(n for n, agree in told.items() if agree) == ("ackermann_car", "car_with_trailers")
@@ -92,6 +92,24 @@ def test_the_twist_of_measurements_that_agree(sensed: str, angle: bool) -> None:
         for port, value in zip(("v_x", "v_y", r"\omega"), (vx, 0.0, omega), strict=True):
             assert read(shown[port], values) == pytest.approx(value, rel=1e-9, abs=1e-12)
     assert (r"\psi" in shown[r"\omega"]) == angle
+
+
+def test_the_rule_that_numbers_come_from() -> None:
+    """Where named lengths make lines too long: the rigid motion nearest to the velocities of contacts."""
+    text = part("jpl_osr", "Forward", "An example")
+    assert text.index("nearest to the velocities w = r φ̇ e") < text.index(r"\omega &=")
+    values, points, velocities = {}, [], []
+    for k, w in enumerate(of_gallery("jpl_osr").robot.wheels):
+        x, y, r = place(w)
+        spin, steer = 0.7 - 0.4 * k, 0.3 + 0.2 * k
+        values |= {notation.port(f"{w.name}.spin"): spin, notation.port(f"{w.name}.steer"): steer}
+        points.append(complex(x, y))
+        velocities.append(r * spin * np.exp(1j * steer * w.kind.steers))
+    b, v = np.array(points), np.array(velocities)
+    omega = ((b - b.mean()).conj() @ (v - v.mean())).imag / (abs(b - b.mean()) ** 2).sum()
+    own = v.mean() - 1j * omega * b.mean()
+    shown = [read(right, values) for _, right in formulas(text)]
+    assert shown == pytest.approx([own.real, own.imag, omega], rel=1e-5)
 
 
 def test_wheels_that_do_not_steer_come_first() -> None:

@@ -92,7 +92,7 @@ def test_only_rollers_at_an_angle_lean(name: str) -> None:
 def test_the_heading_of_a_synchro_drive_is_constant() -> None:
     page = page_of("synchro_drive")
     assert "ω = 0, which integrates to θ = const." in page and "Nor can" not in page
-    assert "Steering w1 chooses the direction of motion" in page and "chooses the ICR" not in page
+    assert "Steering `w1` chooses the direction of motion" in page and "chooses the ICR" not in page
     assert r"N = \begin{bmatrix}" + "\n\\cos\\psi_{\\mathrm{w1}}" in page
     null = of_gallery("synchro_drive").null_space
     assert all(null[2, j] == 0 for j in range(null.cols))
@@ -205,6 +205,16 @@ def test_who_stands_still_with_its_icr_on_a_pivot(name: str) -> None:
         if w.kind.steers
     ]
     assert ("The robot then stands still, too." in page_of(name)) == (min(ranks) == 3)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_names_of_wheels_are_code(name: str) -> None:
+    """Names that are no words: with a low line or a digit."""
+    prose = re.sub(r"(?s)```.*?```|`[^`\n]*`|!\[.*?\]\(.*?\)|(?m:^\|.*$)", "", page_of(name)).replace(
+        "\\_", "_"
+    )
+    words = set(re.findall(r"\w+", prose))
+    assert not {w.name for w in of_gallery(name).robot.wheels if re.search(r"[_\d]", w.name)} & words
 
 
 LOCKED = """wmrgen: 1

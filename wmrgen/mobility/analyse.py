@@ -16,7 +16,7 @@ from wmrgen.layout.skid import driven
 from wmrgen.mobility.basis import basis, deciding, null_columns, primitive, scaled
 from wmrgen.mobility.configure import Configuration, configuration, in_metres
 from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.reasons import actuation, apart, reasons, skids, stated, verdict
+from wmrgen.mobility.reasons import actuation, apart, argument, plain, reasons, skids, verdict
 from wmrgen.mobility.records import Mobility, Singularity
 from wmrgen.notation import listed
 
@@ -32,12 +32,13 @@ def analyse(robot: Robot) -> Mobility:
     columns = tuple(fixed(column, robot) for column in symbolic)
     per_eta = scaled(symbolic, deciding(rows), robot)
     acting = driven(robot)
+    told = reasons(at, deciding(rows))
     leaders = (robot.wheels[robot.steer_group[w.index]].name for w in deciding(rows))
     return Mobility(
         degree_of_mobility=at.mobility, degree_of_steerability=at.steerability,
         rank_C1f=at.rank_fixed, rank_C1=at.rank, dof=at.dof,
-        reasons=reasons(at, deciding(rows)), stated=stated(at), actuation=actuation(at),
-        apart=apart(at), skids=skids(at), verdict=verdict(at),
+        reasons=tuple(map(plain, told)), argument=argument(at, told), actuation=actuation(at),
+        apart=apart(at), skids=skids(at), verdict=plain(verdict(at)),
         growth_vector=growth_vector(now, at.admissible.tangent, at.steerability),
         singularities=singularities(at, deciding(rows), columns),
         admissible=in_metres(at.admissible, at.unit),
@@ -87,7 +88,7 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
     conditions = (towards(a, b, symbolic_view), towards(b, a, symbolic_view))
     many = sum(w.kind.steers for w in at.robot.wheels) > 2 and not _pivots_in_line(at)
     what = (
-        f"{a.name} and {b.name} no longer determine the motion; another steered wheel does"
+        "these two no longer determine the motion; another steered wheel does"
         if many
         else "rank C1 falls from 2 to 1: the robot can turn about any point of that line"
     )

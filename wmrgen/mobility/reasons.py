@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from itertools import combinations
 
@@ -21,16 +22,33 @@ SAME = 1e-9
 
 
 def reasons(at: Configuration, deciding: tuple[Wheel, ...]) -> tuple[str, ...]:
-    """Why the degrees are what they are, one sentence each; ``deciding``: the steered wheels that give a row of C1."""
+    """Why the degrees are what they are, one sentence each, names of wheels in backticks.
+
+    ``deciding``: the steered wheels that give a row of C1.
+    """
     return (
         *_fixed(at), *_taken_for_one(at), *_couplings(at), *_coupled(at), *_steered(at, deciding), *_free_wheels(at),
         *_degrees(at), *filter(None, [verdict(at)]), *_doubts(at), *_coincidences(at),
     )  # fmt: skip
 
 
-def stated(at: Configuration) -> tuple[str, ...]:
-    """Of `reasons` those that say what the robot file or a definition says: its couplings, (3.40) to (3.42)."""
-    return (*_couplings(at), *_degrees(at))
+def argument(at: Configuration, told: Sequence[str]) -> tuple[str, ...]:
+    """Of `reasons` those that argue: not what the robot file or a definition says, its couplings, (3.40) to (3.42)."""
+    stated = (*_couplings(at), *_degrees(at))
+    return tuple(text for text in told if text not in stated)
+
+
+def plain(text: str) -> str:
+    """A sentence for a terminal and for data: without backticks."""
+    return text.replace("`", "")
+
+
+def _names(wheels: Iterable[Wheel]) -> str:
+    return _code([w.name for w in wheels])
+
+
+def _code(names: Iterable[str]) -> str:
+    return listed([f"`{name}`" for name in names])
 
 
 def _axle(w: Wheel) -> Array:
@@ -69,7 +87,7 @@ def _fixed(at: Configuration) -> list[str]:
         return []
     lines = _axle_lines(fixed)
     sentences = [
-        f"{listed([w.name for w in line])} share an axle line, so "
+        f"{_names(line)} share an axle line, so "
         f"{'the second adds' if len(line) == 2 else 'the others add'} no constraint."
         for line in lines
         if len(line) > 1
@@ -79,7 +97,7 @@ def _fixed(at: Configuration) -> list[str]:
         wheels, verb = (f"{noun}s", "forbid") if len(fixed) > 1 else (noun, "forbids")
         return [
             *sentences,
-            f"The {wheels} {listed([w.name for w in fixed])} {verb} motion along the axle: rank C1f = 1.",
+            f"The {wheels} {_names(fixed)} {verb} motion along the axle: rank C1f = 1.",
         ]
     return [*sentences, _axles_meet(at, [line[0] for line in lines])]
 
@@ -97,8 +115,7 @@ def apart(at: Configuration) -> tuple[str, ...]:
 def _axles_meet(at: Configuration, wheels: list[Wheel]) -> str:
     """Where several axle lines meet, if anywhere."""
     if three := apart(at):
-        return f"The axles of {listed(three)} meet in no common point: nothing can move (rank C1f = 3)."
-    names = listed([w.name for w in wheels])
+        return f"The axles of {_code(three)} meet in no common point: nothing can move (rank C1f = 3)."
     (null,) = null_basis(unit_rows(np.array([_axle(w) for w in wheels])))
     if abs(null[2]) < SAME:
         where, what = "are parallel and distinct", "straight motion along the wheels"
@@ -106,7 +123,7 @@ def _axles_meet(at: Configuration, wheels: list[Wheel]) -> str:
         vx, vy, omega = at.unit.twists(null)
         x, y = (round(float(v), 12) + 0.0 for v in (-vy / omega, vx / omega))
         where, what = f"meet in ({x:.4g}, {y:.4g})", "rotation about that point"
-    return f"The axles of {names} {where}: only {what} slides no wheel (rank C1f = 2)."
+    return f"The axles of {_names(wheels)} {where}: only {what} slides no wheel (rank C1f = 2)."
 
 
 def _couplings(at: Configuration) -> list[str]:
@@ -114,7 +131,7 @@ def _couplings(at: Configuration) -> list[str]:
     for joint, names in at.robot.couplings:
         spins = f"they {turning(at.robot.ratios(names))}"
         what = "their steering angles are equal" if joint == "steer" else spins
-        sentences.append(f"{listed(list(names))} are coupled: {what}.")
+        sentences.append(f"{_code(names)} are coupled: {what}.")
     return sentences
 
 
@@ -142,19 +159,19 @@ def _steered(at: Configuration, deciding: tuple[Wheel, ...]) -> list[str]:
         return []
     if not at.steerability:
         return [
-            f"{listed(steered)} can be steered, but one direction alone lets every wheel roll: "
+            f"{_code(steered)} can be steered, but one direction alone lets every wheel roll: "
             "no degree of freedom of steering is left."
         ]
     leaders = [at.robot.wheels[at.robot.steer_group[w.index]].name for w in deciding]
     lead = list(dict.fromkeys(leaders))[: at.steerability]
     rest = [name for name in steered if name not in lead]
     chosen = "ICR" if np.abs(at.admissible.basis[:, 2]).max() > TOLERANCE else "direction of motion"
-    sentence = f"Steering {listed(lead)} chooses the {chosen} (delta_s = {at.steerability})"
+    sentence = f"Steering {_code(lead)} chooses the {chosen} (delta_s = {at.steerability})"
     if rest and at.admissible.normal is not None:
-        sentence += f"; {listed(rest)} must point the same way round"
+        sentence += f"; {_code(rest)} must point the same way round"
     elif rest:
         axles = "its axle" if len(rest) == 1 else "their axles"
-        sentence += f"; {listed(rest)} must follow, {axles} through the same point"
+        sentence += f"; {_code(rest)} must follow, {axles} through the same point"
     return [sentence + "."]
 
 
@@ -163,9 +180,7 @@ def _free_wheels(at: Configuration) -> list[str]:
     if not free:
         return []
     kinds = "; ".join(dict.fromkeys(w.kind.words.free for w in free))
-    return [
-        f"{listed([w.name for w in free])} impose{'s' if len(free) == 1 else ''} no sliding constraint: {kinds}."
-    ]
+    return [f"{_names(free)} impose{'s' if len(free) == 1 else ''} no sliding constraint: {kinds}."]
 
 
 def _degrees(at: Configuration) -> list[str]:

@@ -115,9 +115,9 @@ class Balance(NamedTuple):
 class Mobility:
     """Degrees, ranks and their reasons (Siegwart (3.40)-(3.42); Campion, Bastin, d'Andrea-Novel 1996).
 
-    ``apart``: three fixed wheels whose axles meet in no common point, where there are such. ``stated``: of the
-    ``reasons`` those that say what the robot file or a definition says; ``verdict``: the one why the robot is
-    degenerate, "" where it is not; ``skids``: because it turns by skidding alone.
+    ``apart``: three fixed wheels whose axles meet in no common point, where there are such. ``argument``: of the
+    ``reasons`` those that argue, names of wheels in backticks; ``verdict``: the one why the robot is degenerate, ""
+    where it is not; ``skids``: because it turns by skidding alone.
     """
 
     degree_of_mobility: int
@@ -126,7 +126,7 @@ class Mobility:
     rank_C1: Rank
     dof: int
     reasons: tuple[str, ...]
-    stated: tuple[str, ...]
+    argument: tuple[str, ...]
     actuation: tuple[Balance, ...]  # of driving; of steering, where there is any
     apart: tuple[str, ...]
     skids: bool

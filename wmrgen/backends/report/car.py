@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
+from wmrgen.backends.report.latex import latex
 from wmrgen.backends.report.markdown import aligned, plain
 from wmrgen.backends.report.texts import car
+from wmrgen.constraints import symbolic_view
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
@@ -29,7 +31,8 @@ def circle(robot: Robot) -> list[str]:
     )
     psi_r, psi_l = (notation.port(f"{w.name}.steer") for w in (right, left))
     base, track = left.nominal.x, left.nominal.y - right.nominal.y
-    radius = rf"&= \frac{{\omega\,L}}{{v_x}} = \frac{{L}}{{R}}, \qquad L = {plain(base)}"
+    length = " = ".join(dict.fromkeys(["L", latex(symbolic_view(left).x), plain(base)]))
+    radius = rf"&= \frac{{\omega\,L}}{{v_x}} = \frac{{L}}{{R}}, \qquad {length}"
     words = "P turns on a circle of radius R, to the left where R > 0, with v<sub>x</sub> = ω R"
     behind = ", and L is negative, for it steers behind P" if base.sign < 0 else ""
     if len(steered) == 1:

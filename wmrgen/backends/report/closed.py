@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 
 ONE, ZERO = Poly.of(1), Poly({})
 _TERMS = 24  # summands of a printed formula
+_NEAREST = (
+    r"\omega = \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}, \qquad "
+    r"v = \bar{w} - \omega\,\hat{z}\times\bar{B}"
+)
 
 
 def closed_inverse(d: Derivation) -> list[str]:
@@ -147,7 +151,8 @@ def closed_forward(d: Derivation) -> list[str]:
     if not measured.rows:
         return ["No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
     if measured.constant_normal:
-        return (in_letters(d, distinct(measured)) if d.determined else []) or _closed(d)
+        letters = in_letters(d, distinct(measured)) if d.determined else []
+        return letters or [*_rule_of_numbers(d), *_closed(d)]
     if not measured.components:
         return _rigid_motion(len(measured.contacts))
     best = "The twist that explains all measurements best, with H and z of section 7:"
@@ -175,10 +180,28 @@ def _rigid_motion(contacts: int) -> list[str]:
     return [
         "The rigid motion (v, ω) nearest to the velocities w that the wheels measure at their contact points B; a bar "
         "is a mean over the wheels, and section 7 has B and w:",
-        *math(
-            r"\omega = \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}, \qquad "
-            r"v = \bar{w} - \omega\,\hat{z}\times\bar{B}"
-        ),
+        *math(_NEAREST),
+    ]
+
+
+def _rule_of_numbers(d: Derivation) -> list[str]:
+    """What the numbers come from, where they stand for named lengths: of wheels that give both rows, a rigid motion."""
+    measured = d.measured
+    names = {
+        g.name
+        for row, value, _ in measured.rows
+        for p in (*row, value)
+        for g in p.generators
+        if g.kind == "param"
+    }
+    fixed = names & {p.name for p in d.robot.parameters if not p.tunable}
+    if measured.components or measured.weighted or not (d.determined and fixed):
+        return []
+    return [
+        "The rigid motion (v, ω) nearest to the velocities w = r φ̇ e that the wheels measure at their contact points "
+        "B, e being the direction in which a wheel rolls and a bar a mean over the wheels:",
+        *math(_NEAREST),
+        "With the lengths of this robot that is",
     ]
 
 

@@ -227,10 +227,10 @@ def _rigid(d: Derivation, contacts: Sequence[Contact]) -> list[str]:
         divisor = "its denominator is kept above 10⁻¹² m²."
     return [
         *blocks,
-        "The rigid motion nearest to them is found as if by hand: take the means away, fit the rotation to what "
+        "The rigid motion nearest to them is found as one would by hand: take the means away, fit the rotation to what "
         "is left, then the translation to the means.",
-        f"This needs two contact points apart from each other, H of rank 3 (Kelly Box 4.2). Here n = {len(contacts)} "
-        f"and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is all that is left for run time; {divisor} "
+        "This needs two contact points apart from each other, H of rank 3 (Kelly Box 4.2). Here "
+        f"p × q = pₓ q<sub>y</sub> − p<sub>y</sub> qₓ. One division is all that is left for run time; {divisor} "
         "The residual `slip`, the norm of all w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> [m/s], is a signal for slip, a "
         "dead encoder or crossed wires.",
     ]  # fmt: skip

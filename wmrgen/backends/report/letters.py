@@ -22,7 +22,7 @@ from wmrgen.backends.report.latex import (
     width,
     wrapped,
 )  # fmt: skip
-from wmrgen.backends.report.markdown import aligned, code, listed, math, sentence
+from wmrgen.backends.report.markdown import aligned, code, listed, math, named, sentence
 from wmrgen.backends.report.terms import Term
 from wmrgen.constraints import XI
 from wmrgen.exact.evaluate import sqrt_poly
@@ -254,15 +254,16 @@ def regular(d: Derivation) -> list[str]:
         intro += f" {listed(always)} hold{'s' * (len(always) == 1)} in every motion."
     if sliding:
         intro += f" {listed(sliding)} do{'es' * (len(sliding) == 1)} not hold where {ROLLING_ALONE}."
-    return [intro, *(block for form, system in systems.items() for block in _exceptions(form, system))]
+    axles = d.mobility.basis_wheels
+    return [intro, *(block for form, system in systems.items() for block in _exceptions(form, system, axles))]
 
 
-def _exceptions(form: str, system: System) -> list[str]:
-    """Where a form does not hold, and why."""
+def _exceptions(form: str, system: System, axles: Sequence[str]) -> list[str]:
+    """Where a form does not hold, and why; ``axles``: the steered wheels that decide."""
     names = symbol_names((*system.state, *system.inputs, *system.geometry))
     blocks = []
     for domain in system.domain:
-        why = sentence(domain.text.replace(": ", ", for ", 1))
+        why = sentence(named(domain.text, axles).replace(": ", ", for ", 1))
         if size(domain.expression) > _CONDITION:
             blocks += [f"{code(form)} does not hold where a long expression vanishes: {why}."]
             continue

@@ -25,7 +25,10 @@ CAP = 16  # wheels whose equations are written out
 _ENTITY = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "$": "&#36;"}
 _LOW = str.maketrans("12", "₁₂")
 _NEGATIVE = re.compile(r"(?<![\w.)])-(?=\d)")
-_CODE = re.compile(r"\\`(.*?)\\`")
+_CODE = re.compile(
+    r"\\`(.*?)\\`|\b([A-Za-z](?:\\_|\w)*\.(?:spin|speed|steer(?:\\_rate)?|heading|alpha|beta|gamma))\b"
+)
+_ETA = re.compile(r"\beta(\d)\b")
 _INDEX = re.compile(r"\b(delta|rank C1|C1|J1|J2)(\\_)?(m|s|M|f)?\b")
 
 
@@ -42,9 +45,10 @@ def escape(text: str) -> str:
 
 
 def sentence(text: str) -> str:
-    """A finding in words: escaped, with delta_m and C1f set as symbols, and code as code."""
+    """A finding in words: escaped, with delta_m, C1f and eta1 set as symbols, code, joints and angles as code."""
     shown = minus(_INDEX.sub(_symbol, escape(text))).replace("omega = 0", "ω = 0")
-    return _CODE.sub(lambda match: code(match[1].replace("\\_", "_")), shown)
+    shown = _ETA.sub(r"η<sub>\1</sub>", shown)
+    return _CODE.sub(lambda match: code((match[1] or match[2]).replace("\\_", "_")), shown)
 
 
 def minus(text: str) -> str:
@@ -61,11 +65,14 @@ def _symbol(match: re.Match[str]) -> str:
     return f"{head[:-1]}<sub>{head[-1]}{index}</sub>" if index else head.translate(_LOW)
 
 
-def capitalised(text: str, names: Iterable[str] = ()) -> str:
-    """A finding as a sentence of its own; one of ``names`` that it begins with stays as it is."""
-    first, _, rest = text.partition(" ")
-    said = f"{code(first)} {sentence(rest)}" if first in names else sentence(text[:1].upper() + text[1:])
-    return said.removesuffix(".") + "."
+def capitalised(text: str) -> str:
+    """A finding as a sentence of its own; code that it begins with stays as it is."""
+    return sentence(text[:1].upper() + text[1:]).removesuffix(".") + "."
+
+
+def named(text: str, names: Sequence[str]) -> str:
+    """A finding with these names in backticks, where it lists them."""
+    return text.replace(notation.listed(names), listed(names), 1) if names else text
 
 
 def pictures(figures: Mapping[str, tuple[str, str]], *files: str) -> list[str]:

@@ -14,6 +14,7 @@ from wmrgen.backends.report.markdown import (
     capitalised,
     items,
     math,
+    named,
     pictures,
     plain,
     rounded,
@@ -42,10 +43,9 @@ def analysis(d: Derivation) -> list[str]:
     """Section 5."""
     m = d.mobility
     steered = any(w.kind.steers for w in d.robot.wheels)
-    argument = [r for r in m.reasons if r not in m.stated]
     return [
         "## 5 Mobility",
-        *items(map(sentence, argument), lambda k: f"{k}."),
+        *items(map(sentence, m.argument), lambda k: f"{k}."),
         "So the degrees of mobility, steerability and maneuverability are"
         + (", at steering angles for which all axles meet in one ICR," if steered else ""),
         *_degrees(m),
@@ -236,7 +236,7 @@ def singular(d: Derivation) -> list[str]:
     for s in d.mobility.singularities:
         if s.kind != "icr_on_pivot":
             where = " This happens where" + (", at once," if len(s.conditions) > 1 else "")
-            said = capitalised(s.meaning, [w.name for w in d.robot.wheels])
+            said = capitalised(named(s.meaning, s.wheels))
             blocks += [said + (where if s.conditions else "")]
             blocks += _conditions(s.conditions, d.robot) if s.conditions else []
     return blocks

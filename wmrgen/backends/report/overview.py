@@ -20,6 +20,7 @@ from wmrgen.backends.report.markdown import (
     pictures,
     plain,
     rounded,
+    sentence,
     table,
 )
 from wmrgen.exact.evaluate import parameters_in
@@ -102,7 +103,7 @@ def layout(d: Derivation) -> list[str]:
         rows = [[code(t.name), plain(t.length.nominal), plain(t.hitch.nominal)] for t in robot.trailers]
         head = ["trailer", "length from coupling to axle", "coupling behind the axle in front"]
         blocks += ["It tows, from the robot backwards:", *table(head, rows, "lr")]
-    notes = [*(escape(n) for n in robot.notes), *_remarks(robot)]
+    notes = [*map(sentence, robot.notes), *_remarks(robot)]
     return [*blocks, *items(notes)]
 
 

@@ -111,7 +111,7 @@ def _one_line(robot: Robot, first: str, second: str, symbolic: bool) -> Domain:
     return Domain(
         add(*conditions),
         f"the axles of {first} and {second} lie on one line, and eta1 moves nothing, though the robot can turn about "
-        "the points of that line (form twist has these motions)",
+        "the points of that line (the form twist has these motions)",
     )
 
 

@@ -144,7 +144,8 @@ class Several:
             distinct.setdefault((error.what, error.why, error.instead), []).append(error)
         parts = []
         for first, *others in distinct.values():
-            first.again = tuple({e.mark: None for e in others if e.mark and e.mark != first.mark})
+            marks = [m for e in (first, *others) for m in (e.mark, *e.again) if m and m != first.mark]
+            first.again = tuple(dict.fromkeys(marks))
             parts.append(first)
         told = tuple(e for e in parts if e.code or not e.mark) or tuple(parts)
         if len(told) == 1:

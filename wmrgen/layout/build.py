@@ -12,7 +12,7 @@ from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substitut
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled, spin_ratios
-from wmrgen.layout.expressions import PI, Scope, snap, to_poly
+from wmrgen.layout.expressions import PI, Scope, computable, snap, to_poly
 from wmrgen.layout.joints import constant, deadband_of, encoders_of, lag_of, noise_of, weight_of
 from wmrgen.layout.measured import agreed, tolerance_of
 from wmrgen.layout.records import (
@@ -58,6 +58,10 @@ def build(spec: RobotSpec) -> Robot:
             except ZeroDivisionError:
                 what = f"the wheel {w.name} has a value too small to be told from zero"
                 raise RobotFileError(what, w.mark, "", "Write 0, or a length.") from None
+            except RobotFileError:
+                if (rest := computable(w, scope, several)) == w:
+                    raise
+                _wheel(i, rest, _Angles(w.name, scope, None, []))
     _check_names(spec, several)
     facts: dict[str, Any] = {}
     steer_group, spin_group = groups(spec, "steer"), groups(spec, "spin")

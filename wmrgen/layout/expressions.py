@@ -7,10 +7,11 @@ angle is taken as that multiple, and a note says so; a little farther away a not
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import fields, replace
 from fractions import Fraction
 from typing import NamedTuple
 
-from wmrgen.errors import Code, Mark, RobotFileError
+from wmrgen.errors import Code, Mark, RobotFileError, Several
 from wmrgen.exact.evaluate import (
     angle_value,
     cos_sin,
@@ -24,7 +25,7 @@ from wmrgen.exact.evaluate import (
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Length
-from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi, Quantity
+from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi, Quantity, WheelSpec
 
 PI = Poly.gen("pi")
 TOLERANCE = Fraction(1, 500)
@@ -58,6 +59,18 @@ class Scope(NamedTuple):
     def length(self, quantity: Quantity | None) -> Length:
         """The quantity in its three views."""
         return self.views(self.poly(quantity))
+
+
+def computable(w: WheelSpec, scope: Scope, several: Several) -> WheelSpec:
+    """The wheel without the quantities that have no value; ``several`` takes why."""
+    for field in fields(w):
+        value = getattr(w, field.name)
+        try:
+            scope.number(scope.poly(value if isinstance(value, Quantity) else None))
+        except RobotFileError as error:
+            several.add(error)
+            w = replace(w, **{field.name: None})
+    return w
 
 
 def to_poly(quantity: Quantity, values: Mapping[str, Poly]) -> Poly:

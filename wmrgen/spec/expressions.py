@@ -42,6 +42,7 @@ _OPERATORS: dict[type[ast.operator], str] = {
     ast.Pow: "**",
 }
 _GRAMMAR = "Allowed are numbers, parameters, pi, + - * / ** ( ) sqrt sin cos tan atan2."
+NO_PARAMETER = "is not a declared parameter"
 _FUNCTION_ALIASES = {
     **dict.fromkeys(("atan", "arctan", "arctan2"), "Write atan2(y, x)."),
     **dict.fromkeys(("asin", "acos", "arcsin", "arccos"), "Write the angle with atan2(y, x)."),
@@ -151,7 +152,7 @@ class _Parser:
             raise self._error(f"the function {word} needs its argument", "", f"Write {word}(…).", at)
         near = nearest(word, [*self._names, "pi"])
         raise self._node.error(
-            f"{quoted(word)} is not a declared parameter",
+            f"{quoted(word)} {NO_PARAMETER}",
             "Every name in an expression stands under parameters: or is pi.",
             f"Did you mean {near}?"
             if near

@@ -81,7 +81,7 @@ def read_text(text: str, file_name: str, several: Several | None = None) -> Robo
         wrong.end()
         return spec
     several.add(*wrong.errors)
-    return replace(spec, couplings=(), virtual=(), trailers=())
+    return replace(spec, couplings=(), virtual=())
 
 
 class _Reading(NamedTuple):

@@ -16,6 +16,7 @@ _UNALIGNED = "this line does not fit the indentation above", "Align it with its 
 _SECOND = "a second ':' in one line", "Write a line for each key; put text that contains ': ' in quotes."
 _AFTER_THE_END = "text after the end of the document", "Delete it."
 _NO_VALUE = "a value is missing here", "Write it, indented deeper than what asks for it."
+_OPEN_AT_THE_END = "the file ends, and a bracket is not closed", "Write the ] or } that closes it."
 _COLON = re.compile(r":( |$)")
 _KEY = re.compile(r"^( *)(- *)?([^ :=]*)( *)([:=]?)( *)(.*?) *$")
 
@@ -107,7 +108,7 @@ def slip_of(problem: str, at: Place, context: Place | None, lines: tuple[Line, .
     mistakes = (rule(trouble) for part, rule in _RULES if part in problem)
     what, instead, (line, column), meant, why = next((m for m in mistakes if m), None) or _not_yaml(trouble)
     mark = source.mark(line, lines[line].column(column))
-    follows = what == _UNALIGNED[0] or (not meant and what in (_AFTER_THE_END[0], _NO_VALUE[0]))
+    follows = what == _UNALIGNED[0] or (not meant and what in (_AFTER_THE_END[0], _NO_VALUE[0], _OPEN_AT_THE_END[0]))
     return Slip(RobotFileError(what, mark, why, instead, Code.NOT_YAML), line, meant, follows)
 
 
@@ -196,6 +197,12 @@ def _open(end: str, instead: str) -> _Rule:
     return rule
 
 
+def _open_at_the_end(t: _Trouble) -> _Mistake:
+    """A comma or a colon with nothing behind it but the end of the file: where the text ends."""
+    last = t.at.line if t.before.strip() else t.above
+    return _Mistake(*_OPEN_AT_THE_END, Place(last, len(t.lines[last].text.rstrip())))
+
+
 def _minus_with_space(t: _Trouble) -> _Mistake | None:
     if not t.rest.startswith("- "):
         return None
@@ -236,6 +243,7 @@ _RULES: tuple[tuple[str, _Rule], ...] = (
     ("did not find expected <document start>", _minus_with_space),
     ("did not find expected <document start>", _said(*_AFTER_THE_END)),
     ("expected the node content", _minus_with_space),
+    ("but found '<stream end>'", _open_at_the_end),
     ("expected the node content", _said(*_NO_VALUE)),
     ("escape", _said("an unknown escape in double quotes", "Use single quotes, or none.")),
     ("cannot start any token", _no_beginning),

@@ -38,14 +38,19 @@ def polar(alpha: str, head: str = "") -> str:
         (polar("quarter", "parameters: {quarter: 90}\n"), ["WMR001", "WMR031"]),
         (polar("450", "angles: deg\n").replace("3*pi/2", "270"), ["WMR001"]),
         (polar("90", "angles: deg\n").replace("3*pi/2", "270"), []),
-        (polar("5*pi/2"), []),
+        (polar("5*pi/2"), ["WMR001"]),
+        (polar("pi/2 + 2*pi - 2*pi"), []),
         (differential(heading="6.29"), ["WMR001", "WMR001", "WMR034"]),
         (differential(heading="6.2832"), []),  # a turn, rounded
         (differential("10"), ["WMR004"]),
         (differential("4.9"), []),
         (differential("10.1", r="1"), ["WMR003"]),
         (differential("9.9", r="1"), []),
+        (differential("21", r="1").replace("-21", "20.5"), ["WMR003", "WMR005", "WMR014"]),
         (differential("b", head="parameters: {b: 0.2}\n"), []),
+        *((differential(name, head=f"parameters: {{{name}: 0.2}}\n"), ["WMR005"])
+          for name in ("tread", "wheel_distance", "wheel_base", "axle_length")),
+        (differential("wheel_base/2", head="parameters: {wheel_base: 0.4}\n"), []),
         (differential("half_track", head="parameters: {half_track: 0.2}\n"), []),
         (differential("track", head="parameters: {track: 0.2}\n"), ["WMR005"]),
         (differential("track_width/2", head="parameters: {track_width: 0.4}\n"), []),
@@ -64,8 +69,11 @@ def polar(alpha: str, head: str = "") -> str:
         (differential(r="0.41"), ["WMR005"]),
         (differential(r="0.39"), []),
         (differential(x="-0.05"), ["WMR014"]),
+        (differential(x="0.05").replace("left", "back_left"), ["WMR011", "WMR014"]),
+        (differential(x="-0.05").replace("left", "back_left"), ["WMR014"]),
         (differential(x="-0.0"), []),
         (differential(heading="pi"), []),  # both backwards: not against each other
+        (differential().replace("heading: 0", "heading: 3.12", 1), ["WMR012", "WMR034"]),
         (differential().replace("y: 0.2,", "y: 0.2003,"), []),
         (differential().replace("y: 0.2,", "y: 0.2005,"), ["WMR014"]),
         (wheels("name: a, type: fixed, x: 0, y: 1.4, heading: 0, r: 0.1",
@@ -127,6 +135,8 @@ def test_a_comment_beside_a_radius_alone(comment: str, expected: int, tmp_path: 
         (("frontleft", "FRONTRIGHT", "lrear", "rr_wheel"), 0),
         (("frontright", "FRONTLEFT", "lrear", "rr_wheel"), 2),
         (("wheel_l", "wheel_r", "back_l", "back_r"), 0),
+        (("f_l", "F_R", "r_l", "wheel_r_r"), 0),
+        (("r_l", "wheel_r_r", "f_l", "F_R"), 4),
         (("wheel_r", "wheel_l", "back_l", "back_r"), 1),  # r may be rear
     ],
 )  # fmt: skip
@@ -160,6 +170,29 @@ def test_omni_wheels_along_x_that_turn_oppositely_do(tmp_path: Path) -> None:
     ]
     side = ["name: aside, type: swedish, x: 0.4, y: 0, heading: pi/2, gamma: 0, r: 0.05"]
     assert codes(tmp_path / "robot.yaml", wheels(*entries, *side)) == ["WMR012"] * 2
+
+
+@pytest.mark.parametrize(
+    ("headings", "expected"),
+    [
+        ((0, 0, 0, 0), []),
+        ((0, 180, 0, 180), ["2", "4"]),
+        ((180, 0, 0, 180), ["1", "4"]),  # those that roll backwards, wherever they stand
+        ((180, 178, 180, 180), []),
+        ((45, -45, 135, -135), []),  # which angle 0 leaves open
+    ],
+)
+def test_steered_wheels_against_each_other(
+    headings: tuple[int, ...], expected: list[str], tmp_path: Path
+) -> None:
+    places = ((0.3, 0.2), (0.3, -0.2), (-0.3, 0.2), (-0.3, -0.2))
+    entries = (
+        f"name: w{k}, type: steered, x: {x}, y: {y}, heading: {h} deg, r: 0.1"
+        for k, ((x, y), h) in enumerate(zip(places, headings, strict=True), 1)
+    )
+    path = tmp_path / "robot.yaml"
+    path.write_text(HEAD + wheels(*entries))
+    assert [f.what[8] for f in linted(path) if f.code == "WMR012"] == expected
 
 
 @pytest.mark.parametrize(
@@ -220,12 +253,14 @@ def test_a_skid_steer_robot(tmp_path: Path) -> None:
         ("d: -0.41", ["WMR004"]),
         ("d: -0.0011", []),
         ("d: -0.0009", ["WMR004"]),
+        ("d: -0.04, y: 0.2, x: 0", ["WMR010"]),
         ("d: -0.04, actuated: [spin]", ["WMR021"]),
         ("d: -0.04, actuated: [spin, steer]", ["WMR021"]),
     ],
 )
 def test_castors(castor: str, expected: list[str], tmp_path: Path) -> None:
-    tail = f"  - {{name: tail, type: castor, x: -0.3, y: 0, {castor}, r: 0.1}}\n"
+    place = "" if "x:" in castor else "x: -0.3, y: 0, "
+    tail = f"  - {{name: tail, type: castor, {place}{castor}, r: 0.1}}\n"
     assert codes(tmp_path / "robot.yaml", f"wheels:\n{PAIR}{tail}") == expected
 
 
@@ -248,6 +283,8 @@ NEEDED = degrees(atan2(1.2 * 0.8, 1.5))  # steering of that car at 0.8 rad/s
         (f"[-{NEEDED - 0.2} deg, {NEEDED + 0.01} deg]", ["WMR023"]),
         ("[-35, 35]", ["WMR002"]),
         ("[-35 deg, 35]", ["WMR002"]),
+        ("[-35 rad, 35 rad]", ["WMR002"]),
+        ("[-12*pi, 1]", ["WMR002"]),
         ("[-6.2, 6.2]", []),
     ],
 )

@@ -10,10 +10,14 @@ from wmrgen.lint.record import Finding, Subject, rule
 from wmrgen.spec.records import ParameterSpec
 
 _SPANS = {
-    "x": re.compile(r"(wheel_?)?base(?!_?(radius|link))|length"),
-    "y": re.compile(r"track|(?<!wheel_)(?<!t[iy]re_)width|separation|gauge"),
+    "x": re.compile(r"(wheel_?)?base(?!_?(radius|link))|(?<!axle_)length"),
+    "y": re.compile(
+        r"track|(?<!wheel_)(?<!t[iy]re_)width|separation|gauge|tread|spacing|wheel_distance|between|axle_length"
+    ),
 }
-_SURE = re.compile(r"wheel_?base|track|separation|gauge")  # the others may be sizes of the body
+_SURE = re.compile(
+    r"wheel_?base|track|separation|gauge|tread|spacing|wheel_distance|between|axle"
+)  # the others may be sizes of the body
 _ROUND = re.compile(r"diam|(^|_)dia(_|$)|^(?!.*(base|robot|body)).*radius")
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
 _NUMBER = r"(?:\s+(?:of|is|width))*[\s:=~]*(\d+(?:\.\d+)?)\s*(mm|cm|m|in)?\b"
@@ -88,7 +92,7 @@ def _called(subject: Subject) -> Iterator[Finding]:
         size, name, half = abs(subject.value(p.value)), p.name.lower(), "half" in p.name.lower()
         for axis, pattern in _SPANS.items() if size else ():
             span = _extent(subject, axis) / (2 * size if half else size)
-            word = _times(span) if pattern.search(name) else ""
+            word = _times(span) if pattern.search(name) or _places(p, axis, subject) else ""
             if word and (_SURE.search(name) or (word == "twice" and not half)):
                 yield _span(p, word, axis, half)
         right, whole = (f"{p.name}/2", size / 2) if "dia" in name else (p.name, size)
@@ -97,6 +101,14 @@ def _called(subject: Subject) -> Iterator[Finding]:
             if w.r and word:
                 what = f"{w.name}: r = {w.r.text} is {word} the radius that {p.name} says"
                 yield Finding(w.r.mark, what, f"Write r: {right}.")
+
+
+def _places(p: ParameterSpec, axis: str, subject: Subject) -> bool:
+    """Whether a parameter that is called a distance of wheels, of whichever, says where along ``axis`` they stand."""
+    quantities = [getattr(w, axis) for w in subject.spec.wheels]
+    return bool(_SURE.search(p.name.lower())) and any(
+        q and re.search(rf"\b{p.name}\b", q.text) for q in quantities
+    )
 
 
 def _span(p: ParameterSpec, word: str, axis: str, half: bool) -> Finding:

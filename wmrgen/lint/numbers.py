@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from itertools import combinations
-from math import degrees, tau
+from math import degrees, pi, tau
 
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.spec.records import Limit, Quantity
@@ -20,7 +20,9 @@ _MOST = {
 }
 _ANGLES = ("alpha", "beta", "heading", "gamma")
 _NUMBER = re.compile(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?")
-_UNIT = re.compile(r"deg|rad|°|pi|π|/s")
+_UNIT = re.compile(r"deg|rad|°|/s")
+_MEANT = re.compile(r"deg|°|/s")  # of a limit: radians, written or not, may be degrees
+_PI = re.compile(r"pi|π")
 ROUNDED = 2e-3  # a turn written as 6.28 or 6.2832 [rad]
 
 
@@ -58,6 +60,8 @@ def turns(subject: Subject) -> Iterator[Finding]:
 
 def _in_degrees(quantity: Quantity, value: float) -> str:
     """What to write in place of an angle of ``value`` [rad] that has no unit."""
+    if _PI.search(quantity.text):
+        return f"Write {value % tau / pi:.6g}*pi, unless something else was meant."
     if not _NUMBER.fullmatch(quantity.text):
         return "Write deg beside the numbers that it is made of."
     if abs(float(quantity.text) - value) > ROUNDED:  # the file's angles are in degrees
@@ -93,7 +97,7 @@ def limits(subject: Subject) -> Iterator[Finding]:
     for name, limit in _limits(subject):
         bound, unit, meant = most.get(limit.name, (0.0, "", ""))
         worst = max((limit.low, limit.high), key=lambda q: abs(subject.value(q)))
-        if bound and _without_unit(worst) and abs(value := subject.value(worst)) > bound:
+        if bound and not _MEANT.search(worst.text) and abs(value := subject.value(worst)) > bound:
             turns = f", {abs(value) / tau:.3g} turns{' a second' * ('/' in unit)}" if "rad" in unit else ""
             yield Finding(
                 limit.mark,
@@ -105,8 +109,8 @@ def limits(subject: Subject) -> Iterator[Finding]:
 @rule(
     "WMR003",
     "a robot larger than 20 m",
-    """Lengths without a unit are in metres; a base of more than 20 m was likely written in millimetres, and so
-    was a trailer, a place of the centre of gravity or an effective track of more.""",
+    """Lengths without a unit are in metres; a base of more than 20 m, or that far from its origin, was likely
+    written in millimetres, and so was a trailer, a place of the centre of gravity or an effective track of more.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0, y: 165,  heading: 0, r: 97}
@@ -133,6 +137,9 @@ def huge(subject: Subject) -> Iterator[Finding]:
             f"the wheels stand up to {extent:.4g} m apart",
             "Did you mean mm? Write the unit.",
         )
+    elif abs((far := max(subject.robot.wheels, key=lambda w: abs(w.pivot))).pivot) > LARGEST:
+        what = f"{far.name} stands {abs(far.pivot):.4g} m from the origin P"
+        yield Finding(subject.mark(far), what, "Did you mean mm? Write the unit.")
     for words, quantity in _lengths(subject):
         if abs(size := subject.value(quantity)) > LARGEST:
             yield Finding(quantity.mark, f"{words} of {size:.4g} m", "Did you mean mm? Write the unit.")

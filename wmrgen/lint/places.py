@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import combinations
 
 from wmrgen.layout.records import Wheel
@@ -16,6 +16,7 @@ _SAME = 1e-6
 _OUTSIDE = 2.0  # of what the wheels reach from their middle
 _ORIGIN = "Give places from the middle of the axle, or ignore this where another origin is meant."
 _NEAR = 0.05  # of the radii, or of the robot where that is smaller
+_OPPOSED = 0.05  # radians, by and large
 _OBLIQUE = 0.7  # sine of twice the angle to the axes; cosine of that between arm and heading
 
 
@@ -57,19 +58,29 @@ def together(subject: Subject) -> Iterator[Finding]:
     places = [(w, w.pivot, _contact(w)) for w in robot.wheels]
     for (a, p, p_contact), (b, q, q_contact) in combinations(places, 2):
         near = _NEAR * min(float(a.nominal.r + b.nominal.r), extent)
-        alike = a.turns and b.turns and robot.steer_group[a.index] != robot.steer_group[b.index]
-        one = alike and abs(p - q) <= near and abs(float(a.nominal.o - b.nominal.o)) <= near
+        apart = robot.steer_group[a.index] != robot.steer_group[b.index]
+        one = apart and abs(p - q) <= near and abs(float(a.nominal.o - b.nominal.o)) <= near
         if one or abs(p_contact - q_contact) <= near:
             at = f"({q_contact.real:.4g}, {q_contact.imag:.4g})"
             what = f"{b.name} touches the ground where {a.name} does, at {at}"
             yield Finding(subject.mark(b), what, "Look for a sign that is missing.")
 
 
+def _contradicted(side: str, places: Mapping[str, complex]) -> str:
+    """Whence a wheel of the side that a name says stands on the other one: the first that tells; "" where none does."""
+    for whence, at in places.items():
+        along = {"front": at.real, "rear": -at.real, "left": at.imag, "right": -at.imag}.get(side, 0.0)
+        if abs(along) > _SAME:
+            return whence if along < 0 else ""
+    return ""
+
+
 @rule(
     "WMR011",
     "a name that contradicts its place",
     """x points forward and y to the left. A wheel called back_left stands behind the middle of the wheels and left of
-    it; where it does not, names or signs are swapped, and every command goes to the wrong motor.""",
+    it, on the only axle behind the origin; where it does not, names or signs are swapped, and every command goes to the
+    wrong motor.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
@@ -80,16 +91,14 @@ wheels:
 def labels(subject: Subject) -> Iterator[Finding]:
     middle = _middle(subject.robot.wheels)
     for w in subject.robot.wheels:
-        off = w.pivot - middle
-        ends = {"front": off.real, "rear": -off.real, "left": off.imag, "right": -off.imag}
-        wrong = [side for side in role(w.name).split() if ends.get(side, 0.0) < -_SAME]
+        places = {"the middle of the wheels": w.pivot - middle, "the origin P": w.pivot}
+        wrong = [(s, whence) for s in role(w.name).split() if (whence := _contradicted(s, places))]
         if wrong:
-            where = (
-                f"({w.pivot.real:.4g}, {w.pivot.imag:.4g}), {_OPPOSITE[wrong[0]]} the middle of the wheels"
-            )
+            side, whence = wrong[0]
+            where = f"({w.pivot.real:.4g}, {w.pivot.imag:.4g}), {_OPPOSITE[side]} {whence}"
             yield Finding(
                 subject.mark(w),
-                f"{w.name} stands at {where}: not {wrong[0]}",
+                f"{w.name} stands at {where}: not {side}",
                 "x points forward, y to the left. Change the sign or the name.",
             )
 
@@ -100,7 +109,8 @@ def labels(subject: Subject) -> Iterator[Finding]:
     """Two wheels with one axle direction whose headings point opposite ways turn with opposite signs when the robot
     drives straight. On a differential drive with l and alpha that is the right wheel with beta = 0: its beta is pi.
     Where the joints of the two sides really count opposite ways, as on robots whose motors are mounted mirrored, the
-    finding is to be ignored. Omni wheels that stand tangentially are none of these.""",
+    finding is to be ignored. Of wheels that steer, angle 0 counts. Omni wheels that stand tangentially are none of
+    these.""",
     """
 wheels:
   - {name: left,  type: fixed, l: 0.2, alpha: pi/2,  beta: 0, r: 0.1}
@@ -113,19 +123,28 @@ wheels:
 """,
 )
 def against(subject: Subject) -> Iterator[Finding]:
-    driven = [w for w in subject.robot.wheels if "spin" in w.actuated and not w.turns]
     middle = _middle(subject.robot.wheels)
+    driven = [
+        w
+        for w in subject.robot.wheels
+        if "spin" in w.actuated
+        and not w.kind.swivels
+        and not (w.kind.steers and abs(w.zero_heading.imag) > _OPPOSED)
+    ]
     for b in driven:
-        for a in driven[: driven.index(b)]:
-            if abs(a.zero_heading + b.zero_heading) < _SAME and not (
-                _tangential(a, middle) and _tangential(b, middle)
-            ):
-                yield Finding(
-                    subject.mark(b),
-                    f"{a.name} and {b.name} turn against each other when the robot drives straight",
-                    f"Turn {b.name} by pi (beta: pi, or heading: 0), or ignore this where its joint counts that way.",
-                )
-                break
+        way = b.zero_heading.real if abs(b.zero_heading.real) > _OPPOSED else b.zero_heading.imag
+        others = [
+            a
+            for a in driven
+            if abs(a.zero_heading + b.zero_heading) < _OPPOSED
+            and not (_tangential(a, middle) and _tangential(b, middle))
+        ]
+        if way < 0 and others:
+            yield Finding(
+                subject.mark(b),
+                f"{others[0].name} and {b.name} turn against each other when the robot drives straight",
+                f"Turn {b.name} by pi (beta: pi, or heading: 0), or ignore this where its joint counts that way.",
+            )
 
 
 def _tangential(w: Wheel, middle: complex) -> bool:

@@ -15,6 +15,9 @@ _ENDS = {"front": "front", "fore": "front", "fwd": "front", "middle": "middle", 
 _ENDS |= dict.fromkeys(("rear", "back", "hind", "aft"), "rear")
 _SIDES = {"left": "left", "right": "right"}
 _LETTERS = {"f": "front", "m": "middle", "r": "rear", "b": "rear"}, {"l": "left", "r": "right"}
+_INITIALS = re.compile(  # f_l, R_F
+    r"(?i)(?<=(?<![a-z])[fmrb])_(?=[lr](?![a-z]))|(?<=(?<![a-z])[lr])_(?=[fmrb](?![a-z]))"
+)
 _DEVICES = {
     "con",
     "prn",
@@ -137,7 +140,8 @@ def role(*texts: str) -> str:
     """What names say of a wheel's place: "front left"; of several texts the first that says it counts."""
     told: dict[str, str] = {}
     for text in texts:
-        words = [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", text)]
+        joined = _INITIALS.sub("", text)
+        words = [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", joined)]
         for side in (side for word in words for side in _sides(word)):
             told.setdefault("y" if side in _SIDES else "x", side)
         if "r" in words and "x" in told:  # beside an end it is no rear

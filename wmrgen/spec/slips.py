@@ -108,7 +108,9 @@ def slip_of(problem: str, at: Place, context: Place | None, lines: tuple[Line, .
     mistakes = (rule(trouble) for part, rule in _RULES if part in problem)
     what, instead, (line, column), meant, why = next((m for m in mistakes if m), None) or _not_yaml(trouble)
     mark = source.mark(line, lines[line].column(column))
-    follows = what == _UNALIGNED[0] or (not meant and what in (_AFTER_THE_END[0], _NO_VALUE[0], _OPEN_AT_THE_END[0]))
+    follows = what == _UNALIGNED[0] or (
+        not meant and what in (_AFTER_THE_END[0], _NO_VALUE[0], _OPEN_AT_THE_END[0])
+    )
     return Slip(RobotFileError(what, mark, why, instead, Code.NOT_YAML), line, meant, follows)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from wmrgen.errors import Code, Mark, RobotFileError, Several
 from wmrgen.exact.evaluate import (
@@ -63,14 +63,15 @@ class Scope(NamedTuple):
 
 def computable(w: WheelSpec, scope: Scope, several: Several) -> WheelSpec:
     """The wheel without the quantities that have no value; ``several`` takes why."""
+    without: dict[str, Any] = {}
     for field in fields(w):
         value = getattr(w, field.name)
         try:
             scope.number(scope.poly(value if isinstance(value, Quantity) else None))
         except RobotFileError as error:
             several.add(error)
-            w = replace(w, **{field.name: None})
-    return w
+            without[field.name] = None
+    return replace(w, **without)
 
 
 def to_poly(quantity: Quantity, values: Mapping[str, Poly]) -> Poly:

@@ -104,12 +104,13 @@ CASES: dict[str, tuple[list[dict[str, Any]], list[tuple[str, list[str]]], tuple[
     "synchro drive": (STEERED, [STEER, SPIN], (
         STEERS, "a, b and c are coupled: they turn at one speed.",
         "With equal steering the axles stay parallel: only translation remains, omega = 0.",
-        "Steering a chooses the direction of motion (delta_s = 1); b and c must point the same way round.",
+        "Steering a chooses the direction of motion (delta_s = 1); b and c must point the same way.",
         degrees(1, 1),
     )),
     "two of three steer alike": (STEERED, [("steer", ["b", "c"])], (
         "b and c are coupled: their steering angles are equal.", "The coupled steering admits a plane of twists only.",
-        "Steering a chooses the ICR (delta_s = 1); b and c must point the same way round.", degrees(1, 1),
+        "Steering a chooses the ICR (delta_s = 1); b and c must follow, their axles through the same point.",
+        degrees(1, 1),
     )),
     "locked axle": ([A, B], [("spin", ["a", "b"])], (
         SHARED, PAIR, "a and b are coupled: they turn at one speed.",

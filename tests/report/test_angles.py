@@ -13,8 +13,9 @@ from tests.report.common import page_of
 from tests.report.reading import read
 from tests.robots import ROBOTS, of_gallery
 from wmrgen import notation
-from wmrgen.backends.report.angles import equation, gathered, readable, roots, whole
+from wmrgen.backends.report.angles import equation, gathered, readable, roots, upright
 from wmrgen.backends.report.latex import terms
+from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.poly import Poly
 
 ANGLES = {"a": 0.7, "b": -1.3, "c": 2.9}
@@ -82,10 +83,14 @@ def test_what_only_looks_alike_stays() -> None:
 
 def test_columns_without_fractions() -> None:
     half, third = Poly.of(Fraction(1, 2)), Poly.of(Fraction(-2, 3))
-    column = whole((half * trig("cos", "a"), third, Poly({})))
+    column = upright((half * trig("cos", "a"), third, Poly({})))
     assert [worth(p) for p in column] == pytest.approx([3 * cos(0.7), -4, 0])
     long = (Poly.of(Fraction(1, 101)), Poly.of(1), Poly.of(1))
-    assert whole(long) == long and whole((Poly.of(Fraction(1, 100)), Poly.of(1), Poly.of(1)))[0] == Poly.of(1)
+    assert upright(long) == long and upright((Poly.of(Fraction(1, 100)), Poly.of(1), Poly.of(1)))[
+        0
+    ] == Poly.of(1)
+    turning = Poly.of(2) - sqrt_poly(Poly.of(3))
+    assert upright((turning, half * turning, -turning)) == (Poly.of(-2), Poly.of(-1), Poly.of(2))
 
 
 @pytest.mark.parametrize(("name", "behind", "across", "track"), [

@@ -174,6 +174,24 @@ def test_a_steered_wheel_rolls_at_both_angles(turned: float) -> None:
     assert (spin * r * cos(psi), spin * r * sin(psi)) == pytest.approx((vx, vy))
 
 
+COUPLED = """wmrgen: 1
+name: coupled
+parameters: {half: 0.3}
+wheels:
+  - {name: fl, type: steered, x: half, y: half, heading: 0, r: half/3}
+  - {name: fr, type: steered, x: half, y: -half, heading: 0, r: half/3}
+  - {name: bl, type: steered, x: -half, y: half, heading: 0, r: half/3}
+  - {name: br, type: steered, x: -half, y: -half, heading: 0, r: half/3}
+couplings: [{equal: [fl.steer, fr.steer]}, {equal: [bl.steer, br.steer]}]
+"""
+
+
+def test_roots_and_radii_that_are_one_length() -> None:
+    page = page_written(COUPLED)
+    assert r"\frac{v_{Ax}\cos\psi + v_{Ay}\sin\psi}{r}" in page
+    assert r"\mathrm{slip} = \left|\sqrt{2}\,\mathit{half}\;\omega\right|" in page
+
+
 def test_no_letter_of_a_result_has_two_meanings() -> None:
     """A robot whose half-lengths are a and b, whose wheels have the sizes that its file says, or different ones."""
     text = part("textbook_two_steer", "Inverse", "Forward")

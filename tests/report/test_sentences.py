@@ -217,6 +217,27 @@ def test_names_of_wheels_are_code(name: str) -> None:
     assert not {w.name for w in of_gallery(name).robot.wheels if re.search(r"[_\d]", w.name)} & words
 
 
+@pytest.mark.parametrize("name", ["office_chair", "unicycle", "pioneer3dx"])
+def test_models_in_rates_of_joints_need_enough_of_them(name: str) -> None:
+    lacking = any(balance.lacking for balance in of_gallery(name).mobility.actuation)
+    page = page_of(name)
+    assert ("inputs u that are the rates of driven joints (`posture`)" in page) != lacking
+    assert ("the coordinates η (`eta` and `posture`: too few joints are driven" in page) == lacking
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_no_condition_has_a_fraction(name: str) -> None:
+    """What is 0, of speeds of wheels and of singular models, is cleared of denominators."""
+    assert not [line for line in page_of(name).split("\n") if line.startswith("0 &=") and "frac" in line]
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_growth_vector_says_what_it_counts(name: str) -> None:
+    m = of_gallery(name).mobility
+    counted = re.search(r"one order at a time(.*?): the degree", page_of(name))
+    assert not m.ddof or (counted and ("steering angles" in counted[1]) == bool(m.degree_of_steerability))
+
+
 LOCKED = """wmrgen: 1
 name: sample
 wheels:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from math import lcm
 
 from wmrgen.exact.number import ONE, Exact
 
@@ -256,6 +257,18 @@ def common_powers(polys: Iterable[Poly]) -> dict[Gen, int]:
     """Of each generator the least power in any term (negative ones too): the largest monomial that divides all."""
     monomials = [dict(m) for p in polys for m in p.terms]
     return {g: min(m.get(g, 0) for m in monomials) for g in {g for m in monomials for g in m}}
+
+
+def without_lengths(p: Poly) -> Poly:
+    """The left-hand side of p = 0 without powers of lengths that all terms have."""
+    lengths = sorted((g, e) for g, e in common_powers([p]).items() if e and g.kind == "param")
+    return p * Poly({tuple(lengths): ONE}).inverse()
+
+
+def whole(polys: Sequence[Poly]) -> list[Poly]:
+    """Polynomials of one scale times the least number that leaves no fraction, where that is small."""
+    common = lcm(*(c.den for p in polys for c in p.terms.values()))
+    return [p.scale(common) if common <= 100 else p for p in polys]  # more makes numbers longer
 
 
 def has_angles(row: Iterable[Poly]) -> bool:

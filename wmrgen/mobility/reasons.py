@@ -167,8 +167,8 @@ def _steered(at: Configuration, deciding: tuple[Wheel, ...]) -> list[str]:
     rest = [name for name in steered if name not in lead]
     chosen = "ICR" if np.abs(at.admissible.basis[:, 2]).max() > TOLERANCE else "direction of motion"
     sentence = f"Steering {_code(lead)} chooses the {chosen} (delta_s = {at.steerability})"
-    if rest and at.admissible.normal is not None:
-        sentence += f"; {_code(rest)} must point the same way round"
+    if rest and chosen != "ICR":
+        sentence += f"; {_code(rest)} must point the same way"
     elif rest:
         axles = "its axle" if len(rest) == 1 else "their axles"
         sentence += f"; {_code(rest)} must follow, {axles} through the same point"

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import atan2, lcm, pi
+from math import atan2, pi
 
 from wmrgen import notation
 from wmrgen.backends.report.latex import terms, total
 from wmrgen.backends.report.terms import Factor, Term, merged
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, common_powers
-
-_MOST = 100  # a common denominator above this makes numbers longer, not shorter
+from wmrgen.exact.poly import Gen, Poly, Row, whole, without_lengths
 
 
-def whole(column: Row) -> Row:
-    """The column times the least number that leaves no fraction, where that is small: columns of N have no scale."""
-    common = lcm(*(c.den for p in column for c in p.terms.values()))
+def upright(column: Row) -> Row:
+    """A column of N, which has no scale, without fractions; what turns does so to the left, at a whole number."""
     turn = column[2].constant
-    sign = -1 if turn is not None and turn.sign < 0 else 1  # what turns does so to the left
-    x, y, z = (p.scale(sign * common if common <= _MOST else sign) for p in column)
+    scale = ONE
+    if turn:
+        scale = Exact(turn.sign) if turn.is_rational else turn.inverse()
+    x, y, z = whole([p.scale(scale) for p in column])
     return x, y, z
 
 
@@ -105,8 +104,7 @@ def _of_two(like: Factor, head: str, angles: Sequence[str], sign: str) -> Factor
 
 def equation(p: Poly) -> Poly:
     """The left-hand side of ``p = 0`` without a common number or length; with the sign of most of its terms."""
-    lengths = sorted((g, e) for g, e in common_powers([p]).items() if e and g.kind == "param")
-    p = p * Poly({tuple(lengths): ONE}).inverse()
+    p = without_lengths(p)
     numbers = list(p.terms.values())
     size = abs(numbers[0]) if all(abs(c) == abs(numbers[0]) for c in numbers) else Exact(1)
     negative = sum(c.sign for c in numbers) < 0 or (numbers[0].sign < 0 and sum(c.sign for c in numbers) == 0)

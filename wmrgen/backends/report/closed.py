@@ -83,9 +83,10 @@ def _pivots(wheels: list[Wheel], twist: Row) -> list[str]:
 
 
 def _of_all(lengths: list[Poly], letter: str) -> str:
-    """A length that all wheels have; the letter of the layout table where they differ, and for a sum."""
+    """A length that all wheels have; the letter of the layout table where they differ, for a sum and a fraction."""
     first, *others = lengths
-    return latex(first) if all(p == first for p in others) and len(first.terms) < 2 else letter
+    own = latex(first) if all(p == first for p in others) and len(first.terms) < 2 else letter
+    return letter if own.startswith(r"\frac") else own
 
 
 def _over(above: str, below: str) -> str:

@@ -157,7 +157,8 @@ def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> li
 def _normal(rows: list[Measured], numbers: list[Measured]) -> str:
     """H^T H in the named parameters where that is short, else in their values."""
     normal, _ = normal_equations(rows)
-    if max(len(p.terms) for row in normal for p in row) <= _ENTRY:
+    named = any(p.constant is None for row in normal for p in row if p)
+    if named and max(len(p.terms) for row in normal for p in row) <= _ENTRY:
         entries = [[factored(p) for p in row] for row in normal]
         if max(map(width, map("".join, entries))) <= _NORMAL:
             return matrix(entries)

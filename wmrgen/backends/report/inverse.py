@@ -12,7 +12,7 @@ from wmrgen.backends.report.latex import latex, width
 from wmrgen.backends.report.letters import multiples, squares
 from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, math, minus, some
 from wmrgen.constraints import XI, seen, symbolic_view
-from wmrgen.exact.number import ONE
+from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.steer import NARROW, turning_points
@@ -245,7 +245,7 @@ def _admissible(steered: bool, held: bool) -> str:
         return "Every twist is admissible, so `slip`, the distance to the nearest admissible twist, is 0."
     unless = ", unless a limit or a coupling keeps a wheel from its angle" if held else ""
     return (
-        "At given steering angles few twists are admissible, but for every twist there are angles at which it is. "
+        "At given steering angles not every twist is admissible, but for every twist there are angles at which it is. "
         "`inverse` asks for these, so `slip`, the distance to the nearest admissible twist, is 0"
         + unless
         + "."
@@ -253,7 +253,7 @@ def _admissible(steered: bool, held: bool) -> str:
 
 
 def _rootless(p: Poly) -> Poly:
-    """The form, whose sign does not matter, with x for the root of x squared where it is one term."""
+    """The form, whose sign does not matter, with n x for the root of n² x² where it is one term."""
     return p if len(p.terms) > 1 else p.substitute(_root_of_square)
 
 
@@ -261,9 +261,10 @@ def _root_of_square(g: Gen) -> Poly | None:
     if g.kind != "sqrt" or len(g.args[0].terms) > 1:
         return None
     ((square, number),) = g.args[0].terms.items()
-    if number != ONE or any(e % 2 for _, e in square):
+    root = sqrt_poly(Poly.of(number)).constant
+    if root is None or any(e % 2 for _, e in square):
         return None
-    return Poly({tuple((h, e // 2) for h, e in square): ONE})
+    return Poly({tuple((h, e // 2) for h, e in square): root})
 
 
 def _forbidden(projection: Projection, coupled: bool, steered: bool, held: bool) -> list[str]:

@@ -159,7 +159,7 @@ def pieces(terms: Sequence[Term]) -> list[str]:
         return [_product(t.number, t.factors, style=t.style) for t in terms]
     number, common, rest = pulled_out(terms)
     if common or number != 1:
-        return [_product(number, common, total(rest))]
+        return [_product(number, common, total(rest), terms[0].style)]
     terms = _alike(terms)
     groups: dict[str, list[Term]] = {}
     for t in sorted(terms, key=_key):
@@ -241,7 +241,7 @@ def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[T
     rest = []
     for t in terms:
         reduced = (replace(f, power=f.power - common.get(f.base, 0)) for f in t.factors)
-        rest.append(Term(t.number / number, tuple(f for f in reduced if f.power)))
+        rest.append(Term(t.number / number, tuple(f for f in reduced if f.power), t.style))
     return number, tuple(shared), rest
 
 

@@ -245,7 +245,13 @@ def regular(d: Derivation) -> list[str]:
     sliding = [form for form in systems if rolls_alone(form, d.driven.mobility)]
     always = [form for form, system in systems.items() if form not in sliding and not system.domain]
     files = f"{code(f'{d.robot.name}_ode.casadi')}, {code('ode')} in {code(f'{d.robot.name}.py')}"
-    *others, last = (f"{_INPUTS[form]} ({code(form)})" for form in systems)
+    same = [form for form, s in systems.items() if form != "eta" and s.inputs == systems["eta"].inputs]
+    words = {form: f"{_INPUTS[form]} ({code(form)})" for form in systems if form not in same}
+    if same:
+        words["eta"] = (
+            f"{_INPUTS['eta']} ({listed(['eta', *same])}: too few joints are driven for their rates to do)"
+        )
+    *others, last = words.values()
     intro = (
         f"`wmrgen model` prints the model as q̇ = G(q) u, with a state q and inputs u that are {', '.join(others)} or "
         f"{last}. {code(space.form)} is the state space ({files})."

@@ -24,7 +24,7 @@ from wmrgen.backends.report.markdown import (
 from wmrgen.constraints import XI, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
-from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.exact.poly import Gen, Poly, Row, dot, whole
 from wmrgen.functions.models.growth import robot_growth
 from wmrgen.functions.motion.wheel_speeds import relations
 from wmrgen.mobility.ranks import numeric_rank
@@ -91,7 +91,7 @@ def _remark(m: Mobility) -> list[str]:
 def _growth(d: Derivation) -> tuple[tuple[int, ...], str]:
     """The growth vector, and what is said of trailers."""
     own = d.mobility.growth_vector
-    steered = "steering angles" if own[-1:] > (3,) else ""
+    steered = "steering angles" if d.mobility.degree_of_steerability else ""
     included = f", {steered} included" if steered else ""
     if not d.robot.trailers:
         return own, included
@@ -136,7 +136,7 @@ def _actuation(d: Derivation) -> list[str]:
         Poly.sum(p * q for p, q in zip(_with_one_angle(row, d.robot), spins, strict=True))
         for row in relations(d.robot, d.mobility, symbolic_view)
     ]
-    lines = [f"0 &= {wrapped(summands(gathered(terms(p))))}" for p in sums]
+    lines = [f"0 &= {wrapped(summands(gathered(terms(p))))}" for p in whole(sums)]
     if not lines or max(map(width, lines)) > _RELATION or len(lines) > _RELATIONS:
         return blocks
     held = ", the steering held," if any(g.kind in ("cos", "sin") for p in sums for g in p.generators) else ""
@@ -144,7 +144,8 @@ def _actuation(d: Derivation) -> list[str]:
         return blocks
     return [
         *blocks,
-        f"Speeds of driven wheels that fit each other{held} satisfy the conditions of compatibility",
+        f"Speeds of driven wheels that fit each other{held} satisfy the condition{'s' * (len(lines) > 1)} of "
+        "compatibility",
         *aligned(lines),
     ]
 
@@ -248,8 +249,8 @@ def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
     still = "" if any(_turns_about(w, d.mobility) for w in wheels) else " The robot then stands still, too."
     return [
         f"A steered wheel whose pivot (x, y) is the ICR stands still ({some(wheels)}): v<sub>x</sub> − y ω = 0 and "
-        f"v<sub>y</sub> + x ω = 0.{still} Its heading is undefined there, and `inverse` holds the present angle. Close "
-        "by, a small change of the twist asks for a large change of the angle."
+        f"v<sub>y</sub> + x ω = 0.{still} The wheel's heading is undefined there, and `inverse` holds the present "
+        "angle. Close by, a small change of the twist asks for a large change of the angle."
     ]
 
 

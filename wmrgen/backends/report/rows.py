@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.angles import gathered, over, readable, whole
+from wmrgen.backends.report.angles import gathered, over, readable, upright
 from wmrgen.backends.report.latex import WIDE, alike, broken, latex, pieces, terms, total, width, wrapped
 from wmrgen.backends.report.markdown import aligned, code, math, matrix, some
 from wmrgen.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
@@ -184,7 +184,7 @@ def _pfaffian(d: Derivation) -> list[str]:
 
 def null_space(d: Derivation) -> list[str]:
     """Section 4."""
-    columns = [whole(c) for c in d.mobility.null_space_symbolic]
+    columns = [upright(c) for c in d.mobility.null_space_symbolic]
     blocks = ["## 4 The null space: the motions that are left"]
     if not columns:
         return [*blocks, "C₁ has rank 3: no twist but ξ = 0 keeps every wheel from sliding."]

@@ -8,7 +8,7 @@ from math import cos, pi, sin
 
 from wmrgen.exact.evaluate import fix, number
 from wmrgen.exact.number import ONE, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, by_angle, each
+from wmrgen.exact.poly import Gen, Poly, Row, by_angle, each, whole, without_lengths
 from wmrgen.functions.system import Domain
 from wmrgen.layout.records import Robot
 from wmrgen.symbolic import Expr, expression
@@ -109,6 +109,7 @@ def split(poly: Poly) -> tuple[Poly, Poly]:
 def essential(poly: Poly) -> Poly:
     """The condition poly = 0 without factors that are lengths, numbers, powers or roots."""
     core, factor = split(poly)
+    (core,) = whole([without_lengths(core)])
     parts = [_squared(Poly({((g, 1),): ONE})) for m in factor.terms for g, e in m if e > 0]
     condition = Poly.of(1)
     for part in (core, *parts):

@@ -1,4 +1,4 @@
-"""What looks like a wheel and is none is left out in words: parts in the air, flippers, wheels of simulators."""
+"""What looks like a wheel and is none is left out in words: parts in the air, limbs, propellers, wheels of simulators."""
 
 from __future__ import annotations
 
@@ -66,6 +66,70 @@ def test_a_steering_wheel_is_told_and_a_wheel_on_uneven_ground_is_one(
     said = read(robot(pair(), wheel("rear_wheel", f"-0.3 0 {height}"), wheel("tail", "-0.4 0 0.1")))
     assert ("'rear_wheel_joint' is not taken" in said["notes"]) is told
     assert ("rear" in said["names"]) is not told
+
+
+def legs(body: str, above: int) -> str:
+    """Four that turn without end, each behind ``above`` joints that turn."""
+    parts = ""
+    for n, (x, y) in {"fl": (0.2, 0.1), "fr": (0.2, -0.1), "rl": (-0.2, 0.1), "rr": (-0.2, -0.1)}.items():
+        chain = ["base_link", *(f"{n}{k}" for k in range(above)), n]
+        parts += "".join(link(name) for name in chain[1:-1]) + body.replace("BODY", n)
+        parts += "".join(
+            joint(f"{child}_joint", parent, child, f"{x} {y} 0.3" if parent == "base_link" else "0 0 0",
+                  "continuous" if child == n else "revolute", more="" if child == n else LIMITS)
+            for parent, child in zip(chain, chain[1:], strict=False)
+        )  # fmt: skip
+    return parts
+
+
+def stl(*points: str) -> str:
+    return "solid s\n" + "".join(f"vertex {point}\n" for point in points)
+
+
+_MESHED = '<link name="BODY"><visual><geometry><mesh filename="part.stl"/></geometry></visual></link>'
+_HEAVY = '<link name="BODY"><inertial><origin xyz="{} 0 0"/><mass value="1"/></inertial></link>'
+_BOX = '<link name="BODY"><collision><origin xyz="0 0 -0.1"/><geometry><box size=".01 .01 .2"/></geometry></collision></link>'
+
+
+@pytest.mark.parametrize(
+    ("mesh", "body", "above", "why"),
+    [
+        (("0 0 0.02", "0.02 0 0", "0 0 -0.2", "-0.02 0 0"), _MESHED, 2, "reaches 0.2 m from the axle, and 0.02 m to"),
+        (("0 0 0.1", "0.01 0 0", "0 0 -0.1", "-0.01 0 0"), _MESHED, 0, "mesh is not round"),  # a blade
+        (("0 0 0.1", "0.1 0 0", "0 0 -0.1", "-0.1 0 0"), _MESHED, 3, ""),
+        ((), _HEAVY.format("0.12"), 2, "centre of mass lies 0.12 m off the axle"),
+        ((), _HEAVY.format("0.01"), 2, ""),
+        ((), _BOX, 1, "body reaches 0.1 m to one side"),
+        ((), _HEAVY.format("0"), 5, "5 joints turn between it and 'base_link'"),
+        ((), _HEAVY.format("0"), 4, ""),
+    ],
+)  # fmt: skip
+def test_limbs_and_blades_are_no_wheels_and_wheels_on_legs_are(
+    read: Import, tmp_path: Path, mesh: tuple[str, ...], body: str, above: int, why: str
+) -> None:
+    (tmp_path / "part.stl").write_text(stl(*mesh))
+    said = read(robot(legs(body, above)))
+    assert (said["code"], len(said["names"])) == ((2, 0) if why else (0, 4))
+    assert ("is not taken for a wheel" in said["notes"]) is bool(why) and why in said["notes"]
+    beside = read(robot(pair(), legs(body, above)))
+    assert beside["names"][:2] == ["left", "right"] and (len(beside["names"]) == 2 or not why)
+
+
+@pytest.mark.parametrize("named", ["left_joint", "left_link"])
+@pytest.mark.parametrize(
+    ("plugin", "wheels"),
+    [("gz-sim-thruster-system", 0), ("librotors_gazebo_motor_model.so", 0), ("gz-sim-joint-controller", 2)],
+)
+def test_propellers_are_told_by_what_plugins_have_them_push(
+    read: Import, plugin: str, wheels: int, named: str
+) -> None:
+    tag = "joint_name" if named.endswith("joint") else "link_name"
+    said = (
+        f'<gazebo><plugin filename="{plugin}"><{tag}>{n}</{tag}></plugin></gazebo>'
+        for n in (named, named.replace("left", "right"))
+    )
+    seen = read(robot(pair(axis="1 0 0"), *said))
+    assert len(seen["names"]) == wheels and ("push air or water" in seen["notes"]) is (wheels == 0)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from xml.etree.ElementTree import Element
 
-from wmrgen.importing.read import below, children, number, vector
+from wmrgen.importing.read import below, children, local, number, vector
 from wmrgen.importing.records import Friction
 from wmrgen.spec.text import quoted
 
@@ -14,6 +14,7 @@ _WATCHES = re.compile(
     "state[-_]?publisher|sensor|torque|mimic|odometry[-_]?publisher|_ir_|camera|laser|lidar|(?<![a-z])imu(?![a-z])|opcode",
     re.IGNORECASE,
 )
+_PUSHES = re.compile("thrust|motor[-_]?model|lift[-_]?drag", re.IGNORECASE)
 _MOVES_THE_BODY = re.compile("planar[-_]?move|object_controller|velocity-?control-?system", re.IGNORECASE)
 
 
@@ -32,6 +33,14 @@ def driven_by_plugins(plugins: Iterable[Element], joints: set[str]) -> frozenset
             }
         as_a_whole = as_a_whole or bool(_MOVES_THE_BODY.search(title))
     return frozenset(driven) if driven or as_a_whole else None
+
+
+def pushing(plugins: Iterable[Element]) -> frozenset[str]:
+    """The joints and links that push air or water, by the plugins that say how strongly: propellers, rotors, wings."""
+    titles = ((plugin, plugin.get("filename", "") + " " + plugin.get("name", "")) for plugin in plugins)
+    pushes = (plugin for plugin, title in titles if _PUSHES.search(title))
+    tags = ("joint_name", "jointName", "link_name", "linkName")
+    return frozenset((e.text or "").strip() for p in pushes for e in p.iter() if local(e) in tags)
 
 
 def _names(text: str) -> Iterator[str]:

@@ -26,11 +26,13 @@ _SAME: Rows = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0))
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """The largest distance from the axle, and the extent along it [m]."""
+    """The largest distance from the axle, and the extent along it [m]. ``least``: what part of that it
+    reaches to the other three sides; of a wheel nearly all."""
 
     radius: float
     low: float
     high: float
+    least: float
 
 
 def reach(data: bytes, name: str, scale: Vector, where: Frame, origin: Vector, axis: Vector) -> Reach | None:
@@ -43,15 +45,25 @@ def reach(data: bytes, name: str, scale: Vector, where: Frame, origin: Vector, a
     ox, oy, oz = map(float, turned(back, plus(origin, where.origin, -1)))
     ax, ay, az = map(float, turned(back, axis))
     sx, sy, sz = map(float, scale)
-    low, high, largest = math.inf, -math.inf, 0.0
+    low, high, largest, far = math.inf, -math.inf, 0.0, (0.0, 0.0, 0.0)
     for x, y, z in cloud:
         dx, dy, dz = sx * x - ox, sy * y - oy, sz * z - oz
         along = dx * ax + dy * ay + dz * az
         if not math.isfinite(along):
             return None
         low, high = min(low, along), max(high, along)
-        largest = max(largest, dx * dx + dy * dy + dz * dz - along * along)
-    return Reach(math.sqrt(largest), low, high) if cloud else None
+        if (square := dx * dx + dy * dy + dz * dz - along * along) > largest:
+            largest, far = square, (dx - along * ax, dy - along * ay, dz - along * az)
+    if not cloud:
+        return None
+    fx, fy, fz = far
+    across = ay * fz - az * fy, az * fx - ax * fz, ax * fy - ay * fx
+    sides = [(-fx, -fy, -fz), across, (-across[0], -across[1], -across[2])]
+    least = min(
+        max((sx * x - ox) * u + (sy * y - oy) * v + (sz * z - oz) * w for x, y, z in cloud)
+        for u, v, w in sides
+    )
+    return Reach(math.sqrt(largest), low, high, least / largest if largest else 0.0)
 
 
 def points(data: bytes, name: str) -> Iterable[Point]:

@@ -7,9 +7,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from wmrgen.importing.frames import dot, plus
+from wmrgen.importing.frames import dot, plus, turned
 from wmrgen.importing.records import Description, Joint
-from wmrgen.importing.view import COAXIAL, EVEN, SUNK, Candidate, Robot
+from wmrgen.importing.view import COAXIAL, EVEN, SUNK, UNSEEN, Candidate, Robot
 from wmrgen.spec.text import quoted
 
 
@@ -28,6 +28,8 @@ class Passed:
 
 
 _FEW = 16  # wheels; of more a simulator has no other in their middle
+_ROUND = 0.4  # of how far the mesh of a wheel reaches from its axle, as far it reaches to every side
+_CHAIN = 4  # joints that turn above a wheel on a leg, beside the one that steers it
 UNTOLD = "it is called one, but fixed, and neither an axis nor a cylinder says how it stands"
 
 
@@ -66,8 +68,7 @@ def no_wheel(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> Passed
     roles = robot.roles(c.joint.child)
     if roles == {"visual"} and leaders & {c.joint.name, c.steer.name if c.steer else ""}:
         return Passed(c.joint, "it is drawn, touches nothing, and others mimic it")
-    if reach := _reaches_aside(robot, c):
-        why = f"its body reaches {reach:.3g} m to one side of the axle, as a flipper or an arm does"
+    if why := _limb(robot, c):
         return Passed(c.joint, why)
     if roles == {"collision"}:
         drawn = [w for w in turning if robot.roles(w.joint.child) == {"visual"}]
@@ -112,16 +113,47 @@ def with_gears(description: Description, passed: Sequence[Passed]) -> Descriptio
     return replace(description, driven=driven | wheels) if wheels else description
 
 
-def _reaches_aside(robot: Robot, c: Candidate) -> float:
-    """How far from the axle a cylinder or sphere of the body stands [m], of those of the wheel's own role, where it is
-    beyond the wheel's radius and nothing balances it; else 0."""
-    if c.shape is None:
+def _limb(robot: Robot, c: Candidate) -> str:
+    """What shows that a body is a limb, such as a leg or a finger, or a blade; empty for what may be a wheel."""
+    if {name.rsplit("::", 1)[-1] for name in (c.joint.name, c.joint.child)} & robot.description.pushing:
+        return "a plugin has it push air or water, as a propeller does"
+    if reach := _reaches_aside(robot, c):
+        return f"its body reaches {reach:.3g} m to one side of the axle, as a flipper or an arm does"
+    bounds = max((b for _, _, b in robot.meshes(c) if b), key=lambda b: b.least, default=None)
+    if bounds and bounds.least < _ROUND:
+        far, near = bounds.radius, bounds.least * bounds.radius
+        return (
+            f"its mesh is not round: it reaches {far:.3g} m from the axle, and {near:.3g} m to another side"
+        )
+    off = 0.0 if c.shape or bounds else _unbalanced(robot, c)
+    if off > UNSEEN:
+        return f"its centre of mass lies {off:.3g} m off the axle, as that of a limb does"
+    above = [j for j in robot.moving_above(c.joint) if j.turns and j is not c.steer]
+    if len(above) > (_CHAIN if c.joint.moves else _CHAIN // 2) and not (c.shape and c.joint.moves):
+        return f"{len(above)} joints turn between it and {quoted(robot.base)}, as in an arm or a leg"
+    return ""
+
+
+def _unbalanced(robot: Robot, c: Candidate) -> float:
+    """How far the centre of mass of a link lies off the axle [m]; 0 where the file does not say it."""
+    centre = robot.description.masses.get(c.joint.child)
+    if centre is None:
         return 0.0
-    shapes = robot.shapes(c.joint.child)
-    offs = [plus(where.origin, c.origin, -1) for _, role, _, where in shapes if role in c.shape.words]
+    frame = robot.frame(c.joint.child)
+    off = plus(plus(turned(frame.rotation, centre), frame.origin), c.origin, -1)
+    off = plus(off, c.axis, -dot(off, c.axis))
+    return math.sqrt(dot(off, off))
+
+
+def _reaches_aside(robot: Robot, c: Candidate) -> float:
+    """How far from the axle a box, cylinder or sphere of the body stands [m], where it is beyond the wheel's radius and
+    nothing balances it; else 0. Of a wheel with a shape, those of that shape's role."""
+    roles = c.shape.words if c.shape else "collision visual"
+    bodies = [where for shape, where in robot.body(c.joint.child) if shape.role in roles and not shape.uri]
+    offs = [plus(where.origin, c.origin, -1) for where in bodies]
     offs = [plus(off, c.axis, -dot(off, c.axis)) for off in offs]
-    far = max(offs, key=lambda off: dot(off, off))
-    balanced = any(dot(far, off) < 0 for off in offs)
+    far = max(offs, key=lambda off: dot(off, off), default=c.origin)
+    balanced = not offs or any(dot(far, off) < 0 for off in offs)
     return 0.0 if balanced or dot(far, far) <= c.radius**2 else math.sqrt(dot(far, far))
 
 

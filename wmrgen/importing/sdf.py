@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element
 
 from wmrgen.errors import RobotFileError
 from wmrgen.importing.frames import IDENTITY, composed, inverse, transposed, tree, turned
-from wmrgen.importing.gazebo import driven_by_plugins, friction, words
+from wmrgen.importing.gazebo import driven_by_plugins, friction, pushing, words
 from wmrgen.importing.poses import FrameGraph, Scope, placement, reference
 from wmrgen.importing.read import below, child, children, name_of, number, refuse, text_in, vector
 from wmrgen.importing.records import MODEL, RIGID, Description, Frame, Friction, Joint, Shape
@@ -150,6 +150,12 @@ class _Reader:
             words=tuple(self.words),
             notes=tuple(self.notes),
             closing=closing,
+            pushing=pushing(self.plugins),
+            masses={
+                full: placement(inertial, f"link {quoted(full)}: inertial").origin
+                for full, (link, _) in self.links.items()
+                for inertial in children(link, "inertial")[:1]
+            },
         )
 
     def _shapes(self, full: str) -> list[Shape]:

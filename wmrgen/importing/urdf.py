@@ -7,10 +7,18 @@ from xml.etree.ElementTree import Element
 
 from wmrgen.errors import RobotFileError
 from wmrgen.importing.frames import MAX_JOINTS, frame, tree
-from wmrgen.importing.gazebo import driven_by_control, driven_by_plugins, friction, transmitted, words
+from wmrgen.importing.gazebo import (
+    driven_by_control,
+    driven_by_plugins,
+    friction,
+    pushing,
+    transmitted,
+    words,
+)
 from wmrgen.importing.read import (
     ONES,
     ZERO,
+    below,
     bound,
     child,
     children,
@@ -62,6 +70,14 @@ def describe(root: Element, file: str) -> Description:
         closing=closing,
         transmitted=frozenset(transmitted(root) - transmitted(root, "Position") - driven_by_control(root)),
         commanded=frozenset(transmitted(root, "Velocity")),
+        pushing=pushing(below(root, "plugin")),
+        masses={
+            name_of(link, "link"): _origin(
+                inertial, f"link {quoted(name_of(link, 'link'))}: inertial", notes
+            ).origin
+            for link in children(root, "link")
+            for inertial in children(link, "inertial")[:1]
+        },
     )
 
 

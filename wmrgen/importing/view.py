@@ -12,7 +12,7 @@ from fractions import Fraction
 from wmrgen.importing.frames import ancestors, composed, dot, inverse, parents, plus, pose, turned, unit
 from wmrgen.importing.meshes import Reach, reach
 from wmrgen.importing.read import refuse
-from wmrgen.importing.records import MODEL, Description, Frame, Joint, Vector
+from wmrgen.importing.records import MODEL, Description, Frame, Joint, Shape, Vector
 from wmrgen.spec.text import quoted
 
 UPRIGHT = math.cos(math.radians(15))
@@ -76,6 +76,7 @@ class Robot:
         self._to_base = composed(turn, inverse(pose(base, self.above)))
         self._trunk = {joint.child for joint in ancestors(base, self.above)}
         self._root = self._root_of(base)
+        self._meshes: dict[tuple[str, Vector, Vector], tuple[tuple[str, float, Reach | None], ...]] = {}
         self._below: dict[str, list[Joint]] = {}
         for joint in description.joints:
             self._below.setdefault(joint.parent, []).append(joint)
@@ -120,29 +121,37 @@ class Robot:
     def upright(self, joint: Joint) -> bool:
         return joint.turns and abs(self.axis(joint)[2]) >= UPRIGHT
 
-    def shapes(self, link: str) -> Iterator[tuple[str, str, Fraction, Frame]]:
-        """Kind, role, radius and frame of the cylinders and spheres of a link and of what is fixed to it."""
+    def body(self, link: str) -> Iterator[tuple[Shape, Frame]]:
+        """The shapes of a link and of what is fixed to it, with their frames."""
         for each in (link, *(joint.child for joint in self.under(link, rigid=True))):
             for shape in self.description.shapes.get(each, ()):
-                if shape.radius:
-                    yield shape.kind, shape.role, shape.radius, composed(self.frame(each), shape.frame)
+                yield shape, composed(self.frame(each), shape.frame)
+
+    def shapes(self, link: str) -> Iterator[tuple[str, str, Fraction, Frame]]:
+        """Kind, role, radius and frame of the cylinders and spheres of a link and of what is fixed to it."""
+        for shape, where in self.body(link):
+            if shape.radius:
+                yield shape.kind, shape.role, shape.radius, where
 
     def roles(self, link: str) -> set[str]:
         """Whether a link, with what is fixed to it, touches (collision), is drawn (visual), or both."""
-        links = (link, *(joint.child for joint in self.under(link, rigid=True)))
-        return {shape.role for each in links for shape in self.description.shapes.get(each, ())}
+        return {shape.role for shape, _ in self.body(link)}
 
-    def meshes(self, c: Candidate) -> Iterator[tuple[str, float, Reach | None]]:
+    def meshes(self, c: Candidate) -> tuple[tuple[str, float, Reach | None], ...]:
         """The meshes of a wheel's body in words, how far their origins are off the joint along the axle, and how far
         they reach where their file is at hand."""
-        for each in (c.joint.child, *(joint.child for joint in self.under(c.joint.child, rigid=True))):
-            for shape in self.description.shapes.get(each, ()):
-                if shape.uri:
-                    data = self.description.file_of(shape.uri)
-                    where = composed(self.frame(each), shape.frame)
-                    words = f"{shape.role} mesh {quoted(shape.uri.rsplit('/', 1)[-1])}"
-                    bounds = reach(data, shape.uri, shape.scale, where, c.origin, c.axis) if data else None
-                    yield words, float(dot(plus(where.origin, c.origin, -1), c.axis)), bounds
+        axle = (c.joint.child, c.origin, c.axis)
+        if axle not in self._meshes:
+            self._meshes[axle] = tuple(self._reaches(c))
+        return self._meshes[axle]
+
+    def _reaches(self, c: Candidate) -> Iterator[tuple[str, float, Reach | None]]:
+        for shape, where in self.body(c.joint.child):
+            if shape.uri:
+                data = self.description.file_of(shape.uri)
+                words = f"{shape.role} mesh {quoted(shape.uri.rsplit('/', 1)[-1])}"
+                bounds = reach(data, shape.uri, shape.scale, where, c.origin, c.axis) if data else None
+                yield words, float(dot(plus(where.origin, c.origin, -1), c.axis)), bounds
 
     def balls(self, link: str) -> Iterator[tuple[Vector, Fraction]]:
         """Centre and lowest height of the cylinders and spheres of a link itself."""

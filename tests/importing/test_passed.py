@@ -1,7 +1,8 @@
-"""What looks like a wheel and is none is left out in words: parts in the air, limbs, propellers, wheels of simulators."""
+"""What looks like a wheel and is none is left out in words: parts in the air, limbs, propellers, simulators' wheels."""
 
 from __future__ import annotations
 
+import itertools
 import json
 import time
 from collections.abc import Callable
@@ -77,7 +78,7 @@ def legs(body: str, above: int) -> str:
         parts += "".join(
             joint(f"{child}_joint", parent, child, f"{x} {y} 0.3" if parent == "base_link" else "0 0 0",
                   "continuous" if child == n else "revolute", more="" if child == n else LIMITS)
-            for parent, child in zip(chain, chain[1:], strict=False)
+            for parent, child in itertools.pairwise(chain)
         )  # fmt: skip
     return parts
 
@@ -88,7 +89,7 @@ def stl(*points: str) -> str:
 
 _MESHED = '<link name="BODY"><visual><geometry><mesh filename="part.stl"/></geometry></visual></link>'
 _HEAVY = '<link name="BODY"><inertial><origin xyz="{} 0 0"/><mass value="1"/></inertial></link>'
-_BOX = '<link name="BODY"><collision><origin xyz="0 0 -0.1"/><geometry><box size=".01 .01 .2"/></geometry></collision></link>'
+_BOX = link("BODY", '<box size=".01 .01 .2"/>', xyz="0 0 -0.1")
 
 
 @pytest.mark.parametrize(
@@ -99,6 +100,7 @@ _BOX = '<link name="BODY"><collision><origin xyz="0 0 -0.1"/><geometry><box size
         (("0 0 0.1", "0.1 0 0", "0 0 -0.1", "-0.1 0 0"), _MESHED, 3, ""),
         ((), _HEAVY.format("0.12"), 2, "centre of mass lies 0.12 m off the axle"),
         ((), _HEAVY.format("0.01"), 2, ""),
+        ((), _HEAVY.format("0,12"), 2, ""),  # a mistake in what wheels do not need
         ((), _BOX, 1, "body reaches 0.1 m to one side"),
         ((), _HEAVY.format("0"), 5, "5 joints turn between it and 'base_link'"),
         ((), _HEAVY.format("0"), 4, ""),

@@ -5,6 +5,7 @@ Every pose is followed to the model's frame; joints then carry links as those of
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from xml.etree.ElementTree import Element
 
@@ -13,7 +14,7 @@ from wmrgen.importing.frames import IDENTITY, composed, inverse, transposed, tre
 from wmrgen.importing.gazebo import driven_by_plugins, friction, pushing, words
 from wmrgen.importing.poses import FrameGraph, Scope, placement, reference
 from wmrgen.importing.read import below, child, children, name_of, number, refuse, text_in, vector
-from wmrgen.importing.records import MODEL, RIGID, Description, Frame, Friction, Joint, Shape
+from wmrgen.importing.records import MODEL, RIGID, Description, Frame, Friction, Joint, Shape, Vector
 from wmrgen.importing.sdf_joints import joints_of, passed_over
 from wmrgen.spec.text import quoted
 
@@ -151,12 +152,17 @@ class _Reader:
             notes=tuple(self.notes),
             closing=closing,
             pushing=pushing(self.plugins),
-            masses={
-                full: placement(inertial, f"link {quoted(full)}: inertial").origin
-                for full, (link, _) in self.links.items()
-                for inertial in children(link, "inertial")[:1]
-            },
+            masses=self._masses(),
         )
+
+    def _masses(self) -> dict[str, Vector]:
+        """The centres of mass of links, where they can be read."""
+        centres = {}
+        for full, (link, _) in self.links.items():
+            for inertial in children(link, "inertial")[:1]:
+                with contextlib.suppress(RobotFileError):
+                    centres[full] = placement(inertial, "inertial").origin
+        return centres
 
     def _shapes(self, full: str) -> list[Shape]:
         link, scope = self.links[full]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections import Counter
 from xml.etree.ElementTree import Element
 
@@ -71,13 +72,7 @@ def describe(root: Element, file: str) -> Description:
         transmitted=frozenset(transmitted(root) - transmitted(root, "Position") - driven_by_control(root)),
         commanded=frozenset(transmitted(root, "Velocity")),
         pushing=pushing(below(root, "plugin")),
-        masses={
-            name_of(link, "link"): _origin(
-                inertial, f"link {quoted(name_of(link, 'link'))}: inertial", notes
-            ).origin
-            for link in children(root, "link")
-            for inertial in children(link, "inertial")[:1]
-        },
+        masses=_masses(root),
     )
 
 
@@ -135,6 +130,18 @@ def _shapes(link: Element, notes: list[str]) -> tuple[Shape, ...]:
                 where, uri = _origin(part, what, notes), form.get("filename", "")
                 shapes.append(Shape(local(form), role, where, value, uri, scale))
     return tuple(shapes)
+
+
+def _masses(root: Element) -> dict[str, Vector]:
+    """The centres of mass of links, where they can be read."""
+    centres = {}
+    for link in children(root, "link"):
+        for origin in (
+            o for inertial in children(link, "inertial")[:1] for o in children(inertial, "origin")
+        ):
+            with contextlib.suppress(RobotFileError):
+                centres[name_of(link, "link")] = vector(origin.get("xyz"), "inertial")
+    return centres
 
 
 def _scale(text: str | None, what: str, notes: list[str]) -> Vector:

@@ -148,15 +148,19 @@ def _kept(nodes: Sequence[Bounded], tried: Sequence[Point], sound: Array) -> lis
     """The first points that are sound; of the pool those with two outcomes of choices that are rare together."""
     choices = [b.outcome[0] for b in nodes if b.outcome is not None]
     matrix = np.array(choices).reshape(len(choices), len(tried))
-    outcomes = np.concatenate([matrix == 1, matrix == -1])
-    seen = np.zeros((len(outcomes), len(outcomes)), dtype=int)
+    outcomes = np.concatenate([matrix == 1, matrix == -1]).T
+    seen = np.zeros((outcomes.shape[1],) * 2, dtype=int)
     rows, spare = [], _SPARE
+    common: set[bytes] = set()  # outcomes of which no two are rare together
     for k in np.flatnonzero(sound).tolist():
-        pairs = np.outer(outcomes[:, k], outcomes[:, k])
-        if tried[k][0] == BRANCH:
-            if not spare or not (pairs & (seen < _RARE)).any():
-                continue
-            spare -= 1
+        branch, own = tried[k][0] == BRANCH, outcomes[k].tobytes()
+        if branch and (not spare or own in common):
+            continue
+        pairs = np.outer(outcomes[k], outcomes[k])
+        if branch and not (pairs & (seen < _RARE)).any():
+            common.add(own)
+            continue
+        spare -= branch
         rows.append(k)
         seen += pairs
     return rows

@@ -205,7 +205,7 @@ class Paper:
         outward = unit(away, middle(target)) if distance(middle(target), away) > 2 else (1.0, 0.0)
         x, y = (2 * h + max(_GAPS) + 2 for h in half)
         zone = target[0] - x, target[1] - y, target[2] + x, target[3] + y
-        near = [box for box in self.boxes if overlap(box, zone) > 0]
+        near = sorted((b for b in self.boxes if overlap(b, zone) > 0), key=lambda b: -overlap(b, zone))
         best: tuple[float, Point, float] = (inf, (0.0, 0.0), 0.0)
         for gap in _GAPS:
             for k in range(_DIRECTIONS):

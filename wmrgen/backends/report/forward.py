@@ -14,6 +14,7 @@ from wmrgen.constraints import XI
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.poly import dot
 from wmrgen.kinematics.forward import normal_equations
+from wmrgen.kinematics.records import substituted
 from wmrgen.kinematics.rigid import spread
 from wmrgen.kinematics.sensing import Contact, Measured, Measurements, generic_rank, measurements
 from wmrgen.printing import symbol_names
@@ -183,7 +184,7 @@ def fits_of(d: Derivation, *names: str) -> tuple[list[Expr], dict[str, str]]:
     vectors = {symbol: e for symbol, e in formula.locals if symbol in results}
     values = {p.name: e for p, e in formula.outputs}
     values |= {s.name.removesuffix("_fit"): e for s, e in formula.locals if s.name.endswith("_fit")}
-    return [values[name].xreplace(vectors) for name in names], symbol_names(formula.inputs)
+    return [substituted(values[name], vectors, {}) for name in names], symbol_names(formula.inputs)
 
 
 def _residual(d: Derivation, measured: Measurements) -> list[str]:

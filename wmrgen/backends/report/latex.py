@@ -63,7 +63,7 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
     summed: list[Term] = []
     for arg in sympy.Add.make_args(value):
         number, factors, inner = ONE, [], None
-        for factor in sympy.Mul.make_args(arg):
+        for factor in _factors(arg):
             own = number_of(factor)
             if own is not None:
                 number = number * own
@@ -76,6 +76,11 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
         else:
             summed += [Term(t.number * number, merged((*t.factors, *factors))) for t in terms(inner, ports)]
     return [t for t in summed if t.number]
+
+
+def _factors(expr: Expr) -> list[Expr]:
+    """The factors of a product, those of products in it among them."""
+    return [factor for arg in expr.args for factor in _factors(arg)] if expr.is_Mul else [expr]
 
 
 def reduced(above: Poly, below: Poly) -> Expr:

@@ -126,10 +126,11 @@ wheels:
 )
 def unsensed(subject: Subject) -> Iterator[Finding]:
     robot = subject.robot
+    blind = [w for w in robot.wheels if set(w.kind.joints) - set(w.sensed)]
+    if not blind or (seen := _seen(driven(robot))) == 3:
+        return
     every = replace(robot, wheels=tuple(replace(w, sensed=w.kind.joints) for w in robot.wheels))
-    seen, possible = _seen(driven(robot)), _seen(driven(every))
-    if seen < possible:
-        blind = [w for w in robot.wheels if set(w.kind.joints) - set(w.sensed)]
+    if seen < (possible := _seen(driven(every))):
         yield Finding(
             subject.mark(blind[0]),
             f"the sensed joints tell {seen} of the 3 components of the twist, all joints would tell {possible}",

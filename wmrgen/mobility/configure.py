@@ -15,6 +15,7 @@ import numpy as np
 
 from wmrgen.constraints import constrain, nominal_view
 from wmrgen.exact.linalg import null_space
+from wmrgen.exact.linalg import rank as exact_rank
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, Row, has_angles
 from wmrgen.layout.records import Robot, Wheel
@@ -230,5 +231,5 @@ def _exact_rank(robot: Robot, numbers: list[ExactRow]) -> int:
                 a = twist[0] - w.nominal.y * twist[2]
                 b = twist[1] + w.nominal.x * twist[2]
                 rows.append((-b, a, w.nominal.x * a + w.nominal.y * b))
-        best = max(best, decide(rows).exact or 0)
+        best = max(best, exact_rank(rows))
     return best

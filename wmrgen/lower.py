@@ -181,14 +181,14 @@ def number_of(expr: Expr, other: Callable[[Expr], Exact | None] = lambda _: None
     if isinstance(expr, sympy.Pow) and isinstance(expr.base, sympy.Rational) and expr.exp == sympy.S.Half:
         root = exact_sqrt(Fraction(int(expr.base.p), int(expr.base.q)))
         return other(expr) if root is None else root
-    if not isinstance(expr, sympy.Add | sympy.Mul):
+    if not (expr.is_Add or expr.is_Mul):
         return other(expr)
-    result = ZERO if isinstance(expr, sympy.Add) else ONE
+    result = ZERO if expr.is_Add else ONE
     for arg in expr.args:
         value = number_of(arg, other)
         if value is None:
             return None
-        result = result + value if isinstance(expr, sympy.Add) else result * value
+        result = result + value if expr.is_Add else result * value
     return result
 
 

@@ -79,7 +79,8 @@ class Exact:
 
     @property
     def is_rational(self) -> bool:
-        return not any(self.num[1:])
+        _, b, c, d = self.num
+        return not (b or c or d)
 
     def __bool__(self) -> bool:
         return any(self.num)
@@ -87,12 +88,11 @@ class Exact:
     def __add__(self, other: Exact | Rational) -> Exact:
         o = Exact.of(other)
         p, q = self.den, o.den
-        a, b = self.num, o.num
-        if not any(a[1:]) and not any(b[1:]):
-            return Exact._rational(a[0] * q + b[0] * p, p * q)
-        return Exact._make(
-            (a[0] * q + b[0] * p, a[1] * q + b[1] * p, a[2] * q + b[2] * p, a[3] * q + b[3] * p), p * q
-        )
+        a, b, c, d = self.num
+        e, f, g, h = o.num
+        if not (b or c or d or f or g or h):
+            return Exact._rational(a * q + e * p, p * q)
+        return Exact._make((a * q + e * p, b * q + f * p, c * q + g * p, d * q + h * p), p * q)
 
     __radd__ = __add__
 

@@ -84,9 +84,9 @@ class Poly:
         return hash(self.key)
 
     def __eq__(self, other: object) -> bool:
-        if isinstance(other, Exact | Fraction | int):
-            other = Poly.of(other)
-        return isinstance(other, Poly) and self.terms == other.terms
+        if isinstance(other, Poly):
+            return self.terms == other.terms
+        return isinstance(other, Exact | Fraction | int) and self.terms == Poly.of(other).terms
 
     def __bool__(self) -> bool:
         return bool(self.terms)

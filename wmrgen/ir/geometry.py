@@ -37,7 +37,8 @@ def times(a: Monomial, b: Monomial, power: int = 1) -> Monomial:
 
 def accumulate(form: Form, monomial: Monomial, value: Exact) -> None:
     """form += value * monomial."""
-    total = form.get(monomial, ZERO) + value
+    before = form.get(monomial)
+    total = value if before is None else before + value
     if total:
         form[monomial] = total
     else:

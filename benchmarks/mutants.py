@@ -25,16 +25,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
+from pytest import Item
+
 ROOT = Path(__file__).resolve().parent.parent
 COUNT, SEED, JOBS = 200, 1, os.cpu_count() or 1
 READERS = ("tests/trust/test_source.py", "tests/trust/test_imports.py", "tests/wheels/test_one_home.py")
 SECONDS = 900  # of processor time for the tests of a fault, three times what all take: a loop counts as found
-TIMEOUT = 1800  # s, of a fault that waits
+TIMEOUT = 3600  # s, of a fault that waits: for other work on the machine, too
 # Unions of types in annotations, caches and swapped identities are faults in name alone.
 _LEFT_OUT = re.compile(r"BitOr|BitAnd|BitXor|Shift|_Is|Is_|IsNot|RemoveDecorator|Variable|ExceptionReplacer")
 _PYTEST = (sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider")
 _EVERYDAY = (*_PYTEST, "-m", "not slow")
-_NAMED = shlex.join((*_PYTEST, "-x", "-m", "slow or not slow", "@tests.txt"))  # whatever mark they have
+# Those of tests.txt, whatever mark they have; this module is its plugin.
+_NAMED = shlex.join((*_PYTEST, "-x", "-m", "slow or not slow", "-p", "benchmarks.mutants", "@files.txt"))
 
 
 @dataclass(frozen=True)
@@ -52,11 +55,15 @@ class Fault:
 
 @dataclass(frozen=True)
 class Outcome:
-    """``found``: by one of the ``tests`` that were run (their number). ``change``: the lines that differ."""
+    """``found``: by one of the ``tests`` that were run (their number), or since none of them ended in time (``late``).
+
+    ``change``: the lines that differ.
+    """
 
     fault: Fault
     tests: int
     found: bool
+    late: bool
     change: str
 
 
@@ -79,20 +86,18 @@ def draw(count: int, seed: int) -> list[Fault]:
 
 def _places(path: str) -> list[list[Fault]]:
     """The faults of one file, those of one place together."""
-    from cosmic_ray.commands.init import init
-    from cosmic_ray.work_db import WorkDB, use_db
+    from cosmic_ray.ast import ast_nodes, get_ast_from_path
+    from cosmic_ray.plugins import get_operator, operator_names
 
+    tree = get_ast_from_path(ROOT / path)
     by_place: dict[tuple[int, int], list[Fault]] = {}
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        use_db(str(Path(folder, "faults.sqlite")), WorkDB.Mode.create) as session,
-    ):
-        init([ROOT / path], session, {})
-        for item in session.work_items:
-            (m,) = item.mutations
-            if not _LEFT_OUT.search(m.operator_name):
-                fault = Fault(path, m.operator_name, m.occurrence, m.start_pos[0])
-                by_place.setdefault(tuple(m.start_pos), []).append(fault)
+    for name in operator_names():
+        operator = get_operator(name)
+        if operator.arguments() or _LEFT_OUT.search(name):
+            continue
+        starts = (start for node in ast_nodes(tree) for start, _ in operator().mutation_positions(node))
+        for occurrence, start in enumerate(starts):
+            by_place.setdefault(start, []).append(Fault(path, name, occurrence, start[0]))
     return [by_place[place] for place in sorted(by_place)]
 
 
@@ -118,12 +123,10 @@ def tests_of_lines(folder: Path) -> tuple[Mapping[str, Mapping[int, Sequence[str
         [*_EVERYDAY, "-o", "addopts=", "--collect-only"],
         cwd=folder, env=_environment(folder), check=True, capture_output=True, text=True,
     )  # fmt: skip
-    # A name that pytest does not find would pass for a fault that is found.
     there = {line for line in listed.stdout.splitlines() if "::" in line}
-    seconds: dict[str, float] = dict.fromkeys(there, 1.0)
-    for case in ElementTree.parse(times).iter("testcase"):
-        name = f"{case.get('classname', '').replace('.', '/')}.py::{case.get('name')}"
-        seconds[name] = float(case.get("time", "1"))
+    cases = ElementTree.parse(times).iter("testcase")
+    took = {f"{case.get('classname')}.{case.get('name')}": float(case.get("time", "1")) for case in cases}
+    seconds = {test: took.get(_dotted(test), 1.0) for test in there}
     read = CoverageData(str(data))
     read.read()
     result: dict[str, dict[int, Sequence[str]]] = {}
@@ -136,6 +139,19 @@ def tests_of_lines(folder: Path) -> tuple[Mapping[str, Mapping[int, Sequence[str
         path = Path(file).relative_to(folder.resolve()).as_posix()
         result[path] = {line: tests or every for line, tests in lines.items()}
     return result, seconds
+
+
+def _dotted(test: str) -> str:
+    """The name of a test as JUnit's form has it: folder.file.Class.test[case]."""
+    name, bracket, case = test.partition("[")
+    return name.replace(".py::", ".").replace("::", ".").replace("/", ".") + bracket + case
+
+
+def pytest_collection_modifyitems(items: list[Item]) -> None:
+    """Leaves pytest the tests of tests.txt, in that order. A case that a fault renames is not one that fails."""
+    names = Path("tests.txt").read_text(encoding="utf-8").splitlines()
+    turn = {name: k for k, name in enumerate(names)}
+    items[:] = sorted((i for i in items if i.nodeid in turn), key=lambda i: turn[i.nodeid])
 
 
 def _environment(folder: Path) -> dict[str, str]:
@@ -162,12 +178,20 @@ def _run(job: tuple[Fault, Sequence[str]]) -> Outcome:
 
     fault, tests = job
     Path("tests.txt").write_text("\n".join(tests), encoding="utf-8")
+    Path("files.txt").write_text("\n".join(sorted({t.partition("::")[0] for t in tests})), encoding="utf-8")
     spec = MutationSpec(Path(fault.path), fault.operator, fault.occurrence, (fault.line, 0), (fault.line, 1))
     result = mutate_and_test([spec], _NAMED, TIMEOUT)
     if result.worker_outcome is not WorkerOutcome.NORMAL:
         raise RuntimeError(f"{fault}: {result.output}")
     lines = [line for line in (result.diff or "").splitlines() if re.match(r"[-+](?![-+])", line)]
-    return Outcome(fault, len(tests), result.test_outcome is TestOutcome.KILLED, "\n".join(lines))
+    killed = result.test_outcome is TestOutcome.KILLED
+    # pytest names what failed; it prints nothing where wmrgen cannot be imported.
+    late = (
+        killed
+        and bool(result.output)
+        and not re.search("^(FAILED|ERROR) ", result.output or "", re.MULTILINE)
+    )
+    return Outcome(fault, len(tests), killed, late, "\n".join(lines))
 
 
 def _in_order(tests: Sequence[str], path: str, seconds: Mapping[str, float]) -> list[str]:
@@ -186,7 +210,7 @@ def _in_order(tests: Sequence[str], path: str, seconds: Mapping[str, float]) -> 
 
 
 def run(count: int = COUNT, seed: int = SEED) -> Iterator[str]:
-    """The lines to print: each fault that no test finds with its change, and the share that is found."""
+    """The lines to print: each fault that no test finds or that none ends with, its change, and the share found."""
     with tempfile.TemporaryDirectory(prefix="wmrgen-mutants-") as folder:
         tests, seconds = tests_of_lines(copy_of_checkout(Path(folder) / "covered"))
         jobs = []
@@ -198,14 +222,17 @@ def run(count: int = COUNT, seed: int = SEED) -> Iterator[str]:
         numbers: multiprocessing.Queue[int] = multiprocessing.Queue()
         for number in range(JOBS):
             numbers.put(number)
-        found = 0
+        found = late = 0
         with multiprocessing.Pool(JOBS, _start, (folder, numbers)) as pool:
             for done, outcome in enumerate(pool.imap_unordered(_run, jobs), 1):
                 print(f"{done} of {count}", end="\r", file=sys.stderr, flush=True)
                 found += outcome.found
-                if not outcome.found:
-                    yield f"{outcome.fault}, {outcome.tests} tests\n{outcome.change}\n"
-    yield f"{found} of {count} faults found by the everyday tests ({100 * found / count:.0f} %), seed {seed}"
+                late += outcome.late
+                if outcome.late or not outcome.found:
+                    tests_run = "tests did not end" if outcome.late else f"{outcome.tests} tests"
+                    yield f"{outcome.fault}, {tests_run}\n{outcome.change}\n"
+    share = f"{100 * found / count:.0f} %, {late} of them by tests that did not end"
+    yield f"{found} of {count} faults found by the everyday tests ({share}), seed {seed}"
 
 
 def _covering(lines: Mapping[int, Sequence[str]], line: int) -> Sequence[str]:

@@ -18,12 +18,13 @@ import wmrgen
 from tests.calibrating.simulated import LAYOUTS, Encoders, Layout, Tracker, csv, drive
 from tests.conftest import Outcome
 from tests.depth import everyday
-from wmrgen.calibrating.calibrate import Calibration, calibrate, problem_of
+from wmrgen.calibrating.calibrate import Calibration, Estimate, calibrate, problem_of
 from wmrgen.calibrating.certainty import fit
-from wmrgen.calibrating.fit import Problem, serial, sums
-from wmrgen.calibrating.logs import read
+from wmrgen.calibrating.fit import Problem, serial, sums, unit_of
+from wmrgen.calibrating.logs import _increments, read
 from wmrgen.calibrating.observability import blind, courses, offers, plan
 from wmrgen.calibrating.path import passed, reckoned
+from wmrgen.calibrating.picture import _key, _values
 from wmrgen.calibrating.starts import laid
 from wmrgen.calibrating.written import with_values
 from wmrgen.errors import UsageError
@@ -64,6 +65,18 @@ def test_real_drives_give_the_recorded_parameters(name: str) -> None:
             assert estimate.observable
     assert {n for group in result.unobservable for n in group} == set(expected["not_demanded"])
     assert result.after.position < 0.75 * result.before.position
+
+
+def test_a_column_of_rates_is_integrated_by_trapezoids() -> None:
+    """Exactly, where a rate rises evenly; by steps of any length."""
+    t = np.array([0.0, 0.1, 0.4, 0.5, 1.5])
+    steps = _increments(Path("a.csv"), {"left.spin": 3 - 2 * t}, "left.spin", {}, t)
+    assert steps == pytest.approx(np.diff(3 * t - t**2))
+
+
+@pytest.mark.parametrize(("nominal", "unit"), [(0.4, 0.04), (-0.4, 0.04), (0.0, 0.1)])
+def test_the_prior_is_a_tenth_of_a_parameter(nominal: float, unit: float) -> None:
+    assert unit_of(nominal) == pytest.approx(unit)
 
 
 @pytest.mark.parametrize("name", ["differential", pytest.param("tricycle", marks=pytest.mark.slow)])
@@ -596,6 +609,25 @@ def test_files_for_others(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) ->
     assert macro is not None
     entries = dict(entry.strip().removeprefix(".").split(" = ") for entry in macro[1].split(","))
     assert {name: float(value) for name, value in entries.items()} == pytest.approx(layout.true, rel=1e-3)
+
+
+def test_a_picture_has_each_estimate_in_the_middle_of_its_interval() -> None:
+    """The change from nominal to scale: 5 % is half of 10 %, to the other side of a parameter that got smaller."""
+    estimates = {"a": Estimate(1.1, 0.001, 1.0, True), "b": Estimate(1.9, 0.001, 2.0, True)}
+    picture = ElementTree.fromstring(f"<svg>{''.join(_values(estimates))}</svg>")
+    dots = [float(e.attrib["cx"]) for e in picture.iter("circle")]
+    (axis, *intervals) = [(float(e.attrib["x1"]), float(e.attrib["x2"])) for e in picture.iter("line")]
+    assert dots == pytest.approx([sum(ends) / 2 for ends in intervals], abs=0.1)
+    assert dots[0] - axis[0] == pytest.approx(-2 * (dots[1] - axis[0]), abs=0.1)
+
+
+def test_the_key_of_a_picture_has_a_dash_before_each_word() -> None:
+    picture = ElementTree.fromstring(f"<svg>{''.join(_key())}</svg>")
+    dashes = [[float(p.split(",")[0]) for p in e.attrib["points"].split()] for e in picture.iter("polyline")]
+    words = [float(e.attrib["x"]) for e in picture.iter("text")]
+    assert [b - a for a, b in dashes] == [30] * 3 and [
+        w - b for (_, b), w in zip(dashes, words, strict=True)
+    ] == [6] * 3
 
 
 def test_a_tracker_that_glitches(tmp_path: Path) -> None:

@@ -162,12 +162,12 @@ def test_a_slip_along_either_axis_is_a_step_of_the_path(
     assert not turned.any()
 
 
-@pytest.mark.parametrize(("count", "size"), [(11, 3 / 11**0.5), (12, 0.0)])
+@pytest.mark.parametrize(("count", "size"), [(0, 0.0), (11, 3 / 11**0.5), (12, 0.0)])
 def test_few_residuals_count_by_their_squares(
     count: int, size: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A drive of so few that its own unknowns take most up has a median of nearly nothing."""
-    values = np.array([3.0, *[0.0] * (count - 1)])
+    """A drive of so few that its own unknowns take most up has a median of nearly nothing; one of none has none."""
+    values = np.array([3.0, *[0.0] * count])[:count]
     rows = SimpleNamespace(values=values, weights=np.ones(count))
     monkeypatch.setattr("wmrgen.calibrating.fit.residuals", lambda *_: rows)
     assert _typical(None, None, 0) == pytest.approx(size)  # type: ignore[arg-type]

@@ -12,7 +12,7 @@ import numpy as np
 from wmrgen.calibrating import certainty
 from wmrgen.calibrating.certainty import Fit, fit
 from wmrgen.calibrating.drawn import drawn
-from wmrgen.calibrating.fit import Each, Problem, serial, solved, start_of
+from wmrgen.calibrating.fit import Each, Problem, serial, solved, start_of, unit_of
 from wmrgen.calibrating.logs import Drive, pairs, read
 from wmrgen.calibrating.mistakes import refuse_strangers
 from wmrgen.calibrating.observability import unobservable
@@ -185,7 +185,7 @@ def _estimates(robot: Robot, best: Fit, sigma: Reals, groups: Sequence[Sequence[
     result = {}
     for p in robot.tunable:
         nominal = float(p.nominal)
-        value, deviation = fitted.get(p.name, (nominal, 0.1 * abs(nominal) or 0.1))  # as the prior has it
+        value, deviation = fitted.get(p.name, (nominal, unit_of(nominal)))  # as the prior has it
         result[p.name] = Estimate(value, float(deviation), nominal, p.name not in weak)
     return result
 

@@ -56,8 +56,8 @@ class Problem:
 
     @property
     def units(self) -> Reals:
-        """One unit of each shared unknown: 10 % of a parameter (0.1 of one that is nominally 0), and the mount's."""
-        return np.array([0.1 * abs(value) or 0.1 for value in self.nominal] + list(_UNIT_MOUNT))
+        """One unit of each shared unknown: a parameter's, and the mount's."""
+        return np.array([*map(unit_of, self.nominal), *_UNIT_MOUNT])
 
     def shared(self, unknowns: Reals) -> Reals:
         """Parameters and mount in SI units; ``unknowns`` are in units away from nominal."""
@@ -209,6 +209,11 @@ def _typical(problem: Problem, unknowns: Reals, index: int) -> float:
     sizes = np.abs(rows.values[rows.weights > 0])
     few = len(sizes) < _FEW
     return float(np.sqrt(np.mean(sizes**2)) if few else np.median(sizes)) if len(sizes) else 0.0
+
+
+def unit_of(nominal: float) -> float:
+    """10 % of a parameter, 0.1 of one that is nominally 0: the prior's standard deviation."""
+    return 0.1 * abs(nominal) or 0.1
 
 
 def start_of(problem: Problem) -> Reals:

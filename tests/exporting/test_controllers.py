@@ -306,7 +306,7 @@ def test_wpilib_gets_its_speeds(tmp_path: Path, kind: str, seed: int) -> None:
     """m/s at the ground, against joint rates by radius and sign; modules by angle."""
     draw = Random(f"{kind}{seed}")
     if kind == "swerve":
-        count = draw.randint(2, 5)
+        count = 2 + seed % 4
         wheels = [f"name: m{k}, type: steered, x: {draw.uniform(-1, 1):.4f}, y: {draw.uniform(-1, 1):.4f}, "
                   f"heading: {draw.uniform(-3, 3):.4f}, r: {draw.uniform(0.02, 0.1):.4f}"
                   for k in range(count)]  # fmt: skip

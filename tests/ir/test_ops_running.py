@@ -170,6 +170,9 @@ def test_near_its_centre_a_direction_is_off_by_half_a_turn() -> None:
             Op.ATAN2, [np.array([1.0]), np.array([0.0])], [np.array([0.0]), np.array([share])]
         ).error[0, 0]
         assert error == pytest.approx(1.05 * share if small else np.pi)
+    for shift, most in ((0.0, 0.0), (1e-9, np.pi)):
+        zero, off = np.array([0.0]), np.array([shift])
+        assert running(Op.ATAN2, [zero, zero], [off, zero]).error[0, 0] == pytest.approx(most)
 
 
 @pytest.mark.parametrize(("op", "top"), [(Op.SIN, np.pi / 2), (Op.COS, np.pi)], ids=str)

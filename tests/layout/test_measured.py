@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from fractions import Fraction
-from math import cos, hypot, pi, sin
+from math import cos, hypot, pi, remainder, sin
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,7 @@ from tests.laws.common import NAMES, derived, gallery
 from tests.lint.test_rules import codes
 from tests.robots import of_text
 from wmrgen.errors import RobotFileError
+from wmrgen.layout.tolerance import Tolerance
 from wmrgen.robot import Derivation
 
 TRACK, RADIUS = 0.4, 0.1
@@ -130,6 +131,8 @@ def test_wheels_meet_in_the_middle_where_P_is_far() -> None:
     (near,) = d.robot.near
     assert near.moves == "a is moved by 0.2 mm, b by 0.1 mm and c by 0.3 mm"
     assert [w.l for w in d.robot.wheels] == pytest.approx([hypot(1.0002, y) for y in (0.2, 0, -0.2)])
+    for w in d.robot.wheels:  # heading = alpha + beta - pi/2, as of every wheel
+        assert remainder(w.alpha + w.beta - pi / 2 - w.heading, 2 * pi) == pytest.approx(0)
 
 
 def test_no_wheel_of_a_set_is_farther_from_another_than_the_tolerance() -> None:
@@ -265,6 +268,13 @@ def test_the_report_and_the_command_line_say_it(wmrgen_cli: Callable[..., Outcom
     report = (tmp_path / "out" / "r" / "report.md").read_text(encoding="utf-8")
     for said in (done.err, report):
         assert "right is moved by 0.4 mm" in said and "(1 mm per metre of the robot's size)" in said
+
+
+def test_a_tolerance_is_said_in_millimetres() -> None:
+    assert str(Tolerance(0.0004, 0.6, True)) == "the tolerance of 0.4 mm"
+    assert (
+        str(Tolerance(0.0006, 0.6, False)) == "the tolerance of 0.6 mm (1 mm per metre of the robot's size)"
+    )
 
 
 @pytest.mark.parametrize(("value", "why"), [("-1 mm", "negative"), ("3 deg", "deg"), ("t", "tunable")])

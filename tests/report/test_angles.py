@@ -113,6 +113,16 @@ def test_where_a_car_turns(name: str, behind: float, across: float | None, track
     assert r"\sin" not in x + y
 
 
+@pytest.mark.parametrize(
+    ("numbers", "sign"),
+    [((-1, 2, 3), 1), ((2, -1, -3), -1), ((-2, 1, 0), -1), ((2, -1, 0), 1), ((-2, 0, 0), -1)],
+)
+def test_an_equation_has_the_sign_of_most_of_its_terms(numbers: tuple[int, ...], sign: int) -> None:
+    """Of two that differ that of the first."""
+    p = Poly.sum(trig("cos", name).scale(n) for name, n in zip("abc", numbers, strict=True))
+    assert worth(equation(p)) * worth(p) * sign > 0
+
+
 @pytest.mark.parametrize("a", [-2, 0, Fraction(3, 5), 1])
 @pytest.mark.parametrize("b", [-1, 0, Fraction(3, 5)])
 def test_roots_are_roots(a: Fraction, b: Fraction) -> None:

@@ -12,7 +12,7 @@ from tests.report.common import page_of
 from tests.report.reading import read
 from tests.robots import of_gallery, of_text
 from wmrgen import notation
-from wmrgen.backends.report.forward import forward
+from wmrgen.backends.report.forward import _solution, forward
 from wmrgen.exact.number import Exact
 
 UNSEEN, ENOUGH, MORE = (
@@ -58,6 +58,19 @@ def test_how_many_rows_there_are(count: int, sensed: int, words: str) -> None:
     )  # no inverse of what has none, no least squares of three rows
     assert ("full column rank 3" in text) == (words is not UNSEEN)
     assert "the rolling row alone" in text and "both rows" not in text
+
+
+@pytest.mark.parametrize(
+    ("rank", "may_fall", "words"),
+    [
+        (1, True, "see one direction only"),
+        (2, True, "leave one direction unseen. The"),
+        (3, False, "cannot vanish"),
+        (3, True, "needs H of full column rank 3"),
+    ],
+)
+def test_what_is_inverted_goes_by_the_rank(rank: int, may_fall: bool, words: str) -> None:
+    assert words in "\n".join(_solution(rank, may_fall))
 
 
 @pytest.mark.parametrize("reach", ["1e-6", "1e-3", "0.2", "1e3", "2e4"])

@@ -1,4 +1,4 @@
-"""Every lemma by itself: derivatives lie in its partials, float results within its noise of the exact ones."""
+"""Every lemma by itself: derivatives fill its partials, float results within its noise of the exact ones."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def _signed(w: Walk, f: Function) -> Callable[[str], tuple[float, float]]:
 
 
 @pytest.mark.parametrize("op", [op for op in CASES if op not in CHOICES], ids=str)
-def test_derivatives_lie_in_the_partials(op: Op) -> None:
+def test_derivatives_fill_the_partials(op: Op) -> None:
     f = _made(op)
     for ranges in CASES[op][1]:
         w = walked(f, ranges)
@@ -104,8 +104,10 @@ def test_derivatives_lie_in_the_partials(op: Op) -> None:
         for name in ranges:
             moved = points | {name: points[name] + STEP}
             change = (run(f, moved).exact[f.results[0]] - here) / STEP
-            low, high = signed(name)
-            assert (low - 1e-4 <= change).all() and (change <= high + 1e-4).all()
+            least, greatest = signed(name)  # none are known of an angle, whose vector may vanish
+            assert least <= change.min() + 1e-4 and change.max() - 1e-4 <= greatest
+            ends = pytest.approx((change.min(), change.max()), rel=1e-4, abs=1e-4)
+            assert op is Op.ATAN2 or (least, greatest) == ends
             change = np.abs(change)
             assert (change <= allowed(name) * (1 + 1e-4) + 1e-4).all(), f"{op} in {name}"
 

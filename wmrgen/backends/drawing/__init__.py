@@ -3,8 +3,6 @@ the arc of odometry, singular configurations, twists that the limits allow."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmrgen.backends.drawing.figure import Figure
 from wmrgen.backends.drawing.motion import motion
 from wmrgen.backends.drawing.reach import reach
@@ -15,10 +13,8 @@ from wmrgen.backends.drawing.top import top_view
 from wmrgen.backends.drawing.wiring import wiring
 
 __all__ = ["emit", "figures", "sketch"]
-
-if TYPE_CHECKING:
-    from wmrgen.backends.registry import Facts
-    from wmrgen.robot import Derivation
+from wmrgen.backends.registry import Facts
+from wmrgen.robot import Derivation
 
 
 def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 from math import hypot
-from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.marks import Placed
 from wmrgen.backends.drawing.paper import (
@@ -23,9 +22,7 @@ from wmrgen.backends.drawing.paper import (
     width,
 )
 from wmrgen.backends.drawing.view import View
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.records import Robot, Wheel
 
 _SAME = 1e-6  # of the robot's size: places that a dimension does not tell apart
 _GAP = 17.0  # between two numbers one above the other [px]

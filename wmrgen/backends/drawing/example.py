@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import acos, atan2, cos, hypot, pi, radians, remainder, sin
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from wmrgen.backends.drawing.paper import Point, bounds, distance, middle
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot, Wheel
-    from wmrgen.mobility.records import Mobility
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.records import Mobility
 
 Twist = tuple[float, float, float]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import atan2, degrees, hypot
-from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.example import Example, extent, largest_radius
 from wmrgen.backends.drawing.figure import Group, panel
@@ -27,9 +26,7 @@ from wmrgen.backends.drawing.paper import (
     width,
 )
 from wmrgen.backends.drawing.view import View, fitted
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot
+from wmrgen.layout.records import Robot
 
 FAR = 3.3  # robot sizes from its centre: an ICR farther off is pointed at
 _FASTEST = 30.0  # the length of the longest velocity [px]

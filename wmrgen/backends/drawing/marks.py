@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from math import atan2, cos, degrees, hypot, pi, sin
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from wmrgen.backends.drawing.paper import (
     Box,
@@ -25,11 +25,8 @@ from wmrgen.backends.drawing.paper import (
     width,
 )
 from wmrgen.backends.drawing.view import AT_ORIGIN, Pose, View, moved
-from wmrgen.wheels import WHEEL_TYPES
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Wheel
-    from wmrgen.wheels import WheelType
+from wmrgen.layout.records import Wheel
+from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 _ARROW = 13.0  # length of the rolling-direction arrow
 _SYMBOL, _SPACE, _ROW = 22.0, 12.0, 18.0  # of an entry of the legend

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmrgen.backends.drawing.example import Example, example
 from wmrgen.backends.drawing.figure import Figure, figure
 from wmrgen.backends.drawing.instant import instant, number
 from wmrgen.backends.drawing.paper import FIRM, Box, wrapped
 from wmrgen.backends.drawing.world import world
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot
-    from wmrgen.robot import Derivation
+from wmrgen.layout.records import Robot
+from wmrgen.robot import Derivation
 
 FILE = "motion.svg"
 _LEFT: Box = (8.0, 24.0, 236.0, 268.0)

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from math import cos, hypot, inf, isfinite, pi, sin
-from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.example import Twist, inside, swung
 from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, figure
 from wmrgen.backends.drawing.instant import number
 from wmrgen.backends.drawing.paper import Paper, Point, along, arrow, num, pair, polygon, wrapped
 from wmrgen.backends.drawing.view import UP
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Interval, Robot, Wheel
-    from wmrgen.mobility.records import Array
-    from wmrgen.robot import Derivation
+from wmrgen.layout.records import Interval, Robot, Wheel
+from wmrgen.mobility.records import Array
+from wmrgen.robot import Derivation
 
 FILE = "reach.svg"
 NAMES, UNITS, SHOWN = ("vx", "vy", "omega"), ("m/s", "m/s", "rad/s"), ("vx", "vy", "ω")

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from wmrgen.backends.drawing.example import Twist, extent, moving
 from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, figure
 from wmrgen.backends.drawing.instant import instant
 from wmrgen.backends.drawing.paper import wrapped
+from wmrgen.layout.records import Robot
 from wmrgen.mobility.admissible import along
 from wmrgen.mobility.ranks import null_basis
+from wmrgen.mobility.records import Array, Mobility, Singularity
 from wmrgen.notation import listed
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot
-    from wmrgen.mobility.records import Array, Mobility, Singularity
-    from wmrgen.robot import Derivation
+from wmrgen.robot import Derivation
 
 FILE = "singular.svg"
 _WIDE, _DRAWN, _ROW = WIDTH / 2, 190.0, 15.0

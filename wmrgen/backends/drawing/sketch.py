@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from math import cos, pi, sin
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.records import Robot, Wheel
 
 _WIDE, _HIGH = 26.0, 9.0  # characters between the outermost wheels
 _LONGEST = 20  # characters of a name

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import degrees, pi, radians, remainder, sin
-from typing import TYPE_CHECKING, SupportsFloat
+from typing import SupportsFloat
 
 from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, attribute, figure
 from wmrgen.backends.drawing.marks import Placed, body
@@ -25,9 +25,7 @@ from wmrgen.backends.drawing.paper import (
     wrapped,
 )
 from wmrgen.backends.drawing.view import View
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.records import Robot, Wheel
 
 FILE = "symbols.svg"
 _PANEL, _DRAWN, _ROW = WIDTH / 2, 206.0, 15.0

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmrgen.backends.drawing.dimensions import dimensions
 from wmrgen.backends.drawing.example import largest_radius
 from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, attribute, figure, panel
@@ -21,10 +19,8 @@ from wmrgen.backends.drawing.marks import (
 from wmrgen.backends.drawing.paper import Paper, along, bounds, middle, pair, text
 from wmrgen.backends.drawing.trailers import towed, train
 from wmrgen.backends.drawing.view import View, fitted
+from wmrgen.robot import Derivation
 from wmrgen.wheels import WHEEL_TYPES
-
-if TYPE_CHECKING:
-    from wmrgen.robot import Derivation
 
 FILE = "layout.svg"
 _TALL, _SIDE, _EDGE, _TYRE = 290.0, 84.0, 36.0, 48.0

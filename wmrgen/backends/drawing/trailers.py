@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import atan2, degrees
-from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.paper import (
     Paper,
@@ -20,9 +19,7 @@ from wmrgen.backends.drawing.paper import (
 from wmrgen.backends.drawing.view import View
 from wmrgen.constraints import nominal_view
 from wmrgen.functions.models.axle import leading_axle
-
-if TYPE_CHECKING:
-    from wmrgen.robot import Derivation
+from wmrgen.robot import Derivation
 
 # Name; where the axle in front, the coupling and the own axle are [m].
 Train = list[tuple[str, Point, Point, Point]]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import degrees, hypot, pi, sin
-from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.example import Example, Twist, extent
 from wmrgen.backends.drawing.figure import Group, panel
@@ -23,9 +22,7 @@ from wmrgen.backends.drawing.paper import (
     lines,
 )
 from wmrgen.backends.drawing.view import RIGHT, Pose, View, fitted, moved
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot
+from wmrgen.layout.records import Robot
 
 START, TURN = 0.4, 1.75  # heading at the start of the arc, and its largest turn [rad]
 _WAY = 2.4  # length of the arc, in robot sizes

@@ -6,8 +6,6 @@ and how exact that is, is a page of its own, `numerics.md`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmrgen.backends.registry import Facts
 from wmrgen.backends.report import numerics, wiring
 from wmrgen.backends.report.forward import forward
@@ -21,9 +19,7 @@ from wmrgen.backends.report.overview import layout, opening
 from wmrgen.backends.report.result import result
 from wmrgen.backends.report.rows import matrices, null_space, wheel_rows
 from wmrgen.backends.report.texts import texts
-
-if TYPE_CHECKING:
-    from wmrgen.robot import Derivation
+from wmrgen.robot import Derivation
 
 FILE = "report.md"
 _LAYOUT = (opening, result, layout, wheel_rows, matrices, null_space, analysis, skid)

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmrgen import notation
 from wmrgen.backends.report.latex import latex
 from wmrgen.backends.report.markdown import aligned, plain
 from wmrgen.backends.report.texts import car
 from wmrgen.constraints import symbolic_view
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot
+from wmrgen.layout.records import Robot
 
 
 def circle(robot: Robot) -> list[str]:

@@ -3,8 +3,6 @@ point; the twist of measured rates."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmrgen import notation
 from wmrgen.backends.report.forward import distinct, fits_of
 from wmrgen.backends.report.latex import WIDE, alike, broken, latex, summands, terms, width, wrapped
@@ -14,11 +12,9 @@ from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbol
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.sensing import generic_rank
+from wmrgen.layout.records import Wheel
 from wmrgen.ports import TWIST_NAMES
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Wheel
-    from wmrgen.robot import Derivation
+from wmrgen.robot import Derivation
 
 ONE, ZERO = Poly.of(1), Poly({})
 _TERMS = 24  # summands of a printed formula

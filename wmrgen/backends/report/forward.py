@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.latex import alike, latex, summands, terms, width, wrapped
@@ -17,12 +16,10 @@ from wmrgen.kinematics.forward import normal_equations
 from wmrgen.kinematics.records import substituted
 from wmrgen.kinematics.rigid import spread
 from wmrgen.kinematics.sensing import Contact, Measured, Measurements, generic_rank, measurements
+from wmrgen.layout.records import Robot
 from wmrgen.printing import symbol_names
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot
-    from wmrgen.robot import Derivation
-    from wmrgen.symbolic import Expr
+from wmrgen.robot import Derivation
+from wmrgen.symbolic import Expr
 
 _ROWS = 14  # rows of a printed H
 _STACK = 62  # glyphs of H and z in one line

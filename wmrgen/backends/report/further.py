@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmrgen import notation
 from wmrgen.backends.report.latex import WIDE, width, wrapped
 from wmrgen.backends.report.letters import model
 from wmrgen.backends.report.markdown import aligned, capitalised, code, listed, sentence, table
 from wmrgen.functions.models.sheet import tidy
-from wmrgen.kinematics.records import substituted
+from wmrgen.kinematics.records import Formula, substituted
 from wmrgen.printing import Latex, by_hand, size
 from wmrgen.program import asked
-
-if TYPE_CHECKING:
-    from wmrgen.kinematics.records import Formula
-    from wmrgen.robot import Derivation
-    from wmrgen.symbolic import Expr
+from wmrgen.robot import Derivation
+from wmrgen.symbolic import Expr
 
 _LONG = 600  # operations and symbols of formulas that are still written out
 _ROWS = 18  # of formulas in one piece

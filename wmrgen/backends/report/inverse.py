@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.car import circle
@@ -16,11 +15,9 @@ from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.steer import NARROW, turning_points
+from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Interval, Robot, Wheel
-    from wmrgen.robot import Derivation
+from wmrgen.robot import Derivation
 
 _ROOT = 120  # glyphs under a root
 _WORDS = {"vx": "v<sub>x</sub>", "vy": "v<sub>y</sub>", "omega": "ω"}

@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.angles import gathered, with_tangents
@@ -27,22 +26,19 @@ from wmrgen.backends.report.terms import Term
 from wmrgen.constraints import XI
 from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.linalg import adjugate, determinant
-from wmrgen.exact.number import ONE, ZERO
+from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly, dot, has_angles
 from wmrgen.functions.models.sheet import latex as equations
 from wmrgen.functions.models.sheet import sheet_of, tidy
 from wmrgen.functions.models.state_space import ROLLING_ALONE, forms, rolls_alone
+from wmrgen.functions.system import System
 from wmrgen.kinematics.forward import normal_equations
 from wmrgen.kinematics.records import Formula
 from wmrgen.kinematics.sensing import Measured
+from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.printing import size, symbol_names
-
-if TYPE_CHECKING:
-    from wmrgen.exact.number import Exact
-    from wmrgen.functions.system import System
-    from wmrgen.layout.records import Robot, Wheel
-    from wmrgen.robot import Derivation
+from wmrgen.robot import Derivation
 
 _ENTRY = 12  # terms of an entry of H^T H and H^T z
 _PRODUCTS = 60  # terms of a determinant of three rows

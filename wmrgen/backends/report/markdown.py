@@ -8,18 +8,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import degrees
-from typing import TYPE_CHECKING, SupportsFloat
+from typing import SupportsFloat
 
 from wmrgen import notation
-from wmrgen.backends.registry import BACKENDS
+from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.backends.report.latex import alike
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
-
-if TYPE_CHECKING:
-    from wmrgen.backends.registry import Facts
-    from wmrgen.layout.records import Wheel
-    from wmrgen.robot import Derivation
+from wmrgen.layout.records import Wheel
+from wmrgen.robot import Derivation
 
 CAP = 16  # wheels whose equations are written out
 _ENTITY = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "$": "&#36;"}

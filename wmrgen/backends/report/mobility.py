@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,12 +26,10 @@ from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Gen, Poly, Row, dot, whole
 from wmrgen.functions.models.growth import robot_growth
 from wmrgen.functions.motion.wheel_speeds import relations
+from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot, Wheel
-    from wmrgen.mobility.records import Mobility, Singularity
-    from wmrgen.robot import Derivation
+from wmrgen.mobility.records import Mobility, Singularity
+from wmrgen.robot import Derivation
 
 _RELATION = 150  # glyphs of a printed compatibility condition
 _PRODUCTS = 10_000  # of terms, in the brackets of trailers: half a second

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.angles import gathered, with_tangents
@@ -17,10 +16,8 @@ from wmrgen.functions.trailers.trailer import state_ports, turns
 from wmrgen.layout.records import Robot
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.printing import size
+from wmrgen.robot import Derivation
 from wmrgen.symbolic import Expr, signal
-
-if TYPE_CHECKING:
-    from wmrgen.robot import Derivation
 
 _WIDEST = 90  # glyphs of a line of the model in wheel speeds
 _SHORT = 45  # glyphs of v_x that is written twice

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmrgen import notation
 from wmrgen.backends.registry import Facts
 from wmrgen.backends.report.further import formulas
 from wmrgen.backends.report.markdown import code, foot, items, math, minus, page, table, written
-from wmrgen.bounds.robot import SINGULAR, TIES, beyond, described, error, listed
+from wmrgen.bounds.robot import SINGULAR, TIES, Bounds, beyond, described, error, listed
 from wmrgen.ir.nodes import count
 from wmrgen.kinematics.pose import SWITCH, WORST_ERROR
-from wmrgen.mobility.records import TOLERANCE
-
-if TYPE_CHECKING:
-    from wmrgen.bounds.robot import Bounds
-    from wmrgen.mobility.records import Rank
-    from wmrgen.robot import Derivation
+from wmrgen.mobility.records import TOLERANCE, Rank
+from wmrgen.robot import Derivation
 
 FILE = "numerics.md"
 _GIVES = {

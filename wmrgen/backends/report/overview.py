@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Callable
 from itertools import combinations
 from math import hypot
-from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.markdown import (
@@ -25,11 +24,9 @@ from wmrgen.backends.report.markdown import (
 )
 from wmrgen.exact.evaluate import parameters_in
 from wmrgen.exact.number import ONE
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Parameter, Robot, Wheel
-    from wmrgen.robot import Derivation
-    from wmrgen.wheels import WheelType
+from wmrgen.layout.records import Parameter, Robot, Wheel
+from wmrgen.robot import Derivation
+from wmrgen.wheels import WheelType
 
 _SKIDDING = (
     " In a curve its wheels skid, and it turns as a differential drive of its effective track does: with two degrees "

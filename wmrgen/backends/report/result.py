@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from itertools import chain, islice, product
-from typing import TYPE_CHECKING
 
 from wmrgen.backends.report.closed import closed_forward, closed_inverse
 from wmrgen.backends.report.markdown import code, pictures, table, written
 from wmrgen.backends.report.overview import kind_of_robot
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ports import TWIST_NAMES
+from wmrgen.robot import Derivation
 from wmrgen.wiring import admissible
-
-if TYPE_CHECKING:
-    from wmrgen.robot import Derivation
 
 Values = Mapping[str, Exact]
 Texts = Mapping[str, str]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.angles import gathered, over, readable, upright
@@ -11,11 +10,9 @@ from wmrgen.backends.report.latex import WIDE, alike, broken, latex, pieces, ter
 from wmrgen.backends.report.markdown import aligned, code, math, matrix, some
 from wmrgen.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.exact.poly import Poly, Row, dot
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Wheel
-    from wmrgen.robot import Derivation
-    from wmrgen.wheels import WheelType
+from wmrgen.layout.records import Wheel
+from wmrgen.robot import Derivation
+from wmrgen.wheels import WheelType
 
 _MATRIX = 12  # rows of a printed matrix
 _ICR = 120  # glyphs of two fractions side by side

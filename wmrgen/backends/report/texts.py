@@ -7,7 +7,7 @@ size: robot files hold rounded numbers.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from wmrgen.backends.report.markdown import items, listed, plain
 from wmrgen.constraints import nominal_view, rolling_row
@@ -15,9 +15,7 @@ from wmrgen.exact.evaluate import cos_sin
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot, Wheel
-
-if TYPE_CHECKING:
-    from wmrgen.robot import Derivation
+from wmrgen.robot import Derivation
 
 _ROUNDING = 1e-9
 Letters = dict[str, Exact]

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from math import degrees
-from typing import TYPE_CHECKING
 
+from wmrgen.backends.registry import Facts
 from wmrgen.backends.report.markdown import code, foot, items, page, pictures, table
+from wmrgen.robot import Derivation
 from wmrgen.wiring import Motion, faults, motions
-
-if TYPE_CHECKING:
-    from wmrgen.backends.registry import Facts
-    from wmrgen.robot import Derivation
 
 FILE = "wiring.md"
 _STILL = 1e-9

@@ -6,11 +6,10 @@ from math import pi
 
 from tests.conftest import ROOT
 from tests.robots import of_text
-from wmrgen.backends.drawing.figure import WIDTH, Figure, figure
+from wmrgen.backends.drawing.figure import RIGHT, WIDTH, Figure, View, figure
 from wmrgen.backends.drawing.marks import body, chassis, placed
 from wmrgen.backends.drawing.paper import Paper, along, arrow, bounds, circle, line
 from wmrgen.backends.drawing.symbols import drawn
-from wmrgen.backends.drawing.view import RIGHT, View
 
 FOLDER = ROOT / "docs" / "figures"
 WHEELS = """\

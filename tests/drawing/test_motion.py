@@ -26,8 +26,7 @@ from tests.drawing.common import (
 )  # fmt: skip
 from tests.robots import ROBOTS, of_gallery
 from wmrgen.backends.drawing.example import Example, Twist, example, extent, moving
-from wmrgen.backends.drawing.motion import drawn
-from wmrgen.backends.drawing.world import START
+from wmrgen.backends.drawing.motion import START, drawn
 from wmrgen.robot import Derivation
 
 BEHIND = PAIR.replace("x: 0", "x: 0.1") + FRONT.format(0)

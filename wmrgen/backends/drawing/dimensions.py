@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import hypot
 
+from wmrgen.backends.drawing.figure import View
 from wmrgen.backends.drawing.marks import Placed
 from wmrgen.backends.drawing.paper import (
     Paper,
@@ -21,7 +22,6 @@ from wmrgen.backends.drawing.paper import (
     unit,
     width,
 )
-from wmrgen.backends.drawing.view import View
 from wmrgen.layout.records import Robot, Wheel
 
 _SAME = 1e-6  # of the robot's size: places that a dimension does not tell apart

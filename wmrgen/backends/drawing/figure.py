@@ -1,18 +1,64 @@
-"""A figure: its file, what is seen on it, and the SVG text."""
+"""A figure: its file, what is seen on it, the SVG text; and where its panels show the plane: scale, place and turn."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from html import escape
+from math import cos, sin
 from typing import NamedTuple
 
-from wmrgen.backends.drawing.paper import num, pair
-from wmrgen.backends.drawing.view import View
+from wmrgen.backends.drawing.paper import Box, Point, along, arc, bounds, middle, num, pair, polygon
 from wmrgen.render import render
 from wmrgen.wheels import WHEEL_TYPES
 
 WIDTH, SHOWN = 480.0, 420.0  # of every figure, and how wide it is shown: two side by side, words 10.5 px high
 Group = tuple[str, Sequence[str]]  # attributes and elements
+UP, RIGHT = (0.0, -1.0), (1.0, 0.0)  # where the x axis points on paper: top views, the world
+Pose = tuple[float, float, float]
+AT_ORIGIN: Pose = (0.0, 0.0, 0.0)
+
+
+class View(NamedTuple):
+    """``scale`` [px/m]; ``origin``: of the frame, on paper; ``x``: its x axis on paper. y points to the left of x."""
+
+    scale: float
+    origin: Point
+    x: Point = UP
+
+    def on(self, p: Point) -> Point:
+        """A point of the frame [m] on paper."""
+        (a, b), k = self.x, self.scale
+        return self.origin[0] + k * (p[0] * a + p[1] * b), self.origin[1] + k * (p[0] * b - p[1] * a)
+
+    def way(self, angle: float) -> Point:
+        """A direction of the frame [rad] on paper."""
+        (a, b), c, s = self.x, cos(angle), sin(angle)
+        return c * a + s * b, c * b - s * a
+
+    def around(self, centre: Point, radius: float, first: float, turn: float, cls: str) -> list[str]:
+        """An arc that sweeps ``turn`` [rad] from the direction ``first``, with a head; ``centre`` and ``radius`` on
+        paper."""
+        start, end = (along(centre, self.way(first + k * turn), radius) for k in (0, 1))
+        back = self.way(first + turn - (6.0 / radius if turn > 0 else -6.0 / radius))
+        root, out = along(centre, back, radius), self.way(first + turn)
+        head = (end, along(root, out, 2.4), along(root, out, -2.4))
+        return [arc(centre, start, end, turn, cls), polygon(head, f"{cls} head")]
+
+
+def fitted(points: Sequence[Point], area: Box, x: Point = UP, most: float = float("inf")) -> View:
+    """The view that shows all points [m] in the middle of ``area``, at most ``most`` px/m."""
+    raw = View(1.0, (0.0, 0.0), x)
+    box = bounds([raw.on(p) for p in points])
+    wide, high = max(box[2] - box[0], 1e-9), max(box[3] - box[1], 1e-9)
+    scale = min((area[2] - area[0]) / wide, (area[3] - area[1]) / high, most)
+    (x0, y0), (x1, y1) = middle(box), middle(area)
+    return View(scale, (x1 - scale * x0, y1 - scale * y0), x)
+
+
+def moved(p: Point, pose: Pose) -> Point:
+    """A point of the robot frame in the frame that the pose is given in."""
+    x, y, theta = pose
+    return x + cos(theta) * p[0] - sin(theta) * p[1], y + sin(theta) * p[0] + cos(theta) * p[1]
 
 
 class Figure(NamedTuple):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import atan2, degrees, hypot
 
 from wmrgen.backends.drawing.example import Example, extent, largest_radius
-from wmrgen.backends.drawing.figure import Group, panel
+from wmrgen.backends.drawing.figure import Group, View, fitted, panel
 from wmrgen.backends.drawing.marks import Placed, body, chassis, contact, extremes, frame, icr_mark, placed
 from wmrgen.backends.drawing.paper import (
     Box,
@@ -25,7 +25,6 @@ from wmrgen.backends.drawing.paper import (
     unit,
     width,
 )
-from wmrgen.backends.drawing.view import View, fitted
 from wmrgen.layout.records import Robot
 
 FAR = 3.3  # robot sizes from its centre: an ICR farther off is pointed at

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import atan2, cos, degrees, hypot, pi, sin
 from typing import NamedTuple
 
+from wmrgen.backends.drawing.figure import AT_ORIGIN, Pose, View, moved
 from wmrgen.backends.drawing.paper import (
     Box,
     Paper,
@@ -24,7 +25,6 @@ from wmrgen.backends.drawing.paper import (
     polygon,
     width,
 )
-from wmrgen.backends.drawing.view import AT_ORIGIN, Pose, View, moved
 from wmrgen.layout.records import Wheel
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 

@@ -7,10 +7,9 @@ from itertools import pairwise
 from math import cos, hypot, inf, isfinite, pi, sin
 
 from wmrgen.backends.drawing.example import Twist, inside, swung
-from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, figure
+from wmrgen.backends.drawing.figure import UP, WIDTH, Figure, Group, figure
 from wmrgen.backends.drawing.instant import number
 from wmrgen.backends.drawing.paper import Paper, Point, along, arrow, num, pair, polygon, wrapped
-from wmrgen.backends.drawing.view import UP
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Array
 from wmrgen.robot import Derivation

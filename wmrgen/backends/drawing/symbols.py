@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from math import degrees, pi, radians, remainder, sin
 from typing import SupportsFloat
 
-from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, attribute, figure
+from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, View, attribute, figure
 from wmrgen.backends.drawing.marks import Placed, body
 from wmrgen.backends.drawing.paper import (
     FIRM,
@@ -24,7 +24,6 @@ from wmrgen.backends.drawing.paper import (
     width,
     wrapped,
 )
-from wmrgen.backends.drawing.view import View
 from wmrgen.layout.records import Robot, Wheel
 
 FILE = "symbols.svg"

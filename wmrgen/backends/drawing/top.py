@@ -1,10 +1,12 @@
-"""The top view: wheels to scale at steering angle 0, their names, dimensions, trailers."""
+"""The top view: wheels to scale at steering angle 0, their names, dimensions, trailers in line behind the robot."""
 
 from __future__ import annotations
 
+from math import atan2, degrees
+
 from wmrgen.backends.drawing.dimensions import dimensions
 from wmrgen.backends.drawing.example import largest_radius
-from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, attribute, figure, panel
+from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, View, attribute, figure, fitted, panel
 from wmrgen.backends.drawing.marks import (
     Placed,
     body,
@@ -16,9 +18,23 @@ from wmrgen.backends.drawing.marks import (
     legend,
     placed,
 )
-from wmrgen.backends.drawing.paper import Paper, along, bounds, middle, pair, text
-from wmrgen.backends.drawing.trailers import towed, train
-from wmrgen.backends.drawing.view import View, fitted
+from wmrgen.backends.drawing.paper import (
+    Paper,
+    Point,
+    along,
+    bar,
+    bounds,
+    circle,
+    distance,
+    line,
+    metres,
+    middle,
+    pair,
+    text,
+    unit,
+)
+from wmrgen.constraints import nominal_view
+from wmrgen.functions.models.axle import leading_axle
 from wmrgen.robot import Derivation
 from wmrgen.wheels import WHEEL_TYPES
 
@@ -29,7 +45,7 @@ _TALL, _SIDE, _EDGE, _TYRE = 290.0, 84.0, 36.0, 48.0
 def top_view(derivation: Derivation) -> Figure:
     """``layout.svg``"""
     robot = derivation.robot
-    trailers = train(derivation)
+    trailers = _train(derivation)
     points = [p for w in robot.wheels for p in extremes(w, w.heading)] + [(0.0, 0.0)]
     points += [axle for *_, axle in trailers]
     view = fitted(points, (_SIDE, _EDGE, WIDTH - _SIDE, _TALL), most=_TYRE / largest_radius(robot.wheels))
@@ -49,7 +65,7 @@ def top_view(derivation: Derivation) -> Figure:
     )
     keys, more = legend(signed, WIDTH, height, paper)
     half = max(abs(p.centre[0] - view.origin[0]) for p in wheels)
-    behind, lengths = towed(trailers, max(half, 12.0), view, paper)
+    behind, lengths = _towed(trailers, max(half, 12.0), view, paper)
     names = _names(wheels, paper)
     groups: list[Group] = [
         (panel(view), chassis([p.pivot for p in wheels])), ("", behind),
@@ -83,3 +99,42 @@ def _names(wheels: list[Placed], paper: Paper) -> list[str]:
     """Names of all wheels, clear of what is drawn."""
     away = middle(bounds([p.centre for p in wheels]))
     return [e for p in wheels for e in paper.put(p.wheel.name, p.reach, away)]
+
+
+# ---- trailers
+
+# Name; where the axle in front, the coupling and the own axle are [m].
+_Train = list[tuple[str, Point, Point, Point]]
+
+
+def _train(derivation: Derivation) -> _Train:
+    """The trailers, all in line behind the fixed axle, or behind P where there is none."""
+    robot = derivation.driven.robot
+    ex, ey, x, y = leading_axle(robot, derivation.driven.mobility, nominal_view).nominal
+    places: _Train = []
+    for t in robot.trailers:
+        front, hitch, length = (x, y), float(t.hitch.nominal), float(t.length.nominal)
+        coupling = (x - ex * hitch, y - ey * hitch)
+        x, y = coupling[0] - ex * length, coupling[1] - ey * length
+        places.append((t.name, front, coupling, (x, y)))
+    return places
+
+
+def _towed(places: _Train, half: float, view: View, paper: Paper) -> tuple[list[str], list[str]]:
+    """Bars, couplings and axles with wheels ``half`` [px] to either side; names with lengths."""
+    elements: list[str] = []
+    for _, front, coupling, axle in places:
+        a, b, c = view.on(front), view.on(coupling), view.on(axle)
+        way = unit(c, b)
+        side, turn = (way[1], -way[0]), degrees(atan2(way[0], -way[1]))
+        ends = along(c, side, half), along(c, side, -half)
+        elements += [line(a, b, "line"), line(b, c, "bar"), line(*ends, "bar"), circle(b, 2.8, "pivot")]
+        elements += [bar(end, (2.5, 8.0), 2.0, turn, "trailer") for end in ends]
+        paper.boxes += [bounds([b, c], 4), bounds(list(ends), 9)]
+    names: list[str] = []
+    for name, _, coupling, axle in places:
+        centre = view.on(axle)
+        end = along(centre, (1.0, 0.0), half + 4)
+        words = f"{name}, {metres(distance(coupling, axle))}"
+        names += paper.put(words, bounds([centre, end], 4), along(centre, (-1.0, 0.0), half))
+    return elements, names

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from wmrgen.backends.drawing.example import largest_radius
-from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, figure, panel
+from wmrgen.backends.drawing.figure import WIDTH, Figure, Group, figure, fitted, panel
 from wmrgen.backends.drawing.marks import body, chassis, extremes, frame, placed
 from wmrgen.backends.drawing.paper import Box, Paper, along, arrow
-from wmrgen.backends.drawing.view import fitted
 from wmrgen.layout.records import Robot
 from wmrgen.robot import Derivation
 from wmrgen.wiring import Joints, motions

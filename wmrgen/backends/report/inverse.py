@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from wmrgen import notation
-from wmrgen.backends.report.car import circle
 from wmrgen.backends.report.closed import driven_twist, pivot_velocity, projected, spin_rate, swivel_rate
 from wmrgen.backends.report.latex import latex, width
 from wmrgen.backends.report.letters import multiples, squares
 from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, math, minus, some
+from wmrgen.backends.report.texts import turning_circle
 from wmrgen.constraints import XI, seen, symbolic_view
 from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.poly import Gen, Poly, Row
@@ -47,7 +47,7 @@ def inverse(d: Derivation) -> list[str]:
         blocks += [f"{some(passive)} {follow}: the rolling row gives φ̇, the sliding row ψ̇.{first}"]
         blocks += aligned([spin_rate(passive[0], twist), swivel_rate(passive[0], twist)])
     if steered:
-        blocks += [*circle(d.robot), *_steering(robot, steered, twist)]
+        blocks += [*turning_circle(d.robot), *_steering(robot, steered, twist)]
     return [*blocks, *_coupled(robot, twist), *_slip(robot, projection, twist)]
 
 

@@ -1,4 +1,4 @@
-"""Section 10: which equations of the textbooks this robot reproduces.
+"""Section 10: which equations of the textbooks this robot reproduces; the turning circle of a car.
 
 An equation is cited where the robot's rows are those of the text, with the text's letters put in, to 1e-9 of their
 size: robot files hold rounded numbers.
@@ -9,8 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from wmrgen.backends.report.markdown import items, listed, plain
-from wmrgen.constraints import nominal_view, rolling_row
+from wmrgen import notation
+from wmrgen.backends.report.latex import latex
+from wmrgen.backends.report.markdown import aligned, items, listed, plain
+from wmrgen.constraints import nominal_view, rolling_row, symbolic_view
 from wmrgen.exact.evaluate import cos_sin
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
@@ -165,6 +167,38 @@ def car(robot: Robot, wheels: Wheels) -> list[Citation]:
         Citation(f"Tzafestas {equations}", f"the posture model, {end} driven", letters),
         Citation("Tzafestas (2.51)", "the constraints", letters),
         Citation("Kelly, Ackermann", "`inverse` and `forward`: tan ψ = ω D / v<sub>x</sub>", letters),
+    ]
+
+
+def turning_circle(robot: Robot) -> list[str]:
+    """Steering and turning circle of a robot with a fixed axle through P and one or two wheels in front that steer:
+    Ackermann's rule, the radius (Tzafestas (2.49)-(2.51))."""
+    steered = [w for w in robot.wheels if w.kind.steers]
+    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
+    if (
+        len(steered) not in (1, 2)
+        or robot.couplings
+        or not car(robot, wheels)
+        or any(w.heading for w in steered)
+    ):
+        return []
+    right, left = (
+        min(steered, key=lambda w: float(w.nominal.y)),
+        max(steered, key=lambda w: float(w.nominal.y)),
+    )
+    psi_r, psi_l = (notation.port(f"{w.name}.steer") for w in (right, left))
+    base, track = left.nominal.x, left.nominal.y - right.nominal.y
+    length = " = ".join(dict.fromkeys(["L", latex(symbolic_view(left).x), plain(base)]))
+    radius = rf"&= \frac{{\omega\,L}}{{v_x}} = \frac{{L}}{{R}}, \qquad {length}"
+    words = "P turns on a circle of radius R, to the left where R > 0, with v<sub>x</sub> = ω R"
+    behind = ", and L is negative, for it steers behind P" if base.sign < 0 else ""
+    if len(steered) == 1:
+        return [f"{words}{behind}:", *aligned([rf"\tan{psi_l} {radius}"])]
+    ratio = rf"\frac{{\mathrm{{track}}}}{{\mathrm{{wheelbase}}}} = {notation.decimal(float(track / base))}"
+    return [
+        f"{words}. The axles of both steered wheels pass through its centre (Ackermann), ψ is the angle of the virtual "
+        f"wheel midway{behind}:",
+        *aligned([rf"\tan\psi {radius}", rf"\cot{psi_r} - \cot{psi_l} &= {ratio}"]),
     ]
 
 

@@ -52,7 +52,7 @@ def wmrgen_cli() -> Callable[..., Outcome]:
     """The command line in this process."""
 
     def call(*words: object, stdin: str | None = None) -> Outcome:
-        from wmrgen.cli.app import app
+        from wmrgen.cli.verbs import app
 
         done = CliRunner().invoke(app, [str(word) for word in words], input=stdin, prog_name="wmrgen")
         assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)

@@ -15,7 +15,7 @@ def main() -> None:
     console.prepare()
     console.heed_signals()
     try:
-        from wmrgen.cli.app import app
+        from wmrgen.cli.verbs import app
 
         app()
     except console.Stopped as stop:

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import wmrgen
 from tests.robots import of_gallery
-from wmrgen.cli.app import app
+from wmrgen.cli.verbs import app
 from wmrgen.emit import artifacts
 from wmrgen.ir.kernels.choice import choice
 

@@ -8,8 +8,8 @@ from typing import Any
 import typer
 
 from tests.conftest import ROOT
-from wmrgen.cli.app import app
 from wmrgen.cli.declare import GROUPS
+from wmrgen.cli.verbs import app
 
 PAGE = ROOT / "docs" / "command_line.md"
 HEAD = """\

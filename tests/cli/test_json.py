@@ -11,7 +11,7 @@ import pytest
 
 from tests.conftest import Outcome
 from wmrgen.cli import console
-from wmrgen.cli.app import app
+from wmrgen.cli.verbs import app
 from wmrgen.errors import NotDerivableError
 
 Cli = Callable[..., Outcome]

@@ -105,7 +105,7 @@ def command_line(
     """``wmrgen eval --cases`` in this process."""
     from typer.testing import CliRunner
 
-    from wmrgen.cli.app import app
+    from wmrgen.cli.verbs import app
 
     file = folder / "cases.json"
     file.write_text(json.dumps(cases), encoding="utf-8")

@@ -17,7 +17,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.oracle.harness import Model, named, robot_text, turn
-from wmrgen.cli.app import app
+from wmrgen.cli.verbs import app
 
 Vector = dict[str, Any]
 KINDS = ("ik", "fk", "steered_ik", "steered_fk", "odometry_open_loop")

@@ -48,8 +48,8 @@ HOMES = {
     "webbrowser": {"cli/view"},
     "rich": {"cli/console"},
     "typer": {
-        "cli/app",
         "cli/declare",
+        "cli/verbs",
         *(f"cli/verbs/{v}" for v in "analyse compute generate inputs".split()),
     },
     "defusedxml": {"importing/read"},

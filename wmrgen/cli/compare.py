@@ -50,10 +50,7 @@ def _lines(c: Comparison) -> Iterable[str]:
 
 
 def _as_data(c: Comparison) -> dict[str, Any]:
-    differences = [
-        {**asdict(d), "marks": [{"file": m.file, "line": m.line, "column": m.column} for m in d.marks]}
-        for d in c.differences
-    ]
+    differences = [{**asdict(d), "marks": [console.place(mark) for mark in d.marks]} for d in c.differences]
     return {
         "file": c.b.file,
         "controller": c.b.title or None,

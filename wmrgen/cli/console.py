@@ -17,11 +17,10 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import FrameType
-from typing import BinaryIO, TextIO, cast
+from typing import Any, BinaryIO, TextIO, cast
 
 from wmrgen import __version__
-from wmrgen.cli.failures import as_data
-from wmrgen.errors import EnvironmentFailure, UsageError, WmrgenError
+from wmrgen.errors import EnvironmentFailure, Mark, UsageError, WmrgenError
 
 PATIENCE = 1.0  # seconds after which a progress line appears
 _PIPE = 141  # the exit code of a process that SIGPIPE ended
@@ -245,8 +244,33 @@ def failed(text: str, code: int, as_json: bool, errors: Sequence[WmrgenError] = 
     """Tell a failure, ``as_json`` as the one object on stdout too; its exit code."""
     failure(text)
     if as_json:
-        data(as_data(text, code, errors))
+        data(_as_data(text, code, errors))
     return code
+
+
+def place(mark: Mark | None) -> dict[str, Any]:
+    """``file``, ``line`` and ``column``, 1-based; null where there is no place."""
+    return {key: getattr(mark, key, None) for key in ("file", "line", "column")}
+
+
+def all_as_data(errors: Sequence[WmrgenError]) -> dict[str, Any]:
+    """What a command that goes on after an error adds to its result: ``errors`` alone where there are none."""
+    text = "\n\n".join(map(str, errors))
+    return _as_data(text, errors[0].exit_code, errors) if errors else {"errors": []}
+
+
+def _as_data(text: str, exit_code: int, errors: Sequence[WmrgenError]) -> dict[str, Any]:
+    """``error``: what stderr says. ``errors``: each with its place; one without where none is ours."""
+    entries = [_entry(part, part.exit_code) for error in errors for part in error.parts]
+    entries = entries or [_entry(WmrgenError(text), exit_code)]
+    return {"error": text, "exit_code": exit_code, "errors": entries}
+
+
+def _entry(error: WmrgenError, exit_code: int) -> dict[str, Any]:
+    """One error: its code and place, what is wrong, why, what to write instead, and where the same is wrong again."""
+    words = {key: getattr(error, key) for key in ("code", "what", "why", "instead")}
+    again = [place(mark) for mark in error.again]
+    return {**place(error.mark), **words, "exit_code": exit_code, "again": again}
 
 
 def _bug(error: BaseException) -> str:

@@ -147,6 +147,11 @@ def option(text: str, metavar: str | None = None, completion: Completion | None 
     return typer.Option(metavar=metavar, help=text, show_default=False, autocompletion=completion)
 
 
+def output(metavar: str, text: str) -> Any:
+    """The option that says where what is written goes."""
+    return typer.Option("-o", "--out", metavar=metavar, help=text)
+
+
 def robot_files(incomplete: str) -> list[str]:
     """YAML files, and folders, whose paths begin so."""
     folder = Path(incomplete) if incomplete.endswith("/") else Path(incomplete).parent
@@ -159,7 +164,7 @@ def robot_files(incomplete: str) -> list[str]:
 Words = list[str] | None
 Robot = Annotated[Path, argument("ROBOT.yaml", completion=robot_files)]
 Robots = Annotated[list[Path], argument("ROBOT.yaml...", "Robot files.", robot_files)]
-Out = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where the robots' folders stand.")]
+Out = Annotated[Path, output("DIR", "Where the robots' folders stand.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Scalar = Literal["float", "double"]
 Math = Annotated[

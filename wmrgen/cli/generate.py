@@ -14,7 +14,6 @@ import wmrgen
 from wmrgen.artifacts import Difference, Written, differences, made_with, write_tree
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.cli import console
-from wmrgen.cli.failures import all_as_data
 from wmrgen.cli.gallery import differing_gallery
 from wmrgen.cli.loading import linted, noted, warn_of_gains
 from wmrgen.cli.textbook import ERRATA, FOLDER, differing_library
@@ -195,7 +194,7 @@ def _tell_stale(
     files = [(difference.path.as_posix(), _WHY[difference.why]) for difference in stale]
     if as_json:
         entries = [{"file": file, "why": why} for file, why in files]
-        console.data({"robots": robots, "stale": entries, **all_as_data(errors)})
+        console.data({"robots": robots, "stale": entries, **console.all_as_data(errors)})
         return
     for file, why in files:
         console.result(f"{file}: {why}")

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import wmrgen
 from wmrgen.cli import console
-from wmrgen.cli.failures import all_as_data, place
 from wmrgen.cli.loading import linted
 from wmrgen.comparing.compare import compare, labelled
 from wmrgen.comparing.compare import findings as between
@@ -49,7 +48,7 @@ def lint(robots: Sequence[Path], as_json: bool) -> int:
         except WmrgenError as error:
             errors += error.parts
     if as_json:
-        console.data({"findings": [_as_data(f) for f in findings], **all_as_data(errors)})
+        console.data({"findings": [_as_data(f) for f in findings], **console.all_as_data(errors)})
     else:
         for finding in findings:
             console.result(str(finding))
@@ -108,4 +107,9 @@ def _told(rule: Rule | Mistake) -> dict[str, str]:
 
 
 def _as_data(finding: Finding) -> dict[str, Any]:
-    return {"code": finding.code, **place(finding.mark), "what": finding.what, "instead": finding.instead}
+    return {
+        "code": finding.code,
+        **console.place(finding.mark),
+        "what": finding.what,
+        "instead": finding.instead,
+    }

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from wmrgen.cli.declare import Json, Robot, Robots, Words, argument, group, option, words
+from wmrgen.cli.declare import Json, Robot, Robots, Words, argument, group, option, output, words
 
 verb = group("Analyse")
 
@@ -36,7 +36,7 @@ def model(
     dt: Annotated[str | None, option("How long the step is [s].", "T")] = None,
     out: Annotated[
         Path | None,
-        typer.Option("-o", "--out", metavar="FILE", help="Write the step for casadi.Function.load."),
+        output("FILE", "Write the step for casadi.Function.load."),
     ] = None,
     as_latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX.")] = False,
     as_json: Json = False,
@@ -165,7 +165,7 @@ def calibrate(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("-o", "--out", metavar="ROBOT.yaml", help="Write the robot file with the new values."),
+        output("ROBOT.yaml", "Write the robot file with the new values."),
     ] = None,
     files: Annotated[
         Path | None,

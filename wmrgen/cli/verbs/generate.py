@@ -18,6 +18,7 @@ from wmrgen.cli.declare import (
     argument,
     group,
     option,
+    output,
     robot_files,
 )
 
@@ -68,9 +69,7 @@ def view(
     no_open: Annotated[bool, typer.Option("--no-open", help="Write the page, open no browser.")] = False,
     out: Annotated[
         Path | None,
-        typer.Option(
-            "-o", "--out", metavar="DIR", help="Where the page stands, a temporary folder otherwise."
-        ),
+        output("DIR", "Where the page stands, a temporary folder otherwise."),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print where the page is, and end.")] = False,
 ) -> None:
@@ -113,7 +112,7 @@ def export(
     ],
     out: Annotated[
         Path | None,
-        typer.Option("-o", "--out", metavar="DIR|FILE", help="Where; otherwise it is printed."),
+        output("DIR|FILE", "Where; otherwise it is printed."),
     ] = None,
     as_json: Json = False,
 ) -> None:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from wmrgen.cli.declare import Json, Robots, Words, argument, group, option
+from wmrgen.cli.declare import Json, Robots, Words, argument, group, option, output
 
 verb = group("Robot files")
 
@@ -39,9 +39,7 @@ def new(
         ),
     ] = None,
     description: Annotated[str | None, option("What robot it is.", "TEXT")] = None,
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", metavar="ROBOT.yaml", help="The file, NAME.yaml otherwise.")
-    ] = None,
+    out: Annotated[Path | None, output("ROBOT.yaml", "The file, NAME.yaml otherwise.")] = None,
     as_json: Json = False,
 ) -> None:
     """Example:  wmrgen new my_robot --from pioneer3dx radius="50 mm"
@@ -57,9 +55,7 @@ def import_robot(
     arguments: Annotated[Words, argument("[NAME:=VALUE]...", "Arguments of a xacro file.")] = None,
     out: Annotated[
         Path | None,
-        typer.Option(
-            "-o", "--out", metavar="ROBOT.yaml", help="Write the robot file; otherwise it is printed."
-        ),
+        output("ROBOT.yaml", "Write the robot file; otherwise it is printed."),
     ] = None,
     base: Annotated[str | None, option("The link that is the robot's frame.", "LINK")] = None,
     forward: Annotated[

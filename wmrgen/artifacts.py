@@ -19,7 +19,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
 
-from wmrgen.errors import EnvironmentFailure
+from wmrgen.errors import EnvironmentFailure, UsageError
 
 MANIFEST = "manifest.json"
 BUDGET = "budget.json"  # what the C of a robot may cost; measured, written and held by `python -m benchmarks budgets`
@@ -88,8 +88,12 @@ def differences(
 
 
 def write_file(path: Path, content: bytes) -> bool:
-    """Make one file, which belongs to no set, hold ``content``. True when it had to change."""
-    _checked(path.name)
+    """Make one file, which belongs to no set, hold ``content``. True when it had to change. UsageError for a file name
+    that cannot be."""
+    try:
+        _checked(path.name)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         for place in (path.parent, path):

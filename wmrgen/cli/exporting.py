@@ -31,10 +31,7 @@ def export(robot: Path, to: str, out: Path | None, as_json: bool) -> int:
         raise UsageError(f"{to} is {len(files)} files: {', '.join(files)}. Give a folder: -o DIR.")
     places = {name: out if is_file else out / name for name in files} if out else {}
     for name, place in places.items():
-        try:
-            write_file(place, files[name].encode())
-        except ValueError as error:
-            raise UsageError(str(error)) from None
+        write_file(place, files[name].encode())
     if as_json:
         console.data({"robot": loaded.name, "to": to, "files": files})
         return 0

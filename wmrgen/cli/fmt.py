@@ -7,7 +7,7 @@ from pathlib import Path
 
 from wmrgen.artifacts import write_file
 from wmrgen.cli import console
-from wmrgen.errors import StaleError, UsageError
+from wmrgen.errors import StaleError
 from wmrgen.spec.load import text_of
 from wmrgen.spec.typesetting import formatted
 
@@ -17,10 +17,7 @@ def fmt(robots: Sequence[Path], only_check: bool, as_json: bool) -> int:
     results = {path: formatted(text_of(path), str(path)).encode() for path in robots}
     changed = [path for path, content in results.items() if path.read_bytes() != content]
     for path in () if only_check else changed:
-        try:
-            write_file(path, results[path])
-        except ValueError as error:
-            raise UsageError(str(error)) from None
+        write_file(path, results[path])
     if as_json:
         same = [str(path) for path in results if path not in changed]
         console.data({"changed": [str(path) for path in changed], "unchanged": same})

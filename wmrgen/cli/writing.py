@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from wmrgen.artifacts import write_file
-from wmrgen.errors import UsageError
 from wmrgen.shipped import shipped
 from wmrgen.spec.schema import SCHEMA_FILE
 
@@ -15,10 +14,7 @@ def write_robot_file(path: Path, text: str) -> list[str]:
 
     UsageError for a file name that cannot be, EnvironmentFailure where it cannot be written."""
     schema = path.parent / SCHEMA_FILE
-    try:
-        write_file(path, text.encode())
-    except ValueError as error:
-        raise UsageError(str(error)) from None
+    write_file(path, text.encode())
     if schema.exists():
         return [str(path)]
     write_file(schema, (shipped("robots") / SCHEMA_FILE).read_bytes())

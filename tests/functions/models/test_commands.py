@@ -119,6 +119,7 @@ def test_a_step_is_printed_and_written(tmp_path: Path) -> None:
         (("--discrete", "rk4", "--dt", "1", "--form", "chained"), "chained"),
         (("--discrete", "rk4", "--dt", "1", "speed=1"), "no input 'speed'"),
         (("--discrete", "exact", "--dt", "1"), "rk4"),
+        (("--discrete", "rk4", "--dt", "1", "-o", "my step.casadi"), "not a name"),
     ],
 )
 def test_a_step_that_cannot_be_is_refused(words: tuple[str, ...], message: str) -> None:

@@ -162,7 +162,7 @@ def vanishes(difference: Expr) -> bool:
 
 def run_cli(*words: str, code: int = 0) -> tuple[str, str]:
     """(stdout, stderr) of a command in this process."""
-    from wmrgen.cli.app import app
+    from wmrgen.cli.verbs import app
 
     done = CliRunner().invoke(app, list(words))
     assert done.exit_code == code, (done.stdout, done.stderr, done.exception)

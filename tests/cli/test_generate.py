@@ -66,7 +66,7 @@ def test_derive_json_is_the_model(wmrgen_cli: Cli, robot_file: Path, tmp_path: P
 
 def test_derive_several(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
     done = wmrgen_cli("derive", robot_file, REAL, "-o", tmp_path / "out", "--json")
-    assert [model["name"] for model in json.loads(done.out)] == ["pair", "pioneer3dx"]
+    assert [model["name"] for model in json.loads(done.out)["robots"]] == ["pair", "pioneer3dx"]
 
 
 def test_a_module_that_was_imported_stays_fresh(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:

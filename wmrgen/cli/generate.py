@@ -78,7 +78,7 @@ def derive(
         write_tree(folder, files, _options(chosen, fuzz))
     if as_json:
         models = [files[MODEL].decode().rstrip("\n") for _, files in results]
-        console.result(models[0] if len(models) == 1 else "[\n" + ",\n".join(models) + "\n]")
+        console.result(models[0] if len(models) == 1 else '{"robots": [\n' + ",\n".join(models) + "\n]}")
         return 0
     for (derivation, _), changes in zip(results, written, strict=True):
         _summary(derivation, changes, out, len(results) == 1)

@@ -36,7 +36,7 @@ def derive(
     robots: Robots,
     out: Out = Path("generated"),
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print model.json; a list when there are several.")
+        bool, typer.Option("--json", help='Print model.json; of several: {"robots": […]}.')
     ] = False,
     scalar: Annotated[Scalar, typer.Option(help="Scalar type of the generated C.")] = "float",
     math: Math = None,

@@ -60,8 +60,17 @@ def test_a_pair_is_written_as_the_file_has_it(read: Import, wmrgen_cli: Cli, tmp
     lines = (tmp_path / "probe.yaml").read_text(encoding="utf-8").splitlines()
     assert "    y: 0.25" in lines
     assert "    r: 0.1   # collision cylinder of joint 'left_joint'" in lines
+    assert lines.count("    heading: 0   # axis of joint 'left_joint'") == 1
     done = wmrgen_cli("derive", tmp_path / "probe.yaml", "-o", tmp_path / "out", "--json")
     assert done.code == 0 and json.loads(done.out)["robot_type"] == [2, 0]
+
+
+def test_an_axis_whose_sign_differs_is_kept_and_said_to_be_reversed(read: Import, tmp_path: Path) -> None:
+    right = wheel("right", "0 -0.25 0.1", axis="0 -1 0")
+    said = read(robot(wheel("left", "0 0.25 0.1"), right))
+    assert [w["heading"] for w in said["wheels"].values()] == [0.0, pytest.approx(math.pi)]
+    remark = "    heading: pi   # axis of joint 'right_joint', reversed: it rolls backward for a positive rate\n"
+    assert remark in (tmp_path / "probe.yaml").read_text(encoding="utf-8")
 
 
 def test_decimals_are_added_not_floats(read: Import, tmp_path: Path) -> None:

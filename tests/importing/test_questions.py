@@ -173,11 +173,12 @@ def test_what_is_drawn_in_the_place_of_a_wheel_is_no_castor(read: Import) -> Non
 
 LABELS = {"fl": "front_left", "fr": "front_right", "rl": "rear_left", "rr": "rear_right"}
 TURNED = {"fl": "rear_left", "fr": "front_left", "rl": "rear_right", "rr": "front_right"}  # forward is -y
+ALIKE = {"fl": "p_l", "fr": "q_l", "rl": "s_l", "rr": "u_l"}  # l of link
 MIRRORED = {"fl": "front_right", "fr": "front_left", "rl": "rear_right", "rr": "rear_left"}
 
 
 @pytest.mark.parametrize(
-    ("names", "forward"), [(LABELS, None), (TURNED, "--forward -y"), (MIRRORED, "x is forward")]
+    ("names", "forward"), [(LABELS, None), (ALIKE, None), (TURNED, "--forward -y"), (MIRRORED, "x is forward")]
 )
 def test_names_that_contradict_the_places(read: Import, names: dict[str, str], forward: str | None) -> None:
     said = read(robot(four(names), control("x_joint", *(f"{n}_joint" for n in names.values()))))

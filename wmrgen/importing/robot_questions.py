@@ -93,16 +93,17 @@ def _any_way(wheels: Sequence[Wheel]) -> bool:
 
 
 def _misses(wheels: Sequence[Wheel], labels: Sequence[str], forward: tuple[int, int]) -> int:
-    """How many labels contradict the places, seen with ``forward`` to the front."""
+    """How many labels contradict the places, seen with ``forward`` to the front. A side that all name, as in a1_l for a
+    link, says nothing."""
     fx, fy = forward
     places = [(float(fx * w.x + fy * w.y), float(fx * w.y - fy * w.x)) for w in wheels]
     count = 0
     for axis, (high, low) in enumerate((("front", "rear"), ("left", "right"))):
         values = [place[axis] for place in places]
         middle, reach = (max(values) + min(values)) / 2, (max(values) - min(values)) / 20
-        for value, label in zip(values, labels, strict=True):
-            sign = (high in label.split()) - (low in label.split())
-            count += sign * (value - middle) < -reach
+        signs = [(high in label.split()) - (low in label.split()) for label in labels]
+        if len({*signs}) > 1:
+            count += sum(s * (value - middle) < -reach for s, value in zip(signs, values, strict=True))
     return count
 
 

@@ -42,6 +42,7 @@ from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
 
 _TURN = Fraction(6)  # [rad] a range of steering angles beyond which it is not one
+_BACKWARD = -0.94  # cosine of a heading that is straight back, by and large
 
 
 def import_wheels(description: Description, base: str | None = None, forward: str | None = None) -> Imported:
@@ -134,6 +135,8 @@ def _wheel(
         questions.append(ball_asked(name))
     questions += axle_asked(c, name)
     questions += _size_doubts(robot, c, name, offset, remarks)
+    if e[0] < _BACKWARD and kind != CASTOR.name:
+        remarks["heading"] += ", reversed: it rolls backward for a positive rate"
     wheel = Wheel(
         name,
         joint.name if joint.moves else None,

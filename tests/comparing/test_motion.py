@@ -89,8 +89,18 @@ def test_mecanum(s: float) -> None:
 
 
 @S
-def test_omni(s: float) -> None:
-    assert ratios(compare(ring((0.2,) * 3), ring((0.2 * s,) * 3))) == near(straight=1, strafe=1, turn=s)
+def test_omni(s: float, tmp_path: Path) -> None:
+    """A ring scales about its centre, not about the rectangle that three wheels fill: the yaw rate changes alone."""
+    path = tmp_path / "p.yaml"
+    path.write_text(
+        f"a: {{type: omni_wheel_drive_controller/Omni, robot_radius: {0.2 * s}, wheel_radius: 0.1}}\n"
+    )
+    (parameters,) = layouts(path)
+    for other in (ring((0.2 * s,) * 3), parameters):
+        result = compare(ring((0.2,) * 3), other)
+        assert [d.code for d in result.differences] == ["WMR043"]
+        assert ratios(result) == near(straight=1, strafe=1, turn=s)
+        assert said(result) == {"turn": f"yaw rate {abs(s - 1) * 100:.1f} % {'high' if s > 1 else 'low'}"}
 
 
 @S

@@ -69,7 +69,9 @@ def test_an_axis_whose_sign_differs_is_kept_and_said_to_be_reversed(read: Import
     right = wheel("right", "0 -0.25 0.1", axis="0 -1 0")
     said = read(robot(wheel("left", "0 0.25 0.1"), right))
     assert [w["heading"] for w in said["wheels"].values()] == [0.0, pytest.approx(math.pi)]
-    remark = "    heading: pi   # axis of joint 'right_joint', reversed: it rolls backward for a positive rate\n"
+    remark = (
+        "    heading: pi   # axis of joint 'right_joint', reversed: it rolls backward for a positive rate\n"
+    )
     assert remark in (tmp_path / "probe.yaml").read_text(encoding="utf-8")
 
 

@@ -178,7 +178,8 @@ MIRRORED = {"fl": "front_right", "fr": "front_left", "rl": "rear_right", "rr": "
 
 
 @pytest.mark.parametrize(
-    ("names", "forward"), [(LABELS, None), (ALIKE, None), (TURNED, "--forward -y"), (MIRRORED, "x is forward")]
+    ("names", "forward"),
+    [(LABELS, None), (ALIKE, None), (TURNED, "--forward -y"), (MIRRORED, "x is forward")],
 )
 def test_names_that_contradict_the_places(read: Import, names: dict[str, str], forward: str | None) -> None:
     said = read(robot(four(names), control("x_joint", *(f"{n}_joint" for n in names.values()))))

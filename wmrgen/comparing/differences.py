@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from wmrgen.comparing.matching import matched
 from wmrgen.comparing.motion import Pairs
-from wmrgen.comparing.quantities import box, forward, lengths, parts, roles
+from wmrgen.comparing.quantities import box, centre, forward, in_ring, lengths, parts, roles
 from wmrgen.comparing.record import SAME, Difference, Layout, Side
 from wmrgen.comparing.ties import coupled
 from wmrgen.errors import Mark
@@ -140,8 +140,9 @@ def places(pairs: Pairs, along: complex) -> Iterator[Difference]:
         return
     turned = along.conjugate()
     a, b = ([turned * complex(w.of("x"), w.of("y")) for w in side] for side in zip(*pairs, strict=True))
-    (middle, size), (other, _) = box(a), box(b)
-    near = SAME * abs(size)
+    ring = in_ring([v for v, _ in pairs])
+    middle, other = centre(a, ring), centre(b, ring)
+    near = SAME * abs(box(a)[1])
     if permuted := _permuted(a, b, near):
         for (v, w), (u, _) in zip(pairs, (pairs[i] for i in permuted), strict=True):
             if u is not v:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from wmrgen.comparing.differences import KIND, MISSING, PLACE, SIGN, length, order, places, same
 from wmrgen.comparing.matching import bare
 from wmrgen.comparing.motion import Pairs
-from wmrgen.comparing.quantities import box, forward, lengths, mean, parts, roles
+from wmrgen.comparing.quantities import centre, forward, in_ring, lengths, mean, parts, roles
 from wmrgen.comparing.record import CONTROLLER, Difference, Layout, Side
 from wmrgen.errors import Mark
 from wmrgen.importing.controllers import LENGTHS
@@ -165,15 +165,15 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
     sizes = lengths(wheels, where, along)
     at = [along.conjugate() * w.pivot for w in wheels]
     axle = [p.real for p, w in zip(at, wheels, strict=True) if WHEEL_TYPES[w.type].fixed_axle]
-    middle = box(at)[0]
-    centre = complex(mean(axle) if axle else middle.real, middle.imag)
+    middle = centre(at, in_ring(wheels))
+    origin = complex(mean(axle) if axle else middle.real, middle.imag)
     result = []
     for w, p, word in zip(wheels, at, where, strict=True):
         own = next((j for j in c.joints if _is(w, j.joint)), Named("", "", False))
-        told, off = own.role or word, p - centre
+        told, off = own.role or word, p - origin
         if signs := _mirror(c, told, word):
             off = complex(off.real * signs.real, off.imag * signs.imag)
-        place = along * (centre + _displaced(off, told, said, sizes))
+        place = along * (origin + _displaced(off, told, said, sizes))
         values, marks = {"x": place.real, "y": place.imag}, {}
         if signs and "gamma" in w.values:
             values["gamma"] = w.values["gamma"] * signs.real * signs.imag  # the rollers that are usual there

@@ -46,6 +46,19 @@ def box(points: Sequence[complex]) -> tuple[complex, complex]:
     return complex(min(xs), min(ys)) + size / 2, size
 
 
+def in_ring(wheels: Sequence[Side]) -> bool:
+    """All wheels have rollers, on axles that are not parallel."""
+    first = wheels[0].of("heading")
+    return all(WHEEL_TYPES[w.type].rollers for w in wheels) and any(
+        abs(math.sin(w.of("heading") - first)) >= 0.1 for w in wheels
+    )
+
+
+def centre(points: Sequence[complex], ring: bool) -> complex:
+    """The middle of places: of a ring their mean, else that of the rectangle that they fill."""
+    return sum(points) / len(points) if ring else box(points)[0]
+
+
 def roles(wheels: Sequence[Side]) -> list[str]:
     """Where each wheel is, by its place: "front left", "rear", "left"."""
     if not wheels:
@@ -90,12 +103,11 @@ def lengths(wheels: Sequence[Side], where: Sequence[str], along: complex) -> dic
         "wheelbase": apart(of("front"), of("rear"), "real"),
         "radius": radius(whole),
     } | {f"{word}_radius": radius(of(word)) for word in ("left", "right", "front", "rear")}
-    rolling = [w for w in wheels if WHEEL_TYPES[w.type].rollers]
-    if len(rolling) == len(wheels):
-        parallel = all(abs(math.sin(w.of("heading") - wheels[0].of("heading"))) < 0.1 for w in wheels)
-        middle = box(at)[0] if parallel else sum(at) / len(at)
-        reach = [abs(p.real) + abs(p.imag) if parallel else abs(p) for p in (q - middle for q in at)]
-        result["sum" if parallel else "ring"] = mean(reach)
+    if all(WHEEL_TYPES[w.type].rollers for w in wheels):
+        ring = in_ring(wheels)
+        middle = centre(at, ring)
+        reach = [abs(p) if ring else abs(p.real) + abs(p.imag) for p in (q - middle for q in at)]
+        result["ring" if ring else "sum"] = mean(reach)
     offsets = [
         abs(w.values["offset_y"]) for w in wheels if "offset_y" in w.values and WHEEL_TYPES[w.type].steers
     ]

@@ -16,7 +16,9 @@ from wmrgen.calibrating.certainty import _pulls, _spans, _walk, fit
 from wmrgen.calibrating.clocks import ALONE, shown
 from wmrgen.calibrating.fit import LEVER, Residuals, _typical
 from wmrgen.calibrating.logs import Drive, Truth
+from wmrgen.calibrating.mistakes import refuse_strangers
 from wmrgen.calibrating.outliers import _steps
+from wmrgen.errors import UsageError
 
 ALONG, ACROSS, TURN = 4e-6, 1e-6, 9e-6  # m^2/s, m^2/s, rad^2/s
 NOISE = np.array([2e-3, 3e-3])  # m, rad
@@ -160,6 +162,23 @@ def test_a_slip_along_either_axis_is_a_step_of_the_path(
     at, (moved, turned) = _steps(best, 0)  # type: ignore[arg-type]
     assert moved.max() == pytest.approx(0.1) and 13 <= at[np.argmax(moved)] <= 15
     assert not turned.any()
+
+
+@pytest.mark.parametrize(
+    ("off", "turned", "words"),
+    [
+        (0.2, 0.51, "headings stay 0.51 rad"),
+        (0.2, 0.49, "positions stay 0.2 m"),
+        (0.0, 3.0, "headings stay 3 rad"),
+    ],
+)
+def test_what_keeps_log_and_truth_apart_is_said(
+    off: float, turned: float, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in (("_strange", True), ("_unlikely", ""), ("_hint", "look"), ("_extent", 1.0)):
+        monkeypatch.setattr(f"wmrgen.calibrating.mistakes.{name}", lambda *_, value=value: value)
+    with pytest.raises(UsageError, match=f"{words} from the truth.*: look"):
+        refuse_strangers(SimpleNamespace(rms=(off, turned)), [], lambda _: None)  # type: ignore[arg-type, return-value]
 
 
 @pytest.mark.parametrize(("count", "size"), [(0, 0.0), (11, 3 / 11**0.5), (12, 0.0)])

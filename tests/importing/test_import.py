@@ -286,6 +286,15 @@ def test_meshes_stand_beside_wheels_that_are_drawn(read: Import) -> None:
     ) | dict.fromkeys(("fl", "fr"), "steered")
 
 
+@pytest.mark.parametrize(("height", "stands"), [("0.15", True), ("0.151", False), ("0.5", False)])
+def test_a_mesh_is_a_wheel_where_its_axle_is_no_higher_than_the_largest_wheel_reaches(
+    read: Import, height: str, stands: bool
+) -> None:
+    """Beside wheels of 0.1 m; 0.05 m more, for one that is a little larger."""
+    said = read(robot(pair(), wheel("drawn", f"0.5 0 {height}", MESH)))
+    assert ("drawn" in said["wheels"]) == stands
+
+
 def test_rigid_wheels_beside_wheels_that_turn_are_asked_about(read: Import) -> None:
     """A car of which only the front wheels turn. A castor, a smaller wheel and a tyre are none."""
     rear = "".join(

@@ -336,8 +336,9 @@ def test_what_cannot_be_read_is_refused(wmrgen_cli: Cli, tmp_path: Path, parts: 
     assert (done.code, done.out) == (2, "") and words in done.err, done.err
 
 
-def test_a_world_has_its_first_robot_read(read: Import) -> None:
+def test_a_world_has_its_first_robot_read(read: Import, tmp_path: Path) -> None:
     ground = '<model name="ground"><static>true</static><link name="link"/></model>'
     robots = "".join(f'<model name="{n}"><pose>9 9 9 1 1 1</pose>{PAIR}</model>' for n in ("blue", "green"))
     said = read(f'<sdf version="1.6"><world name="w">{ground}{robots}</world></sdf>')
     assert said["wheels"]["left_joint"]["x"] == 0.05 and "only the model 'blue'" in said["notes"]
+    assert "Frame: that of the model, x forward." in (tmp_path / "probe.yaml").read_text(encoding="utf-8")

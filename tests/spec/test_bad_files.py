@@ -1,6 +1,7 @@
 """Bad robot files as people write them, in bad_files.txt: the first line and the place of each error that is told.
 
-A case is ``== its name``, the file, and ``-> error at line:column`` for each error. In the file ``\\t``, ``\\r`` and
+A case is ``== its name``, the file, and ``-> error at line:column`` for each error, where it matters with a line
+``=> what to write``. In the file ``\\t``, ``\\r`` and
 ``\\u200b`` are the characters that they stand for, and a backslash at the end takes the line end away.
 """
 
@@ -18,25 +19,25 @@ from wmrgen.errors import RobotFileError
 ESCAPE = re.compile(r"\\(?:u([0-9a-f]{4})|([tr\n]))")
 
 
-def cases() -> Iterator[tuple[str, str, list[str]]]:
+def cases() -> Iterator[tuple[str, str, list[str], list[str]]]:
     text = (Path(__file__).parent / "bad_files.txt").read_text(encoding="utf-8")
     for case in re.split(r"^== ", text, flags=re.MULTILINE)[1:]:
         name, _, rest = case.partition("\n")
         told = re.findall(r"^-> (.*)$", rest, re.MULTILINE)
         file = re.split(r"^-> ", rest, maxsplit=1, flags=re.MULTILINE)[0]
-        yield name, ESCAPE.sub(_meant, file), told
+        yield name, ESCAPE.sub(_meant, file), told, re.findall(r"^=> (.*)$", rest, re.MULTILINE)
 
 
 def _meant(escape: re.Match[str]) -> str:
     return chr(int(escape[1], 16)) if escape[1] else {"t": "\t", "r": "\r"}.get(escape[2], "")
 
 
-CASES = {name: (file, told) for name, file, told in cases()}
+CASES = {name: case for name, *case in cases()}
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_told(name: str, tmp_path: Path) -> None:
-    file, told = CASES[name]
+    file, told, advice = CASES[name]
     path = tmp_path / "bot.yaml"
     path.write_bytes(file.encode())
     with pytest.raises(RobotFileError) as caught:
@@ -44,6 +45,7 @@ def test_what_is_told(name: str, tmp_path: Path) -> None:
     parts = caught.value.parts
     places = [f" at {part.mark.line}:{part.mark.column}" for part in parts if part.mark]
     assert [str(part).splitlines()[0] + place for part, place in zip(parts, places, strict=True)] == told
+    assert {*advice} <= {part.instead for part in parts}
     for part in parts:  # each stands in the form, says what to write, and its caret below the place
         _, place, *shown = str(part).splitlines()
         assert place.strip() == f"--> {part.mark}"
@@ -56,4 +58,4 @@ def test_what_is_told(name: str, tmp_path: Path) -> None:
 
 
 def test_there_are_many() -> None:
-    assert len(CASES) >= 140 and sum(len(told) for _, told in CASES.values()) > len(CASES)
+    assert len(CASES) >= 140 and sum(len(told) for _, told, _ in CASES.values()) > len(CASES)

@@ -337,8 +337,13 @@ def test_what_cannot_be_read_is_refused(wmrgen_cli: Cli, tmp_path: Path, parts: 
 
 
 def test_a_world_has_its_first_robot_read(read: Import, tmp_path: Path) -> None:
+    """By the version of its own file, whatever the others have: in 1.4 their axes would be vertical."""
+    (tmp_path / "bot").mkdir()
+    (tmp_path / "bot" / "model.sdf").write_text(sdf(PAIR, version="1.4"), encoding="utf-8")
     ground = '<model name="ground"><static>true</static><link name="link"/></model>'
     robots = "".join(f'<model name="{n}"><pose>9 9 9 1 1 1</pose>{PAIR}</model>' for n in ("blue", "green"))
-    said = read(f'<sdf version="1.6"><world name="w">{ground}{robots}</world></sdf>')
+    robots += "<include><uri>model://bot</uri></include>"
+    world = f'<sdf version="1.6"><world name="w">{ground}{robots}</world></sdf>'
+    said = read(world, "--package", f"bot={tmp_path / 'bot'}")
     assert said["wheels"]["left_joint"]["x"] == 0.05 and "only the model 'blue'" in said["notes"]
     assert "Frame: that of the model, x forward." in (tmp_path / "probe.yaml").read_text(encoding="utf-8")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import pytest
@@ -21,6 +22,7 @@ from tests.drawing.common import (
     robot,
     words,
 )  # fmt: skip
+from wmrgen.backends.drawing.marks import contact, extremes
 from wmrgen.robot import Derivation
 
 # ---- marks
@@ -42,6 +44,20 @@ def test_marks_of_wheels() -> None:
         assert len(of_class(root, "roll")) // 2 == len(groups) + 1, (
             "an arrow of each wheel, and in the legend"
         )
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.7, 2.0, -2.9])
+def test_a_wheel_reaches_as_far_as_its_radius(heading: float) -> None:
+    """Where it stands ahead and behind along its heading; a castor besides as far as its arm goes."""
+    for w in robot(PAIR + CASTOR.format(0.1)).robot.wheels:
+        x, y = contact(w, heading)
+        *arm, ahead, behind = extremes(w, heading)
+        rim = float(w.nominal.r) * math.cos(heading), float(w.nominal.r) * math.sin(heading)
+        assert ahead == pytest.approx((x + rim[0], y + rim[1]))
+        assert behind == pytest.approx((x - rim[0], y - rim[1]))
+        for px, py in arm:
+            assert abs(px - w.pivot.real) == pytest.approx(0.1 * w.kind.swivels)
+            assert abs(py - w.pivot.imag) == pytest.approx(0.1 * w.kind.swivels)
 
 
 def test_the_legend_explains_what_occurs_and_nothing_else() -> None:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
 
@@ -24,7 +25,7 @@ from wmrgen.calibrating.fit import Problem, serial, sums, unit_of
 from wmrgen.calibrating.logs import _increments, read
 from wmrgen.calibrating.observability import blind, courses, offers, plan
 from wmrgen.calibrating.path import passed, reckoned
-from wmrgen.calibrating.picture import _key, _values
+from wmrgen.calibrating.picture import _ERRORS, _PATHS, _errors, _key, _paths, _values
 from wmrgen.calibrating.starts import laid
 from wmrgen.calibrating.written import with_values
 from wmrgen.errors import UsageError
@@ -220,6 +221,22 @@ def test_plans_hold_what_they_promise(tmp_path: Path) -> None:
         finer = plan(problem, choices, 0.001)
         assert finer is None or sum(c.seconds for c in finer) >= sum(c.seconds for c in chosen)
         assert all(course in courses(problem, derivation) for course in chosen)
+
+
+@pytest.mark.parametrize(("name", "count"), [("differential", 4), ("three_omni", 5)])
+def test_every_course_ends_where_it_began(tmp_path: Path, name: str, count: int) -> None:
+    """And turns as far to one side as to the other; at half of the speeds that it may have."""
+    derivation = derivation_of(tmp_path, LAYOUTS[name])
+    proposed = courses(problem_of(derivation), derivation)
+    assert len(proposed) == count
+    for course in proposed:
+        place, heading = 0j, 0.0
+        for (vx, vy, omega), seconds in ((s.twist, s.seconds) for s in course.segments):
+            assert max(abs(vx), abs(vy)) in (0, 0.5) and abs(omega) <= 1
+            fine = heading + omega * seconds * (np.arange(1000) + 0.5) / 1000
+            place += complex(vx, vy) * seconds * np.exp(1j * fine).mean()
+            heading += omega * seconds
+        assert (abs(place), heading) == pytest.approx((0, 0), abs=1e-9), course.name
 
 
 @pytest.mark.parametrize(
@@ -619,6 +636,25 @@ def test_a_picture_has_each_estimate_in_the_middle_of_its_interval() -> None:
     (axis, *intervals) = [(float(e.attrib["x1"]), float(e.attrib["x2"])) for e in picture.iter("line")]
     assert dots == pytest.approx([sum(ends) / 2 for ends in intervals], abs=0.1)
     assert dots[0] - axis[0] == pytest.approx(-2 * (dots[1] - axis[0]), abs=0.1)
+
+
+@pytest.mark.parametrize("count", [2, 299, 300, 1000])
+def test_curves_of_a_picture_fill_their_frames(count: int) -> None:
+    """Errors from the corner at the left below to that at the right above, paths to one scale of both axes; no line of
+    more than 600 points."""
+    share = np.linspace(0, 1, count)
+    d: Any = SimpleNamespace(
+        t=5 + 2 * share, off=(0.3 * share,), true=(4 + 3j) * share, place=(4 + 3j) * share
+    )
+    for drawn, (left, top, right, bottom) in (
+        (_errors([d], [d]), _ERRORS),
+        (_paths([d], [d]), (_PATHS[0], _PATHS[3] - 240, _PATHS[0] + 320, _PATHS[3])),
+    ):
+        for curve in ElementTree.fromstring(f"<svg>{''.join(drawn)}</svg>").iter("polyline"):
+            x, y = np.array([[*map(float, p.split(","))] for p in curve.attrib["points"].split()]).T
+            assert len(x) <= 600 and (x[0], y[0]) == (left, bottom)
+            assert x[-1] == pytest.approx(right, abs=2) and y[-1] == pytest.approx(top, abs=2)
+            assert (x - left) / (right - left) == pytest.approx((bottom - y) / (bottom - top), abs=0.01)
 
 
 def test_the_key_of_a_picture_has_a_dash_before_each_word() -> None:

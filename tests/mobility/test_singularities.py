@@ -57,7 +57,7 @@ def test_two_steered_axles_on_one_line() -> None:
     for wheels in (STEERED[:2], in_line):
         (shared,) = of(wheels, "shared_axle")
         assert shared.meaning.endswith(
-            "rank C1 falls from 2 to 1: the robot can turn about any point of that line"
+            ", and rank C1 falls from 2 to 1: the robot can turn about any point of that line"
         )
 
 

@@ -226,6 +226,24 @@ def test_models_in_rates_of_joints_need_enough_of_them(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ROBOTS)
+def test_speeds_of_wheels_beside_their_steering_axis_are_those_at_a_constant_angle(name: str) -> None:
+    offset = any(w.kind.steers and w.nominal.o for w in of_gallery(name).robot.wheels)
+    assert ("while ψ changes, the rolling row takes another −o ψ̇ / r" in page_of(name)) == offset
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_columns_of_the_null_space_are_called_what_they_are(name: str) -> None:
+    """Whether they turn, against N at an angle: a translation has no yaw rate, a rotation has one."""
+    columns = of_gallery(name).mobility.null_space
+    told = re.findall(r"(?:^|\. )(?:The column|Column \d) is ([^.]*)", page_of(name), re.MULTILINE)
+    assert len(told) == len(columns)
+    assert [("rotation" in words) for words in told] == [bool(c[2]) for c in columns]
+    assert [words == "a rotation about P" for words in told] == [
+        bool(c[2]) and not c[0] and not c[1] for c in columns
+    ]
+
+
+@pytest.mark.parametrize("name", ROBOTS)
 def test_no_condition_has_a_fraction(name: str) -> None:
     """What is 0, of speeds of wheels and of singular models, is cleared of denominators."""
     assert not [line for line in page_of(name).split("\n") if line.startswith("0 &=") and "frac" in line]

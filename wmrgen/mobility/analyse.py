@@ -88,11 +88,11 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
     conditions = (towards(a, b, symbolic_view), towards(b, a, symbolic_view))
     many = sum(w.kind.steers for w in at.robot.wheels) > 2 and not _pivots_in_line(at)
     what = (
-        "these two no longer determine the motion; another steered wheel does"
+        ": these two no longer determine the motion; another steered wheel does"
         if many
-        else "rank C1 falls from 2 to 1: the robot can turn about any point of that line"
+        else ", and rank C1 falls from 2 to 1: the robot can turn about any point of that line"
     )
-    text = f"the axles of {a.name} and {b.name} lie on one line: {what}"
+    text = f"the axles of {a.name} and {b.name} lie on one line{what}"
     return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
 
 

@@ -25,8 +25,8 @@ def further(d: Derivation) -> list[str]:
         return []
     return [
         "## 11 Further functions",
-        f"The robot file asks for {listed(names)}, too. What each gives, where it comes from, and its formula are in "
-        "[numerics.md](numerics.md).",
+        f"The robot file asks for {listed(names)}, too. What {'each' if len(names) > 1 else 'it'} gives, where it "
+        "comes from, and its formula are in [numerics.md](numerics.md).",
     ]
 
 

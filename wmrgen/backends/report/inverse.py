@@ -102,6 +102,7 @@ def _nearer(shift: str) -> list[str]:
         ]),
         "With v<sub>Ax</sub> = v<sub>Ay</sub> = 0 the pivot is the ICR and any heading rolls: atan2(0, 0) = 0 "
         "holds the present one.",
+        *_swinging(shift),
     ]  # fmt: skip
 
 
@@ -138,7 +139,16 @@ def _narrow(ranges: str, shift: str) -> list[str]:
             rf"\dot{{\varphi}} &= \frac{{1}}{{r}}\left(\frac{{p + q\,t}}{{\sqrt{{1+t^2}}}}{shift}\right)",
         ]),
         "With p = q = 0 the present angle is held.",
+        *_swinging(shift),
     ]  # fmt: skip
+
+
+def _swinging(shift: str) -> list[str]:
+    """What `inverse`, which knows angles and no rates of them, leaves out beside the steering axis."""
+    words = (
+        "These speeds are those at a constant angle: while ψ changes, the rolling row takes another −o ψ̇ / r."
+    )
+    return [words] if shift else []
 
 
 def _turning(robot: Robot, wheels: list[Wheel]) -> str:

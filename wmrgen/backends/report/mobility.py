@@ -233,7 +233,7 @@ def singular(d: Derivation) -> list[str]:
     blocks += _pivots(d, pivots) if pivots else []
     for s in d.mobility.singularities:
         if s.kind != "icr_on_pivot":
-            where = " This happens where" + (", at once," if len(s.conditions) > 1 else "")
+            where = " This happens where" + (", at the same time," if len(s.conditions) > 1 else "")
             said = capitalised(named(s.meaning, s.wheels))
             blocks += [said + (where if s.conditions else "")]
             blocks += _conditions(s.conditions, d.robot) if s.conditions else []

@@ -27,8 +27,8 @@ def motion(d: Derivation) -> list[str]:
     """Section 8."""
     return [
         "## 8 Odometry and the posture model",
-        "A constant twist moves P along an arc (`odometry`). Its chord points along the heading half-way through, and "
-        "is shorter than the arc by the factor sinc σ, for which near σ = 0 the code has a series "
+        "A constant twist moves P along an arc (`odometry`). Its chord has the direction in which P moves half-way "
+        "through, and is shorter than the arc by the factor sinc σ, for which near σ = 0 the code has a series "
         "([numerics.md](numerics.md)). The pose after Δt is exactly",
         *aligned([
             r"x' &= x + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\cos(\theta+\sigma) - v_y\sin(\theta+\sigma)\right)",
@@ -59,8 +59,8 @@ def _posture(d: Derivation) -> list[str]:
         + " It does not turn, as wheels that roll do not: a controller integrates `twist`, below." * straight
     ]
     in_eta = [
-        "With columns scaled as in `dynamics`, so that η are speeds, [m/s] or, of a rotation whose centre no angle "
-        "moves, [rad/s], the twist is",
+        "With the columns scaled as in `dynamics` each η is a speed, [m/s], or, where its column turns at a rate that "
+        "no angle changes, a yaw rate, [rad/s]. The twist is",
         *aligned(
             f"{notation.port(n)} &= {wrapped(summands(gathered(terms(p))))}"
             for n, p in zip(TWIST_NAMES, rates, strict=True)

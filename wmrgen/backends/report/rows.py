@@ -201,13 +201,13 @@ def _entries(column: Row) -> list[str]:
 
 
 def _meaning(columns: Sequence[Row]) -> list[str]:
-    """What each column does with the robot."""
+    """Which motion each column is."""
     heads = [f"Column {i + 1}" for i in range(len(columns))] if len(columns) > 1 else ["The column"]
     blocks = [" ".join(f"{head} {_motion(c)}" for head, c in zip(heads, columns, strict=True))]
     vx, vy, w = columns[0]
     if len(columns) == 1 and w and any(p.constant is None for p in columns[0]):
         x, y = _quotient(-vy, w), _quotient(vx, w)
-        blocks[0] += " It lies at (−N₂/N₃, N₁/N₃):"
+        blocks[0] += " The ICR lies at (−N₂/N₃, N₁/N₃):"
         both = rf"x_{{ICR}} = {x}, \qquad y_{{ICR}} = {y}"
         blocks += math(both) if width(both) < _ICR else aligned([f"x_{{ICR}} &= {x}", f"y_{{ICR}} &= {y}"])
     return blocks
@@ -233,13 +233,13 @@ def _motion(c: Row) -> str:
     """A column in words."""
     vx, vy, w = c
     if not w and not vy and vx.constant is not None:
-        return "drives straight ahead."
+        return "is motion straight ahead."
     if not w and not vx and vy.constant is not None:
-        return "moves to the left."
+        return "is motion to the left."
+    steered = any(g.kind in ("cos", "sin") for p in c for g in p.generators)
     if not w:
-        return f"moves {'without' if vx.constant is None else 'along a fixed direction without'} turning."
+        way = "the direction that the steering angles choose" if steered else "a fixed direction"
+        return f"is a translation in {way}."
     if not vx and not vy:
-        return "turns on the spot about P."
-    if any(g.kind in ("cos", "sin") for p in c for g in p.generators):
-        return "turns about the ICR that the steering angles choose."
-    return "turns about a fixed point."
+        return "is a rotation about P."
+    return f"is a rotation about {'the ICR that the steering angles choose' if steered else 'a fixed point'}."

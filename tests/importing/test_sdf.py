@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -319,21 +320,30 @@ def test_includes_stay_inside(read: Import, side: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("parts", "words"),
+    ("parts", "words", "place"),
     [
-        (PAIR.replace("<child>left<", "<child>no<"), "'no'"),
+        (PAIR.replace("<child>left<", "<child>no<"), "'no'", "no</child>"),
         (PAIR.replace("<pose>0.05 0.25", '<pose relative_to="right_joint">0.05 0.25')
-         .replace("<pose>0.05 -0.25", '<pose relative_to="left_joint">0.05 -0.25'), "relative to itself"),
-        (PAIR.replace("0.05 0.25 0.1 ", "0.25 0.1 "), "six numbers"),
+         .replace("<pose>0.05 -0.25", '<pose relative_to="left_joint">0.05 -0.25'), "relative to itself", "<"),
+        (PAIR.replace("0.05 0.25 0.1 ", "0.25 0.1 "), "six numbers", "0.25 0.1"),
+        (PAIR.replace("<xyz>0 0 1", "<xyz>0 O 1"), "'O' is not a number", "O 1"),
+        (f'<!-- <joint name="left_joint">O -->{PAIR.replace("<xyz>0 0 1", "<xyz>0 O 1")}', "'O' is not", "O 1</xyz>"),
+        (PAIR.replace("<radius>0.1", "<radius>1e99"), "too large", "1e99</radius>"),
         (PAIR + '<frame name="a" attached_to="b"/><frame name="b" attached_to="a"/>'
-         '<joint name="j" type="fixed"><parent>a</parent><child>chassis</child></joint>', "attached to itself"),
-        (PAIR + '<include><uri>model.sdf</uri></include>', "more than 64 models"),
+         '<joint name="j" type="fixed"><parent>a</parent><child>chassis</child></joint>', "attached to itself",
+         '<frame name="'),
+        (PAIR + '<include><uri>model.sdf</uri></include>', "more than 64 models", "<model"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_read_is_refused(wmrgen_cli: Cli, tmp_path: Path, parts: str, words: str) -> None:
-    (tmp_path / "model.sdf").write_text(sdf(parts), encoding="utf-8")
+def test_what_cannot_be_read_is_refused_with_its_place(
+    wmrgen_cli: Cli, tmp_path: Path, parts: str, words: str, place: str
+) -> None:
+    text = sdf(parts).replace("><", ">\n<")
+    (tmp_path / "model.sdf").write_text(text, encoding="utf-8")
     done = wmrgen_cli("import", tmp_path / "model.sdf")
     assert (done.code, done.out) == (2, "") and words in done.err, done.err
+    line, column = map(int, re.findall(r"--> model\.sdf:(\d+):(\d+)", done.err)[0])
+    assert text.splitlines()[line - 1][column - 1 :].startswith(place), done.err
 
 
 def test_a_world_has_its_first_robot_read(read: Import, tmp_path: Path) -> None:

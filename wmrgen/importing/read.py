@@ -67,6 +67,31 @@ def _place(error: Exception, text: bytes, file: str) -> Mark | None:
     return Mark(file, line, column + 1, printable(shown))
 
 
+def place_of(message: str, data: bytes, file: str) -> Mark | None:
+    """Where a file has what a message quotes: first the element of that name, in it what is quoted then. None where it
+    does not stand there as it is quoted."""
+    text = re.sub(
+        "<!--.*?-->", lambda m: re.sub(r"[^\n]", " ", m[0]), data.decode("utf-8", "replace"), flags=re.DOTALL
+    )
+    at = None
+    for kind, words in re.findall(r"(?:(joint|link) )?'([^']+)'", message):
+        name = re.escape(words)
+        element = (
+            re.search(rf"<{kind or '[a-z]+'}\b[^<>]*\bname\s*=\s*[\"']{name}[\"']", text)
+            if at is None
+            else None
+        )
+        token = re.compile(rf"(?<![\w.:-]){name}(?![\w.:-])").search(text, at or 0)
+        if at is None and kind and not element:
+            return None  # of an included file
+        match = element or token
+        at = match.start() if match else at
+    if at is None:
+        return None
+    line, column = text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
+    return Mark(file, line, column, printable(text.splitlines()[line - 1]))
+
+
 def _blank(comment: re.Match[bytes]) -> bytes:
     """Line ends alone, so that places stay."""
     return b"\n" * comment[0].count(b"\n")

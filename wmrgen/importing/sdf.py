@@ -71,7 +71,7 @@ class _Reader:
         """Take a model in whose frame is ``own``; the link that carries it."""
         self.models += 1
         if self.models > _MOST_MODELS:
-            raise refuse(f"more than {_MOST_MODELS} models")
+            raise refuse(f"{quoted(element.get('name', ''))}: more than {_MOST_MODELS} models")
         scope = Scope(prefix, own, version in ("1.0", "1.2", "1.3", "1.4"))
         self.words += words(element)
         self.plugins += children(element, "plugin")
@@ -159,7 +159,7 @@ class _Reader:
         """The centres of mass of links, where they can be read."""
         centres = {}
         for full, (link, _) in self.links.items():
-            for inertial in children(link, "inertial")[:1]:
+            for inertial in (each for each in children(link, "inertial")[:1] if not reference(each)):
                 with contextlib.suppress(RobotFileError):
                     centres[full] = placement(inertial, "inertial").origin
         return centres

@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from wmrgen.errors import UsageError
+from wmrgen.errors import RobotFileError, UsageError
 from wmrgen.importing import meshes, sdf, urdf
 from wmrgen.importing.controllers import plugin_controllers
-from wmrgen.importing.read import MAX_BYTES, below, children, local, parse, refuse
+from wmrgen.importing.read import MAX_BYTES, below, children, local, parse, place_of, refuse
 from wmrgen.importing.records import Description
 from wmrgen.importing.xacro import macros, resolve
 from wmrgen.spec.text import bytes_of, printable, quoted, read_at_most
@@ -37,9 +37,18 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     """What the file says. RobotFileError for what cannot be read, UsageError for words of a wrong form."""
     values = pairs(arguments)
     roots = {name: Path(folder) for name, folder in pairs(packages, "=").items()}
+    text = bytes_of(file, MAX_BYTES + 1)
+    try:
+        return _described(file, text, values, roots)
+    except RobotFileError as error:
+        error.mark = error.mark or place_of(error.what, text, printable(file.name))
+        raise
+
+
+def _described(file: Path, text: bytes, values: Mapping[str, str], roots: Mapping[str, Path]) -> Description:
     name = printable(file.name)
-    root = parse(bytes_of(file, MAX_BYTES + 1), name)
-    folders = _own_package(file) | roots
+    root = parse(text, name)
+    folders = _own_package(file) | dict(roots)
     substituted = _is_xacro(root)
     if values and not substituted:
         raise UsageError(f"{name} is no xacro, and takes no {quoted(next(iter(values)))}")

@@ -89,7 +89,7 @@ def place_of(message: str, data: bytes, file: str) -> Mark | None:
     if at is None:
         return None
     line, column = text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
-    return Mark(file, line, column, printable(text.splitlines()[line - 1]))
+    return Mark(file, line, column, printable(text.split("\n")[line - 1]))
 
 
 def _blank(comment: re.Match[bytes]) -> bytes:

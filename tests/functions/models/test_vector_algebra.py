@@ -16,8 +16,10 @@ from wmrgen.exact.poly import Poly
 from wmrgen.functions.models import growth as growth_of
 from wmrgen.functions.models.growth import MOST_STATES, growth, robot_growth
 from wmrgen.functions.models.vector_fields import (
+    Field,
+    Slopes,
     at_point,
-    bracket,
+    bracket_by,
     by_state,
     generic_point,
     to_poly,
@@ -108,8 +110,11 @@ def test_generic_points_differ_in_every_state_and_from_seed_to_seed() -> None:
 
 
 def test_a_bracket_is_its_definition() -> None:
-    chance = random.Random(2)
-    state = ("a", "b.theta")
+    chance, slopes = random.Random(2), Slopes(("a", "b.theta"))
+
+    def bracket(f: Field, g: Field) -> Field:
+        return bracket_by(f, slopes.jacobian(f), g, slopes.jacobian(g))
+
     fields = [
         tuple(to_poly(e) for e in pair) for pair in ((sympy.cos(B), A * B), (A**2 + L, sympy.sin(A - B)))
     ]
@@ -120,14 +125,12 @@ def test_a_bracket_is_its_definition() -> None:
     ]
     for _ in range(3):
         numbers = {symbol: chance.uniform(-2, 2) for symbol in AT}
-        for component, expr in zip(bracket(fields[0], fields[1], state), wanted, strict=True):
+        for component, expr in zip(bracket(*fields), wanted, strict=True):
             assert float(sympy.N(expression(component).xreplace(numbers))) == pytest.approx(
                 float(sympy.N(expr.xreplace(numbers))), rel=1e-9
             )
-    swapped = bracket(fields[1], fields[0], state)
-    assert all(
-        not one + other for one, other in zip(bracket(fields[0], fields[1], state), swapped, strict=True)
-    )
+    swapped = bracket(*fields[::-1])
+    assert all(not one + other for one, other in zip(bracket(*fields), swapped, strict=True))
 
 
 def test_brackets_are_formed_up_to_a_number_of_states() -> None:

@@ -301,19 +301,10 @@ def test_vaf_by_brute_force(name: str) -> None:
     derivation = with_function(name, "vaf")
     assert derivation is not None
     driven = [w for w in derivation.robot.wheels if "spin" in w.actuated]
-    seen = []
     for direction in np.linspace(-math.pi, math.pi, 181):
         joints = call(name, "inverse", {"vx": math.cos(direction), "vy": math.sin(direction)})
         rim = max(abs(joints[f"{w.name}.spin"]) * float(w.nominal.r) for w in driven)
-        seen.append(1 / rim)
         close(call(name, "vaf", {"direction": direction})["vaf"], 1 / rim, 1e-8)
-    from wmrgen.functions.motion.wheel_speeds import extremes
-
-    smallest, largest = extremes(derivation.robot, derivation.mobility)
-    assert float(smallest[0]) <= min(seen) * (1 + 1e-9) and min(seen) < float(smallest[0]) * 1.01
-    assert float(largest[0]) >= max(seen) * (1 - 1e-9) and max(seen) > float(largest[0]) * 0.98
-    for value, direction in (smallest, largest):
-        close(call(name, "vaf", {"direction": float(direction)})["vaf"], float(value), 1e-8)
 
 
 @pytest.mark.parametrize("name", HAVING["compatibility"])

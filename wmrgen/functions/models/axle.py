@@ -61,7 +61,7 @@ def axle_of(fixed: Sequence[Wheel], view: View) -> Axle:
     """The mean of fixed wheels; their direction, taken forward (exactly sideways: to the left)."""
     views = [view(w) for w in fixed]
     share = Fraction(1, len(views))
-    x, y = (clean(Poly.sum(getattr(g, k) for g in views).scale(share)) for k in "xy")
+    x, y = (clean(Poly.sum(getattr(g, k) for g in views).scale(share))[0] for k in "xy")
     lead = fixed[0].nominal
     ahead = lead.ch if abs(float(lead.ch)) > 1e-9 else lead.sh
     sign = 1 if float(ahead) > 0 else -1

@@ -26,6 +26,7 @@ from wmrgen.exact.poly import Gen, Poly, Row, dot, each
 from wmrgen.functions.models.polynomials import (
     angles_in,
     by_steering,
+    clean,
     cleaned,
     generic,
     nominal_at,
@@ -109,7 +110,7 @@ def _pivot_velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly
     NotDerivableError where it has too many terms for its square, which directions and rates need.
     """
     g = frame.view(wheel)
-    a, b, _ = cleaned((dot(along((ONE, ZERO), g), column), dot(along((ZERO, ONE), g), column), ZERO))
+    a, b = clean(dot(along((ONE, ZERO), g), column), dot(along((ZERO, ONE), g), column))
     terms = len(a.terms) + len(b.terms)
     if terms > MOST_TERMS:
         raise underivable(

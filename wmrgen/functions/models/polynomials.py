@@ -66,17 +66,16 @@ def angles_in(polys: tuple[Poly, ...] | Row) -> set[str]:
     return names
 
 
+def clean(*polys: Poly) -> tuple[Poly, ...]:
+    """The polynomials without terms that only rounding of their coefficients has left over."""
+    least = NEGLIGIBLE * max((abs(float(c)) for p in polys for c in p.terms.values()), default=0.0)
+    return tuple(Poly({m: c for m, c in p.terms.items() if abs(float(c)) > least}) for p in polys)
+
+
 def cleaned(row: Row) -> Row:
-    """The row without terms that only rounding of its coefficients has left over."""
-    largest = max((abs(float(c)) for p in row for c in p.terms.values()), default=0.0)
-    return each(
-        row, lambda p: Poly({m: c for m, c in p.terms.items() if abs(float(c)) > NEGLIGIBLE * largest})
-    )
-
-
-def clean(poly: Poly) -> Poly:
-    """The same for one polynomial."""
-    return cleaned((poly, Poly({}), Poly({})))[0]
+    """The same of a row."""
+    a, b, c = clean(*row)
+    return a, b, c
 
 
 def divided(row: Row, divisor: Poly) -> Row:

@@ -172,13 +172,13 @@ def _wheel_rate(motion: Motion, w: Wheel, k: int) -> Poly:
     if w.kind.steers and g.o:
         name = motion.inputs[k].name.removesuffix(".steer_rate")
         rim = rim - g.o * steering_rates(motion.frame, w).get(name, ZERO)
-    return clean(rim * g.rolling_radius.inverse())
+    return clean(rim * g.rolling_radius.inverse())[0]
 
 
 def _per_input(motion: Motion, row: Eta, k: int) -> Poly:
     """row . eta for one input."""
     above = Poly.sum(p * e for p, e in zip(row, motion.etas[k], strict=True))
-    return quotient(clean(above), motion.divisor)
+    return quotient(clean(above)[0], motion.divisor)
 
 
 @system("zeta")

@@ -168,14 +168,8 @@ class Slopes:
         return sum(len(rate.terms) for p in f for m in p.terms for g, _ in m for rate in self.of_generator(g))
 
 
-def bracket(f: Field, g: Field, state: tuple[str, ...]) -> Field:
-    """[f, g] = (dg/dq) f - (df/dq) g."""
-    slopes = Slopes(state)
-    return bracket_by(f, slopes.jacobian(f), g, slopes.jacobian(g))
-
-
 def bracket_by(f: Field, df: tuple[Field, ...], g: Field, dg: tuple[Field, ...]) -> Field:
-    """[f, g] by the Jacobians."""
+    """[f, g] = (dg/dq) f - (df/dq) g, by the Jacobians."""
     return tuple(
         Poly.sum(
             part for a, p, b, q in zip(dgi, f, dfi, g, strict=True) for part in (a * p, -(b * q)) if part

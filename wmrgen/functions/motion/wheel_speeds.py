@@ -14,16 +14,15 @@ polygon; VAF is its extent in a direction, largest in a corner and smallest acro
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
 
 import numpy as np
 import sympy
 
 from wmrgen.constraints import View, driving_row, nominal_view, rolling_row, symbolic_view, working_view
 from wmrgen.exact.linalg import determinant
-from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Poly, dot
-from wmrgen.functions.models.polynomials import generic, nominal_at
+from wmrgen.functions.models.polynomials import NEGLIGIBLE, clean, generic, nominal_at
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -35,19 +34,14 @@ from wmrgen.symbolic import (
     Expr,
     absolute,
     add,
-    angle_of,
     expression,
     matrix,
     maximum,
-    number,
     over,
-    root,
     signal,
     times,
 )
 
-NEGLIGIBLE = 1e-12
-INSIDE = 1 + 1e-9  # rim speed of a corner of the polygon, beside 1
 Relation = tuple[Poly, ...]  # one entry per driven wheel
 
 
@@ -97,10 +91,7 @@ def _relation(basis: Sequence[tuple[Poly, ...]], other: tuple[Poly, ...], keep: 
 
 def _readable(row: Sequence[Poly]) -> Relation:
     """The row without rounding dust and common factors: leading coefficient 1."""
-    largest = max(abs(float(c)) for p in row for c in p.terms.values())
-    kept = tuple(
-        Poly({m: c for m, c in p.terms.items() if abs(float(c)) > NEGLIGIBLE * largest}) for p in row
-    )
+    kept = clean(*row)
     first = next(p for p in kept if p)
     ratios = [r for p in kept if (r := _ratio(p, first)) is not None]
     if len(ratios) == len(kept):
@@ -148,11 +139,8 @@ def _rim(w: Wheel, view: View) -> tuple[Poly, Poly]:
     return row[0] * over_cg, row[1] * over_cg
 
 
-def _rim_numbers(robot: Robot, mobility: Mobility) -> list[tuple[Exact, Exact]]:
-    """The rim speeds of the driven wheels at nominal parameters.
-
-    NotDerivableError where they do not fix every translation by constant rows.
-    """
+def _require_translations(robot: Robot, mobility: Mobility) -> None:
+    """NotDerivableError where the rim speeds of the driven wheels do not fix every translation by constant rows."""
     if mobility.degree_of_mobility != 3:
         why = f"it cannot translate in every direction (mobility {mobility.degree_of_mobility}, not 3)"
         raise underivable(robot, "vaf", why)
@@ -160,16 +148,15 @@ def _rim_numbers(robot: Robot, mobility: Mobility) -> list[tuple[Exact, Exact]]:
     for w in driven:
         if w.turns:
             raise underivable(robot, "vaf", f"the rim speed of {w.name} changes with its steering angle")
-    rims = [(a.constant or ZERO, b.constant or ZERO) for a, b in (_rim(w, nominal_view) for w in driven)]
+    rims = [[p.constant or ZERO for p in _rim(w, nominal_view)] for w in driven]
     if numeric_rank(to_array([[*rim, ZERO] for rim in rims]))[0] < 2:
         raise underivable(robot, "vaf", "along some direction no driven wheel turns")
-    return rims
 
 
 @function("Tzafestas 2.4.1, (2.71)")
 def vaf(robot: Robot, mobility: Mobility) -> Formula:
     """Direction of a translation in the robot frame to the velocity augmentation factor."""
-    _rim_numbers(robot, mobility)
+    _require_translations(robot, mobility)
     names = Locals()
     c = names.define("cos_direction", sympy.cos(signal("direction")))
     s = names.define("sin_direction", sympy.sin(signal("direction")))
@@ -186,33 +173,3 @@ def vaf(robot: Robot, mobility: Mobility) -> Formula:
         ((port, over(sympy.S.One, largest)),),
         "velocity augmentation factor of a translation",
     )
-
-
-def extremes(robot: Robot, mobility: Mobility) -> tuple[tuple[Expr, Expr], tuple[Expr, Expr]]:
-    """The smallest and the largest factor over all directions, each with a direction [rad] in which it is reached.
-
-    Exact, at nominal parameters: the polygon is nearest across the edge of the longest row, farthest in a corner.
-    """
-    rims = _rim_numbers(robot, mobility)
-    longest = max(rims, key=_square)
-    corners = (p for a, b in combinations(rims, 2) for p in _corners(a, b))
-    farthest = max(
-        (p for p in corners if all(abs(float(a * p[0] + b * p[1])) <= INSIDE for a, b in rims)), key=_square
-    )
-
-    def extreme(square: Exact, p: tuple[Exact, Exact]) -> tuple[Expr, Expr]:
-        return root(number(square)).doit(), angle_of(number(p[1]), number(p[0])).doit()
-
-    return extreme(ONE / _square(longest), longest), extreme(_square(farthest), farthest)
-
-
-def _square(p: tuple[Exact, Exact]) -> Exact:
-    return p[0] * p[0] + p[1] * p[1]
-
-
-def _corners(a: tuple[Exact, Exact], b: tuple[Exact, Exact]) -> list[tuple[Exact, Exact]]:
-    """Velocities at which both rims run at 1 m/s, forward or one of them backward."""
-    det = a[0] * b[1] - a[1] * b[0]
-    if abs(float(det)) < 1e-12:
-        return []
-    return [((b[1] * u - a[1]) / det, (a[0] - b[0] * u) / det) for u in (ONE, -ONE)]

@@ -25,8 +25,7 @@ from wmrgen.functions.models.polynomials import nominal_at, straight
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.system import Gate
 from wmrgen.functions.trailers.series import NARROW, Link, Path, path
-from wmrgen.functions.trailers.trailer import check_trailers, in_view, state_ports
-from wmrgen.functions.trailers.trailer_geometry import behind
+from wmrgen.functions.trailers.trailer import behind, check_trailers, in_view, state_ports
 from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.analyse import fixed

@@ -14,8 +14,7 @@ from wmrgen.ir.calls import called, inlined_calls
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
 from wmrgen.ir.kernels.sums import compensated_sum, fuse, rounding_error
 from wmrgen.ir.kernels.trigonometry import EVEN32, RINT32, RINT64, Processor, flipped, library, soft
-from wmrgen.ir.nodes import Function, Module, Node, Op, shared, uses_of
-from wmrgen.ir.passes.schedule import schedule
+from wmrgen.ir.nodes import Function, Module, Node, Op, schedule, shared, uses_of
 from wmrgen.ir.tape import Tape, compared
 
 _INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}

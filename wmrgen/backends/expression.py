@@ -7,7 +7,8 @@ the IR, node by node.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from itertools import count as counting
 from typing import NamedTuple
 
 from wmrgen.exact.number import Exact
@@ -139,35 +140,31 @@ def _expression(node: Node, args: list[_Text], style: Style) -> _Text:
     return _Text(form.format(*texts), _CHOICE)
 
 
-class _Printer:
-    """Statements, node by node."""
+class _Printer(NamedTuple):
+    """Statements, node by node; see `body`."""
 
-    def __init__(
-        self,
-        function: Function,
-        access: Callable[[str], str],
-        style: Style,
-        notes: Mapping[int, str],
-        kernels: Mapping[str, Results],
-        names: Mapping[int, str],
-        apart: Collection[int],
-        reserved: Collection[str],
-    ) -> None:
-        self.function, self.access, self.style, self.notes = function, access, style, notes
-        self.kernels, self.names, self.apart = kernels, names, apart
-        self.reserved = {*names.values(), *reserved}
-        self.uses = _uses(function, style)
-        self.choices = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
-        self.statements: list[str] = []
-        self.count = 0
-        self.texts: list[_Text] = []
+    function: Function
+    access: Callable[[str], str]
+    style: Style
+    notes: Mapping[int, str]
+    kernels: Mapping[str, Results]
+    names: Mapping[int, str]
+    apart: Collection[int]
+    reserved: Collection[str]
+    numbers: Iterator[int]  # of temporaries
+    statements: list[str]
+    texts: list[_Text]
 
-    def run(self) -> None:
+    def run(self) -> Body:
         """All nodes."""
-        for index in range(len(self.function.nodes)):
-            self.texts.append(self._print(index))
+        nodes, uses = self.function.nodes, _uses(self.function, self.style)
+        choices = {a for node in nodes if node.op is Op.SELECT for a in node.args[2:]}
+        for index in range(len(nodes)):
+            self.texts.append(self._print(index, uses[index], index in choices))
+        results = tuple(self.texts[r].text for r in self.function.results)
+        return Body(tuple(self.statements), results, frozenset(node.op for node in nodes))
 
-    def _print(self, index: int) -> _Text:
+    def _print(self, index: int, uses: int, chosen: bool) -> _Text:
         """The value of a node, and before it the statements that it takes."""
         node, style = self.function.nodes[index], self.style
         if node.value is not None:
@@ -176,31 +173,22 @@ class _Printer:
             return _Text(self.access(node.name or ""), _ATOM)
         if node.op is Op.RESULT:
             return self._part(node)
-        args = [self.texts[a] for a in node.args]
-        text = self._call(node, args) if node.op is Op.CALL else _expression(node, args, style)
-        several = node.op is Op.CALL and len(self.kernels[node.name or ""].members) > 1
-        if (
-            several
-            or self.uses[index] > 1
-            or index in self.apart
-            or text.binding == _CHOICE
-            or len(text.text) > self._longest(index)
-        ):
-            kind = self.kernels[node.name or ""].type if node.op is Op.CALL else style.scalar
+        args, kind, apart = [self.texts[a] for a in node.args], style.scalar, index in self.apart
+        if node.op is Op.CALL:
+            own = self.kernels[node.name or ""]
+            text = _Text(f"{own.function}({', '.join(argument.text for argument in args)})", _ATOM)
+            kind, apart = own.type, apart or len(own.members) > 1
+        else:
+            text = _expression(node, args, style)
+        longest = _LONGEST_ARM if chosen else _LONGEST
+        if apart or uses > 1 or text.binding == _CHOICE or len(text.text) > longest:
             return _Text(self._named(index, text.text, kind), _ATOM)
         return text
-
-    def _call(self, node: Node, args: list[_Text]) -> _Text:
-        texts = ", ".join(argument.text for argument in args)
-        return _Text(f"{self.kernels[node.name or ''].function}({texts})", _ATOM)
 
     def _part(self, node: Node) -> _Text:
         call = self.function.nodes[node.args[0]]
         member = self.kernels[call.name or ""].members[int(node.name or 0)]
         return _Text(f"{self.texts[node.args[0]].text}.{member}", _ATOM)
-
-    def _longest(self, index: int) -> int:
-        return _LONGEST_ARM if index in self.choices else _LONGEST
 
     def _named(self, index: int, text: str, kind: str) -> str:
         name, note = self.names.get(index) or self._temporary(), self.notes.get(index)
@@ -208,10 +196,8 @@ class _Printer:
         return name
 
     def _temporary(self) -> str:
-        while (name := self.style.temporary.format(self.count)) in self.reserved:
-            self.count += 1
-        self.count += 1
-        return name
+        names = map(self.style.temporary.format, self.numbers)
+        return next(name for name in names if name not in self.reserved)
 
 
 def body(
@@ -230,7 +216,8 @@ def body(
     called, by name. ``names``: what a node is called where it gets a statement, each name once. ``apart``: nodes that
     have a statement of their own, also where they are needed once. ``reserved``: names that no temporary may have.
     """
-    printer = _Printer(function, access, style, notes or {}, kernels or {}, names or {}, apart, reserved)
-    printer.run()
-    ops = frozenset(node.op for node in function.nodes)
-    return Body(tuple(printer.statements), tuple(printer.texts[r].text for r in function.results), ops)
+    names = names or {}
+    taken = {*names.values(), *reserved}
+    return _Printer(
+        function, access, style, notes or {}, kernels or {}, names, apart, taken, counting(), [], []
+    ).run()

@@ -83,25 +83,15 @@ def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequenc
 
 
 def select(module: Module, names: dict[str, str]) -> Module:
-    """The functions called by the keys of ``names``, renamed to its values, in that order."""
+    """The functions called by the keys of ``names``, renamed to its values, in that order; with what they need of
+    `prepare` and of the kernels."""
     functions = tuple(replace(module.function(old), name=new) for old, new in names.items())
-    if module.prepare is None:
-        return _with_called(replace(module, functions=functions))
-    used = {node.name for f in functions for node in f.nodes if node.op is Op.INPUT}
-    return _with_called(replace(module, functions=functions, prepare=_outputs(module.prepare, used)))
-
-
-def _with_called(module: Module) -> Module:
-    """``module`` with those of its kernels that its functions call."""
-    wanted = called(module.functions)
-    return replace(module, kernels=tuple(k for k in module.kernels if k.name in wanted))
-
-
-def _outputs(prepare: Function, used: set[str | None]) -> Function | None:
-    """prepare() with the outputs in ``used`` only; None when nothing is left."""
-    names = frozenset(name for name in used if name is not None)
-    kept = keep_outputs(prepare, names, prepare.name)
-    return kept if kept.outputs else None
+    used = frozenset(node.name or "" for f in functions for node in f.nodes if node.op is Op.INPUT)
+    prepare = module.prepare and keep_outputs(module.prepare, used, module.prepare.name)
+    wanted = called(functions)
+    kernels = tuple(kernel for kernel in module.kernels if kernel.name in wanted)
+    prepare = prepare if prepare and prepare.outputs else None
+    return replace(module, functions=functions, prepare=prepare, kernels=kernels)
 
 
 def keep_outputs(function: Function, names: frozenset[str], name: str) -> Function:

@@ -54,6 +54,11 @@ def hull(a: Interval, b: Interval) -> Interval:
     return np.minimum(a[0], b[0]), np.maximum(a[1], b[1])
 
 
+def either_sign(a: Interval, _: Interval) -> Interval:
+    """``a`` or -``a``, whatever decides."""
+    return hull(a, negative(a))
+
+
 def meet(a: Interval, b: Interval) -> Interval:
     """Intersection; where it is empty (the case cannot occur) the nearer end of ``a``."""
     lo, hi = np.maximum(a[0], b[0]), np.minimum(a[1], b[1])

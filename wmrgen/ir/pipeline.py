@@ -163,10 +163,6 @@ def _run(function: Function, passes: tuple[Pass, ...]) -> Function:
 def _prepare(prepare: Function) -> Function:
     """`prepare` through the same passes, its parameters taken for ordinary inputs."""
     roles = {port.name: port for port in prepare.inputs}
-
-    def plain(port: Port) -> Port:
-        return replace(port, role=Role.STATE)
-
-    ordinary = replace(prepare, inputs=tuple(plain(port) for port in prepare.inputs))
+    ordinary = replace(prepare, inputs=tuple(replace(p, role=Role.STATE) for p in prepare.inputs))
     run = _run(ordinary, BEFORE_HOIST + AFTER_HOIST)
     return replace(run, inputs=tuple(roles[port.name] for port in run.inputs))

@@ -164,19 +164,13 @@ def verify_module(before: tuple[Function, ...], after: Module, step: str, count:
 def _check(
     before: tuple[Function, ...], after: Module, step: str, count: int, arithmetic: Arithmetic
 ) -> None:
-    prepared: dict[int, dict[str, Any]] = {}
+    prepared: list[dict[str, Any]] = [{}] * count
+    if after.prepare is not None:
+        prepared = [evaluate(after.prepare, point, arithmetic) for point in points(after.prepare, count)]
     for function in before:
-        for k, point in enumerate(points(function, count)):
-            if after.prepare is not None and k not in prepared:
-                prepared[k] = _prepared(after.prepare, k, arithmetic)
-            whole = {**prepared.get(k, {}), **point}
-            new = _values(after.function(function.name), whole, arithmetic)
+        for own, point in zip(prepared, points(function, count), strict=True):
+            new = _values(after.function(function.name), {**own, **point}, arithmetic)
             _compare(_values(function, point, arithmetic), new, f"{step} of {function.name}")
-
-
-def _prepared(prepare: Function, k: int, arithmetic: Arithmetic) -> dict[str, Any]:
-    point = {port.name: _number(port.name, k) for port in prepare.inputs}
-    return evaluate(prepare, point, arithmetic)
 
 
 def _values(function: Function, point: dict[str, Any], arithmetic: Arithmetic) -> dict[str, Any] | None:

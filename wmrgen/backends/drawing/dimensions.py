@@ -84,16 +84,9 @@ def _track(wheels: Sequence[Wheel], ys: list[float], size: float) -> bool:
 
 def _round(wheels: Sequence[Wheel], size: float) -> bool:
     """Whether the wheels stand on a circle about P and not in the corners of a rectangle."""
-    corners = all(len(_places([abs(part(w)) for w in wheels], size)) == 1 for part in (_x, _y))
+    sides = zip(*((abs(w.pivot.real), abs(w.pivot.imag)) for w in wheels), strict=True)
+    corners = all(len(_places(side, size)) == 1 for side in sides)
     return len(wheels) > 2 and not corners and len(_places([abs(w.pivot) for w in wheels], size)) == 1
-
-
-def _x(w: Wheel) -> float:
-    return w.pivot.real
-
-
-def _y(w: Wheel) -> float:
-    return w.pivot.imag
 
 
 def _radius(wheels: Sequence[Wheel], view: View, paper: Paper) -> list[str]:

@@ -57,7 +57,7 @@ def instant(robot: Robot, shown: Example, area: Box, title: str, words: Sequence
     mark = _icr(icr, paper) if icr else _pointed(shown, view, paper)
     few = len(wheels) <= _MANY
     axles = _axles(wheels, icr, area) if few else []
-    spokes = [line(icr, p.centre, "spoke") for p in wheels if few and icr and not _has_axle(p)]
+    spokes = [line(icr, p.centre, "spoke") for p in wheels if few and icr and not p.wheel.kind.sliding_row]
     velocities = _velocities(wheels, shown, view) if few else []
     return [
         (panel(view) + _at(icr), chassis([p.pivot for p in wheels])),
@@ -68,10 +68,6 @@ def instant(robot: Robot, shown: Example, area: Box, title: str, words: Sequence
 
 def _at(icr: Point | None) -> str:
     return f' data-icr="{pair(icr)}"' if icr else ""
-
-
-def _has_axle(p: Placed) -> bool:
-    return p.wheel.kind.sliding_row
 
 
 def _velocities(wheels: list[Placed], shown: Example, view: View) -> list[str]:
@@ -103,7 +99,7 @@ def _axles(wheels: list[Placed], icr: Point | None, area: Box) -> list[Segment]:
     """
     longest: dict[tuple[float, float], Segment] = {}
     for p in wheels:
-        if not _has_axle(p) or (icr is None and not p.wheel.kind.constrains):
+        if not p.wheel.kind.sliding_row or (icr is None and not p.wheel.kind.constrains):
             continue
         cut: Segment | None = None
         if icr is None or distance(p.centre, icr) < 1.0 or _slides(p, icr):

@@ -110,17 +110,17 @@ def _panel(w: Wheel, words: list[str], area: Box) -> Group:
         elements, labels = elements + more, labels + others
     paper.boxes += [wheel.box, bounds([view.origin], 4)]
     paper.segments += [(view.origin, wheel.pivot)]
-    shown = [e for name, at, away in labels for e in paper.put(name, bounds([at], 1), away, _class(name))]
+    shown = [
+        e
+        for name, at, away in labels
+        for e in paper.put(name, bounds([at], 1), away, "letter" if len(name) == 1 else "words")
+    ]
     return attribute("symbols", w.name) + attribute("type", w.type), [
         *body(wheel),
         *elements,
         *shown,
         *written,
     ]
-
-
-def _class(name: str) -> str:
-    return "letter" if len(name) == 1 else "words"
 
 
 def _view(w: Wheel, turned: float, area: Box) -> View:
@@ -130,7 +130,8 @@ def _view(w: Wheel, turned: float, area: Box) -> View:
     reach = _AXLE if w.kind.directed else 0.0
     box = bounds(
         [
-            *_corners(wheel.reach),
+            wheel.reach[:2],
+            wheel.reach[2:],
             (0.0, -46.0),
             *(along(wheel.pivot, raw.way(w.alpha + k * w.beta), reach) for k in (0, 1)),
         ]
@@ -147,10 +148,6 @@ def _wheel(w: Wheel, view: View, turned: float) -> Placed:
     centre = along(along(pivot, ahead, _sized(float(g.d), _D)), left, _sized(float(g.o), _O))
     half = _TYRE * (0.8 if w.kind.glyph.ball else 1.0)
     return Placed(w, pivot, centre, ahead, (half, w.kind.glyph.width * half / 2))
-
-
-def _corners(box: Box) -> list[Point]:
-    return [box[:2], box[2:]]
 
 
 def _sized(length: float, shown: float) -> float:

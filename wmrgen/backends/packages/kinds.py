@@ -13,10 +13,12 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from xml.sax.saxutils import escape
 
-from wmrgen.backends.packages import arduino, ros2
+from wmrgen.backends.packages import ros2
 from wmrgen.backends.packages.cpp import header
+from wmrgen.backends.packages.loop import loop
 from wmrgen.backends.registry import Facts
 from wmrgen.errors import UsageError
+from wmrgen.interface import members
 from wmrgen.ir.nodes import Module
 from wmrgen.render import render
 
@@ -54,6 +56,19 @@ class Package:
         return f"package-{self.kind}"
 
 
+def _of_arduino(module: Module, scalar: str) -> Mapping[str, object]:
+    """``types`` and ``functions`` for the editor; ``variables`` and statements of the loop, without covariances, which
+    nobody reads there."""
+    steps = loop(module, scalar, covariances=False)
+    return {
+        "types": [f"{module.name}_{kind}" for kind in members(module)],
+        "functions": [f"{module.name}_{f.name}" for f in module.functions if f.outputs],
+        "variables": list(steps.variables.items()),
+        "prepare": [f"{call.text()};" for call in steps.prepare],
+        "step": [f"{call.text()};" for call in (*steps.sense, *steps.act)],
+    }
+
+
 _README = File("README.md")
 PACKAGES = {
     package.kind: package
@@ -70,7 +85,7 @@ PACKAGES = {
                 _README,
             ),
             without=("example",),
-            context=arduino.context,
+            context=_of_arduino,
         ),
         Package("platformio", (File("library.json", json.dumps), _README)),
         Package("esp-idf", (File("CMakeLists.txt"), File("idf_component.yml", json.dumps), _README)),

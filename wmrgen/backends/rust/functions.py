@@ -62,7 +62,8 @@ def unit(module: Module, choice: Choice) -> Unit:
         own = {a.kind: _own(function, a, scalar) for a in of if a.kind in (IN, OUT)}
         structs += own.values()
         types = shared | own
-        parameters = [Parameter(_variable(a.name), types.get(a.kind), a.reads, a.writes) for a in of]
+        called = {a.name: "input" if a.name == IN else identifier(a.name) for a in of}
+        parameters = [Parameter(called[a.name], types.get(a.kind), a.reads, a.writes) for a in of]
         handed = {p.name: p.name for p in function.inputs if p.role is Role.PREPARED}
         if handed:
             parameters.insert(0, Parameter("prepared", shared["prepared"], handed, {}))
@@ -70,10 +71,6 @@ def unit(module: Module, choice: Choice) -> Unit:
         steps.append(printer.step(function, parameters, cost))
     kernels = tuple(map(printer.kernel, module.kernels))
     return Unit(module.name, choice, tuple(structs), nominal, tuple(steps), kernels)
-
-
-def _variable(name: str) -> str:
-    return "input" if name == IN else identifier(name)
 
 
 def _of_prepare(prepare: Function, scalar: str) -> list[Parameter]:

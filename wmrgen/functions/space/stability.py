@@ -82,11 +82,6 @@ class Edge:
     unless_right: tuple[Spot, ...]
 
 
-def spots(robot: Robot, names: Locals) -> list[Spot]:
-    """The contacts of all wheels."""
-    return [_spot(w, names) for w in robot.wheels]
-
-
 def _spot(w: Wheel, names: Locals) -> Spot:
     g, n = working_view(w), w.nominal
     if not (w.turns and (g.d or g.o)):
@@ -181,7 +176,7 @@ def stability(robot: Robot, _: Mobility) -> Formula:
     """Specific force and present steering angles to the margin of every edge of the support polygon."""
     c = centre_of_gravity(robot, "stability")
     names = Locals()
-    places = spots(robot, names)
+    places = [_spot(w, names) for w in robot.wheels]
     planes = [_plane(e, c, names) for e in edges(robot, places)]
     force = input_vector("f")
     outputs: list[tuple[Port, Expr]] = []

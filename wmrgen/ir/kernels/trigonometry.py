@@ -106,7 +106,9 @@ def _sign(tape: Tape, raised: int, processor: Processor) -> int:
 
 def _sine(tape: Tape, p: Processor) -> list[int]:
     del p
-    return [_sine_series(tape, tape.input("r"))]
+    r = tape.input("r")
+    s = tape.mul(r, r)
+    return [tape.add(r, tape.mul(tape.mul(r, s), tape.horner(s, SIN)))]
 
 
 def _direction(tape: Tape, p: Processor) -> list[int]:
@@ -165,11 +167,6 @@ def _fused_rest(tape: Tape, x: int, k: int, high: Exact, less: Exact) -> int:
     """x - k (high - less). Fused here, not by `fuse`, which may leave it: the products must not be rounded."""
     r = tape.put(Op.FMA, tape.put(Op.NEG, k), tape.const(high), x)
     return tape.put(Op.FMA, k, tape.const(less), r)
-
-
-def _sine_series(tape: Tape, r: int) -> int:
-    s = tape.mul(r, r)
-    return tape.add(r, tape.mul(tape.mul(r, s), tape.horner(s, SIN)))
 
 
 def _arctangent(tape: Tape, p: Processor) -> list[int]:

@@ -177,10 +177,6 @@ Op.CLAMP = Op(
 )  # fmt: skip
 
 
-def _signed_range(x: Interval, sign: Interval) -> Interval:
-    return iv.hull(x, iv.negative(x))
-
-
 def _with_sign(w: Walk, i: int, a: int, b: int) -> Value:
     """a or -a, decided as the float program decides it."""
     x, sign = w.ranges[a], w.ranges[b]
@@ -204,7 +200,7 @@ Op.WITH_SIGN_OF = Op(
     c="wmrgen_with_sign_of({0}, {1})", javascript=Conditional("_is_negative({1}) ? -({0}) : {0}"),
     includes=("<stdint.h>",),
     numpy=Conditional("np.where(np.signbit({1}), np.negative({0}), {0})"), casadi=_casadi_with_sign,
-    interval=_signed_range, lemma=_with_sign, running=_with_sign_error,
+    interval=iv.either_sign, lemma=_with_sign, running=_with_sign_error,
 )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from wmrgen.exact.number import Exact
 from wmrgen.ir import interval as iv
-from wmrgen.ir.interval import Array, Interval
+from wmrgen.ir.interval import Array
 from wmrgen.ir.ops.analysis import Bounded, Partial, Value, Walk
 from wmrgen.ir.ops.record import Conditional, Op
 
@@ -47,14 +47,10 @@ Op.RINT = Op(
 # ---- signs by parity
 
 
-def _either_sign(a: Interval, n: Interval) -> Interval:
-    return iv.hull(a, iv.negative(a))
-
-
 def _flip(w: Walk, i: int, a: int, n: int) -> Value:
     """a or -a, decided by the whole number n."""
     one = np.ones(w.boxes)
-    return Value(_either_sign(w.ranges[a], w.ranges[n]), (Partial(a, (-one, one)),), away=w.away[a])
+    return Value(iv.either_sign(w.ranges[a], w.ranges[n]), (Partial(a, (-one, one)),), away=w.away[a])
 
 
 def _flip_error(unit: Array, a: Bounded, n: Bounded) -> Bounded:
@@ -77,7 +73,7 @@ Op.FLIP = Op(
     many=lambda a, n: np.where(n % 2 == 1, -a, a), cost="signs",
     javascript=Conditional("({1}) % 2 ? -({0}) : {0}"),
     numpy=Conditional("np.where(np.mod({1}, 2) == 1, np.negative({0}), {0})"), casadi=_casadi_flip,
-    interval=_either_sign, lemma=_flip, running=_flip_error,
+    interval=iv.either_sign, lemma=_flip, running=_flip_error,
 )  # fmt: skip
 Op.NEGATE_IF_ODD = Op(
     "negate_if_odd", 2,

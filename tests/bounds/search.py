@@ -83,7 +83,7 @@ def alone(function: Function, bound: FunctionBound, output: str) -> tuple[Functi
     one = pruned(replace(function, outputs=(function.outputs[row],), results=(function.results[row],)))
     read = {node.name for node in one.nodes}
     inputs = {name: limits for name, limits in bound.inputs.items() if name in read}
-    return one, replace(bound, inputs=inputs, outputs=(bound.outputs[row],))
+    return one, bound._replace(inputs=inputs, outputs=(bound.outputs[row],))
 
 
 def worst(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from dataclasses import replace
 
 import pytest
 
@@ -28,7 +27,7 @@ from wmrgen.bounds.robot import (
 
 OUTPUT = OutputBound("left.spin", "rad/s", -2.0, 3.0, 1.234e-7, 0.0, 0.0)
 PROVED = FunctionBound("inverse", {"vx": (-1.0, 1.0)}, (OUTPUT,), ())
-ALARMED = replace(PROVED, name="forward", alarms=("div: by zero",))
+ALARMED = PROVED._replace(name="forward", alarms=("div: by zero",))
 UNKNOWN = FunctionBound("odometry", {}, (), (), ("dt",))
 BOUNDS = Bounds("float", LIBM, (), {"vx": (-1.0, 1.0)}, {}, (PROVED,))
 
@@ -57,7 +56,7 @@ def test_a_printed_claim_holds_the_claim() -> None:
     assert (o.name, o.unit, o.singular) == ("left.spin", "rad/s", False)
     assert (o.low, o.high) == (-2.00001, 3.00001) and (o.error, o.per_length) == (1.23457e-7, 3.00001e-9)
     assert o.from_length == pytest.approx(64e-4, rel=1e-5) and o.from_length >= 64e-4
-    assert _output(replace(claim, singular=True, rho=0.0), "x", "").singular
+    assert _output(claim._replace(singular=True, rho=0.0), "x", "").singular
 
 
 @pytest.mark.parametrize(
@@ -73,12 +72,12 @@ def test_two_digits_not_below(value: float, shown: str) -> None:
 
 def test_errors_of_directions_name_the_length() -> None:
     assert error(OUTPUT) == "1.3e-07"
-    assert error(replace(OUTPUT, from_length=0.01)) == "1.3e-07 where h >= 1.0e-02"
-    both = replace(OUTPUT, from_length=0.01, per_length=2e-8)
+    assert error(OUTPUT._replace(from_length=0.01)) == "1.3e-07 where h >= 1.0e-02"
+    both = OUTPUT._replace(from_length=0.01, per_length=2e-8)
     assert error(both) == "1.3e-07 + 2.0e-08/h where h >= 1.0e-02"
     assert bound(OUTPUT) == "in [-2, 3] rad/s, off by 1.3e-07"
-    assert bound(replace(OUTPUT, unit="")) == "in [-2, 3] 1, off by 1.3e-07"
-    assert bound(replace(OUTPUT, singular=True)) == f"has no bound: {SINGULAR}"
+    assert bound(OUTPUT._replace(unit="")) == "in [-2, 3] 1, off by 1.3e-07"
+    assert bound(OUTPUT._replace(singular=True)) == f"has no bound: {SINGULAR}"
 
 
 def test_ranges_by_joint() -> None:
@@ -102,20 +101,20 @@ def test_what_counts_as_proved(
     functions: tuple[FunctionBound, ...], missing: tuple[str, ...], proved: bool
 ) -> None:
     """An input without range is no failure of the proof: nothing is claimed."""
-    assert replace(BOUNDS, functions=functions, missing=missing).proved == proved
+    assert BOUNDS._replace(functions=functions, missing=missing).proved == proved
     assert PROVED.proved and not ALARMED.proved and not UNKNOWN.proved
 
 
 def test_the_header_of_the_c() -> None:
-    assert header_lines(replace(BOUNDS, missing=("vx",))) == ()
+    assert header_lines(BOUNDS._replace(missing=("vx",))) == ()
     under, line = header_lines(BOUNDS)
     assert under.startswith("Proved for |vx| <= 1: no division by zero") and "h is the speed" not in under
     assert TIES not in under
     assert line == "  inverse: left.spin in [-2, 3] rad/s, off by 1.3e-07"
-    twin = replace(OUTPUT, name="right.spin")
-    steer = replace(OUTPUT, name="front.steer", unit="rad", from_length=0.01)
-    full = replace(PROVED, outputs=(OUTPUT, steer, twin, replace(steer, name="slip", singular=True)))
-    assumed = replace(BOUNDS, functions=(full, ALARMED, UNKNOWN), assumed={"omega": (-3.0, 3.0)})
+    twin = OUTPUT._replace(name="right.spin")
+    steer = OUTPUT._replace(name="front.steer", unit="rad", from_length=0.01)
+    full = PROVED._replace(outputs=(OUTPUT, steer, twin, steer._replace(name="slip", singular=True)))
+    assumed = BOUNDS._replace(functions=(full, ALARMED, UNKNOWN), assumed={"omega": (-3.0, 3.0)})
     under, *lines = header_lines(assumed)
     assert "and with these ranges of inputs that have no limits: |omega| <= 3: no division" in under
     assert under.endswith(f"where it vanishes, the angle is not defined. {TIES}")
@@ -129,9 +128,9 @@ def test_the_header_of_the_c() -> None:
 
 
 def test_plain_data() -> None:
-    steer = replace(OUTPUT, name="front.steer", per_length=2e-8, from_length=0.01)
-    full = replace(PROVED, outputs=(OUTPUT, steer, replace(OUTPUT, name="slip", singular=True)))
-    plain = data(replace(BOUNDS, functions=(full, ALARMED, UNKNOWN)))
+    steer = OUTPUT._replace(name="front.steer", per_length=2e-8, from_length=0.01)
+    full = PROVED._replace(outputs=(OUTPUT, steer, OUTPUT._replace(name="slip", singular=True)))
+    plain = data(BOUNDS._replace(functions=(full, ALARMED, UNKNOWN)))
     assert (
         plain["scalar"] == "float"
         and plain["library"]["name"] == "libm"

@@ -6,7 +6,6 @@ A function whose results another one computes by the same operations has its cla
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +22,7 @@ PARTS = {1: 128, 2: 36}
 _TURN = 3.1416  # half a turn and a little [rad]
 
 
-@dataclass(frozen=True, slots=True)
-class Claim:
+class Claim(NamedTuple):
     """A result lies in [low, high] and is off by at most error + over / h where h >= `SMALL_ANGLE` rho.
 
     ``singular``: a divisor on which it depends comes close to zero, so that these numbers mean nothing.

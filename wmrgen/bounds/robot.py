@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,8 +26,7 @@ TIES = (
 _NOTHING = 1e-100  # below every float: what the arithmetic of bounds leaves of zero
 
 
-@dataclass(frozen=True, slots=True)
-class OutputBound:
+class OutputBound(NamedTuple):
     """The float result lies in [low, high] and within ``error`` + ``per_length`` / h of the exact formula.
 
     The formula is decided as the float code decides it: at a tie either branch is right, the error that of the taken.
@@ -46,8 +45,7 @@ class OutputBound:
     singular: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class FunctionBound:
+class FunctionBound(NamedTuple):
     """One function: ``inputs`` by name, ``outputs``, what could not be shown (``alarms``), inputs without range."""
 
     name: str
@@ -61,8 +59,7 @@ class FunctionBound:
         return not self.alarms and not self.unknown
 
 
-@dataclass(frozen=True, slots=True)
-class Bounds:
+class Bounds(NamedTuple):
     """All functions of a robot in one floating-point type, with ``library`` for sines and arctangents.
 
     ``missing``: limits that the robot file must have; ``assumed``: ranges of inputs that it does not limit.

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from wmrgen.backends.c99.emit import sources, unit
 from wmrgen.backends.c99.records import Step, Unit
@@ -40,8 +40,7 @@ _KNOWN = {f"{name}{end}" for name in ("fabs", "sqrt", "sin", "cos", "atan", "ata
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(NamedTuple):
     """One wrapper of the driver: reads ``inputs`` and writes ``outputs``, contract names in this order."""
 
     robot: str

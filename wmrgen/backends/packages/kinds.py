@@ -9,8 +9,8 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import PurePosixPath
+from typing import NamedTuple
 from xml.sax.saxutils import escape
 
 from wmrgen.backends.packages import ros2
@@ -26,8 +26,7 @@ SOURCES = "src"
 _C = (".c", ".h")
 
 
-@dataclass(frozen=True, slots=True)
-class File:
+class File(NamedTuple):
     """A file that a package adds: its ``path``, with ``{robot}`` in place, which its template is called after, and how
     its language writes a text that may hold anything."""
 
@@ -38,8 +37,7 @@ class File:
         return f"package/{kind}/{PurePosixPath(self.path).name.format(robot='robot')}.j2"
 
 
-@dataclass(frozen=True, slots=True)
-class Package:
+class Package(NamedTuple):
     """A kind of package: its word on the command line, the files that it adds, and those parts of the C that it must
     not hold: ``without`` are folders of them. ``backend``: it is what that backend writes, and has no C. ``context``:
     what its templates print of a robot and its scalar type, beside what all kinds do."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from wmrgen.backends.packages.cpp import passed, preparing
 from wmrgen.errors import NotDerivableError
@@ -17,8 +17,7 @@ _COMPARE = ("compensate_steering", "steer_toward")
 _ONE = {"commands": "wheels"}
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(NamedTuple):
     """A call of a function of the robot: its words, and the variables that it takes with their types."""
 
     function: str
@@ -30,8 +29,7 @@ class Call:
         return f"{self.function}{ending}({', '.join(self.words)})"
 
 
-@dataclass(frozen=True, slots=True)
-class Loop:
+class Loop(NamedTuple):
     """``prepare`` once, then ``sense`` and ``act`` in every step. ``command``: of the twist that is driven;
     ``covariance``: the pose has one."""
 

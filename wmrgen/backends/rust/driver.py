@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from struct import pack, unpack
+from typing import NamedTuple
 
 from wmrgen.backends.registry import Request
 from wmrgen.backends.rust.emit import library
@@ -46,8 +46,7 @@ def run(
     return [calls[name].answer(bytes.fromhex(line)) for (name, _), line in answers]
 
 
-@dataclass(frozen=True, slots=True)
-class _Call:
+class _Call(NamedTuple):
     """A function of the program. ``outputs``: those of the contract, each with its place among what is printed."""
 
     inputs: tuple[str, ...]

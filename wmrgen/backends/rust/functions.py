@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 from wmrgen.backends.expression import Results, Style, body, expanded, results_of
 from wmrgen.backends.rust.records import Kernel, Parameter, Step, Unit
@@ -108,8 +109,7 @@ def _hard(function: Function) -> Function:
     return pruned(replace(function, nodes=nodes))
 
 
-@dataclass(frozen=True, slots=True)
-class _Printer:
+class _Printer(NamedTuple):
     scalar: str
     style: Style
     kernels: Mapping[str, Results]

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from wmrgen.backends.rust.types import SCALARS, Struct, identifier
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Op
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
+class Parameter(NamedTuple):
     """What a function is given, changes or returns. ``struct``: nothing for a scalar; ``reads`` and ``writes`` as in
     `wmrgen.interface.Argument`."""
 
@@ -41,8 +40,7 @@ class Parameter:
         return f"{self.name}: &{'mut ' if self.writes else ''}{self.struct.name}"
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
+class Step(NamedTuple):
     """A Rust function, ready to print. ``parameters`` are given or changed, ``results`` returned."""
 
     name: str
@@ -75,8 +73,7 @@ class Step:
         return [*lines, f"{bound}{self.name}({', '.join(passed)});"]
 
 
-@dataclass(frozen=True, slots=True)
-class Kernel:
+class Kernel(NamedTuple):
     """A private function, ready to print. ``struct``: name and members of its results where there are several."""
 
     docs: str
@@ -86,8 +83,7 @@ class Kernel:
     struct: tuple[str, tuple[str, ...]] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
+class Unit(NamedTuple):
     """What a crate is made of. ``nominal``: the tunable parameters by path, where there are any."""
 
     robot: str

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -74,8 +74,7 @@ def wrapped(text: str, first: str = "") -> list[str]:
     return textwrap.wrap(first + text, WIDTH - 4, subsequent_indent=" " * len(first), break_on_hyphens=False)
 
 
-@dataclass(frozen=True, slots=True)
-class Field:
+class Field(NamedTuple):
     """``type``: a scalar, or the struct of a wheel, whose members are ``inner``."""
 
     name: str
@@ -84,8 +83,7 @@ class Field:
     inner: tuple[Field, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Struct:
+class Struct(NamedTuple):
     """``paths``: contract name -> path of the member (``left.spin``)."""
 
     name: str

@@ -7,8 +7,8 @@ The linearised closed loop has the characteristic polynomial (s + k_rho)(s^2 + (
 from __future__ import annotations
 
 import cmath
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 import mpmath
 
@@ -22,8 +22,7 @@ _STRONG = "k_alpha + 5/3 k_beta - 2/pi k_rho > 0"
 _ALL_BETA = "k_alpha + 2 k_beta - 2/pi k_rho > 0"
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
+class Verdict(NamedTuple):
     """What gains do. ``violated``: conditions of local stability that fail, as text.
 
     ``strong``: Siegwart (3.65), alpha stays within +-90 deg from |beta| <= 5 pi / 6. ``strong_all_beta``: the

@@ -12,8 +12,8 @@ margins are in m/s, turning measured as L omega.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import reduce
+from typing import NamedTuple
 
 import sympy
 
@@ -64,8 +64,7 @@ _OUTPUTS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class _Car:
+class _Car(NamedTuple):
     """L [m], tan, cos and sin of zeta_max and u1_max [m/s]."""
 
     base: Expr

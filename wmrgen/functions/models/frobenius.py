@@ -12,8 +12,8 @@ replaced by 1 - cos**2, and then every polynomial has one form.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import sympy
 
@@ -33,8 +33,7 @@ ZERO = Poly({})
 THETA = Poly.gen("input", "theta")
 
 
-@dataclass(frozen=True, slots=True)
-class RowTest:
+class RowTest(NamedTuple):
     """One constraint. ``components``: coefficients of c ^ dc by coordinates; one, c . curl c, of three."""
 
     wheel: str
@@ -60,8 +59,7 @@ class RowTest:
         return _written(self, Latex().doprint, latex=True)
 
 
-@dataclass(frozen=True, slots=True)
-class Integrability:
+class Integrability(NamedTuple):
     """Each constraint by itself, all of them together, and the relations that they integrate to."""
 
     rows: tuple[RowTest, ...]
@@ -86,8 +84,7 @@ def integrability(robot: Robot, mobility: Mobility) -> Integrability:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class Form:
+class Form(NamedTuple):
     """A one-form: ``coefficients[k]`` belongs to d(``coordinates[k]``)."""
 
     coordinates: tuple[str, ...]

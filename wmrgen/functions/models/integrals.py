@@ -8,7 +8,7 @@ functions of the position.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import sympy
 
@@ -31,8 +31,7 @@ Twist = tuple[Exact, Exact, Exact]
 SMALL = 1e-12  # a component of a row or of a twist nearer to zero than this counts as zero
 
 
-@dataclass(frozen=True, slots=True)
-class Integral:
+class Integral(NamedTuple):
     """sum of coefficients * quantities is constant along every motion.
 
     Quantities: ``x_body``, ``y_body``: components [m] in the robot frame of the way of P at constant heading;

@@ -15,7 +15,8 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -93,8 +94,7 @@ def steer_to(robot: Robot, mobility: Mobility) -> Formula:
     return replace(formula, calls=())  # kernels would compute speeds, too, for which nobody asks
 
 
-@dataclass(frozen=True, slots=True)
-class SteeringCheck:
+class SteeringCheck(NamedTuple):
     """``rank``: of C1 at the angles, at the project's tolerance. ``odd``: wheels each of which alone spoils it.
 
     ``mobility`` = 3 - rank: what the robot can still do at these angles.

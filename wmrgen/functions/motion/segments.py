@@ -7,8 +7,8 @@ while they turn, as long as the slowest needs at its limit of ``steer_rate``.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
@@ -27,8 +27,7 @@ POSE = ("x", "y", "theta")
 KINDS = {"twist": TWIST_NAMES, "world": RATES, "displacement": POSE}
 
 
-@dataclass(frozen=True, slots=True)
-class Segment:
+class Segment(NamedTuple):
     """``kind``: twist (vx vy omega, robot frame), world (x_rate y_rate theta_rate) or displacement (x y theta in the
     robot frame at its start). ``values`` in that order, SI; ``dt`` [s]."""
 
@@ -37,8 +36,7 @@ class Segment:
     dt: Exact
 
 
-@dataclass(frozen=True, slots=True)
-class Phase:
+class Phase(NamedTuple):
     """A stretch of constant commands. ``action``: steer (the robot stands) or drive.
 
     ``spins`` [rad/s] and ``steers`` (angle at the end [rad]) by wheel name; ``twist`` in the robot frame; ``pose``

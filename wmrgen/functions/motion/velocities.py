@@ -17,7 +17,7 @@ steered wheels)
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import sympy
 
@@ -77,8 +77,7 @@ def forward_world(robot: Robot, _: Mobility) -> Formula:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class ContactPoint:
+class ContactPoint(NamedTuple):
     """Contact B of a wheel. ``rows``: H, velocity along x and y per twist; ``swing``: Q, the same per steering rate."""
 
     wheel: Wheel

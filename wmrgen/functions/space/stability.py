@@ -20,8 +20,8 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import reduce
+from typing import NamedTuple
 
 import sympy
 
@@ -62,8 +62,7 @@ _TINY = sympy.Rational(1, 10**12)  # a slope, or a distance from a line, that co
 _TOLERANCE = 1e-9  # relative: such a triangle is a line
 
 
-@dataclass(frozen=True, slots=True)
-class Spot:
+class Spot(NamedTuple):
     """A contact: where it is (symbols), the centre of its circle and the radius of it [m]."""
 
     wheel: Wheel
@@ -73,8 +72,7 @@ class Spot:
     reach: float
 
 
-@dataclass(frozen=True, slots=True)
-class Edge:
+class Edge(NamedTuple):
     """From contact ``start`` to contact ``end``, wherever every contact of ``unless_right`` lies to its left."""
 
     start: Spot
@@ -151,8 +149,7 @@ def _between(a: Spot, b: Spot, c: Spot) -> bool:
     return reached > ZERO and reached < ux * ux + uy * uy
 
 
-@dataclass(frozen=True, slots=True)
-class _Plane:
+class _Plane(NamedTuple):
     """The plane through the centre of gravity and an edge of the support polygon.
 
     ``normal``: M, pointing inwards along the ground. ``inside``: not negative where the two contacts make an edge;

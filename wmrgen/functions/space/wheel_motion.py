@@ -11,7 +11,7 @@ t = t_s + alpha x r + omega x (omega x r), r from the sensor to c (Kelly 4.1.3).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import sympy
 
@@ -78,8 +78,7 @@ def dot(a: Vector, b: Vector) -> Expr:
     return add(*(times(p, q) for p, q in zip(a, b, strict=True)))
 
 
-@dataclass(frozen=True, slots=True)
-class Frame:
+class Frame(NamedTuple):
     """What a frame does as the frame before it sees it: velocity, angular velocity and their rates."""
 
     v: Vector
@@ -88,8 +87,7 @@ class Frame:
     alpha: Vector
 
 
-@dataclass(frozen=True, slots=True)
-class Point:
+class Point(NamedTuple):
     """A point as a frame sees it: position, velocity, acceleration."""
 
     r: Vector

@@ -8,8 +8,8 @@ decided in exact arithmetic, not to a tolerance.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 import sympy
 
@@ -74,8 +74,7 @@ def _by_position(t: Train) -> tuple[list[Equation], list[Equation], list[Domain]
     return where, [*_transformation(t, path.slopes), *_inputs(t, path, bend)], domain
 
 
-@dataclass(frozen=True, slots=True)
-class _Path:
+class _Path(NamedTuple):
     """``slopes[m]``: derivative m + 1 of y by x of the last axle; ``speed``: w_0.
 
     ``inverse_gain``: 1/(dz2/d turning).
@@ -127,8 +126,7 @@ def _inputs(t: Train, path: _Path, bend: Expr) -> list[Equation]:
     return [Equation(V.name, tidy(expression(path.speed)) * u1), Equation(t.turning.name, rate)]
 
 
-@dataclass(frozen=True, slots=True)
-class Verification:
+class Verification(NamedTuple):
     """Differences at each point, all of which are exactly 0 when the formulas are right."""
 
     points: int
@@ -160,8 +158,7 @@ def verify(robot: Robot, mobility: Mobility, points: int = POINTS) -> Verificati
     return Verification(points, tuple(residuals))
 
 
-@dataclass(frozen=True, slots=True)
-class _Place:
+class _Place(NamedTuple):
     """A point of the state space, and how it moves. ``values``: symbol -> number, for an angle the tangent of its half.
 
     ``rates``: symbol -> rate; empty where nothing moves.

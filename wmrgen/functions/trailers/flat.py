@@ -7,7 +7,7 @@ A robot whose pose is free, (3, 0), is flat with its pose; one that only transla
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import sympy
 
@@ -38,8 +38,7 @@ _ORDERS = (("", "m", "position"), ("_rate", "m/s", "velocity"), ("_accel", "m/s^
            ("_jerk", "m/s^3", "jerk"))  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Flatness:
+class Flatness(NamedTuple):
     """``outputs``: what is flat, in words. ``order``: derivatives of them that state and inputs need."""
 
     outputs: str

@@ -15,8 +15,8 @@ edge of the domain, every 1/cos reads 0: the derivatives are 0 and the tractor s
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from math import factorial
+from typing import NamedTuple
 
 import sympy
 
@@ -30,8 +30,7 @@ NARROW = sympy.Rational(1, 10**5)  # a divisor of the steering nearer to zero th
 Series = list[Expr]
 
 
-@dataclass(frozen=True, slots=True)
-class Link:
+class Link(NamedTuple):
     """One angle of the train: cosine and sine of d_j, and 1/L_j [1/m] (1 for d_(N+1))."""
 
     name: str
@@ -40,8 +39,7 @@ class Link:
     inverse_length: Expr
 
 
-@dataclass(frozen=True, slots=True)
-class Path:
+class Path(NamedTuple):
     """``slopes[m]``: the m-th derivative of y by x along the path of the last axle, the steering input at rest.
 
     ``speed``: w_0, speed of the tractor's axle per unit of dx/dt. ``along``: 1/w_0, a product of cosines.
@@ -96,7 +94,7 @@ def path(names: Locals, links: list[Link], curvature: Expr | None) -> Path:
     """The path of the last axle. ``links``: d_(N+1) first, d_1 last. ``curvature``: of the tractor; None: it turns
     by an input of its own, at rest in ``slopes``. Orders 0 to len(links) + 2 with a curvature, else one less."""
     orders = len(links) + (2 if curvature is not None else 1)
-    links = [replace(x, cosine=names.define(f"{x.name}_cosine", x.cosine)) for x in links]
+    links = [x._replace(cosine=names.define(f"{x.name}_cosine", x.cosine)) for x in links]
     cosines = [x.cosine for x in links]
     gate = Gate(names.define("cosines", times(*cosines)), threshold(len(links) - 1))
     levels = [_Level(names, link, orders - i, i == 0, gate) for i, link in enumerate(links)]

@@ -11,7 +11,7 @@ With v the speed of Q along e,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import sympy
 
@@ -38,8 +38,7 @@ V = output("v", "m/s", "speed of the centre of the axle, along the direction of 
 OMEGA = TWIST[2]
 
 
-@dataclass(frozen=True, slots=True)
-class Steering:
+class Steering(NamedTuple):
     """The steered wheel that sets the curvature. (x, y): pivot, (ch, sh): zero heading, in the axle's frame."""
 
     name: str
@@ -49,8 +48,7 @@ class Steering:
     sh: Poly
 
 
-@dataclass(frozen=True, slots=True)
-class Train:
+class Train(NamedTuple):
     """The robot seen from its axle, with its trailers. ``steering``: None for type (2, 0)."""
 
     robot: Robot
@@ -109,8 +107,7 @@ def train(robot: Robot, mobility: Mobility, symbolic: bool = False, what: str = 
     return Train(robot, axle, steering, symbolic)
 
 
-@dataclass(frozen=True, slots=True)
-class TrainTerms:
+class TrainTerms(NamedTuple):
     """A train with its axle's direction, position, curvature and path written down."""
 
     train: Train

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from keyword import kwlist
 from typing import NamedTuple
 
 
@@ -69,13 +70,7 @@ AVR_MACROS = Reserved(
         "INFINITY|INPUT|INTERNAL|LOCKBITS|LOW|NULL|OUTPUT|PROGMEM|RISING|SERIAL|SPEED|VBUS"
     ),
 )
-PYTHON = reserved(
-    """
-and as assert async await break class continue def del elif else except false finally for from global if
-import in is lambda none nonlocal not or pass raise return true try while with yield
-""",
-    "Python keeps that word for itself.",
-)
+PYTHON = Reserved(frozenset(map(str.lower, kwlist)), "Python keeps that word for itself.")
 RUST = reserved("crate self super", "Rust keeps that word for itself.")  # other words may be names: r#box
 JAVASCRIPT = reserved(
     "constructor hasownproperty isprototypeof propertyisenumerable tolocalestring tostring valueof",

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from tests.ir.common import build, verify_function
+from wmrgen.ir import linear_forms as forms
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Op
-from wmrgen.ir.passes import forms
 
 
 def additions(function: Function) -> int:

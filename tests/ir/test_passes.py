@@ -12,10 +12,10 @@ from tests.ir.common import RING, build, functions, optimised, verify_function
 from tests.ir.defined import findings
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.interpret import EXACT, FLOAT64, evaluate
+from wmrgen.ir.linear_forms import share_linear_forms
 from wmrgen.ir.nodes import Function, Op, Role, count, schedule
-from wmrgen.ir.passes.forms import share_linear_forms
-from wmrgen.ir.passes.simplify import factor, reduce_strength, regroup_products
 from wmrgen.ir.pipeline import AFTER_HOIST, BEFORE_HOIST, drop_dead_code, hoist, optimise
+from wmrgen.ir.simplify import factor, reduce_strength, regroup_products
 from wmrgen.ir.verify import PassError, points, verify_module
 
 

@@ -11,9 +11,9 @@ from itertools import count
 from wmrgen.ir.build import Builder
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.geometry import geometry_only
+from wmrgen.ir.linear_forms import share_linear_forms
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role, prune, schedule
-from wmrgen.ir.passes.forms import share_linear_forms
-from wmrgen.ir.passes.simplify import factor, reduce_strength, regroup_products, settle_signs
+from wmrgen.ir.simplify import factor, reduce_strength, regroup_products, settle_signs
 from wmrgen.ir.verify import check_module
 
 # ---- what nothing needs

@@ -1,1 +1,0 @@
-"""Transformations of functions, one file each. None changes the exact value of an output."""

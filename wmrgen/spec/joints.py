@@ -10,8 +10,8 @@ from typing import TypeVar
 from wmrgen.errors import Several
 from wmrgen.spec.expressions import read_quantity
 from wmrgen.spec.fields import Interval, Section
-from wmrgen.spec.joint_keys import ENCODER, LAG, LIMITS, NOISE
 from wmrgen.spec.numbers import Scope
+from wmrgen.spec.part_keys import ENCODER, LAG, LIMITS, NOISE
 from wmrgen.spec.records import EncoderSpec, Limit, Neg, NoiseSpec, Quantity
 from wmrgen.spec.tables import Table, table_of
 from wmrgen.spec.text import Node, SequenceNode

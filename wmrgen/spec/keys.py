@@ -16,9 +16,22 @@ from wmrgen.spec.fields import (
     Version,
     Word,
 )  # fmt: skip
-from wmrgen.spec.joint_keys import ANGLE_NOISE, COUNTER, ENCODER, LAG, LIMITS, NOISE, RATE_NOISE
 from wmrgen.spec.numbers import Kind
-from wmrgen.spec.part_keys import A_NAME, CG, COUPLING, GAINS, TRAILER, VIRTUAL
+from wmrgen.spec.part_keys import (
+    A_NAME,
+    ANGLE_NOISE,
+    CG,
+    COUNTER,
+    COUPLING,
+    ENCODER,
+    GAINS,
+    LAG,
+    LIMITS,
+    NOISE,
+    RATE_NOISE,
+    TRAILER,
+    VIRTUAL,
+)
 
 _LENGTH, _ANGLE = Amount(Kind.LENGTH), Amount(Kind.ANGLE)
 _JOINTS = ListOf(OneOf("joint"), "[spin]", once=True)

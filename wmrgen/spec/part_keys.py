@@ -1,10 +1,123 @@
-"""What a robot file says beside its wheels: couplings, virtual wheels, trailers, centre of gravity, gains.
-`wmrgen.spec.keys` has the other keys."""
+"""What a robot file says of joints and of other parts, which `wmrgen.spec.keys` has among the keys of robot and wheel:
+limits, noise, encoders, lag; couplings, virtual wheels, trailers, centre of gravity, gains."""
 
 from __future__ import annotations
 
-from wmrgen.spec.fields import Amount, Choice, Field, ListOf, Name, OneOf, Section
+from wmrgen.spec.fields import YES, Amount, Choice, Field, Interval, ListOf, Name, OneOf, Section, Word
 from wmrgen.spec.numbers import Kind
+
+LIMITS = Section(
+    "limits",
+    "limits: {omega: 4.0}",
+    (
+        Field(
+            "vx",
+            Interval(Kind.SPEED),
+            "speed of P forward",
+            aliases=dict.fromkeys(
+                ("v", "speed", "velocity", "linear", "max_speed", "max_velocity"),
+                "Write vx: for the speed forward, vy: to the left, omega: for the yaw rate.",
+            ),
+        ),
+        Field("vy", Interval(Kind.SPEED), "speed of P to the left"),
+        Field(
+            "omega",
+            Interval(Kind.RATE),
+            "yaw rate",
+            aliases=dict.fromkeys(("w", "wz", "yaw", "yaw_rate", "angular", "turn"), ""),
+        ),
+        Field(
+            "vx_rate", Interval(Kind.ACCELERATION), "how fast vx may change, which limit_acceleration keeps"
+        ),
+        Field("vy_rate", Interval(Kind.ACCELERATION), "how fast vy may change"),
+        Field("omega_rate", Interval(Kind.ANGULAR_ACCELERATION), "how fast omega may change"),
+        Field("spin", Interval(Kind.RATE), "rate of a wheel about its axle", joint="spin"),
+        Field(
+            "steer",
+            Interval(Kind.ANGLE),
+            "steering angle; inverse commands no other (coupled wheels keep the limits of all of them)",
+            joint="steer",
+        ),
+        Field(
+            "steer_rate",
+            Interval(Kind.RATE),
+            "rate of a steering angle, which steer_toward keeps",
+            joint="steer",
+        ),
+    ),
+)
+
+
+def _noise_of(kind: Kind, example: str) -> Section:
+    return Section(
+        "the noise of a joint",
+        example,
+        (
+            Field(
+                "proportional", Amount(Kind.ANY, "1"), "standard deviation in proportion to the value",
+                default="0", example="0.02", aliases=dict.fromkeys(("relative", "scale", "percent"), ""),
+            ),
+            Field(
+                "constant", Amount(kind), "standard deviation at any value", default="0",
+                aliases=dict.fromkeys(("sigma", "std", "stddev", "absolute"), ""),
+            ),
+        ),
+    )  # fmt: skip
+
+
+RATE_NOISE = _noise_of(Kind.RATE, "spin: {proportional: 0.02, constant: 0.01 rad/s}")
+ANGLE_NOISE = _noise_of(Kind.ANGLE, "steer: {constant: 0.5 deg}")
+_WHOSE = "of measured"
+NOISE = Section(
+    "noise",
+    "noise: {spin: {proportional: 0.02, constant: 0.01 rad/s}, steer: {constant: 0.5 deg}}",
+    (
+        Field("spin", RATE_NOISE, f"{_WHOSE} wheel speeds", joint="spin"),
+        Field("steer", ANGLE_NOISE, f"{_WHOSE} steering angles", joint="steer"),
+        Field("steer_rate", RATE_NOISE, f"{_WHOSE} steering rates", joint="steer"),
+    ),
+)
+
+COUNTER = Section(
+    "the encoder of a joint",
+    "spin: {counts: 4096, gear: 30}",
+    (
+        Field(
+            "counts", Amount(Kind.ANY, "1"), "counts per turn of the encoder's shaft, all four edges of a quadrature",
+            required=True, example="4096", aliases=dict.fromkeys(("cpr", "ticks", "resolution", "ppr", "lines"), ""),
+            missing=("It turns counts into an angle.", "Write counts: and the counts per turn, such as counts: 4096."),
+        ),
+        Field(
+            "gear", Amount(Kind.ANY, "1"), "turns of the encoder's shaft per turn of the joint", default="1",
+            example="30", aliases=dict.fromkeys(("ratio", "gear_ratio", "reduction"), ""),
+        ),
+        Field(
+            "reversed", Word(YES, "false"), "it counts down where the joint turns in its positive direction",
+            aliases=dict.fromkeys(("inverted", "invert", "reverse"), ""),
+        ),
+        Field("bits", Amount(Kind.ANY, "1"), "width of the counter, which wraps: 16 or 32", default="32", example="16"),
+    ),
+)  # fmt: skip
+ENCODER = Section(
+    "encoder",
+    "encoder: {spin: {counts: 4096, gear: 30, reversed: true, bits: 16}, steer: {counts: 16384}}",
+    (
+        Field("spin", COUNTER, "on the motor or the axle of the wheel", joint="spin"),
+        Field("steer", COUNTER, "of the steering angle; it stands at 0 where steer is 0", joint="steer"),
+    ),
+)
+
+LAG = Section(
+    "lag",
+    "lag: {steer: 150 ms}",
+    (
+        Field(
+            "steer", Amount(Kind.TIME),
+            "time constant with which a steering angle follows its command: steer' = (command - steer)/lag",
+            joint="steer",
+        ),
+    ),
+)  # fmt: skip
 
 _LENGTH, _GAIN = Amount(Kind.LENGTH), Amount(Kind.ANY, "1/s")
 _WHEELS = ListOf(

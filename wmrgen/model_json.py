@@ -13,7 +13,7 @@ from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import has_system, system_builder
 from wmrgen.ir.nodes import Module, count
-from wmrgen.layout.records import Encoder, Noise, Robot, Wheel
+from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility, Rank, Singularity
 from wmrgen.program import asked
@@ -90,10 +90,8 @@ def _identity(robot: Robot) -> dict[str, Any]:
         ],
         "wheels": [_wheel(w) for w in robot.wheels],
         "couplings": [_coupling(robot, joint, wheels) for joint, wheels in robot.couplings],
-        "limits": {name: [float(i.low), float(i.high)] for name, i in robot.limits.items()},
-        **({"noise": _noise(robot.noise)} if robot.noise else {}),
-        **({"encoder": _encoders(robot.encoders)} if robot.encoders else {}),
-        **({"lag": _seconds(robot.lag)} if robot.lag else {}),
+        "limits": _limits(robot.limits),
+        **_of_joints(robot),
         **({"effective_track": float(track.nominal)} if (track := robot.effective_track) else {}),
         **({"deadband": float(robot.deadband)} if robot.deadband else {}),
         "notes": list(robot.notes),
@@ -162,28 +160,23 @@ def _wheel(w: Wheel) -> dict[str, Any]:
     entry["actuated"], entry["sensed"] = list(w.actuated), list(w.sensed)
     if w.weight != ONE:
         entry["weight"] = float(w.weight)
-    if w.noise:
-        entry["noise"] = _noise(w.noise)
-    if w.encoders:
-        entry["encoder"] = _encoders(w.encoders)
-    if w.lag:
-        entry["lag"] = _seconds(w.lag)
-    if w.limits:
-        entry["limits"] = {name: [float(i.low), float(i.high)] for name, i in w.limits.items()}
-    return entry
+    limits = {"limits": _limits(w.limits)} if w.limits else {}
+    return {**entry, **_of_joints(w), **limits}
 
 
-def _noise(noise: Mapping[str, Noise]) -> dict[str, Any]:
+def _limits(limits: Mapping[str, Interval]) -> dict[str, list[float]]:
+    return {name: [float(i.low), float(i.high)] for name, i in limits.items()}
+
+
+def _of_joints(part: Robot | Wheel) -> dict[str, Any]:
+    """Noise, encoders and lag of the joints of a robot or a wheel, where it has some."""
     parts = ("proportional", "constant")
-    return {joint: {part: float(getattr(n, part)) for part in parts} for joint, n in noise.items()}
-
-
-def _encoders(encoders: Mapping[str, Encoder]) -> dict[str, Any]:
-    return {j: {"counts_per_turn": float(e.turn), "bits": e.bits} for j, e in encoders.items()}
-
-
-def _seconds(lag: Mapping[str, Exact]) -> dict[str, float]:
-    return {joint: float(time) for joint, time in lag.items()}
+    facts = {
+        "noise": {joint: {p: float(getattr(n, p)) for p in parts} for joint, n in part.noise.items()},
+        "encoder": {j: {"counts_per_turn": float(e.turn), "bits": e.bits} for j, e in part.encoders.items()},
+        "lag": {joint: float(time) for joint, time in part.lag.items()},
+    }
+    return {key: of_joints for key, of_joints in facts.items() if of_joints}
 
 
 def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:

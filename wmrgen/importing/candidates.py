@@ -101,12 +101,10 @@ def _spin(robot: Robot, joint: Joint) -> Candidate | None:
     leaves = all(j.spins and not robot.moving_below(j.child) for j in moving)
     if moving and not (leaves and len(moving) >= ROLLERS):
         return None
-    above = robot.moving_above(joint)
-    steer = next((j for j in above if robot.upright(j)), None)
-    candidate = _candidate(robot, joint, robot.axis(joint), steer, above, tuple(moving))
+    candidate = _candidate(robot, joint, robot.axis(joint), tuple(moving))
     if abs(candidate.axis[2]) <= LEVEL:
         return _without_axis(robot, candidate)
-    if abs(candidate.axis[2]) >= UPRIGHT and steer is not None and above == [steer]:
+    if abs(candidate.axis[2]) >= UPRIGHT and candidate.steer is not None and not candidate.via:
         why = "its axis is upright, as that of the steering joint above it"
         return replace(candidate, shape=None, doubt=why, unsure=True)
     return None
@@ -116,10 +114,8 @@ def _limited(robot: Robot, joint: Joint) -> Candidate | None:
     """What would be a wheel if it turned without end."""
     if not joint.turns or joint.spins or robot.moving_below(joint.child) or abs(robot.axis(joint)[2]) > LEVEL:
         return None
-    above = robot.moving_above(joint)
-    steer = next((j for j in above if robot.upright(j)), None)
     why = "its joint has limits, and its mirror image turns without end"
-    return replace(_candidate(robot, joint, robot.axis(joint), steer, above, ()), doubt=why)
+    return replace(_candidate(robot, joint, robot.axis(joint)), doubt=why)
 
 
 def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
@@ -160,8 +156,7 @@ def _steer_only(robot: Robot, joint: Joint) -> Candidate | None:
     if axis is None:
         return None
     body = replace(joint, name=joint.child, kind=RIGID)
-    above = robot.moving_above(joint)
-    candidate = _candidate(robot, body, axis, joint, above, ())
+    candidate = _candidate(robot, body, axis, steer=joint)
     return replace(candidate, doubt="it steers, and the file has no joint about which the wheel turns")
 
 
@@ -190,22 +185,18 @@ def _fixed(robot: Robot, joint: Joint) -> Candidate | None:
         axis = _level_cylinder(robot, joint.child) if named else None
     if axis is None or abs(axis[2]) > LEVEL:
         return None
-    above = robot.moving_above(joint)
-    candidate = _candidate(robot, joint, axis, next((j for j in above if robot.upright(j)), None), above, ())
+    candidate = _candidate(robot, joint, axis)
     if not (named or candidate.shape):
         return None
     return replace(candidate, doubt="its joint is fixed: the file has no joint about which the wheel turns")
 
 
 def _candidate(
-    robot: Robot,
-    joint: Joint,
-    axis: Vector,
-    steer: Joint | None,
-    above: Sequence[Joint],
-    rollers: tuple[Joint, ...],
+    robot: Robot, joint: Joint, axis: Vector, rollers: tuple[Joint, ...] = (), steer: Joint | None = None
 ) -> Candidate:
-    origin = robot.origin(joint)
+    """A joint with ``rollers`` on its wheel; without ``steer`` the nearest upright one above it steers."""
+    origin, above = robot.origin(joint), robot.moving_above(joint)
+    steer = steer or next((j for j in above if robot.upright(j)), None)
     shape = robot.round_shape(joint.child, origin, axis)
     return Candidate(joint, origin, axis, shape, steer, tuple(j for j in above if j != steer), rollers)
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from wmrgen.importing.names import near_robot_name
 from wmrgen.importing.records import MODEL, SUPPORT, Imported, Question, Wheel
+from wmrgen.layout.expressions import twelfths_of_pi
 from wmrgen.spec.questions import OPEN
 from wmrgen.spec.text import quoted
 from wmrgen.wheels import WHEEL_TYPES
@@ -31,22 +32,9 @@ def as_json(robot: Imported) -> dict[str, Any]:
 
 
 def _wheel_json(wheel: Wheel) -> dict[str, Any]:
-    lengths = {"x": wheel.x, "y": wheel.y, "r": wheel.r, "d": wheel.d, "offset_y": wheel.offset_y}
-    values = {key: None if value is None else float(_rounded(value)) for key, value in lengths.items()}
-    return {
-        "name": wheel.name,
-        "joint": wheel.joint,
-        "steer_joint": wheel.steer_joint,
-        "type": wheel.type,
-        "x": values["x"],
-        "y": values["y"],
-        "heading": wheel.heading,
-        "r": values["r"],
-        "d": values["d"],
-        "offset_y": values["offset_y"],
-        "gamma": wheel.gamma,
-        "actuated": None if wheel.actuated is None else list(wheel.actuated),
-    }
+    words = "name joint steer_joint type x y heading r d offset_y gamma actuated".split()
+    values = {key: getattr(wheel, key) for key in words}
+    return {k: float(_rounded(v)) if isinstance(v, Fraction) else v for k, v in values.items()}
 
 
 def text(robot: Imported, source: str) -> str:
@@ -155,11 +143,7 @@ def _angle(value: float) -> str:
     steps = round(value / (math.pi / 12))
     if abs(value - steps * math.pi / 12) > _SAME:
         return _length(Fraction(value))
-    share = Fraction(steps, 12)
-    if not share:
-        return "0"
-    head = {1: "pi", -1: "-pi"}.get(share.numerator, f"{share.numerator}*pi")
-    return head if share.denominator == 1 else f"{head}/{share.denominator}"
+    return twelfths_of_pi(steps)
 
 
 def counted(questions: Sequence[Question]) -> str:

@@ -16,20 +16,9 @@ from wmrgen.importing.xacro import macros, resolve
 from wmrgen.spec.text import bytes_of, printable, quoted, read_at_most
 
 _URDF = (
-    *(
-        "link",
-        "joint",
-        "material",
-        "transmission",
-        "gazebo",
-        "ros2_control",
-        "sensor",
-        "plugin",
-        "model",
-        "world",
-    ),
-    *("author", "version", "group", "default", "static", "safety_controller", "calibration"),
-)
+    "link joint material transmission gazebo ros2_control sensor plugin model world author version group default static"
+    " safety_controller calibration"
+).split()
 _PREFIX = "write xacro: before it, if it is a macro"
 
 

@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wmrgen.constraints import heading, rolling_row, sliding_row, working_view
+from wmrgen.constraints import arm, heading, rolling_row, sliding_row, working_view
 from wmrgen.exact.evaluate import circle, fix, parameters_in
 from wmrgen.exact.linalg import cofactor, symmetric
 from wmrgen.exact.number import ONE, Exact
@@ -155,15 +155,8 @@ def _contact(w: Wheel, spin: Poly, rate: Poly, names: Locals | None) -> Contact:
     if names is not None and w.turns and not g.d and not g.o:
         wx, wy = _rolled(w, names)
         return Contact(w, g.x, g.y, g.r * wx, g.r * wy, w.weight)
-    along, across = g.r * spin + g.o * rate, -(g.d * rate)
-    return Contact(
-        w,
-        g.x + g.d * c - g.o * s,
-        g.y + g.d * s + g.o * c,
-        along * c - across * s,
-        along * s + across * c,
-        w.weight,
-    )
+    (bx, by), along, across = arm(g, c, s), g.r * spin + g.o * rate, -(g.d * rate)
+    return Contact(w, g.x + bx, g.y + by, along * c - across * s, along * s + across * c, w.weight)
 
 
 def _rolled(w: Wheel, names: Locals) -> tuple[Poly, Poly]:

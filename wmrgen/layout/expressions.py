@@ -179,14 +179,14 @@ def snap(
     if error >= SUSPICIOUS:
         return angle, None
     if error >= TOLERANCE:
-        note = f"{what}: {float(value):.12g} rad is {float(error):.2g} rad from {_text(k)}, kept as written"
+        note = f"{what}: {float(value):.12g} rad is {float(error):.2g} rad from {twelfths_of_pi(k)}, kept as written"
         return angle, note
-    note = f"{what}: {float(value):.12g} rad taken as {_text(k)} ({float(error):.2g} rad away)"
+    note = f"{what}: {float(value):.12g} rad taken as {twelfths_of_pi(k)} ({float(error):.2g} rad away)"
     return PI.scale(Fraction(k, 12)), None if error < _SAME else note
 
 
-def _text(k: int) -> str:
-    """k pi/12 in words a reader would write: pi/2, -3*pi/4, 0."""
+def twelfths_of_pi(k: int) -> str:
+    """k pi/12 as a robot file has it: pi/2, -3*pi/4, 0."""
     f = Fraction(k, 12)
     if not f:
         return "0"

@@ -21,10 +21,6 @@ from wmrgen.ports import TWIST_NAMES
 NEAR = 2e-3  # a limit written as 1.57 reaches pi/2 [rad]
 
 
-def _first(subject: Subject) -> Wheel:
-    return subject.robot.wheels[0]
-
-
 @rule(
     "WMR020",
     "too few actuated joints",
@@ -43,7 +39,9 @@ def short(subject: Subject) -> Iterator[Finding]:
     if subject.mobility.degree_of_mobility and not lost:
         for balance in subject.mobility.actuation:
             if balance.lacking:
-                yield Finding(subject.mark(_first(subject)), str(balance), _more(subject, balance.joint))
+                yield Finding(
+                    subject.mark(subject.robot.wheels[0]), str(balance), _more(subject, balance.joint)
+                )
 
 
 def _more(subject: Subject, lacking: str) -> str:

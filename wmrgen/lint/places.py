@@ -20,12 +20,6 @@ _OPPOSED = 0.05  # radians, by and large
 _OBLIQUE = 0.7  # sine of twice the angle to the axes; cosine of that between arm and heading
 
 
-def _contact(w: Wheel) -> complex:
-    """The contact at zero steering."""
-    arm = complex(float(w.nominal.d), float(w.nominal.o))
-    return w.pivot + w.zero_heading * arm
-
-
 def _middle(wheels: tuple[Wheel, ...]) -> complex:
     """The middle of the rectangle that the pivots fill."""
     at = [w.pivot for w in wheels]
@@ -55,7 +49,7 @@ wheels:
 def together(subject: Subject) -> Iterator[Finding]:
     robot = subject.robot
     extent, _ = subject.extent
-    places = [(w, w.pivot, _contact(w)) for w in robot.wheels]
+    places = [(w, w.pivot, w.contact(w.zero_heading)) for w in robot.wheels]
     for (a, p, p_contact), (b, q, q_contact) in combinations(places, 2):
         near = _NEAR * min(float(a.nominal.r + b.nominal.r), extent)
         apart = robot.steer_group[a.index] != robot.steer_group[b.index]

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wmrgen.constraints import constrain, nominal_view
+from wmrgen.exact.evaluate import circle
 from wmrgen.exact.linalg import null_space
 from wmrgen.exact.linalg import rank as exact_rank
 from wmrgen.exact.number import ZERO, Exact
@@ -103,8 +104,8 @@ def _numbers(robot: Robot, rows: Sequence[Row], seed: int = 0) -> list[ExactRow]
     angles: dict[Gen, Poly] = {}
     for w in (w for w in robot.wheels if w.kind.swivels):
         t = Fraction(2 + 3 * robot.steer_group[w.index] + seed, 7 + 2 * seed)  # coupled castors share one
-        angles[Gen("cos", w.name)] = Poly.of((1 - t * t) / (1 + t * t))
-        angles[Gen("sin", w.name)] = Poly.of(2 * t / (1 + t * t))
+        for function, value in zip(("cos", "sin"), circle(t), strict=True):
+            angles[Gen(function, w.name)] = Poly.of(value)
     numbers: list[ExactRow] = []
     for row in rows:
         a, b, k = (p.substitute(angles.get).constant or ZERO for p in row)

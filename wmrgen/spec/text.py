@@ -76,9 +76,9 @@ class Source:
         return self.mark(text.count("\n", 0, index), index - start)
 
 
-def too_large(size: str, file: str) -> RobotFileError:
+def too_large(file: str) -> RobotFileError:
     return RobotFileError(
-        f"{printable(file)}: the file is larger than {MAX_BYTES // 1024} KiB{size}",
+        f"{printable(file)}: the file is larger than {MAX_BYTES // 1024} KiB",
         None,
         "A robot file is a page of text; larger input is refused unread.",
         "Give the robot file itself, not a log, an image or a generated file.",
@@ -89,7 +89,7 @@ def too_large(size: str, file: str) -> RobotFileError:
 def decode(data: bytes, file: str) -> str:
     """UTF-8 bytes as text, the byte order mark dropped, line ends made ``\\n``."""
     if len(data) > MAX_BYTES:
-        raise too_large("", file)
+        raise too_large(file)
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise RobotFileError(
             f"{printable(file)}: the file is UTF-16",
@@ -116,7 +116,7 @@ def decode(data: bytes, file: str) -> str:
 def normalise(text: str, file: str) -> str:
     """``text`` with ``\\n`` line ends. Refuses over-long text and characters that must not appear."""
     if len(text) > MAX_BYTES:
-        raise too_large("", file)
+        raise too_large(file)
     text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     refused = refused_character(text)
     if refused:

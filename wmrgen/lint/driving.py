@@ -27,11 +27,7 @@ NEAR = 2e-3  # a limit written as 1.57 reaches pi/2 [rad]
     """Each freedom of the robot needs a joint that is driven, each freedom of steering one that is steered. With fewer
     the robot does not go where it is told: the rest of the motion is left to chance. Fixed, steered and Swedish wheels
     are driven unless the file says otherwise, castors are not.""",
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1, actuated: [], sensed: [spin]}
-""",
+    PAIR.removesuffix("}\n") + ", actuated: [], sensed: [spin]}\n",
     PAIR,
 )
 def short(subject: Subject) -> Iterator[Finding]:
@@ -115,11 +111,7 @@ def _alike(robot: Robot, joint: str) -> list[list[Wheel]]:
     "odometry lacks a sensor",
     """The sensed joints do not tell the whole twist, though the wheels would if all their joints were sensed: `forward`
     and `odometry` give the smallest twist that fits. What is actuated is sensed unless the file says otherwise.""",
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1, sensed: []}
-""",
+    PAIR.removesuffix("}\n") + ", sensed: []}\n",
     PAIR,
 )
 def unsensed(subject: Subject) -> Iterator[Finding]:

@@ -11,6 +11,7 @@ from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.notation import listed
 from wmrgen.spec.names import role
 
+_NOSE = PAIR + "  - {name: nose,  type: castor, x: 0.3, y: 0, d: -0.04, r: 0.05}\n"
 _OPPOSITE = {"front": "behind", "rear": "in front of", "left": "right of", "right": "left of"}
 _SAME = 1e-6
 _OUTSIDE = 2.0  # of what the wheels reach from their middle
@@ -31,20 +32,8 @@ def _middle(wheels: tuple[Wheel, ...]) -> complex:
     "WMR010",
     "two wheels at one place",
     """Two wheels that touch the ground at one point are one wheel written twice, or a sign is missing.""",
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-  - {name: nose,  type: castor, x: 0.3, y: 0, d: -0.04, r: 0.05}
-  - {name: tail,  type: castor, x: 0.3, y: 0, d: -0.04, r: 0.05}
-""",
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-  - {name: nose,  type: castor, x: 0.3, y: 0, d: -0.04, r: 0.05}
-  - {name: tail,  type: castor, x: -0.3, y: 0, d: -0.04, r: 0.05}
-""",
+    f"{_NOSE}  - {{name: tail,  type: castor, x: 0.3, y: 0, d: -0.04, r: 0.05}}\n",
+    f"{_NOSE}  - {{name: tail,  type: castor, x: -0.3, y: 0, d: -0.04, r: 0.05}}\n",
 )
 def together(subject: Subject) -> Iterator[Finding]:
     robot = subject.robot
@@ -154,18 +143,8 @@ def _tangential(w: Wheel, middle: complex) -> bool:
     """d is the distance from a castor's pivot to its contact along its rolling direction: with heading 0 and d > 0 the
     contact lies in front of the pivot at angle 0, where no castor stays when the robot drives forward: it swings round
     to pi. Write d negative, or heading: pi, and angle 0 is the one at which it trails.""",
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-  - {name: tail,  type: castor, x: -0.3, y: 0, heading: 0, d: 0.04, r: 0.05}
-""",
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-  - {name: tail,  type: castor, x: -0.3, y: 0, heading: 0, d: -0.04, r: 0.05}
-""",
+    PAIR + "  - {name: tail,  type: castor, x: -0.3, y: 0, heading: 0, d: 0.04, r: 0.05}\n",
+    PAIR + "  - {name: tail,  type: castor, x: -0.3, y: 0, heading: 0, d: -0.04, r: 0.05}\n",
 )
 def leading(subject: Subject) -> Iterator[Finding]:
     for spec, w in subject.wheels:

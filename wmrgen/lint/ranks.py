@@ -21,6 +21,13 @@ _MECANUM = (
     "Rollers at the ground must form an O: gamma -45 deg at the front left and rear right, 45 deg at the others. "
     "The rollers on top, which one sees, then form an X."
 )
+_FOUR = """\
+wheels:
+  - {name: front_left,  type: fixed, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
+  - {name: front_right, type: fixed, x: 0.3,  y: -0.2, heading: 0, r: 0.1}
+  - {name: back_left,   type: fixed, x: -0.3, y: 0.2,  heading: 0, r: 0.1}
+  - {name: back_right,  type: fixed, x: -0.3, y: -0.2, heading: 0, r: 0.1}
+"""
 
 
 @rule(
@@ -60,21 +67,8 @@ def stuck(subject: Subject) -> Iterator[Finding]:
     """Fixed wheels on several parallel axles roll straight ahead only; the robot turns by skidding. Its kinematics are
     least squares and `slip` says what is left; how far it turns, they do not know. Where that is the robot, as a Husky
     is, `effective_track` says so, a length to be measured; else a wheel is a castor or steers.""",
-    """
-wheels:
-  - {name: front_left,  type: fixed, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
-  - {name: front_right, type: fixed, x: 0.3,  y: -0.2, heading: 0, r: 0.1}
-  - {name: back_left,   type: fixed, x: -0.3, y: 0.2,  heading: 0, r: 0.1}
-  - {name: back_right,  type: fixed, x: -0.3, y: -0.2, heading: 0, r: 0.1}
-""",
-    """
-effective_track: 0.7
-wheels:
-  - {name: front_left,  type: fixed, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
-  - {name: front_right, type: fixed, x: 0.3,  y: -0.2, heading: 0, r: 0.1}
-  - {name: back_left,   type: fixed, x: -0.3, y: 0.2,  heading: 0, r: 0.1}
-  - {name: back_right,  type: fixed, x: -0.3, y: -0.2, heading: 0, r: 0.1}
-""",
+    _FOUR,
+    f"effective_track: 0.7\n{_FOUR}",
 )
 def skids(subject: Subject) -> Iterator[Finding]:
     if subject.robot.effective_track is not None:

@@ -12,7 +12,7 @@ import pytest
 from tests.calibrating.simulated import LAYOUTS, Encoders, Tracker, csv, drive
 from tests.calibrating.test_calibrate import derivation_of, written
 from wmrgen.calibrating.calibrate import calibrate
-from wmrgen.calibrating.leftover import by_joint, by_time
+from wmrgen.calibrating.drawn import by_joint, by_time
 from wmrgen.calibrating.stored import Stored
 
 TRACKER = Tracker(0.04 - 0.07j, late=0.13, noise=(0.002, 0.003))

@@ -98,7 +98,7 @@ class _Told:
 
     @staticmethod
     def of(derivation: Derivation, result: Calibration) -> _Told:
-        from wmrgen.calibrating.leftover import by_joint
+        from wmrgen.calibrating.drawn import by_joint
         from wmrgen.calibrating.written import counts_per_turn
 
         values = {name: e.value for name, e in result.parameters.items()}
@@ -107,7 +107,7 @@ class _Told:
 
 
 def _as_data(result: Calibration, told: _Told) -> dict[str, Any]:
-    from wmrgen.calibrating.leftover import by_time
+    from wmrgen.calibrating.drawn import by_time
 
     return {
         "parameters": {name: asdict(estimate) for name, estimate in result.parameters.items()},

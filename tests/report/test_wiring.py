@@ -125,3 +125,9 @@ def test_large_wheels_do_not_hide_their_arrows() -> None:
     assert len(tyres) == len(heads) == 4
     top, high = float(tyres[0].attrib["y"]), float(tyres[0].attrib["height"])
     assert all(not top - 1 < float(p.split(",")[1]) < top + high + 1 for head in heads for p in head)
+
+
+@pytest.mark.parametrize("name", ["lekiwi", "pioneer3dx", "f1tenth", "nomad_xr4000"])
+def test_angles_are_0_where_there_are_some(name: str) -> None:
+    turns = any(w.turns and w.actuated for w in of_gallery(name).robot.wheels)
+    assert ("All angles are 0 before" in pages_of(name)["wiring.md"]) == turns

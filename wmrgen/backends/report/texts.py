@@ -196,7 +196,7 @@ def turning_circle(robot: Robot) -> list[str]:
         return [f"{words}{behind}:", *aligned([rf"\tan{psi_l} {radius}"])]
     ratio = rf"\frac{{\mathrm{{track}}}}{{\mathrm{{wheelbase}}}} = {notation.decimal(float(track / base))}"
     return [
-        f"{words}. The axles of both steered wheels pass through its centre (Ackermann), ψ is the angle of the virtual "
+        f"{words}. The axles of both steered wheels pass through its centre (Ackermann); ψ is the angle of the virtual "
         f"wheel midway{behind}:",
         *aligned([rf"\tan\psi {radius}", rf"\cot{psi_r} - \cot{psi_l} &= {ratio}"]),
     ]

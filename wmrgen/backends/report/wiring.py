@@ -24,6 +24,8 @@ def wiring(d: Derivation, facts: Facts) -> str:
             [*blocks, "No joint of this robot is driven, so there is nothing to check.", *foot(facts)]
         )
     forbidden = [m.title.partition(",")[0] for m in every if m.joints is None]
+    turns = any(w.turns and w.actuated for w in d.robot.wheels)
+    start = "All angles are 0 before; an" if turns else "An"
     return page([
         *blocks,
         "Lift the robot, so that its wheels turn freely, and go through the list from the top. Arrows in the "
@@ -31,7 +33,7 @@ def wiring(d: Derivation, facts: Facts) -> str:
         *items(_steps(d, possible[-1]), lambda k: f"{k}."),
         *pictures(d.figures, "wiring.svg"),
         *table(["joint", *(m.title for m in possible)], _rows(possible), "l"),
-        "All angles are 0 before; an arrow shows which way a wheel rolls."
+        f"{start} arrow shows which way a wheel rolls."
         + (f" The wheels forbid {' and '.join(forbidden)}." if forbidden else ""),
         *_faults(d, possible),
         *foot(facts),

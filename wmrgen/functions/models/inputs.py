@@ -100,8 +100,7 @@ class Motion(NamedTuple):
             condition = essential(self.divisor)
             rates = {f"{w.name}.steer_rate" for w in self.frame.wheels}
             drives = listed([p.name for p in self.inputs if p.name not in rates])
-            lost = "is 0 whatever the robot does" if one else "no longer determine the motion"
-            text = f"G is unbounded: {drives} {lost}"
+            text = f"G is unbounded: {drives} no longer determine{'s' * one} the motion"
         return domain_of(condition, text, self.robot)
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
 import wmrgen
 from wmrgen.comparing.record import CONTROLLER, DESCRIPTION, HEADER, JOINTS, ROBOT_FILE, Layout, Side, Tie
 from wmrgen.errors import Mark, RobotFileError
-from wmrgen.importing.controllers import read_controllers
+from wmrgen.importing.controllers import read_controllers, snake
 from wmrgen.importing.records import Controller, Imported, Wheel
 from wmrgen.importing.source import description_of, pairs
 from wmrgen.importing.wheels import import_wheels
@@ -29,6 +30,8 @@ _TRACK = re.compile(rf"^ \*   effective track ({NUMBER}) m$", re.MULTILINE)
 _MACRO = re.compile(rf"^#define (\w+)_(X|Y|RADIUS) \(?(-?{NUMBER})f?\)?(?= |$)", re.MULTILINE)
 _KEYS = {"X": "x", "Y": "y", "RADIUS": "r"}
 _ARGUMENT = re.compile(r"\$\(arg ([^()\s]+)\)")
+_TAG = re.compile(r"<([\w:-]++)([^<>]*+)>\s*+")
+_NAME = re.compile(r"""\sname\s*+=\s*+["']([^"'<>]*+)""")
 _LARGEST, _MOST = 8 * 1024 * 1024, 64  # bytes; wheels
 
 
@@ -83,6 +86,36 @@ def _imported(wheel: Wheel) -> Side:
     values = {key: float(value) for key in keys if (value := getattr(wheel, key)) is not None}
     names = (wheel.name, *filter(None, (wheel.joint, wheel.steer_joint)))
     return Side(names, wheel.type, values, {}, wheel.actuated)
+
+
+def _marked(layout: Layout, text: str) -> Layout:
+    """The layout of a description, its wheels marked where the text has their joints: no macro has made their names."""
+    lines = Source.of(text, layout.file)
+    joints: dict[str, int] = {}
+    for tag in _TAG.finditer(text):
+        name = _NAME.search(tag[2]) if tag[1] == "joint" and "type" in tag[2] else None
+        if name:
+            joints.setdefault(name[1], tag.start(2) + name.start(1))
+    sides = []
+    for w in layout.wheels:
+        places = [joints[name] for name in w.names[1:] if name in joints]
+        sides.append(replace(w, marks={"": lines.mark_at(text, places[0])} if places else {}))
+    return replace(layout, wheels=tuple(sides))
+
+
+def _marked_values(controllers: Sequence[Controller], text: str, source: str) -> Iterator[Controller]:
+    """Drive plugins, their lengths marked where the text has them as elements."""
+    lines = Source.of(text, source)
+    places: dict[str, int] = {}
+    for tag in _TAG.finditer(text):
+        name = _NAME.search(tag[2]) if tag[1] == "param" else None
+        places.setdefault(snake(name[1] if name else tag[1]), tag.end())
+    for c in controllers:
+        lengths = {
+            key: replace(s, mark=lines.mark_at(text, places[s.key])) if s.key in places else s
+            for key, s in c.lengths.items()
+        }
+        yield replace(c, lengths=lengths)
 
 
 def of_header(text: str, source: str) -> Layout:
@@ -162,13 +195,14 @@ def _layouts(
         start = read_at_most(path, _LARGEST)
     except (OSError, ValueError):
         start = b""  # of which `read` says why
-    text = start.decode("utf-8", "replace").lstrip("\ufeff \t\r\n")
+    whole = start.decode("utf-8", "replace")
+    text = whole.lstrip("\ufeff \t\r\n")
     controllers: Sequence[Controller] = ()
     if text.startswith("<"):
         description = description_of(path, arguments, packages)
         joints = frozenset(joint.name for joint in description.joints)
-        yield of_import(import_wheels(description, base), joints, name)
-        controllers = description.controllers
+        yield _marked(of_import(import_wheels(description, base), joints, name), whole)
+        controllers = list(_marked_values(description.controllers, whole, name))
     elif _HEADER.search(text):
         yield of_header(text, name)
     else:

@@ -119,7 +119,7 @@ def controllers_of(tree: Node | None, arguments: Mapping[str, str]) -> tuple[Con
     for top in tops:
         if not any(top[: len(other)] == other for other in tops if other != top):
             n, called = len(top), _last(top)
-            own = [replace(l, path=tuple(map(_snake, l.path[n:]))) for l in leaves if l.path[:n] == top]
+            own = [replace(l, path=tuple(map(snake, l.path[n:]))) for l in leaves if l.path[:n] == top]
             result.append(_controller(called, types.get(called, ""), own))
     return tuple(c for c in result if c.lengths or c.places or c.kind)
 
@@ -129,7 +129,7 @@ def plugin_controllers(root: Element) -> tuple[Controller, ...]:
     result = []
     for element in root.iter():
         if local(element) in ("plugin", "hardware"):
-            leaves = [_element(_snake(e.get("name") or local(e)), e.text or "") for e in element]
+            leaves = [_element(snake(e.get("name") or local(e)), e.text or "") for e in element]
             kind = " ".join(filter(None, (element.get("filename"), element.get("name"))))
             result.append(_controller(element.get("name") or "", kind, leaves))
         elif local(element) == "mobile" and element.get("type") == "differential":
@@ -145,7 +145,7 @@ def _element(word: str, text: str) -> _Leaf:
     return _Leaf((word,), texts, (None,) * len(texts))
 
 
-def _snake(word: str) -> str:
+def snake(word: str) -> str:
     return re.sub("(?<=[a-z0-9])(?=[A-Z])", "_", word).lower()
 
 
@@ -199,11 +199,11 @@ def _length(leaf: _Leaf) -> tuple[str, str, Fraction, bool] | None:
     """Words, key of `LENGTHS`, factor and whether it is a multiplier; None of what is no length."""
     for count in (2, 1):
         words = ".".join(leaf.path[-count:])
-        plain = _snake(words).removesuffix("_multiplier")
+        plain = snake(words).removesuffix("_multiplier")
         unit = next((u for u in _UNITS if plain.endswith(u)), "")
         key = _WORDS.get(plain.removesuffix(unit).replace("diameter", "radius"))
         if key and len(leaf.texts) == 1:
-            return words, key, _UNITS[unit] / (2 if "diameter" in plain else 1), plain != _snake(words)
+            return words, key, _UNITS[unit] / (2 if "diameter" in plain else 1), plain != snake(words)
     return None
 
 

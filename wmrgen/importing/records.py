@@ -170,7 +170,7 @@ class Imported:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A number: m or a factor; ``key`` and ``mark`` (None in XML): where it is written."""
+    """A number: m or a factor; ``key`` and ``mark`` (None as XML is read): where it is written."""
 
     value: Fraction
     key: str

@@ -11,7 +11,7 @@ from typing import Any
 from wmrgen.importing.names import near_robot_name
 from wmrgen.importing.records import MODEL, SUPPORT, Imported, Question, Wheel
 from wmrgen.layout.expressions import twelfths_of_pi
-from wmrgen.spec.questions import OPEN
+from wmrgen.spec.load import OPEN
 from wmrgen.spec.text import quoted
 from wmrgen.wheels import WHEEL_TYPES
 

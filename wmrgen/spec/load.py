@@ -3,46 +3,40 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from wmrgen.errors import Code, RobotFileError, Several
-from wmrgen.spec.consequences import causes
-from wmrgen.spec.expressions import scalar_of
+from wmrgen.errors import Code, RobotFileError, Several, WmrgenError
+from wmrgen.spec.expressions import NO_PARAMETER, scalar_of
 from wmrgen.spec.fields import Text, Version
 from wmrgen.spec.joints import read_encoders, read_lag, read_limits, read_noise
 from wmrgen.spec.keys import ROBOT
-from wmrgen.spec.names import Names, robot_name, wheel_name
+from wmrgen.spec.names import Names, robot_name
 from wmrgen.spec.numbers import Scope
 from wmrgen.spec.parameters import read_parameters
-from wmrgen.spec.part_keys import CG, GAINS, TRAILER, VIRTUAL
-from wmrgen.spec.questions import refuse_questions
+from wmrgen.spec.parts import Reading, read_gains, read_point, read_trailers, read_virtual
 from wmrgen.spec.reader import read_tree
-from wmrgen.spec.records import (
-    FunctionSpec,
-    PointSpec,
-    Quantity,
-    RobotSpec,
-    TrailerSpec,
-    VirtualSpec,
-)
-from wmrgen.spec.tables import Table, read_number, table_of
+from wmrgen.spec.records import FunctionSpec, RobotSpec
+from wmrgen.spec.tables import Table, table_of
 from wmrgen.spec.text import (
     MAX_BYTES,
+    MappingNode,
     Node,
     Scalar,
+    SequenceNode,
     Source,
     bytes_of,
     decode,
     quoted,
 )
-from wmrgen.spec.wheels import declared_types, read_couplings, read_wheels, wheel_called
-from wmrgen.wheels import WHEEL_TYPES, WheelType
+from wmrgen.spec.wheels import declared_types, read_couplings, read_wheels
 
 _DUNDER = re.compile(r"__\w+__")
-_ROLE, _POINT = VIRTUAL.choices
+# What stands in the place of an answer that nobody has given yet, as `wmrgen import` writes it: a plain word, for text
+# may say it in quotes.
+OPEN = "TODO"
 
 
 def read_robot(path: str | Path, several: Several | None = None) -> RobotSpec:
@@ -72,27 +66,16 @@ def read_text(text: str, file_name: str, several: Several | None = None) -> Robo
         wrong.errors = [error for error in wrong.errors if error.code is not Code.UNKNOWN_KEY]
         wrong.end()
     with wrong:
-        refuse_questions(tree)
+        _refuse_questions(tree)
     if any(error.code is Code.OPEN for error in wrong.errors):
         wrong.end()
     spec = _robot(table, wrong)
-    wrong.errors = causes(table, wrong.errors)
+    wrong.errors = _causes(table, wrong.errors)
     if several is None or not wrong.errors:
         wrong.end()
         return spec
     several.add(*wrong.errors)
     return replace(spec, couplings=(), virtual=())
-
-
-class _Reading(NamedTuple):
-    """What the parts of a robot file are read by: its keys, parameters, names, the types of its wheels, if known, and
-    what takes the mistakes."""
-
-    table: Table
-    scope: Scope
-    names: Names
-    types: Mapping[str, WheelType | None]
-    several: Several
 
 
 def _robot(table: Table, several: Several) -> RobotSpec:
@@ -108,7 +91,7 @@ def _robot(table: Table, several: Several) -> RobotSpec:
         facts["parameters"], scope = read_parameters(table.get("parameters"), scope, names, several)
     with several:
         facts["wheels"] = read_wheels(table, scope, names, several)
-    reading = _Reading(table, scope, names, declared_types(table), several)
+    reading = Reading(table, scope, names, declared_types(table), several)
     for part, read in _PARTS.items():
         with several:
             facts[part] = read(reading)
@@ -157,103 +140,7 @@ def _free_text(table: Table, key: str) -> str:
     return text
 
 
-def _trailers(reading: _Reading) -> tuple[TrailerSpec, ...]:
-    """Trailers from the robot backwards; without a name they are trailer1, trailer2, …"""
-    trailers = []
-    for number, item in enumerate(reading.table.items("trailers"), 1):
-        several, name = Several(), f"trailer{number}"
-        with reading.several:
-            table = table_of(item, TRAILER, several)
-            with several:
-                name = _own_name(table, name, reading.names, "a trailer")
-            table.require_all(f"the trailer {name}", several)
-            length, hitch = (_amount(table, key, name, reading.scope, several) for key in ("length", "hitch"))
-            several.end()
-            assert length is not None
-            trailers.append(TrailerSpec(name, length, hitch, table.mark))
-    return tuple(trailers)
-
-
-def _amount(table: Table, key: str, of: str, scope: Scope, several: Several) -> Quantity | None:
-    """A quantity; ``several`` takes what is wrong with it."""
-    with several:
-        return table.amount(key, of, scope)
-    return None
-
-
-def _virtual(reading: _Reading) -> tuple[VirtualSpec, ...]:
-    """Virtual wheels: each steers or drives in place of real ones."""
-    virtual = []
-    for item in reading.table.items("virtual"):
-        several, name, role = Several(), "", ""
-        wheels: tuple[str, ...] = ()
-        with reading.several:
-            table = table_of(item, VIRTUAL, several)
-            table.require_all("the virtual wheel", several)
-            with several:
-                name = _own_name(table, "", reading.names, "a virtual wheel")
-            what = f"the virtual wheel {name}".rstrip()
-            with several:
-                (role,) = table.choose(_ROLE, what)
-                wheels = _members(table, role, reading.types)
-            with several:
-                table.choose(_POINT, what)
-            x, y = (_amount(table, key, name, reading.scope, several) for key in ("x", "y"))
-            several.end()
-            virtual.append(VirtualSpec(name, role, wheels, x, y, table.mark))
-    return tuple(virtual)
-
-
-def _members(table: Table, role: str, types: Mapping[str, WheelType | None]) -> tuple[str, ...]:
-    several = Several()
-    wanted = [k.name for k in WHEEL_TYPES.values() if (k.steers if role == "steers" else k.constrains)]
-    scalars = table.scalars(role)
-    for scalar in scalars:
-        with several:
-            kind = wheel_called(scalar.text, scalar, types)
-            if kind is not None and kind.name not in wanted:
-                raise scalar.error(
-                    f"{scalar.text} is a {kind.name} wheel",
-                    f"A virtual wheel that {role} stands for {' or '.join(wanted)} wheels.",
-                )
-    several.end()
-    return tuple(scalar.text for scalar in scalars)
-
-
-def _point(node: Node | None, scope: Scope) -> PointSpec | None:
-    """``cg``: x, y from P in the robot frame, z above the ground."""
-    if node is None:
-        return None
-    several = Several()
-    table = table_of(node, CG, several)
-    table.require_all("cg", several)
-    x, y, z = (_amount(table, key, "cg", scope, several) for key in ("x", "y", "z"))
-    several.end()
-    return PointSpec(x, y, z) if x and y and z else None
-
-
-def _gains(node: Node | None, scope: Scope) -> tuple[tuple[str, Quantity], ...]:
-    """Gains of the control laws, as expressions over parameters."""
-    if node is None:
-        return ()
-    several, gains = Several(), []
-    for key, value in table_of(node, GAINS, several).values.items():
-        with several:
-            gains.append((key, read_number(value, key, scope)))
-    several.end()
-    return tuple(gains)
-
-
-def _own_name(table: Table, default: str, names: Names, what: str) -> str:
-    """The name of an entry, entered into ``names``."""
-    node = table.get("name")
-    name = default if node is None else wheel_name(scalar_of(node, "name"))
-    if name:
-        names.add(name, what, node or table.node)
-    return name
-
-
-_PARTS: dict[str, Callable[[_Reading], Any]] = {  # of a RobotSpec
+_PARTS: dict[str, Callable[[Reading], Any]] = {  # of a RobotSpec
     "description": lambda r: _free_text(r.table, "description"),
     "source": lambda r: _free_text(r.table, "source"),
     "snap": lambda r: r.table.word("snap"),
@@ -263,12 +150,77 @@ _PARTS: dict[str, Callable[[_Reading], Any]] = {  # of a RobotSpec
     "noise": lambda r: read_noise(r.table.get("noise"), "the robot", r.scope),
     "encoders": lambda r: read_encoders(r.table.get("encoder"), "the robot", r.scope),
     "lag": lambda r: read_lag(r.table.get("lag"), "the robot", r.scope),
-    "virtual": _virtual,
-    "trailers": _trailers,
+    "virtual": read_virtual,
+    "trailers": read_trailers,
     "slip": lambda r: r.table.word("slip"),
-    "cg": lambda r: _point(r.table.get("cg"), r.scope),
-    "gains": lambda r: _gains(r.table.get("gains"), r.scope),
+    "cg": lambda r: read_point(r.table.get("cg"), r.scope),
+    "gains": lambda r: read_gains(r.table.get("gains"), r.scope),
     "effective_track": lambda r: r.table.amount("effective_track", "the robot", r.scope),
     "deadband": lambda r: r.table.amount("deadband", "the robot", r.scope),
     "functions": lambda r: tuple(FunctionSpec(item.text, item.mark) for item in r.table.scalars("functions")),
 }
+
+
+# ---- what is told of the file as a whole
+
+
+def _refuse_questions(tree: Node) -> None:
+    """RobotFileError for every open question."""
+    several = Several()
+    for key, node in _questions(tree, ""):
+        with several:
+            raise node.error(
+                f"{key or 'this value'} is an open question",
+                "Nothing is derived from a robot that is not known.",
+                f"Write the answer in the place of {OPEN}; the comment beside it says what is asked.",
+                code=Code.OPEN,
+            )
+    several.end()
+
+
+def _questions(node: Node, key: str) -> Iterator[tuple[str, Scalar]]:
+    if isinstance(node, Scalar) and node.plain and node.text == OPEN:
+        yield key, node
+    elif isinstance(node, SequenceNode):
+        for item in node.items:
+            yield from _questions(item, key)
+    elif isinstance(node, MappingNode):
+        for name, value in node.entries:
+            yield from _questions(value, name.text)
+
+
+def _causes(table: Table, errors: Sequence[WmrgenError]) -> list[WmrgenError]:
+    """``errors`` without: names of parameters that are used where some of them cannot be read, and so those of wheels;
+    what stands where the YAML has a slip; keys that stand twice among wheels whose dashes are missing."""
+    slips = [error.mark for error in errors if error.code is Code.NOT_YAML]
+    in_doubt = _names_in_doubt(table, errors)
+    return [
+        error
+        for error in errors
+        if not (error.code is Code.UNDECLARED and error.what.endswith(NO_PARAMETER) in in_doubt)
+        and (error.code is Code.NOT_YAML or error.mark not in slips)
+        and not (error.code is Code.TWICE and _in_wheels(table, error))
+    ]
+
+
+def _names_in_doubt(table: Table, errors: Sequence[WmrgenError]) -> set[bool]:
+    """Of what some name cannot be read, so that where it is used nothing is to be told: True for parameters, False for
+    wheels and what else bears one."""
+    wheels, parameters = table.get("wheels"), table.get("parameters")
+    declared = parameters.entries if isinstance(parameters, MappingNode) else ()
+    marks = [key.mark for key, _ in declared]
+    doubts = {error.mark in marks for error in errors if error.code is Code.NAME}
+    if parameters is not None and not isinstance(parameters, MappingNode):
+        doubts.add(True)
+    if isinstance(wheels, SequenceNode) and len(declared_types(table)) < len(wheels.items):
+        doubts.add(False)
+    return doubts
+
+
+def _in_wheels(table: Table, error: WmrgenError) -> bool:
+    """The key stands in what should be a list of wheels and is a mapping."""
+    wheels, mark = table.get("wheels"), error.mark
+    if not isinstance(wheels, MappingNode) or not mark:
+        return False
+    after = [key.mark.line for key in table.keys.values() if key.mark.line > wheels.mark.line]
+    return wheels.mark.line < mark.line < min(after, default=mark.line + 1)

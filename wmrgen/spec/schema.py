@@ -24,10 +24,10 @@ from wmrgen.spec.fields import (
     Word,
 )
 from wmrgen.spec.keys import ROBOT, WHEEL
+from wmrgen.spec.load import OPEN
 from wmrgen.spec.names import NAME_PATTERN
 from wmrgen.spec.numbers import NUMBER, Kind, spellings_of, units_of
 from wmrgen.spec.part_keys import ENCODER, LIMITS, NOISE
-from wmrgen.spec.questions import OPEN
 from wmrgen.spec.wheels import keys_of_type, takes
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 

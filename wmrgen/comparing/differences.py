@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from wmrgen.comparing.matching import matched
 from wmrgen.comparing.motion import Pairs
 from wmrgen.comparing.quantities import box, centre, forward, in_ring, lengths, parts, roles
-from wmrgen.comparing.record import SAME, Difference, Layout, Side
-from wmrgen.comparing.ties import coupled
+from wmrgen.comparing.record import JOINTS, SAME, Difference, Layout, Side, Tie
 from wmrgen.errors import Mark
 from wmrgen.wheels import WHEEL_TYPES
 
-PLACE, SIGN, ROLLERS, ORDER, MISSING, KIND, OFFSET = (f"WMR{n:03}" for n in range(44, 51))
+PLACE, SIGN, ROLLERS, ORDER, MISSING, KIND, OFFSET, COUPLED = (f"WMR{n:03}" for n in range(44, 52))
 CODES = {"track": "WMR040", "wheelbase": "WMR041", "radius": "WMR042", "sum": "WMR043", "ring": "WMR043"}
 CODES["offset"] = OFFSET
 _TITLES = {"sum": "lx + ly", "ring": "distance from the centre", "offset": "offset along the axle"}
@@ -204,3 +203,44 @@ def order(wheels: Sequence[Side], indices: Sequence[int]) -> Iterator[Difference
     if list(indices) != sorted(indices):
         first, second = (" ".join(wheels[i].name for i in each) for each in (sorted(indices), indices))
         yield Difference(ORDER, "order", "", first, second, f"order of wheels: {first} -> {second}")
+
+
+# ---- joints that turn together by a shaft, a belt or gears
+
+
+def coupled(a: Layout, b: Layout, pairs: Sequence[tuple[Side, Side]]) -> Iterator[Difference]:
+    """Couplings that one file alone has, or in another ratio, of the wheels that both have."""
+    if a.ties is None or b.ties is None:
+        return
+    for joint in JOINTS:
+        own_ties, told_ties = ([tie for tie in ties if tie.joint == joint] for ties in (a.ties, b.ties))
+        own = [{v.name: t.turns[v.name] for v, _ in pairs if v.name in t.turns} for t in own_ties]
+        told = [
+            {v.name: t.turns[w.name] * _sense(v, w, joint) for v, w in pairs if w.name in t.turns}
+            for t in told_ties
+        ]
+        for wheels in dict.fromkeys(tuple(shaft) for shaft in (*own, *told) if len(shaft) > 1):
+            p, q = (next((_proportion(s) for s in side if tuple(s) == wheels), None) for side in (own, told))
+            if p == q:
+                continue
+            joints = ", ".join(f"{name}.{joint}" for name in wheels)
+            alone = f"together only by {(a if p else b).source}"
+            words = f"{joints} turn {f'{p} -> {q}' if p and q else alone}"
+            names = {w.name for v, w in pairs if v.name in wheels}
+            marks = (*_tie_marks(told_ties, names), *_tie_marks(own_ties, {*wheels}))
+            yield Difference(COUPLED, "coupling", wheels[0], p, q, words, marks)
+
+
+def _sense(v: Side, w: Side, joint: str) -> int:
+    """-1 where a spin of the second file counts the other way."""
+    return -1 if joint == "spin" and math.cos(w.of("heading") - v.of("heading")) < 0 else 1
+
+
+def _proportion(turns: Mapping[str, float]) -> str:
+    """The ratio to the first, as far as it counts."""
+    first = next(iter(turns.values()))
+    return " : ".join(f"{each / first:.4g}" for each in turns.values())
+
+
+def _tie_marks(ties: Iterable[Tie], wheels: set[str]) -> Iterator[Mark]:
+    return (mark for tie in ties if tie.turns.keys() & wheels for mark in tie.marks)

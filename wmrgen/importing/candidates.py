@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from wmrgen.importing.frames import dot, plus, transposed, turned, unit
+from wmrgen.importing.frames import across, dot, plus, transposed, turned, unit
 from wmrgen.importing.passed import UNTOLD, Passed, no_wheel, nothing_told, off_the_ground, wheel_like
 from wmrgen.importing.records import RIGID, Joint, Vector
 from wmrgen.importing.view import COAXIAL, EVEN, SUNK, UNSEEN, UPRIGHT, Candidate, Robot, Z
@@ -143,8 +143,7 @@ def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
 
 def _coaxial(robot: Robot, joint: Joint, c: Candidate) -> bool:
     """A joint turns about a wheel's own axle."""
-    reach = plus(robot.origin(joint), c.origin, -1)
-    off = plus(reach, c.axis, -dot(reach, c.axis))
+    off = across(plus(robot.origin(joint), c.origin, -1), c.axis)
     return dot(off, off) < (UNSEEN / 10) ** 2 and abs(dot(robot.axis(joint), c.axis)) > COAXIAL
 
 

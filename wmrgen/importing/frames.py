@@ -67,6 +67,11 @@ def dot(a: Vector, b: Vector) -> Fraction:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
+def across(vector: Vector, axis: Vector) -> Vector:
+    """The part of a vector across a unit vector ``axis``: off a wheel's axle."""
+    return plus(vector, axis, -dot(vector, axis))
+
+
 def cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 

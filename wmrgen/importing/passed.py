@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from wmrgen.importing.frames import dot, plus, turned
+from wmrgen.importing.frames import across, dot, plus, turned
 from wmrgen.importing.records import Description, Joint
 from wmrgen.importing.view import COAXIAL, EVEN, SUNK, UNSEEN, Candidate, Robot
 from wmrgen.spec.text import quoted
@@ -140,8 +140,7 @@ def _unbalanced(robot: Robot, c: Candidate) -> float:
     if centre is None:
         return 0.0
     frame = robot.frame(c.joint.child)
-    off = plus(plus(turned(frame.rotation, centre), frame.origin), c.origin, -1)
-    off = plus(off, c.axis, -dot(off, c.axis))
+    off = across(plus(plus(turned(frame.rotation, centre), frame.origin), c.origin, -1), c.axis)
     return math.sqrt(dot(off, off))
 
 
@@ -150,8 +149,7 @@ def _reaches_aside(robot: Robot, c: Candidate) -> float:
     nothing balances it; else 0. Of a wheel with a shape, those of that shape's role."""
     roles = c.shape.words if c.shape else "collision visual"
     bodies = [where for shape, where in robot.body(c.joint.child) if shape.role in roles and not shape.uri]
-    offs = [plus(where.origin, c.origin, -1) for where in bodies]
-    offs = [plus(off, c.axis, -dot(off, c.axis)) for off in offs]
+    offs = [across(plus(where.origin, c.origin, -1), c.axis) for where in bodies]
     far = max(offs, key=lambda off: dot(off, off), default=c.origin)
     balanced = not offs or any(dot(far, off) < 0 for off in offs)
     return 0.0 if balanced or dot(far, far) <= c.radius**2 else math.sqrt(dot(far, far))
@@ -162,9 +160,8 @@ def _between(c: Candidate, others: Sequence[Candidate]) -> tuple[Candidate, ...]
     level = [w for w in others[: _FEW + 1] if w is not c and abs(dot(w.axis, c.axis)) > COAXIAL]
     for i, a in enumerate(level if len(others) <= _FEW else []):
         for b in level[:i]:
-            apart = plus(a.origin, b.origin, -1)
-            across = plus(apart, c.axis, -dot(apart, c.axis))
+            askew = across(plus(a.origin, b.origin, -1), c.axis)
             off = plus(plus(a.origin, b.origin), c.origin, -2)
-            if dot(off, off) < EVEN**2 and dot(across, across) < EVEN**2:
+            if dot(off, off) < EVEN**2 and dot(askew, askew) < EVEN**2:
                 return b, a
     return ()

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from fractions import Fraction
 
-from wmrgen.importing.frames import dot, plus
+from wmrgen.importing.frames import across, dot, plus
 from wmrgen.importing.records import Question, Vector
 from wmrgen.importing.view import Candidate, Robot
 from wmrgen.spec.text import quoted
@@ -121,8 +121,8 @@ def size_asked(robot: Robot, c: Candidate, name: str, lateral: Fraction | None) 
     if all(abs(shift) < _OFF for shift in off.values()) and (middles or not lateral or not meshes):
         return
     text = "the wheel is a mesh: where along its axle does it touch the ground? The joint need not be in its middle"
-    across = 0 if abs(c.axis[0]) > abs(c.axis[1]) else 1
-    key, at, share = "xy"[across], float(c.centre[across]), float(c.axis[across])
+    axis = 0 if abs(c.axis[0]) > abs(c.axis[1]) else 1
+    key, at, share = "xy"[axis], float(c.centre[axis]), float(c.axis[axis])
     if lateral is not None:
         key, at, share = "offset_y", float(lateral), 1.0
     hints = [
@@ -151,8 +151,7 @@ def roller_reach(robot: Robot, c: Candidate) -> Fraction:
     reaches = [Fraction(0)]
     for roller in c.rollers:
         for _, _, radius, where in robot.shapes(roller.child):
-            out = plus(where.origin, c.origin, -1)
-            out = plus(out, c.axis, -dot(out, c.axis))
+            out = across(plus(where.origin, c.origin, -1), c.axis)
             reaches.append(radius + Fraction(math.sqrt(dot(out, out))))
     return max(reaches)
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-from wmrgen.importing.frames import cross, dot, plus, turned, unit
+from wmrgen.importing.frames import across, cross, dot, plus, turned, unit
 from wmrgen.importing.records import Joint, Vector
 from wmrgen.importing.view import Candidate, Robot
 from wmrgen.spec.text import quoted
@@ -90,8 +90,7 @@ def gamma_said(robot: Robot, c: Candidate, e: Vector) -> tuple[float | None, str
 def _gamma_of(robot: Robot, roller: Joint, c: Candidate, e: Vector) -> float:
     """gamma of a roller once the wheel has turned so far that the roller is straight below the axle: there the rim of
     a wheel that turns forward moves against e."""
-    reach, axis = plus(robot.origin(roller), c.origin, -1), robot.axis(roller)
-    out = plus(reach, c.axis, -dot(reach, c.axis))
+    out, axis = across(plus(robot.origin(roller), c.origin, -1), c.axis), robot.axis(roller)
     if not any(out):
         return _modulo(angle(axis) - angle(e))
     return _modulo(math.atan2(dot(axis, c.axis), -dot(axis, cross(c.axis, unit(out)))))

@@ -29,7 +29,9 @@ def substituted(expr: Expr, values: dict[Expr, Expr], memo: dict[Expr, Expr]) ->
         return values.get(expr, expr)
     if expr not in memo:
         args = [substituted(a, values, memo) for a in expr.args]
-        if isinstance(expr, Compensated):
+        if all(new is old for new, old in zip(args, expr.args, strict=True)):
+            memo[expr] = expr
+        elif isinstance(expr, Compensated):
             memo[expr] = Compensated(*args)
         elif isinstance(expr, (sympy.Piecewise, ExprCondPair)):
             # Their constructors fold every piecewise condition, even unevaluated.

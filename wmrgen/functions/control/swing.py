@@ -67,7 +67,7 @@ def compensate_steering(robot: Robot, _: Mobility) -> Formula:
         spin, steer = joint_port(w, "spin", Role.COMMAND), joint_port(lead, "steer", Role.COMMAND)
         now = Port(f"{lead.name}.steer_now", Role.STATE, "rad", "steering angle as it is")
         inputs |= dict.fromkeys((spin, steer, now))
-        along = sympy.cos(subtract(signal(steer.name), signal(now.name)))
+        along = sympy.cos(subtract(signal(steer.name), signal(now.name)), evaluate=False)
         outputs.append((spin, times(signal(spin.name), along)))
     text = "wheel speeds while wheels swing: those of their pivots along the present steering angles"
     return Locals().formula("compensate_steering", inputs, outputs, text)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import sympy
+from sympy.core.add import _unevaluated_Add
 
 from wmrgen.functions.system import Domain, Lag, System, of_commands, rate_port
 from wmrgen.ports import Port, Role
@@ -72,10 +74,23 @@ def _tidied(expr: Expr, memo: dict[Expr, Expr]) -> Expr:
         return expr
     if expr not in memo:
         args = [_tidied(a, memo) for a in expr.args]
-        gathered = isinstance(expr, (sympy.Add, sympy.Mul, sympy.Pow))
-        rebuilt = expr.func(*args) if gathered or isinstance(expr, (sympy.sin, sympy.cos)) else expr
-        memo[expr] = _tangent(rebuilt) if isinstance(rebuilt, sympy.Mul) else rebuilt
+        if expr.is_Add:
+            memo[expr] = _sum(args)
+        elif expr.is_Mul:
+            factors = Counter(factor for arg in args for factor in sympy.Mul.make_args(arg))
+            memo[expr] = _tangent(sympy.Mul(*(factor**power for factor, power in factors.items())))
+        elif isinstance(expr, (sympy.sin, sympy.cos)):
+            memo[expr] = expr.func(*args, evaluate=not args[0].is_Add)
+        else:
+            memo[expr] = expr.func(*args) if expr.is_Pow else expr
     return memo[expr]
+
+
+def _sum(parts: Iterable[Expr]) -> Expr:
+    """The sum in the order that sympy gives it; its own evaluation, which loads tensors, is for like terms alone."""
+    terms = [term for part in parts for term in sympy.Add.make_args(part)]
+    alike = len({term.as_coeff_Mul()[1] for term in terms}) < len(terms)
+    return sympy.Add(*terms) if alike else _unevaluated_Add(*terms)
 
 
 def _tangent(product: Expr) -> Expr:

@@ -10,6 +10,7 @@ import sympy
 
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
+from wmrgen.functions.models.sheet import tidy
 from wmrgen.kinematics.records import substituted
 from wmrgen.symbolic import (
     AtLeast,
@@ -130,3 +131,29 @@ def test_a_substitution_evaluates_nothing() -> None:
     assert put.xreplace({local("a"): sympy.Integer(5), Y: sympy.Integer(1)}).doit() == 11
     clamped = substituted(Clamp(X, Y), {X: sympy.Integer(3), Y: sympy.Integer(2)}, {})
     assert isinstance(clamped, Clamp)
+
+
+def test_what_is_tidied_is_what_sympy_evaluates() -> None:
+    rng = random.Random(13)
+    pool = [
+        X,
+        Y,
+        -X,
+        X * Y,
+        sympy.sqrt(2) * Z,
+        X / 3,
+        1 / Y,
+        X**2,
+        sympy.sin(Y),
+        sympy.cos(Z),
+        sympy.pi,
+        X + Y,
+    ]
+    for _ in range(200):
+        parts = [
+            rng.choice((-2, -1, 1, sympy.Rational(1, 3))) * rng.choice(pool)
+            for _ in range(rng.randrange(1, 6))
+        ]
+        parts += [sympy.Integer(rng.randrange(-2, 3))]
+        assert tidy(add(*parts)) == sympy.Add(*parts)
+        assert tidy(times(*parts)) == sympy.Mul(*parts)

@@ -201,3 +201,14 @@ def test_what_must_be_instant_loads_nothing_heavy(code: str) -> None:
     probe = f"{code}\nimport sys; print('LOADED', *sorted({HEAVY!r} & sys.modules.keys()))"
     done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "LOADED"
+
+
+def test_a_swerve_is_derived_without_tensors() -> None:
+    """The first sum that sympy evaluates loads its tensors and permutations: a fortieth of the derivation."""
+    path = ROOT / "robots" / "wpilib_swervebot.yaml"
+    probe = (
+        f"import sys, wmrgen, wmrgen.emit\nwmrgen.emit.artifacts(wmrgen.derive(wmrgen.load({str(path)!r})))\n"
+    )
+    probe += "print('sympy' in sys.modules, 'sympy.tensor.tensor' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
+    assert done.stdout == "True False\n"

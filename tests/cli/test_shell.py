@@ -75,13 +75,23 @@ zpty -r terminal said '*ready*'
 zpty -n -w terminal "wmrgen $*"$'\\t'
 zpty -r terminal said "*wmrgen*$EXPECTED*" && print -r -- $EXPECTED
 """,
+    "zsh, installed": """
+zmodload zsh/zpty
+wmrgen --install-completion > /dev/null
+zpty terminal zsh -i
+zpty -w terminal 'PS1=; echo rea''dy'
+zpty -r terminal said '*ready*'
+zpty -n -w terminal "wmrgen $*"$'\\t'
+zpty -r terminal said "*wmrgen*$EXPECTED*" && print -r -- $EXPECTED
+""",
 }
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("shell", SHELLS)
 def test_shells_complete(shell: str, beside: Path, tmp_path: Path) -> None:
-    """The script that --show-completion prints, in the shell that reads it."""
+    """The script that --show-completion prints, in the shell that reads it; in zsh what is installed, too, at the first
+    tab."""
     program = tmp_path / "bin" / "wmrgen"
     program.parent.mkdir()
     program.write_text(f"#!{sys.executable}\nfrom wmrgen.__main__ import main\nmain()\n")
@@ -92,7 +102,7 @@ def test_shells_complete(shell: str, beside: Path, tmp_path: Path) -> None:
         ("eval robots/unicycle.yaml odometry_cov", "odometry_covariance"),
     ):  # fmt: skip
         done = subprocess.run(
-            [tool(shell), "-c", SHELLS[shell], *([shell] if shell != "fish" else []), *words.split()],
+            [tool(shell.split(",")[0]), "-c", SHELLS[shell], *([shell] if shell != "fish" else []), *words.split()],
             cwd=beside, env=environment | {"EXPECTED": completed, "HOME": str(tmp_path)},
             stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60,
         )  # fmt: skip

@@ -11,11 +11,19 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
+from typer._completion_shared import _completion_scripts
 from typer.core import TyperGroup
 from typer.main import get_command
 
 from wmrgen.cli import console
 
+# zsh loads the file that --install-completion writes at the first tab, and calls it: typer's defines what completes and
+# completes nothing.
+_completion_scripts["zsh"] += """
+if [ "$funcstack[1]" = "_%(prog_name)s" ]; then
+  %(complete_func)s "$@"
+fi
+"""
 Declared = Callable[..., None]
 GROUPS = ("Robot files", "Generate", "Compute", "Analyse")  # in the order of the help
 

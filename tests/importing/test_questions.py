@@ -58,6 +58,25 @@ def test_several_axles_without_a_controller(read: Import) -> None:
     assert read(robot(pair()))["asked"] == []
 
 
+@pytest.mark.parametrize(
+    ("moved", "asked"),
+    [
+        ({"rr": (-0.28, -0.266)}, [("rr", "x"), ("rr", "y")]),
+        ({"fl": (0.31, 0.25)}, [("fl", "x")]),
+        ({"fl": (0.304, 0.25)}, []),  # drawn by CAD
+        ({"fl": (0.3, 0.2), "fr": (0.3, -0.2)}, []),  # a narrow front
+        ({"fl": (0.5, 0.25)}, []),  # no slip of the pen
+    ],
+)  # fmt: skip
+def test_a_wheel_beside_the_corner_that_three_others_leave_is_asked_about(
+    read: Import, moved: dict[str, tuple[float, float]], asked: list[tuple[str, str]]
+) -> None:
+    places = {n: moved.get(n, place) for n, place in CORNERS.items()}
+    wheels = "".join(wheel(n, f"{x} {y} 0.1") for n, (x, y) in places.items())
+    said = read(robot(wheels, control(*(f"{n}_joint" for n in CORNERS))))
+    assert said["asked"] == asked and ("-0.3 at the corner" in said["text"]) is ("rr" in moved)
+
+
 def test_what_moves_the_body_names_no_motors(read: Import) -> None:
     moves = '<gazebo><plugin filename="libgazebo_ros_planar_move.so"/></gazebo>'
     said = read(robot(four(), moves))

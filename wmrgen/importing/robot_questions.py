@@ -21,6 +21,10 @@ _ALONG = math.cos(math.radians(20))
 _CHASSIS = re.compile("(base(_link|_footprint)?|chassis|body)$")
 _CARRIES = re.compile("cast[eo]r|ball|skid|support|slider|wheel|omni", re.IGNORECASE)
 _STRAIGHT = Fraction(1, 10**6)  # [m^2]
+_CAD, _EVENLY = (
+    Fraction(5, 1000),
+    Fraction(1, 1000),
+)  # [m] by which one place differs from others; as they do among them
 _LOW = Fraction(15, 1000)  # [m] above the ground, what still carries
 
 
@@ -65,6 +69,33 @@ def front_doubted(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidat
         f"import again with --forward x: x is forward, and the heading is{shown} as the file has it{turned}"
     )
     return [Question(first.name, "heading", f"which way is forward? In {quoted(robot.base)} {why}", (hint,))]
+
+
+def corner_asked(wheels: Sequence[Wheel]) -> list[Question]:
+    """Of four wheels of a kind three stand at corners of a rectangle, and one near the fourth, but not there."""
+    text = "the other three wheels stand at corners of a rectangle, this one not at the fourth: does it stand so?"
+    for w in wheels:
+        others = [other for other in wheels if other.type == w.type and other is not w]
+        corner = _corner(others) if len(others) == 3 else None
+        questions = []
+        for key, at, to in zip("xy", (w.x, w.y), corner, strict=True) if corner else ():
+            if _CAD < abs(at - to) < abs(to) / 4:
+                hints = (f"{float(at):.6g} as in the file", f"{float(to):.6g} at the corner")
+                questions.append(Question(w.name, key, text, hints))
+        if questions:
+            return questions
+    return []
+
+
+def _corner(three: Sequence[Wheel]) -> tuple[Fraction, Fraction] | None:
+    """The fourth corner of the rectangle, its sides along x and y, of which three wheels are corners."""
+    corner = []
+    for places in ([w.x for w in three], [w.y for w in three]):
+        a, b, c = sorted(places)
+        if min(b - a, c - b) > _EVENLY or c - a < 10 * _CAD:
+            return None
+        corner.append(c if b - a < c - b else a)
+    return corner[0], corner[1]
 
 
 def articulated(wheels: Sequence[Wheel]) -> list[Question]:

@@ -32,6 +32,7 @@ from wmrgen.importing.records import Description, Imported, Joint, Question, Vec
 from wmrgen.importing.robot_questions import (
     DIRECTIONS,
     articulated,
+    corner_asked,
     front_doubted,
     motors_unknown,
     support_asked,
@@ -75,6 +76,7 @@ def import_wheels(description: Description, base: str | None = None, forward: st
         *(question for _, asked in read for question in asked),
         *motors_unknown(result),
         *articulated(result),
+        *corner_asked(result),
         *([] if forward else front_doubted(robot, result, wheels)),
         *doubts,
     ]

@@ -19,7 +19,7 @@ import wmrgen
 from tests.calibrating.simulated import LAYOUTS, Encoders, Layout, Tracker, csv, drive
 from tests.conftest import Outcome
 from tests.depth import everyday
-from wmrgen.calibrating.calibrate import Calibration, Estimate, calibrate, problem_of
+from wmrgen.calibrating.calibrate import Calibration, Estimate, _held_out, calibrate, problem_of
 from wmrgen.calibrating.certainty import fit
 from wmrgen.calibrating.fit import Problem, serial, sums, unit_of
 from wmrgen.calibrating.logs import _increments, read
@@ -474,12 +474,20 @@ def test_slips_are_found_and_left_out(tmp_path: Path, name: str) -> None:
         assert abs(estimate.value - value) < 3 * estimate.sigma
 
 
-def test_one_drive_is_held_out_by_parts(tmp_path: Path) -> None:
-    layout = LAYOUTS["differential"]
+@pytest.mark.parametrize(("count", "folds"), [(1, 5), (2, 2)])
+def test_drives_are_held_out_each_and_one_drive_by_parts(
+    tmp_path: Path, count: int, folds: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    layout, parts = LAYOUTS["differential"], []
+    monkeypatch.setattr(
+        "wmrgen.calibrating.calibrate._held_out",
+        lambda best, others: parts.append((len(best.problem.drives), len(others))) or _held_out(best, others),
+    )
     paths = written(tmp_path, layout, tracker=Tracker(noise=(0.002, 0.003)))
-    result = calibrate(derivation_of(tmp_path, layout), paths[:1], [])
+    result = calibrate(derivation_of(tmp_path, layout), paths[:count], [])
+    assert parts == [(folds, folds)]
     assert result.held_out is not None and result.held_out.position < 0.01
-    assert [drive.name for drive in result.fit.problem.drives] == ["run-0"]
+    assert [drive.name for drive in result.fit.problem.drives] == [f"run-{k}" for k in range(count)]
 
 
 def test_headings_alone(tmp_path: Path) -> None:

@@ -199,6 +199,12 @@ def test_only_what_is_tunable_gets_a_prepare() -> None:
     assert " / " not in step
 
 
+def test_where_least_flash_is_asked_for_a_part_is_taken_from_the_whole() -> None:
+    source = sources(of_gallery("ackermann_car").c_module)[1]
+    (least,) = (small for small, full in WHERE_SMALL.findall(source) if "twist->vx = " in full)
+    assert "ackermann_car_forward_slip(wheels, twist, &slip);" in least
+
+
 def test_a_function_without_outputs_is_left_out() -> None:
     header, _ = sources(Module("none", (empty(),)))
     assert "none_forward" not in header

@@ -9,12 +9,13 @@ import pytest
 import sympy
 
 from tests.functions.models.robots import UNICYCLE, derived, p, s
-from tests.robots import of_text
+from tests.robots import of_gallery, of_text
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models import growth as growth_of
 from wmrgen.functions.models.growth import MOST_STATES, growth, robot_growth
+from wmrgen.functions.models.polynomials import generic
 from wmrgen.functions.models.vector_fields import (
     Field,
     Slopes,
@@ -107,6 +108,15 @@ def test_generic_points_differ_in_every_state_and_from_seed_to_seed() -> None:
     assert set(points[0]) == {"x", "y", "front_steer"}
     values = [value for point in points for value in point.values()]
     assert len(set(values)) == len(values) and all(values)
+
+
+def test_generic_angles_are_angles() -> None:
+    """Exactly, and no two of the first six wheels have the same: ranks decided there are generic."""
+    robot = of_gallery("jpl_osr").robot
+    for seed in range(3):
+        points = [generic(robot, seed)(w.name) for w in robot.wheels]
+        assert all(c * c + s * s == Exact(1) for c, s in points)
+        assert len({*points[:6]}) == 6
 
 
 def test_a_bracket_is_its_definition() -> None:

@@ -13,7 +13,7 @@ from tests.calibrating.simulated import LAYOUTS, Encoders, Tracker, csv, drive
 from tests.calibrating.test_calibrate import derivation_of, written
 from wmrgen.calibrating.calibrate import calibrate
 from wmrgen.calibrating.drawn import by_joint, by_time
-from wmrgen.calibrating.stored import Stored
+from wmrgen.calibrating.stored import Stored, changed
 
 TRACKER = Tracker(0.04 - 0.07j, late=0.13, noise=(0.002, 0.003))
 ENCODERS = Encoders(2 * np.pi / 400, slip=0.01, episodes=((7.0, 7.6, "fl", 1.8),))
@@ -28,6 +28,8 @@ def test_results_are_those_of_drives_in_memory(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr("wmrgen.calibrating.calibrate._LARGE", 0)
     in_turn = calibrate(derivation, logs, [])
     assert isinstance(in_turn.fit.problem.drives, Stored) and whole.outliers
+    for drives in (whole.fit.problem.drives, in_turn.fit.problem.drives):  # what is changed stays where it is
+        assert type(changed(drives, lambda _, each: [each])) is type(drives)
     for name in ("parameters", "unobservable", "before", "after", "held_out", "clocks"):
         assert getattr(in_turn, name) == getattr(whole, name)
     assert str(in_turn.outliers) == str(whole.outliers)  # nan among them

@@ -1,7 +1,8 @@
-"""Determinants, adjugates and derivatives of polynomials against sympy's."""
+"""Determinants, adjugates and derivatives of polynomials against sympy's; powers and sines of exact numbers."""
 
 from __future__ import annotations
 
+import math
 import random
 from fractions import Fraction
 
@@ -9,8 +10,9 @@ import pytest
 import sympy
 
 from tests.depth import everyday
-from wmrgen.exact.evaluate import circle
+from wmrgen.exact.evaluate import circle, twelfths
 from wmrgen.exact.linalg import adjugate, determinant, inverse
+from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, by_angle, derivative
 from wmrgen.symbolic import expression
 
@@ -52,6 +54,22 @@ def test_the_inverse_of_numbers() -> None:
     m = [[Poly.of(v) for v in row] for row in ((2, 1, 0), (1, 3, 1), (0, 1, 4))]
     expected = sympy.Matrix(3, 3, [2, 1, 0, 1, 3, 1, 0, 1, 4]).inv()
     assert sympy.Matrix(3, 3, [expression(p) for row in inverse(m) for p in row]) == expected
+
+
+@pytest.mark.parametrize("n", range(-3, 4))
+def test_powers_of_numbers(n: int) -> None:
+    """Of all four parts; what is to the power 0 is 1, 0 too."""
+    x = Exact(Fraction(1, 2), 2, -1, 3)
+    assert x**n == math.prod([x if n > 0 else x.inverse()] * abs(n), start=Exact(1))
+    assert n < 0 or Exact(0) ** n == (n == 0)
+
+
+@pytest.mark.parametrize("k", range(-13, 37))
+def test_multiples_of_a_twelfth_of_half_a_turn(k: int) -> None:
+    """Exactly on the circle, and where the angle is."""
+    c, s = twelfths(k)
+    assert c * c + s * s == 1
+    assert (float(c), float(s)) == pytest.approx((math.cos(k * math.pi / 12), math.sin(k * math.pi / 12)))
 
 
 def test_derivatives_by_a_generator() -> None:

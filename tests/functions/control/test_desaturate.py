@@ -142,3 +142,9 @@ def test_what_inverse_asks_beyond_the_limits_is_what_it_is_for() -> None:
 def test_what_is_missing_is_named(limits: str, named: str) -> None:
     with pytest.raises(NotDerivableError, match=named):
         _ = derived(robot_text(MECANUM, limits), "desaturate").program
+
+
+def test_one_wheel_without_a_limit_is_named() -> None:
+    three = MECANUM.replace("}", ", limits: {spin: 4}}", 3)
+    with pytest.raises(NotDerivableError, match="br has no limit of spin"):
+        _ = derived(robot_text(three), "desaturate").program

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import sympy
 
-from tests.functions.models.robots import CAR_REAR, DIFFERENTIAL, derived, evaluated, p, s, zero
+from tests.functions.models.robots import CAR_REAR, DIFFERENTIAL, OMNI, derived, evaluated, p, s, zero
 from wmrgen import derive
 
 VX, VY, W = s("vx"), s("vy"), s("omega")
@@ -36,6 +36,15 @@ def test_tzafestas_example_2_2_pfaffian() -> None:
         [0, 1, b, 0, 0, 0, 0, 0, -1],
     ]
     assert (d.pfaffian - sympy.Matrix(expected)).applyfunc(evaluated).is_zero_matrix
+
+
+@pytest.mark.parametrize(
+    ("wheels", "words"), [(DIFFERENTIAL, "longitudinal slip"), (OMNI, "slip along the roller axis")]
+)
+def test_what_slips_is_said(wheels: str, words: str) -> None:
+    inputs = derived(wheels, SLIP).formula("slip_inverse").inputs
+    told = [port.text for port in inputs if port.name.endswith("slip_x")]
+    assert told and all(text.startswith(words) for text in told)
 
 
 def test_steered_wheel_at_any_angle() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -24,7 +25,7 @@ from wmrgen.calibrating.certainty import fit
 from wmrgen.calibrating.fit import Problem, serial, sums, unit_of
 from wmrgen.calibrating.logs import _increments, read
 from wmrgen.calibrating.observability import blind, courses, offers, plan
-from wmrgen.calibrating.path import passed, reckoned
+from wmrgen.calibrating.path import Reckoning, passed, reckoned
 from wmrgen.calibrating.picture import _ERRORS, _PATHS, _errors, _key, _paths, _values
 from wmrgen.calibrating.starts import laid
 from wmrgen.calibrating.written import with_values
@@ -171,6 +172,18 @@ def test_derivatives_are_those_of_the_path(tmp_path: Path, monkeypatch: pytest.M
             low = reckoned(increments(columns, values - step))
             assert np.allclose((high.position - low.position) / 2e-6, path.position_by[index], atol=1e-6)
             assert np.allclose((high.heading - low.heading) / 2e-6, path.heading_by[index], atol=1e-6)
+
+
+@pytest.mark.parametrize("omega", [0.0, 1e-6, 1.99e-4, 2.01e-4, -2.01e-4, 0.3, -3.0])
+def test_a_step_goes_along_its_arc_and_by_omega_as_far(omega: float) -> None:
+    """(e^(i omega) - 1) / (i omega), which is 1 + i omega / 2 - omega^2 / 6 - ..., and its derivative."""
+    one, terms = np.ones(1), [1j**k / math.factorial(k + 1) for k in range(40)]
+    step = Reckoning(one + 0j, omega * one, np.zeros((1, 1), complex), np.ones((1, 1)))
+    path = reckoned(step)
+    assert path.position[1] == pytest.approx(sum(c * omega**k for k, c in enumerate(terms)), rel=1e-12)
+    by = sum(k * c * omega ** (k - 1) for k, c in enumerate(terms) if k)
+    assert path.position_by[0, 1].real == pytest.approx(by.real, rel=1e-6, abs=1e-16)
+    assert path.position_by[0, 1].imag == pytest.approx(by.imag, rel=1e-6)
 
 
 def test_what_only_appears_as_a_sum_is_named(tmp_path: Path) -> None:

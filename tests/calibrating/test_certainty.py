@@ -17,7 +17,7 @@ from wmrgen.calibrating.clocks import ALONE, shown
 from wmrgen.calibrating.fit import LEVER, Residuals, _typical
 from wmrgen.calibrating.logs import Drive, Truth
 from wmrgen.calibrating.mistakes import refuse_strangers
-from wmrgen.calibrating.outliers import _steps
+from wmrgen.calibrating.outliers import _peaks, _steps
 from wmrgen.errors import UsageError
 
 ALONG, ACROSS, TURN = 4e-6, 1e-6, 9e-6  # m^2/s, m^2/s, rad^2/s
@@ -142,6 +142,13 @@ def test_a_robot_stands_where_no_wheel_turns() -> None:
         "d", t, {"left.spin": turning, "right.spin": 0 * turning, "right.steer": 1 + 0 * turning}, still
     )
     assert drive.stands(-1) and not drive.stands(0)
+
+
+def test_slips_are_at_the_peaks_of_what_is_unusual() -> None:
+    """Above 1, and above 0.6 of the largest of eight steps before and after."""
+    unusual = np.array([0.9, 0, 2.9, 5, 3.1, *[0] * 8, 1.1, 0.9, *[0] * 20, 1.5])
+    assert unusual[_peaks(unusual)].tolist() == [5, 3.1, 1.1, 1.5]
+    assert not len(_peaks(np.array([])))
 
 
 @pytest.mark.parametrize("ahead", [1, 1j])

@@ -28,6 +28,7 @@ def test_results_are_those_of_drives_in_memory(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr("wmrgen.calibrating.calibrate._LARGE", 0)
     in_turn = calibrate(derivation, logs, [])
     assert isinstance(in_turn.fit.problem.drives, Stored) and whole.outliers
+    assert whole.clocks == pytest.approx({log.stem: TRACKER.late for log in logs}, abs=0.02)
     for drives in (whole.fit.problem.drives, in_turn.fit.problem.drives):  # what is changed stays where it is
         assert type(changed(drives, lambda _, each: [each])) is type(drives)
     for name in ("parameters", "unobservable", "before", "after", "held_out", "clocks"):

@@ -82,6 +82,15 @@ def test_two_headings(ahead: str, angle: float, shared: bool) -> None:
     assert f"{abs(angle):.3g} deg" in d.robot.near[0].text
 
 
+@pytest.mark.parametrize("off", [(0, 1, 2), (2, 0, 1), (1, 2, 0), (0, 1, 2, 4), (4, 1, 0, 2)])
+def test_headings_turn_to_that_of_the_middle_wheel(off: tuple[int, ...]) -> None:
+    """Of four to that of the first of both in the middle."""
+    wheels = [wheel(f"w{k}", 0, 0.1 * k, f"{20 + 0.01 * o!r} deg") for k, o in enumerate(off)]
+    middle = next(o for o in off if o in sorted(off)[(len(off) - 1) // 2 : len(off) // 2 + 1])
+    headings = [np.degrees(w.heading) for w in robot(*wheels).robot.wheels]
+    assert headings == pytest.approx([20 + 0.01 * middle] * len(off))
+
+
 def test_opposite_headings_are_one_axle() -> None:
     assert kind(pair(0.0003, "pi")) == (2, 0)
     d = pair(0.0003, "pi - 0.0005", head="snap: false\n")

@@ -4,8 +4,9 @@ cosmic-ray plants them, one at a time, in copies of the checkout: an operator, a
 a loop is changed at a place that a seeded draw chooses among the lines of ``wmrgen/``. A run of the everyday tests
 under coverage says which tests execute which line, and how long they take. Those of the changed line are run against
 each fault until one fails: the tests of its own room first, and one case of each before a second. Coverage does not see
-the processes that tests start, nor what tests read: those of the room (``tests/cli`` of ``wmrgen/cli``) and `READERS`,
-which read the sources, are run whatever they execute.
+the processes that tests start, nor what tests read or what an earlier test has left in a cache: those of the room
+(``tests/cli`` of ``wmrgen/cli``) and `READERS`, which read the sources or compare what is generated, are run whatever
+they execute.
 """
 
 from __future__ import annotations
@@ -29,7 +30,12 @@ from pytest import Item
 
 ROOT = Path(__file__).resolve().parent.parent
 COUNT, SEED, JOBS = 200, 1, os.cpu_count() or 1
-READERS = ("tests/trust/test_source.py", "tests/trust/test_imports.py", "tests/wheels/test_one_home.py")
+READERS = (
+    "tests/trust/test_source.py",
+    "tests/trust/test_imports.py",
+    "tests/wheels/test_one_home.py",
+    "tests/gallery/test_gallery.py::test_generated_files",
+)
 SECONDS = 900  # of processor time for the tests of a fault, three times what all take: a loop counts as found
 TIMEOUT = 3600  # s, of a fault that waits: for other work on the machine, too
 # Unions of types in annotations, caches and swapped identities are faults in name alone.

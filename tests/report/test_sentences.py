@@ -300,6 +300,7 @@ wheels:
     [
         (LOCKED, "`slip` is the norm of z − H ξ [m/s].", r"\mathrm{slip} = \sqrt{{"),  # too wide for a page
         (LOCKED, "Without slip nothing moves: DDOF = DOF = 0.", "holonomic, but not"),
+        (LOCKED, "a degenerate layout, (0, 0): without slip it cannot move.", "steering adds"),
         (SPINNING, r"\dot{x} &= 0 \\", r"\left(0\right)"),
         (SPINNING, r"\mathrm{slip} = \sqrt{v_y^2 + v_x^2}", "2\\,"),
         (PARALLEL, "3 relations must hold", "of compatibility"),  # they hold straight ahead alone

@@ -50,11 +50,12 @@ def kind_of_robot(d: Derivation) -> str:
     kind = "Campion's type" if m.robot_type else "a degenerate layout,"
     when = "at any instant" if m.robot_type else "without slip"  # a skid-steer robot turns, but slips
     wheels = Counter(w.kind.noun for w in robot.wheels)
+    adds = _word(m.degree_of_steerability) if m.degree_of_steerability else "none"
+    moves = f"moves with {_count(m.degree_of_mobility, 'degree')} of freedom, and steering adds {adds}"
     return (
         f"This robot has {notation.listed([_count(n, noun) for noun, n in wheels.items()])}. It is {kind} "
-        f"({m.degree_of_mobility}, {m.degree_of_steerability}): {when} it moves with "
-        f"{_count(m.degree_of_mobility, 'degree')} of freedom, and steering adds "
-        f"{_word(m.degree_of_steerability) if m.degree_of_steerability else 'none'}."
+        f"({m.degree_of_mobility}, {m.degree_of_steerability}): {when} it "
+        f"{moves if m.degree_of_mobility else 'cannot move'}."
     ) + (_SKIDDING if robot.effective_track else "")
 
 

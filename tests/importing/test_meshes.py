@@ -128,6 +128,7 @@ CIRCLE = (
         ("bomb.dae", BOMB),
         ("circle.dae", CIRCLE),
         ("odd.dae", b"<COLLADA><visual_scene><node><matrix>1 2</matrix></node></visual_scene></COLLADA>"),
+        ("turn.dae", dae(1.0).replace(b"<rotate>1 0 0", b"<rotate>0 0 0")),
         ("../outside.stl", binary_stl(1.0)),
     ],
 )

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-import struct
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element
+
+import numpy as np
+from numpy.typing import NDArray
 
 from wmrgen.errors import RobotFileError
 from wmrgen.importing.frames import plus, transposed, turned
@@ -19,9 +21,8 @@ _NUMBER = rb"\s+([-+.\deE]{1,40})"
 _VERTEX = re.compile(rb"^\s*vertex" + 3 * _NUMBER, re.MULTILINE)
 _OBJ_VERTEX = re.compile(rb"^v" + 3 * _NUMBER, re.MULTILINE)
 _DEPTH = 32
-Point = tuple[float, float, float]
-Rows = tuple[tuple[float, ...], ...]  # three rows of a 4 by 4 matrix
-_SAME: Rows = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0))
+_TRIANGLE = np.dtype([("normal", "<3f4"), ("corners", "<9f4"), ("attribute", "<u2")])  # of a binary STL
+Reals = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,36 +39,28 @@ class Reach:
 def reach(data: bytes, name: str, scale: Vector, where: Frame, origin: Vector, axis: Vector) -> Reach | None:
     """What a mesh in the frame ``where`` covers about an axle; None for what is no mesh that is read here."""
     try:
-        cloud = set(points(data, name))
+        cloud = points(data, name)
     except (RobotFileError, ValueError, OverflowError):
         return None
     back = transposed(where.rotation)
-    ox, oy, oz = map(float, turned(back, plus(origin, where.origin, -1)))
-    ax, ay, az = map(float, turned(back, axis))
-    sx, sy, sz = map(float, scale)
-    low, high, largest, far = math.inf, -math.inf, 0.0, (0.0, 0.0, 0.0)
-    for x, y, z in cloud:
-        dx, dy, dz = sx * x - ox, sy * y - oy, sz * z - oz
-        along = dx * ax + dy * ay + dz * az
-        if not math.isfinite(along):
-            return None
-        low, high = min(low, along), max(high, along)
-        if (square := dx * dx + dy * dy + dz * dz - along * along) > largest:
-            largest, far = square, (dx - along * ax, dy - along * ay, dz - along * az)
-    if not cloud:
+    centre = np.array(turned(back, plus(origin, where.origin, -1)), dtype=float)
+    axle = np.array(turned(back, axis), dtype=float)
+    with np.errstate(all="ignore"):
+        off = cloud * np.array(scale, dtype=float) - centre
+        along = off @ axle
+        across = off - along[:, None] * axle
+    if not len(cloud) or not np.isfinite(across).all():
         return None
-    fx, fy, fz = far
-    across = ay * fz - az * fy, az * fx - ax * fz, ax * fy - ay * fx
-    sides = [(-fx, -fy, -fz), across, (-across[0], -across[1], -across[2])]
-    least = min(
-        max((sx * x - ox) * u + (sy * y - oy) * v + (sz * z - oz) * w for x, y, z in cloud)
-        for u, v, w in sides
-    )
-    return Reach(math.sqrt(largest), low, high, least / largest if largest else 0.0)
+    squares = (across**2).sum(axis=1)
+    largest, far = squares.max(), across[squares.argmax()]
+    aside = np.cross(axle, far)
+    least = min((across @ side).max() for side in (-far, aside, -aside))
+    share = float(least / largest) if largest else 0.0
+    return Reach(math.sqrt(largest), float(along.min()), float(along.max()), share)
 
 
-def points(data: bytes, name: str) -> Iterable[Point]:
-    """The points of a mesh [m, unscaled]. ValueError or RobotFileError for what cannot be read."""
+def points(data: bytes, name: str) -> Reals:
+    """The points of a mesh (n, 3) [m, unscaled]. ValueError or RobotFileError for what cannot be read."""
     kind = name.lower().rsplit(".", 1)[-1]
     if kind == "stl":
         return _stl(data)
@@ -78,17 +71,15 @@ def points(data: bytes, name: str) -> Iterable[Point]:
     raise ValueError(f"{kind} is not read")
 
 
-def _stl(data: bytes) -> Iterable[Point]:
+def _stl(data: bytes) -> Reals:
     """Binary, where its length is that of the triangles which it announces; else text."""
     if len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little"):
-        return (v[i : i + 3] for v in struct.iter_unpack("<12x9f2x", data[84:]) for i in (0, 3, 6))
+        return np.frombuffer(data, _TRIANGLE, offset=84)["corners"].reshape(-1, 3).astype(float)
     return _texts(_VERTEX, data)
 
 
-def _texts(pattern: re.Pattern[bytes], data: bytes) -> Iterator[Point]:
-    for match in pattern.finditer(data):
-        x, y, z = map(float, match.groups())
-        yield x, y, z
+def _texts(pattern: re.Pattern[bytes], data: bytes) -> Reals:
+    return np.array([list(map(float, match.groups())) for match in pattern.finditer(data)]).reshape(-1, 3)
 
 
 class _Collada:
@@ -99,71 +90,59 @@ class _Collada:
         self.root = root
         self.named = {f"#{e.get('id')}": e for e in root.iter() if e.get("id")}
 
-    def points(self) -> Iterator[Point]:
+    def points(self) -> Reals:
         unit = next((float(u.get("meter", "1")) for u in below(self.root, "unit")), 1.0)
         scenes = list(below(self.root, "visual_scene"))
         placed = (
-            p for scene in scenes for node in children(scene, "node") for p in self._node(node, _SAME, 0)
+            part
+            for scene in scenes
+            for node in children(scene, "node")
+            for part in self._node(node, np.eye(4), 0)
         )
-        free = (p for geometry in below(self.root, "geometry") for p in self._geometry(geometry))
-        yield from ((unit * x, unit * y, unit * z) for x, y, z in (placed if scenes else free))
+        free = (part for geometry in below(self.root, "geometry") for part in self._geometry(geometry))
+        return unit * np.concatenate([np.empty((0, 3)), *(placed if scenes else free)])
 
-    def _node(self, node: Element, outer: Rows, depth: int) -> Iterator[Point]:
+    def _node(self, node: Element, outer: Reals, depth: int) -> Iterator[Reals]:
+        """The points of a node, which ``outer``, a matrix (4, 4), takes to the scene, and of those in it."""
         if depth > _DEPTH:
             raise ValueError("nodes without end")
         matrix = outer
         for element in node:
-            kind = local(element)
+            kind, other = local(element), self.named.get(element.get("url", ""))
             if kind in ("matrix", "translate", "rotate", "scale"):
-                matrix = _product(matrix, _transform(kind, [float(v) for v in (element.text or "").split()]))
-            elif kind == "instance_geometry" and element.get("url", "") in self.named:
-                yield from (_moved(matrix, p) for p in self._geometry(self.named[element.get("url", "")]))
+                matrix = matrix @ _transform(kind, [float(v) for v in (element.text or "").split()])
+            elif kind == "instance_geometry" and other is not None:
+                yield from (part @ matrix[:3, :3].T + matrix[:3, 3] for part in self._geometry(other))
             elif kind == "node":
                 yield from self._node(element, matrix, depth + 1)
-            elif kind == "instance_node" and element.get("url", "") in self.named:
-                yield from self._node(self.named[element.get("url", "")], matrix, depth + 1)
+            elif kind == "instance_node" and other is not None:
+                yield from self._node(other, matrix, depth + 1)
 
-    def _geometry(self, geometry: Element) -> Iterator[Point]:
+    def _geometry(self, geometry: Element) -> Iterator[Reals]:
         for vertices in below(geometry, "vertices"):
             for each in children(vertices, "input"):
                 source = self.named.get(each.get("source", ""))
                 numbers = None if source is None else child(source, "float_array")
                 if each.get("semantic") == "POSITION" and numbers is not None:
-                    values = iter([float(v) for v in (numbers.text or "").split()])
-                    yield from zip(values, values, values, strict=False)
+                    values = [float(v) for v in (numbers.text or "").split()]
+                    yield np.array(values[: len(values) // 3 * 3]).reshape(-1, 3)
 
 
-def _transform(kind: str, values: Sequence[float]) -> Rows:
+def _transform(kind: str, values: Sequence[float]) -> Reals:
+    """An element of a node as a matrix (4, 4); a turn about no axis is no number."""
+    result = np.eye(4)
     if kind == "matrix" and len(values) == 16:
-        return tuple(tuple(values[4 * row : 4 * row + 4]) for row in range(3))
-    if kind == "rotate" and len(values) == 4:
-        return _turn(values[:3], math.radians(values[3]))
-    if kind in ("translate", "scale") and len(values) == 3:
-        x, y, z = values
-        if kind == "scale":
-            return (x, 0, 0, 0), (0, y, 0, 0), (0, 0, z, 0)
-        return (1, 0, 0, x), (0, 1, 0, y), (0, 0, 1, z)
-    raise ValueError(f"<{kind}> of {len(values)} numbers")
-
-
-def _turn(axis: Sequence[float], angle: float) -> Rows:
-    """Rodrigues' formula."""
-    x, y, z = (v / math.hypot(*axis) for v in axis)
-    c, s = math.cos(angle), math.sin(angle)
-    return (
-        (c + x * x * (1 - c), x * y * (1 - c) - z * s, x * z * (1 - c) + y * s, 0),
-        (y * x * (1 - c) + z * s, c + y * y * (1 - c), y * z * (1 - c) - x * s, 0),
-        (z * x * (1 - c) - y * s, z * y * (1 - c) + x * s, c + z * z * (1 - c), 0),
-    )
-
-
-def _product(a: Rows, b: Rows) -> Rows:
-    last = (0.0, 0.0, 0.0, 1.0)
-    return tuple(
-        tuple(sum(row[k] * (*b, last)[k][column] for k in range(4)) for column in range(4)) for row in a
-    )
-
-
-def _moved(rows: Rows, point: Point) -> Point:
-    x, y, z = (r[0] * point[0] + r[1] * point[1] + r[2] * point[2] + r[3] for r in rows)
-    return x, y, z
+        result[:3] = np.reshape(values, (4, 4))[:3]
+    elif kind == "rotate" and len(values) == 4:
+        with np.errstate(invalid="ignore"):
+            axis = np.array(values[:3]) / np.linalg.norm(values[:3])
+        c, s = math.cos(math.radians(values[3])), math.sin(math.radians(values[3]))
+        # Rodrigues' formula.
+        result[:3, :3] = c * np.eye(3) + (1 - c) * np.outer(axis, axis) + s * np.cross(axis, np.eye(3)).T
+    elif kind == "translate" and len(values) == 3:
+        result[:3, 3] = values
+    elif kind == "scale" and len(values) == 3:
+        result[:3, :3] = np.diag(values)
+    else:
+        raise ValueError(f"<{kind}> of {len(values)} numbers")
+    return result

@@ -20,10 +20,12 @@ T = TypeVar("T")
 
 
 def read_limits(
-    node: Node | None, what: str, scope: Scope, valid: tuple[str, ...] | None = None
+    node: Node | None, what: str, scope: Scope, several: Several, valid: tuple[str, ...] | None = None
 ) -> tuple[Limit, ...]:
     """Limits in the order of the file, of those that are ``valid``. A single value v means [-v, v]."""
-    return _each(node, LIMITS, f"limits of {what}", valid, lambda name, table, _: _limit(name, table, scope))
+    return _each(
+        node, LIMITS, several, f"limits of {what}", valid, lambda name, table, _: _limit(name, table, scope)
+    )
 
 
 def _limit(name: str, table: Table, scope: Scope) -> Limit:
@@ -52,7 +54,7 @@ def _negated(text: str) -> str:
 
 
 def read_noise(
-    node: Node | None, what: str, scope: Scope, valid: tuple[str, ...] | None = None
+    node: Node | None, what: str, scope: Scope, several: Several, valid: tuple[str, ...] | None = None
 ) -> tuple[NoiseSpec, ...]:
     """The noise of joints, of those that are ``valid``."""
 
@@ -60,11 +62,11 @@ def read_noise(
         of, name = _of(joint, table, f"noise of {what}", several), f"the noise of {joint}"
         return NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
 
-    return _each(node, NOISE, f"noise of {what}", valid, noise)
+    return _each(node, NOISE, several, f"noise of {what}", valid, noise)
 
 
 def read_encoders(
-    node: Node | None, what: str, scope: Scope, valid: tuple[str, ...] | None = None
+    node: Node | None, what: str, scope: Scope, several: Several, valid: tuple[str, ...] | None = None
 ) -> tuple[EncoderSpec, ...]:
     """The encoders of joints, of those that are ``valid``."""
 
@@ -74,36 +76,36 @@ def read_encoders(
         counts, gear, bits = (of.amount(key, name, scope) for key in ("counts", "gear", "bits"))
         return None if counts is None else EncoderSpec(joint, counts, gear, of.word("reversed"), bits)
 
-    return _each(node, ENCODER, f"encoder of {what}", valid, encoder)
+    return _each(node, ENCODER, several, f"encoder of {what}", valid, encoder)
 
 
 def read_lag(
-    node: Node | None, what: str, scope: Scope, valid: tuple[str, ...] | None = None
+    node: Node | None, what: str, scope: Scope, several: Several, valid: tuple[str, ...] | None = None
 ) -> tuple[tuple[str, Quantity], ...]:
     """Joints, of those that are ``valid``, each with its time constant."""
 
     def lag(joint: str, table: Table, _: Several) -> tuple[str, Quantity]:
         return joint, table.required_amount(joint, f"the lag of {what}", scope)
 
-    return _each(node, LAG, f"lag of {what}", valid, lag)
+    return _each(node, LAG, several, f"lag of {what}", valid, lag)
 
 
 def _each(
     node: Node | None,
     section: Section,
+    several: Several,
     title: str,
     valid: tuple[str, ...] | None,
     read: Callable[[str, Table, Several], T | None],
 ) -> tuple[T, ...]:
-    """What is read of every key of a mapping, in the order of the file; it may be nothing."""
+    """What can be read of every key of a mapping, in the order of the file; ``several`` takes the rest."""
     if node is None:
         return ()
-    several, results = Several(), list[T | None]()
+    results: list[T | None] = []
     table = table_of(node, section, several, title, valid)
     for name in table.values:
         with several:
             results.append(read(name, table, several))
-    several.end()
     return tuple(result for result in results if result is not None)
 
 

@@ -96,7 +96,7 @@ def _joint_facts(
     ):  # fmt: skip
         with several:
             facts["encoders" if key == "encoder" else key] = read(
-                table.get(key), what, scope, keys_of_type(section, kind)
+                table.get(key), what, scope, several, keys_of_type(section, kind)
             )
     return facts
 

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 import math
+import re
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
-from wmrgen.importing.names import near_robot_name
+from wmrgen.errors import Mark, RobotFileError
 from wmrgen.importing.records import MODEL, SUPPORT, Imported, Question, Wheel
 from wmrgen.layout.expressions import twelfths_of_pi
 from wmrgen.spec.load import OPEN
-from wmrgen.spec.text import quoted
+from wmrgen.spec.names import robot_name, wheel_name
+from wmrgen.spec.text import Scalar, quoted
 from wmrgen.wheels import WHEEL_TYPES
 
 DIGITS = 12  # decimals of a length; those of floating point noise are dropped
 _SAME = 1e-9  # [rad]
 _WIDTH = 100
+_KINDS_OF_JOINT = re.compile("((?i:_(joint|link|wheel|spin|axle|hinge))|Joint|Link|Wheel|Spin|Axle|Hinge)+$")
+_MOST = 28  # characters, which leave room for a number
 
 
 def as_json(robot: Imported) -> dict[str, Any]:
@@ -148,3 +152,37 @@ def _angle(value: float) -> str:
 
 def counted(questions: Sequence[Question]) -> str:
     return f"{len(questions)} question{'s' * (len(questions) != 1)}"
+
+
+# ---- names, as near to those of the description as they may be
+
+
+def near_robot_name(name: str) -> str:
+    near = _plain(name)[:_MOST].strip("_")
+    return _first((near, near.lower(), f"{near.lower()}_1"), robot_name) or "imported_robot"
+
+
+def near_wheel_names(joints: Sequence[str]) -> list[str]:
+    """Names of wheels, without what says that a joint is one; none twice in any case of letters."""
+    names: list[str] = []
+    for number, joint in enumerate(joints, 1):
+        near = _KINDS_OF_JOINT.sub("", _plain(joint))[:_MOST].strip("_")
+        tries = (near, near.lower(), f"{near.lower()}_{number}", f"wheel_{number}")
+        name = _first(tries, wheel_name) or f"wheel_{number}"
+        clashes = name.lower() in (other.lower() for other in names)
+        names.append(f"{name[: _MOST - 2]}_{number}" if clashes else name)
+    return names
+
+
+def _plain(name: str) -> str:
+    return re.sub("[^A-Za-z0-9]+", "_", name).strip("_")
+
+
+def _first(tries: Iterable[str], check: Callable[[Scalar], str]) -> str | None:
+    """The first that a robot file accepts."""
+    for name in tries:
+        try:
+            return check(Scalar(Mark("", 0, 0, ""), name, True))
+        except RobotFileError:
+            continue
+    return None

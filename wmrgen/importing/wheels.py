@@ -10,7 +10,6 @@ from wmrgen.importing.candidates import LEVEL, candidates
 from wmrgen.importing.couplings import couplings
 from wmrgen.importing.frames import ancestors, dot, plus
 from wmrgen.importing.instructions import skid_track
-from wmrgen.importing.names import near_wheel_names
 from wmrgen.importing.passed import with_gears
 from wmrgen.importing.questions import (
     CONFLICT,
@@ -29,6 +28,7 @@ from wmrgen.importing.questions import (
 )
 from wmrgen.importing.read import refuse
 from wmrgen.importing.records import Description, Imported, Joint, Question, Vector, Wheel
+from wmrgen.importing.robot_file import near_wheel_names
 from wmrgen.importing.robot_questions import (
     DIRECTIONS,
     articulated,

@@ -170,6 +170,29 @@ def test_the_radius_of_a_side_counts_before_that_of_all(tmp_path: Path) -> None:
     assert straight.ratio == pytest.approx((0.1 / 0.05 + 0.1 / 0.2) / 2)
 
 
+@pytest.mark.parametrize(("driven", "radius"), [("rear", 0.45), ("front", 0.5), ("", 0.475)])
+def test_the_radius_of_a_controller_is_that_of_the_wheels_that_are_driven(
+    tmp_path: Path, driven: str, radius: float
+) -> None:
+    """Of a lorry whose front wheels are larger; of one that does not say which are, all."""
+    motors: dict[str, dict[str, tuple[str, ...]]] = {
+        "rear": {"rear": ("spin",), "front": ("steer",)}, "front": {"rear": (), "front": ("spin", "steer")}, "": {}
+    }  # fmt: skip
+    sides = [
+        Side(
+            (f"{end}_{k}",), kind, {"x": x, "y": y, "r": r, "heading": 0.0}, actuated=motors[driven].get(end)
+        )
+        for x, end, kind, r in ((0.0, "rear", "fixed", 0.45), (3.6, "front", "steered", 0.5))
+        for k, y in (("left", 1.0), ("right", -1.0))
+    ]
+    path = tmp_path / "p.yaml"
+    text = "car: {type: AckermannSteeringController, wheelbase: 3.6, wheel_radius: %s}"
+    for told, differs in ((radius, False), (radius * 1.02, True)):
+        path.write_text(text % told, encoding="utf-8")
+        result = compare(Layout("", "d", tuple(sides)), *layouts(path))
+        assert ["radius" in d.quantity for d in result.differences] == [True] * differs
+
+
 @pytest.mark.parametrize("names", [("left", "right"), ("wheel_left", "wheel_right")])
 def test_sides_that_a_controller_has_the_other_way_round(names: tuple[str, str], tmp_path: Path) -> None:
     """The wheels of a robot file bear no names of joints: `left` is that of `wheel_left_joint`."""

@@ -79,9 +79,11 @@ def roles(wheels: Sequence[Side]) -> list[str]:
 
 def lengths(wheels: Sequence[Side], where: Sequence[str], along: complex) -> dict[str, float]:
     """What the wheels have of `LENGTHS`, and "middle", from their places and radii; ``where``: their `roles`, ``along``
-    the `forward` of the robot. The track is that of its fixed wheels, where it has some."""
+    the `forward` of the robot. The track is that of its fixed wheels, where it has some, the radius that of its driven
+    ones."""
     at = [along.conjugate() * w.pivot for w in wheels]
     whole = range(len(wheels))
+    driven = [i for i in whole if (joints := wheels[i].actuated) is None or "spin" in joints] or list(whole)
     fixed = [i for i in whole if WHEEL_TYPES[wheels[i].type].fixed_axle] or list(whole)
 
     def of(word: str, indices: Iterable[int] = whole) -> list[int]:
@@ -101,7 +103,7 @@ def lengths(wheels: Sequence[Side], where: Sequence[str], along: complex) -> dic
         "front_track": apart(of("left", of("front")), of("right", of("front")), "imag"),
         "rear_track": apart(of("left", of("rear")), of("right", of("rear")), "imag"),
         "wheelbase": apart(of("front"), of("rear"), "real"),
-        "radius": radius(whole),
+        "radius": radius(driven),
     } | {f"{word}_radius": radius(of(word)) for word in ("left", "right", "front", "rear")}
     if all(WHEEL_TYPES[w.type].rollers for w in wheels):
         ring = in_ring(wheels)

@@ -6,8 +6,7 @@ two examples.
 `docs/ARCHITECTURE.md` says what a key takes that no type has yet.
 """
 
-from wmrgen.wheels.record import Check, Glyph, WheelType, Words
-from wmrgen.wheels.types import CASTOR, FIXED, SPHERICAL, STEERED, SWEDISH
+from wmrgen.wheels.types import CASTOR, FIXED, SPHERICAL, STEERED, SWEDISH, Check, Glyph, WheelType, Words
 
 __all__ = ["WHEEL_TYPES", "Check", "Glyph", "WheelType", "Words", "register"]
 

@@ -74,10 +74,14 @@ def hints(wmrgen_cli: Cli, tmp_path: Path) -> Callable[..., dict[str, list[str]]
     package = tmp_path / "parts"
     package.mkdir()
 
-    def call(name: str, data: bytes | None, scale: str = "1 1 1") -> dict[str, list[str]]:
+    def call(
+        name: str, data: bytes | None, scale: str = "1 1 1", folder: str = "package://parts"
+    ) -> dict[str, list[str]]:
         if data is not None:
             (package / name).write_bytes(data)
-        mesh = f'<visual><origin rpy="{-TURN} 0 0"/><geometry><mesh filename="package://parts/{name}" scale="{scale}"/>'
+        mesh = (
+            f'<visual><origin rpy="{-TURN} 0 0"/><geometry><mesh filename="{folder}/{name}" scale="{scale}"/>'
+        )
         wheels = "".join(
             f'<link name="{n}">{mesh}</geometry></visual></link>' + joint(n, "base_link", n, f"0 {y} 0.1")
             for n, y in (("left", 0.2), ("right", -0.2))
@@ -107,6 +111,18 @@ def test_every_format_reaches_as_far(
     assert asked["left.r"] == asked["right.r"] == [f"0.08 by the visual mesh '{name}'"]
     assert asked["left.y"] == ["0.2 at the joint", f"0.21 at the middle of the visual mesh '{name}'"]
     assert asked["right.y"] == ["-0.2 at the joint", f"-0.19 at the middle of the visual mesh '{name}'"]
+
+
+@pytest.mark.parametrize("folder", ["file://parts", "model://parts", "../parts", "file://../parts"])
+def test_meshes_are_read_by_every_path_that_files_write(
+    hints: Callable[..., dict[str, list[str]]], folder: str
+) -> None:
+    assert hints("a.stl", binary_stl(1.0), folder=folder)["left.r"] == ["0.08 by the visual mesh 'a.stl'"]
+
+
+def test_a_mesh_in_millimetres_without_a_scale_is_told(hints: Callable[..., dict[str, list[str]]]) -> None:
+    said = "80 by the visual mesh 'a.stl', or 0.08 if its unit is the millimetre"
+    assert hints("a.stl", binary_stl(0.001))["left.r"] == [said]
 
 
 BOMB = b'<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><COLLADA>&b;</COLLADA>'

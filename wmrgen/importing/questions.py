@@ -15,6 +15,7 @@ from wmrgen.wheels.types import CASTOR, STEERED
 CONFLICT = Fraction(1, 100)  # part of a radius by which two sources may differ
 TRAIL = Fraction(1, 1000)  # [m] what trails less is no castor
 _OFF = 2e-3  # [m] how far a mesh may stand off its joint along the axle
+_LARGEST = 5  # [m] the radius of a wheel
 _GROUND = ("base_footprint",)
 
 
@@ -112,7 +113,7 @@ def size_asked(robot: Robot, c: Candidate, name: str, lateral: Fraction | None) 
     meshes = [] if c.unsure else list(robot.meshes(c))
     seen = [(words, bounds) for words, _, bounds in meshes if bounds]
     text = "no cylinder or sphere about the axle gives the radius: measure it, ground to axle under load"
-    hints = [f"{bounds.radius:.6g} by the {words}" for words, bounds in seen]
+    hints = [f"{bounds.radius:.6g} by the {words}{_in_millimetres(bounds.radius)}" for words, bounds in seen]
     if above := _height_above_ground(robot, c):
         hints.append(f"the axle is {float(above[1]):.6g} m above {above[0]}, which may be the ground")
     yield Question(name, "r", text, tuple(dict.fromkeys((*hints, *_radii_told(robot)))))
@@ -130,6 +131,11 @@ def size_asked(robot: Robot, c: Candidate, name: str, lateral: Fraction | None) 
         for words, shift in off.items()
     ]
     yield Question(name, key, text, (f"{at:.6g} at the joint", *hints))
+
+
+def _in_millimetres(radius: float) -> str:
+    """What a radius is in metres that no wheel has [m]."""
+    return f", or {radius / 1000:.6g} if its unit is the millimetre" if radius > _LARGEST else ""
 
 
 def _radii_told(robot: Robot) -> list[str]:

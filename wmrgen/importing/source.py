@@ -74,8 +74,9 @@ def located(uri: str, file: Path, packages: Mapping[str, Path]) -> Path | None:
     """The file or folder that a URI of ``file`` names, of the folders given: None for what lies outside of them, or is
     not there."""
     scheme, separator, rest = uri.strip().rpartition("://")
-    if scheme in ("package", "model"):
-        package, _, rest = rest.partition("/")
+    package, _, below_it = rest.partition("/")
+    if scheme in ("package", "model") or (scheme == "file" and package in packages):
+        rest = below_it
         if package not in packages:
             return None
         path = packages[package] / rest

@@ -91,13 +91,13 @@ def test_half_ulp_bounds_every_rounding() -> None:
 def test_undefined_operations_raise_alarms(what: str) -> None:
     make, good, bad = BAD[what]
     control = function(make)
-    assert not analysed(control, {"vx": good}, SINGLE, LIBM).alarms
+    assert not analysed(control, {"vx": good}, LIBM).alarms
     words = {"division by zero": "may be zero", "overflow": "overflow"}.get(what, "may be negative")
-    assert any(words in text for _, text in analysed(control, {"vx": bad}, SINGLE, LIBM).alarms)
+    assert any(words in text for _, text in analysed(control, {"vx": bad}, LIBM).alarms)
 
 
 def test_guarded_division_raises_none() -> None:
-    found = analysed(function(guarded), {"vx": (-2.0, 2.0)}, SINGLE, LIBM)
+    found = analysed(function(guarded), {"vx": (-2.0, 2.0)}, LIBM)
     assert not found.alarms
     assert found.claims[0].low > -1.001 and found.claims[0].high < 1.001
 
@@ -106,7 +106,7 @@ def test_a_sum_of_floats_has_the_error_that_can_be_counted_by_hand() -> None:
     """vx + 1/3 over [1, 2]: the constant is off by 1/3 - fl(1/3), the sum by half a unit of [2, 4)."""
     control = function(lambda b, x: b.add(x, b.const(Fraction(1, 3))))
     third = abs(Fraction(float(np.float32(1 / 3))) - Fraction(1, 3))
-    error = float(analysed(control, {"vx": (1.0, 2.0)}, SINGLE, LIBM).claims[0].error)
+    error = float(analysed(control, {"vx": (1.0, 2.0)}, LIBM).claims[0].error)
     assert error == pytest.approx(float(third) + 2.0**-23, rel=1e-6)
 
 
@@ -114,6 +114,6 @@ def test_halved_limits_give_smaller_bounds() -> None:
     for f, b in proved("clearpath_do100").pairs:
         if f.name == "inverse":
             half = {name: (lo / 2, hi / 2) for name, (lo, hi) in b.inputs.items()}
-            found = analysed(f, half, SINGLE, LIBM)
+            found = analysed(f, half, LIBM)
             for claim, o in zip(found.claims, b.outputs, strict=True):
                 assert claim.error <= o.error * 0.51 + 1e-12

@@ -10,7 +10,7 @@ from tests.bounds.observe import choices, draw
 from tests.bounds.search import shares
 from tests.robots import of_text
 from wmrgen.bounds.analysis import analysed
-from wmrgen.bounds.assumptions import LIBM, SINGLE
+from wmrgen.bounds.assumptions import LIBM
 from wmrgen.bounds.robot import functions
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op, Port, Role
@@ -56,7 +56,7 @@ def test_what_cancels_in_every_part_of_a_length_counts_nothing() -> None:
         "length", ports, ports[:1], [b.sqrt(b.add(b.square(part), b.square(b.add(at["y"], at["z"]))))]
     )
     ranges = dict.fromkeys(at, (-1.0, 1.0))
-    (claim,) = analysed(f, ranges, SINGLE, LIBM).claims
+    (claim,) = analysed(f, ranges, LIBM).claims
     assert 5**0.5 <= claim.high < 5**0.5 + 0.7
 
 
@@ -69,7 +69,7 @@ def test_choices_between_large_numbers_keep_their_room(size: int) -> None:
     x = b.select(b.make(Op.ADD, [h, large]), large, b.const(5), b.const(7))
     f = b.function("chosen", ports, ports, [b.sin(b.sub(x, h))])
     ranges = {"vx": (-0.5, 0.5)}
-    (claim,) = analysed(f, ranges, SINGLE, LIBM).claims
+    (claim,) = analysed(f, ranges, LIBM).claims
     values = np.linspace(-0.5, 0.5, 20001).astype(np.float32)
     h32 = values + values * values
     chosen = np.where(h32 + np.float32(size) < np.float32(size), np.float32(5), np.float32(7)) - h32

@@ -12,7 +12,7 @@ from tests.bounds.observe import run
 from tests.bounds.small import walked
 from tests.bounds.vectors import CASES, RANGES, STILL, function, heading_of, points
 from wmrgen.bounds.analysis import analysed
-from wmrgen.bounds.assumptions import LIBM, SINGLE
+from wmrgen.bounds.assumptions import LIBM
 from wmrgen.bounds.lengths import SMALL_ANGLE, lengths, share
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op
@@ -21,7 +21,7 @@ from wmrgen.ir.nodes import Op
 @pytest.mark.parametrize("name", CASES)
 def test_errors_hold_at_every_length(name: str) -> None:
     f = function(CASES[name])
-    found = analysed(f, RANGES, SINGLE, LIBM)
+    found = analysed(f, RANGES, LIBM)
     assert not found.alarms
     ((_, vector),) = lengths(f.nodes).items()
     for seed in range(6):
@@ -41,7 +41,7 @@ def test_errors_hold_at_every_length(name: str) -> None:
 @pytest.mark.parametrize("name", ["steered", "leaning", "quadrant"])
 def test_what_is_multiplied_by_the_vector_has_a_bound_of_its_own(name: str) -> None:
     """The angle is off by a part of 1 / h; what is a component of the vector is not."""
-    angle, component = analysed(function(CASES[name]), RANGES, SINGLE, LIBM).claims
+    angle, component = analysed(function(CASES[name]), RANGES, LIBM).claims
     assert 1e-7 < angle.over < 2e-5 and angle.error < 1e-5
     assert component.over < 1e-20 and component.error < 3e-5
 
@@ -53,7 +53,7 @@ def test_another_value_does_not_cancel_the_length() -> None:
         heading, _ = heading_of(b, b.sub(x, z), b.add(y, z))
         return [b.mul(x, b.cos(heading))]
 
-    (claim,) = analysed(function(make), RANGES, SINGLE, LIBM).claims
+    (claim,) = analysed(function(make), RANGES, LIBM).claims
     assert claim.over > 1e-7
 
 
@@ -64,7 +64,7 @@ def test_an_angle_of_an_angle_has_no_bound() -> None:
         heading, _ = heading_of(b, b.sub(x, z), b.add(y, z))
         return [heading_of(b, heading, z)[0]]
 
-    (claim,) = analysed(function(make), RANGES, SINGLE, LIBM).claims
+    (claim,) = analysed(function(make), RANGES, LIBM).claims
     assert claim.singular
 
 
@@ -76,7 +76,7 @@ def test_an_angle_of_a_chosen_angle_has_no_bound() -> None:
         chosen = b.select(x, y, heading, b.add(heading, z))
         return [heading_of(b, chosen, z)[0]]
 
-    (claim,) = analysed(function(make), RANGES, SINGLE, LIBM).claims
+    (claim,) = analysed(function(make), RANGES, LIBM).claims
     assert claim.singular
 
 
@@ -96,7 +96,7 @@ def test_what_errs_across_a_vector_counts_in_its_length_times_its_angle(chosen: 
 
     ranges = {"x": (30.5, 31.3), "y": (-70.75, -69.95), "z": (100.0, 101.0)}
     f = function(make)
-    both, across = analysed(f, ranges, SINGLE, LIBM).claims
+    both, across = analysed(f, ranges, LIBM).claims
     size = walked(f, ranges).errors([i for i, n in enumerate(f.nodes) if n.op is Op.SQRT]).plain[0, 0]
     assert both.error > np.pi * size + across.error
 
@@ -105,7 +105,7 @@ def test_an_angle_may_be_off_by_a_turn_beside_half_a_turn() -> None:
     def make(b: Builder, x: int, y: int, z: int) -> list[int]:
         return [b.atan2(b.mul(x, y), z)]
 
-    (claim,) = analysed(function(make), RANGES, SINGLE, LIBM).claims
+    (claim,) = analysed(function(make), RANGES, LIBM).claims
     assert claim.error > 2 * np.pi
 
 
@@ -131,7 +131,7 @@ def test_without_the_small_number_there_is_no_length() -> None:
 
     f = function(make)
     assert not lengths(f.nodes)
-    assert analysed(f, RANGES, SINGLE, LIBM).alarms
+    assert analysed(f, RANGES, LIBM).alarms
 
 
 def _wide(values: list[np.ndarray]) -> list[np.ndarray]:

@@ -25,7 +25,7 @@ def test_it_is_no_less_than_the_analysis_at_points_and_near_it(name: str) -> Non
             points = {n: (v.astype(float), v.astype(float)) for n, v in draw(b.inputs, 400, 4).items()}
             at_points = Walk(f, points, SINGLE, LIBM).run().errors(f.results).plain
             angles = {n: points[n] if n.endswith("steer") else _whole(b.inputs[n], 400) for n in points}
-            known = errors_one_by_one(f, angles, SINGLE, LIBM)
+            known = errors_one_by_one(f, angles, LIBM)
             for k, error in zip(f.results, at_points, strict=True):
                 if error.any():
                     assert (error <= known[k] * (1 + 1e-9)).all()
@@ -55,7 +55,7 @@ def _function(make: Callable[[Builder, int, int, int], int]) -> Function:
 
 def _known(make: Callable[[Builder, int, int, int], int]) -> dict[int, np.ndarray]:
     ranges = {"x": (-1.0, 1.0), "a": (0.0, 1.0), "c": (0.0, 1e-3)}
-    return errors_one_by_one(_function(make), boxed(ranges, [], 1), SINGLE, LIBM)
+    return errors_one_by_one(_function(make), boxed(ranges, [], 1), LIBM)
 
 
 NOT_LINEAR: dict[str, Callable[[Builder, int, int, int], int]] = {
@@ -80,7 +80,7 @@ def test_roundings_of_a_sum_are_those_of_its_parts() -> None:
     third = b.make(Op.ADD, [b.make(Op.ADD, at[:2]), at[2]])
     f = b.function("control", ports, OUT, [third])
     boxes = boxed(dict.fromkeys("xyz", (-1.9, 1.9)), [], 1)
-    assert errors_one_by_one(f, boxes, SINGLE, LIBM)[third][0] >= 2.0**-22
+    assert errors_one_by_one(f, boxes, LIBM)[third][0] >= 2.0**-22
 
 
 def test_a_length_of_linear_parts_is_known_by_its_parts() -> None:

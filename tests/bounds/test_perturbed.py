@@ -13,7 +13,7 @@ from tests.bounds.gallery import NAMES, proved
 from tests.bounds.observe import draw, lengths, run
 from tests.bounds.vectors import CASES, RANGES, function, points
 from wmrgen.bounds.analysis import analysed
-from wmrgen.bounds.assumptions import LIBM, SINGLE
+from wmrgen.bounds.assumptions import LIBM
 from wmrgen.bounds.lengths import SMALL_ANGLE
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op
@@ -40,7 +40,7 @@ def test_no_bound_is_below_what_roundings_can_do(name: str) -> None:
 def test_no_bound_in_terms_of_a_length_is_below_what_roundings_can_do(name: str) -> None:
     f = function(CASES[name])
     for ranges, inputs in ((RANGES, points(1, 3000)), far(2, 3000)):
-        claims = analysed(f, ranges, SINGLE, LIBM).claims
+        claims = analysed(f, ranges, LIBM).claims
         able, both = perturbed.worst(f, inputs), run(f, inputs)
         for row, (claim, k) in enumerate(zip(claims, f.results, strict=True)):
             h = lengths(f, both, k)
@@ -81,7 +81,7 @@ def test_small_functions_are_bounded_closely(name: str) -> None:
         ranges = {n: (c, c + 1e-3) for n, c in centre.items()}
         inputs = {n: rng.uniform(lo, hi, 200).astype(np.float32) for n, (lo, hi) in ranges.items()}
         able = perturbed.worst(f, inputs)[0]
-        (claim,) = analysed(f, ranges, SINGLE, LIBM).claims
+        (claim,) = analysed(f, ranges, LIBM).claims
         assert able.max() <= claim.error * 1.001 <= 2.5 * able.max() * 1.001 + 1e-12
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wmrgen.bounds.assumptions import SINGLE, Format, Library, Range
+from wmrgen.bounds.assumptions import SINGLE, Library, Range
 from wmrgen.bounds.shapes import terms_below_root
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.interval import GROW, Array, Interval, magnitude
@@ -43,21 +43,16 @@ class Outcome(NamedTuple):
     alarms: tuple[tuple[int, str], ...]
 
 
-def analysed(
-    function: Function,
-    ranges: Mapping[str, Range],
-    form: Format,
-    library: Library,
-) -> Outcome:
-    """The analysis of a function over ``ranges``."""
+def analysed(function: Function, ranges: Mapping[str, Range], library: Library) -> Outcome:
+    """The analysis of a function in float over ``ranges``."""
     angles = _angles(function, ranges)
     boxes = boxed(ranges, [], 1)
     if len(angles) in PARTS and _divides(function):
         boxes = boxed(_within_a_turn(function, ranges, angles, library), angles, PARTS[len(angles)])
     upper = {}
     if any(len(lo) > 1 for lo, _ in boxes.values()):
-        upper = errors_one_by_one(function, boxes, form, library)
-    walk = Walk(function, boxes, form, library, upper).run()
+        upper = errors_one_by_one(function, boxes, library)
+    walk = Walk(function, boxes, SINGLE, library, upper).run()
     errors = walk.errors(function.results)
     claims = []
     for row, k in enumerate(function.results):
@@ -124,10 +119,7 @@ _FREE, _LINEAR, _OTHER = 0, 1, 2
 
 
 def errors_one_by_one(
-    function: Function,
-    inputs: Mapping[str, Interval],
-    form: Format,
-    library: Library,
+    function: Function, inputs: Mapping[str, Interval], library: Library
 ) -> dict[int, Array]:
     """How far results and what they are the length of may be off, by node; nothing where the lemma does not hold."""
     nodes, rates = function.nodes, _rates(function)
@@ -149,7 +141,7 @@ def errors_one_by_one(
             values = np.zeros((count, boxes))
             values[rates.index(name)] = magnitude((lo, hi))
             alone[name] = values.ravel(), values.ravel()
-    walk = Walk(function, alone, form._replace(relative=True), library).run(max(roots) + 1)
+    walk = Walk(function, alone, SINGLE._replace(relative=True), library).run(max(roots) + 1)
     if walk.lengths:
         return {}
     ordered = sorted(roots)
@@ -221,7 +213,7 @@ class Outcomes:
 
     def _analysed(self, function: Function, ranges: Mapping[str, Range]) -> Outcome:
         if function.name not in self.outcomes:
-            self.outcomes[function.name] = analysed(function, ranges, SINGLE, self.library)
+            self.outcomes[function.name] = analysed(function, ranges, self.library)
         return self.outcomes[function.name]
 
     def _numbered(self, function: Function) -> list[int]:

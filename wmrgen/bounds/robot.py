@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from wmrgen.bounds.analysis import Claim, Outcomes, analysed
-from wmrgen.bounds.assumptions import LIBM, SINGLE, Domain, Library, Range, domain
+from wmrgen.bounds.assumptions import LIBM, Domain, Library, Range, domain
 from wmrgen.bounds.lengths import SMALL_ANGLE
 from wmrgen.ir.calls import hand_through, inline_prepare, inlined_calls
 from wmrgen.ir.interval import outside
@@ -116,7 +116,7 @@ def reach(robot: Robot, module: Module, limits: Mapping[str, Range]) -> dict[str
         replace(module, functions=tuple(f for f in module.functions if f.name == "forward"))
     ):
         ranges, unknown = measured.of(function)
-        outcome = None if unknown else analysed(function, ranges, SINGLE, LIBM)
+        outcome = None if unknown else analysed(function, ranges, LIBM)
         if outcome is not None and not outcome.alarms:
             claims = zip(function.outputs, outcome.claims, strict=True)
             bounded = ((p.name, c) for p, c in claims if not c.singular)

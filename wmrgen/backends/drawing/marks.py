@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import atan2, cos, degrees, hypot, pi, sin
 from typing import NamedTuple
 
-from wmrgen.backends.drawing.figure import AT_ORIGIN, Pose, View, moved
+from wmrgen.backends.drawing.figure import AT_ORIGIN, WIDTH, Pose, View, moved
 from wmrgen.backends.drawing.paper import (
     Box,
     Paper,
@@ -157,15 +157,13 @@ def icr_mark(p: Point) -> list[str]:
     return [circle(p, 5.0, "icr"), circle(p, 1.7, "icr-dot")]
 
 
-def legend(
-    entries: Sequence[tuple[str, str]], wide: float, top: float, paper: Paper
-) -> tuple[list[str], float]:
+def legend(entries: Sequence[tuple[str, str]], top: float, paper: Paper) -> tuple[list[str], float]:
     """Rows of symbols with their words, and their height."""
     x, y = 16.0, top + 8
     lines: list[str] = []
     for symbol, words in entries:
         size = _SYMBOL + width(words) + _SPACE
-        if x + size > wide - 4 and x > 16:
+        if x + size > WIDTH - 4 and x > 16:
             x, y = 16.0, y + _ROW
         lines += [*_symbol(symbol, x + 8, y), paper.write((x + _SYMBOL, y + 4), words, "key")]
         x += size

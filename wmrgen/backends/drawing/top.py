@@ -67,7 +67,7 @@ def top_view(derivation: Derivation) -> Figure:
     signed = entries(kinds, robot.wheels) + [("trailer", "trailer (its width is not in the file)")] * bool(
         trailers
     )
-    keys, more = legend(signed, WIDTH, height, paper)
+    keys, more = legend(signed, height, paper)
     half = max(abs(p.centre[0] - view.origin[0]) for p in wheels)
     behind, lengths = _towed(trailers, max(half, 12.0), view, paper)
     names = _names(wheels, paper)

@@ -122,7 +122,7 @@ class Op:
     FLIP: ClassVar[Op]  # flip(a, n): a where the whole number n is even, else -a
     # What only the C of some processors has, see `wmrgen.ir.kernels`:
     FMA: ClassVar[Op]  # a * b + c, rounded once
-    ISIN: ClassVar[Op]  # sine, cosine and arctangent (|q| <= 1) in integers: wmrgen.ir.kernels.integer
+    ISIN: ClassVar[Op]  # sine, cosine and arctangent (|q| <= 1) in integers: wmrgen.ir.ops.integer
     ICOS: ClassVar[Op]
     IATAN: ClassVar[Op]
     IMUL: ClassVar[Op]  # MUL, DIV and SQRT to the last bit, in integers

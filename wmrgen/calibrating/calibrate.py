@@ -29,7 +29,7 @@ _FOLDS = 5  # parts that drives are left out in, one after the other
 _PASSES = 3  # in which slips are looked for
 _FEWEST = 3  # parts whose spread is a standard deviation
 _ENOUGH, _COARSE = 50_000, 0.25  # readings, and [s] between them, that tell nearly what all tell
-_PART, _MOST_PARTS = 200.0, 200  # [s] of a long drive, and of all drives: each part has a start of its own
+_PART = 200.0  # [s] of a long drive: each part has a start of its own
 _ROWS = 24  # of truth in such a part at least: twice as many numbers as it has unknowns of its own, and more
 _LARGE = 2**28  # bytes of logs and truths, above which they are read one at a time
 _ALONE = 3.0  # times as uncertain as with all drives: the drives that are left do not tell a parameter
@@ -140,10 +140,9 @@ def _names(logs: Sequence[Path]) -> list[str]:
 def _parts(drives: Sequence[Drive]) -> Sequence[Drive]:
     """The drives, long ones in parts: what slips adds up, so that in the end a pose tells nothing of the parameters,
     and nominal odometry loses its way."""
-    lasting = max(_PART, sum(float(np.ptp(drive.t)) for drive in drives) / _MOST_PARTS)
 
     def parts(_: int, drive: Drive) -> list[Drive]:
-        return _split(drive, max(1, min(int(np.ptp(drive.t) / lasting), drive.truth.measured // _ROWS)))
+        return _split(drive, max(1, min(int(np.ptp(drive.t) / _PART), drive.truth.measured // _ROWS)))
 
     return changed(drives, parts)
 

@@ -20,11 +20,11 @@ from wmrgen.calibrating.fit import (
     Problem,
     Residuals,
     Sums,
-    clock_columns,
+    arrow,
     information,
     nearest,
-    own_columns,
-    prior,
+    prior_of_own,
+    prior_of_shared,
     residuals,
     serial,
     solved,
@@ -82,8 +82,8 @@ def without(best: Fit, drives: Sequence[int], each: Each = serial) -> Fit:
 def agreeing(best: Fit, each: Each = serial) -> Fit:
     """The fit in which clocks agree as far as those of ``best``, where each drive tells its own alone, show that they
     do: what is no more than slips and noise make of an offset is taken from it, and little where they truly differ."""
-    offsets = best.unknowns[clock_columns(best.problem)]
-    problem = replace(best.problem, clocks=shown(offsets, *best.spread))
+    own = best.unknowns[len(best.problem.units) :].reshape(len(best.problem.drives), -1)
+    problem = replace(best.problem, clocks=shown(own[:, -1], *best.spread))
     return fit_at(problem, nearest(problem, best.unknowns, each), each)
 
 
@@ -115,20 +115,19 @@ def fit_at(problem: Problem, unknowns: Reals, each: Each = serial) -> Fit:
     walk = _walk([drive.spans for drive in every if drive.spans is not None])
     rates = [_independent(drive) if drive.spans is None else walk for drive in every]
     noise = [freedom * np.tensordot(r, drive.pulls, 1) for r, drive in zip(rates, every, strict=True)]
-    inverse, covariance = _spread(problem, every, noise)
-    clocks = clock_columns(problem)
+    covariance, spread = _spread(problem, every, np.array(noise))
     x, y, heading = shared[count:]
     return Fit(
         problem,
         unknowns,
         tuple(float(v) for v in shared[:count]),
         (float(x), float(y), float(np.angle(np.exp(1j * heading)))),
-        covariance[: len(shared), : len(shared)],
+        covariance,
         information(problem, [drive.sums for drive in every]),
         sum(drive.usual * sum(drive.counts) for drive in every) / measured / problem.scale**2,
         (float(np.sqrt(2 * squares[0])), float(np.sqrt(squares[1])) / LEVER),
         tuple(drive.offset for drive in every),
-        np.array([np.diag(covariance)[clocks], np.diag(inverse)[clocks]]),
+        spread,
     )
 
 
@@ -138,21 +137,27 @@ def _independent(drive: _Evidence) -> Reals:
     return np.array([0.0, 0.0, 0.0, square, square / LEVER**2])
 
 
-def _spread(problem: Problem, every: Sequence[_Evidence], noise: Sequence[Reals]) -> tuple[Reals, Reals]:
-    """Of all k unknowns (k, k): the inverse of the cost's matrix, and the covariance that the ``noise`` of each drive's
-    gradient makes. Priors make noise, too: a shared unknown is a unit off, what a drive has of its own as far as its
-    prior says, and all clocks together by the error of their mean."""
-    weak, first, clocks = prior(problem), len(problem.units), problem.clocks
-    mean = np.zeros_like(weak)
-    mean[clock_columns(problem)] = clocks.weight * clocks.error
-    matrix = np.diag(weak)
-    gradient = np.diag([*weak[:first] ** 2, *clocks.counted * weak[first:]]) + np.outer(mean, mean)
-    for index, drive in enumerate(every):
-        columns = np.ix_(*[own_columns(problem, index)] * 2)
-        matrix[columns] += drive.sums.matrix
-        gradient[columns] += noise[index]
-    inverse = np.linalg.inv(matrix)
-    return np.asarray(inverse), np.asarray(inverse @ gradient @ inverse)
+def _spread(problem: Problem, every: Sequence[_Evidence], noise: Reals) -> tuple[Reals, Reals]:
+    """The covariance of the s shared unknowns (s, s) that the ``noise`` (n, k, k) of each drive's gradient makes; of
+    each clock (2, n) the variance that it makes, and that in the inverse of the cost's matrix. Priors make noise, too:
+    a shared unknown is a unit off, what a drive has of its own as far as its prior says, and all clocks together by the
+    error of their mean."""
+    matrix, clocks = arrow(problem, [drive.sums for drive in every]), problem.clocks
+    inverse, follows = np.linalg.inv(matrix.reduced), matrix.follows
+    s, follow, alone = len(inverse), follows[:, -1], np.linalg.inv(matrix.own)[:, -1]
+    noise[:, s:, s:] += clocks.counted * prior_of_own(problem)
+    # What a drive's gradient moves the shared unknowns by, and what its own clock.
+    by_shared = np.broadcast_to(inverse, (len(every), s, s))
+    moves = np.concatenate([by_shared, -inverse @ follows.swapaxes(1, 2)], axis=2)
+    moves_clock = np.pad(alone, ((0, 0), (s, 0))) - np.einsum("ns,nsk->nk", follow, moves)
+    of_each = moves @ noise @ moves.swapaxes(1, 2)
+    off, mean = prior_of_shared(problem) @ inverse, clocks.weight * clocks.error * moves[:, :, -1].sum(axis=0)
+    covariance = of_each.sum(axis=0) + off.T @ off + np.outer(mean, mean)
+    late = clocks.weight * clocks.error * alone[:, -1] - follow @ mean
+    others = covariance - np.outer(mean, mean) - of_each
+    variances = late**2 + np.einsum("nk,nkl,nl->n", moves_clock, noise, moves_clock)
+    variances += np.einsum("ns,nst,nt->n", follow, others, follow)
+    return covariance, np.array([variances, alone[:, -1] + np.einsum("ns,st,nt->n", follow, inverse, follow)])
 
 
 def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:

@@ -17,8 +17,8 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
+from wmrgen.calibrating.arrow import Arrow, Slope, least
 from wmrgen.calibrating.clocks import ALONE, Clocks
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Complexes, Increments, Reals, passed
@@ -37,7 +37,7 @@ _PRIOR_OWN = 0.01  # the same for start poses and clocks
 _MOST_STEPS = 40  # of the solver; where residuals are small it needs ten
 _FEW = 12  # residuals of a drive, three times its own unknowns
 _FINEST = 1e-4  # [m] the least scale of residuals
-_NEAR = 0.03  # standard deviations away, with residuals as large as the scale: near enough
+_NEAR = 0.03  # standard deviations of Newton's step, with residuals as large as the scale: near enough
 _PRIOR = 0.1  # residuals, in units of the loss's scale, that one unit (10 % of a parameter) away from nominal costs
 
 
@@ -230,24 +230,22 @@ def later(problem: Problem, unknowns: Reals, index: int, seconds: float) -> Real
 
 def prior_of_shared(problem: Problem) -> Reals:
     """The matrix of the weak prior of the shared unknowns."""
-    return np.eye(len(problem.nominal) + _MOUNT) * _PRIOR**2
+    return np.eye(len(problem.units)) * _PRIOR**2
+
+
+def prior_of_own(problem: Problem) -> Reals:
+    """The same of those of a drive."""
+    return np.diag(_PRIOR_OWN**2 + np.array([0.0, 0.0, 0.0, problem.clocks.weight]))
+
+
+def arrow(problem: Problem, parts: Sequence[Sums]) -> Arrow:
+    """The matrix that drives and priors make."""
+    return Arrow.of([part.matrix for part in parts], prior_of_shared(problem), prior_of_own(problem))
 
 
 def information(problem: Problem, parts: Sequence[Sums]) -> Reals:
-    """What the drives tell of the shared unknowns, their own ones eliminated (a Schur complement)."""
-    weak = np.diag(prior(problem)[-_OWN:])
-
-    def told(matrix: Reals) -> Reals:
-        (of_shared, _), (cross, own) = (np.hsplit(rows, [-_OWN]) for rows in np.vsplit(matrix, [-_OWN]))
-        return np.asarray(of_shared - cross.T @ np.linalg.solve(own + weak, cross))
-
-    return np.asarray(sum(told(part.matrix) for part in parts))
-
-
-def prior(problem: Problem) -> Reals:
-    """The diagonal of the matrix of the weak prior of all unknowns."""
-    own = np.tile(_PRIOR_OWN**2 + np.array([0.0, 0.0, 0.0, problem.clocks.weight]), len(problem.drives))
-    return np.concatenate([np.diag(prior_of_shared(problem)), own])
+    """What the drives tell of the shared unknowns, their own ones eliminated."""
+    return arrow(problem, parts).reduced - prior_of_shared(problem)
 
 
 def own_columns(problem: Problem, index: int) -> NDArray[np.intp]:
@@ -256,49 +254,19 @@ def own_columns(problem: Problem, index: int) -> NDArray[np.intp]:
     return np.concatenate([np.arange(shared), shared + _OWN * index + np.arange(_OWN)])
 
 
-def clock_columns(problem: Problem) -> NDArray[np.intp]:
-    """Where the clock offsets of all drives stand."""
-    return len(problem.units) + _OWN * np.arange(1, len(problem.drives) + 1) - 1
-
-
 def nearest(problem: Problem, start: Reals, each: Each = serial) -> Reals:
-    """The unknowns of least cost from ``start`` on, at the problem's scale. The matrix is positive definite, as the
-    dogleg method needs: what squares of derivatives add up to, and the prior."""
-    weak, likely = prior(problem), start_of(problem)
-    likely[clock_columns(problem)] = problem.clocks.late
-    last: dict[bytes, Sums] = {}
+    """The unknowns of least cost from ``start`` on, at the problem's scale, but for the roughness of the readings. The
+    matrix is positive definite, as the dogleg method needs: what squares of derivatives add up to, and the prior."""
+    shared, late = len(problem.units), np.array([0.0, 0.0, 0.0, problem.clocks.late])
+    of_shared, of_own = prior_of_shared(problem), prior_of_own(problem)
 
-    def total(unknowns: Reals) -> Sums:
-        key = unknowns.tobytes()
-        if key not in last:
-            last.clear()
-            gradient, matrix = weak * (unknowns - likely), np.diag(weak)
-            cost = 0.5 * float(gradient @ (unknowns - likely))
-            for index, part in enumerate(each(problem, unknowns, sums)):
-                columns = own_columns(problem, index)
-                cost += part.cost
-                gradient[columns] += part.gradient
-                matrix[np.ix_(columns, columns)] += part.matrix
-            last[key] = Sums(cost, gradient, matrix)
-        return last[key]
+    def slope(unknowns: Reals) -> Slope:
+        parts = each(problem, unknowns, sums)
+        off, own = unknowns[:shared], unknowns[shared:].reshape(-1, _OWN) - late
+        back, back_own = of_shared @ off, own @ of_own
+        gradients = np.array([part.gradient for part in parts])
+        cost = sum(part.cost for part in parts) + 0.5 * float(back @ off + np.sum(back_own * own))
+        first, rest = gradients[:, :shared].sum(axis=0) + back, gradients[:, shared:] + back_own
+        return Slope(cost, np.concatenate([first, rest.ravel()]), arrow(problem, parts))
 
-    last_point = [start]
-
-    def callback(x: Reals) -> None:
-        """Halt where Newton's step is far below a standard deviation: what is left is the roughness of the readings."""
-        if not np.array_equal(x, last_point[0]):  # the trust region was not made smaller alone
-            last_point[0] = x.copy()
-            here = total(x)
-            if here.gradient @ np.linalg.solve(here.matrix, here.gradient) < _NEAR**2:
-                raise StopIteration
-
-    solution = minimize(
-        lambda x: total(x).cost,
-        start,
-        jac=lambda x: total(x).gradient,
-        hess=lambda x: total(x).matrix,
-        method="dogleg",
-        callback=callback,
-        options={"gtol": 1e-6, "maxiter": _MOST_STEPS},
-    )
-    return np.asarray(solution.x)
+    return least(slope, start, _NEAR, _MOST_STEPS)

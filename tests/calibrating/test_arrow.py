@@ -14,6 +14,7 @@ from scipy.optimize import minimize
 from wmrgen.calibrating.certainty import _spread
 from wmrgen.calibrating.clocks import Clocks
 from wmrgen.calibrating.fit import Sums, arrow, nearest, prior_of_own, prior_of_shared
+from wmrgen.calibrating.observability import deviations
 
 SHARED, OWN, ROWS = 5, 4, 30
 CLOCKS = Clocks(late=0.3, error=0.2, apart=0.4, counted=7.0)
@@ -112,6 +113,17 @@ def test_how_certain_unknowns_are_is_told_drive_by_drive() -> None:
     matrix = arrow(problem, [drive.sums for drive in every])
     assert matrix @ vector == pytest.approx(_dense(problem, parts) @ vector)
     assert matrix.solve(vector) == pytest.approx(inverse @ vector)
+
+
+@pytest.mark.filterwarnings("error")
+def test_directions_that_are_told_to_the_last_bit_are_certain() -> None:
+    """Rounding makes the least of such variances negative; no warning of NumPy reaches the user."""
+    problem: Any = SimpleNamespace(units=np.ones(SHARED), nominal=(1.0, 1.0, 1.0))
+    random = np.random.default_rng(13)
+    for _ in range(20):
+        rows = random.normal(size=(2, SHARED)) * 1e6
+        uncertain, _ = deviations(problem, rows.T @ rows, 1.0)
+        assert np.isfinite(uncertain).all() and uncertain[0] > uncertain[-1] >= 0
 
 
 def test_memory_grows_with_the_number_of_drives_and_not_with_its_square() -> None:

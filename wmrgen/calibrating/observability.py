@@ -56,6 +56,7 @@ def deviations(problem: Problem, told: Reals, noise: float) -> tuple[Reals, Real
     count = len(problem.nominal)
     covariance = np.linalg.inv(told + prior_of_shared(problem))[:count, :count] * max(noise, 1.0)
     variances, directions = np.linalg.eigh(covariance)
+    variances = np.maximum(variances, 0.0)  # rounding takes more from what is told to the last bit
     return 0.1 * np.sqrt(variances[::-1]), directions[:, ::-1]
 
 

@@ -181,7 +181,7 @@ def number_of(expr: Expr, other: Callable[[Expr], Exact | None] = lambda _: None
     if isinstance(expr, sympy.Pow) and isinstance(expr.base, sympy.Rational) and expr.exp == sympy.S.Half:
         root = exact_sqrt(Fraction(int(expr.base.p), int(expr.base.q)))
         return other(expr) if root is None else root
-    if not (expr.is_Add or expr.is_Mul):
+    if not isinstance(expr, (sympy.Add, sympy.Mul)):
         return other(expr)
     result = ZERO if expr.is_Add else ONE
     for arg in expr.args:

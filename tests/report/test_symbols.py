@@ -77,7 +77,8 @@ def test_where_a_form_does_not_hold(name: str) -> None:
     told = re.findall(r"(?m)^`(posture|twist|eta)` does not hold where", page)
     for forms in re.findall(r"\. ((?:`\w+`(?:, | and )?)+) (?:holds?|do|does) ", page):
         told += re.findall(r"\w+", forms.replace(" and ", " "))
-    introduced = re.findall(r"\(`(posture|twist|eta)`\)", page)
+    head = page.partition("`wmrgen model` prints")[2].partition(". ")[0]
+    introduced = re.findall(r"`(posture|twist|eta)`", head)
     assert introduced and set(introduced) == set(told)
     for formula in re.findall(r"does not hold where [^\n]*\n\n```math\n(.*?)```", page, re.DOTALL):
         assert (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -86,7 +87,10 @@ def located(uri: str, file: Path, packages: Mapping[str, Path]) -> Path | None:
         path = file.parent / rest
     path = path.resolve()
     roots = [file.resolve().parent, *(folder.resolve() for folder in packages.values())]
-    return path if path.exists() and any(path.is_relative_to(root) for root in roots) else None
+    inside = any(path.is_relative_to(root) for root in roots)
+    with contextlib.suppress(OSError):  # a name that is too long for a file
+        return path if inside and path.exists() else None
+    return None
 
 
 def _model(path: Path | None) -> Element | None:

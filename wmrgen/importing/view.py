@@ -123,9 +123,14 @@ class Robot:
 
     def body(self, link: str) -> Iterator[tuple[Shape, Frame]]:
         """The shapes of a link and of what is fixed to it, with their frames."""
+        for each, shape in self._rigid(link):
+            yield shape, composed(self.frame(each), shape.frame)
+
+    def _rigid(self, link: str) -> Iterator[tuple[str, Shape]]:
+        """The shapes of a link and of what is fixed to it, with the links that have them."""
         for each in (link, *(joint.child for joint in self.under(link, rigid=True))):
             for shape in self.description.shapes.get(each, ()):
-                yield shape, composed(self.frame(each), shape.frame)
+                yield each, shape
 
     def shapes(self, link: str) -> Iterator[tuple[str, str, Fraction, Frame]]:
         """Kind, role, radius and frame of the cylinders and spheres of a link and of what is fixed to it."""
@@ -135,7 +140,7 @@ class Robot:
 
     def roles(self, link: str) -> set[str]:
         """Whether a link, with what is fixed to it, touches (collision), is drawn (visual), or both."""
-        return {shape.role for shape, _ in self.body(link)}
+        return {shape.role for _, shape in self._rigid(link)}
 
     def meshes(self, c: Candidate) -> tuple[tuple[str, float, Reach | None], ...]:
         """The meshes of a wheel's body in words, how far their origins are off the joint along the axle, and how far

@@ -196,9 +196,9 @@ def _rule_of_numbers(d: Derivation) -> list[str]:
         return []
     return [
         "The rigid motion (v, ω) nearest to the velocities w = r φ̇ e that the wheels measure at their contact points "
-        "B, e being the direction in which a wheel rolls and a bar a mean over the wheels:",
+        "B, e being the direction in which a wheel rolls and a bar a mean over the wheels; below it the same with the "
+        "lengths of this robot:",
         *math(_NEAREST),
-        "With the lengths of this robot that is",
     ]
 
 

@@ -1,7 +1,7 @@
 """Least costs of unknowns that all drives share and of those that each has for itself, and the matrix of both.
 
-Drives meet in the shared unknowns alone, so the matrix is an arrowhead: a block for each drive and a border. What a drive
-has of its own is eliminated drive by drive, by Schur complements, so that memory and time grow with the number of
+Drives meet in the shared unknowns alone, so the matrix is an arrowhead: a block for each drive and a border. What a
+drive has of its own is eliminated drive by drive, by Schur complements, so that memory and time grow with the number of
 drives, and not with its square and its cube.
 """
 

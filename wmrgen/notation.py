@@ -26,9 +26,9 @@ _COVARIANCE = re.compile(r"(vx|vy|omega|x|y|theta)(vx|vy|omega|x|y|theta)")
 _NUMBERED = re.compile(r"([a-z]+)(\d+)")  # eta1, m12
 
 
-def listed(parts: Sequence[str]) -> str:
-    """a, b and c"""
-    return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
+def listed(parts: Sequence[str], word: str = "and") -> str:
+    """a, b and c, or with another word before the last"""
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {word} {parts[-1]}"
 
 
 def turning(ratios: Sequence[object]) -> str:

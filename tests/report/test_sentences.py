@@ -293,11 +293,21 @@ wheels:
   - {name: l, type: fixed, x: 0, y: 0.45, heading: 0, r: 0.05, actuated: []}
   - {name: q, type: fixed, x: 0, y: -0.45, heading: 0, r: 0.05, actuated: []}
 """
+# Found by Atheris: of the model's forms it has the twist alone.
+STUCK = """wmrgen: 1
+name: sample
+wheels:
+  - {name: a, type: steered, x: 4, y: 0, heading: 0, r: 4}
+  - {name: b, type: steered, x: 0.2, y: 0.3, heading: 0, r: 0.1}
+  - {name: c, type: steered, x: 0, y: 0, heading: 0, r: 0.1}
+couplings: [{equal: [a.steer, b.steer, c.steer]}, {equal: [a.spin, b.spin, c.spin]}]
+"""
 
 
 @pytest.mark.parametrize(
     ("robot", "said", "unsaid"),
     [
+        (STUCK, "inputs u that are components of the twist (`twist`). `twist` is the state space", "(`eta`)"),
         (LOCKED, "`slip` is the norm of z − H ξ [m/s].", r"\mathrm{slip} = \sqrt{{"),  # too wide for a page
         (LOCKED, "Without slip nothing moves: DDOF = DOF = 0.", "holonomic, but not"),
         (LOCKED, "a degenerate layout, (0, 0): without slip it cannot move.", "steering adds"),

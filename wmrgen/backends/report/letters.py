@@ -241,16 +241,16 @@ def regular(d: Derivation) -> list[str]:
     sliding = [form for form in systems if rolls_alone(form, d.driven.mobility)]
     always = [form for form, system in systems.items() if form not in sliding and not system.domain]
     files = f"{code(f'{d.robot.name}_ode.casadi')}, {code('ode')} in {code(f'{d.robot.name}.py')}"
-    same = [form for form, s in systems.items() if form != "eta" and s.inputs == systems["eta"].inputs]
+    eta = systems.get("eta")
+    same = [form for form, s in systems.items() if eta and form != "eta" and s.inputs == eta.inputs]
     words = {form: f"{_INPUTS[form]} ({code(form)})" for form in systems if form not in same}
     if same:
         words["eta"] = (
             f"{_INPUTS['eta']} ({listed(['eta', *same])}: too few joints are driven for their rates to do)"
         )
-    *others, last = words.values()
     intro = (
-        f"`wmrgen model` prints the model as q̇ = G(q) u, with a state q and inputs u that are {', '.join(others)} or "
-        f"{last}. {code(space.form)} is the state space ({files})."
+        "`wmrgen model` prints the model as q̇ = G(q) u, with a state q and inputs u that are "
+        f"{notation.listed([*words.values()], 'or')}. {code(space.form)} is the state space ({files})."
     )
     if always:
         intro += f" {listed(always)} hold{'s' * (len(always) == 1)} in every motion."

@@ -137,16 +137,18 @@ def test_lint_of_descriptions(wmrgen_cli: Cli, urdf: Path, tmp_path: Path) -> No
 
 
 def test_findings_in_xml_have_their_place_and_can_be_kept(wmrgen_cli: Cli, tmp_path: Path) -> None:
-    """Names that contradict places stand at their joints, lengths of plugins and hardware at their elements."""
+    """Names that contradict places stand at their joints, lengths of plugins and hardware at their elements; none
+    where a comment has them."""
     value = '<param name="wheel_separation"> 0.5</param>'
     hardware = f'<ros2_control name="c" type="system"><hardware>\n  {value}\n</hardware></ros2_control>'
     path = tmp_path / "robot.urdf"
-    text = robot(wheel("right", "0 0.24 0.1"), "\n", wheel("left", "0 -0.24 0.1"), "\n", hardware)
+    right = wheel("right", "0 0.24 0.1")
+    text = robot(f"<!-- {right} {hardware} -->", right, "\n", wheel("left", "0 -0.24 0.1"), "\n", hardware)
     path.write_text(text)
     done = wmrgen_cli("lint", path)
     assert done.code == 1
     for needle, code in (("right_joint", "WMR011"), ("left_joint", "WMR011"), ("0.5<", "WMR040")):
-        at = text.index(needle)
+        at = text.index(needle, text.index("-->"))
         line, column = text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
         assert f"--> {path}:{line}:{column}\n" in done.out and f"warning[{code}]" in done.out
     beside = "<!-- # wmrgen: ignore WMR011 WMR040 -->\n"

@@ -13,6 +13,7 @@ import wmrgen
 from wmrgen.comparing.record import CONTROLLER, DESCRIPTION, HEADER, JOINTS, ROBOT_FILE, Layout, Side, Tie
 from wmrgen.errors import Mark, RobotFileError
 from wmrgen.importing.controllers import read_controllers, snake
+from wmrgen.importing.read import tags
 from wmrgen.importing.records import Controller, Imported, Wheel
 from wmrgen.importing.source import description_of, pairs
 from wmrgen.importing.wheels import import_wheels
@@ -30,8 +31,6 @@ _TRACK = re.compile(rf"^ \*   effective track ({NUMBER}) m$", re.MULTILINE)
 _MACRO = re.compile(rf"^#define (\w+)_(X|Y|RADIUS) \(?(-?{NUMBER})f?\)?(?= |$)", re.MULTILINE)
 _KEYS = {"X": "x", "Y": "y", "RADIUS": "r"}
 _ARGUMENT = re.compile(r"\$\(arg ([^()\s]+)\)")
-_TAG = re.compile(r"<([\w:-]++)([^<>]*+)>\s*+")
-_NAME = re.compile(r"""\sname\s*+=\s*+["']([^"'<>]*+)""")
 _LARGEST, _MOST = 8 * 1024 * 1024, 64  # bytes; wheels
 
 
@@ -92,10 +91,9 @@ def _marked(layout: Layout, text: str) -> Layout:
     """The layout of a description, its wheels marked where the text has their joints: no macro has made their names."""
     lines = Source.of(text, layout.file)
     joints: dict[str, int] = {}
-    for tag in _TAG.finditer(text):
-        name = _NAME.search(tag[2]) if tag[1] == "joint" and "type" in tag[2] else None
-        if name:
-            joints.setdefault(name[1], tag.start(2) + name.start(1))
+    for tag in tags(text):
+        if tag.kind == "joint" and tag.name and "type" in tag.attributes:
+            joints.setdefault(tag.name, tag.name_start)
     sides = []
     for w in layout.wheels:
         places = [joints[name] for name in w.names[1:] if name in joints]
@@ -107,9 +105,8 @@ def _marked_values(controllers: Sequence[Controller], text: str, source: str) ->
     """Drive plugins, their lengths marked where the text has them as elements."""
     lines = Source.of(text, source)
     places: dict[str, int] = {}
-    for tag in _TAG.finditer(text):
-        name = _NAME.search(tag[2]) if tag[1] == "param" else None
-        places.setdefault(snake(name[1] if name else tag[1]), tag.end())
+    for tag in tags(text):
+        places.setdefault(snake(tag.name if tag.kind == "param" and tag.name else tag.kind), tag.end)
     for c in controllers:
         lengths = {
             key: replace(s, mark=lines.mark_at(text, places[s.key])) if s.key in places else s

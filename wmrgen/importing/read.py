@@ -8,18 +8,21 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from fractions import Fraction
+from typing import NamedTuple
 from xml.etree.ElementTree import Element, ParseError
 
 from wmrgen.errors import Code, EnvironmentFailure, Mark, RobotFileError
 from wmrgen.importing.frames import unit
 from wmrgen.importing.records import Vector
-from wmrgen.spec.text import printable, quoted
+from wmrgen.spec.text import Source, printable, quoted
 
 MAX_BYTES = 4 * 1024 * 1024
 MAX_ELEMENTS = 100_000
 MAX_DEPTH = 64
 _NUMBER = re.compile(r"([+-]?)(\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE]([+-]?\d{1,4}))?")
 _ENDLESS = re.compile(r"([+-]?)(?:inf(?:inity)?|[\d.]{1,40}e\+?(?:[3-9]\d|\d{3,4}))", re.IGNORECASE)
+_TAG = re.compile(r"<([\w:-]++)([^<>]*+)>\s*+")
+_NAME = re.compile(r"""\sname\s*+=\s*+["']([^"'<>]*+)""")
 _LARGEST, _SMALLEST = 30, -30  # exponents; below is zero
 ONES: Vector = (Fraction(1), Fraction(1), Fraction(1))
 ZERO: Vector = (Fraction(0), Fraction(0), Fraction(0))
@@ -67,29 +70,46 @@ def _place(error: Exception, text: bytes, file: str) -> Mark | None:
     return Mark(file, line, column + 1, printable(shown))
 
 
+class Tag(NamedTuple):
+    """A start tag in a text of XML: its kind and attributes, where it begins and where what follows it does; its name
+    and where that stands, "" and the beginning where it has none."""
+
+    kind: str
+    attributes: str
+    start: int
+    end: int
+    name: str
+    name_start: int
+
+
+def tags(text: str) -> Iterator[Tag]:
+    """The start tags of a text of XML, in their order, outside comments."""
+    for tag in _TAG.finditer(_without_comments(text)):
+        name = _NAME.search(tag[2])
+        own = (name[1], tag.start(2) + name.start(1)) if name else ("", tag.start())
+        yield Tag(tag[1], tag[2], tag.start(), tag.end(), *own)
+
+
 def place_of(message: str, data: bytes, file: str) -> Mark | None:
     """Where a file has what a message quotes: first the element of that name, in it what is quoted then. None where it
     does not stand there as it is quoted."""
-    text = re.sub(
-        "<!--.*?-->", lambda m: re.sub(r"[^\n]", " ", m[0]), data.decode("utf-8", "replace"), flags=re.DOTALL
-    )
-    at = None
+    text = data.decode("utf-8", "replace")
+    plain, at = _without_comments(text), None
     for kind, words in re.findall(r"(?:(joint|link) )?'([^']+)'", message):
-        name = re.escape(words)
-        element = (
-            re.search(rf"<{kind or '[a-z]+'}\b[^<>]*\bname\s*=\s*[\"']{name}[\"']", text)
-            if at is None
-            else None
-        )
-        token = re.compile(rf"(?<![\w.:-]){name}(?![\w.:-])").search(text, at or 0)
-        if at is None and kind and not element:
-            return None  # of an included file
-        match = element or token
-        at = match.start() if match else at
-    if at is None:
-        return None
-    line, column = text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
-    return Mark(file, line, column, printable(text.split("\n")[line - 1]))
+        if at is None:
+            at = next((t.start for t in tags(text) if t.name == words and kind in ("", t.kind)), None)
+            if at is not None:
+                continue
+            if kind:
+                return None  # of an included file
+        token = re.compile(rf"(?<![\w.:-]){re.escape(words)}(?![\w.:-])").search(plain, at or 0)
+        at = token.start() if token else at
+    return None if at is None else Source.of(text, file).mark_at(text, at)
+
+
+def _without_comments(text: str) -> str:
+    """The text with blanks in the place of comments, so that places stay."""
+    return re.sub("<!--.*?-->", lambda comment: re.sub(r"[^\n]", " ", comment[0]), text, flags=re.DOTALL)
 
 
 def _blank(comment: re.Match[bytes]) -> bytes:

@@ -13,11 +13,12 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot, each
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.layout.skid import driven
+from wmrgen.mobility.admissible import along
 from wmrgen.mobility.basis import basis, deciding, null_columns, primitive, scaled
-from wmrgen.mobility.configure import Configuration, configuration, in_metres
+from wmrgen.mobility.configure import Configuration, configuration, in_metres, steering_for
 from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.reasons import actuation, apart, argument, plain, reasons, skids, verdict
-from wmrgen.mobility.records import Mobility, Singularity
+from wmrgen.mobility.reasons import apart, plain, reasons, skids, verdict
+from wmrgen.mobility.records import Array, Balance, Mobility, Singularity
 from wmrgen.notation import listed
 
 MOST_WHEELS = 8  # among which minors are written out
@@ -32,12 +33,12 @@ def analyse(robot: Robot) -> Mobility:
     columns = tuple(fixed(column, robot) for column in symbolic)
     per_eta = scaled(symbolic, deciding(rows), robot)
     acting = driven(robot)
-    told = reasons(at, deciding(rows))
+    sentences, argument = reasons(at, deciding(rows))
     leaders = (robot.wheels[robot.steer_group[w.index]].name for w in deciding(rows))
     return Mobility(
         degree_of_mobility=at.mobility, degree_of_steerability=at.steerability,
         rank_C1f=at.rank_fixed, rank_C1=at.rank, dof=at.dof,
-        reasons=tuple(map(plain, told)), argument=argument(at, told), actuation=actuation(at),
+        reasons=tuple(map(plain, sentences)), argument=argument, actuation=_actuation(at),
         apart=apart(at), skids=skids(at), verdict=plain(verdict(at)),
         growth_vector=growth_vector(now, at.admissible.tangent, at.steerability),
         singularities=singularities(at, deciding(rows), columns),
@@ -47,6 +48,40 @@ def analyse(robot: Robot) -> Mobility:
         scaled=tuple(fixed(column, robot) for column in per_eta), scaled_symbolic=per_eta,
         driven=None if acting is robot else (acting, analyse(acting)),
     )  # fmt: skip
+
+
+def _actuation(at: Configuration) -> tuple[Balance, ...]:
+    """What is actuated beyond or short of need: of driving, and of steering where there is any."""
+    robot = at.robot
+    spins = [w for w in robot.wheels if "spin" in w.actuated]
+    swivelled = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
+    free = null_basis(unit_rows(at.C1)) if at.C1.size else np.eye(3)
+    rows = [_driving_row(w, at) for w in spins] + [_swivelling_row(w) for w in swivelled]
+    independent = 0
+    if rows and len(free):
+        independent = int(np.linalg.matrix_rank(unit_rows(np.array(rows)) @ free.T, tol=1e-9))
+    motors = len(robot.together("spin", spins)) + len(robot.together("steer", swivelled))
+    steering = {robot.steer_group[w.index] for w in robot.wheels if w.kind.steers and "steer" in w.actuated}
+    driving = Balance("spin", motors, independent, at.mobility)
+    if not (at.steerability or steering):
+        return (driving,)
+    commanded = min(len(steering), at.steerability)
+    return driving, Balance("steer", len(steering), commanded, at.steerability)
+
+
+def _driving_row(w: Wheel, at: Configuration) -> Array:
+    """Rim speed per twist at the sample configuration, castors at their zero angle: see `constraints.driving_row`."""
+    g = w.nominal
+    heading = steering_for(w, at.admissible.sample) if w.kind.steers else w.zero_heading
+    row: Array = along(w, heading * complex(float(g.cg), float(g.sg))) - np.array([0.0, 0.0, float(g.o)])
+    return row - float(g.o) * _swivelling_row(w) if w.kind.swivels else row
+
+
+def _swivelling_row(w: Wheel) -> Array:
+    """The twist row of a castor's steering rate."""
+    d = float(w.nominal.d)
+    row: Array = -(along(w, 1j * w.zero_heading) + np.array([0.0, 0.0, d])) / d
+    return row
 
 
 def driving(robot: Robot, mobility: Mobility) -> tuple[Robot, Mobility]:

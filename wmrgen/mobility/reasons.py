@@ -1,8 +1,8 @@
-"""The mobility argument in words: why the degrees are what they are, and what is actuated beyond or short of need."""
+"""The mobility argument in words: why the degrees are what they are."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from fractions import Fraction
 from itertools import combinations
 
@@ -13,29 +13,25 @@ from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Geometry, Wheel
 from wmrgen.mobility.admissible import along, coupled_sets
-from wmrgen.mobility.configure import Configuration, steering_for
+from wmrgen.mobility.configure import Configuration
 from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.records import TOLERANCE, Array, Balance
+from wmrgen.mobility.records import TOLERANCE, Array
 from wmrgen.notation import listed, turning
 
 SAME = 1e-9
 
 
-def reasons(at: Configuration, deciding: tuple[Wheel, ...]) -> tuple[str, ...]:
-    """Why the degrees are what they are, one sentence each, names of wheels in backticks.
+def reasons(at: Configuration, deciding: tuple[Wheel, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Why the degrees are what they are, one sentence each, names of wheels in backticks; and of these sentences those
+    that argue, without what the robot file or a definition says: couplings, (3.40) to (3.42).
 
     ``deciding``: the steered wheels that give a row of C1.
     """
-    return (
-        *_fixed(at), *_taken_for_one(at), *_couplings(at), *_coupled(at), *_steered(at, deciding), *_free_wheels(at),
-        *_degrees(at), *filter(None, [verdict(at)]), *_doubts(at), *_coincidences(at),
-    )  # fmt: skip
-
-
-def argument(at: Configuration, told: Sequence[str]) -> tuple[str, ...]:
-    """Of `reasons` those that argue: not what the robot file or a definition says, its couplings, (3.40) to (3.42)."""
-    stated = (*_couplings(at), *_degrees(at))
-    return tuple(text for text in told if text not in stated)
+    axles = (*_fixed(at), *_taken_for_one(at))
+    wheels = (*_coupled(at), *_steered(at, deciding), *_free_wheels(at))
+    remarks = (*filter(None, [verdict(at)]), *_doubts(at), *_coincidences(at))
+    every = (*axles, *_couplings(at), *wheels, *_degrees(at), *remarks)
+    return every, (*axles, *wheels, *remarks)
 
 
 def plain(text: str) -> str:
@@ -276,37 +272,3 @@ def _rank(rows: list[Row]) -> int:
     """The rank of the rows that are numbers."""
     numbers = [[value for p in row if (value := p.constant) is not None] for row in rows]
     return numeric_rank(unit_rows(to_array([row for row in numbers if len(row) == 3])))[0]
-
-
-def actuation(at: Configuration) -> tuple[Balance, ...]:
-    """What is actuated beyond or short of need: of driving, and of steering where there is any."""
-    robot = at.robot
-    spins = [w for w in robot.wheels if "spin" in w.actuated]
-    swivelled = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
-    free = null_basis(unit_rows(at.C1)) if at.C1.size else np.eye(3)
-    rows = [_driving_row(w, at) for w in spins] + [_swivelling_row(w) for w in swivelled]
-    independent = 0
-    if rows and len(free):
-        independent = int(np.linalg.matrix_rank(unit_rows(np.array(rows)) @ free.T, tol=1e-9))
-    motors = len(robot.together("spin", spins)) + len(robot.together("steer", swivelled))
-    steering = {robot.steer_group[w.index] for w in robot.wheels if w.kind.steers and "steer" in w.actuated}
-    driving = Balance("spin", motors, independent, at.mobility)
-    if not (at.steerability or steering):
-        return (driving,)
-    commanded = min(len(steering), at.steerability)
-    return driving, Balance("steer", len(steering), commanded, at.steerability)
-
-
-def _driving_row(w: Wheel, at: Configuration) -> Array:
-    """Rim speed per twist at the sample configuration, castors at their zero angle: see `constraints.driving_row`."""
-    g = w.nominal
-    heading = steering_for(w, at.admissible.sample) if w.kind.steers else w.zero_heading
-    row: Array = along(w, heading * complex(float(g.cg), float(g.sg))) - np.array([0.0, 0.0, float(g.o)])
-    return row - float(g.o) * _swivelling_row(w) if w.kind.swivels else row
-
-
-def _swivelling_row(w: Wheel) -> Array:
-    """The twist row of a castor's steering rate."""
-    d = float(w.nominal.d)
-    row: Array = -(_axle(w) + np.array([0.0, 0.0, d])) / d
-    return row

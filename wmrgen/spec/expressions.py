@@ -42,12 +42,15 @@ _OPERATORS: dict[type[ast.operator], str] = {
     ast.Pow: "**",
 }
 _GRAMMAR = "Allowed are numbers, parameters, pi, + - * / ** ( ) sqrt sin cos tan atan2."
-NO_PARAMETER = "is not a declared parameter"
 _FUNCTION_ALIASES = {
     **dict.fromkeys(("atan", "arctan", "arctan2"), "Write atan2(y, x)."),
     **dict.fromkeys(("asin", "acos", "arcsin", "arccos"), "Write the angle with atan2(y, x)."),
     **dict.fromkeys(("radians", "deg2rad"), "Write 45 deg, or a*pi/180."),
 }
+
+
+class UndeclaredParameter(RobotFileError):
+    """A name in an expression that does not stand under ``parameters``."""
 
 
 def parse_expression(node: Scalar, names: Collection[str]) -> Expr:
@@ -151,13 +154,13 @@ class _Parser:
         if word in ARITY:
             raise self._error(f"the function {word} needs its argument", "", f"Write {word}(…).", at)
         near = nearest(word, [*self._names, "pi"])
-        raise self._node.error(
-            f"{quoted(word)} {NO_PARAMETER}",
+        raise UndeclaredParameter(
+            f"{quoted(word)} is not a declared parameter",
+            self._node.mark_at(at),
             "Every name in an expression stands under parameters: or is pi.",
             f"Did you mean {near}?"
             if near
             else f"Declare it, as parameters: {{{word}: 0.1}}, or write the number.",
-            at,
             Code.UNDECLARED,
         )
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from wmrgen.errors import Code, RobotFileError, Several, WmrgenError
-from wmrgen.spec.expressions import NO_PARAMETER, scalar_of
+from wmrgen.spec.expressions import UndeclaredParameter, scalar_of
 from wmrgen.spec.fields import Text, Version
 from wmrgen.spec.joints import read_encoders, read_lag, read_limits, read_noise
 from wmrgen.spec.keys import ROBOT
@@ -193,28 +193,28 @@ def _causes(table: Table, errors: Sequence[WmrgenError]) -> list[WmrgenError]:
     """``errors`` without: names of parameters that are used where some of them cannot be read, and so those of wheels;
     what stands where the YAML has a slip; keys that stand twice among wheels whose dashes are missing."""
     slips = [error.mark for error in errors if error.code is Code.NOT_YAML]
-    in_doubt = _names_in_doubt(table, errors)
+    parameters, others = _names_in_doubt(table, errors)
     return [
         error
         for error in errors
-        if not (error.code is Code.UNDECLARED and error.what.endswith(NO_PARAMETER) in in_doubt)
+        if not (
+            error.code is Code.UNDECLARED
+            and (parameters if isinstance(error, UndeclaredParameter) else others)
+        )
         and (error.code is Code.NOT_YAML or error.mark not in slips)
         and not (error.code is Code.TWICE and _in_wheels(table, error))
     ]
 
 
-def _names_in_doubt(table: Table, errors: Sequence[WmrgenError]) -> set[bool]:
-    """Of what some name cannot be read, so that where it is used nothing is to be told: True for parameters, False for
-    wheels and what else bears one."""
+def _names_in_doubt(table: Table, errors: Sequence[WmrgenError]) -> tuple[bool, bool]:
+    """Whether some name of a parameter cannot be read, and of a wheel or what else bears one: where such names are used
+    nothing is to be told."""
     wheels, parameters = table.get("wheels"), table.get("parameters")
-    declared = parameters.entries if isinstance(parameters, MappingNode) else ()
-    marks = [key.mark for key, _ in declared]
-    doubts = {error.mark in marks for error in errors if error.code is Code.NAME}
-    if parameters is not None and not isinstance(parameters, MappingNode):
-        doubts.add(True)
-    if isinstance(wheels, SequenceNode) and len(declared_types(table)) < len(wheels.items):
-        doubts.add(False)
-    return doubts
+    declared = [key.mark for key, _ in parameters.entries] if isinstance(parameters, MappingNode) else []
+    unread = [error.mark in declared for error in errors if error.code is Code.NAME]
+    no_mapping = parameters is not None and not isinstance(parameters, MappingNode)
+    unnamed = isinstance(wheels, SequenceNode) and len(declared_types(table)) < len(wheels.items)
+    return no_mapping or True in unread, unnamed or False in unread
 
 
 def _in_wheels(table: Table, error: WmrgenError) -> bool:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from functools import cmp_to_key
 from typing import Any, NamedTuple
 
 import sympy
-from sympy.core.add import _unevaluated_Add
 
 from wmrgen.functions.system import Domain, Lag, System, of_commands, rate_port
 from wmrgen.ports import Port, Role
@@ -15,6 +15,7 @@ from wmrgen.printing import Latex, Reader, Text, Writer, exact, size
 from wmrgen.symbolic import Expr, signal
 
 LONGEST = 4000  # nodes of an expression that is still written out
+_ORDER = cmp_to_key(sympy.Basic.compare)  # of the terms of a sum, as sympy has it
 
 
 class Equation(NamedTuple):
@@ -88,9 +89,9 @@ def _tidied(expr: Expr, memo: dict[Expr, Expr]) -> Expr:
 
 def _sum(parts: Iterable[Expr]) -> Expr:
     """The sum in the order that sympy gives it; its own evaluation, which loads tensors, is for like terms alone."""
-    terms = [term for part in parts for term in sympy.Add.make_args(part)]
+    terms = [term for part in parts for term in sympy.Add.make_args(part) if term]
     alike = len({term.as_coeff_Mul()[1] for term in terms}) < len(terms)
-    return sympy.Add(*terms) if alike else _unevaluated_Add(*terms)
+    return sympy.Add(*terms) if alike else sympy.Add(*sorted(terms, key=_ORDER), evaluate=False)
 
 
 def _tangent(product: Expr) -> Expr:

@@ -99,7 +99,7 @@ def test_how_certain_unknowns_are_is_told_drive_by_drive() -> None:
     roots = random.normal(size=(2, count, SHARED + OWN, SHARED + OWN))
     parts, noise = roots @ roots.swapaxes(2, 3)
     every: Any = [SimpleNamespace(sums=Sums(0.0, np.zeros(SHARED + OWN), part)) for part in parts]
-    covariance, spread = _spread(problem, every, noise.copy())
+    covariance, spread = _spread(problem, every, noise)
     inverse = np.linalg.inv(_dense(problem, parts))
     mean = np.zeros(SHARED + OWN * count)
     mean[SHARED + OWN - 1 :: OWN] = CLOCKS.weight * CLOCKS.error

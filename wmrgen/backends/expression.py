@@ -217,7 +217,7 @@ def body(
     have a statement of their own, also where they are needed once. ``reserved``: names that no temporary may have.
     """
     names = names or {}
-    taken = {*names.values(), *reserved}
+    reserved = {*names.values(), *reserved}
     return _Printer(
-        function, access, style, notes or {}, kernels or {}, names, apart, taken, counting(), [], []
+        function, access, style, notes or {}, kernels or {}, names, apart, reserved, counting(), [], []
     ).run()

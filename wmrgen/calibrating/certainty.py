@@ -145,7 +145,7 @@ def _spread(problem: Problem, every: Sequence[_Evidence], noise: Reals) -> tuple
     matrix, clocks = arrow(problem, [drive.sums for drive in every]), problem.clocks
     inverse, follows = np.linalg.inv(matrix.reduced), matrix.follows
     s, follow, alone = len(inverse), follows[:, -1], np.linalg.inv(matrix.own)[:, -1]
-    noise[:, s:, s:] += clocks.counted * prior_of_own(problem)
+    noise = noise + np.pad(clocks.counted * prior_of_own(problem), (s, 0))
     # What a drive's gradient moves the shared unknowns by, and what its own clock.
     by_shared = np.broadcast_to(inverse, (len(every), s, s))
     moves = np.concatenate([by_shared, -inverse @ follows.swapaxes(1, 2)], axis=2)

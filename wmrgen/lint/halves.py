@@ -90,10 +90,12 @@ def _called(subject: Subject) -> Iterator[Finding]:
     """Sizes that are parameters, by their names."""
     for p in subject.spec.parameters:
         size, name, half = abs(subject.value(p.value)), p.name.lower(), "half" in p.name.lower()
+        sure = bool(_SURE.search(name))
         for axis, pattern in _SPANS.items() if size else ():
             span = _extent(subject, axis) / (2 * size if half else size)
-            word = _times(span) if pattern.search(name) or _places(p, axis, subject) else ""
-            if word and (_SURE.search(name) or (word == "twice" and not half)):
+            told = pattern.search(name) or (sure and _places(p, axis, subject))
+            word = _times(span) if told else ""
+            if word and (sure or (word == "twice" and not half)):
                 yield _span(p, word, axis, half)
         right, whole = (f"{p.name}/2", size / 2) if "dia" in name else (p.name, size)
         for w in subject.spec.wheels if size and _ROUND.search(name) else ():
@@ -104,11 +106,9 @@ def _called(subject: Subject) -> Iterator[Finding]:
 
 
 def _places(p: ParameterSpec, axis: str, subject: Subject) -> bool:
-    """Whether a parameter that is called a distance of wheels, of whichever, says where along ``axis`` they stand."""
+    """Whether a parameter says where along ``axis`` wheels stand."""
     quantities = [getattr(w, axis) for w in subject.spec.wheels]
-    return bool(_SURE.search(p.name.lower())) and any(
-        q and re.search(rf"\b{p.name}\b", q.text) for q in quantities
-    )
+    return any(q and re.search(rf"\b{p.name}\b", q.text) for q in quantities)
 
 
 def _span(p: ParameterSpec, word: str, axis: str, half: bool) -> Finding:

@@ -11,10 +11,10 @@ from wmrgen.backends.drawing.sketch import sketch
 from wmrgen.backends.drawing.symbols import wheel_symbols
 from wmrgen.backends.drawing.top import top_view
 from wmrgen.backends.drawing.wiring import wiring
-
-__all__ = ["emit", "figures", "sketch"]
 from wmrgen.backends.registry import Facts
 from wmrgen.robot import Derivation
+
+__all__ = ["emit", "figures", "sketch"]
 
 
 def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:

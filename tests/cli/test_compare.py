@@ -147,7 +147,8 @@ def test_findings_in_xml_have_their_place_and_can_be_kept(wmrgen_cli: Cli, tmp_p
     path.write_text(text)
     done = wmrgen_cli("lint", path)
     assert done.code == 1
-    for needle, code in (("right_joint", "WMR011"), ("left_joint", "WMR011"), ("0.5<", "WMR040")):
+    joints = [(f'<joint name="{side}_joint"', "WMR011") for side in ("right", "left")]
+    for needle, code in (*joints, (value, "WMR040")):
         at = text.index(needle, text.index("-->"))
         line, column = text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
         assert f"--> {path}:{line}:{column}\n" in done.out and f"warning[{code}]" in done.out
@@ -155,3 +156,22 @@ def test_findings_in_xml_have_their_place_and_can_be_kept(wmrgen_cli: Cli, tmp_p
     path.write_text(text.replace(value, value + beside).replace("<link", f"{beside}<link"))
     path.write_text(path.read_text().replace("</joint>", f"</joint> {beside}"))
     assert wmrgen_cli("lint", path).code == 0
+
+
+def test_what_a_macro_makes_stands_where_the_macro_has_it(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """In its own file: findings, and errors of values."""
+    space = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    joint = wheel("${side}", "0 ${y} 0.1")
+    macro = f"<xacro:macro name='w' params='side y'>\n {joint}</xacro:macro>"
+    parts = tmp_path / "parts.xacro"
+    parts.write_text(f"<robot {space}>{macro}</robot>")
+    calls = "".join(f'<xacro:w side="{side}" y="{y}"/>' for side, y in (("left", "-0.24"), ("right", "0.24")))
+    path = tmp_path / "robot.xacro"
+    path.write_text(robot('<xacro:include filename="parts.xacro"/>', calls).replace("<robot", f"<robot {space}"))
+    done = wmrgen_cli("lint", path)
+    at = joint.index("<joint") + 2
+    assert done.code == 1 and done.out.count(f"--> {parts}:2:{at}\n") == 2, done.out + done.err
+    parts.write_text(parts.read_text().replace('"0 ${y} 0.1"', '"0 ${y} O"'))
+    done = wmrgen_cli("import", path)
+    at = joint.index("<origin", at) + 2
+    assert done.code == 2 and f"--> {parts}:2:{at}\n" in done.err and "'O' is not a number" in done.err

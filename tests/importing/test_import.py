@@ -408,7 +408,7 @@ def test_hyphens_in_comments_are_no_harm(read: Import, wmrgen_cli: Cli, tmp_path
     path = tmp_path / "broken.urdf"
     path.write_text(f"<robot name='a'>\n{comment}\n<link name='b'>\n</robot>\n", encoding="utf-8")
     done = wmrgen_cli("import", path)
-    assert done.code == 2 and done.err.splitlines()[1] == " --> broken.urdf:6:3"
+    assert done.code == 2 and done.err.splitlines()[1] == f" --> {path}:6:3"
 
 
 def test_mimic_one_to_one_is_a_coupling(read: Import, tmp_path: Path) -> None:

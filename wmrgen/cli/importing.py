@@ -68,7 +68,7 @@ def _contradictions(
 ) -> Iterator[str]:
     """Where controllers have other lengths than the description, which stand in the robot file."""
     sources = {id(c): path.name for path, controllers in said.items() for c in controllers}
-    seen = of_import(robot, frozenset(joint.name for joint in description.joints), file.name)
+    seen = of_import(robot, description.joints, file.name)
     for each in description.controllers:
         told = of_controller(each, sources.get(id(each), file.name))
         for difference in compare(seen, told).differences:

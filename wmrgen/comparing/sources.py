@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 
 import wmrgen
 from wmrgen.comparing.record import CONTROLLER, DESCRIPTION, HEADER, JOINTS, ROBOT_FILE, Layout, Side, Tie
 from wmrgen.errors import Mark, RobotFileError
-from wmrgen.importing.controllers import read_controllers, snake
-from wmrgen.importing.read import tags
-from wmrgen.importing.records import Controller, Imported, Wheel
+from wmrgen.importing.controllers import read_controllers
+from wmrgen.importing.records import Controller, Imported, Joint, Wheel
 from wmrgen.importing.source import description_of, pairs
 from wmrgen.importing.wheels import import_wheels
 from wmrgen.layout.records import Robot
@@ -69,50 +67,27 @@ def _ties(spec: RobotSpec, robot: Robot) -> tuple[Tie, ...]:
     return tuple(tie for tie in ties if len(tie.turns) > 1)
 
 
-def of_import(robot: Imported, joints: frozenset[str], source: str) -> Layout:
-    """The layout of a URDF or SDF, as far as it says: of couplings nothing where one is in doubt."""
+def of_import(robot: Imported, joints: Iterable[Joint], source: str) -> Layout:
+    """The layout of a URDF or SDF, as far as it says: of couplings nothing where one is in doubt. Its wheels stand
+    where their joints do."""
+    places = {joint.name: joint.mark for joint in joints}
     turns: dict[tuple[str, str], dict[str, float]] = {}
     for each in robot.couplings:
         (first, _, joint), (second, _, _) = each.first.rpartition("."), each.second.rpartition(".")
         turns.setdefault((first, joint), {first: 1.0})[second] = float(each.ratio)
     doubted = any(q.key == "equal" for q in robot.questions)
     ties = None if doubted else tuple(Tie(joint, shaft) for (_, joint), shaft in turns.items())
-    return Layout(source, DESCRIPTION, tuple(map(_imported, robot.wheels)), joints=joints, ties=ties)
+    sides = tuple(_imported(w, places) for w in robot.wheels)
+    return Layout(source, DESCRIPTION, sides, joints=frozenset(places), ties=ties)
 
 
-def _imported(wheel: Wheel) -> Side:
+def _imported(wheel: Wheel, places: Mapping[str, Mark | None]) -> Side:
     keys = ("x", "y", "heading", "r", "d", "offset_y", "gamma")
     values = {key: float(value) for key in keys if (value := getattr(wheel, key)) is not None}
     names = (wheel.name, *filter(None, (wheel.joint, wheel.steer_joint)))
-    return Side(names, wheel.type, values, {}, wheel.actuated)
-
-
-def _marked(layout: Layout, text: str) -> Layout:
-    """The layout of a description, its wheels marked where the text has their joints: no macro has made their names."""
-    lines = Source.of(text, layout.file)
-    joints: dict[str, int] = {}
-    for tag in tags(text):
-        if tag.kind == "joint" and tag.name and "type" in tag.attributes:
-            joints.setdefault(tag.name, tag.name_start)
-    sides = []
-    for w in layout.wheels:
-        places = [joints[name] for name in w.names[1:] if name in joints]
-        sides.append(replace(w, marks={"": lines.mark_at(text, places[0])} if places else {}))
-    return replace(layout, wheels=tuple(sides))
-
-
-def _marked_values(controllers: Sequence[Controller], text: str, source: str) -> Iterator[Controller]:
-    """Drive plugins, their lengths marked where the text has them as elements."""
-    lines = Source.of(text, source)
-    places: dict[str, int] = {}
-    for tag in tags(text):
-        places.setdefault(snake(tag.name if tag.kind == "param" and tag.name else tag.kind), tag.end)
-    for c in controllers:
-        lengths = {
-            key: replace(s, mark=lines.mark_at(text, places[s.key])) if s.key in places else s
-            for key, s in c.lengths.items()
-        }
-        yield replace(c, lengths=lengths)
+    mark = next(filter(None, map(places.get, names[1:])), None)
+    marks = {"": mark} if mark else {}
+    return Side(names, wheel.type, values, marks, wheel.actuated)
 
 
 def of_header(text: str, source: str) -> Layout:
@@ -197,9 +172,8 @@ def _layouts(
     controllers: Sequence[Controller] = ()
     if text.startswith("<"):
         description = description_of(path, arguments, packages)
-        joints = frozenset(joint.name for joint in description.joints)
-        yield _marked(of_import(import_wheels(description, base), joints, name), whole)
-        controllers = list(_marked_values(description.controllers, whole, name))
+        yield of_import(import_wheels(description, base), description.joints, name)
+        controllers = description.controllers
     elif _HEADER.search(text):
         yield of_header(text, name)
     else:

@@ -14,7 +14,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from wmrgen.errors import Code, Mark, RobotFileError, Several
-from wmrgen.importing.read import local
+from wmrgen.importing.read import local, mark_of
 from wmrgen.importing.records import Controller, Named, Setting
 from wmrgen.spec.names import role
 from wmrgen.spec.numbers import NUMBER
@@ -129,20 +129,22 @@ def plugin_controllers(root: Element) -> tuple[Controller, ...]:
     result = []
     for element in root.iter():
         if local(element) in ("plugin", "hardware"):
-            leaves = [_element(snake(e.get("name") or local(e)), e.text or "") for e in element]
+            leaves = [_leaf(snake(e.get("name") or local(e)), e.text or "", e) for e in element]
             kind = " ".join(filter(None, (element.get("filename"), element.get("name"))))
             result.append(_controller(element.get("name") or "", kind, leaves))
         elif local(element) == "mobile" and element.get("type") == "differential":
-            leaves = [_element("wheel_names", element.get("joints") or "")]
+            leaves = [_leaf("wheel_names", element.get("joints") or "", element)]
             values = (element.get("params") or "").split()
-            leaves += map(_element, ("wheel_separation", "wheel_radius"), values)
+            words = ("wheel_separation", "wheel_radius")
+            leaves += [_leaf(word, value, element) for word, value in zip(words, values, strict=False)]
             result.append(_controller("mobile", "differential", leaves))
     return tuple(c for c in result if c.lengths)
 
 
-def _element(word: str, text: str) -> _Leaf:
+def _leaf(word: str, text: str, element: Element) -> _Leaf:
+    """What an element says under a word."""
     texts = tuple(text.split())
-    return _Leaf((word,), texts, (None,) * len(texts))
+    return _Leaf((word,), texts, (mark_of(element),) * len(texts))
 
 
 def snake(word: str) -> str:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from fractions import Fraction
 
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Code, RobotFileError
 from wmrgen.importing.records import Frame, Joint, Matrix, Vector
 from wmrgen.layout.expressions import TOLERANCE
 from wmrgen.spec.text import quoted
@@ -119,7 +119,9 @@ def tree(
     for joint in joints:
         what = f"joint {quoted(joint.name)}"
         if unknown := [link for link in (joint.parent, joint.child) if link not in links]:
-            raise RobotFileError(f"{what}: there is no link {quoted(unknown[0])}")
+            raise RobotFileError(
+                f"{what}: there is no link {quoted(unknown[0])}", joint.mark, code=Code.DESCRIPTION
+            )
         if joint.child in above:
             notes.append(f"{what}: {quoted(joint.child)} has a parent already; this one is not read")
             closing.append(joint)
@@ -128,13 +130,13 @@ def tree(
     for start in above:
         link, seen = start, {start}
         while link in above:
-            link = above[link].parent
+            mark, link = above[link].mark, above[link].parent
             if link in seen:
-                raise RobotFileError(f"the joints go in a circle through the link {quoted(link)}")
+                what = f"the joints go in a circle through the link {quoted(link)}"
+                raise RobotFileError(what, mark, code=Code.DESCRIPTION)
             if len(seen) > MAX_CHAIN:
-                raise RobotFileError(
-                    f"more than {MAX_CHAIN} joints one behind the other, down to {quoted(start)}"
-                )
+                what = f"more than {MAX_CHAIN} joints one behind the other, down to {quoted(start)}"
+                raise RobotFileError(what, mark, code=Code.DESCRIPTION)
             seen.add(link)
     return tuple(above.values()), tuple(closing)
 

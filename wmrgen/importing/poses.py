@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element
 
 from wmrgen.errors import RobotFileError
 from wmrgen.importing.frames import IDENTITY, composed, frame
-from wmrgen.importing.read import child, number, refuse
+from wmrgen.importing.read import at, child, number, refuse
 from wmrgen.importing.records import MODEL, Frame, Vector
 from wmrgen.spec.text import printable, quoted
 
@@ -97,11 +97,12 @@ def placement(element: Element, what: str) -> Frame:
     words = [] if pose is None else (pose.text or "").split()
     if pose is None or not words:
         return IDENTITY
-    values = [number(word, f"{what}: pose") for word in words]
-    if pose.get("rotation_format") == "quat_xyzw" and len(values) == 7:
-        return frame((values[0], values[1], values[2]), _angles(values[3:], what))
-    if len(values) != 6:
-        raise refuse(f"{what}: a pose has six numbers, not {quoted(' '.join(words))}")
+    with at(pose):
+        values = [number(word, f"{what}: pose") for word in words]
+        if pose.get("rotation_format") == "quat_xyzw" and len(values) == 7:
+            return frame((values[0], values[1], values[2]), _angles(values[3:], what))
+        if len(values) != 6:
+            raise refuse(f"{what}: a pose has six numbers, not {quoted(' '.join(words))}")
     x, y, z, *rpy = values
     if pose.get("degrees", "").strip() in ("true", "1"):
         rpy = [Fraction(math.radians(angle)) for angle in rpy]

@@ -5,24 +5,24 @@ No entity and no document type is followed; numbers are read by a pattern, never
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import NamedTuple
-from xml.etree.ElementTree import Element, ParseError
+from functools import cached_property
+from typing import Any, cast
+from xml.etree.ElementTree import Element, ParseError, TreeBuilder
 
 from wmrgen.errors import Code, EnvironmentFailure, Mark, RobotFileError
 from wmrgen.importing.frames import unit
 from wmrgen.importing.records import Vector
-from wmrgen.spec.text import Source, printable, quoted
+from wmrgen.spec.text import Source, quoted
 
 MAX_BYTES = 4 * 1024 * 1024
 MAX_ELEMENTS = 100_000
 MAX_DEPTH = 64
 _NUMBER = re.compile(r"([+-]?)(\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE]([+-]?\d{1,4}))?")
 _ENDLESS = re.compile(r"([+-]?)(?:inf(?:inity)?|[\d.]{1,40}e\+?(?:[3-9]\d|\d{3,4}))", re.IGNORECASE)
-_TAG = re.compile(r"<([\w:-]++)([^<>]*+)>\s*+")
-_NAME = re.compile(r"""\sname\s*+=\s*+["']([^"'<>]*+)""")
 _LARGEST, _SMALLEST = 30, -30  # exponents; below is zero
 ONES: Vector = (Fraction(1), Fraction(1), Fraction(1))
 ZERO: Vector = (Fraction(0), Fraction(0), Fraction(0))
@@ -32,89 +32,98 @@ def refuse(what: str, why: str = "", instead: str = "", mark: Mark | None = None
     return RobotFileError(what, mark, why, instead, Code.DESCRIPTION)
 
 
+class Text:
+    """The bytes of a file, and its name in messages."""
+
+    def __init__(self, data: bytes, file: str) -> None:
+        self.data, self.file = data, file
+
+    @cached_property
+    def source(self) -> Source:
+        return Source.of(re.sub("\r\n?", "\n", self.data.decode("utf-8", "replace")), self.file)
+
+
+class Placed(Element):
+    """An element that keeps where its tag begins: in a text, line and column as expat counts them, from 1 and 0. None
+    where nobody wrote it."""
+
+    place: tuple[Text, int, int] | None = None
+
+
+def mark_of(element: Element) -> Mark | None:
+    """Where an element stands."""
+    place = getattr(element, "place", None)
+    return place[0].source.mark(place[1] - 1, place[2]) if place else None
+
+
+@contextlib.contextmanager
+def at(element: Element) -> Iterator[None]:
+    """What is wrong in the block stands at ``element``, where it does not stand at one inside."""
+    try:
+        yield
+    except RobotFileError as error:
+        error.mark = error.mark or mark_of(element)
+        raise
+
+
+class _Builder(TreeBuilder):
+    """Placed elements; ``parser``: expat, which reads ``text``."""
+
+    def __init__(self, text: Text) -> None:
+        super().__init__(Placed)
+        self.text, self.parser = text, cast(Any, None)
+
+    def start(self, tag: Any, attributes: Any, /) -> Any:
+        element: Any = super().start(tag, attributes)
+        element.place = (self.text, self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber)
+        return element
+
+
 def parse(text: bytes, file: str, most: int = MAX_BYTES) -> Element:
-    """The root element. RobotFileError for what is no XML, has a document type or is too large."""
+    """The root of `Placed` elements. RobotFileError for what is no XML, has a document type or is too large."""
     try:
         from defusedxml.common import DefusedXmlException
-        from defusedxml.ElementTree import fromstring
     except ImportError:
         raise EnvironmentFailure("import reads XML by defusedxml: pip install 'wmrgen[import]'") from None
     if len(text) > most:
         raise refuse(f"{file}: larger than {most // 1024 // 1024} MiB")
+    source = Text(text, file)
     try:
         try:
-            root: Element = fromstring(text, forbid_dtd=True)
+            root = _elements(text, source)
         except ParseError as error:
             plain = re.sub(rb"<!--.*?-->", _blank, text, flags=re.DOTALL)  # simulators allow -- in comments
             if plain == text and "unbound prefix" not in str(error):
                 raise
-            root = fromstring(_bound(plain), forbid_dtd=True)
+            root = _elements(_bound(plain), source)
     except DefusedXmlException:
         raise refuse(
             f"{file}: has a document type or entities", "They are refused.", "Delete them."
         ) from None
     except (ParseError, ValueError, LookupError) as error:
         words = re.sub(r": line \d+, column \d+$", "", str(error))
-        raise refuse(f"{file}: not XML: {quoted(words, 100)}", mark=_place(error, text, file)) from None
+        line, column = error.position if isinstance(error, ParseError) else (0, 0)
+        mark = source.source.mark(line - 1, column) if line else None
+        raise refuse(f"{file}: not XML: {quoted(words, 100)}", mark=mark) from None
     _cap(root, file)
     return root
 
 
-def _place(error: Exception, text: bytes, file: str) -> Mark | None:
-    """Where the parser stopped, in a text of UTF-8; None where it does not say."""
-    if not isinstance(error, ParseError):
-        return None
-    line, column = error.position
-    lines = text.decode("utf-8", "replace").splitlines()
-    shown = lines[line - 1] if line <= len(lines) else ""
-    return Mark(file, line, column + 1, printable(shown))
+def _elements(data: bytes, text: Text) -> Element:
+    """The root of ``data``, its elements placed in ``text``."""
+    from defusedxml.ElementTree import DefusedXMLParser
 
-
-class Tag(NamedTuple):
-    """A start tag in a text of XML: its kind and attributes, where it begins and where what follows it does; its name
-    and where that stands, "" and the beginning where it has none."""
-
-    kind: str
-    attributes: str
-    start: int
-    end: int
-    name: str
-    name_start: int
-
-
-def tags(text: str) -> Iterator[Tag]:
-    """The start tags of a text of XML, in their order, outside comments."""
-    for tag in _TAG.finditer(_without_comments(text)):
-        name = _NAME.search(tag[2])
-        own = (name[1], tag.start(2) + name.start(1)) if name else ("", tag.start())
-        yield Tag(tag[1], tag[2], tag.start(), tag.end(), *own)
-
-
-def place_of(message: str, data: bytes, file: str) -> Mark | None:
-    """Where a file has what a message quotes: first the element of that name, in it what is quoted then. None where it
-    does not stand there as it is quoted."""
-    text = data.decode("utf-8", "replace")
-    plain, at = _without_comments(text), None
-    for kind, words in re.findall(r"(?:(joint|link) )?'([^']+)'", message):
-        if at is None:
-            at = next((t.start for t in tags(text) if t.name == words and kind in ("", t.kind)), None)
-            if at is not None:
-                continue
-            if kind:
-                return None  # of an included file
-        token = re.compile(rf"(?<![\w.:-]){re.escape(words)}(?![\w.:-])").search(plain, at or 0)
-        at = token.start() if token else at
-    return None if at is None else Source.of(text, file).mark_at(text, at)
-
-
-def _without_comments(text: str) -> str:
-    """The text with blanks in the place of comments, so that places stay."""
-    return re.sub("<!--.*?-->", lambda comment: re.sub(r"[^\n]", " ", comment[0]), text, flags=re.DOTALL)
+    builder = _Builder(text)
+    parser = DefusedXMLParser(target=builder, forbid_dtd=True)
+    builder.parser = parser.parser
+    parser.feed(data)
+    root: Element = parser.close()
+    return root
 
 
 def _blank(comment: re.Match[bytes]) -> bytes:
-    """Line ends alone, so that places stay."""
-    return b"\n" * comment[0].count(b"\n")
+    """Blanks in the place of a comment, so that places stay."""
+    return re.sub(rb"[^\n]", b" ", comment[0])
 
 
 def _bound(text: bytes) -> bytes:
@@ -197,5 +206,6 @@ def direction(text: str | None, what: str) -> Vector | None:
 def name_of(element: Element, what: str) -> str:
     name = element.get("name", "")
     if "${" in name or "$(" in name:
-        raise refuse(f"the {what} {quoted(name)} is an unresolved xacro expression")
+        problem = f"the {what} {quoted(name)} is an unresolved xacro expression"
+        raise refuse(problem, mark=mark_of(element))
     return name

@@ -46,7 +46,7 @@ def endless(kind: str, limits: tuple[Fraction, Fraction] | None) -> bool:
 @dataclass(frozen=True, slots=True)
 class Joint:
     """``frame``: the child's in the parent's. ``axis`` through ``pivot``, both in the child's frame; the axis is None
-    where the file has none. ``limits`` [rad] where it has any."""
+    where the file has none. ``limits`` [rad] where it has any. ``mark``: where the file has it."""
 
     name: str
     kind: str
@@ -57,6 +57,7 @@ class Joint:
     limits: tuple[Fraction, Fraction] | None
     mimic: tuple[str, Fraction, Fraction] | None
     pivot: Vector = (Fraction(0), Fraction(0), Fraction(0))
+    mark: Mark | None = field(default=None, compare=False)
 
     @property
     def turns(self) -> bool:

@@ -13,7 +13,18 @@ from wmrgen.errors import RobotFileError
 from wmrgen.importing.frames import IDENTITY, composed, inverse, transposed, tree, turned
 from wmrgen.importing.gazebo import driven_by_plugins, friction, pushing, words
 from wmrgen.importing.poses import FrameGraph, Scope, placement, reference
-from wmrgen.importing.read import below, child, children, name_of, number, refuse, text_in, vector
+from wmrgen.importing.read import (
+    at,
+    below,
+    child,
+    children,
+    mark_of,
+    name_of,
+    number,
+    refuse,
+    text_in,
+    vector,
+)
 from wmrgen.importing.records import MODEL, RIGID, Description, Frame, Friction, Joint, Shape, Vector
 from wmrgen.importing.sdf_joints import joints_of, passed_over
 from wmrgen.spec.text import quoted
@@ -71,7 +82,8 @@ class _Reader:
         """Take a model in whose frame is ``own``; the link that carries it."""
         self.models += 1
         if self.models > _MOST_MODELS:
-            raise refuse(f"{quoted(element.get('name', ''))}: more than {_MOST_MODELS} models")
+            what = f"{quoted(element.get('name', ''))}: more than {_MOST_MODELS} models"
+            raise refuse(what, mark=mark_of(element))
         scope = Scope(prefix, own, version in ("1.0", "1.2", "1.3", "1.4"))
         self.words += words(element)
         self.plugins += children(element, "plugin")
@@ -132,11 +144,7 @@ class _Reader:
         carried, closing = tree(joints, links, self.notes)
         self.notes += passed_over(lost, carried)
         free = set(self.links) - {joint.child for joint in carried}
-        held = [
-            Joint(link, RIGID, MODEL, link, self.frames.pose(link), None, None, None)
-            for link in self.links
-            if link in free
-        ]
+        held = [self._held(link) for link in self.links if link in free]
         short = {full.rsplit("::", 1)[-1] for full in self.joints}
         driven = driven_by_plugins(self.plugins, {*self.joints, *short})
         if driven is not None:
@@ -154,6 +162,11 @@ class _Reader:
             pushing=pushing(self.plugins),
             masses=self._masses(),
         )
+
+    def _held(self, link: str) -> Joint:
+        """What holds a link that no joint carries."""
+        with at(self.links[link][0]):
+            return Joint(link, RIGID, MODEL, link, self.frames.pose(link), None, None, None)
 
     def _masses(self) -> dict[str, Vector]:
         """The centres of mass of links, where they can be read."""
@@ -174,11 +187,12 @@ class _Reader:
                 for form in [] if geometry is None else list(geometry):
                     radius = text_in(form, "radius") if form.tag in ("cylinder", "sphere", "capsule") else ""
                     uri = "" if child(form, "submesh") is not None else text_in(form, "uri")
-                    scale = vector(text_in(form, "scale") or "1 1 1", f"{what}: scale")
-                    value = number(radius, f"{what} radius") if radius else None
-                    shapes.append(
-                        Shape(str(form.tag), role, self._in_link(part, full, scope), value, uri, scale)
-                    )
+                    with at(form):
+                        scale = vector(text_in(form, "scale") or "1 1 1", f"{what}: scale")
+                        value = number(radius, f"{what} radius") if radius else None
+                    with at(part):
+                        where = self._in_link(part, full, scope)
+                    shapes.append(Shape(str(form.tag), role, where, value, uri, scale))
         return shapes
 
     def _in_link(self, part: Element, link: str, scope: Scope) -> Frame:

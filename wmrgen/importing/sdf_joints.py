@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element
 
 from wmrgen.importing.frames import IDENTITY, ancestors, composed, inverse, parents, plus, transposed, turned
 from wmrgen.importing.poses import FrameGraph, MissingLinkError, Scope, placement, reference
-from wmrgen.importing.read import bound, child, children, direction, number, text_in
+from wmrgen.importing.read import at, bound, child, children, direction, mark_of, number, text_in
 from wmrgen.importing.records import MODEL, RIGID, Frame, Joint, Vector, endless
 from wmrgen.spec.text import quoted
 
@@ -48,9 +48,10 @@ def joints_of(
             notes.append(f"{what} is a gearbox, and not read")
         elif text_in(element, "child") != "world":  # which holds the model
             try:
-                joints += _joint(full, element, scope, frames)
+                with at(element):
+                    joints += _joint(full, element, scope, frames)
             except MissingLinkError as error:
-                missing = MissingLinkError(f"{what}: {error.what}", None, error.why, error.instead)
+                missing = MissingLinkError(f"{what}: {error.what}", error.mark, error.why, error.instead)
                 limits = [_limits(axis, what) for axis in _axes(element)] or [None]
                 spins = any(endless(_kind(kind, each), each) for each in limits)
                 lost.append(Lost(missing, spins, scope.full(text_in(element, "child"), "")))
@@ -87,18 +88,19 @@ def _joint(full: str, element: Element, scope: Scope, frames: FrameGraph) -> lis
         axes = axes[:1]
     axes.sort(key=lambda axis: -abs(axis.along[2]) if axis.along else 0)
     ends = [*(f"{full}::{number}" for number in range(1, len(axes))), body]
-    joints = []
+    joints, mark = [], mark_of(element)
     for axis, end in zip(axes, ends, strict=True):
         along = turned(transposed(place.rotation), axis.along) if axis.along else None
         turning = _kind(kind, axis.limits)
-        joints.append(Joint(full, turning, parent, end, where, along, axis.limits, axis.mimic, pivot))
+        joints.append(Joint(full, turning, parent, end, where, along, axis.limits, axis.mimic, pivot, mark))
         parent, where = end, IDENTITY
     return joints
 
 
 def _axis(element: Element, scope: Scope, joint: Frame, frames: FrameGraph, what: str) -> _Axis:
     xyz = child(element, "xyz")
-    along = direction("0 0 1" if xyz is None else xyz.text, f"{what}: axis")
+    with at(element if xyz is None else xyz):
+        along = direction("0 0 1" if xyz is None else xyz.text, f"{what}: axis")
     said = "" if xyz is None else xyz.get("expressed_in", "")
     in_model = scope.axes_in_model or text_in(element, "use_parent_model_frame") in ("true", "1")
     rotation = joint.rotation
@@ -113,7 +115,8 @@ def _limits(axis: Element, what: str) -> tuple[Fraction, Fraction] | None:
     if limit is None:
         return None
     low, high = (text_in(limit, "lower") or "-inf", text_in(limit, "upper") or "inf")
-    return bound(low, f"{what}: lower"), bound(high, f"{what}: upper")
+    with at(limit):
+        return bound(low, f"{what}: lower"), bound(high, f"{what}: upper")
 
 
 def _kind(kind: str, limits: tuple[Fraction, Fraction] | None) -> str:

@@ -8,10 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from wmrgen.errors import RobotFileError, UsageError
+from wmrgen.errors import UsageError
 from wmrgen.importing import meshes, sdf, urdf
 from wmrgen.importing.controllers import plugin_controllers
-from wmrgen.importing.read import MAX_BYTES, below, children, local, parse, place_of, refuse
+from wmrgen.importing.read import MAX_BYTES, below, children, local, parse, refuse
 from wmrgen.importing.records import Description
 from wmrgen.importing.xacro import macros, resolve
 from wmrgen.spec.text import bytes_of, printable, quoted, read_at_most
@@ -27,25 +27,15 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     """What the file says. RobotFileError for what cannot be read, UsageError for words of a wrong form."""
     values = pairs(arguments)
     roots = {name: Path(folder) for name, folder in pairs(packages, "=").items()}
-    text = bytes_of(file, MAX_BYTES + 1)
-    try:
-        return _described(file, text, values, roots)
-    except RobotFileError as error:
-        error.mark = error.mark or place_of(error.what, text, printable(file.name))
-        raise
-
-
-def _described(file: Path, text: bytes, values: Mapping[str, str], roots: Mapping[str, Path]) -> Description:
-    name = printable(file.name)
-    root = parse(text, name)
-    folders = _own_package(file) | dict(roots)
+    name = printable(str(file))
+    root = parse(bytes_of(file, MAX_BYTES + 1), name)
+    folders = _own_package(file) | roots
     substituted = _is_xacro(root)
     if values and not substituted:
         raise UsageError(f"{name} is no xacro, and takes no {quoted(next(iter(values)))}")
     called: list[str] = []
     if substituted:
-        text, called = resolve(file, values, folders)
-        root = parse(text, name)
+        root, called = resolve(file, values, folders)
     if local(root) == "sdf":
         description = sdf.describe(root, name, lambda uri: _model(located(uri, file, folders)))
     elif substituted and not children(root, "link") and (defined := macros(file)):
@@ -104,7 +94,7 @@ def _model(path: Path | None) -> Element | None:
         )
         inside = (path / (versions[-1].text or "" if versions else "model.sdf").strip()).resolve()
         path = inside if inside.is_relative_to(path) else None
-    return None if path is None else parse(bytes_of(path, MAX_BYTES + 1), printable(path.name))
+    return None if path is None else parse(bytes_of(path, MAX_BYTES + 1), printable(str(path)))
 
 
 def _mesh(path: Path | None) -> bytes | None:

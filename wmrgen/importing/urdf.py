@@ -19,12 +19,14 @@ from wmrgen.importing.gazebo import (
 from wmrgen.importing.read import (
     ONES,
     ZERO,
+    at,
     below,
     bound,
     child,
     children,
     direction,
     local,
+    mark_of,
     name_of,
     number,
     refuse,
@@ -44,7 +46,8 @@ def _origin(element: Element, what: str, notes: list[str]) -> Frame:
         )
     if "xyz" in origin.attrib and not origin.attrib["xyz"].strip():
         notes.append(f"{what}: xyz is empty, taken as 0 0 0")
-    return frame(vector(origin.get("xyz"), f"{what}: xyz"), vector(origin.get("rpy"), f"{what}: rpy"))
+    with at(origin):
+        return frame(vector(origin.get("xyz"), f"{what}: xyz"), vector(origin.get("rpy"), f"{what}: rpy"))
 
 
 def describe(root: Element, file: str) -> Description:
@@ -95,26 +98,20 @@ def _joint(element: Element, notes: list[str]) -> Joint:
     ends = (child(element, "parent"), child(element, "child"))
     parent, below_it = ("" if end is None else end.get("link", "") for end in ends)
     axis, limit, mimic = child(element, "axis"), child(element, "limit"), child(element, "mimic")
-    limits = None
+    where, along, limits, follows = _origin(element, what, notes), None, None, None
+    if axis is not None:
+        with at(axis):
+            along = direction(axis.get("xyz"), f"{what}: axis")
     if limit is not None and ("lower" in limit.attrib or "upper" in limit.attrib):
-        low, high = (bound(limit.get(k, "0"), f"{what}: {k}") for k in ("lower", "upper"))
-        limits = (low, high)
-    return Joint(
-        name,
-        kind,
-        parent,
-        below_it,
-        _origin(element, what, notes),
-        direction(None if axis is None else axis.get("xyz"), f"{what}: axis"),
-        limits,
-        None
-        if mimic is None
-        else (
-            mimic.get("joint", ""),
-            number(mimic.get("multiplier", "1"), f"{what}: multiplier"),
-            number(mimic.get("offset", "0"), f"{what}: offset"),
-        ),
-    )
+        with at(limit):
+            low, high = (bound(limit.get(k, "0"), f"{what}: {k}") for k in ("lower", "upper"))
+            limits = (low, high)
+    if mimic is not None:
+        with at(mimic):
+            factor = number(mimic.get("multiplier", "1"), f"{what}: multiplier")
+            follows = mimic.get("joint", ""), factor, number(mimic.get("offset", "0"), f"{what}: offset")
+    mark = mark_of(element)
+    return Joint(name, kind, parent, below_it, where, along, limits, follows, mark=mark)
 
 
 def _shapes(link: Element, notes: list[str]) -> tuple[Shape, ...]:
@@ -125,7 +122,8 @@ def _shapes(link: Element, notes: list[str]) -> tuple[Shape, ...]:
             what = f"link {quoted(link.get('name', ''))}: {role}"
             for form in [] if geometry is None else list(geometry):
                 radius = form.get("radius") if local(form) in ("cylinder", "sphere") else None
-                value = number(radius, f"{what} radius") if radius else None
+                with at(form):
+                    value = number(radius, f"{what} radius") if radius else None
                 scale = _scale(form.get("scale"), what, notes)
                 where, uri = _origin(part, what, notes), form.get("filename", "")
                 shapes.append(Shape(local(form), role, where, value, uri, scale))

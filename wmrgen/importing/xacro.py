@@ -12,25 +12,28 @@ import errno
 import io
 import itertools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from xml.etree.ElementTree import Element
 
 from wmrgen.errors import EnvironmentFailure, RobotFileError
 from wmrgen.importing.expressions import checked, counted, offered, weighed
-from wmrgen.importing.read import MAX_BYTES, parse, refuse
+from wmrgen.importing.read import MAX_BYTES, Placed, parse, refuse
 from wmrgen.spec.text import printable, quoted, read_at_most
 
 _UNPREFIXED = ("property", "macro", "include", "arg")
 _MOST_MISSING, _YAML_BYTES = 20, 1 << 16
+_PLACE = "wmrgen.place"  # an attribute: its number in what is placed
 
 
 def resolve(
     file: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]
-) -> tuple[bytes, list[str]]:
-    """The URDF that a xacro file makes, and the names of the macros that it calls. RobotFileError where it makes none,
-    with the arguments that it lacks."""
+) -> tuple[Element, list[str]]:
+    """The root of the URDF that a xacro file makes, its elements placed where the files have them, and the names of the
+    macros that it calls. RobotFileError where it makes none, with the arguments that it lacks."""
     try:
         import xacro
     except ImportError:
@@ -42,7 +45,9 @@ def resolve(
     missing: list[str] = []
     plain: list[str] = []
     called: list[str] = []
-    with _kept(xacro, roots, packages, plain, called), contextlib.redirect_stderr(io.StringIO()):
+    placed: list[Placed] = []
+    opened = partial(_opened, file=file, roots=roots, plain=plain, placed=placed)
+    with _kept(xacro, roots, packages, opened, called), contextlib.redirect_stderr(io.StringIO()):
         while len(missing) < _MOST_MISSING:
             try:
                 document = xacro.process_file(
@@ -63,7 +68,13 @@ def resolve(
             "",
             f"Give them behind the file: {printable(words)}.",
         )
-    return document.toxml(encoding="utf-8"), called
+    root = parse(document.toxml(encoding="utf-8"), printable(str(file)))
+    places = {str(number): element for number, element in enumerate(placed)}
+    for element in root.iter():
+        if isinstance(element, Placed):
+            written = places.get(element.attrib.pop(_PLACE, ""))
+            element.place = None if written is None else written.place
+    return root, called
 
 
 def macros(file: Path) -> list[str]:
@@ -116,7 +127,11 @@ def _package(name: str, packages: Mapping[str, Path]) -> str:
 
 @contextlib.contextmanager
 def _kept(
-    xacro: Any, roots: list[Path], packages: Mapping[str, Path], plain: list[str], called: list[str]
+    xacro: Any,
+    roots: list[Path],
+    packages: Mapping[str, Path],
+    opened: Callable[[Path], object],
+    called: list[str],
 ) -> Iterator[None]:
     """The package with its doors shut; as it was, afterwards."""
     from xacro import substitution_args
@@ -129,7 +144,7 @@ def _kept(
 
     symbols = offered(xacro.create_global_symbols())
     doors: list[tuple[Any, str, Any]] = [
-        (xacro, "open", lambda path, *_: _opened(Path(path), roots, plain)),
+        (xacro, "open", lambda path, *_: opened(Path(path))),
         (xacro, "glob", SimpleNamespace(glob=lambda pattern: _globbed(pattern, roots))),
         (xacro, "_global_symbols", symbols),
         (xacro, "safe_eval", lambda text, *scopes: weighed(evaluate(checked(text), *scopes))),
@@ -167,20 +182,34 @@ def _no_environment(name: str) -> str:
     raise refuse(f"$(env {quoted(name)[1:-1]}) reads the environment, which import does not")
 
 
-def _opened(path: Path, roots: list[Path], plain: list[str]) -> io.StringIO:
+def _opened(path: Path, file: Path, roots: list[Path], plain: list[str], placed: list[Placed]) -> io.StringIO:
     """The text of a file below one of ``roots``; XML without document type. Its elements of xacro that lack the prefix
-    are added to ``plain``."""
+    are added to ``plain``, the others to ``placed``, with their numbers there as attributes, which outlive macros."""
     where = _inside(path, roots)
     try:
         data = read_at_most(where, MAX_BYTES + 1)
     except ValueError as error:
         raise refuse(f"{printable(path.name)}: {error}") from None
-    if where.suffix not in (".yaml", ".yml"):
-        tags = (element.tag for element in parse(data, printable(path.name)))
-        plain += [f"{printable(path.name)} <{tag}>" for tag in tags if tag in _UNPREFIXED]
-    elif len(data) > _YAML_BYTES:
-        raise refuse(f"{printable(path.name)}: larger than {_YAML_BYTES // 1024} KiB")
-    return io.StringIO(data.decode("utf-8-sig"))
+    if where.suffix in (".yaml", ".yml"):
+        if len(data) > _YAML_BYTES:
+            raise refuse(f"{printable(path.name)}: larger than {_YAML_BYTES // 1024} KiB")
+        return io.StringIO(data.decode("utf-8-sig"))
+    root = parse(data, printable(str(file if where == file.resolve() else path)))
+    plain += [f"{printable(path.name)} <{e.tag}>" for e in root if e.tag in _UNPREFIXED]
+    return io.StringIO(_numbered(data.decode("utf-8-sig"), root, placed))
+
+
+def _numbered(text: str, root: Element, placed: list[Placed]) -> str:
+    """A text of XML whose elements, but those of xacro, have their number in ``placed`` as an attribute."""
+    lines = re.sub("\r\n?", "\n", text).split("\n")
+    for element in reversed(list(root.iter())):
+        _, line, column = getattr(element, "place", None) or (None, 1, 0)
+        tag = re.compile(r"<(?!xacro:)[^\s/>]+").match(lines[line - 1], column)
+        if tag and isinstance(element, Placed):
+            number = f' {_PLACE}="{len(placed)}"'
+            lines[line - 1] = f"{lines[line - 1][: tag.end()]}{number}{lines[line - 1][tag.end() :]}"
+            placed.append(element)
+    return "\n".join(lines)
 
 
 def _globbed(pattern: str, roots: list[Path]) -> list[str]:

@@ -167,7 +167,9 @@ def test_what_a_macro_makes_stands_where_the_macro_has_it(wmrgen_cli: Cli, tmp_p
     parts.write_text(f"<robot {space}>{macro}</robot>")
     calls = "".join(f'<xacro:w side="{side}" y="{y}"/>' for side, y in (("left", "-0.24"), ("right", "0.24")))
     path = tmp_path / "robot.xacro"
-    path.write_text(robot('<xacro:include filename="parts.xacro"/>', calls).replace("<robot", f"<robot {space}"))
+    path.write_text(
+        robot('<xacro:include filename="parts.xacro"/>', calls).replace("<robot", f"<robot {space}")
+    )
     done = wmrgen_cli("lint", path)
     at = joint.index("<joint") + 2
     assert done.code == 1 and done.out.count(f"--> {parts}:2:{at}\n") == 2, done.out + done.err

@@ -44,9 +44,8 @@ def test_the_wheel_holds_the_package_and_the_templates_and_nothing_else(wheel: P
     assert len(tops) == 2
     assert "wmrgen" in tops
     shipped = {n.removeprefix("wmrgen/templates/") for n in names if n.startswith("wmrgen/templates/")}
-    assert shipped == {
-        p.relative_to(ROOT / "templates").as_posix() for p in (ROOT / "templates").rglob("*") if p.is_file()
-    }
+    templates = {p for p in (ROOT / "templates").rglob("*") if p.is_file() and p.parent.name != "__pycache__"}
+    assert shipped == {p.relative_to(ROOT / "templates").as_posix() for p in templates}
     robots = {p.name for p in (ROOT / "robots").iterdir()}
     assert {n.removeprefix("wmrgen/robots/") for n in names if n.startswith("wmrgen/robots/")} == robots
     assert "wmrgen/py.typed" in names

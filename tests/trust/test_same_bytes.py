@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from pathlib import Path
 
+import jinja2
 import pytest
 
 from tests.conftest import ROOT, process, tree
+from wmrgen import render
 
 ROBOTS = [
     ROOT / "robots" / f"{name}.yaml"
@@ -71,3 +75,40 @@ def test_deriving_again_touches_nothing(tmp_path: Path, robot: Path) -> None:
     assert {p: p.stat().st_mtime_ns for p in tmp_path.rglob("*") if p.is_file()} == {
         p: t for p, t in before.items() if p.is_file()
     }
+
+
+def test_what_templates_are_compiled_to_is_kept_while_they_and_jinja_stay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    monkeypatch.setattr(sys, "pycache_prefix", None)
+    monkeypatch.setattr(render, "shipped", lambda _: tmp_path)
+    template, jinja = tmp_path / "a.txt.j2", tmp_path / "jinja.py"
+    jinja.write_text("")
+    compiled: list[str] = []
+    really = render._Source.source_to_code
+    monkeypatch.setattr(
+        render._Source, "source_to_code", lambda *words, **_: compiled.append(words[2]) or really(*words)
+    )
+
+    def text(anew: int) -> str:
+        compiled.clear()
+        shown = render._Templates().load(render._environment(), template.name).render(x=1)
+        assert compiled == [str(template)] * anew
+        return shown
+
+    template.write_text("{{ x }} one")
+    assert [text(anew=1), text(anew=0)] == ["1 one", "1 one"]
+    template.write_text("{{ x }} two")
+    os.utime(template, (0, 0))
+    assert [text(anew=1), text(anew=0)] == ["1 two", "1 two"]
+    monkeypatch.setattr(jinja2, "__file__", str(jinja))  # newer than what was compiled
+    assert [text(anew=1), text(anew=0)] == ["1 two", "1 two"]
+    (kept,) = (tmp_path / "__pycache__").iterdir()
+    kept.unlink()
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    assert [text(anew=1), text(anew=1)] == ["1 two", "1 two"]
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    kept.parent.rmdir()
+    kept.parent.write_text("in the way")
+    assert [text(anew=1), text(anew=1)] == ["1 two", "1 two"]

@@ -1,4 +1,5 @@
-"""Meshes of wheels: their reach about the axle is a hint, in every format alike."""
+"""Meshes of wheels: their reach about the axle is the radius where they are round and nothing else says another, else a
+hint, in every format alike."""
 
 from __future__ import annotations
 
@@ -13,16 +14,16 @@ import numpy as np
 import pytest
 
 from tests.conftest import Outcome
-from tests.importing.urdf import joint, robot
+from tests.importing.urdf import joint, link, robot
 
 Cli = Callable[..., Outcome]
 RADIUS, LOW, HIGH = 0.08, -0.01, 0.03
 TURN = 0.4  # [rad] of the mesh in its file, about x
 
 
-def tube(unit: float = 1.0) -> Any:
+def tube(unit: float = 1.0, corners: int = 12) -> Any:
     """Points of a tube of radius 0.08 about y, from -0.01 to 0.03 m, turned about x: as a mesh may lie in its file."""
-    angles = np.arange(12) * math.pi / 6
+    angles = np.arange(corners) * 2 * math.pi / corners
     rings = [np.column_stack([np.cos(angles), 0 * angles + y / RADIUS, np.sin(angles)]) for y in (LOW, HIGH)]
     c, s = math.cos(TURN), math.sin(TURN)
     return RADIUS / unit * np.concatenate(rings) @ np.array([[1, 0, 0], [0, c, s], [0, -s, c]])
@@ -45,8 +46,8 @@ def text_stl(unit: float) -> bytes:
     return f"solid wheel\nfacet normal 0 0 1\n outer loop\n{vertices}\n endloop\nendfacet\n".encode()
 
 
-def obj(unit: float) -> bytes:
-    vertices = "\n".join(f"v {x:.9f} {y:.9f} {z:.9f}" for x, y, z in tube(unit))
+def obj(unit: float, corners: int = 12) -> bytes:
+    vertices = "\n".join(f"v {x:.9f} {y:.9f} {z:.9f}" for x, y, z in tube(unit, corners))
     return f"# a wheel\n{vertices}\nvn 9 9 9\nvt 9 9\nf 1 2 3\n".encode()
 
 
@@ -123,6 +124,51 @@ def test_meshes_are_read_by_every_path_that_files_write(
 def test_a_mesh_in_millimetres_without_a_scale_is_told(hints: Callable[..., dict[str, list[str]]]) -> None:
     said = "80 by the visual mesh 'a.stl', or 0.08 if its unit is the millimetre"
     assert hints("a.stl", binary_stl(0.001))["left.r"] == [said]
+
+
+def drawn(role: str, scale: str = "1") -> str:
+    mesh = f'<mesh filename="a.obj" scale="{scale} {scale} {scale}"/>'
+    return f'<{role}><origin rpy="{-TURN} 0 0"/><geometry>{mesh}</geometry></{role}>'
+
+
+GROUND = link("base_footprint") + joint("foot", "base_link", "base_footprint", "0 0 HEIGHT", "fixed")
+DRIVE = (
+    '<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so"><left_joint>left</left_joint>'
+    "<right_joint>right</right_joint><wheel_diameter>DIAMETER</wheel_diameter></plugin></gazebo>"
+)
+
+
+@pytest.mark.parametrize(
+    ("corners", "shapes", "more", "radius"),
+    [
+        (16, drawn("visual"), "", 0.08),
+        (15, drawn("visual"), "", None),  # 2.2 % from round
+        (24, drawn("collision") + drawn("visual"), "", 0.08),
+        (24, drawn("visual", "0.5") + drawn("collision"), "", None),
+        (24, drawn("visual") + drawn("visual", "0.5"), "", None),
+        (24, drawn("visual"), GROUND.replace("HEIGHT", "0.02"), 0.08),
+        (24, drawn("visual"), GROUND.replace("HEIGHT", "0.03"), None),
+        (24, drawn("visual"), DRIVE.replace("DIAMETER", "0.16"), 0.08),
+        (24, drawn("visual"), DRIVE.replace("DIAMETER", "1.6"), None),
+        (24, drawn("visual", "1000"), "", None),
+    ],
+)
+def test_one_round_mesh_is_the_radius_where_nothing_says_another(
+    wmrgen_cli: Cli, tmp_path: Path, corners: int, shapes: str, more: str, radius: float | None
+) -> None:
+    (tmp_path / "a.obj").write_bytes(obj(1.0, corners))
+    wheels = "".join(
+        f'<link name="{n}">{shapes}</link>' + joint(n, "base_link", n, f"0 {y} 0.1")
+        for n, y in (("left", 0.2), ("right", -0.2))
+    )
+    (tmp_path / "probe.urdf").write_text(robot(wheels, more), encoding="utf-8")
+    out = tmp_path / "probe.yaml"
+    said = json.loads(wmrgen_cli("import", tmp_path / "probe.urdf", "-o", out, "--json").out)
+    assert [w["r"] for w in said["wheels"]] == [radius] * 2
+    assert ("r" in [q["key"] for q in said["questions"]]) is (radius is None)
+    role = "collision" if "collision" in shapes else "visual"
+    where = f"r: 0.08   # bound of the {role} mesh 'a.obj' about the axle\n"
+    assert (where in out.read_text(encoding="utf-8")) is (radius is not None)
 
 
 BOMB = b'<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><COLLADA>&b;</COLLADA>'

@@ -21,6 +21,7 @@ _NUMBER = rb"\s+([-+.\deE]{1,40})"
 _VERTEX = re.compile(rb"^\s*vertex" + 3 * _NUMBER, re.MULTILINE)
 _OBJ_VERTEX = re.compile(rb"^v" + 3 * _NUMBER, re.MULTILINE)
 _DEPTH = 32
+_RIM = 0.98  # of the largest distance from the axle, what belongs to the rim of a wheel
 _TRIANGLE = np.dtype([("normal", "<3f4"), ("corners", "<9f4"), ("attribute", "<u2")])  # of a binary STL
 Reals = NDArray[np.float64]
 
@@ -28,12 +29,13 @@ Reals = NDArray[np.float64]
 @dataclass(frozen=True, slots=True)
 class Reach:
     """The largest distance from the axle, and the extent along it [m]. ``least``: what part of that it
-    reaches to the other three sides; of a wheel nearly all."""
+    reaches to the other three sides; of a wheel nearly all. ``round``: it reaches so far all the way round."""
 
     radius: float
     low: float
     high: float
     least: float
+    round: bool
 
 
 def reach(data: bytes, name: str, scale: Vector, where: Frame, origin: Vector, axis: Vector) -> Reach | None:
@@ -56,7 +58,12 @@ def reach(data: bytes, name: str, scale: Vector, where: Frame, origin: Vector, a
     aside = np.cross(axle, far)
     least = min((across @ side).max() for side in (-far, aside, -aside))
     share = float(least / largest) if largest else 0.0
-    return Reach(math.sqrt(largest), float(along.min()), float(along.max()), share)
+    rim = across[squares >= _RIM**2 * largest]
+    turns = np.sort(np.arctan2(rim @ aside, rim @ far))
+    # Between neighbours at an angle g a polygon comes as near to its middle as cos(g/2) of its radius.
+    gap = np.diff(turns, append=turns[0] + 2 * math.pi).max()
+    rounded = bool(largest and math.cos(gap / 2) >= _RIM and gap < math.pi)
+    return Reach(math.sqrt(largest), float(along.min()), float(along.max()), share, rounded)
 
 
 def points(data: bytes, name: str) -> Reals:

@@ -97,9 +97,7 @@ def _gear(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> Passed | 
 def _radius(robot: Robot, c: Candidate) -> float:
     """The radius of a wheel's shape, else how far its meshes reach from the axle [m]; 0 where neither says it."""
     meshes = () if c.shape else robot.meshes(c)
-    return (
-        float(c.radius) if c.shape else max((bounds.radius for _, _, bounds in meshes if bounds), default=0.0)
-    )
+    return float(c.radius) if c.shape else max((m.reach.radius for m in meshes if m.reach), default=0.0)
 
 
 def _named(ends: Sequence[Candidate]) -> str:
@@ -119,7 +117,7 @@ def _limb(robot: Robot, c: Candidate) -> str:
         return "a plugin has it push air or water, as a propeller does"
     if reach := _reaches_aside(robot, c):
         return f"its body reaches {reach:.3g} m to one side of the axle, as a flipper or an arm does"
-    bounds = max((b for _, _, b in robot.meshes(c) if b), key=lambda b: b.least, default=None)
+    bounds = max((m.reach for m in robot.meshes(c) if m.reach), key=lambda b: b.least, default=None)
     if bounds and bounds.least < _ROUND:
         far, near = bounds.radius, bounds.least * bounds.radius
         return (

@@ -107,18 +107,45 @@ def _height_above_ground(robot: Robot, c: Candidate) -> tuple[str, Fraction] | N
     return None if ground is None else (ground, c.centre[2] - robot.frame(ground).origin[2])
 
 
-def size_asked(robot: Robot, c: Candidate, name: str, lateral: Fraction | None) -> Iterator[Question]:
-    """The radius; and the wheel's plane along the axle, where its meshes do not stand about the joint, or are not at
-    hand and look as if they did not. ``lateral``: the joint's, left of the steering axis."""
-    meshes = [] if c.unsure else list(robot.meshes(c))
-    seen = [(words, bounds) for words, _, bounds in meshes if bounds]
+def mesh_radius(robot: Robot, c: Candidate) -> tuple[Fraction, str] | None:
+    """The radius by the mesh of a wheel [m], to the micrometre, and where it is from. None where that is not sure: for
+    several meshes, of collisions else of visuals, for one that is not round, and where the other meshes, a plugin or
+    the height above the ground say another."""
+    meshes = robot.meshes(c)
+    roles = [mesh.role for mesh in meshes if mesh.reach]
+    own = [mesh for mesh in meshes if mesh.role == roles[0]] if roles else []
+    bounds = own[0].reach if len(own) == 1 else None
+    if not bounds or not bounds.round or bounds.radius > _LARGEST or c.unsure or c.rollers:
+        return None
+    drawn = [mesh.reach.radius for mesh in meshes if mesh.reach and mesh not in own]
+    ground = _height_above_ground(robot, c)
+    for said in (drawn and [max(drawn)], [r for _, r in _radii_told(robot)], [ground[1]] if ground else []):
+        if said and all(abs(float(r) / bounds.radius - 1) > CONFLICT for r in said):
+            return None
+    return Fraction(round(bounds.radius * 10**6), 10**6), f"bound of the {own[0].words} about the axle"
+
+
+def size_asked(robot: Robot, c: Candidate, name: str) -> Question:
+    """The radius, with what speaks for one."""
     text = "no cylinder or sphere about the axle gives the radius: measure it, ground to axle under load"
-    hints = [f"{bounds.radius:.6g} by the {words}{_in_millimetres(bounds.radius)}" for words, bounds in seen]
-    if above := _height_above_ground(robot, c):
-        hints.append(f"the axle is {float(above[1]):.6g} m above {above[0]}, which may be the ground")
-    yield Question(name, "r", text, tuple(dict.fromkeys((*hints, *_radii_told(robot)))))
-    middles = {words: (bounds.low + bounds.high) / 2 for words, bounds in seen}
-    off = middles or {f"origin of the {words}": shift for words, shift, _ in meshes}
+    seen = () if c.unsure else robot.meshes(c)
+    hints = [
+        f"{mesh.reach.radius:.6g} by the {mesh.words}{_in_millimetres(mesh.reach.radius)}"
+        for mesh in seen
+        if mesh.reach
+    ]
+    if ground := _height_above_ground(robot, c):
+        hints.append(f"the axle is {float(ground[1]):.6g} m above {ground[0]}, which may be the ground")
+    hints += [f"{float(r):.6g} by {quoted(key)}" for key, r in _radii_told(robot)]
+    return Question(name, "r", text, tuple(dict.fromkeys(hints)))
+
+
+def plane_asked(robot: Robot, c: Candidate, name: str, lateral: Fraction | None) -> Iterator[Question]:
+    """The wheel's plane along the axle, where its meshes do not stand about the joint, or are not at hand and look as
+    if they did not. ``lateral``: the joint's, left of the steering axis."""
+    meshes = () if c.unsure else robot.meshes(c)
+    middles = {mesh.words: (mesh.reach.low + mesh.reach.high) / 2 for mesh in meshes if mesh.reach}
+    off = middles or {f"origin of the {mesh.words}": mesh.shift for mesh in meshes}
     if all(abs(shift) < _OFF for shift in off.values()) and (middles or not lateral or not meshes):
         return
     text = "the wheel is a mesh: where along its axle does it touch the ground? The joint need not be in its middle"
@@ -138,10 +165,10 @@ def _in_millimetres(radius: float) -> str:
     return f", or {radius / 1000:.6g} if its unit is the millimetre" if radius > _LARGEST else ""
 
 
-def _radii_told(robot: Robot) -> list[str]:
-    """What drive plugins say of radii."""
+def _radii_told(robot: Robot) -> list[tuple[str, Fraction]]:
+    """What drive plugins say of radii, by the names that they have there."""
     told = [item for each in robot.description.controllers for item in each.lengths.items()]
-    return [f"{float(said.value):.6g} by {quoted(said.key)}" for key, said in told if "radius" in key]
+    return [(said.key, said.value) for key, said in told if "radius" in key]
 
 
 def other_height(robot: Robot, c: Candidate) -> Fraction | None:
@@ -171,5 +198,6 @@ def rollers_doubted(c: Candidate, name: str, reach: Fraction) -> Question:
 def radius_doubted(robot: Robot, c: Candidate, name: str, height: Fraction) -> Question:
     """A sphere is seldom drawn as large as the wheel; a cylinder is believed."""
     text = "the radius that is drawn is not the height of the axle above what seems the ground: which is it?"
-    hints = (f"{float(c.radius):.6g} as drawn", f"{float(height):.6g} above the ground", *_radii_told(robot))
+    told = (f"{float(r):.6g} by {quoted(key)}" for key, r in _radii_told(robot))
+    hints = (f"{float(c.radius):.6g} as drawn", f"{float(height):.6g} above the ground", *told)
     return Question(name, "r", text, tuple(dict.fromkeys(hints)))

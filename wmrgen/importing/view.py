@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from wmrgen.importing.frames import ancestors, composed, dot, inverse, parents, plus, pose, turned, unit
 from wmrgen.importing.meshes import Reach, reach
@@ -65,6 +66,20 @@ class Candidate:
         return self.centre[2] - (self.shape.radius if self.shape else 0)
 
 
+class Mesh(NamedTuple):
+    """A mesh of a wheel's body: how far its origin is off the joint along the axle [m], and how far it reaches where
+    its file is at hand."""
+
+    role: str
+    name: str
+    shift: float
+    reach: Reach | None
+
+    @property
+    def words(self) -> str:
+        return f"{self.role} mesh {quoted(self.name)}"
+
+
 class Robot:
     """A description seen from its base frame, of which the direction ``forward`` is taken for x."""
 
@@ -76,7 +91,7 @@ class Robot:
         self._to_base = composed(turn, inverse(pose(base, self.above)))
         self._trunk = {joint.child for joint in ancestors(base, self.above)}
         self._root = self._root_of(base)
-        self._meshes: dict[tuple[str, Vector, Vector], tuple[tuple[str, float, Reach | None], ...]] = {}
+        self._meshes: dict[tuple[str, Vector, Vector], tuple[Mesh, ...]] = {}
         self._below: dict[str, list[Joint]] = {}
         for joint in description.joints:
             self._below.setdefault(joint.parent, []).append(joint)
@@ -142,21 +157,20 @@ class Robot:
         """Whether a link, with what is fixed to it, touches (collision), is drawn (visual), or both."""
         return {shape.role for _, shape in self._rigid(link)}
 
-    def meshes(self, c: Candidate) -> tuple[tuple[str, float, Reach | None], ...]:
-        """The meshes of a wheel's body in words, how far their origins are off the joint along the axle, and how far
-        they reach where their file is at hand."""
+    def meshes(self, c: Candidate) -> tuple[Mesh, ...]:
+        """The meshes of a wheel's body."""
         axle = (c.joint.child, c.origin, c.axis)
         if axle not in self._meshes:
             self._meshes[axle] = tuple(self._reaches(c))
         return self._meshes[axle]
 
-    def _reaches(self, c: Candidate) -> Iterator[tuple[str, float, Reach | None]]:
+    def _reaches(self, c: Candidate) -> Iterator[Mesh]:
         for shape, where in self.body(c.joint.child):
             if shape.uri:
                 data = self.description.file_of(shape.uri)
-                words = f"{shape.role} mesh {quoted(shape.uri.rsplit('/', 1)[-1])}"
                 bounds = reach(data, shape.uri, shape.scale, where, c.origin, c.axis) if data else None
-                yield words, float(dot(plus(where.origin, c.origin, -1), c.axis)), bounds
+                shift = float(dot(plus(where.origin, c.origin, -1), c.axis))
+                yield Mesh(shape.role, shape.uri.rsplit("/", 1)[-1], shift, bounds)
 
     def balls(self, link: str) -> Iterator[tuple[Vector, Fraction]]:
         """Centre and lowest height of the cylinders and spheres of a link itself."""

@@ -17,7 +17,9 @@ from wmrgen.importing.questions import (
     axle_asked,
     ball_asked,
     doubt,
+    mesh_radius,
     other_height,
+    plane_asked,
     radius_doubted,
     roller_reach,
     rollers_asked,
@@ -136,7 +138,8 @@ def _wheel(
     elif powered and actuated == () and c.shape and not c.shape.cylinder:
         questions.append(ball_asked(name))
     questions += axle_asked(c, name)
-    questions += _size_doubts(robot, c, name, offset, remarks)
+    radius, doubts = _size(robot, c, name, offset, remarks)
+    questions += doubts
     if e[0] < _BACKWARD and kind != CASTOR.name:
         remarks["heading"] += ", reversed: it rolls backward for a positive rate"
     wheel = Wheel(
@@ -147,7 +150,7 @@ def _wheel(
         x,
         y,
         angle(e),
-        c.shape.radius if c.shape else None,
+        radius,
         d,
         offset,
         gamma if kind == SWEDISH.name else None,
@@ -158,21 +161,25 @@ def _wheel(
     return wheel, questions
 
 
-def _size_doubts(
+def _size(
     robot: Robot, c: Candidate, name: str, lateral: Fraction | None, remarks: dict[str, str]
-) -> list[Question]:
-    """What is asked of the radius and of the wheel's plane; what is not is remarked."""
+) -> tuple[Fraction | None, list[Question]]:
+    """The radius, and what is asked of it and of the wheel's plane; what is not is remarked."""
     if not c.shape:
-        return list(size_asked(robot, c, name, lateral))
+        plane = list(plane_asked(robot, c, name, lateral))
+        if bound := mesh_radius(robot, c):
+            radius, remarks["r"] = bound
+            return radius, plane
+        return None, [size_asked(robot, c, name), *plane]
     remarks["r"] = f"{c.shape.words} of {remarks['heading'].removeprefix('axis of ')}"
     reach = roller_reach(robot, c)
     if reach and abs(reach / c.radius - 1) > CONFLICT:
-        return [rollers_doubted(c, name, reach)]
+        return c.radius, [rollers_doubted(c, name, reach)]
     height = other_height(robot, c)
     if not height:
-        return []
+        return c.radius, []
     remarks["r"] += f"; the axle is {float(height):.6g} m above what seems the ground"
-    return [radius_doubted(robot, c, name, height)] if c.doubt or not c.shape.cylinder else []
+    return c.radius, [radius_doubted(robot, c, name, height)] if c.doubt or not c.shape.cylinder else []
 
 
 def _steer_limits(robot: Robot, steer: Joint | None) -> tuple[Fraction, Fraction] | None:

@@ -171,11 +171,12 @@ def test_what_changes_in_place_changes_at_once_and_other_members_stay() -> None:
     assert turned == {"box.steer": -3.0}
 
 
-def test_wheels_may_be_called_as_rust_calls_other_things(
+def test_wheels_and_parameters_may_be_called_as_rust_calls_other_things(
     wmrgen_cli: Callable[..., Outcome], robot_file: Path
 ) -> None:
     need("rustc")
-    robot_file.write_text(robot_file.read_text().replace("name: left", "name: loop"))
+    text = robot_file.read_text().replace("half_track: 0.1655", "let: {value: 0.1655, tunable: true}")
+    robot_file.write_text(text.replace("half_track", "let").replace("name: left", "name: loop"))
     words = ("eval", robot_file, "inverse", "vx=0.0975", "omega=0", "--backend", "rust", "--json")
     done = wmrgen_cli(*words)
     assert done.code == 0, done.err

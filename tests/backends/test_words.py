@@ -3,6 +3,7 @@ is, a header says so."""
 
 from __future__ import annotations
 
+import re
 import subprocess
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import wmrgen
 from tests.packages.arduino import SHARE
 from tests.spec.files import read
 from tests.tools import missing, need, tool
+from wmrgen.backends.registry import why_reserved
 from wmrgen.backends.words import AVR_MACROS, C
 from wmrgen.emit import artifacts
 from wmrgen.errors import RobotFileError
@@ -58,6 +60,16 @@ def test_words_of_c_are_kept_in_any_case() -> None:
     assert (
         C.keeps("Float") and C.keeps("FLOAT") and not AVR_MACROS.keeps("float") and not AVR_MACROS.keeps("se")
     )
+
+
+def test_no_macro_of_what_the_c_includes_is_a_name() -> None:
+    """Macros without arguments of these headers, as gcc defines them unasked: `out->M_PI` would not be C."""
+    headers = "".join(f"#include <{name}.h>\n" for name in ("math", "stdint", "float"))
+    command = [tool("gcc"), "-x", "c", "-dM", "-E", "-"]
+    done = subprocess.run(command, input=headers, capture_output=True, text=True, check=True)
+    macros = re.findall(r"#define ([A-Za-z]\w*) ", done.stdout)
+    assert {"M_PI", "math_errhandling", "INT_LEAST16_MIN", "UINTPTR_MAX"} <= set(macros)
+    assert [name for name in macros if "__" not in name and not why_reserved(name)] == []
 
 
 @pytest.mark.slow

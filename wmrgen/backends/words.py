@@ -19,9 +19,9 @@ class Reserved(NamedTuple):
         return name.lower() in self.words or (name.isupper() and bool(re.fullmatch(self.exact, name)))
 
 
-def reserved(words: str, why: str) -> Reserved:
+def reserved(words: str, why: str, exact: str = "") -> Reserved:
     """The words of a text, separated by white space."""
-    return Reserved(frozenset(words.split()), why)
+    return Reserved(frozenset(words.split()), why, exact)
 
 
 C = reserved(
@@ -52,10 +52,14 @@ bsearch calloc exit free getenv malloc mblen mbstowcs mbtowc qsort rand realloc 
 strtold strtoll strtoul strtoull system wcstombs wctomb random srandom memchr memcmp memcpy memmove memset
 strcat strchr strcmp strcoll strcpy strcspn strerror strlen strncat strncmp strncpy strpbrk strrchr strspn
 strstr strtok strxfrm index rindex bcmp bcopy bzero asctime clock ctime difftime gmtime localtime mktime
-strftime time signal raise setjmp longjmp bufsiz eof exit_failure exit_success huge_val null seek_cur seek_end
-seek_set
+strftime time signal raise setjmp longjmp bufsiz eof exit_failure exit_success huge_val huge_valf huge_vall maxfloat
+math_errhandling null seek_cur seek_end seek_set
 """,
     "The C library has a function, variable or macro of that name.",
+    r"M_(E|PI|PI_2|PI_4|1_PI|2_PI|3PI_4|TWOPI|SQRTPI|2_SQRTPI|SQRT2|SQRT3|SQRT1_2|LN2|LN2HI|LN2LO|LN10|LOG2_?E|LOG10E|"
+    r"INVLN2|IVLN10)|FP_[A-Z0-9]+|MATH_ERR(NO|EXCEPT)|(FLT|DBL|LDBL)_[A-Z0-9_]+|DECIMAL_DIG|CHAR_BIT|MB_LEN_MAX|"
+    r"([SU]?CHAR|U?SHRT|U?INT(_LEAST|_FAST)?(8|16|32|64)?|U?LL?ONG|U?INT(MAX|PTR)|PTRDIFF|SIZE|SSIZE|SIG_ATOMIC|WCHAR|"
+    r"WINT)_(MIN|MAX|WIDTH)",
 )
 # Of the nine usual chips, what has up to three letters and what somebody may call a wheel or a parameter. Those names
 # are taken, and a header refuses to be read where such a macro is; no robot is called so, whose name stands alone.

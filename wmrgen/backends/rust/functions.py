@@ -55,7 +55,7 @@ def unit(module: Module, choice: Choice) -> Unit:
         structs += own.values()
         if prepare.inputs:
             ports = ((p.name, p.default) for p in prepare.inputs if p.default is not None)
-            nominal = {own["params"].paths[name]: literal(value, scalar) for name, value in ports}
+            nominal = {name: literal(value, scalar) for name, value in ports}
         shared |= own
         steps.append(printer.step(prepare, parameters, ""))
     for function in (f for f in module.functions if f.outputs):

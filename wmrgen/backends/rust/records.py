@@ -84,7 +84,7 @@ class Kernel(NamedTuple):
 
 
 class Unit(NamedTuple):
-    """What a crate is made of. ``nominal``: the tunable parameters by path, where there are any."""
+    """What a crate is made of. ``nominal``: the tunable parameters by name, where there are any."""
 
     robot: str
     choice: Choice

@@ -142,7 +142,7 @@ def test_limits_hold_for_each_in_its_ratio() -> None:
 @pytest.mark.parametrize(
     ("couplings", "said"),
     [
-        ("{equal: [a.spin, b.spin], ratios: [1, 0]}", "which is zero"),
+        ("{equal: [a.spin, b.spin], ratios: [1, 0]}", "It is zero"),
         ("{equal: [a.spin, b.spin], ratios: [1]}", "1 ratio of 2 joints"),
         ("{equal: [a.spin, b.spin], ratios: [1, 2, 3]}", "3 ratios of 2 joints"),
         ("{equal: [a.spin, b.spin], ratios: [1, 90 deg]}", "is a number, and '90 deg' has a unit"),

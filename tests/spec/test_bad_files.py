@@ -1,7 +1,8 @@
 """Bad robot files as people write them, in bad_files.txt: the first line and the place of each error that is told.
 
 A case is ``== its name``, the file, and ``-> error at line:column`` for each error, where it matters with a line
-``=> what to write``. In the file ``\\t``, ``\\r`` and
+``=> what to write``. ``~> this ~ that``, where it stands: the advice followed to the letter, that in the place of this,
+after which the file is read. In the file ``\\t``, ``\\r`` and
 ``\\u200b`` are the characters that they stand for, and a backslash at the end takes the line end away.
 """
 
@@ -19,13 +20,15 @@ from wmrgen.errors import RobotFileError
 ESCAPE = re.compile(r"\\(?:u([0-9a-f]{4})|([tr\n]))")
 
 
-def cases() -> Iterator[tuple[str, str, list[str], list[str]]]:
+def cases() -> Iterator[tuple[str, str, list[str], list[str], list[tuple[str, str]]]]:
     text = (Path(__file__).parent / "bad_files.txt").read_text(encoding="utf-8")
     for case in re.split(r"^== ", text, flags=re.MULTILINE)[1:]:
         name, _, rest = case.partition("\n")
         told = re.findall(r"^-> (.*)$", rest, re.MULTILINE)
         file = re.split(r"^-> ", rest, maxsplit=1, flags=re.MULTILINE)[0]
-        yield name, ESCAPE.sub(_meant, file), told, re.findall(r"^=> (.*)$", rest, re.MULTILINE)
+        advice = re.findall(r"^=> (.*)$", rest, re.MULTILINE)
+        mends = re.findall(r"^~> (.+?) ~ ?(.*)$", ESCAPE.sub(_meant, rest), re.MULTILINE)
+        yield name, ESCAPE.sub(_meant, file), told, advice, mends
 
 
 def _meant(escape: re.Match[str]) -> str:
@@ -37,7 +40,7 @@ CASES = {name: case for name, *case in cases()}
 
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_told(name: str, tmp_path: Path) -> None:
-    file, told, advice = CASES[name]
+    file, told, advice, mends = CASES[name]
     path = tmp_path / "bot.yaml"
     path.write_bytes(file.encode())
     with pytest.raises(RobotFileError) as caught:
@@ -55,7 +58,13 @@ def test_what_is_told(name: str, tmp_path: Path) -> None:
                 str(part.mark.line)
             )
         assert part.why or part.instead
+    for this, that in mends:
+        assert this.replace("\\n", "\n") in file
+        file = file.replace(this.replace("\\n", "\n"), that.replace("\\n", "\n"))
+    if mends:
+        path.write_bytes(file.encode())
+        wmrgen.load(path)
 
 
 def test_there_are_many() -> None:
-    assert len(CASES) >= 140 and sum(len(told) for _, told, _ in CASES.values()) > len(CASES)
+    assert len(CASES) >= 190 and sum(len(told) for _, told, *_ in CASES.values()) > len(CASES)

@@ -53,7 +53,7 @@ def test_examples_of_descriptions(wmrgen_cli: Callable[..., Outcome], tmp_path: 
     wrong, right = (wmrgen_cli("import", tmp_path / name) for name in ("wrong", "right"))
     assert wrong.err.splitlines()[:3] == [
         "error[WMR111]: wrong: not XML: 'mismatched tag'",
-        " --> wrong:3:3",
+        f" --> {tmp_path / 'wrong'}:3:3",
         "3 | </robot>",
     ]
     assert right.err.startswith("error[WMR111]: right: ") and " --> " not in right.err

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from wmrgen.errors import Code, NotDerivableError, RobotFileError, Several
 from wmrgen.ports import Limits
-from wmrgen.spec.text import quoted, suggestion
+from wmrgen.spec.text import nearest, quoted, suggestion
 
 if TYPE_CHECKING:
     from wmrgen.functions.system import System
@@ -151,9 +151,14 @@ def check(requests: Iterable[FunctionSpec]) -> None:
     for request in requests:
         with several:
             if not has_function(request.name):
+                near = nearest(request.name, names())
+                every = bool(near) and _FUNCTIONS[near].kind is Kind.FIRMWARE
+                hint = (
+                    f"Leave it out if {near} is meant, which is generated for every robot." if every else ""
+                )
                 raise RobotFileError(
                     f"there is no function {quoted(request.name)}", request.mark,
-                    instead=suggestion(request.name, optional_names()), code=Code.UNDECLARED,
+                    instead=hint or suggestion(request.name, optional_names()), code=Code.UNDECLARED,
                 )  # fmt: skip
             if _FUNCTIONS[request.name].kind is Kind.FIRMWARE:
                 raise RobotFileError(

@@ -80,13 +80,15 @@ class _Builder(TreeBuilder):
 
 
 def parse(text: bytes, file: str, most: int = MAX_BYTES) -> Element:
-    """The root of `Placed` elements. RobotFileError for what is no XML, has a document type or is too large."""
+    """The root of `Placed` elements of a ``file``, a path. RobotFileError for what is no XML, has a document type or is
+    too large."""
     try:
         from defusedxml.common import DefusedXmlException
     except ImportError:
         raise EnvironmentFailure("import reads XML by defusedxml: pip install 'wmrgen[import]'") from None
+    name = file.rpartition("/")[2]
     if len(text) > most:
-        raise refuse(f"{file}: larger than {most // 1024 // 1024} MiB")
+        raise refuse(f"{name}: larger than {most // 1024 // 1024} MiB")
     source = Text(text, file)
     try:
         try:
@@ -98,14 +100,14 @@ def parse(text: bytes, file: str, most: int = MAX_BYTES) -> Element:
             root = _elements(_bound(plain), source)
     except DefusedXmlException:
         raise refuse(
-            f"{file}: has a document type or entities", "They are refused.", "Delete them."
+            f"{name}: has a document type or entities", "They are refused.", "Delete them."
         ) from None
     except (ParseError, ValueError, LookupError) as error:
         words = re.sub(r": line \d+, column \d+$", "", str(error))
         line, column = error.position if isinstance(error, ParseError) else (0, 0)
         mark = source.source.mark(line - 1, column) if line else None
-        raise refuse(f"{file}: not XML: {quoted(words, 100)}", mark=mark) from None
-    _cap(root, file)
+        raise refuse(f"{name}: not XML: {quoted(words, 100)}", mark=mark) from None
+    _cap(root, name)
     return root
 
 

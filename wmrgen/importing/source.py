@@ -27,8 +27,8 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     """What the file says. RobotFileError for what cannot be read, UsageError for words of a wrong form."""
     values = pairs(arguments)
     roots = {name: Path(folder) for name, folder in pairs(packages, "=").items()}
-    name = printable(str(file))
-    root = parse(bytes_of(file, MAX_BYTES + 1), name)
+    name = printable(file.name)
+    root = parse(bytes_of(file, MAX_BYTES + 1), printable(str(file)))
     folders = _own_package(file) | roots
     substituted = _is_xacro(root)
     if values and not substituted:

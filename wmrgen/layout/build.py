@@ -211,7 +211,7 @@ def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
             raise RobotFileError(
                 f"{what}: a {kind.noun} with d = 0 is a steered wheel", w.d.mark,
                 "With the contact point under the pivot the wheel cannot follow: it constrains the robot.",
-                "Write type: steered, or give d, from the pivot to the contact along the rolling direction.",
+                "Write type: steered and delete d, or give d, from pivot to contact along the rolling direction.",
             )  # fmt: skip
     for check in kind.checks:
         quantity = getattr(w, check.key)

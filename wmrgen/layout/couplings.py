@@ -52,7 +52,7 @@ def _ratio(quantity: Quantity, scope: Scope) -> Exact:
     value = constant("a ratio of the coupling", quantity, scope)
     if not value:
         raise RobotFileError(
-            f"a ratio of the coupling is {quantity.text}, which is zero", quantity.mark, "",
+            f"a ratio of the coupling is {quantity.text}", quantity.mark, "It is zero: that joint would stand still.",
             "Write the turns of the joint for one turn of the shaft.",
         )  # fmt: skip
     return value

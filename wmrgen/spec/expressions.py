@@ -6,11 +6,15 @@ operators and parentheses only, at most 200 characters of them."""
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
+import unicodedata
 from collections.abc import Collection
+from dataclasses import replace
 from fractions import Fraction
 
 from wmrgen.errors import Code, RobotFileError
+from wmrgen.spec.names import parameter_name
 from wmrgen.spec.numbers import (
     NUMBER,
     UNITS,
@@ -23,7 +27,7 @@ from wmrgen.spec.numbers import (
     units_of,
 )
 from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi, Quantity
-from wmrgen.spec.text import Node, Scalar, kind_of, nearest, quoted, suggestion
+from wmrgen.spec.text import Node, Scalar, nearest, quoted, scalar_of, suggestion
 
 MAX_CHARACTERS = 200
 MAX_NODES = 128
@@ -109,8 +113,16 @@ class _Parser:
             "·": "Write *.",
             "×": "Write *.",
             "\n": "Keep the expression on one line.",
+            "²": "Write **2.",
+            "³": "Write **3.",
         }
-        return self._error(what, _GRAMMAR, special.get(character, ""), position)
+        hint = special.get(character, "")
+        plain = unicodedata.normalize("NFKC", self._node.text)
+        if not hint and not character.isascii() and plain.isascii():  # of full width
+            hint = f"Write {plain}."
+        elif not hint and character.isnumeric():  # ½
+            hint = f"Write {unicodedata.numeric(character):g}."
+        return self._error(what, _GRAMMAR, hint, position)
 
     def _checked(self, word: str, kind: str, before: str, after: str, at: int) -> str:
         """The token as Python text, after the checks that need its neighbours."""
@@ -142,6 +154,9 @@ class _Parser:
         )
 
     def _name(self, word: str, called: bool, at: int) -> str:
+        if self._node.text[at + len(word) :].startswith("."):
+            instead = "Write what stands behind the dot alone: pi, sqrt(2)."
+            raise self._error(f"{quoted(word + '.')} cannot stand in an expression", _GRAMMAR, instead, at)
         if called:
             if word in ARITY:
                 return word
@@ -153,14 +168,15 @@ class _Parser:
             return word
         if word in ARITY:
             raise self._error(f"the function {word} needs its argument", "", f"Write {word}(…).", at)
-        near = nearest(word, [*self._names, "pi"])
+        near, instead = nearest(word, [*self._names, "pi"]), "Write the number."
+        with contextlib.suppress(RobotFileError):
+            parameter_name(replace(self._node, text=word))
+            instead = f"Declare it, as parameters: {{{word}: 0.1}}, or write the number."
         raise UndeclaredParameter(
             f"{quoted(word)} is not a declared parameter",
             self._node.mark_at(at),
             "Every name in an expression stands under parameters: or is pi.",
-            f"Did you mean {near}?"
-            if near
-            else f"Declare it, as parameters: {{{word}: 0.1}}, or write the number.",
+            f"Did you mean {near}?" if near else instead,
             Code.UNDECLARED,
         )
 
@@ -208,6 +224,9 @@ class _Parser:
                 return Binary(_OPERATORS[type(op)], self._convert(left), self._convert(right))
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
                 return self._call(node, name, args)
+        if isinstance(node, ast.Tuple) and node.elts:
+            what = f"{quoted(self._node.text)} is {len(node.elts)} values, and one is needed"
+            raise self._error(what, "", "Delete the comma and the other value.")
         raise self._error("this cannot stand in an expression", _GRAMMAR, "", self._offset(node.col_offset))
 
     def _power(self, node: ast.expr) -> Num:
@@ -236,15 +255,6 @@ class _Parser:
                 self._offset(node.col_offset),
             )
         return Call(name, tuple(self._convert(a) for a in args))
-
-
-def scalar_of(node: Node, what: str) -> Scalar:
-    """The node, when it is a text with something in it."""
-    if not isinstance(node, Scalar):
-        raise node.error(f"{what} must be one value, not {kind_of(node)}", "", "Write it without [ ] or { }.")
-    if not node.text.strip():
-        raise node.error(f"{what} has no value", "", "Write a value after the colon, or delete the key.")
-    return node
 
 
 def parse_value(node: Scalar, names: Collection[str], kind: Kind, what: str) -> tuple[Expr, bool]:

@@ -170,7 +170,10 @@ ROBOT = Section(
             aliases={"version": "Write wmrgen: 1."},
             missing=("It tells the format version.", "Begin the file with wmrgen: 1."),
         ),
-        Field("name", Name(), "name of the robot and of its files", required=True, missing=A_NAME),
+        Field(
+            "name", Name(), "name of the robot and of its files", required=True, missing=A_NAME,
+            aliases=dict.fromkeys(("robot", "title", "model"), ""),
+        ),
         Field("description", Text(2_000), "what robot it is, for the banner and the report"),
         Field("source", Text(2_000), "where the dimensions come from"),
         Field(

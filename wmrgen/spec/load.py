@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from wmrgen.errors import Code, RobotFileError, Several, WmrgenError
-from wmrgen.spec.expressions import UndeclaredParameter, scalar_of
+from wmrgen.spec.expressions import UndeclaredParameter
 from wmrgen.spec.fields import Text, Version
 from wmrgen.spec.joints import read_encoders, read_lag, read_limits, read_noise
 from wmrgen.spec.keys import ROBOT
@@ -30,6 +30,7 @@ from wmrgen.spec.text import (
     bytes_of,
     decode,
     quoted,
+    scalar_of,
 )
 from wmrgen.spec.wheels import declared_types, read_couplings, read_wheels
 

@@ -60,7 +60,8 @@ MISTAKES = {
         Mistake(
             Code.NAME, "a word that cannot be a name",
             "Names of robots, wheels and parameters become identifiers of C, C++, Rust and Python, and file names, as "
-            "they are written: letters, digits and _, a letter first, at most 31. Words that one of these languages or "
+            "they are written: letters, digits and _, a letter first, at most 31, for C need compare "
+            "only the first 63 characters of a macro such as ROBOT_WHEEL_SPIN. Words that one of these languages or "
             "its library keeps are no names, in whatever case, nor is a robot called as a namespace or library is that "
             "its packages meet.",
             _WHEELS.replace("left", "rear-left"), _WHEELS.replace("left", "rearLeft"),

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 
 from wmrgen.backends.registry import why_reserved
 from wmrgen.backends.words import AVR_MACROS
 from wmrgen.errors import Code, RobotFileError
-from wmrgen.spec.text import Node, Scalar, lookalike, quoted
+from wmrgen.spec.text import Node, Scalar, latin, lookalike, quoted
 
-NAME_PATTERN = "^[A-Za-z][A-Za-z0-9_]{0,30}$"
+MAX_NAME = 31
+NAME_PATTERN = f"^[A-Za-z][A-Za-z0-9_]{{0,{MAX_NAME - 1}}}$"
+_WHY_SO_LONG = (
+    f"C need compare only the first 63 of a macro (C99, 5.2.4.1), which are a robot's name, _ and a wheel's, each of "
+    f"{MAX_NAME} at most."
+)
 _ENDS = {"front": "front", "fore": "front", "fwd": "front", "middle": "middle", "center": "middle"}
 _ENDS |= dict.fromkeys(("rear", "back", "hind", "aft"), "rear")
 _SIDES = {"left": "left", "right": "right"}
@@ -59,7 +63,10 @@ def _check(node: Scalar, what: str) -> str:
         raise _no_name(node, f"the {what} name is empty", "", "front_left")
     if not re.fullmatch(NAME_PATTERN, name):
         why = "Names become identifiers of generated C: letters a-z and A-Z, digits and _, at most 31, a letter first."
-        why = lookalike(name) if len(name) == 1 and lookalike(name) else why
+        if len(name) > MAX_NAME:
+            why = f"It has {len(name)} characters. {_WHY_SO_LONG}"
+        elif latin(name) != name:
+            why = lookalike(name)
         raise _no_name(node, f"{quoted(name)} is not a valid {what} name", why, _repaired(name))
     reason = _reserved(name)
     if reason:
@@ -80,8 +87,7 @@ def _free(name: str) -> str:
 
 def _repaired(name: str) -> str:
     """A valid name near ``name``, or nothing."""
-    letters = "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
-    near = re.sub(r"[^A-Za-z0-9]+", "_", letters).strip("_")[:31].rstrip("_")
+    near = re.sub(r"[^A-Za-z0-9]+", "_", latin(name)).strip("_")[:MAX_NAME].rstrip("_")
     return near if re.fullmatch(NAME_PATTERN, near) and not _reserved(near) else ""
 
 

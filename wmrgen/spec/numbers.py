@@ -129,14 +129,11 @@ def refuse_lookalikes(node: Scalar) -> None:
             f"{quoted(text)} is not a finite number", "Every quantity is finite.", "Write the value."
         )
     for pattern, what, instead in (
-        (
-            r"[+-]?[0-9]+(:[0-9.]+)+",
-            "is not a number (YAML 1.1 reads it in base 60)",
-            "Write a decimal number.",
-        ),
+        (r"[+-]?\d+(:[\d.]+)+", "is not a number (YAML 1.1 reads it in base 60)", "Write a decimal number."),
         (r"[+-]?[0-9.]+,[0-9]+", "has a decimal comma", "Write a decimal point."),
         (r"[+-]?0[xobXOB][0-9a-fA-F_]+", "is not decimal", "Write a decimal number."),
         (r"[+-]?[0-9][0-9_.]*_[0-9_.eE]*", "has underscores", "Write the digits without them."),
+        ("~|(?i:null|none|true|false)", "is no number", "Write the number, or delete the key."),
     ):
         if re.fullmatch(pattern, text):
             raise node.error(f"{quoted(text)} {what}", "", instead)

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from wmrgen.errors import RobotFileError, Several
-from wmrgen.spec.expressions import parse_value, scalar_of
+from wmrgen.spec.expressions import parse_value
 from wmrgen.spec.fields import Mapped
 from wmrgen.spec.keys import PARAMETER, ROBOT
 from wmrgen.spec.names import Names, parameter_name
 from wmrgen.spec.numbers import Kind, Scope, facts_of, parameters_in
 from wmrgen.spec.records import ParameterSpec, Quantity
 from wmrgen.spec.tables import mapping_of, severed, table_of
-from wmrgen.spec.text import MappingNode, Node, Scalar, quoted
+from wmrgen.spec.text import MappingNode, Node, Scalar, quoted, scalar_of
 
 
 def read_parameters(

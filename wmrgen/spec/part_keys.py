@@ -138,6 +138,7 @@ COUPLING = Section(
                 OneOf("wheel.joint"), "[a.spin, b.spin]", least=2, once=True,
                 few=("a coupling of {n} joint{s}", "It takes two to be equal.", "Write equal: [a.steer, b.steer]."),
             ), "joints of one kind whose angles a mechanism keeps equal", required=True,
+            aliases=dict.fromkeys(("joints", "belt", "chain", "gear", "gears", "shaft", "same", "coupled"), ""),
         ),
         Field(
             "ratios", ListOf(Amount(Kind.ANY, "1"), "[1, -17/42]"),
@@ -173,7 +174,13 @@ TRAILER = Section(
     "{length: 1.1, hitch: 0}",
     (
         Field("name", Name(), "name of the trailer", default="trailer1, trailer2, …"),
-        Field("length", _LENGTH, "from its coupling to its axle", required=True),
+        Field(
+            "length",
+            _LENGTH,
+            "from its coupling to its axle",
+            required=True,
+            aliases=dict.fromkeys(("l", "wheelbase", "drawbar"), ""),
+        ),
         Field("hitch", _LENGTH, "from the axle in front back to the coupling", default="0"),
     ),
 )

@@ -6,13 +6,12 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from wmrgen.errors import Several
-from wmrgen.spec.expressions import scalar_of
 from wmrgen.spec.names import Names, wheel_name
 from wmrgen.spec.numbers import Scope
 from wmrgen.spec.part_keys import CG, GAINS, TRAILER, VIRTUAL
 from wmrgen.spec.records import PointSpec, Quantity, TrailerSpec, VirtualSpec
 from wmrgen.spec.tables import Table, read_number, table_of
-from wmrgen.spec.text import Node
+from wmrgen.spec.text import Node, scalar_of
 from wmrgen.spec.wheels import wheel_called
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 

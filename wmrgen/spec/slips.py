@@ -18,7 +18,7 @@ _AFTER_THE_END = "text after the end of the document", "Delete it."
 _NO_VALUE = "a value is missing here", "Write it, indented deeper than what asks for it."
 _OPEN_AT_THE_END = "the file ends, and a bracket is not closed", "Write the ] or } that closes it."
 _COLON = re.compile(r":( |$)")
-_KEY = re.compile(r"^( *)(- *)?([^ :=]*)( *)([:=]?)( *)(.*?) *$")
+_KEY = re.compile(r"^( *)(- *)?([^ :=\uff1a]*)( *)([:=\uff1a]?)( *)(.*?) *$")
 
 
 class Line(NamedTuple):

@@ -8,7 +8,7 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 
 from wmrgen.errors import Code, Mark, RobotFileError, Several
-from wmrgen.spec.expressions import read_quantity, scalar_of
+from wmrgen.spec.expressions import read_quantity
 from wmrgen.spec.fields import Amount, Choice, Field, ListOf, Section, Word
 from wmrgen.spec.keys import ROBOT, WHEEL
 from wmrgen.spec.numbers import Kind, Scope, plain_number
@@ -22,6 +22,7 @@ from wmrgen.spec.text import (
     lookalike,
     nearest,
     quoted,
+    scalar_of,
     suggestion,
 )
 
@@ -226,7 +227,7 @@ def _meant(word: str, fields: Collection[Field]) -> tuple[str, bool]:
         if word.lower() in f.aliases:
             return f.key, not f.aliases[word.lower()]
     keys = [f.key for f in fields]
-    word = word.partition(" ")[0].partition(":")[0]
+    word = re.split("[ :\uff1a]", word, maxsplit=1)[0]
     return nearest(word, keys), bool(nearest(word, keys, 0.75))
 
 
@@ -248,10 +249,11 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
     valid = {f.key for f in fields}
     if behind := severed(key, value):
         return key.error(f"{quoted(key.text)} stands where a key is expected", *behind)
-    if key.plain and ":" in key.text and empty:
-        word, _, rest = key.text.partition(":")
+    colon = re.search("[:\uff1a]", key.text)
+    if key.plain and colon and empty:
+        word, rest = key.text[: colon.start()], key.text[colon.end() :]
         return key.error(
-            f"no space after the colon in {quoted(key.text)}",
+            f"no {'space after the ' if colon[0] == ':' else ''}colon in {quoted(key.text)}",
             lookalike(key.text) or "YAML needs one.",
             f"Write {word}: {rest.strip()}",
         )
@@ -263,6 +265,9 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
     aliases = {alias: text for f in fields for alias, text in f.hints.items()}
     instead = suggestion(key.text, [f.key for f in fields], aliases)
     why = lookalike(key.text)
+    inner = [f for f in fields if isinstance(f.value, Section) and key.text in f.value.keys]
+    if instead.startswith("Valid") and inner:
+        instead = f"Write {inner[0].key}: {{{key.text}: …}}."
     for section in (WHEEL, ROBOT):
         if instead.startswith("Valid") and any(key.text in (f.key, *f.aliases) for f in section.fields):
             why = f"It is a key of {section.title}."

@@ -23,6 +23,9 @@ _REFUSED = re.compile(
     "\ufdd0-\ufdef\ufeff\ufff0-\ufffb\ufffe\uffff\U000e0000-\U000e0fff\U0001fffe-\U0001ffff"
     "\U0010fffe-\U0010ffff]"
 )
+# Letters of Cyrillic that look like a e o p c y x i j s.
+_CYRILLIC = "\u0430\u0435\u043e\u0440\u0441\u0443\u0445\u0456\u0458\u0455"
+_LATIN = str.maketrans(_CYRILLIC + _CYRILLIC.upper(), "aeopcyxijsAEOPCYXIJS")
 _BIDI = re.compile("[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 
@@ -131,10 +134,19 @@ def normalise(text: str, file: str) -> str:
     return text
 
 
+def latin(word: str) -> str:
+    """``word`` with letters of Latin in the place of those that look like them, and without accents."""
+    letters = unicodedata.normalize("NFKD", word.translate(_LATIN))
+    return "".join(c for c in letters if not unicodedata.combining(c))
+
+
 def nearest(wrong: str, valid: Iterable[str], likeness: float = 0.6) -> str:
-    """The word that is most like ``wrong``, case aside; nothing where none is, and for a letter that is no word."""
+    """The word that is most like ``wrong``, case aside, or a part of it as vx of max_vx; nothing where none is, and for
+    a letter that is no word."""
     words = {word.lower(): word for word in valid}
-    near = get_close_matches(wrong.lower()[:40], words, n=1, cutoff=likeness if len(wrong) > 1 else 1)
+    wrong = latin(wrong).lower()[:40]
+    near = get_close_matches(wrong, words, n=1, cutoff=likeness if len(wrong) > 1 else 1)
+    near = near or [part for part in wrong.split("_") if len(part) > 1 and part in words]
     return words[near[0]] if near else ""
 
 
@@ -214,6 +226,24 @@ def kind_of(node: Node) -> str:
     if isinstance(node, Scalar):
         return "one value" if node.text or not node.plain else "nothing"
     return "a list" if isinstance(node, SequenceNode) else "a mapping"
+
+
+def scalar_of(node: Node, what: str) -> Scalar:
+    """The node, when it is a text with something in it."""
+    if isinstance(node, MappingNode) and any(key.text in ("value", "tunable") for key, _ in node.entries):
+        raise node.error(
+            f"{what} must be one value, not {kind_of(node)}",
+            "Parameters alone are tunable.",
+            "Write parameters: {size: {value: 0.1, tunable: true}}, with a name of your own, and that name here.",
+        )
+    if not isinstance(node, Scalar):
+        instead = (
+            "Write one value in its place." if isinstance(node, MappingNode) else "Write it without [ ]."
+        )
+        raise node.error(f"{what} must be one value, not {kind_of(node)}", "", instead)
+    if not node.text.strip():
+        raise node.error(f"{what} has no value", "", "Write a value after the colon, or delete the key.")
+    return node
 
 
 _OPENED = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")  # names of what the caller has opened

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from wmrgen.errors import Code, RobotFileError, Several
-from wmrgen.spec.expressions import scalar_of
 from wmrgen.spec.fields import Amount, Section
 from wmrgen.spec.joints import read_encoders, read_lag, read_limits, read_noise
 from wmrgen.spec.keys import WHEEL
@@ -15,7 +14,7 @@ from wmrgen.spec.numbers import Scope
 from wmrgen.spec.part_keys import COUPLING, ENCODER, LAG, LIMITS, NOISE
 from wmrgen.spec.records import Coupling, Quantity, WheelSpec
 from wmrgen.spec.tables import Table, read_number, table_of
-from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, lookalike, quoted, suggestion
+from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, lookalike, quoted, scalar_of, suggestion
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 _PLACEMENT, _ORIENTATION = WHEEL.choices

@@ -38,6 +38,7 @@ _DUNDER = re.compile(r"__\w+__")
 # What stands in the place of an answer that nobody has given yet, as `wmrgen import` writes it: a plain word, for text
 # may say it in quotes.
 OPEN = "TODO"
+_OF_A_MODEL = {"format", "robot_type", "C1f"}
 
 
 def read_robot(path: str | Path, several: Several | None = None) -> RobotSpec:
@@ -62,6 +63,13 @@ def read_text(text: str, file_name: str, several: Several | None = None) -> Robo
         wrong.end()
         mark, example = Source.of(text, file_name).mark(0, 0), f"A robot file begins {ROBOT.example}."
         raise RobotFileError("the file is empty", mark, "", example, Code.NOT_YAML)
+    if isinstance(tree, MappingNode) and {key.text for key, _ in tree.entries} >= _OF_A_MODEL:
+        raise tree.error(
+            "this is a model.json, which `wmrgen derive` writes",
+            "It says what follows from a robot file, and is none.",
+            "Give the robot file; `wmrgen compare` reads the header beside it, too.",
+            code=Code.FILE,
+        )
     table = table_of(tree, ROBOT, wrong)
     if not _of_this_format(table, wrong):
         wrong.errors = [error for error in wrong.errors if error.code is not Code.UNKNOWN_KEY]

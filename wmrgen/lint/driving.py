@@ -59,7 +59,8 @@ def _more(subject: Subject, lacking: str) -> str:
     "WMR021",
     "more actuated joints than freedoms, and not of all like wheels",
     """Where more joints are driven than the robot has freedoms, their rates must agree, or wheels slide. That is usual
-    where all wheels of a kind are driven, as four mecanum wheels are. Where some are and others not, or castors beside
+    where all wheels of a kind are driven, as four mecanum wheels or a skid-steer's are, and no finding: the report
+    and `actuation` of model.json say by how many motors it is. Where some are and others not, or castors beside
     wheels that do without them, an entry of actuated is likely missing or too many.""",
     """
 wheels:

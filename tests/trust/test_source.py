@@ -181,6 +181,19 @@ def _changeable(module: str) -> Iterator[str]:
                         yield f"{module}:{record.name} {what}"
 
 
+def test_what_is_walked_together_has_one_length() -> None:
+    """``zip`` is strict: where one side is longer, its first part is taken in words, and nothing is dropped unseen."""
+    assert not [place for module in SOURCES for place in _lax(module)]
+
+
+def _lax(module: str) -> Iterator[str]:
+    for call in calls(tree(module)):
+        if name_of(call.func) == "zip" and not any(
+            k.arg == "strict" and isinstance(k.value, ast.Constant) and k.value.value for k in call.keywords
+        ):
+            yield f"{module}:{call.lineno}"
+
+
 PLANTED = """\
 import pickle
 from sympy import sympify
@@ -198,6 +211,8 @@ class A: pass
 class B: pass
 @dataclass(frozen=True, slots=True)
 class C: pass
+zip(a, b)
+zip(a, b, strict=False)
 """
 
 
@@ -216,6 +231,7 @@ def test_each_rule_finds_what_is_planted(monkeypatch: pytest.MonkeyPatch) -> Non
     assert sorted(_changeable("planted")) == [
         "planted:A can change", "planted:A has no slots", "planted:B can change",
     ]  # fmt: skip
+    assert list(_lax("planted")) == ["planted:17", "planted:18"]
 
 
 def _for_writing(call: ast.Call) -> bool:

@@ -148,7 +148,7 @@ def _callable(function: Function) -> Callable[..., dict[str, Any]]:
     def call(*positional: Any, **named: Any) -> dict[str, Any]:
         if len(positional) > len(names):
             raise TypeError(f"{function.name}() takes {len(names)} arguments, {len(positional)} were given")
-        inputs = dict(zip(names, positional, strict=False))
+        inputs = dict(zip(list(names)[: len(positional)], positional, strict=True))
         for key, value in named.items():
             name = contract.get(key, key)  # left_spin=… or **{"left.spin": …}
             if name not in names:

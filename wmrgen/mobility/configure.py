@@ -225,7 +225,8 @@ def _exact_rank(robot: Robot, numbers: list[ExactRow]) -> int:
     basis = null_space(numbers or [(ZERO, ZERO, ZERO)], 3)
     best = 0
     for weights in _WEIGHTS:
-        twist = [sum((b[k] * w for b, w in zip(basis, weights, strict=False)), ZERO) for k in range(3)]
+        pairs = tuple(zip(basis, weights[: len(basis)], strict=True))
+        twist = [sum((b[k] * w for b, w in pairs), ZERO) for k in range(3)]
         rows: list[ExactRow] = list(numbers)
         for w in robot.wheels:
             if w.kind.steers:

@@ -122,7 +122,7 @@ def _combinations(robot: Robot) -> tuple[Integral, ...]:
         turn = float(sum((k * row[2] for k, row in zip(weights, rows, strict=True)), ZERO))
         angles = [
             (f"{w.name}.angle", float(k * w.nominal.rolling_radius))
-            for w, k in zip(wheels, weights, strict=False)
+            for w, k in zip(wheels, weights[: len(wheels)], strict=True)
             if k
         ]
         if not angles:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import unicodedata
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -11,6 +13,7 @@ from tests.spec.files import HEAD, read, robot, wheel
 from wmrgen.errors import RobotFileError
 from wmrgen.spec.load import read_robot
 from wmrgen.spec.schema import json_schema
+from wmrgen.spec.text import refused_character
 from wmrgen.wheels import WHEEL_TYPES
 
 WHEELS = robot().removeprefix(HEAD)
@@ -89,7 +92,6 @@ def test_free_text() -> None:
         (f"{HEAD}description: \ud800\n", "surrogate U\\+D800"),
         (f'{HEAD}description: "\\x07"\n', "control character U\\+0007"),
         (f"{HEAD}description: \x07\n", "control character"),
-        (f"{HEAD}description: \x00\n", "control character U\\+0000"),
         (f"{HEAD}description: \x85\n", "control character"), (f"{HEAD}# \u202e\n{WHEELS}", "bidirectional"),
         (f'{HEAD}description: "\\u2066"\n', "bidirectional"), (f"{HEAD}# \ufeff\n", "invisible"),
         (f"{HEAD}# \u2028\n", "invisible"), (f"{HEAD}# \U000e0041\n", "invisible"),
@@ -105,6 +107,27 @@ def test_refused_files(text: str, message: str) -> None:
         read(text)
     str(caught.value).encode()
     assert caught.value.exit_code == 2
+
+
+TURNS = {"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"}  # bidirectional classes of controls
+TURNING = ("LEFT-TO-RIGHT MARK", "RIGHT-TO-LEFT MARK", "ARABIC LETTER MARK")
+
+
+def test_characters_are_refused_as_unicode_classes_them() -> None:
+    """Controls but for tab and newline, halves of characters, what turns the direction of reading, what none sees."""
+    for c in map(
+        chr, chain(range(0x700), range(0x2000, 0x2100), range(0xD7F0, 0xE010), range(0xFD00, 0x10000))
+    ):
+        category = unicodedata.category(c)
+        kind = {"Cc": "control character", "Cs": "lone surrogate"}.get(category)
+        if unicodedata.bidirectional(c) in TURNS or unicodedata.name(c, "") in TURNING:
+            kind = "bidirectional control"
+        refused = refused_character(f"ab{c}")
+        if refused and not kind:
+            kind = "invisible character"
+            assert category in ("Cf", "Cn", "Zl", "Zp")
+        wanted = (2, f"{kind} U+{ord(c):04X}") if kind and c not in "\t\n" else None
+        assert (refused and refused[:2]) == wanted
 
 
 FIELDS = [

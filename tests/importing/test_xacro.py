@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Callable
+from itertools import count
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from tests.conftest import Outcome
 from tests.importing.urdf import link, pair, robot
+from wmrgen.errors import RobotFileError
+from wmrgen.importing.expressions import checked, counted, offered
 
 Cli = Callable[..., Outcome]
 HEAD = '<robot name="probe" xmlns:xacro="http://www.ros.org/wiki/xacro">'
@@ -150,6 +155,56 @@ def test_a_hostile_file_does_nothing(wmrgen_cli: Cli, tmp_path: Path, value: str
     done = wmrgen_cli("import", path, "-o", tmp_path / "out.yaml")
     assert done.code == 2 and words in done.err, done.err
     assert sorted(p.name for p in tmp_path.iterdir()) == ["inside", "secret.yaml"]
+
+
+def computed(text: str) -> Any:
+    """The value of an expression as xacro gets it."""
+    names = offered({"range": range, "len": len, "d": dict.fromkeys(range(200)), "type": type})
+    return eval(checked(text), {"__builtins__": {}, **names})
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "7 * 3", "2 ** 10", "2.5 ** -2", "-7 % 3", "7.5 % 2", "'%d of %s' % (3, 'four')", "[1, 'a'] * 3", "2 * 'ab'",
+        "'ab' * -1", "'a%' * 2", "len([x * 2 for x in range(3)])",
+    ],
+)  # fmt: skip
+def test_guarded_expressions_have_the_value_of_python(text: str) -> None:
+    assert computed(text) == eval(text)
+
+
+@pytest.mark.parametrize(
+    ("most", "more", "told"),
+    [
+        (f"[{'1,' * 999}]", f"[{'1,' * 999} ]", "an expression of 2001 characters"),
+        ("2 ** 2048", "2 ** 2049", "a power of more than 4096 bits"),
+        ("2.0 ** -1 ** 3", "3 ** -2049", "a power of more than 4096 bits"),
+        ("2 ** 2047 * 2 ** 2048", "2 ** 2048 * 2 ** 2048", "or a number of 4096 bits"),
+        ("[0] * 12499", "[0] * 12500", "a value of more than 50000 parts"),
+        ("12499 * (0,)", "12500 * (0,)", "a value of more than 50000 parts"),
+        ("'abcdefgh' * 4999", "'abcdefgh' * 5000", "a value of more than 50000 parts"),
+        ("[[0] * 100] * 245", "[[0] * 100] * 246", "a value of more than 50000 parts"),
+        ("[d] * 82", "[d] * 83", "a value of more than 50000 parts"),
+        ("range(50000)", "range(1, 50002)", "a range of more than 50000 numbers"),
+        ("'%999d' % 1", "'%1000d' % 1", "the format '%1000d' is refused"),
+        ("'%d' % 1", "'%*d' % (2, 1)", "the format '%*d' is refused"),
+        ("[x for x in [1]]", "[x for x in [1] for y in [2]]", "it may do more than compute"),
+        ("len", "type", "'type' is not defined"),
+    ],
+)
+def test_expressions_have_limits(most: str, more: str, told: str) -> None:
+    """Of length, of bits, of parts, of loops: the largest that is computed, and the least that is refused."""
+    computed(most)
+    with pytest.raises((RobotFileError, NameError), match=re.escape(told)):
+        computed(more)
+
+
+def test_functions_of_the_package_are_called_25_000_times_at_most() -> None:
+    call = counted(lambda: 1, count(24_999))
+    assert [call(), call()] == [1, 1]
+    with pytest.raises(RobotFileError, match="more than 25000 elements and texts"):
+        call()
 
 
 def test_includes_stay_inside_and_have_no_entities(wmrgen_cli: Cli, tmp_path: Path) -> None:

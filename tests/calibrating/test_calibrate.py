@@ -20,7 +20,7 @@ import wmrgen
 from tests.calibrating.simulated import LAYOUTS, Encoders, Layout, Tracker, csv, drive
 from tests.conftest import Outcome
 from tests.depth import everyday
-from wmrgen.calibrating.calibrate import Calibration, Estimate, _held_out, calibrate, problem_of
+from wmrgen.calibrating.calibrate import Calibration, Estimate, _held_out, _names, calibrate, problem_of
 from wmrgen.calibrating.certainty import fit
 from wmrgen.calibrating.fit import Problem, serial, sums, unit_of
 from wmrgen.calibrating.logs import read
@@ -67,6 +67,11 @@ def test_real_drives_give_the_recorded_parameters(name: str) -> None:
             assert estimate.observable
     assert {n for group in result.unobservable for n in group} == set(expected["not_demanded"])
     assert result.after.position < 0.75 * result.before.position
+
+
+def test_logs_of_one_name_are_told_apart_by_numbers() -> None:
+    logs = [Path(f"{day}/{name}.csv") for day in "abc" for name in ("run", "turn")]
+    assert _names(logs) == ["run", "turn", "run (2)", "turn (2)", "run (3)", "turn (3)"]
 
 
 @pytest.mark.parametrize(("nominal", "unit"), [(0.4, 0.04), (-0.4, 0.04), (0.0, 0.1)])

@@ -15,7 +15,7 @@ from wmrgen.calibrating.calibrate import _deviations, calibrate
 from wmrgen.calibrating.certainty import _pulls, _spans, _walk, fit
 from wmrgen.calibrating.clocks import ALONE, shown
 from wmrgen.calibrating.fit import LEVER, Residuals, _typical
-from wmrgen.calibrating.logs import Drive, Truth
+from wmrgen.calibrating.logs import Truth
 from wmrgen.calibrating.mistakes import refuse_strangers
 from wmrgen.calibrating.outliers import _peaks, _steps
 from wmrgen.errors import UsageError
@@ -132,16 +132,6 @@ def test_mean_and_variance_of_clocks_are_found_back(mean: float, apart: float, e
     assert clocks.apart == pytest.approx(apart, abs=0.2)
     one = shown(np.array([4.0]), np.array([1.0]), np.array([1.0]))
     assert one.late == pytest.approx(4 - 1 / 4, abs=1e-3) and one.apart < 0.02
-
-
-def test_a_robot_stands_where_no_wheel_turns() -> None:
-    t = np.arange(0, 4.01, 0.1)
-    turning = np.where(t[:-1] < 2, 0.05, 0.0)
-    still = Truth(t, t, t, t)
-    drive = Drive(
-        "d", t, {"left.spin": turning, "right.spin": 0 * turning, "right.steer": 1 + 0 * turning}, still
-    )
-    assert drive.stands(-1) and not drive.stands(0)
 
 
 def test_slips_are_at_the_peaks_of_what_is_unusual() -> None:

@@ -134,9 +134,9 @@ def plugin_controllers(root: Element) -> tuple[Controller, ...]:
             result.append(_controller(element.get("name") or "", kind, leaves))
         elif local(element) == "mobile" and element.get("type") == "differential":
             leaves = [_leaf("wheel_names", element.get("joints") or "", element)]
-            values = (element.get("params") or "").split()
-            words = ("wheel_separation", "wheel_radius")
-            leaves += [_leaf(word, value, element) for word, value in zip(words, values, strict=False)]
+            values = (element.get("params") or "").split()[:2]
+            words = ("wheel_separation", "wheel_radius")[: len(values)]
+            leaves += [_leaf(word, value, element) for word, value in zip(words, values, strict=True)]
             result.append(_controller("mobile", "differential", leaves))
     return tuple(c for c in result if c.lengths)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from defusedxml.ElementTree import fromstring
 
 from wmrgen.errors import RobotFileError
 from wmrgen.importing.controllers import plugin_controllers, read_controllers
+from wmrgen.importing.read import parse
 from wmrgen.importing.records import Controller
 from wmrgen.spec.names import role
 
@@ -350,6 +350,8 @@ def test_plugins() -> None:
       <gazebo><plugin filename="libgazebo_ros_diff_drive.so" name="drive">
         <leftJoint>left_hub</leftJoint><rightJoint>right_hub</rightJoint>
         <wheelSeparation>0.158</wheelSeparation><wheelDiameter>0.12</wheelDiameter></plugin></gazebo>
+      <gazebo><plugin filename="liblift.so" name="air"><wheelRadius>0.1 m</wheelRadius>
+        <turningDirection>cw</turningDirection><wheelBase>1e99</wheelBase></plugin></gazebo>
       <gazebo><plugin filename="gz-sim-mecanum-drive-system" name="gz::sim::systems::MecanumDrive">
         <front_left_joint>fl</front_left_joint><back_right_joint>br</back_right_joint>
         <wheel_separation>1.25</wheel_separation><wheelbase>1.511</wheelbase><wheel_radius>0.3</wheel_radius><track>wide</track>
@@ -360,7 +362,7 @@ def test_plugins() -> None:
       <gazebo><plugin filename="libgazebo_ros_ackerman.so" name="four_diff_controller">
         <wheelSeparation>0.172</wheelSeparation></plugin></gazebo>
     </robot>"""
-    mobile, drive, mecanum, hardware, car = plugin_controllers(fromstring(text))
+    mobile, drive, mecanum, hardware, car = plugin_controllers(parse(text.encode(), "r.urdf"))
     kinds = ["differential", "differential", "mecanum", "ackermann"]
     assert [c.kind for c in (mobile, drive, mecanum, car)] == kinds
     assert {k: float(s.value) for k, s in mobile.lengths.items()} == {"track": 0.53, "radius": 0.1}

@@ -79,11 +79,12 @@ _ROVER = [  # role, x and y of the wheels of JPL's rover
 
 @dataclass(frozen=True, slots=True)
 class _Leaf:
-    """A text, or those of a list, under the words of its keys."""
+    """A text, or those of a list, under the words of its keys; ``xml``: where others read the same element otherwise."""
 
     path: tuple[str, ...]
     texts: tuple[str, ...]
     marks: tuple[Mark | None, ...]
+    xml: bool = False
 
     @property
     def word(self) -> str:
@@ -144,7 +145,7 @@ def plugin_controllers(root: Element) -> tuple[Controller, ...]:
 def _leaf(word: str, text: str, element: Element) -> _Leaf:
     """What an element says under a word."""
     texts = tuple(text.split())
-    return _Leaf((word,), texts, (mark_of(element),) * len(texts))
+    return _Leaf((word,), texts, (mark_of(element),) * len(texts), xml=True)
 
 
 def snake(word: str) -> str:
@@ -218,7 +219,7 @@ def _number(leaf: _Leaf, index: int = 0, factor: Fraction = Fraction(1)) -> Sett
     size = abs(float(text)) if len(text) <= 40 and re.fullmatch(f"[+-]?{NUMBER}", text) else -1.0
     key, mark = ".".join(leaf.path), leaf.marks[index]
     if size != 0 and not 1e-9 < size < 1e9:
-        if not mark:
+        if leaf.xml:
             return None
         raise RobotFileError(f"{quoted(key)} is {quoted(text)}, which is no number", mark)
     return Setting(Fraction(text) * factor, key, mark) if size else None

@@ -349,12 +349,21 @@ def test_a_fixed_joint_with_an_axis_alone_is_no_wheel(wmrgen_cli: Cli, tmp_path:
     assert done.code == 2 and "0 joints are wheels" in done.err
 
 
+def test_a_cylinder_across_the_axle_is_a_hint(read: Import) -> None:
+    said = read(robot(pair().replace('rpy="1.57 0 0"', 'rpy="0 1.57 0"')))
+    hints = [q["hints"] for q in said["questions"] if q["key"] == "r"]
+    assert hints == [["0.1 by a collision cylinder, which does not lie along the axle"]] * 2
+
+
 def test_a_missing_axis_is_asked_about(read: Import) -> None:
-    """1 0 0 by the rules of URDF, across the cylinder's, whose axis is taken till then; and a swivel without one, which
-    would roll."""
-    said = read(robot(pair(), wheel("odd", "-0.2 0 0.1", axis="")))
-    assert said["wheels"]["odd"]["heading"] == 0.0
-    assert ("odd", "heading") in keys(said)
+    """1 0 0 by the rules of URDF, across the cylinder's, whose axis is taken till then, also where 1 0 0 is upright;
+    one of which nothing is drawn; and a swivel without one, which would roll."""
+    for rpy in ("0 0 0", "0 1.5707963268 0"):
+        said = read(robot(pair(), wheel("odd", "-0.2 0 0.1", axis="", rpy=rpy)))
+        assert said["wheels"]["odd"]["heading"] == 0.0
+        assert ("odd", "heading") in keys(said)
+    said = read(robot(pair(), link("bare"), joint("bare", "base_link", "bare", "-0.2 0 0.05", axis="")))
+    assert {w["type"] for w in said["wheels"].values()} == {"fixed"} and ("bare", "heading") in keys(said)
     silent = SWIVEL.replace('<axis xyz="0 0 1"/>', "")
     lying = silent.replace('rpy="0 0 0"', 'rpy="1.5707963268 0 0"')  # its z axis is level
     assert silent != lying

@@ -276,3 +276,64 @@ def test_a_fixed_wheel_of_which_nothing_is_told(read: Import) -> None:
     assert "'w1_wheel' is not taken for a wheel: it is called one, but fixed" in said["notes"]
     refused = read(robot(parts[0], parts[0].replace("w1", "w2")))
     assert (refused["code"], refused["notes"].count("it is called one, but fixed")) == (2, 2)
+
+
+@pytest.mark.parametrize("beside", ["hip", "base_link"])
+def test_the_motors_of_legs_are_no_wheels(read: Import, beside: str) -> None:
+    """A leg of two bars that a motor turns at each side of the hip, of which one bears its bar upwards: its other motor
+    would stand on the ground."""
+    hip = link("hip") + joint("hip", "base_link", "hip", "0 0.2 0", axis="1 0 0")
+    motors = (
+        link("one")
+        + joint("one", "hip", "one", "0.2 0 0")
+        + wheel("two", "0.2 0.2 0" if beside == "base_link" else "0.2 0 0", parent=beside)
+    )
+    knee = _BOX.replace("BODY", "shin") + joint("knee", "one", "shin", "0 0 0.3")
+    said = read(robot(hip, motors, knee))
+    assert (
+        said["code"] == 2
+        and "'two_joint' is not taken for a wheel: it is beside a limb that" in said["notes"]
+    )
+    assert read(robot(hip, motors, wheel("knee", "0 0 0", parent="one")))["code"] == 0
+
+
+def test_what_is_fixed_in_an_arm_is_no_wheel(read: Import) -> None:
+    """Where other joints turn on the body that one tilts; at the end of it a fixed wheel is one."""
+    turns = joint("shoulder", "base_link", "upper", "0.2 0 0.5", "revolute", more=LIMITS) + link("upper")
+    parts = [
+        turns,
+        wheel("end", "0.2 0 0", parent="upper", kind="fixed"),
+        wheel("tail", "-0.2 0 0.5", kind="fixed"),
+    ]
+    assert len(read(robot(*parts))["names"]) == 2
+    said = read(
+        robot(*parts, link("fore"), joint("elbow", "upper", "fore", "0.1 0 0", "revolute", more=LIMITS))
+    )
+    assert said["code"] == 2 and "'tail_joint' alone is a wheel" in said["notes"]
+
+
+def test_a_rigid_axle_is_not_taken_beside_its_wheels(read: Import) -> None:
+    """One that steers, and one that does not; a wheel that turns is one with what is fixed to it."""
+    steers = joint("steer", "base_link", "front_wheelbase", "0.5 0 0.1", "revolute", "0 0 1", more=LIMITS)
+    rests = joint("rest", "base_link", "rear_wheelbase", "-0.5 0 0.1", "fixed", "")
+    tires = [
+        wheel(f"{end}_{side}_tire", f"0 {y} 0", parent=f"{end}_wheelbase", kind="fixed", axis="")
+        for end in ("front", "rear")
+        for side, y in (("left", 0.3), ("right", -0.3))
+    ]
+    axles = link("front_wheelbase") + steers + link("rear_wheelbase") + rests
+    said = read(robot(axles, *tires))
+    assert len(said["names"]) == 4 and all("tire" in name for name in said["names"])
+    shaft = link("rear_wheelbase") + rests.replace("fixed", "continuous").replace(
+        "</", '<axis xyz="0 1 0"/></'
+    )
+    nose = wheel("nose_wheel", "0.5 0 0.1", kind="fixed")
+    assert read(robot(shaft, nose, *tires[2:]))["names"] == ["rest", "nose"]
+
+
+def test_a_wheel_whose_axis_is_upright_is_told(read: Import) -> None:
+    said = read(robot(pair(axis="0 0 1").replace("left", "left_wheel")))
+    assert (
+        said["code"] == 2
+        and "'left_wheel_joint' is not taken for a wheel: its axis is upright" in said["notes"]
+    )

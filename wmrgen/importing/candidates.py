@@ -14,7 +14,15 @@ from dataclasses import replace
 from fractions import Fraction
 
 from wmrgen.importing.frames import across, dot, plus, transposed, turned, unit
-from wmrgen.importing.passed import UNTOLD, Passed, no_wheel, nothing_told, off_the_ground, wheel_like
+from wmrgen.importing.passed import (
+    UNTOLD,
+    Passed,
+    no_wheel,
+    nothing_told,
+    of_legs,
+    off_the_ground,
+    wheel_like,
+)
 from wmrgen.importing.records import RIGID, Joint, Vector
 from wmrgen.importing.view import COAXIAL, EVEN, SUNK, UNSEEN, UPRIGHT, Candidate, Robot, Z
 from wmrgen.spec.text import quoted
@@ -32,12 +40,15 @@ def candidates(robot: Robot) -> tuple[list[Candidate], list[Passed]]:
     rollers = {roller.child for c in turning for roller in c.rollers}
     turning = [c for c in turning if c.joint.child not in rollers]
     passed = [none for c in turning if (none := no_wheel(robot, c, turning))]
+    passed += of_legs(robot, turning, passed)
     spins = [c for c in turning if all(c.joint is not each.joint for each in passed)]
     wheels = _mirrored(_on_ground(robot, spins), spins)
     wheels += [c for joint in joints if (c := _limited(robot, joint)) and any(_mirrors(c, w) for w in wheels)]
     if len(wheels) < 2:
-        wheels = _on_ground(robot, spins + _all_fixed(robot))
+        bodies = _bodies(robot, spins + _all_fixed(robot))
+        wheels, spins = _on_ground(robot, bodies), [c for c in spins if any(c is body for body in bodies)]
         passed += [Passed(j, UNTOLD) for j in joints if not j.moves and nothing_told(robot, j, wheels)]
+        passed += [Passed(j, "its axis is upright") for j in joints if _stands_upright(robot, j)]
     else:
         wheels += [c for c in rigid_wheels(robot, wheels) if _alike(c, wheels)]
     passed += [
@@ -54,6 +65,23 @@ def _alike(c: Candidate, wheels: list[Candidate]) -> bool:
         return False
     own = all(c.joint.parent != w.joint.child and w.joint not in c.via for w in wheels)
     return own and any(w.shape and abs(w.radius - c.radius) < c.radius / 100 for w in wheels)
+
+
+def _bodies(robot: Robot, wheels: list[Candidate]) -> list[Candidate]:
+    """Each body once: what a wheel carries rigidly is a part of it, and a rigid axle that carries two is none."""
+    parts = [
+        [other for other in wheels if any(other.joint is j for j in robot.under(c.joint.child, rigid=True))]
+        for c in wheels
+    ]
+    axles = [not c.joint.moves and len(own) > 1 for c, own in zip(wheels, parts, strict=True)]
+    carried = [part for own, axle in zip(parts, axles, strict=True) if not axle for part in own]
+    return [c for c, axle in zip(wheels, axles, strict=True) if not axle and all(c is not p for p in carried)]
+
+
+def _stands_upright(robot: Robot, joint: Joint) -> bool:
+    """What is called a wheel turns without end about an upright axis, and carries nothing that moves."""
+    named = re.search("wheel", f"{joint.name} {joint.child}", re.IGNORECASE)
+    return bool(named) and joint.spins and robot.upright(joint) and not robot.moving_below(joint.child)
 
 
 def _apart(c: Candidate, other: Candidate) -> bool:
@@ -102,6 +130,8 @@ def _spin(robot: Robot, joint: Joint) -> Candidate | None:
     if moving and not (leaves and len(moving) >= ROLLERS):
         return None
     candidate = _candidate(robot, joint, robot.axis(joint), tuple(moving))
+    if joint.axis is None and candidate.shape is None:
+        candidate = _as_drawn(robot, candidate)
     if abs(candidate.axis[2]) <= LEVEL:
         return _without_axis(robot, candidate)
     if abs(candidate.axis[2]) >= UPRIGHT and candidate.steer is not None and not candidate.via:
@@ -118,15 +148,24 @@ def _limited(robot: Robot, joint: Joint) -> Candidate | None:
     return replace(_candidate(robot, joint, robot.axis(joint)), doubt=why)
 
 
-def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
-    """Joints without <axis> turn about 1 0 0, which is seldom meant."""
-    joint = candidate.joint
+def _as_drawn(robot: Robot, candidate: Candidate) -> Candidate:
+    """A joint without <axis> turns about 1 0 0, which is seldom meant: its cylinder says what is."""
+    joint, why = candidate.joint, "it has no <axis>, so 1 0 0"
     others = [turned(w.rotation, Z) for kind, _, _, w in robot.shapes(joint.child) if kind == "cylinder"]
-    if joint.axis is None and candidate.shape is None and others:
+    if others:
         axis = _forward(unit(others[0]))
         shape = robot.round_shape(joint.child, candidate.origin, axis)
-        why = "it has no <axis>, so 1 0 0, which is not that of its cylinder"
+        why += ", which is not that of its cylinder"
         return replace(candidate, axis=axis, shape=shape, doubt=why, unsure=True)
+    if not robot.roles(joint.child):
+        return replace(candidate, doubt=f"{why}, and nothing is drawn of it", unsure=True)
+    return candidate
+
+
+def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
+    """With what a steering joint without <axis>, or one about the same axle, makes doubtful."""
+    if candidate.doubt:
+        return candidate
     if candidate.steer is None:
         silent = [j for j in candidate.via if j.turns and j.axis is None]
         if silent:
@@ -174,10 +213,13 @@ def _forward(axis: Vector) -> Vector:
 
 
 def _fixed(robot: Robot, joint: Joint) -> Candidate | None:
-    """A wheel without a joint of its own: its axis is that which the fixed joint bears, or that of its cylinder."""
-    if robot.moving_below(joint.child):
+    """A wheel without a joint of its own: its axis is that which the fixed joint bears, or that of its cylinder. What
+    is fixed to a body that tilts, and on which others turn, is a part of an arm."""
+    tilting = (j for j in robot.moving_above(joint) if j.turns and not robot.upright(j))
+    beyond = robot.moving_below(next((j.child for j in tilting), joint.child))
+    if robot.moving_below(joint.child) or any(j.turns for j in beyond):
         return None
-    named = re.search("wheel|hub", f"{joint.name} {joint.child}", re.IGNORECASE)
+    named = re.search("wheel|hub|tire|tyre", f"{joint.name} {joint.child}", re.IGNORECASE)
     if joint.axis is not None:
         axis: Vector | None = robot.axis(joint)
     else:

@@ -79,7 +79,7 @@ _ROVER = [  # role, x and y of the wheels of JPL's rover
 
 @dataclass(frozen=True, slots=True)
 class _Leaf:
-    """A text, or those of a list, under the words of its keys; ``xml``: where others read the same element otherwise."""
+    """A text, or those of a list, under the words of its keys; ``xml``: where others read the same otherwise."""
 
     path: tuple[str, ...]
     texts: tuple[str, ...]

@@ -16,11 +16,12 @@ from wmrgen.spec.text import quoted
 @dataclass(frozen=True, slots=True)
 class Passed:
     """A joint that turns as a wheel's does, and ``why`` it is none. ``axle``: the joints of the wheels between which it
-    is the gear of a differential."""
+    is the gear of a differential. ``limb``: its body is one, such as a leg."""
 
     joint: Joint
     why: str
     axle: tuple[str, ...] = ()
+    limb: bool = False
 
     @property
     def note(self) -> str:
@@ -69,7 +70,7 @@ def no_wheel(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> Passed
     if roles == {"visual"} and leaders & {c.joint.name, c.steer.name if c.steer else ""}:
         return Passed(c.joint, "it is drawn, touches nothing, and others mimic it")
     if why := _limb(robot, c):
-        return Passed(c.joint, why)
+        return Passed(c.joint, why, limb=True)
     if roles == {"collision"}:
         drawn = [w for w in turning if robot.roles(w.joint.child) == {"visual"}]
         if ends := _between(c, drawn):
@@ -130,6 +131,30 @@ def _limb(robot: Robot, c: Candidate) -> str:
     if len(above) > (_CHAIN if c.joint.moves else _CHAIN // 2) and not (c.shape and c.joint.moves):
         return f"{len(above)} joints turn between it and {quoted(robot.base)}, as in an arm or a leg"
     return ""
+
+
+def of_legs(robot: Robot, turning: Sequence[Candidate], passed: Sequence[Passed]) -> list[Passed]:
+    """What hangs on a body that turns about a level axis and bears a limb, or turns about its axle beside it, as the
+    motors of legs do."""
+    limbs = [each.joint for each in passed if each.limb]
+    bearing = {
+        j.name: j for limb in limbs for j in robot.moving_above(limb) if j.turns and not robot.upright(j)
+    }
+    result = []
+    for c in (c for c in turning if all(c.joint is not each.joint for each in passed)):
+        above = [j.name for j in robot.moving_above(c.joint) if j is not c.steer]
+        leg = next((j for j in bearing.values() if j.name in above or _same_axle(robot, j, c)), None)
+        if leg:
+            result.append(Passed(c.joint, f"it is beside a limb that {quoted(leg.name)} turns"))
+    return result
+
+
+def _same_axle(robot: Robot, joint: Joint, c: Candidate) -> bool:
+    """A joint turns about a wheel's axle, within its radius of it."""
+    off = plus(robot.origin(joint), c.origin, -1)
+    aside = across(off, c.axis)
+    near = dot(off, off) < c.radius**2 and dot(aside, aside) < EVEN**2
+    return near and abs(dot(robot.axis(joint), c.axis)) > COAXIAL
 
 
 def _unbalanced(robot: Robot, c: Candidate) -> float:

@@ -20,9 +20,13 @@ _GROUND = ("base_footprint",)
 
 
 def doubt(c: Candidate, name: str, heading: float) -> Question:
-    where = (
-        "by the axis of its cylinder" if c.shape else "if the axle lies along y where the steering angle is 0"
-    )
+    where = "by the axis of its cylinder"
+    if not c.shape:
+        where = (
+            "about 1 0 0"
+            if c.joint.axis is None
+            else "if the axle lies along y where the steering angle is 0"
+        )
     hints = (f"{heading:.6g} {where}",) if c.unsure else ()
     text = f"joint {quoted(c.joint.name)}: {c.doubt}. Is it a wheel that stands so?"
     return Question(name, "heading" if c.unsure else "type", text, hints)
@@ -137,6 +141,9 @@ def size_asked(robot: Robot, c: Candidate, name: str) -> Question:
     if ground := _height_above_ground(robot, c):
         hints.append(f"the axle is {float(ground[1]):.6g} m above {ground[0]}, which may be the ground")
     hints += [f"{float(r):.6g} by {quoted(key)}" for key, r in _radii_told(robot)]
+    for kind, role, radius, _ in robot.shapes(c.joint.child):
+        if kind == "cylinder":
+            hints.append(f"{float(radius):.6g} by a {role} cylinder, which does not lie along the axle")
     return Question(name, "r", text, tuple(dict.fromkeys(hints)))
 
 

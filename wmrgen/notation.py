@@ -18,7 +18,7 @@ _JOINTS = {
     "spin": r"\dot{\varphi}", "spin_rate": r"\ddot{\varphi}",
     "steer": r"\psi", "steer_rate": r"\dot{\psi}", "steer_acceleration": r"\ddot{\psi}",
 }  # fmt: skip
-Style = Literal["", "decimals", "fractions"]
+Style = Literal["", "exact", "decimals", "fractions"]
 _COMPONENT = re.compile(r"([a-z])([xyz])")  # vx
 _ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")
 _READABLE = (2, 3, 4, 6, 7, 8, 9, 11, 12)  # denominators
@@ -50,9 +50,11 @@ def decimal(value: float) -> str:
 def magnitude(value: Exact, style: Style = "") -> tuple[str, str, bool]:
     """|value| above and below the line, 1 as nothing; and whether a sum stands above.
 
-    ``style``: decimals or fractions in place of the other, where both would do.
+    ``style``: decimals or fractions in place of the other, where both would do; exact is what is short.
     """
     value = abs(value)
+    if style == "decimals" and not value.is_rational:
+        return decimal(float(value)), "", False
     parts = [(p, root) for p, root in zip(value.parts, _ROOTS, strict=True) if p]
     if len(parts) == 1:
         p, root = parts[0]
@@ -69,12 +71,31 @@ def magnitude(value: Exact, style: Style = "") -> tuple[str, str, bool]:
     return "" if shown == "1" else shown, "", False
 
 
+def style_of(numbers: Sequence[Exact]) -> Style:
+    """One style for the numbers of a sum: no halves beside decimals. Roots, which are halved, too, are decimals beside
+    a number that is rounded."""
+    shown = [magnitude(n) for n in numbers]
+    if not (any("." in above for above, _, _ in shown) and any(below for _, below, _ in shown)):
+        return ""
+    if all("." not in magnitude(n, "fractions")[0] for n in numbers):
+        return "fractions"
+    return "decimals" if all(n.is_rational for n in numbers) or any(map(_rounded, numbers)) else "exact"
+
+
+def _rounded(value: Exact) -> bool:
+    """Whether `magnitude` writes six digits of more."""
+    above, below, is_sum = magnitude(value)
+    if below or is_sum or "sqrt" in above:
+        return False
+    return "cdot" in above or not value.is_rational or Fraction(above or "1") != abs(value.parts[0])
+
+
 def _fraction(f: Fraction, root: bool, style: Style) -> tuple[str, str] | None:
     """Numerator and denominator, or an exact decimal and "", or None when neither is short."""
     if f.denominator == 1:
         return (str(f.numerator), "") if f.numerator < 10**7 else None
     exact = terminating(f)
-    if style == "decimals" and not root:
+    if style == "decimals":
         return exact or decimal(float(f)), ""
     halves = f.denominator in (2, 4, 8) and not root and style != "fractions"
     if f.denominator in _READABLE and f.numerator < (2 if halves else 100):

@@ -105,5 +105,8 @@ def read(text: str, values: Mapping[str, float]) -> float:
 def formulas(text: str) -> list[tuple[str, str]]:
     """Left and right sides of aligned formulas; a further line of a sum begins with & and two quads."""
     joined = text.replace("\\\\\n&\\qquad ", "")
-    pairs = (line.removesuffix(r"\\").strip().partition(" &= ") for line in joined.split("\n"))
+    pairs = (
+        line.removesuffix("[4pt]").removesuffix(r"\\").strip().partition(" &= ")
+        for line in joined.split("\n")
+    )
     return [(left, right) for left, equal, right in pairs if equal]

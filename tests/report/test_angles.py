@@ -82,15 +82,15 @@ def test_what_only_looks_alike_stays() -> None:
 
 
 def test_columns_without_fractions() -> None:
+    """Whole numbers; a column that turns does so at 1, unless that halves a named length."""
     half, third = Poly.of(Fraction(1, 2)), Poly.of(Fraction(-2, 3))
     column = upright((half * trig("cos", "a"), third, Poly({})))
     assert [worth(p) for p in column] == pytest.approx([3 * cos(0.7), -4, 0])
-    long = (Poly.of(Fraction(1, 101)), Poly.of(1), Poly.of(1))
-    assert upright(long) == long and upright((Poly.of(Fraction(1, 100)), Poly.of(1), Poly.of(1)))[
-        0
-    ] == Poly.of(1)
+    length, one = Poly.gen("param", "half"), Poly.of(1)
+    assert upright((Poly.of(50) * length, one, Poly.of(-50))) == (-length, Poly.of(Fraction(-1, 50)), one)
+    assert upright((length, one, Poly.of(2))) == (length, one, Poly.of(2))
     turning = Poly.of(2) - sqrt_poly(Poly.of(3))
-    assert upright((turning, half * turning, -turning)) == (Poly.of(-2), Poly.of(-1), Poly.of(2))
+    assert upright((turning, half * turning, -turning)) == (Poly.of(-1), -half, one)
 
 
 @pytest.mark.parametrize(("name", "behind", "across", "track"), [

@@ -304,9 +304,33 @@ couplings: [{equal: [a.steer, b.steer, c.steer]}, {equal: [a.spin, b.spin, c.spi
 """
 
 
+LETTERS = """\
+wmrgen: 1
+name: letters
+parameters: {r: 0.3, d: 0.2, L: 0.05}
+wheels:
+  - {name: a, type: fixed, x: r, y: d, heading: 0, r: L}
+  - {name: b, type: fixed, x: 0.03, y: -d, heading: 0, r: L}
+couplings: [{equal: [a.spin, b.spin]}]
+"""
+ROOTS = """\
+wmrgen: 1
+name: roots
+parameters: {a: 0.41, r: 0.05}
+wheels:
+  - {name: front, type: steered, x: a, y: 0, heading: 0, r: 0.075}
+  - {name: omni, type: swedish, x: 0, y: 0.26, heading: 30 deg, r: r}
+"""
+
+
 @pytest.mark.parametrize(
     ("robot", "said", "unsaid"),
     [
+        (LETTERS, "\\begin{bmatrix}\n1 \\\\\n0 \\\\\n0\n\\end", "3-100"),  # cleared of 0.03 - r
+        (LETTERS, "In formulas of this robot `r` and `d` are these parameters; in equations for any", "`l`"),
+        (LETTERS, "In formulas typewriter marks `L` as a parameter.", "Mechanical couplings:\n"),
+        (ROOTS, r"0.075\,\sin\psi_{\mathrm{front}}-\frac{15\,a\,\cos", "0.288462"),  # all numbers are exact
+        (ROOTS, "`a` = 0.41 and `r` = 0.05, constant in the generated code.\n", "In formulas"),
         (STUCK, "inputs u that are components of the twist (`twist`). `twist` is the state space", "(`eta`)"),
         (LOCKED, "`slip` is the norm of z − H ξ [m/s].", r"\mathrm{slip} = \sqrt{{"),  # too wide for a page
         (LOCKED, "Without slip nothing moves: DDOF = DOF = 0.", "holonomic, but not"),

@@ -9,17 +9,25 @@ from math import atan2, pi
 from wmrgen import notation
 from wmrgen.backends.report.latex import terms, total
 from wmrgen.backends.report.terms import Factor, Term, merged
-from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, whole, without_lengths
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.poly import Gen, Poly, Row, each, whole, without_lengths
 
 
 def upright(column: Row) -> Row:
-    """A column of N, which has no scale, without fractions; what turns does so to the left, at a whole number."""
-    turn = column[2].constant
-    scale = ONE
-    if turn:
-        scale = Exact(turn.sign) if turn.is_rational else turn.inverse()
-    x, y, z = whole([p.scale(scale) for p in column])
+    """A column of N, which has no scale: it turns at 1 to the left, or by the sine of a sum of angles, where that
+    halves no named length; else no number is a fraction."""
+    turn = column[2]
+    numbers = {abs(c) for c in turn.terms.values()}
+    if len(numbers) == 1:
+        size = numbers.pop()
+        once = each(
+            column, lambda p: p.scale((-size if turn.constant and turn.constant.sign < 0 else size).inverse())
+        )
+        if not any(
+            c.den > 1 for p in once for m, c in p.terms.items() if any(g.kind == "param" for g, _ in m)
+        ):
+            return once
+    x, y, z = whole(column)
     return x, y, z
 
 

@@ -192,16 +192,9 @@ def alike(values: Sequence[Poly]) -> list[str]:
 
 
 def _alike(terms: Sequence[Term]) -> Sequence[Term]:
-    """The terms with one style of numbers: no halves beside decimals, where no roots stand that are halved, too."""
-    if any(t.style for t in terms):
-        return terms
-    shown = [notation.magnitude(t.number) for t in terms]
-    if not (any("." in above for above, _, _ in shown) and any(below for _, below, _ in shown)):
-        return terms
-    exact = all("." not in notation.magnitude(t.number, "fractions")[0] for t in terms)
-    if not exact and not all(t.number.is_rational for t in terms):
-        return terms
-    return [replace(t, style="fractions" if exact else "decimals") for t in terms]
+    """The terms with one style of numbers."""
+    style = "" if any(t.style for t in terms) else notation.style_of([t.number for t in terms])
+    return [replace(t, style=style) for t in terms] if style else terms
 
 
 def summands(terms: Sequence[Term]) -> list[str]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import pairwise
 from math import degrees
 from typing import SupportsFloat
 
@@ -135,8 +136,11 @@ def matrix(rows: Iterable[Iterable[Poly | str]]) -> str:
 
 
 def aligned(lines: Iterable[str]) -> list[str]:
-    """Formulas one below the other, aligned at their &."""
-    return math("\\begin{aligned}", " \\\\\n".join(lines), "\\end{aligned}")
+    """Formulas one below the other, aligned at their &; further apart where fractions would touch."""
+    rows = list(lines)
+    apart = [" \\\\[4pt]" if "\\frac" in a and "\\frac" in b else " \\\\" for a, b in pairwise(rows)]
+    ended = [row + end for row, end in zip(rows, [*apart, ""], strict=True)]
+    return math("\\begin{aligned}", *ended, "\\end{aligned}")
 
 
 def written(d: Derivation) -> list[tuple[list[str], str]]:

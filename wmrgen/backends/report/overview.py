@@ -24,6 +24,7 @@ from wmrgen.backends.report.markdown import (
 )
 from wmrgen.exact.evaluate import parameters_in
 from wmrgen.exact.number import ONE
+from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Parameter, Robot, Wheel
 from wmrgen.robot import Derivation
 from wmrgen.wheels import WheelType
@@ -32,6 +33,7 @@ _SKIDDING = (
     " In a curve its wheels skid, and it turns as a differential drive of its effective track does: with two degrees "
     "of freedom."
 )
+_LENGTHS = ("d", "l", "r")  # of wheels, in the notation of the book
 _NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".split()
 
 
@@ -84,9 +86,9 @@ def layout(d: Derivation) -> list[str]:
     if robot.parameters:
         named = grouped((_in_code(p), f"{code(p.name)} = {plain(p.nominal)}") for p in robot.parameters)
         texts = [f"{notation.listed(who)}, {what}" for what, who in named.items()]
-        blocks += [f"Named parameters: {'; '.join(texts)}."]
+        blocks += [f"Named parameters: {'; '.join(texts)}.{_letters(robot)}"]
     if robot.couplings:
-        couplings = items(
+        couplings = (
             f"{listed(names)} "
             + (
                 minus(notation.turning(robot.ratios(names)))
@@ -95,7 +97,7 @@ def layout(d: Derivation) -> list[str]:
             )
             for joint, names in robot.couplings
         )
-        blocks += ["Mechanical couplings:", *couplings]
+        blocks += [f"Mechanical couplings: {'; '.join(couplings)}."]
     blocks += _virtual(robot)
     if robot.trailers:
         rows = [[code(t.name), plain(t.length.nominal), plain(t.hitch.nominal)] for t in robot.trailers]
@@ -103,6 +105,44 @@ def layout(d: Derivation) -> list[str]:
         blocks += ["It tows, from the robot backwards:", *table(head, rows, "lr")]
     notes = [*map(sentence, robot.notes), *_remarks(robot)]
     return [*blocks, *items(notes)]
+
+
+def _letters(robot: Robot) -> str:
+    """Which letters in formulas are parameters, though they look like lengths of wheels or other symbols."""
+    names = [p.name for p in robot.parameters]
+    own = [name for name in names if name in _LENGTHS and not _is_length(robot, name)]
+    marked = [name for name in names if notation.parameter(name).startswith(r"\mathtt")]
+    said = ""
+    if own:
+        these, lengths = (
+            ("are these parameters", "are lengths") if len(own) > 1 else ("is this parameter", "is a length")
+        )
+        said = (
+            f" In formulas of this robot {listed(own)} {these}; in equations for any wheel, such as the book's, "
+            f"{notation.listed(own)} {lengths} of the table above."
+        )
+    return said + (
+        f" In formulas typewriter marks {listed(marked)} as {'parameters' if len(marked) > 1 else 'a parameter'}."
+        if marked
+        else ""
+    )
+
+
+def _is_length(robot: Robot, name: str) -> bool:
+    """Whether each wheel that the parameter r, d or l is for has it as its radius, castor offset or distance from P."""
+    parameter = Poly.gen("param", name)
+    lengths = [
+        *(t for trailer in robot.trailers for t in (trailer.length, trailer.hitch)),
+        robot.effective_track,
+    ]
+    if any(parameters_in(length.symbolic) & {name} for length in lengths if length):
+        return False
+    for w in robot.wheels:
+        g = w.symbolic
+        own = {"r": g.r - parameter, "d": g.d - parameter, "l": g.x * g.x + g.y * g.y - parameter * parameter}
+        if own[name] and any(name in parameters_in(p) for p in (g.x, g.y, g.r, g.d, g.o, g.r_sw)):
+            return False
+    return True
 
 
 def _virtual(robot: Robot) -> list[str]:

@@ -89,11 +89,12 @@ def polar_gains(page: Page) -> None:
     k_rho, k_alpha, k_beta = page.read(GAINS)
     signs = page.let("signs", minimum(k_rho, -k_beta))
     share = page.let("share", k_rho * 2 / sympy.pi)
+    stable = page.let("hurwitz", minimum(signs, k_alpha - k_rho))
     page.write(
         "stable [1/s] Hurwitz: k_rho, -k_beta, k_alpha - k_rho; strong_3_65 [1/s] (3.65): k_rho, -k_beta, "
-        "k_alpha + 5/3 k_beta - 2/pi k_rho; alpha stays in I1 from |beta| <= 5 pi/6; strong_all_beta [1/s] "
-        "corrected: k_rho, -k_beta, k_alpha + 2 k_beta - 2/pi k_rho; alpha stays in I1 from every beta",
-        minimum(signs, k_alpha - k_rho),
+        "k_alpha + 5/3 k_beta - 2/pi k_rho; where stable > 0, too, alpha stays in I1 from |beta| <= 5 pi/6; "
+        "strong_all_beta [1/s] corrected: stable, k_alpha + 2 k_beta - 2/pi k_rho; alpha stays in I1 from every beta",
+        stable,
         minimum(signs, k_alpha + k_beta * sympy.Rational(5, 3) - share),
-        minimum(signs, k_alpha + k_beta * 2 - share),
+        minimum(stable, k_alpha + k_beta * 2 - share),
     )

@@ -116,12 +116,12 @@ def test_comparison_with_pi_is_exact() -> None:
     assert not exceeds(Exact(0), Exact(0)) and exceeds(Exact(0), Exact(-1))
 
 
-def leaves_i1(gains: tuple[float, float, float], start: tuple[float, float]) -> bool:
+def leaves_i1(gains: tuple[float, float, float], start: tuple[float, float], seconds: float = 4.0) -> bool:
     """True when alpha leaves (-pi/2, pi/2] on the way, by RK4 of the closed loop."""
     rate = sympy.lambdify((rho, alpha, beta, kr, ka, kb), polar.closed_loop())
     y = np.array([1.0, *start])
-    for _ in range(4000):
-        y = step(lambda q: np.array(rate(*q, *gains)), y, 1e-3)
+    for _ in range(int(seconds / 2e-3)):
+        y = step(lambda q: np.array(rate(*q, *gains)), y, 2e-3)
         if abs(y[1]) > math.pi / 2:
             return True
     return False
@@ -314,3 +314,11 @@ def test_robots_that_cannot_turn_and_drive_are_refused(stem: str, function: str)
     path = next(p for p in ROBOTS if p.stem == stem)
     with pytest.raises(NotDerivableError, match=r"drive \(v, 0, omega\)"):
         derived(path, function).formula(function)
+
+
+def test_unstable_gains_swing_out_of_i1() -> None:
+    """k_alpha + 2 k_beta - 2/pi k_rho > 0 does not keep alpha where k_alpha < k_rho: beta winds up."""
+    gains = (5.0, 3.3, -0.05)
+    verdict = judge(*(Exact(Fraction(str(g))) for g in gains))
+    assert exceeds(Exact(Fraction("3.2")), Exact(5)) and not (verdict.stable or verdict.strong_all_beta)
+    assert leaves_i1(gains, (-1.0, 0.0), 7.6)

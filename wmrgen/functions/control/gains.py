@@ -25,8 +25,8 @@ _ALL_BETA = "k_alpha + 2 k_beta - 2/pi k_rho > 0"
 class Verdict(NamedTuple):
     """What gains do. ``violated``: conditions of local stability that fail, as text.
 
-    ``strong``: Siegwart (3.65), alpha stays within +-90 deg from |beta| <= 5 pi / 6. ``strong_all_beta``: the
-    corrected condition, the same from every beta in (-pi, pi). Both include the signs of k_rho and k_beta.
+    ``strong``: Siegwart (3.65) with the signs of k_rho and k_beta; where stable, too, alpha stays within +-90 deg from
+    |beta| <= 5 pi / 6. ``strong_all_beta``: stable, and corrected, the same from every beta in (-pi, pi).
     ``eigenvalues`` [1/s] of the linearisation.
     """
 
@@ -52,10 +52,11 @@ def judge(k_rho: Exact, k_alpha: Exact, k_beta: Exact) -> Verdict:
         "k_alpha - k_rho > 0": (k_alpha - k_rho).sign > 0,
     }
     signs = conditions["k_rho > 0"] and conditions["k_beta < 0"]
+    stable = all(conditions.values())
     return Verdict(
-        all(conditions.values()),
+        stable,
         signs and exceeds(k_alpha + k_beta * Fraction(5, 3), k_rho),
-        signs and exceeds(k_alpha + k_beta * 2, k_rho),
+        stable and exceeds(k_alpha + k_beta * 2, k_rho),
         tuple(text for text, holds in conditions.items() if not holds),
         _eigenvalues(float(k_rho), float(k_alpha), float(k_beta)),
     )

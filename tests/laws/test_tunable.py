@@ -90,6 +90,10 @@ RANKS = {
         "{name: a, type: fixed, x: 0, y: 0.2 - B, heading: 0, r: 0.1}\n"
         "  - {name: b, type: fixed, x: 0, y: 0.2 - B, heading: 0, r: B}"
     ),
+    "two steered, in one place where B is 1": (
+        "{name: a, type: steered, x: B, y: 0, heading: 0, r: 0.1}\n"
+        "  - {name: b, type: steered, x: 2 - B, y: 0, heading: 0, r: 0.1, actuated: [steer]}"
+    ),
     "fixed and castor": (
         "{name: a, type: fixed, x: B, y: 0.1, heading: 0, r: 0.1}\n"
         "  - {name: c, type: castor, x: -B, y: 0, heading: 0, d: 0.05, r: 0.04, actuated: []}"

@@ -28,7 +28,8 @@ from typing import NamedTuple
 import numpy as np
 
 from wmrgen.constraints import arm, heading, rolling_row, sliding_row, working_view
-from wmrgen.exact.evaluate import circle, fix, parameters_in
+from wmrgen.exact.evaluate import circle
+from wmrgen.exact.evaluate import number as evaluated
 from wmrgen.exact.linalg import cofactor, symmetric
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, Row, dot, has_angles
@@ -40,7 +41,7 @@ from wmrgen.symbolic import Expr, add, expression, maximum, number, root, select
 Measured = tuple[Row, Poly, Exact]  # row . xi = value, which counts so much
 FLOOR = Exact(Fraction(1, 10**12))
 EDGE = Exact(Fraction(1, 10**6))
-_POINTS = ((3, 5), (-7, 4), (2, -9))  # half-angle tangents p/q of generic joint angles
+_POINTS = ((3, 5), (-7, 4), (2, 9))  # half-angle tangents p/q of generic joint angles
 Twist = tuple[Expr, Expr, Expr]
 
 
@@ -75,8 +76,9 @@ class Component(NamedTuple):
 
 
 class Measurements(NamedTuple):
-    """All that the sensed joints of a robot measure."""
+    """All that the sensed joints of ``robot`` measure."""
 
+    robot: Robot
     contacts: tuple[Contact, ...]
     components: tuple[Component, ...]
 
@@ -143,6 +145,7 @@ def measurements(robot: Robot, names: Locals | None = None) -> Measurements:
             components.append(Component(w, sliding_row(w, g).row, -(g.d * rate), w.weight))
     largest = max((*(c.weight for c in contacts), *(c.weight for c in components)), default=ONE)
     return Measurements(
+        robot,
         tuple(c._replace(weight=c.weight / largest) for c in contacts),
         tuple(c._replace(weight=c.weight / largest) for c in components),
     )
@@ -218,24 +221,24 @@ def reach_of(wheels: Sequence[Wheel]) -> Exact:
 
 
 def generic_rank(measured: Measurements) -> int:
-    """The rank of the measured rows at general joint angles."""
-    rows = ([[_at(p, k) for p in row] for row, _, _ in measured.rows] for k in range(len(_POINTS)))
+    """The rank of the measured rows at nominal parameters and general joint angles."""
+    rows = (
+        [[_at(p, measured.robot, point) for p in row] for row, _, _ in measured.rows] for point in _POINTS
+    )
     return max(_rank(numbers, measured.wheels) for numbers in rows)
 
 
-def _at(poly: Poly, point: int) -> float:
-    """A polynomial at general joint angles, tunable parameters at 1 m."""
+def _at(poly: Poly, robot: Robot, point: tuple[int, int]) -> float:
+    """A polynomial at nominal parameters and an angle of its own for each joint."""
+    p, q = point
 
     def value(gen: Gen) -> Poly | None:
         if gen.kind not in ("cos", "sin"):
             return None
-        index = sum(ord(c) * (k + 1) for k, c in enumerate(gen.name)) + 1
-        p, q = _POINTS[point]
+        index = robot.wheel(gen.name).index + 1
         return Poly.of(circle(Fraction(p * index, q + index))[gen.kind == "sin"])
 
-    evaluated = poly.substitute(value)
-    number = fix(evaluated, {name: Poly.of(1) for name in parameters_in(evaluated)}).constant
-    return float(number) if number is not None else 0.0
+    return float(evaluated(poly.substitute(value), {p.name: p.value for p in robot.parameters}))
 
 
 def _rank(rows: list[list[float]], wheels: Sequence[Wheel]) -> int:

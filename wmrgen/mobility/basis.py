@@ -149,10 +149,9 @@ def scaled(columns: tuple[Row, ...], steered: tuple[Wheel, ...], robot: Robot) -
 
 
 def _per_speed(column: Row, steered: tuple[Wheel, ...], robot: Robot) -> Row:
-    turn = column[2]
-    if turn and not has_angles((turn, _ZERO, _ZERO)):
+    turn, values = column[2], {p.name: p.value for p in robot.parameters}
+    if not has_angles((turn, _ZERO, _ZERO)) and abs(float(number(turn, values))) > NEGLIGIBLE:
         return _over(column, turn)
-    values = {p.name: p.value for p in robot.parameters}
     for cosine, sine in ((1, 0), (0, 1)):
         angle = {"cos": Poly.of(cosine), "sin": Poly.of(sine)}
         twist = each(column, partial(_put, angle=angle))

@@ -6,15 +6,21 @@ from collections.abc import Callable
 from fractions import Fraction
 from math import cos, pi, sin
 
-from wmrgen.exact.evaluate import fix, number
+from wmrgen.exact.evaluate import circle, fix, number
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, Row, by_angle, each, whole, without_lengths
 from wmrgen.functions.system import Domain
 from wmrgen.layout.records import Robot
 from wmrgen.symbolic import Expr, expression
 
-# Points of the unit circle at which generic ranks are decided: (cos, sin, radius).
-_POINTS = ((4, 3, 5), (12, -5, 13), (15, 8, 17), (24, 7, 25), (35, -12, 37), (40, 9, 41))
+_HALVES = (
+    3,
+    -5,
+    4,
+    7,
+    -6,
+    9,
+)  # 1/tan(angle/2) of the angles at which generic ranks are decided; 10, 11, … follow
 NEGLIGIBLE = 1e-12
 _STEPS = 720
 _MARGIN = 1e-3
@@ -33,8 +39,8 @@ def generic(robot: Robot, seed: int = 0) -> Angles:
     place = {name: k for k, name in enumerate(names, seed)}
 
     def angle(name: str) -> tuple[Exact, Exact]:
-        c, s, radius = _POINTS[place[name] % len(_POINTS)]
-        return Exact(Fraction(c, radius)), Exact(Fraction(s, radius))
+        k = place[name]
+        return circle(Fraction(1, _HALVES[k] if k < len(_HALVES) else k + 4))
 
     return angle
 

@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 
 import sympy
 
+from wmrgen.exact.number import ZERO
 from wmrgen.functions.system import Domain, Lag, System, of_commands, rate_port
 from wmrgen.ports import Port, Role
 from wmrgen.printing import Latex, Reader, Text, Writer, exact, size
-from wmrgen.symbolic import Expr, signal
+from wmrgen.symbolic import Expr, number, signal
 
 LONGEST = 4000  # nodes of an expression that is still written out
 _ORDER = cmp_to_key(sympy.Basic.compare)  # of the terms of a sum, as sympy has it
@@ -115,7 +116,7 @@ def lines(sheet: Sheet) -> list[str]:
         rows.append(f"state:  {' '.join(p.name for p in sheet.state)}")
     rows.append(f"inputs: {' '.join(_with_unit(p) for p in sheet.inputs)}")
     if sheet.parameters:
-        values = (f"{p.name} = {p.default}" for p in sheet.parameters)
+        values = (f"{p.name} = {printer(number(p.default or ZERO))}" for p in sheet.parameters)
         rows.append(f"with:   {', '.join(values)}")
     rows += ["", *_aligned([(e.left, _written(printer, e.right)) for e in sheet.where])]
     rows += [""] if sheet.where else []

@@ -129,7 +129,7 @@ WHEEL = Section(
         ),
         Field(
             "actuated", _JOINTS, "joints that are driven", default="those of the wheel type",
-            aliases=dict.fromkeys(("powered", "driven", "drive"), "Write actuated: [spin], or actuated: []."),
+            aliases=dict.fromkeys(("powered", "driven", "drive", "motor"), "Write actuated: [spin], or actuated: []."),
         ),
         Field("sensed", _JOINTS, "joints that are measured", default="those that are driven"),
         Field(
@@ -225,7 +225,11 @@ ROBOT = Section(
             "effective_track", _LENGTH,
             "of fixed wheels on several parallel axles, which skid in curves: the robot turns as a differential drive "
             "with this track does; 1.2 to 2 times that of its wheels, measured",
-            aliases=dict.fromkeys(("skid_track", "track", "wheel_separation"), ""),
+            aliases={"skid_track": ""}
+            | dict.fromkeys(
+                ("track", "track_width", "wheel_separation", "wheelbase", "wheel_base"),
+                "Give the places of wheels, x: and y: of each; half the track is y of a left wheel.",
+            ),
         ),
         Field("virtual", ListOf(VIRTUAL), "wheels that are not there and stand for real ones"),
         Field("trailers", ListOf(TRAILER, most=16), "trailers, from the robot backwards"),

@@ -16,7 +16,7 @@ from yaml.reader import Reader
 from yaml.scanner import Scanner
 
 from wmrgen.errors import Code, Mark, RobotFileError, Several
-from wmrgen.spec.slips import Line, Place, Slip, slip_of, without
+from wmrgen.spec.slips import Line, Place, Slip, slip_of
 from wmrgen.spec.text import (
     MappingNode,
     Node,
@@ -246,13 +246,21 @@ class _Slipped(Exception):
         self.slip = slip
 
 
+def _without(lines: tuple[Line, ...], mark: Mark) -> Line | None:
+    """The line of ``mark``, where an anchor or a tag stands, with blanks in its place; None where there is none."""
+    line = lines[mark.line - 1]
+    word = re.compile(r"[&!][^ ,\[\]{}]*").match(line.text, mark.column - 1) if not line.moved else None
+    blank = line.text[: word.start()] + " " * len(word[0]) + line.text[word.end() :] if word else ""
+    return line._replace(text=blank) if word else None
+
+
 def _composed(lines: tuple[Line, ...], source: Source, several: Several, aliases: bool) -> Node | None:
     """The tree of lines that stand in ``source`` as they were before they were mended."""
     composer = (_Aliased if aliases else _Composer)(lines, source, several)
     try:
         return composer.document()
     except RobotFileError as error:
-        meant = without(lines, error.mark) if error.mark and error.code is Code.NOT_YAML else None
+        meant = _without(lines, error.mark) if error.mark and error.code is Code.NOT_YAML else None
         raise _Slipped(Slip(error, error.mark.line - 1 if error.mark else 0, meant)) from None
     except yaml.MarkedYAMLError as error:
         problem, context = str(error.problem or error.context or ""), _place(error.context_mark)

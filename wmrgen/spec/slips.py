@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable
 from typing import NamedTuple
 
-from wmrgen.errors import Code, Mark, RobotFileError
+from wmrgen.errors import Code, RobotFileError
 from wmrgen.spec.text import Source, quoted
 
 _UNALIGNED = "this line does not fit the indentation above", "Align it with its neighbours."
@@ -173,8 +173,20 @@ def _text_after_a_value(t: _Trouble) -> _Mistake | None:
 
 
 def _tab(t: _Trouble) -> _Mistake:
+    """Before a dash it stands for as many spaces as another dash has."""
     what, instead = "a tab where spaces are needed", "YAML indents with spaces: replace the tab."
-    return t.here(what, instead, f"{t.before} {t.rest[1:]}")
+    dashes = (re.match(" +(?=- )", line.text) for line in t.lines) if t.rest.lstrip().startswith("- ") else ()
+    spaces = next((dash[0] for dash in dashes if dash and not t.before.strip()), " ")
+    return t.here(what, instead, f"{t.before}{spaces}{t.rest[1:]}")
+
+
+def _beside_its_item(t: _Trouble) -> _Mistake | None:
+    """The first line that should stand in the item of a list above it, and is indented as its dash."""
+    for k, line in enumerate(t.lines[: t.at.line] if t.rest.startswith("- ") else ()):
+        if line.text.startswith(f"{t.before}- ") and re.match(rf"{t.before}\w", t.lines[k + 1].text):
+            what = "this line is no part of the item above it"
+            return _Mistake(what, "Indent it by two spaces.", Place(k + 1, t.at.column))
+    return None
 
 
 def _open_quote(t: _Trouble) -> _Mistake:
@@ -235,6 +247,7 @@ _RULES: tuple[tuple[str, _Rule], ...] = (
     ("mapping values are not allowed", _said(*_SECOND)),
     ("expected <block end>", _surplus),
     ("expected <block end>", _dash_without_space),
+    ("expected <block end>", _beside_its_item),
     ("expected <block end>", _slashes),
     ("expected <block end>", _text_after_a_value),
     ("expected <block end>", _said(*_UNALIGNED)),
@@ -250,14 +263,6 @@ _RULES: tuple[tuple[str, _Rule], ...] = (
     ("escape", _said("an unknown escape in double quotes", "Use single quotes, or none.")),
     ("cannot start any token", _no_beginning),
 )
-
-
-def without(lines: tuple[Line, ...], mark: Mark) -> Line | None:
-    """The line of ``mark``, where an anchor or a tag stands, with blanks in its place; None where there is none."""
-    line = lines[mark.line - 1]
-    word = re.compile(r"[&!][^ ,\[\]{}]*").match(line.text, mark.column - 1) if not line.moved else None
-    blank = line.text[: word.start()] + " " * len(word[0]) + line.text[word.end() :] if word else ""
-    return line._replace(text=blank) if word else None
 
 
 def _aligned(lines: tuple[Line, ...], number: int, above: int) -> Line | None:

@@ -213,6 +213,12 @@ def table_of(
             last = name
     for key, value in unknown:
         several.add(unknown_key(key, value, fields, what))
+        inside = (
+            {k.text for k, _ in value.entries} & {*section.keys} if isinstance(value, MappingNode) else set()
+        )
+        if len(inside) > 1:  # the whole table, one level too deep
+            table.excused.update(section.keys)
+            continue
         meant, certain = _meant(key.text, fields)
         if meant and meant not in table.keys:
             table.excused.add(meant)
@@ -265,10 +271,16 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
     aliases = {alias: text for f in fields for alias, text in f.hints.items()}
     instead = suggestion(key.text, [f.key for f in fields], aliases)
     why = lookalike(key.text)
-    inner = [f for f in fields if isinstance(f.value, Section) and key.text in f.value.keys]
-    if instead.startswith("Valid") and inner:
-        instead = f"Write {inner[0].key}: {{{key.text}: …}}."
+    inner = [(f, sub) for f in fields if isinstance(f.value, Section) for sub in f.value.fields]
+    inside = next(
+        (f"Write {f.key}: {{{s.key}: …}}." for f, s in inner if key.text in (s.key, *s.aliases)), ""
+    )
+    if isinstance(value, MappingNode) and len({k.text for k, _ in value.entries} & valid) > 1:
+        instead = "Delete the line, and write what stands below it without indentation."
+        return key.error(f"unknown key {quoted(key.text)} in {what}", why, instead)
+    if instead.startswith("Valid") and inside:
+        instead = inside
     for section in (WHEEL, ROBOT):
-        if instead.startswith("Valid") and any(key.text in (f.key, *f.aliases) for f in section.fields):
+        if instead.startswith("Valid") and any(key.text == f.key for f in section.fields):
             why = f"It is a key of {section.title}."
     return key.error(f"unknown key {quoted(key.text)} in {what}", why, instead, code=Code.UNKNOWN_KEY)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from wmrgen.calibrating.clocks import ALONE, shown
 from wmrgen.calibrating.fit import LEVER, Residuals, _typical
 from wmrgen.calibrating.logs import Truth
 from wmrgen.calibrating.mistakes import refuse_strangers
-from wmrgen.calibrating.outliers import _peaks, _steps
+from wmrgen.calibrating.outliers import Drift, _drifts, _peaks, _steps
 from wmrgen.errors import UsageError
 
 ALONG, ACROSS, TURN = 4e-6, 1e-6, 9e-6  # m^2/s, m^2/s, rad^2/s
@@ -164,18 +165,22 @@ def test_a_slip_along_either_axis_is_a_step_of_the_path(
 @pytest.mark.parametrize(
     ("off", "turned", "words"),
     [
-        (0.2, 0.51, "headings stay 0.51 rad"),
-        (0.2, 0.49, "positions stay 0.2 m"),
-        (0.0, 3.0, "headings stay 3 rad"),
+        (0.2, 0.51, "headings of b stay 0.51 rad"),
+        (0.2, 0.49, "positions of b stay 0.2 m"),
+        (0.0, 3.0, "headings of b stay 3 rad"),
     ],
 )
 def test_what_keeps_log_and_truth_apart_is_said(
     off: float, turned: float, words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name, value in (("_strange", True), ("_unlikely", ""), ("_hint", "look"), ("_extent", 1.0)):
+    for name, value in (("_strange", True), ("_unlikely", ""), ("_hint_of_some", "look"), ("_extent", 1.0)):
         monkeypatch.setattr(f"wmrgen.calibrating.mistakes.{name}", lambda *_, value=value: value)
     with pytest.raises(UsageError, match=f"{words} from the truth.*: look"):
-        refuse_strangers(SimpleNamespace(rms=(off, turned)), [], lambda _: None)  # type: ignore[arg-type, return-value]
+        best: Any = SimpleNamespace(
+            apart=np.array([(0.0, 0.0), (off, turned)]), offsets=(0.0, 0.0), rms=(off, turned),
+            problem=SimpleNamespace(drives=[SimpleNamespace(name=name) for name in "ab"]),
+        )  # fmt: skip
+        refuse_strangers(best, best.problem.drives, lambda _: best)
 
 
 @pytest.mark.parametrize(("count", "size"), [(0, 0.0), (11, 3 / 11**0.5), (12, 0.0)])
@@ -187,3 +192,33 @@ def test_few_residuals_count_by_their_squares(
     rows = SimpleNamespace(values=values, weights=np.ones(count))
     monkeypatch.setattr("wmrgen.calibrating.fit.residuals", lambda *_: rows)
     assert _typical(None, None, 0) == pytest.approx(size)  # type: ignore[arg-type]
+
+
+PIECES = np.linspace(2.0, 42.0, 11)
+
+
+@pytest.mark.parametrize(
+    ("clock", "heading", "told"),
+    [
+        (0.1 + 0 * PIECES[:10], 0 * PIECES[:10], []),
+        (0.7 * (np.arange(10) > 3), 0 * PIECES[:10], [Drift("a", 14.0, 18.0, 0.7, 0.0, True)]),
+        (0.7 * (np.arange(10) > 8), 0 * PIECES[:10], []),  # one piece tells nothing
+        (0.2 * (np.arange(10) > 3), 0 * PIECES[:10], []),
+        (0.01 * PIECES[:10], 0 * PIECES[:10], [Drift("a", 2.0, 42.0, 0.4, 0.0)]),
+        (0.004 * PIECES[:10], 0 * PIECES[:10], []),
+        (0 * PIECES[:10], -0.002 * PIECES[:10], [Drift("a", 2.0, 42.0, 0.0, -0.08)]),
+        (0 * PIECES[:10], -0.001 * PIECES[:10], []),
+        (0.4 * (-1.0) ** np.arange(10), 0.3 * np.sin(np.arange(10)), []),  # neither a line nor a jump
+    ],
+)
+def test_drifts_and_jumps_are_told_from_what_differs(
+    clock: np.ndarray, heading: np.ndarray, told: list[Drift]
+) -> None:
+    """By pieces of a drive, where a line or a jump explains it, and from 0.2 s, 0.05 rad and 0.3 s on."""
+    noise = 0.005 * np.random.default_rng(2).standard_normal((2, 10))
+    result = _drifts("a", PIECES, clock + noise[0], heading + noise[1])
+    assert [(d.drive, d.start, d.end, d.at_once) for d in result] == [
+        (d.drive, d.start, d.end, d.at_once) for d in told
+    ]
+    for one, expected in zip(result, told, strict=True):
+        assert (one.late, one.turned) == pytest.approx((expected.late, expected.turned), abs=0.02)

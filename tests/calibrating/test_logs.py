@@ -77,14 +77,16 @@ HEADER = "run.csv:1: the header has no column t [s]; it reads "
 NO_COLUMN = "run.csv:1: there is no column left.angle or left.counts or left.spin; the header has t, "
 MEND = ": delete or mend that row"
 SORT = "; sort the rows, and leave doubles out"
-SECONDS = " t is in seconds"
+COMMAS = ": write commas between columns, and points in numbers"
+CUT = ", or the other file cut short? t is in seconds"
 CLOCK = ": they do not overlap; both need one clock, up to a second"
 WHOLE = ": readings have to be cumulative, without wrapping or restarts"
+TURN = ", as what wraps at 2 pi"
 CHANGED: dict[str, tuple[Callable[[str], str], str]] = {
     "nan": (lambda s: s.replace(",-0.7\n", ",nan\n"), f"run.csv:9: right.angle is nan{MEND}"),
     "a word": (
         lambda s: s.replace("\n1,", "\nabc,", 1),
-        "run.csv:12: could not convert string to float: 'abc'",
+        f"run.csv:12: t is 'abc', which is no number{MEND}",
     ),
     "too few cells": (
         lambda s: s.replace("\n1,", "\n", 1),
@@ -92,13 +94,38 @@ CHANGED: dict[str, tuple[Callable[[str], str], str]] = {
     ),
     "one row": (
         lambda s: "\n".join(s.split("\n")[:2]),
-        "run.csv: 3 columns and at least two rows are needed",
+        "run.csv: at least two rows are needed below the header; it has 1",
     ),
-    "no column t": (lambda s: s.replace("t,", "time,", 1), HEADER + "time,left.angle,right.angle"),
+    "a header alone": (
+        lambda s: s.split("\n")[0],
+        "run.csv: at least two rows are needed below the header; it has 0",
+    ),
+    "an empty cell": (
+        lambda s: s.replace("\n1,", "\n ,", 1),
+        f"run.csv:12: t is ' ', which is no number{MEND}",
+    ),
+    "a name like t": (
+        lambda s: s.replace("t,", "Time [s],", 1),
+        HEADER + "Time [s],left.angle,right.angle: is Time [s] meant?",
+    ),
+    "no name like t": (lambda s: s.replace("t,", "tick,", 1), HEADER + "tick,left.angle,right.angle"),
+    "no header": (
+        lambda s: s.split("\n", 1)[1],
+        HEADER + "0,0,-0: the first row has to name the columns",
+    ),
+    "decimal commas": (
+        lambda s: s.split("\n")[0] + "\n" + s.split("\n", 1)[1].replace(".", ","),
+        f"run.csv:3: the row has 6 cells, the header 3{COMMAS}",
+    ),
+    "quoted decimal commas": (
+        lambda s: s.replace("\n0.1,", '\n"0,1",', 1),
+        "run.csv:3: t is '0,1', which is no number: write points in numbers",
+    ),
+    "blanks": (lambda s: s.replace(",", " "), HEADER + f"t left.angle right.angle{COMMAS}"),
     "empty": (lambda s: "", HEADER + "nothing"),
     "semicolons": (
         lambda s: s.replace(",", ";").replace(".", ","),
-        HEADER + "t;left,angle;right,angle: write commas between columns, and points in numbers",
+        HEADER + f"t;left,angle;right,angle{COMMAS}",
     ),
     "twice": (
         lambda s: s.replace("right", "left", 1),
@@ -129,12 +156,27 @@ REFUSED: dict[str, tuple[Mapping[str, Reals], Mapping[str, Reals], str]] = {
     "milliseconds": (
         timed(LOG, lambda t: 1000 * t),
         TRUTH,
-        f"run.csv lasts 40000 and true.csv 40: is one of them in milliseconds?{SECONDS}",
+        f"run.csv lasts 40000 and true.csv 40: is t of run.csv in milliseconds{CUT}",
+    ),
+    "a truth in microseconds": (
+        LOG,
+        timed(TRUTH, lambda t: 1e6 * t),
+        f"run.csv lasts 40 and true.csv 4e+07: is t of true.csv in microseconds{CUT}",
     ),
     "both in milliseconds": (
         timed(LOG, lambda t: 1000 * t),
         timed(TRUTH, lambda t: 1000 * t),
         "run.csv: readings are 100 s apart: is t in milliseconds? It is in seconds",
+    ),
+    "both in nanoseconds": (
+        timed(LOG, lambda t: 1e9 * t),
+        timed(TRUTH, lambda t: 1e9 * t),
+        "run.csv: readings are 1e+08 s apart: is t in nanoseconds? It is in seconds",
+    ),
+    "a time that is missing": (
+        LOG,
+        {**TRUTH, "t": np.where(T[::5] == 5, np.nan, T[::5])},
+        f"true.csv:12: t is nan{MEND}",
     ),
     "before": (
         timed(LOG, lambda t: t - 40.1),
@@ -155,17 +197,29 @@ REFUSED: dict[str, tuple[Mapping[str, Reals], Mapping[str, Reals], str]] = {
     "a restart": (
         {**LOG, "left.angle": LEFT / 4 + 3.1 * (T > 9.95)},
         TRUTH,
-        f"run.csv:102: left.angle jumps by 3.128 rad in one step, most move by 0.068 at most{WHOLE}",
+        f"run.csv:102: left.angle jumps by 3.128 in one step, most move by 0.068 at most{WHOLE}",
     ),
     "a wrap": (
         wrapping(0.3),
         TRUTH,
-        f"run.csv:23: left.angle jumps by -5.983 rad in one step, most move by 0.3 at most{WHOLE}",
+        f"run.csv:23: left.angle jumps by -5.983 in one step, most move by 0.3 at most{TURN}{WHOLE}",
+    ),
+    "a wrap in degrees": (
+        {**LOG, "left.angle": np.degrees(wrapping(0.3)["left.angle"])},
+        TRUTH,
+        "run.csv:23: left.angle jumps by -342.8 in one step, most move by 17 at most, as what wraps at 360: it seems "
+        f"to be in degrees{WHOLE}",
+    ),
+    "counts of 16 bits": (
+        {**without(LOG, "left.angle"), "left.counts": 1000 * np.arange(len(T)) % 65536},
+        TRUTH,
+        "run.csv:68: left.counts jumps by -6.454e+04 in one step, most move by 1e+03 at most, as what wraps at 2^16"
+        f"{WHOLE}",
     ),
     "a fast wheel that wraps": (
         wrapping(1.1),
         TRUTH,
-        f"run.csv:8: left.angle jumps by -5.183 rad in one step, most move by 1.1 at most{WHOLE}",
+        f"run.csv:8: left.angle jumps by -5.183 in one step, most move by 1.1 at most{TURN}{WHOLE}",
     ),
 }
 
@@ -175,7 +229,7 @@ def test_what_is_refused(tmp_path: Path, case: str) -> None:
     change, told = CHANGED.get(case, (str, ""))
     log, truth, told = REFUSED.get(case, (LOG, TRUTH, told))
     with pytest.raises(UsageError) as refusal:
-        drive(tmp_path, log, truth, change=change)
+        drive(tmp_path, log, truth, change=change, turns={"left.spin": -4000.0} if "bits" in case else {})
     assert refusal.value.what.replace(f"{tmp_path}/", "") == told
 
 
@@ -232,12 +286,14 @@ def test_a_robot_stands_where_no_wheel_turns_for_a_second(
 
 def test_each_log_has_the_truth_beside_it_or_the_next_that_is_named(tmp_path: Path) -> None:
     a, b, own, other, third = (tmp_path / f"{n}.csv" for n in ("a", "b", "a.truth", "c", "d"))
-    own.write_text("")
+    for path in (a, b, own):
+        path.write_text("")
     assert pairs([a], []) == [(a, own)]
     assert pairs([a, b], [other, third]) == [(a, other), (b, third)]
     for logs, truths, told in (
         ([a, b], [], f"{b}: no b.truth.csv is beside it, and no --truth is left for it"),
         ([a], [other, third], "there are 2 --truth for 1 logs"),
+        ([third], [], f"{third}: there is no such file"),
     ):
         with pytest.raises(UsageError, match=re.escape(told)):
             pairs(logs, truths)

@@ -16,7 +16,7 @@ from wmrgen.calibrating.fit import Each, Problem, serial, solved, start_of, unit
 from wmrgen.calibrating.logs import Drive, pairs, read
 from wmrgen.calibrating.mistakes import refuse_strangers
 from wmrgen.calibrating.observability import unobservable
-from wmrgen.calibrating.outliers import Outlier, cut, outliers, without
+from wmrgen.calibrating.outliers import Drift, Outlier, cut, drifts, outliers, without
 from wmrgen.calibrating.path import Increments, Reals
 from wmrgen.calibrating.starts import laid, near
 from wmrgen.calibrating.stored import changed, stored
@@ -58,7 +58,8 @@ class Calibration:
     """``unobservable``: parameters that the drives do not tell, those together that scale together. ``before`` and
     ``after``: errors of all drives with the nominal and the new parameters; ``held_out``: of each drive with the
     parameters of others, or of each part of a drive with those of its others; None where it is too short for parts;
-    ``outliers``: what was left out of all this."""
+    ``outliers``: what was left out of all this; ``drifts``: how clocks
+    and headings of the truth move in the drives."""
 
     parameters: Mapping[str, Estimate]
     unobservable: tuple[tuple[str, ...], ...]
@@ -67,6 +68,7 @@ class Calibration:
     after: Errors
     held_out: Errors | None
     outliers: tuple[Outlier, ...]
+    drifts: tuple[Drift, ...] = ()
 
     @property
     def clocks(self) -> dict[str, float]:
@@ -117,7 +119,9 @@ def calibrate(
     )
     large = sum(path.stat().st_size for pair in files for path in pair if path.is_file()) > _LARGE
     drives = _parts(stored(every) if large else tuple(every))
-    best, slips = _without_slips(_fitted(replace(problem, drives=drives), each), each)
+    first = _fitted(replace(problem, drives=drives), each)
+    moving = drifts(first, each)
+    best, slips = _without_slips(_without_jumps(first, moving, each), each)
     refuse_strangers(best, drives, lambda others: _fitted(replace(problem, drives=tuple(others)), each))
     best = certainty.agreeing(best, each)
     parts = best if len(drives) > 1 else _in_parts(best, each)
@@ -126,7 +130,7 @@ def calibrate(
     return Calibration(
         _estimates(derivation.robot, best, _deviations(best, others if len(drives) > 1 else ()), weak), weak, best,
         _errors(best, best.problem.shared(0 * best.unknowns)), _errors(best, best.problem.shared(best.unknowns)),
-        _held_out(parts, others), tuple(slips),
+        _held_out(parts, others), tuple(slips), tuple(drift for of_drive in moving for drift in of_drive),
     )  # fmt: skip
 
 
@@ -201,6 +205,12 @@ def _mean(parts: Iterable[tuple[Reals, Reals]]) -> Errors:
     return Errors(
         *(float(np.sqrt(square / count)) if count else float("nan") for square in (position, heading))
     )
+
+
+def _without_jumps(best: Fit, moving: Sequence[Sequence[Drift]], each: Each) -> Fit:
+    """The fit where each drive whose clock jumps is two, with a clock each."""
+    jumps = [[drift for drift in of_drive if drift.at_once] for of_drive in moving]
+    return _again(best, without(best, jumps), each) if any(jumps) else best
 
 
 def _without_slips(best: Fit, each: Each) -> tuple[Fit, list[Outlier]]:

@@ -44,7 +44,7 @@ class Fit:
     """What was estimated: ``values`` of the parameters and ``mount`` (x, y [m], heading [rad] of the tracked point on
     the robot); ``covariance`` of both, in `Problem.units`; ``information``: the matrix that the drives alone give,
     own unknowns eliminated; ``noise``: the mean square of residuals in units of the scale; ``rms`` [m] of positions
-    and [rad] of headings; ``offsets`` [s] by drive; ``spread``
+    and [rad] of headings; ``apart`` (drives, 2): the same of each drive; ``offsets`` [s] by drive; ``spread``
     (2, drives): their variances in units, and what these were, if residuals did not depend on each other."""
 
     problem: Problem
@@ -55,6 +55,7 @@ class Fit:
     information: Reals
     noise: float
     rms: tuple[float, float]
+    apart: Reals
     offsets: tuple[float, ...]
     spread: Reals
 
@@ -126,6 +127,8 @@ def fit_at(problem: Problem, unknowns: Reals, each: Each = serial) -> Fit:
         information(problem, [drive.sums for drive in every]),
         sum(drive.usual * sum(drive.counts) for drive in every) / measured / problem.scale**2,
         (float(np.sqrt(2 * squares[0])), float(np.sqrt(squares[1])) / LEVER),
+        np.array([np.sqrt(np.array(d.squares) / np.maximum(1, d.counts)) for d in every])
+        * (2**0.5, 1 / LEVER),
         tuple(drive.offset for drive in every),
         spread,
     )

@@ -6,6 +6,7 @@ import csv
 import re
 import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -19,8 +20,14 @@ from wmrgen.errors import UsageError
 _GAP = 20.0  # times the median step: during a longer one nobody knows how the robot moved
 _MOSTLY = 75  # percent of the steps; a fast wheel that wraps makes a jump of every sixth or so
 _JUMP = 3.0  # [rad] in one step, where ten times less is usual: a reading that wrapped
+_WRAPS = 6.4  # [rad] steering angles that wrap lie within one turn
 _STANDS = (1.0, 0.02)  # [s], [rad]
 _TRUTH = ("x", "y", "theta")
+_COMMAS = ": write commas between columns, and points in numbers"
+_SECONDS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
+_UNLIKE = 300.0  # times as long as the log: no truth that belongs to it is
+_SPARSE = 5.0  # [s] between readings: nobody logs a drive like that
+_PERIODS = {"2 pi": 2 * np.pi, "360: it seems to be in degrees": 360.0, "2^16": 2.0**16, "2^32": 2.0**32}
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,16 +114,16 @@ def _table(path: Path, empty: bool) -> dict[str, Reals]:
         with path.open(encoding="utf-8-sig") as stream:
             header = [name.strip() for name in next(csv.reader(stream), [])]
             _check_header(path, header)
-            try:
-                with warnings.catch_warnings(action="ignore"):  # of a file without rows: told below
-                    numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
-            except ValueError:
-                numbers = _by_line(path, len(header), empty)
+            numbers = np.empty((0, 0))
+            with warnings.catch_warnings(action="ignore"), suppress(ValueError):  # which are told by line
+                numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
+            if numbers.shape[1] != len(header):
+                numbers = _by_line(path, header, empty)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(f"{path}: it cannot be read: {error}") from None
-    if len(numbers) < 2 or numbers.shape[1] != len(header):
-        raise UsageError(f"{path}: {len(header)} columns and at least two rows are needed")
-    bad = ~np.isfinite(numbers) if not empty else np.isinf(numbers)
+    if len(numbers) < 2:
+        raise UsageError(f"{path}: at least two rows are needed below the header; it has {len(numbers)}")
+    bad = np.isinf(numbers) | (np.isnan(numbers) & [not empty or name == "t" for name in header])
     if bad.any():
         row, column = (int(i[0]) for i in np.nonzero(bad))
         raise UsageError(
@@ -129,13 +136,24 @@ def _check_header(path: Path, header: Sequence[str]) -> None:
     """Refuse a header without a column t, and one in which a name stands twice."""
     reads = ",".join(header)[:200]
     if "t" not in header:
-        hint = ": write commas between columns, and points in numbers" * bool(re.match(r"t\s*[;|\t]", reads))
-        raise UsageError(f"{path}:1: the header has no column t [s]; it reads {reads or 'nothing'}{hint}")
+        raise UsageError(
+            f"{path}:1: the header has no column t [s]; it reads {reads or 'nothing'}{_instead(header)}"
+        )
     if len(set(header)) < len(header):
         raise UsageError(f"{path}:1: a column stands twice in {reads}")
 
 
-def _by_line(path: Path, width: int, empty: bool) -> Reals:
+def _instead(header: Sequence[str]) -> str:
+    """What to do about a ``header`` without a column t."""
+    first = header[0] if header else ""
+    if re.match(r"#?\s*t\s*[;|\s]\s*\w", first):
+        return _COMMAS
+    if re.match(r"[-+.\d]", first):
+        return ": the first row has to name the columns"
+    return f": is {first} meant?" if re.match(r"(?i)\W*t(ime|imestamp)?\b", first) else ""
+
+
+def _by_line(path: Path, header: Sequence[str], empty: bool) -> Reals:
     """Rows one by one, for a file with empty cells, or to find the line that is wrong."""
     rows = []
     with path.open(encoding="utf-8-sig", newline="") as stream:
@@ -144,23 +162,34 @@ def _by_line(path: Path, width: int, empty: bool) -> Reals:
         for cells in reader:
             if not cells:
                 continue
-            if len(cells) != width:
+            if len(cells) != len(header):
+                hint = _COMMAS * (len(cells) == 1 or len(cells) > len(header) + 1)
                 raise UsageError(
-                    f"{path}:{reader.line_num}: the row has {len(cells)} cells, the header {width}"
+                    f"{path}:{reader.line_num}: the row has {len(cells)} cells, the header {len(header)}{hint}"
                 )
-            try:
-                rows.append([float("nan") if empty and not c.strip() else float(c) for c in cells])
-            except ValueError as error:
-                raise UsageError(f"{path}:{reader.line_num}: {error}") from None
-    return np.array(rows, ndmin=2)
+            row = zip(header, cells, strict=True)
+            rows.append([_number(path, reader.line_num, name, cell, empty) for name, cell in row])
+    return np.array(rows).reshape(-1, len(header))
+
+
+def _number(path: Path, line: int, name: str, cell: str, empty: bool) -> float:
+    """A cell of the column ``name``."""
+    if empty and not cell.strip():
+        return float("nan")
+    try:
+        return float(cell)
+    except ValueError:
+        point = re.fullmatch(r"\s*[-+]?\d*,\d*\s*", cell)
+        hint = "write points in numbers" if point else "delete or mend that row"
+        raise UsageError(f"{path}:{line}: {name} is {cell!r}, which is no number: {hint}") from None
 
 
 def _times(path: Path, table: Mapping[str, Reals]) -> Reals:
     """The column t, which has to rise, and be in seconds."""
     t = table["t"]
     step = np.diff(t)
-    if not np.all(np.isfinite(t)) or not np.all(step > 0):
-        row = int(np.nonzero(~(step > 0))[0][0])
+    if not np.all(step > 0):
+        row = int(np.argmin(step > 0))
         raise UsageError(
             f"{path}:{row + 3}: t does not rise: {t[row + 1]:.15g} after {t[row]:.15g}; sort the rows, and leave "
             "doubles out"
@@ -173,11 +202,10 @@ def _increments(
 ) -> Reals:
     """What the steps of ``joint`` are, from whichever column tells it."""
     wheel, quantity = joint.rsplit(".", 1)
-    if quantity == "steer":
-        angle = np.unwrap(_column(path, table, (joint,)))
-        return (angle[1:] + angle[:-1]) / 2
-    if quantity == "steer_rate":
-        return np.diff(np.unwrap(_column(path, table, (f"{wheel}.steer",))))
+    if quantity in ("steer", "steer_rate"):
+        angle = _column(path, table, (f"{wheel}.steer",))
+        angle = np.unwrap(angle) if np.ptp(angle) < _WRAPS else angle
+        return np.diff(angle) if quantity == "steer_rate" else (angle[1:] + angle[:-1]) / 2
     names = (f"{wheel}.angle", f"{wheel}.counts", joint)
     if names[0] in table:
         _no_jump(path, names[0], table[names[0]])
@@ -187,9 +215,9 @@ def _increments(
             raise UsageError(
                 f"{path}: {names[1]} needs counts per turn: write encoder: of {wheel} in the robot file"
             )
-        angle = table[names[1]] * (2 * np.pi / turns[joint])
-        _no_jump(path, names[1], angle)
-        return np.diff(angle)
+        unit = 2 * np.pi / turns[joint]
+        _no_jump(path, names[1], table[names[1]] * unit, unit)
+        return np.diff(table[names[1]] * unit)
     rate = _column(path, table, names)
     return (rate[1:] + rate[:-1]) / 2 * np.diff(t)
 
@@ -206,16 +234,19 @@ def _column(path: Path, table: Mapping[str, Reals], names: Sequence[str]) -> Rea
     )
 
 
-def _no_jump(path: Path, name: str, angle: Reals) -> None:
-    """Refuse a reading that wraps, or restarts at 0: one step far above the usual ones."""
+def _no_jump(path: Path, name: str, angle: Reals, unit: float = 1.0) -> None:
+    """Refuse a reading that wraps, or restarts at 0: one step far above the usual ones. ``angle`` [rad], of a column
+    in which 1 is a ``unit`` [rad]."""
     signed = np.diff(angle)
     steps = np.abs(signed)
     at, usual = int(np.argmax(steps)), np.percentile(steps, _MOSTLY)
     back = signed[max(0, at - 1) : at + 2] * np.sign(signed[at])  # a wrap goes against the steps beside it
     if steps[at] > _JUMP and (steps[at] > 10 * usual or (steps[at] > 3 * usual and np.sum(back < 0) >= 2)):
+        wraps = [period for period, size in _PERIODS.items() if abs(size * abs(unit) - steps[at]) < 3 * usual]
         raise UsageError(
-            f"{path}:{at + 3}: {name} jumps by {angle[at + 1] - angle[at]:.4g} rad in one step, most move by "
-            f"{usual:.2g} at most: readings have to be cumulative, without wrapping or restarts"
+            f"{path}:{at + 3}: {name} jumps by {(angle[at + 1] - angle[at]) / unit:.4g} in one step, most move by "
+            f"{usual / abs(unit):.2g} at most{', as what wraps at ' + wraps[0] if wraps else ''}: readings have to be "
+            "cumulative, without wrapping or restarts"
         )
 
 
@@ -233,16 +264,18 @@ def _without_gaps(path: Path, t: Reals) -> None:
 
 def _same_clock(log: Path, t: Reals, truth: Path, at: Reals) -> None:
     """Refuse times of log and truth that do not overlap, or are in other units."""
-    spans = sorted((float(t[-1] - t[0]), float(at[-1] - at[0])))
-    if spans[1] > 300 * spans[0]:
+    lasts = float((at[-1] - at[0]) / (t[-1] - t[0]))
+    if not 1 / _UNLIKE < lasts < _UNLIKE:
+        path, times = (truth, lasts) if lasts > 1 else (log, 1 / lasts)
+        units = min(_SECONDS, key=lambda name: abs(np.log(_SECONDS[name] / times)))
         raise UsageError(
-            f"{log} lasts {t[-1] - t[0]:g} and {truth} {at[-1] - at[0]:g}: is one of them in milliseconds? "
-            "t is in seconds"
+            f"{log} lasts {t[-1] - t[0]:g} and {truth} {at[-1] - at[0]:g}: is t of {path.name} in {units}, or the "
+            "other file cut short? t is in seconds"
         )
-    if np.median(np.diff(t)) > 5.0:
-        raise UsageError(
-            f"{log}: readings are {np.median(np.diff(t)):g} s apart: is t in milliseconds? It is in seconds"
-        )
+    step = float(np.median(np.diff(t)))
+    if step > _SPARSE:
+        units = next((name for name, size in _SECONDS.items() if step < _SPARSE * size), "nanoseconds")
+        raise UsageError(f"{log}: readings are {step:g} s apart: is t in {units}? It is in seconds")
     if at[0] > t[-1] or at[-1] < t[0]:
         raise UsageError(
             f"{truth} begins at t = {at[0]:g} and ends at {at[-1]:g}, {log} at {t[0]:g} and {t[-1]:g}: they do not "
@@ -255,6 +288,8 @@ def pairs(files: Sequence[Path], truths: Sequence[Path]) -> list[tuple[Path, Pat
     rest = iter(truths)
     result = []
     for log in files:
+        if not log.exists():
+            raise UsageError(f"{log}: there is no such file")
         own = log.with_suffix(".truth.csv")
         truth = own if own.is_file() and not truths else next(rest, None)
         if truth is None:

@@ -48,10 +48,10 @@ def laid(problem: Problem) -> Problem:
     be far apart as start and end of a drive are; and the mount's heading."""
 
     def started(_: int, drive: Drive) -> list[Drive]:
-        return [replace(drive, start=_start(drive, *_at(problem, drive), turned))]
+        return [replace(drive, start=_start(drive, *nominal_at(problem, drive), turned))]
 
     drives = changed(problem.drives, lambda _, drive: [_unwound(problem, drive)])
-    turned = _turned((drive, _at(problem, drive)) for drive in drives)
+    turned = _turned((drive, nominal_at(problem, drive)) for drive in drives)
     return replace(problem, drives=changed(drives, started), turned=turned)
 
 
@@ -89,7 +89,7 @@ def _pieces(drive: Drive, count: int, seconds: float) -> list[Drive]:
     return [part for part in parts if part.truth.measured >= _FEWEST] or [drive]
 
 
-def _at(problem: Problem, drive: Drive) -> tuple[Complexes, Reals]:
+def nominal_at(problem: Problem, drive: Drive) -> tuple[Complexes, Reals]:
     """Nominal odometry's places and headings at the truth's times."""
     step, _, share = place_at(drive.t, drive.truth.t)
     path = passed(problem.increments, drive.columns, problem.nominal, step)
@@ -107,7 +107,7 @@ def _inside(drive: Drive) -> Drive:
 def _unwound(problem: Problem, drive: Drive) -> Drive:
     drive = _inside(drive)
     measured = np.isfinite(drive.truth.theta)
-    reckoning = _at(problem, drive)[1][measured]
+    reckoning = nominal_at(problem, drive)[1][measured]
     theta = drive.truth.theta.copy()
     theta[measured] = reckoning + np.unwrap(theta[measured] - reckoning)
     return replace(drive, truth=replace(drive.truth, theta=theta))

@@ -19,6 +19,7 @@ _SHOWN = 1e-9  # [rad] rounding
 if TYPE_CHECKING:
     from wmrgen.calibrating.calibrate import Calibration
     from wmrgen.calibrating.observability import Offer
+    from wmrgen.calibrating.outliers import Drift
     from wmrgen.robot import Derivation
 
 
@@ -185,6 +186,7 @@ def _notes(derivation: Derivation, result: Calibration) -> list[str]:
     for name, offset in result.clocks.items():
         if abs(offset) > 0.02:
             notes.append(f"{name}: the truth's clock is {offset:+.3f} s off")
+    notes += map(_drifting, result.drifts)
     for slip in result.outliers:
         how = (
             "its joints disagree"
@@ -200,6 +202,15 @@ def _notes(derivation: Derivation, result: Calibration) -> list[str]:
         for group in result.unobservable:
             notes.append(f"{_together(group)}: {_remedy(choices, result, group, never)}")
     return notes
+
+
+def _drifting(drift: Drift) -> str:
+    """How a clock or a tracker's heading moves, in a sentence."""
+    times = f"from t = {drift.start:.1f} to {drift.end:.1f} s"
+    if drift.at_once:
+        return f"{drift.drive}: the truth's clock jumps by {-drift.late:+.2f} s {times}: each part is fitted alone"
+    what, much = ("clock", f"{-drift.late:+.2f} s") if drift.late else ("heading", f"{drift.turned:+.3f} rad")
+    return f"{drift.drive}: the truth's {what} drifts by {much} {times}, so parameters may be wrong"
 
 
 def _together(group: Sequence[str]) -> str:

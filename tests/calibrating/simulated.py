@@ -140,8 +140,8 @@ def _ring_text(name: str, count: int) -> Layout:
 
 def _modules(p: Mapping[str, float]) -> dict[str, Wheel]:
     return {
-        "a": Wheel(p["half"], 0.1, p["zero"], p["r_a"], steered=True),
-        "b": Wheel(-p["half"], -0.1, 0, p["r_b"], steered=True),
+        "a": Wheel(p["half"], 0.1, p["zero_a"], p["r_a"], steered=True),
+        "b": Wheel(-p["half"], -0.1, p["zero_b"], p["r_b"], steered=True),
     }
 
 
@@ -277,12 +277,12 @@ LAYOUTS = {
     "swerve": Layout(
         _robot(
             "swerve",
-            _tunable(r_a=0.05, r_b=0.05, half=0.3, zero=0.0),
-            "name: a, type: steered, x: half, y: 0.1, heading: zero, r: r_a",
-            "name: b, type: steered, x: -half, y: -0.1, heading: 0, r: r_b",
+            _tunable(r_a=0.05, r_b=0.05, half=0.3, zero_a=0.0, zero_b=0.0),
+            "name: a, type: steered, x: half, y: 0.1, heading: zero_a, r: r_a",
+            "name: b, type: steered, x: -half, y: -0.1, heading: zero_b, r: r_b",
         ),
         _modules,
-        {"r_a": 0.0511, "r_b": 0.0492, "half": 0.288, "zero": -0.03},
+        {"r_a": 0.0511, "r_b": 0.0492, "half": 0.288, "zero_a": -0.03, "zero_b": 0.02},
         ANYWHERE,
     ),
     "synchro": Layout(

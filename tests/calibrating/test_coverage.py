@@ -23,13 +23,14 @@ def test_true_parameters_lie_within_three_standard_deviations() -> None:
     assert [row.name for row in rows if row.named < row.runs] == []
 
 
+@pytest.mark.slow
 def test_an_angle_that_no_drive_tells_is_no_mistake_of_the_logs(tmp_path: Path) -> None:
-    """The base never turns, so the zero of its steering comes out as it likes, here beyond a radian: that is no reason
-    to refuse the drives, which tell the radius."""
+    """The base never turns, so the zero of its steering would come out as it likes, here beyond a radian: that is no
+    reason to refuse the drives, which tell the radius, and the zero stays nominal."""
     layout = LAYOUTS["synchro"]
     (tmp_path / "robot.yaml").write_text(layout.text, encoding="utf-8")
     derivation = wmrgen.derive(wmrgen.load(tmp_path / "robot.yaml"))
-    result = calibrate(derivation, logs(tmp_path, np.random.default_rng(8), layout), [])
-    assert abs(result.parameters["zero"].value) > 1 and ("zero",) in result.unobservable
+    result = calibrate(derivation, logs(tmp_path, np.random.default_rng(8), layout)[:2], [])
+    assert abs(result.parameters["zero"].value) < 1e-3 and ("zero",) in result.unobservable
     radius = result.parameters["r"]
     assert abs(radius.value - layout.true["r"]) < 3 * radius.sigma

@@ -17,6 +17,25 @@ from wmrgen.calibrating.path import Reals
 
 
 @dataclass(frozen=True, slots=True)
+class Sums:
+    """Of one drive, by its unknowns, shared ones and then its own: cost, gradient, and second derivatives without those
+    of the path."""
+
+    cost: float
+    gradient: Reals
+    matrix: Reals
+
+    def __add__(self, other: Sums) -> Sums:
+        return Sums(self.cost + other.cost, self.gradient + other.gradient, self.matrix + other.matrix)
+
+
+def robust(z: Reals, by: Reals, weights: Reals) -> Sums:
+    """The soft L1 loss sqrt(1 + z^2) - 1 of z, a residual over its scale, with derivatives ``by`` unknowns."""
+    root, by = np.sqrt(1 + z * z), by.reshape(-1, by.shape[-1])
+    return Sums(float(weights @ (root - 1)), by.T @ (weights * z / root), (by.T * (weights / root**3)) @ by)
+
+
+@dataclass(frozen=True, slots=True)
 class Arrow:
     """Of s shared unknowns and o of each of n drives: ``shared`` (s, s), ``cross`` (n, o, s), ``own`` (n, o, o).
     ``follows`` (n, o, s): how a drive's unknowns follow the shared ones, less; ``reduced`` (s, s): the matrix of the

@@ -15,14 +15,17 @@ from wmrgen.calibrating.drawn import drawn
 from wmrgen.calibrating.fit import Each, Problem, serial, solved, start_of, unit_of
 from wmrgen.calibrating.logs import Drive, pairs, read
 from wmrgen.calibrating.mistakes import refuse_strangers
-from wmrgen.calibrating.observability import unobservable
+from wmrgen.calibrating.observability import settled, unobservable
 from wmrgen.calibrating.outliers import Drift, Outlier, cut, drifts, outliers, without
 from wmrgen.calibrating.path import Increments, Reals
 from wmrgen.calibrating.starts import laid, near
 from wmrgen.calibrating.stored import changed, stored
 from wmrgen.errors import UsageError
 from wmrgen.ir.calls import self_contained
+from wmrgen.kinematics.forward import disagreement
 from wmrgen.layout.records import Robot
+from wmrgen.lower import lower
+from wmrgen.mobility.analyse import driving
 from wmrgen.robot import Derivation
 
 _FOLDS = 5  # parts that drives are left out in, one after the other
@@ -95,7 +98,8 @@ def problem_of(derivation: Derivation, drives: Sequence[Drive] = ()) -> Problem:
             "radius: {value: 0.0975, tunable: true} under parameters, and use its name in the wheels"
         )
     forward = next(f for f in self_contained(derivation.module) if f.name == "forward")
-    increments = Increments.of(forward)
+    rows = disagreement(driving(robot, derivation.mobility)[0])
+    increments = Increments.of(forward, None if rows is None else lower(rows))
     nominal = {p.name: float(p.nominal) for p in robot.tunable}
     return Problem(increments, tuple(nominal[name] for name in increments.parameters), tuple(drives))
 
@@ -123,7 +127,10 @@ def calibrate(
     moving = drifts(first, each)
     best, slips = _without_slips(_without_jumps(first, moving, each), each)
     refuse_strangers(best, drives, lambda others: _fitted(replace(problem, drives=tuple(others)), each))
-    best = certainty.agreeing(best, each)
+    best = settled(certainty.agreeing(best, each), each)
+    if best.problem.untold is not None:  # joints that disagree less show more slips
+        best, more = _without_slips(best, each)
+        slips += more
     parts = best if len(drives) > 1 else _in_parts(best, each)
     others = _without_each(parts, each)
     weak = _unobservable(derivation.robot, best)

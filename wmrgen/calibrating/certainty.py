@@ -13,13 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wmrgen.calibrating.arrow import Sums
 from wmrgen.calibrating.clocks import shown
 from wmrgen.calibrating.fit import (
     LEVER,
     Each,
     Problem,
     Residuals,
-    Sums,
+    agreed,
+    apart,
     arrow,
     information,
     nearest,
@@ -92,7 +94,7 @@ def agreeing(best: Fit, each: Each = serial) -> Fit:
 class _Evidence:
     """What one drive says of how certain a fit is. ``squares`` [m^2] and ``counts`` of residuals: of x and y, and of
     headings; ``usual``: the mean of squares that are usual; ``spans``: as `_spans` has them; ``pulls`` (5, k, k),
-    of its k unknowns: as `_pulls` has them; ``offset`` [s]: of the clock."""
+    of its k unknowns: as `_pulls` has them; ``slides`` (k, k): as `_slides` has it; ``offset`` [s]: of the clock."""
 
     sums: Sums
     squares: tuple[float, float]
@@ -100,6 +102,7 @@ class _Evidence:
     usual: float
     spans: Reals | None
     pulls: Reals
+    slides: Reals
     offset: float
 
 
@@ -115,7 +118,10 @@ def fit_at(problem: Problem, unknowns: Reals, each: Each = serial) -> Fit:
     freedom = measured / max(1, measured - len(unknowns))
     walk = _walk([drive.spans for drive in every if drive.spans is not None])
     rates = [_independent(drive) if drive.spans is None else walk for drive in every]
-    noise = [freedom * np.tensordot(r, drive.pulls, 1) for r, drive in zip(rates, every, strict=True)]
+    noise = [
+        freedom * np.tensordot(r, drive.pulls, 1) + drive.slides
+        for r, drive in zip(rates, every, strict=True)
+    ]
     covariance, spread = _spread(problem, every, np.array(noise))
     x, y, heading = shared[count:]
     return Fit(
@@ -166,6 +172,10 @@ def _spread(problem: Problem, every: Sequence[_Evidence], noise: Reals) -> tuple
 def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:
     rows = residuals(problem, unknowns, index)
     sums, measured = summed(problem, rows), rows.weights > 0
+    slides = np.zeros_like(sums.matrix)
+    if problem.untold is not None:
+        values, by = apart(problem, unknowns, index)
+        sums, slides = sums + agreed(problem, values, by), _slides(problem, values, by)
     of_axes = [rows.values[part][measured[part]] ** 2 for part in (slice(0, 2), slice(2, 3))]
     t = problem.drives[index].truth.t
     return _Evidence(
@@ -175,6 +185,7 @@ def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:
         _usual(np.concatenate(of_axes)) if measured.any() else 0.0,
         _spans(t, rows, measured),
         _pulls(problem, t, rows),
+        slides,
         float(problem.own(unknowns, index)[3]),
     )
 
@@ -204,6 +215,14 @@ def _pulls(problem: Problem, t: Reals, rows: Residuals) -> Reals:
     lasting = np.diff(t, prepend=t[0])[:, None]
     seen = [part.T @ part for part in pull]
     return np.array([*((step * lasting).T @ step for step in steps), seen[0] + seen[1], LEVER**2 * seen[2]])
+
+
+def _slides(problem: Problem, values: Reals, by: Reals) -> Reals:
+    """The covariance of a drive's gradient (k, k) that its joints' disagreement makes, as `apart` has it, one span's
+    independent of the next's (White, Econometrica 48:817, 1980)."""
+    z = values / problem.slides
+    pull = np.einsum("rn,rnk->nk", z / np.sqrt(1 + z * z), by) / problem.slides
+    return np.asarray(pull.T @ pull)
 
 
 def _spans(t: Reals, rows: Residuals, measured: NDArray[np.bool_]) -> Reals | None:

@@ -9,8 +9,8 @@ from itertools import groupby
 import numpy as np
 
 from wmrgen.calibrating.certainty import Fit
-from wmrgen.calibrating.fit import Problem, between, place_at
-from wmrgen.calibrating.path import Complexes, Reals, passed
+from wmrgen.calibrating.fit import Problem, place_at
+from wmrgen.calibrating.path import Complexes, Reals, between, passed
 from wmrgen.robot import Derivation
 
 _PARTS = 10  # of a drive

@@ -13,18 +13,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmrgen.calibrating.arrow import Arrow, Slope, least
+from wmrgen.calibrating.arrow import Arrow, Slope, Sums, least, robust
 from wmrgen.calibrating.clocks import ALONE, Clocks
 from wmrgen.calibrating.logs import Drive
-from wmrgen.calibrating.path import Complexes, Increments, Reals, passed
+from wmrgen.calibrating.path import Complexes, Increments, Reals, Samples, between, passed
 from wmrgen.calibrating.stored import changed
 
-Samples = TypeVar("Samples", Reals, Complexes)
 Result = TypeVar("Result")
 BEYOND = 1.0  # [s] that clocks may be apart: so far a truth may reach beyond its log
 LEVER = 0.15  # [m] a heading's residual is this times its error
@@ -36,32 +35,53 @@ _UNIT_OWN = (0.1, 0.1, 0.1, 0.1)  # [m, m, rad, s]
 _PRIOR_OWN = 0.01  # the same for start poses and clocks
 _MOST_STEPS = 40  # of the solver; where residuals are small it needs ten
 _FEW = 12  # residuals of a drive, three times its own unknowns
-_FINEST = 1e-4  # [m] the least scale of residuals
+FINEST = 1e-4  # [m] the least scale of residuals
 _NEAR = 0.03  # standard deviations of Newton's step, with residuals as large as the scale: near enough
 _PRIOR = 0.1  # residuals, in units of the loss's scale, that one unit (10 % of a parameter) away from nominal costs
 
 
+class Untold(NamedTuple):
+    """Orthonormal ``directions`` (P, k) of the parameters' unknowns that the truth does not tell, and the unknowns (P,)
+    ``beside`` them."""
+
+    directions: Reals
+    beside: Reals
+
+
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """What is estimated from which drives. ``nominal``: values of the parameters; ``scale`` [m]: residuals far above it
-    count by their size; ``turned`` [rad]: about what the tracked body is turned by on the robot; ``clocks``:
-    how far those of drives agree."""
+    """What is estimated from which drives. ``nominal``: values of the P parameters; ``scale`` [m]: residuals far above
+    it count by their size; ``slides`` [m]: so does what joints disagree by; ``turned`` [rad]: about what the tracked
+    body is turned by on the robot; ``clocks``: how far those of drives agree; ``untold``: where the joints'
+    disagreement counts; ``held`` (P, k): orthonormal directions in which parameters are nominal."""
 
     increments: Increments
     nominal: tuple[float, ...]
     drives: Sequence[Drive]
     scale: float = 0.01
+    slides: float = 0.01
     turned: float = 0.0
     clocks: Clocks = ALONE
+    untold: Untold | None = None
+    held: Reals | None = None
 
     @property
     def units(self) -> Reals:
         """One unit of each shared unknown: a parameter's, and the mount's."""
         return np.array([*map(unit_of, self.nominal), *_UNIT_MOUNT])
 
+    @property
+    def by_unknowns(self) -> Reals:
+        """Derivatives of the shared parameters and of the mount by their unknowns: units, less what is held."""
+        by, count = np.diag(self.units), len(self.nominal)
+        if self.held is not None:
+            by[:count, :count] -= by[:count, :count] @ self.held @ self.held.T
+        return by
+
     def shared(self, unknowns: Reals) -> Reals:
         """Parameters and mount in SI units; ``unknowns`` are in units away from nominal."""
-        return np.array([*self.nominal, 0.0, 0.0, self.turned]) + self.units * unknowns[: len(self.units)]
+        at = np.array([*self.nominal, 0.0, 0.0, self.turned])
+        return at + self.by_unknowns @ unknowns[: len(at)]
 
     def own(self, unknowns: Reals, index: int) -> Reals:
         """Start x, y [m], heading [rad] and clock offset [s] of a drive."""
@@ -112,8 +132,10 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     place[count + 3], place[count + 4], place[count + 5] = ones, 1j * ones, 1j * reached
     angle[count + 5] = ones
     place[count + 6], angle[count + 6] = start * speed + 1j * turned * mount * turn, turn
-    units = np.concatenate([problem.units, _UNIT_OWN])[:, None]
-    place, angle = place * units, angle * units
+    by_own = np.array(_UNIT_OWN)[:, None]
+    place, angle = (
+        np.concatenate([problem.by_unknowns.T @ by[:-_OWN], by_own * by[-_OWN:]]) for by in (place, angle)
+    )
     off = complex(own[0], own[1]) + reached
     heading_error = heading + own[2] + mount_heading - drive.truth.theta
     values = np.array([off.real - drive.truth.x, off.imag - drive.truth.y, LEVER * heading_error])
@@ -132,38 +154,41 @@ def place_at(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
     return step, length, (np.clip(at, t[0] - BEYOND, t[-1] + BEYOND) - t[step]) / length
 
 
-def between(samples: Samples, share: Reals) -> Samples:
-    """What samples (..., 2, n) of where steps begin and end are, a ``share`` of a step behind its start."""
-    return samples[..., 0, :] * (1 - share) + samples[..., 1, :] * share
-
-
 def _weights(times: Reals) -> Reals:
     """How much each row counts: as much as it lasts, at most `_SPACING`."""
     gaps = np.diff(times, append=times[-1] + _SPACING)
     return np.clip(gaps / _SPACING, 0.0, 1.0)
 
 
-@dataclass(frozen=True, slots=True)
-class Sums:
-    """Of one drive, by its unknowns, shared ones and then its own: cost, gradient, and second derivatives without those
-    of the path."""
-
-    cost: float
-    gradient: Reals
-    matrix: Reals
-
-
 def sums(problem: Problem, unknowns: Reals, index: int) -> Sums:
     """A drive's part."""
-    return summed(problem, residuals(problem, unknowns, index))
+    paths = summed(problem, residuals(problem, unknowns, index))
+    return paths if problem.untold is None else paths + agreed(problem, *apart(problem, unknowns, index))
 
 
 def summed(problem: Problem, rows: Residuals) -> Sums:
-    """The part of a drive's residuals, with the soft L1 loss sqrt(1 + z^2) - 1 of z, a residual over the scale."""
-    z, weights = rows.values.reshape(-1) / problem.scale, rows.weights.reshape(-1)
-    root = np.sqrt(1 + z * z)
-    by = rows.by.reshape(len(z), -1) / problem.scale
-    return Sums(float(weights @ (root - 1)), by.T @ (weights * z / root), (by.T * (weights / root**3)) @ by)
+    """The part of a drive's residuals."""
+    return robust(rows.values.reshape(-1) / problem.scale, rows.by / problem.scale, rows.weights.reshape(-1))
+
+
+def agreed(problem: Problem, values: Reals, by: Reals) -> Sums:
+    """The part of what a drive's joints disagree by, as `apart` has it."""
+    z = values.reshape(-1) / problem.slides
+    return robust(z, by / problem.slides, np.ones_like(z))
+
+
+def apart(problem: Problem, unknowns: Reals, index: int) -> tuple[Reals, Reals]:
+    """What R measured rows of a drive's joints are off by [m] in n spans of `_SPACING`, (R, n), and the derivatives by
+    its unknowns (R, n, k), in their units: in directions of `untold` alone, so that nothing else follows from it."""
+    drive, count = problem.drives[index], len(problem.nominal)
+    directions, beside = problem.untold or Untold(np.eye(count), np.zeros(count))
+    along, moved = directions @ directions.T, unknowns.copy()
+    moved[:count] = beside + along @ (unknowns[:count] - beside)
+    firsts = np.flatnonzero(np.diff(np.floor((drive.t[:-1] - drive.t[0]) / _SPACING), prepend=-1.0))
+    rows = problem.increments.apart(drive.columns, problem.shared(moved)[:count], firsts)
+    by = np.zeros((*rows.shape[1:], count + _MOUNT + _OWN))
+    by[..., :count] = np.moveaxis(rows[1:], 0, -1) @ problem.by_unknowns[:count, :count] @ along
+    return rows[0], by
 
 
 class Each(Protocol):
@@ -186,7 +211,7 @@ def solved(problem: Problem, each: Each = serial, start: Reals | None = None) ->
     for most in (np.inf, problem.scale, problem.scale):
         problem = replace(problem, drives=_during(problem, unknowns))
         typical = float(np.median(each(problem, unknowns, _typical)))
-        problem = replace(problem, scale=float(np.clip(1.5 * typical, _FINEST, most)))
+        problem = replace(problem, scale=float(np.clip(1.5 * typical, FINEST, most)))
         unknowns = nearest(problem, unknowns, each)
     return problem, unknowns
 

@@ -2,21 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import pi
 
 import numpy as np
+from scipy.linalg import qr
 
-from wmrgen.calibrating.certainty import Fit
-from wmrgen.calibrating.fit import Problem, information, prior_of_shared, serial, start_of, sums
+from wmrgen.calibrating.arrow import Arrow
+from wmrgen.calibrating.certainty import Fit, fit, fit_at
+from wmrgen.calibrating.fit import (
+    FINEST,
+    Each,
+    Problem,
+    Untold,
+    apart,
+    arrow,
+    information,
+    nearest,
+    prior_of_shared,
+    serial,
+    start_of,
+    sums,
+)
 from wmrgen.calibrating.logs import Drive, Truth
 from wmrgen.calibrating.path import Reals, reckoned
 from wmrgen.robot import Derivation
 
 WEAK = 0.02  # a direction of the parameters that is less certain than this, relative to nominal, is not observable
+_NOMINAL = 1 - 1e-6  # squared units (10 %) that nominal values are taken to be off, but for rounding
 _TOGETHER = 0.25  # of a direction's largest part: what is smaller does not belong to it
+_ROUNDS = 8  # at most, of directions that the truth does not tell: they turn with the parameters
+_CLOSE = 0.1  # standard deviations that a round changes, where it is the last
 _RATE = 20.0  # [1/s] of the readings of a planned drive
 
 
@@ -60,15 +78,64 @@ def deviations(problem: Problem, told: Reals, noise: float) -> tuple[Reals, Real
     return 0.1 * np.sqrt(variances[::-1]), directions[:, ::-1]
 
 
-def unobservable(fit: Fit) -> list[tuple[str, ...]]:
+def settled(best: Fit, each: Each = serial) -> Fit:
+    """The fit of paths, with what the truth does not tell as joints disagree least, and directions held in which that
+    is no nearer to the truth than nominal values are: they stay nominal. What the truth tells does not follow the
+    joints' disagreement, in which wheels that all slip alike do not show."""
+    paths, rows = best.problem, best.problem.increments.rows is not None
+    for _ in range(_ROUNDS if rows else 1):
+        before, matrix = best.values, arrow(paths, each(paths, best.unknowns, sums))
+        untold = _uncertain(paths, matrix.reduced - prior_of_shared(paths), best.noise)
+        if not untold.size:
+            break
+        if rows:
+            slides = 1.5 * float(np.median(each(paths, best.unknowns, _sliding)))
+            beside = Untold(untold, best.unknowns[: len(untold)])
+            problem = replace(best.problem, untold=beside, slides=max(slides, FINEST))
+            best = fit_at(problem, nearest(problem, best.unknowns, each), each)
+        variances, directions = np.linalg.eigh(best.covariance[: len(untold), : len(untold)])
+        held = directions[:, variances > _NOMINAL]
+        if held.size:
+            way = -held @ held.T @ best.unknowns[: len(held)]
+            best = fit(replace(best.problem, held=held), each, _moved(matrix, best.unknowns, way))
+        if np.all(np.abs(np.subtract(best.values, before)) < _CLOSE * best.deviations):
+            break
+    return best
+
+
+def _moved(matrix: Arrow, unknowns: Reals, way: Reals) -> Reals:
+    """The unknowns where those of the parameters go a ``way`` (P,), and the others, the tracked point's and what drives
+    have of their own, follow."""
+    count, reduced = len(way), matrix.reduced
+    mount = -np.linalg.solve(reduced[count:, count:], reduced[count:, :count] @ way)
+    shared = np.concatenate([way, mount])
+    return np.asarray(unknowns + np.concatenate([shared, -(matrix.follows @ shared).ravel()]))
+
+
+def _sliding(problem: Problem, unknowns: Reals, index: int) -> float:
+    """The median over spans [m] of what a drive's joints disagree by, the root mean square of all rows."""
+    values, _ = apart(problem, unknowns, index)
+    return float(np.median(np.sqrt(np.mean(values**2, axis=0))))
+
+
+def unobservable(best: Fit) -> list[tuple[str, ...]]:
     """Each direction that the drives do not tell, as the parameters that scale together in it, largest part first."""
-    return _weak(fit.problem, fit.information, fit.noise)
+    return _weak(best.problem, best.information, best.noise)
+
+
+def _uncertain(problem: Problem, told: Reals, noise: float) -> Reals:
+    """The directions (P, k) that are less certain than `WEAK`; arguments as of `deviations`."""
+    uncertain, directions = deviations(problem, told, noise)
+    return np.asarray(directions[:, uncertain > WEAK])
 
 
 def _weak(problem: Problem, told: Reals, noise: float) -> list[tuple[str, ...]]:
-    """The directions that are less certain than `WEAK`; arguments as of `deviations`."""
-    uncertain, directions = deviations(problem, told, noise)
-    return [_names(problem, directions[:, i]) for i in range(len(uncertain)) if uncertain[i] > WEAK]
+    """The parameters of `_uncertain` directions, of which as many as there are directions are in one of them only."""
+    directions = _uncertain(problem, told, noise)
+    if not directions.size:
+        return []
+    alone = qr(directions.T, mode="r", pivoting=True)[1][: directions.shape[1]]
+    return [_names(problem, direction) for direction in np.linalg.solve(directions[alone].T, directions.T)]
 
 
 def _names(problem: Problem, direction: Reals) -> tuple[str, ...]:
@@ -152,11 +219,26 @@ def planned(problem: Problem, derivation: Derivation, course: Course) -> Drive:
 
 def offers(problem: Problem, derivation: Derivation) -> list[Offer]:
     """The courses that the robot can drive, the shortest first, each with what it would tell."""
+    drives = {course: planned(problem, derivation, course) for course in courses(problem, derivation)}
+    problem = replace(problem, untold=None, held=None)
+    choices = _offered(problem, drives)
+    untold = _uncertain(problem, _total(problem, choices), 1.0)
+    if untold.size and problem.increments.rows is not None:
+        choices = _offered(replace(problem, untold=Untold(untold, np.zeros(len(untold)))), drives)
+    return choices
+
+
+def _offered(problem: Problem, drives: Mapping[Course, Drive]) -> list[Offer]:
     result = []
-    for course in courses(problem, derivation):
-        one = replace(problem, drives=(planned(problem, derivation, course),))
+    for course, drive in drives.items():
+        one = replace(problem, drives=(drive,))
         result.append(Offer(course, information(one, serial(one, start_of(one), sums))))
     return result
+
+
+def _total(problem: Problem, choices: Sequence[Offer]) -> Reals:
+    """What all courses together tell."""
+    return sum((c.tells for c in choices), np.zeros_like(prior_of_shared(problem)))
 
 
 def plan(
@@ -176,7 +258,7 @@ def plan(
 
 def blind(problem: Problem, choices: Sequence[Offer]) -> list[tuple[str, ...]]:
     """Directions that no drive on the floor tells, whatever it is: those that all courses together leave open."""
-    return _weak(problem, sum((c.tells for c in choices), np.zeros_like(prior_of_shared(problem))), 1.0)
+    return _weak(problem, _total(problem, choices), 1.0)
 
 
 def _by_duration(choices: Sequence[Offer]) -> list[tuple[Offer, ...]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from wmrgen.ir.nodes import Function
 
 Reals = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
+Samples = TypeVar("Samples", Reals, Complexes)
 _BLOCK = 4096  # steps that are reckoned at a time
 
 
@@ -52,16 +53,22 @@ class Increments:
     parameters: tuple[str, ...]
     sensitivity: OfColumns  # of columns of all inputs: vx, vy, omega, and these by each parameter
     disagreement: OfColumns  # of the same columns: `slip` of forward, and nothing else
+    rows: (
+        OfColumns | None
+    )  # of the same columns: what each measured row is off by, and this by each parameter
 
     @staticmethod
-    def of(forward: Function) -> Increments:
-        """``forward``: a robot's function, with its parameters as inputs."""
+    def of(forward: Function, rows: Function | None) -> Increments:
+        """``forward`` and what it leaves of measured ``rows``: a robot's functions, with its parameters as inputs."""
         names = [port.name for port in forward.inputs]
         joints = tuple(name for name in names if "." in name)
         parameters = tuple(name for name in names if "." not in name)
         twist = sensitivity(forward, ("vx", "vy", "omega"), joints, parameters)
         slip = sensitivity(forward, ("slip",), (*joints, *parameters), ())
-        return Increments(joints, parameters, twist, slip)
+        if rows is None:
+            return Increments(joints, parameters, twist, slip, None)
+        off = sensitivity(rows, [port.name for port in rows.outputs], joints, parameters)
+        return Increments(joints, parameters, twist, slip, off)
 
     def slip(self, columns: Mapping[str, Reals], values: Reals | Sequence[float]) -> Reals:
         """What the joints disagree by in each step [m]; 0 where they tell no more than a twist."""
@@ -71,15 +78,32 @@ class Increments:
 
     def __call__(self, columns: Mapping[str, Reals], values: Reals | Sequence[float]) -> Reckoning:
         """Displacement (vx + i vy) and turn of each step, as a path of single steps."""
-        inputs = np.array([columns[name] for name in self.joints])
-        steered = any(name.endswith(".steer") for name in self.joints)
-        rows = self._of(inputs, values) if steered else self._of(np.eye(len(inputs)), values) @ inputs
-        by = rows[3:].reshape(-1, 3, inputs.shape[1])
+        rows = self._of(self.sensitivity, np.array([columns[name] for name in self.joints]), values)
+        by = rows[3:].reshape(-1, 3, rows.shape[1])
         return Reckoning(rows[0] + 1j * rows[1], rows[2], by[:, 0] + 1j * by[:, 1], by[:, 2])
 
-    def _of(self, inputs: Reals, values: Reals | Sequence[float]) -> Reals:
-        constant = np.repeat(np.asarray(values, dtype=float)[:, None], inputs.shape[1], axis=1)
-        return self.sensitivity(np.vstack([inputs, constant]))
+    def apart(
+        self, columns: Mapping[str, Reals], values: Reals | Sequence[float], firsts: NDArray[np.intp]
+    ) -> Reals:
+        """What each of R measured rows is off by [m] in n spans of steps, which begin with ``firsts``, and this by P
+        parameters, (1 + P, R, n), block by block; no rows where joints tell no more than a twist."""
+        if self.rows is None:
+            return np.zeros((1 + len(self.parameters), 0, len(firsts)))
+        inputs, parts = np.array([columns[name] for name in self.joints]), []
+        edges = np.union1d(firsts, np.arange(0, inputs.shape[1], _BLOCK))
+        for first in range(0, inputs.shape[1], _BLOCK):
+            rows = self._of(self.rows, inputs[:, first : first + _BLOCK], values)
+            inside = slice(*np.searchsorted(edges, [first, first + _BLOCK]))
+            parts.append(np.add.reduceat(rows, edges[inside] - first, axis=1))
+        spans = np.add.reduceat(np.concatenate(parts, axis=1), np.searchsorted(edges, firsts), axis=1)
+        return np.asarray(spans.reshape(1 + len(self.parameters), -1, len(firsts)))
+
+    def _of(self, function: OfColumns, inputs: Reals, values: Reals | Sequence[float]) -> Reals:
+        """A function, linear in joints that are no angles, of columns of all joints (joints, N)."""
+        columns = inputs if any(name.endswith(".steer") for name in self.joints) else np.eye(len(inputs))
+        constant = np.repeat(np.asarray(values, dtype=float)[:, None], columns.shape[1], axis=1)
+        rows = function(np.vstack([columns, constant]))
+        return rows if columns is inputs else rows @ inputs
 
 
 def reckoned(step: Reckoning, start: Reckoning = _ORIGIN) -> Reckoning:
@@ -118,6 +142,11 @@ def passed(
         parts.append(path.at(step[inside] - first + [[0], [1]]))
     every = ((p.position, p.heading, p.position_by, p.heading_by) for p in parts)
     return Reckoning(*(np.concatenate(of_all, axis=-1) for of_all in zip(*every, strict=True)))
+
+
+def between(samples: Samples, share: Reals) -> Samples:
+    """What samples (..., 2, n) of where steps begin and end are, a ``share`` of a step behind its start."""
+    return samples[..., 0, :] * (1 - share) + samples[..., 1, :] * share
 
 
 def _sums(start: Any, steps: Any) -> Any:

@@ -20,7 +20,6 @@ from wmrgen.calibrating.fit import (
     LEVER,
     Each,
     Problem,
-    between,
     nearest,
     place_at,
     residuals,
@@ -28,7 +27,7 @@ from wmrgen.calibrating.fit import (
     start_of,
 )
 from wmrgen.calibrating.logs import Drive
-from wmrgen.calibrating.path import Complexes, Reals, passed
+from wmrgen.calibrating.path import Complexes, Reals, between, passed
 from wmrgen.calibrating.stored import changed
 
 _WAY = 1.0  # [s] a short way: nominal odometry is right about it, and a pose's noise is small beside it

@@ -215,7 +215,7 @@ def _drifting(drift: Drift) -> str:
 
 def _together(group: Sequence[str]) -> str:
     if len(group) == 1:
-        return f"these drives do not tell {group[0]}"
+        return f"these drives do not tell {group[0]}, so that it is not written"
     return f"{', '.join(group[:-1])} and {group[-1]} scale together on these drives"
 
 

@@ -23,8 +23,8 @@ from wmrgen.kinematics.rigid import fit_rigid
 from wmrgen.kinematics.sensing import Measured, Twist, measurements, sensed_joints, solve_general
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import decide, unit_of
-from wmrgen.ports import TWIST, Role
-from wmrgen.symbolic import Expr, expression
+from wmrgen.ports import TWIST, Port, Role
+from wmrgen.symbolic import Expr, add, expression, number, over, root, subtract, times
 
 FEW_ROWS = 16  # beyond, residuals are never zero or one relation in practice: not worth expanding
 MOST_TERMS = 400  # of the twist in tunable parameters: beyond, it is computed step by step
@@ -56,6 +56,28 @@ def forward(robot: Robot) -> Formula:
     )
     text = f"sensed joint rates to the twist of P in the robot frame, {kind.replace('-', ' ')}"
     return names.formula("forward", (*inputs, *tunable_ports(robot)), outputs, text)
+
+
+def disagreement(robot: Robot) -> Formula | None:
+    """Sensed joint rates to what each measured row z - H xi [m/s] is of the twist that `forward` makes of them, times
+    the root of its weight; None where joints tell no more than a twist. Errors of joints are angles: so that parameters
+    do not make them smaller, a row counts by the nominal radius of its wheel, whatever the tunable one is."""
+    names, twist = Locals(), forward(robot)
+    if {port.name: value for port, value in twist.outputs}["slip"] is sympy.S.Zero:
+        return None
+    fitted = names.adopt(twist, {})
+    outputs: list[tuple[Port, Expr]] = []
+    for measured in measurements(robot).all:
+        wheel = measured.wheel
+        radius = expression(wheel.working.rolling_radius) if "spin" in wheel.sensed else sympy.S.One
+        nominal = number(wheel.nominal.rolling_radius) if "spin" in wheel.sensed else sympy.S.One
+        for row, value, weight in measured.rows:
+            explained = add(*(times(expression(p), fitted[v.name]) for p, v in zip(row, TWIST, strict=True)))
+            off = over(times(nominal, root(number(weight)), subtract(expression(value), explained)), radius)
+            port = Port(f"row_{len(outputs)}", Role.COMMAND, "m/s", "what a measured row is off by")
+            outputs.append((port, off))
+    text = "sensed joint rates to what each measured row is off by"
+    return names.formula("disagreement", twist.inputs, outputs, text)
 
 
 def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist, Expr]:

@@ -124,7 +124,7 @@ def calibrate(
     large = sum(path.stat().st_size for pair in files for path in pair if path.is_file()) > _LARGE
     drives = _parts(stored(every) if large else tuple(every))
     first = _fitted(replace(problem, drives=drives), each)
-    moving = drifts(first, each)
+    moving = drifts(_coarser(first.problem), first.unknowns, each)
     best, slips = _without_slips(_without_jumps(first, moving, each), each)
     refuse_strangers(best, drives, lambda others: _fitted(replace(problem, drives=tuple(others)), each))
     best = settled(certainty.agreeing(best, each), each)

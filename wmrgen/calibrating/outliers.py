@@ -73,10 +73,10 @@ class Drift:
     at_once: bool = False
 
 
-def drifts(best: Fit, each: Each = serial) -> list[list[Drift]]:
+def drifts(problem: Problem, unknowns: Reals, each: Each = serial) -> list[list[Drift]]:
     """How clock and heading of each drive's truth drift or jump, where they do."""
-    pieces = each(best.problem, best.unknowns, _pieces)
-    return [_drifts(drive.name, *of) for drive, of in zip(best.problem.drives, pieces, strict=True)]
+    pieces = each(problem, unknowns, _pieces)
+    return [_drifts(drive.name, *of) for drive, of in zip(problem.drives, pieces, strict=True)]
 
 
 def _pieces(problem: Problem, unknowns: Reals, index: int) -> tuple[Reals, Reals, Reals]:

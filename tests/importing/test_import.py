@@ -337,6 +337,14 @@ def test_wheels_on_fixed_joints_are_asked_about(read: Import) -> None:
     said = read(robot(pair(kind="fixed", axis="").replace("left", "left_hub").replace("right", "right_hub")))
     assert [(w["joint"], w["heading"], w["r"]) for w in said["wheels"].values()] == [(None, 0.0, 0.1)] * 2
     assert [key for _, key in keys(said)] == ["type", "type"]
+    drawn = "".join(
+        link(f"{n}_hub", cylinder("0.1"), xyz=f"0.2 {y} 0")
+        + joint(n, "base_link", f"{n}_hub", "0 0 0.1", "fixed", axis="")
+        for n, y in (("left", 0.25), ("right", -0.25))
+    )  # away from their joints
+    assert {(w["x"], w["y"], w["r"]) for w in read(robot(drawn))["wheels"].values()} == {
+        (0.2, y, 0.1) for y in (0.25, -0.25)
+    }
 
 
 def test_a_fixed_joint_with_an_axis_alone_is_no_wheel(wmrgen_cli: Cli, tmp_path: Path) -> None:

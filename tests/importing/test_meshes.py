@@ -21,10 +21,15 @@ RADIUS, LOW, HIGH = 0.08, -0.01, 0.03
 TURN = 0.4  # [rad] of the mesh in its file, about x
 
 
+def circle(corners: int) -> Any:
+    """Points about y."""
+    angles = np.arange(corners) * 2 * math.pi / corners
+    return np.column_stack([np.cos(angles), 0 * angles, np.sin(angles)])
+
+
 def tube(unit: float = 1.0, corners: int = 12) -> Any:
     """Points of a tube of radius 0.08 about y, from -0.01 to 0.03 m, turned about x: as a mesh may lie in its file."""
-    angles = np.arange(corners) * 2 * math.pi / corners
-    rings = [np.column_stack([np.cos(angles), 0 * angles + y / RADIUS, np.sin(angles)]) for y in (LOW, HIGH)]
+    rings = [circle(corners) + np.array([0, y / RADIUS, 0]) for y in (LOW, HIGH)]
     c, s = math.cos(TURN), math.sin(TURN)
     return RADIUS / unit * np.concatenate(rings) @ np.array([[1, 0, 0], [0, c, s], [0, -s, c]])
 
@@ -169,6 +174,20 @@ def test_one_round_mesh_is_the_radius_where_nothing_says_another(
     role = "collision" if "collision" in shapes else "visual"
     where = f"r: 0.08   # bound of the {role} mesh 'a.obj' about the axle\n"
     assert (where in out.read_text(encoding="utf-8")) is (radius is not None)
+
+
+@pytest.mark.parametrize(("half", "asked"), [(0.2, True), (0.15, False)])
+def test_a_mesh_twice_as_long_as_its_diameter_may_be_two_wheels(
+    wmrgen_cli: Cli, tmp_path: Path, half: float, asked: bool
+) -> None:
+    ends = (f"v {x} {y} {z}\n" for x, _, z in RADIUS * circle(24) for y in (-half, half))
+    (tmp_path / "a.obj").write_text("".join(ends))
+    body = '<link name="rear"><visual><geometry><mesh filename="a.obj"/></geometry></visual></link>'
+    rear = body + joint("rear", "base_link", "rear", "-0.3 0 0.1")
+    (tmp_path / "probe.urdf").write_text(robot(rear, rear.replace("rear", "nose").replace("-0.3", "0.3")))
+    said = json.loads(wmrgen_cli("import", tmp_path / "probe.urdf", "--json").out)
+    hints = {(q["wheel"], q["key"]): q["hints"] for q in said["questions"]}
+    assert ("outer sides are at (-0.3, -0.2) and (-0.3, 0.2)" in str(hints.get(("rear", "type")))) is asked
 
 
 BOMB = b'<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><COLLADA>&b;</COLLADA>'

@@ -253,6 +253,14 @@ def test_what_carries_a_pair_of_wheels(read: Import) -> None:
     assert said["questions"][0]["hints"] == ["a ball of 'base_link' at x = -0.2, y = 0: spherical"]
     alone = read(robot(pair()))
     assert alone["asked"] == [] and "what carries the rest" in alone["notes"]
+    steered = "".join(
+        link(n)
+        + joint(n, "base_link", n, "-0.4 0 0.1", "revolute", "0 0 1", more='<limit lower="-1" upper="1"/>')
+        + wheel(f"{n}_tail", f"0 {y} 0", parent=n)
+        for n, y in (("a", 0.2), ("b", -0.2))
+    )  # about one axis, to either side of it
+    said = read(robot(steered, pair()))
+    assert ("support", "type") not in said["asked"] and "what carries the rest" not in said["notes"]
 
 
 def test_wheels_of_a_controller_are_none_of_the_robot(read: Import) -> None:

@@ -129,7 +129,7 @@ def _spin(robot: Robot, joint: Joint) -> Candidate | None:
     leaves = all(j.spins and not robot.moving_below(j.child) for j in moving)
     if moving and not (leaves and len(moving) >= ROLLERS):
         return None
-    candidate = _candidate(robot, joint, robot.axis(joint), tuple(moving))
+    candidate = _candidate(robot, joint, robot.origin(joint), robot.axis(joint), tuple(moving))
     if joint.axis is None and candidate.shape is None:
         candidate = _as_drawn(robot, candidate)
     if abs(candidate.axis[2]) <= LEVEL:
@@ -145,7 +145,7 @@ def _limited(robot: Robot, joint: Joint) -> Candidate | None:
     if not joint.turns or joint.spins or robot.moving_below(joint.child) or abs(robot.axis(joint)[2]) > LEVEL:
         return None
     why = "its joint has limits, and its mirror image turns without end"
-    return replace(_candidate(robot, joint, robot.axis(joint)), doubt=why)
+    return replace(_candidate(robot, joint, robot.origin(joint), robot.axis(joint)), doubt=why)
 
 
 def _as_drawn(robot: Robot, candidate: Candidate) -> Candidate:
@@ -190,20 +190,19 @@ def _steer_only(robot: Robot, joint: Joint) -> Candidate | None:
     """A wheel that its joint steers and that has none to roll about: its axis is that of its cylinder."""
     if joint.spins or not robot.upright(joint) or robot.moving_below(joint.child):
         return None
-    axis = _level_cylinder(robot, joint.child)
-    if axis is None:
+    cylinder = _level_cylinder(robot, joint.child)
+    if cylinder is None:
         return None
     body = replace(joint, name=joint.child, kind=RIGID)
-    candidate = _candidate(robot, body, axis, steer=joint)
+    candidate = _candidate(robot, body, *cylinder, steer=joint)
     return replace(candidate, doubt="it steers, and the file has no joint about which the wheel turns")
 
 
-def _level_cylinder(robot: Robot, link: str) -> Vector | None:
-    """The axis of the first cylinder of a link, the sense chosen forward; None where it is not level."""
-    along = [turned(w.rotation, Z) for kind, _, _, w in robot.shapes(link) if kind == "cylinder"]
-    if not along or abs(along[0][2]) > LEVEL:
-        return None
-    return _forward(unit(along[0]))
+def _level_cylinder(robot: Robot, link: str) -> tuple[Vector, Vector] | None:
+    """The centre and the axis of the first cylinder of a link, the sense chosen forward; None where it is not level."""
+    where = next((w for kind, _, _, w in robot.shapes(link) if kind == "cylinder"), None)
+    along = turned(where.rotation, Z) if where else Z
+    return None if where is None or abs(along[2]) > LEVEL else (where.origin, _forward(unit(along)))
 
 
 def _forward(axis: Vector) -> Vector:
@@ -220,23 +219,26 @@ def _fixed(robot: Robot, joint: Joint) -> Candidate | None:
     if robot.moving_below(joint.child) or any(j.turns for j in beyond):
         return None
     named = re.search("wheel|hub|tire|tyre", f"{joint.name} {joint.child}", re.IGNORECASE)
-    if joint.axis is not None:
-        axis: Vector | None = robot.axis(joint)
-    else:
-        axis = _level_cylinder(robot, joint.child) if named else None
-    if axis is None or abs(axis[2]) > LEVEL:
+    axle = (robot.origin(joint), robot.axis(joint)) if joint.axis else None
+    axle = axle or (_level_cylinder(robot, joint.child) if named else None)
+    if axle is None or abs(axle[1][2]) > LEVEL:
         return None
-    candidate = _candidate(robot, joint, axis)
+    candidate = _candidate(robot, joint, *axle)
     if not (named or candidate.shape):
         return None
     return replace(candidate, doubt="its joint is fixed: the file has no joint about which the wheel turns")
 
 
 def _candidate(
-    robot: Robot, joint: Joint, axis: Vector, rollers: tuple[Joint, ...] = (), steer: Joint | None = None
+    robot: Robot,
+    joint: Joint,
+    origin: Vector,
+    axis: Vector,
+    rollers: tuple[Joint, ...] = (),
+    steer: Joint | None = None,
 ) -> Candidate:
     """A joint with ``rollers`` on its wheel; without ``steer`` the nearest upright one above it steers."""
-    origin, above = robot.origin(joint), robot.moving_above(joint)
+    above = robot.moving_above(joint)
     steer = steer or next((j for j in above if robot.upright(j)), None)
     shape = robot.round_shape(joint.child, origin, axis)
     return Candidate(joint, origin, axis, shape, steer, tuple(j for j in above if j != steer), rollers)

@@ -62,7 +62,7 @@ def reach(data: bytes, name: str, scale: Vector, where: Frame, origin: Vector, a
     turns = np.sort(np.arctan2(rim @ aside, rim @ far))
     # Between neighbours at an angle g a polygon comes as near to its middle as cos(g/2) of its radius.
     gap = np.diff(turns, append=turns[0] + 2 * math.pi).max()
-    rounded = bool(largest and math.cos(gap / 2) >= _RIM and gap < math.pi)
+    rounded = bool(largest and math.cos(gap / 2) >= _RIM)
     return Reach(math.sqrt(largest), float(along.min()), float(along.max()), share, rounded)
 
 

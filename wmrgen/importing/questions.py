@@ -83,18 +83,24 @@ def swivel_doubts(
         yield Question(name, "actuated", text, (f"[{rest}]", f"[{', '.join(actuated or ())}]"))
 
 
-def axle_asked(c: Candidate, name: str) -> Iterator[Question]:
-    """What may be two wheels on one shaft, in whose middle one is taken: as large as one another, and further apart
-    than their diameter."""
-    if not c.shape:
+def axle_asked(robot: Robot, c: Candidate, name: str) -> Iterator[Question]:
+    """What may be two wheels on one shaft, in whose middle one is taken: two as large as one another, and further apart
+    than their diameter, or a mesh that is twice as long."""
+    bounds = max((m.reach for m in robot.meshes(c) if m.reach), key=lambda r: r.radius, default=None)
+    if c.shape:
+        (a, b), least = c.shape.sides, 2 * c.radius
+    elif bounds and bounds.round:
+        a, b = (plus(c.origin, c.axis, Fraction(end)) for end in (bounds.low, bounds.high))
+        least = Fraction(4 * bounds.radius)
+    else:
         return
-    a, b = c.shape.sides
     between = plus(b, a, -1)
-    if dot(between, between) > 4 * c.radius**2:
+    if dot(between, between) > least**2:
         at = " and ".join(f"({float(p[0]):.6g}, {float(p[1]):.6g})" for p in (a, b))
         text = "its joint turns two wheels, and one in their middle is taken: does a shaft turn both?"
+        where = "at" if c.shape else "whose outer sides are at"
         hints = (
-            f"two wheels where it does, at {at}, and equal: their spins, under couplings:",
+            f"two wheels where it does, {where} {at}, and equal: their spins, under couplings:",
             "else the one that touches the ground",
         )
         yield Question(name, "type", text, hints)

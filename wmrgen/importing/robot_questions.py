@@ -148,7 +148,7 @@ def support_asked(
     own = {link for c in seen for link in (c.joint.child, *(j.child for j in robot.under(c.joint.child)))}
     own |= {each.joint.child for each in passed}
     others = [link for link in robot.description.links if link not in own and robot.reaches(link)]
-    if any(w.type == CASTOR.name for w in wheels) or not _on_a_line([(w.x, w.y) for w in wheels]):
+    if any(w.type == CASTOR.name for w in wheels) or not _on_a_line([c.centre[:2] for c in seen]):
         return []
     ground = min(c.lowest if c.shape else c.lowest - c.radius for c in seen)
     low = [(link, *ball) for link in others for ball in robot.balls(link) if ball[1] - ground < _LOW]
@@ -177,5 +177,6 @@ def _castor(robot: Robot, c: Candidate) -> tuple[str, tuple[str, ...]]:
 
 
 def _on_a_line(places: Sequence[tuple[Fraction, Fraction]]) -> bool:
-    (x0, y0), (x1, y1), *rest = (*places, *places) if len(places) == 1 else places
-    return all(abs((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) < _STRAIGHT for x, y in rest)
+    x0, y0 = places[0]
+    x1, y1 = max(places, key=lambda place: math.dist(place, places[0]))
+    return all(abs((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) < _STRAIGHT for x, y in places)

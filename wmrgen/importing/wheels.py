@@ -137,7 +137,7 @@ def _wheel(
         )
     elif powered and actuated == () and c.shape and not c.shape.cylinder:
         questions.append(ball_asked(name))
-    questions += axle_asked(c, name)
+    questions += axle_asked(robot, c, name)
     radius, doubts = _size(robot, c, name, offset, remarks)
     questions += doubts
     if e[0] < _BACKWARD and kind != CASTOR.name:

@@ -69,10 +69,8 @@ def _alike(c: Candidate, wheels: list[Candidate]) -> bool:
 
 def _bodies(robot: Robot, wheels: list[Candidate]) -> list[Candidate]:
     """Each body once: what a wheel carries rigidly is a part of it, and a rigid axle that carries two is none."""
-    parts = [
-        [other for other in wheels if any(other.joint is j for j in robot.under(c.joint.child, rigid=True))]
-        for c in wheels
-    ]
+    under = [{id(joint) for joint in robot.under(c.joint.child, rigid=True)} for c in wheels]
+    parts = [[other for other in wheels if id(other.joint) in below] for below in under]
     axles = [not c.joint.moves and len(own) > 1 for c, own in zip(wheels, parts, strict=True)]
     carried = [part for own, axle in zip(parts, axles, strict=True) if not axle for part in own]
     return [c for c, axle in zip(wheels, axles, strict=True) if not axle and all(c is not p for p in carried)]

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from wmrgen.importing.frames import across, dot, plus, turned
-from wmrgen.importing.records import Description, Joint
+from wmrgen.importing.records import Description, Joint, Vector
 from wmrgen.importing.view import COAXIAL, EVEN, SUNK, UNSEEN, Candidate, Robot
 from wmrgen.spec.text import quoted
 
@@ -140,21 +140,23 @@ def of_legs(robot: Robot, turning: Sequence[Candidate], passed: Sequence[Passed]
     bearing = {
         j.name: j for limb in limbs for j in robot.moving_above(limb) if j.turns and not robot.upright(j)
     }
+    axles = [(j, robot.origin(j), robot.axis(j)) for j in bearing.values()]
     result = []
     for c in (c for c in turning if all(c.joint is not each.joint for each in passed)):
         above = [j.name for j in robot.moving_above(c.joint) if j is not c.steer]
-        leg = next((j for j in bearing.values() if j.name in above or _same_axle(robot, j, c)), None)
-        if leg:
+        legs = (j for j, origin, axis in axles if j.name in above or _same_axle(c, origin, axis))
+        if leg := next(legs, None):
             result.append(Passed(c.joint, f"it is beside a limb that {quoted(leg.name)} turns"))
     return result
 
 
-def _same_axle(robot: Robot, joint: Joint, c: Candidate) -> bool:
-    """A joint turns about a wheel's axle, within its radius of it."""
-    off = plus(robot.origin(joint), c.origin, -1)
+def _same_axle(c: Candidate, origin: Vector, axis: Vector) -> bool:
+    """An ``axis`` through ``origin`` is a wheel's axle, and the two origins are within the wheel's radius."""
+    off = plus(origin, c.origin, -1)
+    if dot(off, off) >= c.radius**2:
+        return False
     aside = across(off, c.axis)
-    near = dot(off, off) < c.radius**2 and dot(aside, aside) < EVEN**2
-    return near and abs(dot(robot.axis(joint), c.axis)) > COAXIAL
+    return dot(aside, aside) < EVEN**2 and abs(dot(axis, c.axis)) > COAXIAL
 
 
 def _unbalanced(robot: Robot, c: Candidate) -> float:

@@ -92,6 +92,7 @@ class Robot:
         self._trunk = {joint.child for joint in ancestors(base, self.above)}
         self._root = self._root_of(base)
         self._meshes: dict[tuple[str, Vector, Vector], tuple[Mesh, ...]] = {}
+        self._frames: dict[str, Frame] = {}
         self._below: dict[str, list[Joint]] = {}
         for joint in description.joints:
             self._below.setdefault(joint.parent, []).append(joint)
@@ -101,7 +102,9 @@ class Robot:
         return chain[-1].parent if chain else link
 
     def frame(self, link: str) -> Frame:
-        return composed(self._to_base, pose(link, self.above))
+        if link not in self._frames:
+            self._frames[link] = composed(self._to_base, pose(link, self.above))
+        return self._frames[link]
 
     def reaches(self, link: str) -> bool:
         """The link hangs on the same root as the base."""

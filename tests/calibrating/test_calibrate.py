@@ -409,7 +409,8 @@ def test_a_truth_in_other_units_is_refused(tmp_path: Path, factors: tuple[float,
 
 
 def test_ends_of_drives_that_turn_by_more_than_half_a_turn(tmp_path: Path) -> None:
-    """Headings between -pi and pi, at start and end alone: whole turns between them come from the joints."""
+    """Headings between -pi and pi, at start and end alone: whole turns between them come from the joints. Of three
+    drives, unknowns are as many as measurements, and no standard deviation is told."""
     layout = LAYOUTS["differential"]
     paths = written(tmp_path, layout)
     turns = []
@@ -424,7 +425,7 @@ def test_ends_of_drives_that_turn_by_more_than_half_a_turn(tmp_path: Path) -> No
     result = calibrate(derivation_of(tmp_path, layout), paths, [])
     for parameter, value in layout.true.items():
         estimate = result.parameters[parameter]
-        assert abs(estimate.value - value) < max(3 * estimate.sigma, 0.02 * value)
+        assert abs(estimate.value - value) < 0.02 * value and np.isinf(estimate.sigma)
 
 
 def test_the_solver_halts_where_readings_are_rough(tmp_path: Path) -> None:

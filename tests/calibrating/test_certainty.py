@@ -13,7 +13,7 @@ import pytest
 from tests.calibrating.simulated import LAYOUTS, Encoders, Tracker, csv, drive
 from tests.calibrating.test_calibrate import derivation_of
 from wmrgen.calibrating.calibrate import _deviations, calibrate
-from wmrgen.calibrating.certainty import _pulls, _spans, _walk, fit
+from wmrgen.calibrating.certainty import Fit, _pulls, _spans, _walk, fit
 from wmrgen.calibrating.clocks import ALONE, shown
 from wmrgen.calibrating.fit import LEVER, Residuals, _typical
 from wmrgen.calibrating.logs import Truth
@@ -92,10 +92,19 @@ def test_drives_that_differ_by_more_than_their_own_slips_make() -> None:
         SimpleNamespace(values=(mean, 9.0 * (k == 0)), deviations=np.array([0.01, 5.0 if k == 0 else 0.2]))
         for k, mean in enumerate(without)
     ]
-    best = SimpleNamespace(deviations=np.array([0.01, 0.2]))
+    best = SimpleNamespace(deviations=np.array([0.01, 0.2]), student=2.0)
     deviations = _deviations(best, others)  # type: ignore[arg-type]
-    assert deviations == pytest.approx([readings.std(ddof=1) / 5**0.5, 0.2])
-    assert list(_deviations(best, others[:2])) == [0.01, 0.2]  # type: ignore[arg-type]
+    assert deviations == pytest.approx([2 * readings.std(ddof=1) / 5**0.5, 0.4])
+    assert list(_deviations(best, others[:2])) == [0.02, 0.4]  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("freedom", "three"),
+    [(1, 235.80), (2, 19.207), (4, 6.620), (10, 3.957), (100, 3.077), (0, np.inf), (-2, np.inf)],
+)
+def test_few_measurements_more_than_unknowns(freedom: int, three: float) -> None:
+    """99.73 % of Student's distribution lie within so many standard deviations (JCGM 100:2008, table G.2)."""
+    assert 3 * Fit.student.fget(SimpleNamespace(freedom=freedom)) == pytest.approx(three, rel=1e-3)  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("late", [(0.0, 0.0, 0.0), (-0.3, 0.2, 0.05)])

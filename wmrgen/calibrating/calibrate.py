@@ -275,12 +275,13 @@ def _held_out(best: Fit, others: Sequence[Fit]) -> Errors | None:
 def _deviations(best: Fit, others: Sequence[Fit]) -> Reals:
     """Standard deviations of the parameters: what slips and noise in the drives make, or, where it is more, what the
     drives differ by (the jackknife, of three parts at least). A part without which a parameter is far less certain
-    alone tells it: what is left says nothing of it."""
+    alone tells it: what is left says nothing of it. Where measurements are few, both are so much larger that three of
+    them are as sure as ever; infinite where unknowns are as many."""
     inside = best.deviations
     if len(others) < _FEWEST:
-        return inside
+        return inside * best.student
     values = np.array([rest.values for rest in others])
     tells = np.array([rest.deviations for rest in others]) < _ALONE * inside
     middle = np.sum(values * tells, axis=0) / np.maximum(1, np.sum(tells, axis=0))
     between = np.sqrt((len(others) - 1) * np.mean(tells * (values - middle) ** 2, axis=0))
-    return np.asarray(np.maximum(inside, between))
+    return np.asarray(np.maximum(inside, between) * best.student)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr, stdtrit
 
 from wmrgen.calibrating.arrow import Sums
 from wmrgen.calibrating.clocks import shown
@@ -47,7 +48,8 @@ class Fit:
     the robot); ``covariance`` of both, in `Problem.units`; ``information``: the matrix that the drives alone give,
     own unknowns eliminated; ``noise``: the mean square of residuals in units of the scale; ``rms`` [m] of positions
     and [rad] of headings; ``apart`` (drives, 2): the same of each drive; ``offsets`` [s] by drive; ``spread``
-    (2, drives): their variances in units, and what these were, if residuals did not depend on each other."""
+    (2, drives): their variances in units, and what these were, if residuals did not depend on each other; ``freedom``:
+    measurements less unknowns."""
 
     problem: Problem
     unknowns: Reals
@@ -60,6 +62,13 @@ class Fit:
     apart: Reals
     offsets: tuple[float, ...]
     spread: Reals
+    freedom: int
+
+    @property
+    def student(self) -> float:
+        """How many times as far as three standard deviations of a normal distribution Student's goes, that of as many
+        degrees of freedom: infinite where there is none."""
+        return float(stdtrit(self.freedom, ndtr(3.0)) / 3) if self.freedom > 0 else np.inf
 
     @property
     def deviations(self) -> Reals:
@@ -115,11 +124,11 @@ def fit_at(problem: Problem, unknowns: Reals, each: Each = serial) -> Fit:
     squares = np.sum([drive.squares for drive in every], axis=0) / np.where(counts, counts, np.nan)
     measured = int(counts.sum())
     # Squares of errors are so much larger than those of residuals, for unknowns take part of them up.
-    freedom = measured / max(1, measured - len(unknowns))
+    freedom = measured - len(unknowns)
     walk = _walk([drive.spans for drive in every if drive.spans is not None])
     rates = [_independent(drive) if drive.spans is None else walk for drive in every]
     noise = [
-        freedom * np.tensordot(r, drive.pulls, 1) + drive.slides
+        measured / max(1, freedom) * np.tensordot(r, drive.pulls, 1) + drive.slides
         for r, drive in zip(rates, every, strict=True)
     ]
     covariance, spread = _spread(problem, every, np.array(noise))
@@ -137,6 +146,7 @@ def fit_at(problem: Problem, unknowns: Reals, each: Each = serial) -> Fit:
         * (2**0.5, 1 / LEVER),
         tuple(drive.offset for drive in every),
         spread,
+        freedom,
     )
 
 

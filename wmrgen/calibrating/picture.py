@@ -4,6 +4,7 @@ parameters with three standard deviations. It is narrow, so that its words are 1
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from math import isfinite
 
 import numpy as np
 
@@ -111,7 +112,11 @@ def _values(parameters: Mapping[str, Estimate]) -> Iterable[str]:
     left = min(max(map(width, parameters), default=0.0) + _MARGIN + 8, _WIDTH / 2)
     top, right, bottom = _VALUES, _WIDTH - _MARGIN, _VALUES + _ROW * len(parameters)
     shown = {n: _percent(e) for n, e in parameters.items()}
-    sure = [abs(middle) + 3 * sigma for n, (middle, sigma) in shown.items() if parameters[n].observable]
+    sure = [
+        abs(middle) + 3 * sigma
+        for n, (middle, sigma) in shown.items()
+        if parameters[n].observable and isfinite(sigma)
+    ]
     most = max([*sure, *(abs(middle) for middle, _ in shown.values()), 1e-3])
     half, centre = (right - left) / 2, (left + right) / 2
     told = f"change from nominal, 3 sigma; whole width {2 * most:.2g} %"

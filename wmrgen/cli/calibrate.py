@@ -111,7 +111,10 @@ def _as_data(result: Calibration, told: _Told) -> dict[str, Any]:
     from wmrgen.calibrating.drawn import by_time
 
     return {
-        "parameters": {name: asdict(estimate) for name, estimate in result.parameters.items()},
+        "parameters": {
+            name: asdict(e) | ({} if isfinite(e.sigma) else {"sigma": None})
+            for name, e in result.parameters.items()
+        },
         "unobservable": [list(group) for group in result.unobservable],
         "notes": told.notes,
         "counts_per_turn": told.counts_per_turn,
@@ -151,9 +154,8 @@ def _tell(robot: str, result: Calibration, told: _Told) -> None:
     for name, e in result.parameters.items():
         change = f" ({100 * (e.value / e.nominal - 1):+.2f} %)" if e.nominal else ""
         weak = "" if e.observable else "  not observable"
-        console.result(
-            f"  {name:<{width}} = {e.value:.6g} +- {e.sigma:.1g}   nominal {e.nominal:g}{change}{weak}"
-        )
+        sure = f"{e.sigma:.1g}" if isfinite(e.sigma) else "?"
+        console.result(f"  {name:<{width}} = {e.value:.6g} +- {sure}   nominal {e.nominal:g}{change}{weak}")
     x, y, theta = result.fit.mount
     console.result(
         f"  tracked point at x = {x:.4f}, y = {y:.4f} m of the robot, turned by {degrees(theta):.2f} deg"
@@ -195,6 +197,11 @@ def _notes(derivation: Derivation, result: Calibration) -> list[str]:
         )
         notes.append(
             f"{slip.drive}: left out from t = {slip.start:.1f} to {slip.end:.1f} s, where wheels slip: {how}"
+        )
+    if result.fit.freedom <= 0:
+        notes.append(
+            "as many unknowns as measurements: no standard deviation can be told; add drives, or poses between "
+            "start and end"
         )
     if result.unobservable:
         choices = offers(result.fit.problem, derivation)

@@ -40,6 +40,14 @@ def _drive(random: np.random.Generator, heading: float) -> Residuals:
     )  # fmt: skip
 
 
+@pytest.mark.parametrize(("lasts", "tells"), [(0.49, False), (0.6, True)])
+def test_a_truth_of_half_a_second_tells_nothing_of_slips(lasts: float, tells: bool) -> None:
+    """Its errors have one mean, which nothing later differs from: it was a LinAlgError."""
+    t = np.linspace(0.0, lasts, COUNT)
+    spans = _spans(t, _drive(np.random.default_rng(4), 0.0), np.ones((3, COUNT), dtype=bool))
+    assert (spans is not None) == tells and (spans is None or np.isfinite(spans).all())
+
+
 @pytest.mark.parametrize("heading", [0.0, 2.0])
 def test_random_walks_and_noise_are_found_back(heading: float) -> None:
     random, t = np.random.default_rng(4), STEP * np.arange(COUNT)

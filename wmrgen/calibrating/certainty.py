@@ -252,6 +252,8 @@ def _spans(t: Reals, rows: Residuals, measured: NDArray[np.bool_]) -> Reals | No
     moved = np.cumsum(np.exp(-0.5j * (heading[1:] + heading[:-1])) * steps)
     columns = np.array([t, [0.0, *moved.real], [0.0, *moved.imag], turned])
     firsts = np.flatnonzero(np.diff(np.floor((t - t[0]) / _MEAN), prepend=-1.0))
+    if len(firsts) < 2:
+        return None
     counts = np.diff(firsts, append=len(t))
     means = np.add.reduceat(columns, firsts, axis=1) / counts
     width = float(np.mean(t[firsts + counts - 1] - t[firsts]))

@@ -10,13 +10,14 @@ from math import pi
 import numpy as np
 from scipy.linalg import qr
 
-from wmrgen.calibrating.arrow import Arrow
+from wmrgen.calibrating.arrow import Arrow, Sums
 from wmrgen.calibrating.certainty import Fit, fit, fit_at
 from wmrgen.calibrating.fit import (
     FINEST,
     Each,
     Problem,
     Untold,
+    agreed,
     apart,
     arrow,
     information,
@@ -34,6 +35,8 @@ WEAK = 0.02  # a direction of the parameters that is less certain than this, rel
 _NOMINAL = 1 - 1e-6  # squared units (10 %) that nominal values are taken to be off, but for rounding
 _TOGETHER = 0.25  # of a direction's largest part: what is smaller does not belong to it
 _ROUNDS = 8  # at most, of directions that the truth does not tell: they turn with the parameters
+_WIDE = 1e3  # [m] a scale of the loss below which all squares count
+_SEEN = 1e-5  # [m] that joints disagree by where a direction is a unit off, to tell it
 _CLOSE = 0.1  # standard deviations that a round changes, where it is the last
 _RATE = 20.0  # [1/s] of the readings of a planned drive
 
@@ -89,10 +92,11 @@ def settled(best: Fit, each: Each = serial) -> Fit:
         if not untold.size:
             break
         if rows:
-            slides = 1.5 * float(np.median(each(paths, best.unknowns, _sliding)))
-            beside = Untold(untold, best.unknowns[: len(untold)])
+            unknowns = _moved(matrix, best.unknowns, _agreeing(paths, best.unknowns, untold, each))
+            slides = 1.5 * float(np.median(each(paths, unknowns, _sliding)))
+            beside = Untold(untold, unknowns[: len(untold)])
             problem = replace(best.problem, untold=beside, slides=max(slides, FINEST))
-            best = fit_at(problem, nearest(problem, best.unknowns, each), each)
+            best = fit_at(problem, nearest(problem, unknowns, each), each)
         variances, directions = np.linalg.eigh(best.covariance[: len(untold), : len(untold)])
         held = directions[:, variances > _NOMINAL]
         if held.size:
@@ -101,6 +105,19 @@ def settled(best: Fit, each: Each = serial) -> Fit:
         if np.all(np.abs(np.subtract(best.values, before)) < _CLOSE * best.deviations):
             break
     return best
+
+
+def _agreeing(problem: Problem, unknowns: Reals, untold: Reals, each: Each) -> Reals:
+    """The way (P,) among ``untold`` directions to where squares of the joints' disagreement are least."""
+    parts, count = each(replace(problem, slides=_WIDE), unknowns, _of_joints), len(untold)
+    gradient = np.sum([part.gradient for part in parts], axis=0)[:count]
+    matrix = np.sum([part.matrix for part in parts], axis=0)[:count, :count]
+    told = untold.T @ matrix @ untold + np.eye(untold.shape[1]) * (_SEEN / _WIDE) ** 2
+    return np.asarray(-untold @ np.linalg.solve(told, untold.T @ gradient))
+
+
+def _of_joints(problem: Problem, unknowns: Reals, index: int) -> Sums:
+    return agreed(problem, *apart(problem, unknowns, index))
 
 
 def _moved(matrix: Arrow, unknowns: Reals, way: Reals) -> Reals:

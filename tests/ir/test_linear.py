@@ -14,7 +14,7 @@ from tests.work import calls
 from wmrgen.exact.number import SQRT2, SQRT3, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.interpret import EXACT, evaluate
-from wmrgen.ir.linear_program import Coefficient, Emitter, Magnitudes
+from wmrgen.ir.linear_program import Coefficient, Emitter
 from wmrgen.ir.linear_search import cheapest
 from wmrgen.ir.nodes import Cost, Function, count
 
@@ -31,10 +31,8 @@ def program(matrix: Matrix) -> Function:
     builder = Builder()
     names = [f"t{j}" for j in range(len(matrix[0]))]
     terms = [builder.input(name) for name in names]
-    rows = [{j: Coefficient(value) for j, value in enumerate(row) if value} for row in matrix]
-    magnitudes = Magnitudes()
-    graph = cheapest(rows, len(names), magnitudes)
-    emitter = Emitter(graph, magnitudes, builder, lambda c, node: builder.mul(builder.const(c.value), node))
+    rows = tuple(tuple((j, Coefficient(value)) for j, value in enumerate(row) if value) for row in matrix)
+    emitter = Emitter(*cheapest(rows, len(names)), builder, lambda c, node: builder.mul(builder.const(c.value), node))
     results = [emitter.output(i, terms.__getitem__) for i in range(len(rows))]
     outputs = tuple(port(f"y{i}") for i in range(len(matrix)))
     f = builder.function("f", tuple(port(name) for name in names), outputs, results)

@@ -159,7 +159,7 @@ def _writes_or_prints(module: str) -> Iterator[str]:
 
 # What is filled while something is worked out; every other record is a value.
 FILLED = {
-    "bounds/assumptions:Domain", "bounds/lengths:Length", "ir/linear_forms:_Search", "ir/linear_forms:_Plan",
+    "bounds/assumptions:Domain", "bounds/lengths:Length", "ir/linear_forms:_Plan",
     "ir/linear_program:Graph", "backends/drawing/paper:Paper", "spec/typesetting:_Line",
 }  # fmt: skip
 

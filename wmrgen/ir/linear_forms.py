@@ -9,14 +9,14 @@ stands in: such a part may share with earlier rows.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.geometry import Form, Monomial, Scalars, accumulate, geometry_only, times
-from wmrgen.ir.linear_program import Coefficient, Emitter, Graph, Magnitudes
+from wmrgen.ir.linear_program import Coefficient, Emitter, Graph
 from wmrgen.ir.linear_search import cheapest
 from wmrgen.ir.nodes import Function, Op
 
@@ -33,7 +33,6 @@ def share_linear_forms(function: Function) -> Function:
     scalars = Scalars(function, builder, shape.early)
     best: _Plan | None = None
     tried: list[Rows] = []
-    search = _Search()
     limit = len(function.nodes)
     stops = shape.stops
     ways = [stops, stops | _early(function, shape, scalars, stops)]
@@ -45,7 +44,7 @@ def share_linear_forms(function: Function) -> Function:
             continue
         tried.append(rows)
         limit = min(limit, 64 + _GROWTH * sum(len(row) for row in rows.values()))
-        plan = _plan(function, rows, search)
+        plan = _plan(function, rows)
         if best is None or plan.cost < best.cost:
             best = plan
     if best is None:
@@ -178,47 +177,29 @@ def _parts(
     return [(other, value * c, times(monomial, m))] if c else []
 
 
-Matrix = list[Mapping[int, Coefficient]]
-
-
-@dataclass(slots=True)
-class _Search:
-    """Programs by matrix: most groups of rows come up in every way of expanding."""
-
-    magnitudes: Magnitudes = field(default_factory=Magnitudes)
-    programs: dict[tuple[tuple[tuple[int, Coefficient], ...], ...], Graph] = field(default_factory=dict)
-
-    def cheapest(self, matrix: Matrix, columns: int) -> Graph:
-        key = tuple(tuple(row.items()) for row in matrix)
-        if key not in self.programs:
-            self.programs[key] = cheapest(matrix, columns, self.magnitudes)
-        return self.programs[key]
-
-
 @dataclass(slots=True)
 class _Plan:
-    """Programs of all groups of rows with their terms, and each row's (group, output)."""
+    """Programs of all groups of rows, the coefficients in them and their terms; each row's (group, output)."""
 
-    magnitudes: Magnitudes
-    groups: list[tuple[Graph, list[int]]] = field(default_factory=list)
+    groups: list[tuple[Graph, Sequence[Coefficient], list[int]]] = field(default_factory=list)
     place: dict[int, tuple[int, int]] = field(default_factory=dict)
 
     @property
     def cost(self) -> tuple[int, int]:
         """(additions + multiplications, multiplications) of all programs."""
-        costs = [graph.cost for graph, _ in self.groups]
+        costs = [graph.cost for graph, *_ in self.groups]
         return sum(cost[0] for cost in costs), sum(cost[1] for cost in costs)
 
 
-def _plan(function: Function, rows: Rows, search: _Search) -> _Plan:
-    plan = _Plan(search.magnitudes)
+def _plan(function: Function, rows: Rows) -> _Plan:
+    plan = _Plan()
     for members in _groups(function, rows):
         columns = sorted({term for root in members for term in rows[root]})
         index = {term: j for j, term in enumerate(columns)}
-        matrix: Matrix = [{index[term]: c for term, c in rows[root].items()} for root in members]
+        matrix = tuple(tuple((index[term], c) for term, c in rows[root].items()) for root in members)
         for i, root in enumerate(members):
             plan.place[root] = (len(plan.groups), i)
-        plan.groups.append((search.cheapest(matrix, len(columns)), columns))
+        plan.groups.append((*cheapest(matrix, len(columns)), columns))
     return plan
 
 
@@ -251,7 +232,7 @@ def _groups(function: Function, rows: Rows) -> list[list[int]]:
 
 
 def _emit(function: Function, shape: _Shape, scalars: Scalars, builder: Builder, plan: _Plan) -> Function:
-    emitters = [Emitter(graph, plan.magnitudes, builder, scalars.scale) for graph, _ in plan.groups]
+    emitters = [Emitter(graph, factors, builder, scalars.scale) for graph, factors, _ in plan.groups]
     built: dict[int, int] = {}
 
     def value(i: int) -> int:
@@ -262,7 +243,7 @@ def _emit(function: Function, shape: _Shape, scalars: Scalars, builder: Builder,
             continue
         if i in plan.place:
             group, k = plan.place[i]
-            terms = [-1 - term if term < 0 else built.get(term, -1) for term in plan.groups[group][1]]
+            terms = [-1 - term if term < 0 else built.get(term, -1) for term in plan.groups[group][2]]
             built[i] = emitters[group].output(k, terms.__getitem__)
         elif node.op is Op.INPUT:
             built[i] = builder.copy(node, ())

@@ -127,9 +127,11 @@ Scale = Callable[[Coefficient, int], int]  # coefficient times node
 class Emitter:
     """Emits the nodes that an output needs, when it is asked for. Terms must stand by then."""
 
-    def __init__(self, graph: Graph, magnitudes: Magnitudes, builder: Builder, scale: Scale) -> None:
+    def __init__(
+        self, graph: Graph, factors: Sequence[Coefficient], builder: Builder, scale: Scale
+    ) -> None:
         self._graph, self._builder, self._scale = graph, builder, scale
-        self._table = magnitudes.table
+        self._factors = factors
         self._signs = polarities(graph)
         self._place: dict[int, int] = {}
 
@@ -155,7 +157,7 @@ class Emitter:
     def _emit(self, node: int) -> int:
         signs, polarity = self._signs, self._signs[node]
         edges = [(source, sign * signs[source]) for source, sign in self._graph.sources[node]]
-        factor = self._table[self._graph.factors[node]]
+        factor = self._factors[self._graph.factors[node]]
         if self._graph.factors[node]:
             flip = 1 if any(sign > 0 for _, sign in edges) else -1
             total = self._sum([(source, sign * flip) for source, sign in edges])

@@ -8,10 +8,12 @@ output scalings from normalised rows, and both swap on the transposed problem.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import lru_cache
 
 from wmrgen.ir.linear_program import Coefficient, Edge, Graph, Magnitudes, transpose
 
+Matrix = tuple[tuple[tuple[int, Coefficient], ...], ...]  # of every row (column, coefficient)
 Row = dict[int, tuple[int, int]]  # column -> (magnitude, sign)
 PairKey = tuple[int, ...]
 KeyOf = Callable[[int, tuple[int, int], int, tuple[int, int]], PairKey | None]
@@ -123,11 +125,15 @@ def _factored(graph: Graph, row: Row, product: Callable[[int, int], int]) -> Edg
     return graph.add(edges) if edges else None
 
 
-def cheapest(rows: Sequence[Mapping[int, Coefficient]], columns: int, magnitudes: Magnitudes) -> Graph:
-    """The cheapest graph found of  y_i = sum_j rows[i][j] t_j  over ``columns`` terms."""
-    whole = [{j: magnitudes.split(c) for j, c in sorted(row.items()) if c.value} for row in rows]
+@lru_cache(maxsize=1024)  # a matrix comes up in several ways of expanding, and in several functions
+def cheapest(matrix: Matrix, columns: int) -> tuple[Graph, Sequence[Coefficient]]:
+    """The cheapest graph found of  y_i = sum_j matrix[i][j] t_j  over ``columns`` terms, and what its factors stand
+    for."""
+    magnitudes = Magnitudes()
+    whole = [{j: magnitudes.split(c) for j, c in sorted(row) if c.value} for row in matrix]
     distinct, copies = _distinct(whole, magnitudes)
-    return _with_copies(min(_candidates(distinct, columns, magnitudes), key=lambda graph: graph.cost), copies)
+    graph = min(_candidates(distinct, columns, magnitudes), key=lambda graph: graph.cost)
+    return _with_copies(graph, copies), magnitudes.table
 
 
 def _distinct(rows: Sequence[Row], magnitudes: Magnitudes) -> tuple[list[Row], list[tuple[int, int, int]]]:

@@ -98,7 +98,7 @@ def test_free_text() -> None:
         (f"{HEAD}description: \uffff\n", "invisible"), ("[" * 100_000, "deeper than 16"),
         ("{" * 100_000, "deeper than 16"), ("- " * 50_000, "deeper than 16"),
         ("? " * 50_000, "deeper than 16"), ("[1, " * 20 + "]", "deeper than 16"),
-        ("a: [" + "1," * 20_000 + "]", "more than 20000"), ("x" * (300 * 1024), "larger than 256 KiB"),
+        ("x" * (300 * 1024), "larger than 256 KiB"),
         (f"{'k' * 200}: 1\n", "short word|without"), ("a" * 200_000, "must be a mapping"),
     ],
 )  # fmt: skip

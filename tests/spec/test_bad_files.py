@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 import wmrgen
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Code, RobotFileError
 
 ESCAPE = re.compile(r"\\(?:u([0-9a-f]{4})|([tr\n]))")
 
@@ -58,12 +58,39 @@ def test_what_is_told(name: str, tmp_path: Path) -> None:
                 str(part.mark.line)
             )
         assert part.why or part.instead
+        if (mended := followed(file, part)) is not None:
+            path.write_bytes(mended.encode())
+            assert (part.what, part.mark) not in [(rest.what, rest.mark) for rest in errors(path)]
+        a_letter_first = re.match(r"[^']*'[^\w']*[^\W\d_].*'", part.what)
+        assert mended or part.code != Code.NAME or not a_letter_first, "a name that is near"
     for this, that in mends:
         assert this.replace("\\n", "\n") in file
         file = file.replace(this.replace("\\n", "\n"), that.replace("\\n", "\n"))
     if mends:
         path.write_bytes(file.encode())
         wmrgen.load(path)
+
+
+ADVICE = re.compile(r"(?:Write|Did you mean) ([^\s.?]+(?:: [^\s.?]+)?)(?:\.$|\?)")
+
+
+def followed(file: str, part: RobotFileError) -> str | None:
+    """The file with what its error advises in the place of what it quotes; None where that is no word for another."""
+    quoted, advice = re.search("'(.+?)'", part.what), ADVICE.match(part.instead)
+    lines = re.split(r"(\r\n|\r|\n)", file)
+    if quoted is None or advice is None or part.mark is None:
+        return None
+    before, wrong, after = lines[2 * part.mark.line - 2].partition(quoted[1])
+    lines[2 * part.mark.line - 2] = before + advice[1] + after
+    return "".join(lines) if wrong else None
+
+
+def errors(path: Path) -> tuple[RobotFileError, ...]:
+    try:
+        wmrgen.load(path)
+    except RobotFileError as error:
+        return error.parts
+    return ()
 
 
 def test_there_are_many() -> None:

@@ -131,6 +131,25 @@ print("_half_twist(" in files["unicycle.h"].decode(), "ours: half of everything"
 """
 
 
+@pytest.mark.parametrize(("first", "second"), [("a", "b"), ("b", "a")])
+def test_a_function_is_declared_in_one_module(
+    first: str, second: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Which may be read again."""
+    monkeypatch.setattr(registry, "_FUNCTIONS", {})
+
+    def declare(module: str) -> None:
+        def mine(robot: Any, mobility: Any) -> Any: ...
+
+        mine.__module__ = module
+        registry.function(source="ours")(mine)
+
+    declare(first)
+    declare(first)
+    with pytest.raises(ValueError, match=f"function mine of {second} is declared in {first}"):
+        declare(second)
+
+
 def test_a_function_from_outside_is_derived_printed_and_reported(tmp_path: Path) -> None:
     (tmp_path / "outside.py").write_text(OUTSIDE, encoding="utf-8")
     lines = run(USE, str(tmp_path), str(asking(tmp_path, "half_twist"))).split("\n")

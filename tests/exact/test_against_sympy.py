@@ -6,11 +6,12 @@ import math
 import random
 from fractions import Fraction
 
+import mpmath
 import pytest
 import sympy
 
 from tests.depth import everyday
-from wmrgen.exact.evaluate import circle, twelfths
+from wmrgen.exact.evaluate import _rounded, circle, twelfths
 from wmrgen.exact.linalg import adjugate, determinant, inverse
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, by_angle, derivative
@@ -97,3 +98,15 @@ def test_derivatives_by_an_angle() -> None:
         assert number is not None
         angle = {sympy.cos(t): sympy.Rational(str(c)), sympy.sin(t): sympy.Rational(str(s))}
         assert sympy.Rational(str(number)) == sympy.sympify(exact).subs(angle)
+
+
+@pytest.mark.parametrize("exponent", [-7, -1, 0, 1, 39, 40, 55])
+def test_reals_become_fractions_of_forty_digits(exponent: int) -> None:
+    """The last of them rounded; of a power of ten, there is one."""
+    power = Fraction(10) ** exponent
+    with mpmath.workdps(80):
+        ten = mpmath.mpf(10) ** exponent
+        thirds = [_rounded(k * ten / 3) for k in (1, -2)]
+        assert _rounded(ten) == Exact(power)
+    assert thirds == [Exact(int(digits) * power / 10**40) for digits in ("3" * 40, "-" + "6" * 39 + "7")]
+    assert _rounded(mpmath.mpf(0)) == Exact(0)

@@ -182,8 +182,9 @@ def _reaches_aside(robot: Robot, c: Candidate) -> float:
 
 def _between(c: Candidate, others: Sequence[Candidate]) -> tuple[Candidate, ...]:
     """Two of few ``others`` on the axle of ``c``, each the mirror image of the other in the middle ``c``."""
-    level = [w for w in others[: _FEW + 1] if w is not c and abs(dot(w.axis, c.axis)) > COAXIAL]
-    for i, a in enumerate(level if len(others) <= _FEW else []):
+    few = others if len(others) <= _FEW else ()
+    level = [w for w in few if w is not c and abs(dot(w.axis, c.axis)) > COAXIAL]
+    for i, a in enumerate(level):
         for b in level[:i]:
             askew = across(plus(a.origin, b.origin, -1), c.axis)
             off = plus(plus(a.origin, b.origin), c.origin, -2)

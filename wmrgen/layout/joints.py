@@ -84,7 +84,7 @@ def _encoder(what: str, e: EncoderSpec, scope: Scope) -> Encoder:
             f"bits of {what} is {e.bits.text}, neither 16 nor 32", e.bits.mark,
             "A counter is read as an unsigned integer of that width.", "Write bits: 16 or bits: 32.",
         )  # fmt: skip
-    return Encoder(-turn if e.reversed else turn, 16 if bits == Exact(16) else 32)
+    return Encoder(-turn if e.reversed else turn, int(float(bits)))
 
 
 def lag_of(whose: str, lag: Iterable[tuple[str, Quantity]], scope: Scope) -> dict[str, Exact]:

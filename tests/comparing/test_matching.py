@@ -94,8 +94,15 @@ def test_order_of_an_array_of_joints(tmp_path: Path) -> None:
     path.write_text("omni: {wheel_names: [w0, w2, w1], robot_radius: 0.2, wheel_radius: 0.1}\n")
     robot = replace(ring((0.2,) * 3), ordered=True)
     assert [d.code for d in compare(robot, *layouts(path)).differences] == ["WMR047"]
+    assert not compare(replace(robot, ordered=False), *layouts(path)).differences
     path.write_text("omni: {wheel_names: [w0, w1, w2], robot_radius: 0.2, wheel_radius: 0.1}\n")
     assert not compare(robot, *layouts(path)).differences
+    path.write_text(
+        "diff_drive: {left_wheel_names: [left], right_wheel_names: [right], wheel_separation: 0.4}\n"
+    )
+    pair = differential(0.4)  # whose joints have their sides: their order tells nothing
+    for wheels in (pair.wheels, pair.wheels[::-1]):
+        assert not compare(replace(pair, wheels=wheels, ordered=True), *layouts(path)).differences
 
 
 def test_motion_is_not_guessed() -> None:

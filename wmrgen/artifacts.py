@@ -43,7 +43,7 @@ class Written(NamedTuple):
     removed: tuple[str, ...]
 
 
-def with_manifest(files: Mapping[str, bytes], made_with: Mapping[str, str] | None = None) -> dict[str, bytes]:
+def with_manifest(files: Mapping[str, bytes], made_with: Mapping[str, str] | None) -> dict[str, bytes]:
     """``files`` and, last, their manifest: the SHA-256 of each, by name, and the options they were made with."""
     names = sorted(files)
     for name in names:

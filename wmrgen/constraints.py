@@ -146,7 +146,7 @@ def driving_row(wheel: Wheel, g: Geometry[Poly]) -> Row:
     return row[0] + share * slide[0], row[1] + share * slide[1], row[2] + share * slide[2]
 
 
-def constrain(robot: Robot, view: View = working_view) -> Constraints:
+def constrain(robot: Robot, view: View) -> Constraints:
     """All rows of the robot in one view of its geometry."""
     rolling = tuple(rolling_row(w, view(w)) for w in robot.wheels if w.has_spin)
     sliding = tuple(sliding_row(w, view(w)) for w in robot.wheels if w.kind.sliding_row)

@@ -127,7 +127,7 @@ _IN_C = {
 }
 
 
-def for_c(module: Module, robot: Robot, functions: Iterable[str], passive: bool = False) -> Module:
+def for_c(module: Module, robot: Robot, functions: Iterable[str], passive: bool) -> Module:
     """Of an `optimised` module: forward with and without the residual, inverse without slip, which has a function
     of its own.
 

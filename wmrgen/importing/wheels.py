@@ -48,7 +48,7 @@ _TURN = Fraction(6)  # [rad] a range of steering angles beyond which it is not o
 _BACKWARD = -0.94  # cosine of a heading that is straight back, by and large
 
 
-def import_wheels(description: Description, base: str | None = None, forward: str | None = None) -> Imported:
+def import_wheels(description: Description, base: str | None, forward: str | None = None) -> Imported:
     """The wheels of a description in the frame of its link ``base``, turned so that its direction ``forward`` is x.
 
     RobotFileError where there is none, or one that nothing drives: it may be anything that turns.

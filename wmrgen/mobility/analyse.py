@@ -131,7 +131,7 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
     return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
 
 
-def towards(a: Wheel, b: Wheel, view: View = working_view) -> Poly:
+def towards(a: Wheel, b: Wheel, view: View) -> Poly:
     """e_a . (A_b - A_a): zero when the axle of a passes through the pivot of b."""
     ga, gb = view(a), view(b)
     ex, ey = heading(a, ga)

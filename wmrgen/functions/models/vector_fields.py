@@ -96,7 +96,7 @@ def _of_generator(g: Gen, name: str) -> Poly:
     raise ValueError(f"no derivative of {g.kind}")
 
 
-def generic_point(state: tuple[Port, ...], seed: int = 0) -> dict[str, Exact]:
+def generic_point(state: tuple[Port, ...], seed: int) -> dict[str, Exact]:
     """State -> a number, and for an angle the tangent of its half. Printed names, see `to_poly`."""
     return {
         p.name.replace(".", "_"): Exact(Fraction((-1) ** k * (2 * k + 1 + seed), 7 + 3 * k + 2 * seed))

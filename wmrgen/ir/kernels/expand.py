@@ -25,7 +25,7 @@ def expand(module: Module, scalar: str, math: str, target: str = DEFAULT.target)
     return inlined_calls(with_kernels(module, scalar, math, target))
 
 
-def with_kernels(module: Module, scalar: str, math: str, target: str = DEFAULT.target) -> Module:
+def with_kernels(module: Module, scalar: str, math: str, target: str) -> Module:
     """As `expand`, and kernels are called: those of ``module`` itself and those of its sines and arctangents."""
     if scalar != "float" or target == AVR:
         math = LIBM

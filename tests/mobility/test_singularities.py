@@ -97,6 +97,8 @@ def test_driven_wheels_of_one_condition_stand_still_together() -> None:
         "they drive and measure nothing"
     )
     assert len(still.conditions) == 1
+    (still,) = of([rear, twin, wheel("u", "fixed", 0.0, 0.0, r=0.3), STEERS], "drive")
+    assert still.wheels == ("r", "t", "u") and not still.everywhere  # at one steering angle alone
 
 
 def test_rollers_of_an_x(tmp_path: Path) -> None:
@@ -114,7 +116,7 @@ def test_rollers_of_an_x(tmp_path: Path) -> None:
     )
     mobility = wmrgen.derive(wmrgen.load(path)).mobility
     (lost,) = (s for s in mobility.singularities if s.kind == "rolling_rank")
-    assert lost.wheels == ("w0", "w1", "w2", "w3") and "not an X" in lost.meaning
+    assert lost.wheels == ("w0", "w1", "w2", "w3") and "not an X" in lost.meaning and lost.everywhere
     conditions = [expression(p) for c in lost.conditions for p in (c if isinstance(c, tuple) else (c,))]
     assert conditions and len(set(conditions)) == len(conditions)
     for a, b in ((0.25, 0.25), (0.4, 0.4), (0.4, 0.25)):

@@ -13,6 +13,8 @@ const PULLED = 0.005; // s: a step of trailers
 const GROUND = [9, 6]; // width and height of what is seen, in sizes of the largest robot
 
 const degrees = (angle) => (angle * 180) / Math.PI;
+// A number with so many digits; one that they make 0 has no sign.
+const fixed = (value, digits) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1");
 const joint = (name) => name.slice(name.lastIndexOf(".") + 1);
 
 // An element in `parent`: of HTML, or with `svg` of SVG.
@@ -353,7 +355,7 @@ class Live {
     for (const { name, unit, kind, input, output } of this.sliders) {
       const value = (kind === "twist" ? this.asked : this.joints)[name];
       input.value = value;
-      output.textContent = `${(unit === "°" ? degrees(value) : value).toFixed(unit === "°" ? 1 : 3)} ${unit}`;
+      output.textContent = `${unit === "°" ? fixed(degrees(value), 1) : fixed(value, 3)} ${unit}`;
     }
     this.tell();
   }
@@ -391,7 +393,7 @@ class Live {
 
   tell() {
     const { vx, vy, omega } = this.twist;
-    const icr = this.icr?.map((v) => v.toFixed(2)).join(", ");
+    const icr = this.icr?.map((v) => fixed(v, 2)).join(", ");
     const slides = this.slip > SLIDING;
     this.state.classList.toggle("slips", slides);
     const slip = `slip ${this.slip.toFixed(3)} m/s. `;
@@ -399,7 +401,7 @@ class Live {
       ? `The wheels cannot do all of what is asked: ${slip}`
       : `The wheels contradict one another: ${slip}`;
     this.state.textContent =
-      `${why}It drives vx ${vx.toFixed(3)} m/s, vy ${vy.toFixed(3)} m/s, ω ${omega.toFixed(3)} rad/s` +
+      `${why}It drives vx ${fixed(vx, 3)} m/s, vy ${fixed(vy, 3)} m/s, ω ${fixed(omega, 3)} rad/s` +
       `${icr ? ` about the ICR (${icr}) m` : ""}. One square is ${+this.square.toPrecision(1)} m.`;
   }
 }

@@ -39,6 +39,10 @@ for (const live of document.getElementById("live").lives) {
     live.draw();
     results[live.robot.name][name] = [before, shown(live)];
   }
+  // What its digits make 0 has no sign.
+  live.ask({ vx: -1e-9, vy: -0, omega: -1e-9 });
+  live.draw();
+  results[live.robot.name].small = [live.state.textContent, ...live.sliders.map((s) => s.output.textContent)];
   // A path ahead and to the left is followed to its end, by a robot that can.
   live.reset();
   live.size = Math.max(...live.robot.wheels.map((w) => 0.1 + Math.hypot(w.x, w.y)));

@@ -32,7 +32,9 @@ def program(matrix: Matrix) -> Function:
     names = [f"t{j}" for j in range(len(matrix[0]))]
     terms = [builder.input(name) for name in names]
     rows = tuple(tuple((j, Coefficient(value)) for j, value in enumerate(row) if value) for row in matrix)
-    emitter = Emitter(*cheapest(rows, len(names)), builder, lambda c, node: builder.mul(builder.const(c.value), node))
+    emitter = Emitter(
+        *cheapest(rows, len(names)), builder, lambda c, node: builder.mul(builder.const(c.value), node)
+    )
     results = [emitter.output(i, terms.__getitem__) for i in range(len(rows))]
     outputs = tuple(port(f"y{i}") for i in range(len(matrix)))
     f = builder.function("f", tuple(port(name) for name in names), outputs, results)

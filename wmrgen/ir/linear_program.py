@@ -127,9 +127,7 @@ Scale = Callable[[Coefficient, int], int]  # coefficient times node
 class Emitter:
     """Emits the nodes that an output needs, when it is asked for. Terms must stand by then."""
 
-    def __init__(
-        self, graph: Graph, factors: Sequence[Coefficient], builder: Builder, scale: Scale
-    ) -> None:
+    def __init__(self, graph: Graph, factors: Sequence[Coefficient], builder: Builder, scale: Scale) -> None:
         self._graph, self._builder, self._scale = graph, builder, scale
         self._factors = factors
         self._signs = polarities(graph)

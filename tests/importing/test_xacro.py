@@ -189,6 +189,7 @@ def test_guarded_expressions_have_the_value_of_python(text: str) -> None:
         ("range(50000)", "range(1, 50002)", "a range of more than 50000 numbers"),
         ("'%999d' % 1", "'%1000d' % 1", "the format '%1000d' is refused"),
         ("'%d' % 1", "'%*d' % (2, 1)", "the format '%*d' is refused"),
+        (f"0{' + 1' * 20}", f"0{'+1' * 999}", "is nested too deeply"),
         ("[x for x in [1]]", "[x for x in [1] for y in [2]]", "it may do more than compute"),
         ("len", "type", "'type' is not defined"),
     ],

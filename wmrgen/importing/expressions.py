@@ -48,7 +48,10 @@ def checked(text: str) -> str:
         loops += isinstance(node, ast.comprehension)
         if isinstance(node, _REFUSED) or _INSIDES.match(name) or loops > 1:
             raise refuse(f"the expression {quoted(text)} is refused: it may do more than compute")
-    return ast.unparse(_Guarded().visit(tree))
+    try:
+        return ast.unparse(_Guarded().visit(tree))
+    except RecursionError:
+        raise refuse(f"the expression {quoted(text)} is nested too deeply") from None
 
 
 class _Guarded(ast.NodeTransformer):

@@ -21,7 +21,8 @@ from wmrgen.backends.registry import Facts
 from wmrgen.emit import site
 
 SANITIZERS = "fuzzer,address,undefined,float-divide-by-zero,float-cast-overflow"
-FLAGS = ("-std=c99", "-g", "-O1", f"-fsanitize={SANITIZERS}", "-fno-sanitize-recover=all")
+WARNINGS = ("-Wall", "-Wextra", "-Werror")
+FLAGS = ("-std=c99", *WARNINGS, "-g", "-O1", f"-fsanitize={SANITIZERS}", "-fno-sanitize-recover=all")
 ACKERMANN, TUNABLE = "ackermann_car", "pioneer3dx"
 SECONDS = 60  # of all robots together, in CI
 

@@ -31,7 +31,8 @@ def _tried(unit: Unit, guarded: Guarded, prepare: Guarded | None) -> dict[str, A
     """A function that is tried, ready to print; ``prepare``: what checks its parameters, which are tried too."""
     step = guarded.step
     variables = unit.variables(step)
-    changed = [p for p in step.parameters if p.reads and p.writes]
+    changed = {variable for output in guarded.outputs if (variable := _changed(guarded, output))}
+    before = [p for p in step.parameters if p.name in changed and not guarded.prepares]
     fill = _any(guarded)
     if guarded.prepares:
         variables |= {"nominal": variables["params"], "expected": variables["prepared"]}
@@ -42,9 +43,9 @@ def _tried(unit: Unit, guarded: Guarded, prepare: Guarded | None) -> dict[str, A
     return {
         "name": step.name.removeprefix(f"{unit.robot}_"),
         "declare": [f"{kind} {name};" for name, kind in variables.items()]
-        + [f"{p.type} {p.name}_before;" for p in changed],
+        + [f"{p.type} {p.name}_before;" for p in before],
         "poisoned": [p.name for p in step.parameters if p.writes and not p.reads],
-        "fill": [*fill, *(f"{p.name}_before = {p.name};" for p in changed)],
+        "fill": [*fill, *(f"{p.name}_before = {p.name};" for p in before)],
         "call": _call(guarded),
         "accepted": _accepted(guarded),
         "refused": _refused(guarded, unit.robot),
@@ -92,14 +93,19 @@ def _numbers(guarded: Guarded, output: Safe) -> Iterator[str]:
         yield f"({read} >= {output.limit[0]}) && ({read} <= {output.limit[1]})"
 
 
+def _changed(guarded: Guarded, output: Safe) -> str:
+    """The variable in whose place an output that is held is written."""
+    present = guarded.step.inputs[output.port.name] if output.held and not output.limit else ""
+    return present.partition(".")[0] if present == guarded.step.outputs[output.port.name] else ""
+
+
 def _is_safe(guarded: Guarded, output: Safe) -> str:
     read = guarded.step.outputs[output.port.name]
     if output.limit:
         return f"({read} >= {output.limit[0]}) && ({read} <= {output.limit[1]})"
     if output.held:
         present = guarded.step.inputs[output.port.name]
-        if present == read:  # changed in place
-            variable, _, member = present.partition(".")
-            present = f"{variable}_before.{member}"
+        if variable := _changed(guarded, output):
+            present = f"{variable}_before{present.removeprefix(variable)}"
         return f"is_number({present}) ? ({read} == {present}) : ({read} == 0)"
     return f"{read} == 0"

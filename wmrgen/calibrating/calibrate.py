@@ -61,8 +61,7 @@ class Calibration:
     """``unobservable``: parameters that the drives do not tell, those together that scale together. ``before`` and
     ``after``: errors of all drives with the nominal and the new parameters; ``held_out``: of each drive with the
     parameters of others, or of each part of a drive with those of its others; None where it is too short for parts;
-    ``outliers``: what was left out of all this; ``drifts``: how clocks
-    and headings of the truth move in the drives."""
+    ``outliers``: what was left out of all this; ``drifts``: how clocks and headings of the truth move in the drives."""
 
     parameters: Mapping[str, Estimate]
     unobservable: tuple[tuple[str, ...], ...]

@@ -53,9 +53,7 @@ class Increments:
     parameters: tuple[str, ...]
     sensitivity: OfColumns  # of columns of all inputs: vx, vy, omega, and these by each parameter
     disagreement: OfColumns  # of the same columns: `slip` of forward, and nothing else
-    rows: (
-        OfColumns | None
-    )  # of the same columns: what each measured row is off by, and this by each parameter
+    rows: OfColumns | None  # of the same columns: what each measured row is off by, and by each parameter
 
     @staticmethod
     def of(forward: Function, rows: Function | None) -> Increments:

@@ -14,14 +14,8 @@ from wmrgen.functions.system import Domain
 from wmrgen.layout.records import Robot
 from wmrgen.symbolic import Expr, expression
 
-_HALVES = (
-    3,
-    -5,
-    4,
-    7,
-    -6,
-    9,
-)  # 1/tan(angle/2) of the angles at which generic ranks are decided; 10, 11, … follow
+# 1/tan(angle/2) of the angles at which generic ranks are decided; 10, 11, … follow.
+_HALVES = (3, -5, 4, 7, -6, 9)
 NEGLIGIBLE = 1e-12
 _STEPS = 720
 _MARGIN = 1e-3

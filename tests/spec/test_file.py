@@ -278,3 +278,8 @@ def test_the_schema_lists_every_type_and_refuses_unknown_keys() -> None:
         assert set(wheel_schema["required"]) <= set(wheel_schema["properties"])
     assert "γ" in schema["$defs"]["swedish"]["properties"]
     assert "d" not in schema["$defs"]["steered"]["properties"]
+
+
+@pytest.mark.parametrize("key", ["parameters", "limits"])
+def test_a_table_may_be_empty(key: str) -> None:
+    assert read(robot(top=f"{key}: {{}}\n")).parameters == ()

@@ -33,7 +33,7 @@ def read_parameters(
     trees = {}
     tunable = {}
     rests = [severed(key, entry) for key, entry in mapping.entries]
-    for (key, entry), rest, behind in zip(mapping.entries, rests, [*rests[1:], None], strict=True):
+    for (key, entry), rest, behind in zip(mapping.entries, rests, [*rests, None][1:], strict=True):
         name = key.text
         if rest:
             several.add(key.error(f"{quoted(name)} stands where a key is expected", *rest))

@@ -139,7 +139,7 @@ def aligned(lines: Iterable[str]) -> list[str]:
     """Formulas one below the other, aligned at their &; further apart where fractions would touch."""
     rows = list(lines)
     apart = [" \\\\[4pt]" if "\\frac" in a and "\\frac" in b else " \\\\" for a, b in pairwise(rows)]
-    ended = [row + end for row, end in zip(rows, [*apart, ""], strict=True)]
+    ended = [row + end for row, end in zip(rows, [*apart, ""][: len(rows)], strict=True)]
     return math("\\begin{aligned}", *ended, "\\end{aligned}")
 
 

@@ -13,9 +13,8 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
 from wmrgen import notation
-from wmrgen.exact.poly import Poly
 from wmrgen.ports import Port
-from wmrgen.symbolic import Expr, Operation, expression, generator, times
+from wmrgen.symbolic import Expr, Operation
 
 DIGITS = 12
 Writer = Callable[[Expr], str]
@@ -162,20 +161,3 @@ def _rounded(value: Expr) -> Expr:
     """A symbol that prints as the decimal: sympy has no number of a given look. The sign stays outside."""
     sign = -1 if value < 0 else 1
     return sympy.Mul(sign, sympy.Symbol(f"{float(abs(value)):.{DIGITS}g}"))
-
-
-def reduced(above: Poly, below: Poly) -> Expr:
-    """above / below in lowest terms, no root below the line, sums that are powers or products as such."""
-    common, rest, gens = expression(above), sympy.S.One, above.generators
-    inputs, others = [g for g in gens if g.kind == "input"], [g for g in gens if g.kind != "input"]
-    if (
-        inputs
-        and others
-        and not any(g.args for g in gens)
-        and all(c.is_rational for c in above.terms.values())
-    ):
-        # A form linear in inputs has no factors but what their coefficients share (lemma of Gauss).
-        domain = sympy.QQ[[generator(g) for g in others]]
-        shared, form = sympy.Poly(common, *map(generator, inputs), domain=domain).primitive()
-        common, rest = domain.to_sympy(shared), form.inject().as_expr()
-    return times(rest, sympy.factor(sympy.radsimp(common / expression(below))))

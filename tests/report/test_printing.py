@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import pytest
 import sympy
 
-from wmrgen.exact.number import SQRT3, Exact
-from wmrgen.exact.poly import Poly
 from wmrgen.ports import Port, Role
-from wmrgen.printing import DIGITS, Latex, Reader, Text, by_hand, exact, readable, reduced, size, symbol_names
-from wmrgen.symbolic import Local, expression, nearest, parameter, signal
+from wmrgen.printing import DIGITS, Latex, Reader, Text, by_hand, exact, readable, size, symbol_names
+from wmrgen.symbolic import Local, nearest, parameter, signal
 
 LONG = sympy.Rational(10**DIGITS + 1, 10**DIGITS + 39)
 X, A = signal("left.spin"), parameter("a")
@@ -107,28 +103,3 @@ def test_names_and_numbers_by_hand() -> None:
     assert Latex().doprint(shown["half_turn"]) == r"\mathrm{half\;turn}"
     assert Latex().doprint(names[LONG]) == "1" and Latex().doprint(names[-LONG]) == "- 1"
     assert set(names) == {step, LONG, -LONG}
-
-
-R, B, W = (Poly.gen("param", name) for name in "rbw")
-FORM = Poly.gen("input", "u.spin") * Poly.gen("cos", "w") - Poly.gen("input", "v.spin") * Poly.gen("sin", "w")
-
-
-@pytest.mark.parametrize(
-    ("common", "below", "quotient"),
-    [
-        (R * (B * B + W * W), (B * B + W * W).scale(Exact(4)), R.scale(Exact(Fraction(1, 4)))),
-        (B * B - W * W, B + W, B - W),
-        (R.scale(SQRT3), Poly.of(3), R.scale(SQRT3 / Exact(3))),
-        (Poly.of(1), B + W, None),
-    ],
-    ids=["sum of squares", "difference of squares", "root", "nothing in common"],
-)
-def test_a_quotient_of_a_form_in_rates_is_in_lowest_terms(
-    common: Poly, below: Poly, quotient: Poly | None
-) -> None:
-    shown = reduced(common * FORM, below)
-    wanted = (
-        expression(common * FORM) / expression(below) if quotient is None else expression(quotient * FORM)
-    )
-    assert sympy.simplify(shown - wanted) == 0
-    assert quotient is None or sympy.denom(shown).is_number

@@ -18,7 +18,7 @@ from wmrgen.backends.report.terms import Factor, Term, merged
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly
 from wmrgen.lower import number_of
-from wmrgen.symbolic import Expr, Parameter
+from wmrgen.symbolic import Expr, Parameter, expression
 
 WIDE = 80  # characters of a line before a sum is broken
 _COMMON = 12  # the largest denominator written once for a sum
@@ -81,6 +81,11 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
 def _factors(expr: Expr) -> list[Expr]:
     """The factors of a product, those of products in it among them."""
     return [factor for arg in expr.args for factor in _factors(arg)] if expr.is_Mul else [expr]
+
+
+def reduced(above: Poly, below: Poly) -> Expr:
+    """above / below in lowest terms, no root below the line, sums that are powers or products as such."""
+    return sympy.factor(sympy.radsimp(expression(above) / expression(below)))
 
 
 def _generator(gen: Gen, power: int) -> Factor:

@@ -14,6 +14,7 @@ from wmrgen.backends.report.latex import (
     Ports,
     latex,
     pulled_out,
+    reduced,
     summands,
     terms,
     total,
@@ -36,7 +37,7 @@ from wmrgen.kinematics.records import Formula
 from wmrgen.kinematics.sensing import Measured
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
-from wmrgen.printing import reduced, size, symbol_names
+from wmrgen.printing import size, symbol_names
 from wmrgen.robot import Derivation
 
 _ENTRY = 12  # terms of an entry of H^T H and H^T z

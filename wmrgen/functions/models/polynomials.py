@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-
-import numpy as np
+from math import cos, pi, sin
 
 from wmrgen.exact.evaluate import circle, fix, number
 from wmrgen.exact.number import ONE, Exact
@@ -144,9 +143,10 @@ def never_zero(poly: Poly, robot: Robot) -> bool:
     valued = fix(poly, {p.name: p.value for p in robot.parameters})
     if not {*valued.generators} <= {cosine, sine}:
         return False
-    angles = np.arange(_STEPS) * (2 * np.pi / _STEPS)
-    c, s = np.cos(angles), np.sin(angles)
-    powers = [(float(k), dict(m)) for m, k in valued.terms.items()]
-    samples = sum((k * c ** p.get(cosine, 0) * s ** p.get(sine, 0) for k, p in powers), np.zeros(_STEPS))
-    sizes = np.abs(samples)
-    return bool(sizes.min() > _MARGIN * sizes.max() and (samples.min() > 0) == (samples.max() > 0))
+    terms = [(float(c), dict(m)) for m, c in valued.terms.items()]
+    samples = [
+        sum(k * cos(a) ** powers.get(cosine, 0) * sin(a) ** powers.get(sine, 0) for k, powers in terms)
+        for a in (2 * pi * step / _STEPS for step in range(_STEPS))
+    ]
+    top = max(abs(v) for v in samples)
+    return min(abs(v) for v in samples) > _MARGIN * top and (min(samples) > 0) == (max(samples) > 0)

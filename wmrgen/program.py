@@ -185,11 +185,11 @@ def _with_read_inputs(function: Function, absent: frozenset[str]) -> Function:
 
 
 def vector_forms(robot: Robot, space: StateSpace | None) -> tuple[VectorForm, ...]:
-    """The rates of a state space and, where there are some, its constraints. Nothing of none."""
+    """The rates of a state space and, where there are some, its constraints and limits. Nothing of none."""
     if space is None:
         return ()
-    rolling = constraints_form(robot, space)
-    return (rates_form(robot, space), *([rolling] if rolling else []))
+    forms = (rates_form(robot, space), constraints_form(robot, space), limits_form(robot, space))
+    return tuple(form for form in forms if form)
 
 
 def rates_form(robot: Robot, space: StateSpace) -> VectorForm:
@@ -202,6 +202,12 @@ def constraints_form(robot: Robot, space: StateSpace) -> VectorForm | None:
     if space.constraints is None:
         return None
     return _vector_form(robot, space, "rolling", "g", space.constraints)
+
+
+def limits_form(robot: Robot, space: StateSpace) -> VectorForm | None:
+    """``limits``, optimised: x, u and p to what is limited and is neither state nor input; None where nothing is."""
+    formula = space.limited.formula
+    return None if formula is None else _vector_form(robot, space, "limits", "h", formula)
 
 
 def _vector_form(robot: Robot, space: StateSpace, name: str, result: str, formula: Formula) -> VectorForm:

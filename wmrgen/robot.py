@@ -30,6 +30,7 @@ from wmrgen.program import (
     constraints_form,
     for_c,
     formula,
+    limits_form,
     optimised,
     rates_form,
     standard,
@@ -117,6 +118,21 @@ class Derivation(Analysis):
 
         form = constraints_form(self.robot, state_space(self.robot, self.mobility, "twist"))
         return form and BACKENDS["casadi"].offers("of_vectors")(form, self.robot.name)
+
+    def entries(self, form: str | None = None) -> dict[str, Any]:
+        """Of x, u and p of `state_space` and what `rolling` and `limits` give: names, units, bounds, nominal values; of
+        the default form what model.json says under ``state_space``."""
+        from wmrgen.functions.models.state_space import data, state_space
+
+        return data(state_space(self.robot, self.mobility, form))
+
+    def limits(self, form: str | None = None) -> Any:
+        """casadi.Function (x, u, p) -> h of a form of the model, see `state_space`: what the robot file limits and is
+        neither in x nor in u; ``limits`` of `entries` has their bounds. None where there is nothing."""
+        from wmrgen.functions.models.state_space import state_space
+
+        limits = limits_form(self.robot, state_space(self.robot, self.mobility, form))
+        return limits and BACKENDS["casadi"].offers("of_vectors")(limits, self.robot.name)
 
     @cached_property
     def default_state_space(self) -> StateSpace | None:

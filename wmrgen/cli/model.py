@@ -18,7 +18,8 @@ from wmrgen.cli.loading import derived
 from wmrgen.cli.values import from_words
 from wmrgen.errors import NotDerivableError, UsageError
 from wmrgen.exact.number import ZERO
-from wmrgen.functions.models.state_space import default_form, lags, regularity, state_space
+from wmrgen.functions.models.state_space import data as entries
+from wmrgen.functions.models.state_space import default_form, lags, limit_lines, regularity, state_space
 from wmrgen.ports import Port, Role
 
 if TYPE_CHECKING:
@@ -49,16 +50,20 @@ def model(
         if discrete is not None:
             return _step(derivation, form, discrete, dt, values or (), out, as_json)
         if form == "chained":
-            sheet = chained_sheet(derivation.robot, derivation.mobility)
+            sheet, space = chained_sheet(derivation.robot, derivation.mobility), None
         else:
             system = derivation.system(form, symbolic=True)
             sheet = with_lags(sheet_of(form, system), lags(derivation.robot, system))
+            space = state_space(derivation.robot, derivation.mobility, form)
         sets = regularity(derivation.robot, derivation.mobility)
         if as_json:
-            console.data({**data(sheet), "singular_sets": sets})
+            more = {} if space is None else {"state_space": entries(space)}
+            console.data({**data(sheet), "singular_sets": sets, **more})
             return 0
         told = [f"  {name:<8}{_regular(where)}" for name, where in sets.items()]
-        text = latex(sheet) if as_latex else "\n".join([*lines(sheet), "", "regular:", *told])
+        limits = [] if space is None else [f"  {line}" for line in limit_lines(space)]
+        shown = [*lines(sheet), *(["", "limits:", *limits] if limits else []), "", "regular:", *told]
+        text = latex(sheet) if as_latex else "\n".join(shown)
     console.result(text)
     return 0
 

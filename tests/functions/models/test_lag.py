@@ -64,7 +64,7 @@ def test_a_step_of_the_command_is_answered_by_an_exponential(top: str, front: st
 
 
 def test_the_exact_step_takes_the_lag_in() -> None:
-    """Twist form: the angle falls off exactly over a step of seconds; its limits and that of its rate are told."""
+    """Twist form: the angle falls off exactly over a step of seconds; the limit of its rate is one of a function."""
     derivation = car("lag: {steer: 150 ms}")
     step = derivation.state_space("twist", "exact", 0.4)
     after, a, b, _ = step([1, 2, 0.3, 0.1], [0.0, 0.0, 0.5], [1.1])
@@ -72,15 +72,18 @@ def test_the_exact_step_takes_the_lag_in() -> None:
     assert float(a[3, 3]) == pytest.approx(exp(-0.4 / 0.15)) and float(b[3, 2]) == pytest.approx(
         1 - exp(-0.4 / 0.15)
     )
-    steer = derivation.model()["state_space"]["x"][3]
-    assert (steer["rate_lower"], steer["rate_upper"]) == (-2, 2)
+    (rate,) = derivation.entries("twist")["limits"]
+    assert (rate["name"], rate["lower"], rate["upper"]) == ("front.steer_rate", -2, 2)
+    h = derivation.limits("twist")([1, 2, 0.3, 0.1], [0.0, 0.0, 0.5], [1.1])
+    assert float(h) == pytest.approx((0.5 - 0.1) / 0.15)
 
 
 def test_without_lag_the_rate_is_the_input() -> None:
     space = car().default_state_space
     assert space is not None
     assert [port.name for port in space.inputs] == ["rear.spin", "front.steer_rate"]
-    assert space.bounds["front.steer_rate"] == (-2, 2) and space.bounds["rear.spin"] == (-inf, inf)
+    bounds = space.limited.bounds
+    assert bounds["front.steer_rate"] == (-2, 2) and bounds["rear.spin"] == (-inf, inf)
 
 
 def test_wheels_that_turn_together_have_the_longest_lag() -> None:

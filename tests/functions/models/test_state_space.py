@@ -14,7 +14,7 @@ import pytest
 
 import wmrgen
 from tests.conftest import GALLERY, ROOT
-from tests.robots import of_gallery, of_text
+from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen.errors import NotDerivableError, UsageError
 
 STEERED = ("wpilib_swervebot", "agilex_ranger", "ackermann_car", "pr2", "synchro_drive")
@@ -75,7 +75,10 @@ def test_the_file_is_the_model_of_model_json(path: Path) -> None:
         module.INPUTS,
         module.PARAMETERS,
     ]
-    for name in ("ode", *(["rolling"] if space["constraints"] else [])):
+    for name in (
+        "ode",
+        *(word for word, key in (("rolling", "constraints"), ("limits", "limits")) if space[key]),
+    ):
         g = casadi.Function.load(str(folder / f"{model['name']}_{name}.casadi"))
         arrays = getattr(module, name)(x.T, u.T, p.T)
         assert arrays == pytest.approx(g.map(20)(x, u, p).full().T, rel=1e-12, abs=1e-12)
@@ -237,12 +240,24 @@ def test_numpy_takes_vectors_along_the_last_axis() -> None:
     )
 
 
-def test_a_virtual_wheel_keeps_the_limits_of_those_that_it_steers() -> None:
-    """Cotangents of the angles of front wheels differ by distance over wheelbase (Ackermann): the inner one decides."""
-    derivation = of_gallery("car_with_trailers")
-    entry = derivation.model()["state_space"]["x"][3]
+@pytest.mark.parametrize("degrees", [40, 80])
+@pytest.mark.parametrize("lead", ["front", "front_left"])
+def test_a_steering_coordinate_keeps_the_limits_of_those_that_follow(lead: str, degrees: int) -> None:
+    """Cotangents of the angles of front wheels differ by distance over wheelbase (Ackermann): the inner one decides,
+    beyond a right angle of the outer one, too."""
+    text = ROBOTS["car_with_trailers"].read_text(encoding="utf-8").replace("40 deg", f"{degrees} deg")
+    if lead != "front":
+        text = text[: text.index("virtual:")] + text[text.index("trailers:") :]
+    derivation = of_text(text)
+    entry = derivation.entries()["x"][3]
     left, right = (derivation.robot.wheel(f"front_{side}") for side in ("left", "right"))
-    rear = derivation.robot.wheel("rear_left")
-    middle = (left.pivot.imag - right.pivot.imag) / 2 / (left.pivot.real - rear.pivot.real)
-    bound = atan(1 / (1 / tan(radians(40)) + middle))
-    assert (entry["lower"], entry["upper"]) == pytest.approx((-bound, bound))
+    width = left.pivot.imag - right.pivot.imag
+    base = left.pivot.real - derivation.robot.wheel("rear_left").pivot.real
+    inner = 1 / tan(radians(degrees))
+    if lead == "front":
+        bound = atan(1 / (inner + width / 2 / base))
+        assert (entry["lower"], entry["upper"]) == pytest.approx((-bound, bound))
+    else:
+        assert (entry["lower"], entry["upper"]) == pytest.approx(
+            (-atan(1 / (inner + width / base)), radians(degrees))
+        )

@@ -256,6 +256,14 @@ def regular(d: Derivation) -> list[str]:
         intro += f" {listed(always)} hold{'s' * (len(always) == 1)} in every motion."
     if sliding:
         intro += f" {listed(sliding)} do{'es' * (len(sliding) == 1)} not hold where {ROLLING_ALONE}."
+    if space.limits:
+        limits = f"{code(f'{d.robot.name}_limits.casadi')}, {code('limits')} in {code(f'{d.robot.name}.py')}"
+        intro += (
+            f" The robot file limits {listed([p.name for p in space.limits])}, too, which are neither "
+            f"states nor inputs of {code(space.form)}: {limits} are functions of both, and model.json has their bounds."
+        )
+    if space.limited.absent:
+        intro += f" For the limits of {listed(space.limited.absent)} {code(space.form)} has no variable."
     axles = d.mobility.basis_wheels
     return [intro, *(block for form, system in systems.items() for block in _exceptions(form, system, axles))]
 

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from cmath import exp, phase
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from math import inf, pi
+from math import inf
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from wmrgen.errors import NotDerivableError
+from wmrgen.functions.models.limits import NO_BOUND, Bound, Limited, limited
 from wmrgen.functions.models.sheet import singular_sets
 from wmrgen.functions.models.twist import sliding
 from wmrgen.functions.registry import system_builder
 from wmrgen.functions.system import Lag, System, of_commands
 from wmrgen.kinematics.records import Formula, substituted
-from wmrgen.layout.records import Robot, Virtual, Wheel
+from wmrgen.layout.records import Robot
 from wmrgen.layout.skid import parallel
-from wmrgen.mobility.admissible import along
 from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
@@ -29,8 +26,8 @@ ROLLING_ALONE = "wheels slide, as they do in every curve"
 
 class StateSpace(NamedTuple):
     """``rates``: ``state``, ``inputs`` and parameters (``geometry``) to the rates of the state, in this order;
-    ``constraints``: the same to what has to be 0, None where nothing has to; ``bounds``: low and high by contract
-    name, of its rate as ``<name>_rate``; ``text``: which model it is; ``singular``: where it does not hold."""
+    ``constraints``: the same to what has to be 0, None where nothing has to; ``limited``: what the robot file limits;
+    ``text``: which model it is; ``singular``: where it does not hold."""
 
     form: str
     text: str
@@ -40,7 +37,12 @@ class StateSpace(NamedTuple):
     geometry: tuple[Port, ...]
     rates: Formula
     constraints: Formula | None
-    bounds: dict[str, tuple[float, float]]
+    limited: Limited
+
+    @property
+    def limits(self) -> tuple[Port, ...]:
+        """What is limited and is neither state nor input."""
+        return tuple(p for p, _ in self.limited.formula.outputs) if self.limited.formula else ()
 
 
 def default_form(robot: Robot, mobility: Mobility) -> str:
@@ -72,11 +74,7 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
         system.geometry,
         _commanded(system.formula(guards=False), following),
         rolling and _commanded(rolling, following),
-        {
-            name: _bounds(robot, name)
-            for port in (*system.state, *inputs)
-            for name in (port.name, f"{port.name}_rate")
-        },
+        limited(robot, mobility, form, system, following),
     )
 
 
@@ -115,46 +113,6 @@ def default_state_space(robot: Robot, mobility: Mobility) -> StateSpace | None:
         return state_space(robot, mobility)
     except NotDerivableError:
         return None
-
-
-def _bounds(robot: Robot, name: str) -> tuple[float, float]:
-    """The limits that the robot file sets, infinite where it sets none."""
-    wheel, _, quantity = name.rpartition(".")
-    quantity = quantity.removesuffix("_command")
-    real = {w.name: w for w in robot.wheels}
-    virtual = {v.name: v for v in robot.virtual}
-    if wheel in virtual and quantity == "steer":
-        return _virtual_range(robot, virtual[wheel])
-    if wheel and wheel not in real:
-        return (-inf, inf)
-    limit = robot.limit(real[wheel], quantity) if wheel else robot.limits.get(quantity)
-    return (-inf, inf) if limit is None else (float(limit.low), float(limit.high))
-
-
-def _virtual_range(robot: Robot, v: Virtual) -> tuple[float, float]:
-    """The angles of a virtual wheel at which all that it steers keep their limits: where one of them is at a limit, the
-    centre of rotation lies on its axle and on that of the fixed wheels. Limits beyond a right angle bound nothing."""
-    fixed = next((w for w in robot.wheels if w.kind.fixed_axle), None)
-    low, high = -inf, inf
-    for w in map(robot.wheel, v.wheels):
-        limit = robot.limit(w, "steer")
-        if limit is None or fixed is None:
-            continue
-        ends = [
-            _seen_by(v, w, fixed, float(end)) for end in (limit.low, limit.high) if abs(float(end)) < pi / 2
-        ]
-        if len(ends) == 2:
-            low, high = max(low, min(ends)), min(high, max(ends))
-    return low, high
-
-
-def _seen_by(v: Virtual, w: Wheel, fixed: Wheel, angle: float) -> float:
-    """The angle of the virtual wheel while ``w`` stands at ``angle`` [rad]: both roll, and the fixed wheel."""
-    rows = along(fixed, 1j * fixed.zero_heading), along(w, 1j * w.zero_heading * exp(1j * angle))
-    vx, vy, omega = np.cross(rows[0], rows[1])
-    x, y = float(v.x.nominal), float(v.y.nominal)
-    direction = phase(complex(vx - omega * y, vy + omega * x) / w.zero_heading)
-    return direction - pi * round(direction / pi)
 
 
 def forms(robot: Robot, mobility: Mobility) -> dict[str, System]:
@@ -199,15 +157,30 @@ def data(space: StateSpace) -> dict[str, Any]:
             {"name": p.name, "unit": p.unit}
             for p, _ in (space.constraints.outputs if space.constraints else ())
         ],
+        "limits": list(_entries(space, space.limits)),
+        "absent_limits": list(space.limited.absent),
     }
+
+
+def limit_lines(space: StateSpace) -> list[str]:
+    """Of each limit of the robot file a line: its bounds, and where they stand if not in x and u."""
+    lines = []
+    for port in (*space.state, *space.inputs, *space.limits):
+        (low, high), change = space.limited.bounds[port.name], space.limited.changes.get(port.name)
+        ranges = [f"{low:.6g} to {high:.6g} {port.unit}"] if (low, high) != NO_BOUND else []
+        ranges += [f"changing by {change[0]:.6g} to {change[1]:.6g} {port.unit}^2"] if change else []
+        ranges += ["in the function limits(x, u, p)"] if port in space.limits else []
+        lines += [f"{port.name}: {', '.join(ranges)}"] if ranges else []
+    return [*lines, *(f"{name}: this model has no variable for it" for name in space.limited.absent)]
 
 
 def _entries(space: StateSpace, ports: Iterable[Port]) -> Iterable[dict[str, Any]]:
     for port in ports:
-        low, high, *rate = (
-            None if abs(v) == inf else v
-            for name in (port.name, f"{port.name}_rate")
-            for v in space.bounds[name]
-        )
-        rates = {} if rate == [None, None] else {"rate_lower": rate[0], "rate_upper": rate[1]}
+        low, high = _nullable(space.limited.bounds[port.name])
+        change = space.limited.changes.get(port.name)
+        rates = dict(zip(("rate_lower", "rate_upper"), _nullable(change), strict=True)) if change else {}
         yield {"name": port.name, "unit": port.unit, "lower": low, "upper": high, **rates}
+
+
+def _nullable(bound: Bound) -> Iterable[float | None]:
+    return (None if abs(v) == inf else v for v in bound)

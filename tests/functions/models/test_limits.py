@@ -1,0 +1,163 @@
+"""Limits of a robot file in a model: bounds of x and u, and of h(x, u, p), against velocities of contact points."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any
+
+import casadi
+import numpy as np
+import pytest
+
+from tests.robots import ROBOTS, of_gallery, of_text
+from wmrgen.layout.records import Robot, Wheel
+
+LIMITS = (
+    "limits: {vx: 2, vy: 1, omega: [-3, 2.5], vx_rate: 4, spin: 9, steer: [-1, 0.9], steer_rate: [-2, 1.5]}"
+)
+FOUR = f"""\
+wmrgen: 1
+name: four
+parameters: {{base: {{value: 1.2, tunable: true}}}}
+{LIMITS}
+%s
+wheels:
+  - {{name: a, type: steered, x: base, y: 0.3, heading: 0, r: 0.2, offset_y: 0.05}}
+  - {{name: b, type: steered, x: 0.1, y: -0.4, heading: 0, r: 0.25}}
+  - {{name: c, type: steered, x: -1, y: 0.2, heading: 0.2, r: 0.2, offset_y: -0.04, limits: {{steer_rate: 1}}}}
+"""
+CAR = f"""\
+wmrgen: 1
+name: car
+{LIMITS}
+%s
+wheels:
+  - {{name: left, type: fixed, x: 0, y: 0.4, heading: 0, r: 0.3}}
+  - {{name: right, type: fixed, x: 0, y: -0.4, heading: 0, r: 0.3}}
+  - {{name: front_left, type: steered, x: 1.1, y: 0.4, heading: 0, r: 0.3, actuated: [steer], limits: {{spin: 12}}}}
+  - {{name: front_right, type: steered, x: 1.1, y: -0.4, heading: 0, r: 0.3, actuated: [steer]}}
+"""
+VIRTUAL = "virtual: [{name: front, steers: [front_left, front_right]}, {name: rear, drives: [left, right]}]\n"
+LAG = "lag: {steer: 0.3}"
+CASTORS = f"""\
+wmrgen: 1
+name: castors
+{LIMITS}
+wheels:
+  - {{name: a, type: castor, x: 0.3, y: 0.2, d: -0.05, r: 0.05, actuated: [spin, steer]}}
+  - {{name: b, type: castor, x: -0.3, y: -0.2, d: -0.05, r: 0.05, actuated: [spin, steer]}}
+"""
+
+
+def moving(
+    robot: Robot, f: casadi.Function, entries: dict[str, Any], x: np.ndarray, u: np.ndarray
+) -> dict[str, float]:
+    """What the robot does by the rates of its model, by contract names: pivots and headings, no formula of ours."""
+    p = [entry["nominal"] for entry in entries["p"]]
+    state = [entry["name"] for entry in entries["x"]]
+
+    def twist_at(at: np.ndarray) -> tuple[complex, float, np.ndarray]:
+        rates = f(at, u, p).full().ravel()
+        return complex(rates[0], rates[1]) * np.exp(-1j * at[2]), rates[2], rates
+
+    def angle(w: Wheel, at: np.ndarray) -> float:
+        if f"{w.name}.steer" in state:
+            return float(at[state.index(f"{w.name}.steer")])
+        v, omega, _ = twist_at(at)
+        direction = np.angle((v + 1j * omega * w.pivot) / w.zero_heading)
+        return float(direction - np.pi * np.round(direction / np.pi))
+
+    v, omega, rates = twist_at(x)
+    result = {"vx": v.real, "vy": v.imag, "omega": omega}
+    for w in robot.wheels:
+        steer, steer_rate = 0.0, 0.0
+        if w.turns:
+            steer = angle(w, x)
+            ends = [angle(w, x + sign * 1e-6 * rates) for sign in (1, -1)]
+            steer_rate = (ends[0] - ends[1]) / 2e-6
+            result |= {f"{w.name}.steer": steer, f"{w.name}.steer_rate": steer_rate}
+        heading = w.zero_heading * np.exp(1j * steer)
+        contact = v + 1j * omega * w.pivot + 1j * (omega + steer_rate) * float(w.nominal.o) * 1j * heading
+        rolls = heading * np.exp(1j * w.gamma)  # square to the axes of rollers
+        result[f"{w.name}.spin"] = (contact / rolls).real / float(w.nominal.r) / np.cos(w.gamma)
+    return result
+
+
+def keeps(robot: Robot, does: dict[str, float]) -> bool:
+    """Whether all limits of the robot file hold."""
+    limits = {name: limit for name, limit in robot.limits.items() if name in does}
+    for w in robot.wheels:
+        limits |= {f"{w.name}.{q}": v for q in ("spin", "steer", "steer_rate") if (v := robot.limit(w, q))}
+    return all(float(v.low) <= does[name] <= float(v.high) for name, v in limits.items())
+
+
+def bounded(entries: list[dict[str, Any]], values: np.ndarray) -> bool:
+    return all(
+        (-inf if e["lower"] is None else e["lower"]) <= v <= (inf if e["upper"] is None else e["upper"])
+        for e, v in zip(entries, values, strict=True)
+    )
+
+
+@pytest.mark.parametrize(
+    ("robot", "form", "names"),
+    [
+        pytest.param(FOUR % "", "posture", "vx vy omega b.spin c.spin b.steer b.steer_rate", marks=pytest.mark.slow),
+        pytest.param(
+            FOUR % LAG, "posture", "vx vy omega b.spin c.spin a.steer_rate b.steer_rate c.steer_rate b.steer",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(FOUR % "", "eta", "vx vy omega a.spin b.spin c.spin b.steer b.steer_rate", marks=pytest.mark.slow),
+        (FOUR % LAG, "twist", "a.spin b.spin c.spin a.steer_rate b.steer_rate c.steer_rate"),
+        (CAR % "", "posture", "vx omega right.spin front_left.spin front_right.steer_rate"),
+        (CAR % "", "twist", "left.spin right.spin front_left.spin"),
+        (
+            CAR % LAG + VIRTUAL, "posture",
+            "vx omega left.spin right.spin front_left.spin front_left.steer_rate front_right.steer_rate",
+        ),
+        ("kuka_youbot", None, "vx vy omega br.spin"),
+        ("textbook_tricycle", None, "vx omega"),
+        ("wpilib_swervebot", None, "front_left.spin front_right.spin back_left.spin back_right.spin"),
+        ("agilex_ranger", None, ""),
+    ],
+)  # fmt: skip
+def test_a_model_keeps_its_limits_where_the_robot_does(robot: str, form: str | None, names: str) -> None:
+    """What is neither state nor input is a function of both, with the values of moving contacts; bounds of x, u and h
+    hold at random points exactly where all limits of the file do."""
+    d = of_gallery(robot) if robot in ROBOTS else of_text(robot)
+    f, h, entries = d.state_space(form), d.limits(form), d.entries(form)
+    limits = [entry["name"] for entry in entries["limits"]]
+    assert sorted(limits) == sorted(names.split()) and not entries["absent_limits"] and bool(h) == bool(names)
+    p = [entry["nominal"] for entry in entries["p"]]
+    random, seen = np.random.default_rng(2), set()
+    for share in np.geomspace(0.005, 1, 15):
+        x, u = (share * random.uniform(-most, most, f.size1_in(i)) for i, most in enumerate((0.9, 20)))
+        does = moving(d.robot, f, entries, x, u)
+        values = h(x, u, p).full().ravel() if h else np.array([])
+        assert values == pytest.approx([does[name] for name in limits], rel=1e-6, abs=1e-6)
+        every = [entry for key in ("x", "u", "limits") for entry in entries[key]]
+        kept = keeps(d.robot, does)
+        assert bounded(every, np.concatenate([x, u, values])) == kept
+        seen.add(kept)
+    assert seen == {True, False}
+
+
+def test_what_a_model_has_no_variable_for_is_named() -> None:
+    """Angles of castors are no states of the twist form, so their spins are none of its limits: they are named."""
+    d = of_text(CASTORS)
+    assert d.entries()["absent_limits"] == [
+        "a.spin",
+        "b.spin",
+        "a.steer",
+        "a.steer_rate",
+        "b.steer",
+        "b.steer_rate",
+    ]
+    assert d.limits() is None
+    entries = d.entries("posture")
+    assert not entries["absent_limits"] and [e["name"] for e in entries["limits"]]
+
+
+def test_how_fast_a_twist_may_change_stands_at_the_twist() -> None:
+    limits = of_text(CAR % "").entries("posture")["limits"]
+    assert (limits[0]["rate_lower"], limits[0]["rate_upper"]) == (-4, 4)
+    assert [e["name"] for e in limits if "rate_lower" in e] == ["vx"]

@@ -1,0 +1,227 @@
+"""What a robot file limits, in the terms of a model: bounds of its state and inputs, and of h(x, u, p) for what is
+neither: the twist under wheel speeds, wheel speeds under a twist, steering that follows."""
+
+from __future__ import annotations
+
+from cmath import phase
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from math import copysign, cos, inf, pi, sin
+from typing import NamedTuple
+
+import sympy
+
+from wmrgen.constraints import driving_row, steer_gens, working_view
+from wmrgen.exact.poly import Poly, Row, dot, each
+from wmrgen.functions.models.frame import Frame, frame, steering_direction, steering_rates
+from wmrgen.functions.models.virtual import steering_frame
+from wmrgen.functions.system import Lag, System
+from wmrgen.kinematics.records import Formula, Locals, joint_port
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import POSE, TWIST, TWIST_NAMES, Port, Role
+from wmrgen.symbolic import Expr, add, angle_of, expression, norm, over, signal, times
+
+Bound = tuple[float, float]
+NO_BOUND = (-inf, inf)
+
+
+class Limited(NamedTuple):
+    """``bounds``: low and high of state, inputs and outputs of ``formula`` by contract name; ``changes``: of the rates
+    of those that have such a limit. ``formula``: h of state, inputs and parameters, None where there is nothing for
+    it. ``absent``: limits that the model has no variable for."""
+
+    bounds: dict[str, Bound]
+    changes: dict[str, Bound]
+    formula: Formula | None
+    absent: tuple[str, ...]
+
+
+def limited(
+    robot: Robot, mobility: Mobility, form: str, system: System, following: Mapping[str, Lag]
+) -> Limited:
+    """The limits of a robot in one form of its model, whose inputs ``following`` are decided by their lags."""
+    inputs = tuple(following[u.name].command if u.name in following else u for u in system.inputs)
+    entries = (*system.state, *inputs)
+    terms = _Terms(robot, mobility, form, system, following)
+    outputs, absent = [], []
+    for port, same in _limits(robot):
+        if same & {p.name for p in entries} or port.name in terms.narrowing:
+            continue
+        value = terms.value(port)
+        if value is None:
+            absent.append(port.name)
+        elif value is not sympy.S.Zero:
+            outputs.append((port, value))
+    ports = (*entries, *system.geometry)
+    text = f"quantities that the robot file limits besides x and u: {', '.join(p.name for p, _ in outputs)}"
+    h = terms.locals.formula("limits", ports, outputs, text)
+    bounds = {p.name: _bound(robot, p.name) for p in (*entries, *(p for p, _ in outputs))}
+    bounds |= {p.name: terms.range(p.name) for p in entries if p.name.endswith((".steer", ".steer_command"))}
+    changes = {n: _bound(robot, f"{n}_rate") for n in TWIST_NAMES if f"{n}_rate" in robot.limits}
+    return Limited(bounds, changes, h if outputs else None, tuple(absent))
+
+
+def _limits(robot: Robot) -> Iterator[tuple[Port, set[str]]]:
+    """What the robot file limits, once of joints that are coupled, with the names of all of them."""
+    for port in TWIST:
+        if {port.name, f"{port.name}_rate"} & robot.limits.keys():
+            yield port, {port.name}
+    for joint, quantities in {"spin": ("spin",), "steer": ("steer", "steer_rate")}.items():
+        wheels = [w for w in robot.wheels if (w.has_spin if joint == "spin" else w.turns)]
+        for members in robot.together(joint, wheels):
+            for quantity in quantities:
+                if robot.limit(members[0], quantity):
+                    port = joint_port(members[0], quantity, Role.COMMAND)
+                    yield port, {f"{w.name}.{quantity}" for w in members}
+
+
+def _bound(robot: Robot, name: str) -> Bound:
+    """What the robot file sets, infinite where it sets nothing."""
+    wheel, _, quantity = name.rpartition(".")
+    w = next((w for w in robot.wheels if w.name == wheel), None)
+    limit = (
+        robot.limit(w, quantity.removesuffix("_command")) if w else None if wheel else robot.limits.get(name)
+    )
+    return NO_BOUND if limit is None else (float(limit.low), float(limit.high))
+
+
+class _Terms:
+    """What limits are about, in state and inputs of a model."""
+
+    def __init__(
+        self, robot: Robot, mobility: Mobility, form: str, system: System, following: Mapping[str, Lag]
+    ) -> None:
+        self.robot, self.mobility, self.form = robot, mobility, form
+        self.system, self.following = system, following
+        self.state = {p.name for p in system.state}
+        self.locals = Locals()
+
+    @cached_property
+    def frame(self) -> Frame:
+        """The steering coordinates that other wheels follow."""
+        build = frame if self.form == "eta" else steering_frame
+        return build(self.robot, self.mobility, False)
+
+    @cached_property
+    def narrowing(self) -> dict[str, Wheel]:
+        """Angles that follow from one coordinate beside a fixed axle: their limits are limits of the coordinate."""
+        wheels = {f"{w.name}.steer": w for w in self.robot.wheels if w.kind.steers and not self._is_state(w)}
+        alone = wheels and self.posed and self.axle and len(self.frame.wheels) == 1
+        return wheels if alone else {}
+
+    @cached_property
+    def axle(self) -> Wheel | None:
+        """A fixed wheel."""
+        return next((w for w in self.robot.wheels if w.kind.fixed_axle), None)
+
+    @property
+    def posed(self) -> bool:
+        """Whether the state begins with the pose of the robot."""
+        return self.system.state[:3] == POSE
+
+    def range(self, name: str) -> Bound:
+        """The angles of a coordinate at which it keeps its limit, and all that follow it keep theirs."""
+        low, high = _bound(self.robot, name)
+        for follower in self.narrowing.values():
+            limit = self.robot.limit(follower, "steer")
+            (lead,) = self.frame.wheels
+            if limit and self.axle and name.startswith(f"{lead.name}."):
+                ends = [_seen_by(lead, follower, self.axle, float(end)) for end in (limit.low, limit.high)]
+                low, high = max(low, min(ends)), min(high, max(ends))
+        return low, high
+
+    @cached_property
+    def rates(self) -> dict[str, Expr]:
+        """State -> its rate where the world's axes are the robot's."""
+        ahead = {signal("theta"): sympy.S.Zero}
+        following, system = self.following, self.system
+        inputs = [following[u.name].rate if u.name in following else signal(u.name) for u in system.inputs]
+        return {
+            p.name: add(*(times(f[i].xreplace(ahead), u) for f, u in zip(system.fields, inputs, strict=True)))
+            for i, p in enumerate(system.state)
+        }
+
+    def value(self, port: Port) -> Expr | None:
+        """None where the model has no variable for it."""
+        wheel, _, quantity = port.name.rpartition(".")
+        if not self.posed:
+            return None
+        if not wheel:
+            return self.rates[POSE[TWIST.index(port)].name]
+        return {"spin": self._spin, "steer": self._steer, "steer_rate": self._steer_rate}[quantity](
+            self.robot.wheel(wheel)
+        )
+
+    def _lead(self, w: Wheel) -> Wheel:
+        return self.robot.wheels[self.robot.steer_group[w.index]]
+
+    def _is_state(self, w: Wheel) -> bool:
+        return f"{self._lead(w).name}.steer" in self.state
+
+    def _steer(self, w: Wheel) -> Expr | None:
+        if not w.kind.steers:
+            return None
+        along, across = steering_direction(self.frame, w)
+        return angle_of(expression(across), expression(along))
+
+    def _steer_rate(self, w: Wheel) -> Expr | None:
+        if self._is_state(w):
+            return self.rates[f"{self._lead(w).name}.steer"]
+        if not w.kind.steers:
+            return None
+        shares = steering_rates(self.frame, w)
+        return add(*(times(expression(k), self.rates[f"{name}.steer"]) for name, k in shares.items()))
+
+    def _spin(self, w: Wheel) -> Expr | None:
+        g = working_view(w)
+        row = driving_row(w, g)
+        if w.turns:
+            turned = self._turned(w)
+            if turned is None:
+                return None
+            c, s = turned
+            row = each(row, lambda p: p.substitute(lambda gen: {"cos": c, "sin": s}.get(gen.kind)))
+        rim, rate = dot(row, self._twist), self._steer_rate(w) if w.kind.steers and g.o else None
+        if rate is not None:
+            rim = rim - g.o * self.locals.poly(f"{w.name}_rate", rate)
+        return expression(rim * g.rolling_radius.inverse())
+
+    def _turned(self, w: Wheel) -> tuple[Poly, Poly] | None:
+        """Cosine and sine of a steering angle; None of a castor whose angle is no state."""
+        if self._is_state(w):
+            return steer_gens(self._lead(w))
+        if not w.kind.steers:
+            return None
+        along, across = map(expression, steering_direction(self.frame, w))
+        size = norm(along, across)
+        return (
+            self.locals.poly(f"{w.name}_cos", over(along, size)),
+            self.locals.poly(f"{w.name}_sin", over(across, size)),
+        )
+
+    @cached_property
+    def _twist(self) -> Row:
+        """The twist of P in the robot frame."""
+        vx, vy, omega = (
+            self._named(twist.name, self.rates[p.name]) for twist, p in zip(TWIST, POSE, strict=True)
+        )
+        return vx, vy, omega
+
+    def _named(self, name: str, value: Expr) -> Poly:
+        return Poly({}) if value is sympy.S.Zero else self.locals.poly(name, value)
+
+
+def _seen_by(lead: Wheel, w: Wheel, axle: Wheel, angle: float) -> float:
+    """The angle of ``lead`` [rad] while ``w`` stands at ``angle``, and both roll beside ``axle``, a fixed wheel."""
+
+    def ahead(v: Wheel) -> float:
+        """Its angle where the robot drives straight ahead."""
+        turn = phase(axle.zero_heading / v.zero_heading)
+        return turn - pi * round(turn / pi)
+
+    here, there = ((v.pivot - axle.pivot) / axle.zero_heading for v in (w, lead))
+    delta = angle - ahead(w)
+    side = copysign(1.0, here.real)
+    omega, speed = side * sin(delta), side * (here.real * cos(delta) + here.imag * sin(delta))
+    return ahead(lead) + phase(complex(speed - omega * there.imag, omega * there.real))

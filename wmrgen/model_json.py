@@ -16,6 +16,7 @@ from wmrgen.ir.nodes import Module, count
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility, Rank, Singularity
+from wmrgen.notation import plain
 from wmrgen.program import asked
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def _identity(robot: Robot) -> dict[str, Any]:
         **_of_joints(robot),
         **({"effective_track": float(track.nominal)} if (track := robot.effective_track) else {}),
         **({"deadband": float(robot.deadband)} if robot.deadband else {}),
-        "notes": list(robot.notes),
+        "notes": [plain(note) for note in robot.notes],
     }
 
 
@@ -130,7 +131,7 @@ def _singularity(s: Singularity) -> dict[str, Any]:
     return {
         "kind": s.kind,
         "wheels": list(s.wheels),
-        "meaning": s.meaning,
+        "meaning": plain(s.meaning),
         "conditions": [f"{text(c)} = 0" for c in conditions],
     }
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Literal
 
@@ -29,6 +29,16 @@ _NUMBERED = re.compile(r"([a-z]+)(\d+)")  # eta1, m12
 def listed(parts: Sequence[str], word: str = "and") -> str:
     """a, b and c, or with another word before the last"""
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {word} {parts[-1]}"
+
+
+def in_code(names: Iterable[str]) -> str:
+    """`a`, `b` and `c`: names of a robot file as they stand in sentences about it."""
+    return listed([f"`{name}`" for name in names])
+
+
+def plain(text: str) -> str:
+    """Such a sentence for a terminal and for data: without backticks."""
+    return text.replace("`", "")
 
 
 def turning(ratios: Sequence[object]) -> str:

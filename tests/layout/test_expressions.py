@@ -28,7 +28,7 @@ def test_an_angle_is_taken_as_what_it_stands_for(k: int, side: str) -> None:
     angle, note = snap(near(k, f"{side}0.0005"), {}, NONE, "left: heading")
     assert angle == PI.scale(Fraction(k, 12))
     assert note is not None and note.startswith("left: heading: ")
-    assert note.endswith(f" rad taken as {TEXTS[k]} (0.0005 rad away)")
+    assert note.endswith(f" rad is taken as {TEXTS[k]} (0.0005 rad away)")
 
 
 @pytest.mark.parametrize("k", TEXTS)

@@ -138,7 +138,7 @@ def test_wheels_meet_in_the_middle_where_P_is_far() -> None:
     d = robot(wheel("a", 1, 0.2), wheel("b", 1.0001, 0), wheel("c", 1.0005, -0.2))
     assert [w.nominal.x for w in d.robot.wheels] == [Fraction("1.0002")] * 3
     (near,) = d.robot.near
-    assert near.moves == "a is moved by 0.2 mm, b by 0.1 mm and c by 0.3 mm"
+    assert near.moves == "`a` is moved by 0.2 mm, `b` by 0.1 mm and `c` by 0.3 mm"
     assert [w.l for w in d.robot.wheels] == pytest.approx([hypot(1.0002, y) for y in (0.2, 0, -0.2)])
     for w in d.robot.wheels:  # heading = alpha + beta - pi/2, as of every wheel
         assert remainder(w.alpha + w.beta - pi / 2 - w.heading, 2 * pi) == pytest.approx(0)
@@ -190,7 +190,7 @@ def test_tunable_lengths_stay_inputs() -> None:
     left, right = (w.working.x for w in d.robot.wheels)
     assert {g.name for g in left.generators} == {"a"} and {g.name for g in right.generators} == {"b"}
     assert [float(w.nominal.x) for w in d.robot.wheels] == [0.0003, 0.0003]
-    assert d.robot.near[0].moves == "right is moved by 0.4 mm"
+    assert d.robot.near[0].moves == "`right` is moved by 0.4 mm"
 
 
 def test_nothing_else_is_moved() -> None:
@@ -275,8 +275,8 @@ def test_the_report_and_the_command_line_say_it(wmrgen_cli: Callable[..., Outcom
     done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
     assert done.code == 0
     report = (tmp_path / "out" / "r" / "report.md").read_text(encoding="utf-8")
-    for said in (done.err, report):
-        assert "right is moved by 0.4 mm" in said and "(1 mm per metre of the robot's size)" in said
+    for name, said in (("right", done.err), ("`right`", report)):
+        assert f"{name} is moved by 0.4 mm" in said and "(1 mm per metre of the robot's size)" in said
 
 
 def test_a_tolerance_is_said_in_millimetres() -> None:

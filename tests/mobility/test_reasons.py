@@ -9,8 +9,8 @@ import pytest
 
 from tests.laws.common import derived
 from tests.mobility.test_couplings import AXLE, STEERED, wheel
-from wmrgen.mobility.reasons import listed
 from wmrgen.mobility.records import Mobility, Rank
+from wmrgen.notation import listed
 
 A, B = AXLE
 C = wheel("c", "fixed", 0.0, 0.4)

@@ -75,7 +75,7 @@ def test_a_driven_wheel_on_the_icr_drives_nothing() -> None:
     rear = wheel("r", "fixed", 0.0, 0.0)
     (still,) = of([rear, STEERS], "drive")
     assert still.wheels == ("r",) and still.meaning == (
-        "r stands still whatever the robot does there: it drives and measures nothing"
+        "`r` stands still whatever the robot does there: it drives and measures nothing"
     )
     (condition,) = still.conditions
     assert isinstance(condition, Poly)
@@ -93,7 +93,7 @@ def test_driven_wheels_of_one_condition_stand_still_together() -> None:
     rear = wheel("r", "fixed", 0.0, 0.0)
     twin = wheel("t", "fixed", 0.0, 0.0, r=0.2)
     (still,) = of([rear, twin, STEERS], "drive")
-    assert still.meaning.startswith("r and t stand still") and still.meaning.endswith(
+    assert still.meaning.startswith("`r` and `t` stand still") and still.meaning.endswith(
         "they drive and measure nothing"
     )
     assert len(still.conditions) == 1

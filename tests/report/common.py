@@ -24,6 +24,7 @@ def numerics_of(name: str) -> str:
     return pages_of(name)["numerics.md"]
 
 
+@cache
 def page_written(text: str) -> str:
     """The report of a robot file given as text."""
     return report.emit(of_text(text), FACTS)[report.FILE].decode()

@@ -304,6 +304,15 @@ couplings: [{equal: [a.steer, b.steer, c.steer]}, {equal: [a.spin, b.spin, c.spi
 """
 
 
+# The letter e stands in sentences before the name does; C1 is a matrix, too.
+NAMES = """wmrgen: 1
+name: sample
+wheels:
+  - {name: left, type: fixed, x: 0.0004, y: 0.2, heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
+  - {name: e, type: steered, x: 0.5, y: 0, heading: 0, r: 0.1, actuated: [steer]}
+  - {name: C1, type: castor, x: 0.3, y: 0.1, d: 0.04, r: 0.05}
+"""
 LETTERS = """\
 wmrgen: 1
 name: letters
@@ -326,6 +335,9 @@ wheels:
 @pytest.mark.parametrize(
     ("robot", "said", "unsaid"),
     [
+        (NAMES, "G is unbounded, for `left.spin` no longer determines the motion:", "`e`d"),
+        (NAMES, "`C1` imposes no sliding constraint", "`C₁`"),
+        (NAMES, "* The axle lines of `left` and `right` are 0.4 mm apart, within", ". The axle lines"),
         (LETTERS, "\\begin{bmatrix}\n1 \\\\\n0 \\\\\n0\n\\end", "3-100"),  # cleared of 0.03 - r
         (LETTERS, "In formulas of this robot `r` and `d` are these parameters; in equations for any", "`l`"),
         (LETTERS, "In formulas typewriter marks `L` as a parameter.", "Mechanical couplings:\n"),

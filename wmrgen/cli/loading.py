@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import wmrgen
 from wmrgen.cli import console
+from wmrgen.notation import plain
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 def noted(robot: Robot, but: Container[str] = ()) -> Robot:
     """The robot, its notes told, ``but`` those that are told elsewhere."""
-    for text in robot.notes:
+    for text in map(plain, robot.notes):
         if text not in but:
             console.note(f"note: {robot.name}: {text}")
     return robot

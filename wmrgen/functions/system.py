@@ -13,7 +13,7 @@ from wmrgen.symbolic import Expr, Local, Parameter, absolute, add, at_least, sel
 
 
 class Domain(NamedTuple):
-    """The model holds where ``expression`` is not zero; ``text`` says what happens there."""
+    """The model holds where ``expression`` is not zero; ``text`` says what happens there, names in backticks."""
 
     expression: Expr
     text: str

@@ -129,7 +129,7 @@ class _Angles(NamedTuple):
         """The angle, or the multiple of pi/12 that it stands for."""
         if self.tunable is None:
             return angle
-        angle, note = snap(angle, self.scope.values, self.tunable, f"{self.name}.{key}")
+        angle, note = snap(angle, self.scope.values, self.tunable, f"`{self.name}.{key}`")
         self.notes.extend([note] if note else [])
         return angle
 

@@ -181,7 +181,7 @@ def snap(
     if error >= TOLERANCE:
         note = f"{what}: {float(value):.12g} rad is {float(error):.2g} rad from {twelfths_of_pi(k)}, kept as written"
         return angle, note
-    note = f"{what}: {float(value):.12g} rad taken as {twelfths_of_pi(k)} ({float(error):.2g} rad away)"
+    note = f"{what}: {float(value):.12g} rad is taken as {twelfths_of_pi(k)} ({float(error):.2g} rad away)"
     return PI.scale(Fraction(k, 12)), None if error < _SAME else note
 
 

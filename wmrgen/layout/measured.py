@@ -20,7 +20,7 @@ from wmrgen.layout.expressions import Scope
 from wmrgen.layout.joints import constant
 from wmrgen.layout.records import Geometry, Wheel
 from wmrgen.layout.tolerance import Near, Tolerance
-from wmrgen.notation import listed
+from wmrgen.notation import in_code, listed
 from wmrgen.spec.records import Quantity
 
 T = TypeVar("T", Poly, Exact)
@@ -214,7 +214,7 @@ def _moved(w: Wheel, x: Exact, y: Exact, c: Exact = ONE, s: Exact = ZERO) -> Whe
 
 
 def _names(wheels: Sequence[Wheel]) -> str:
-    return listed([w.name for w in sorted(wheels, key=lambda w: w.index)])
+    return in_code(w.name for w in sorted(wheels, key=lambda w: w.index))
 
 
 def _last(wheels: Sequence[Wheel]) -> str:
@@ -224,7 +224,7 @@ def _last(wheels: Sequence[Wheel]) -> str:
 def _steps(verb: str, sizes: Mapping[str, float | Exact], shown: Callable[[float], str]) -> str:
     """left is moved by 0.2 mm and right by 0.2 mm: what is done to the wheels, but to those that stay."""
     (first, size), *rest = ((name, shown(abs(float(size)))) for name, size in sizes.items() if float(size))
-    return listed([f"{first} is {verb} by {size}", *(f"{name} by {size}" for name, size in rest)])
+    return listed([f"`{first}` is {verb} by {size}", *(f"`{name}` by {size}" for name, size in rest)])
 
 
 def _millimetres(length: float) -> str:

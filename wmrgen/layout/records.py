@@ -202,9 +202,9 @@ class Robot:
     """A layout, ready for derivation.
 
     ``steer_group`` and ``spin_group`` give, per wheel index, the first wheel of its coupled set
-    (itself when uncoupled), ``spin_ratios`` its spin for a spin of 1 of that wheel. ``notes`` are the snaps
-    made. ``deadband``: share of the limits of the twist that counts as standstill. ``near``: axles that are nearly one,
-    those taken for one within the ``tolerance`` among them.
+    (itself when uncoupled), ``spin_ratios`` its spin for a spin of 1 of that wheel. ``notes``, names in
+    backticks, are the snaps made. ``deadband``: share of the limits of the twist that counts as standstill. ``near``:
+    axles that are nearly one, those taken for one within the ``tolerance`` among them.
     """
 
     name: str

@@ -28,7 +28,7 @@ EXACT = Tolerance(0.0, 0.0, True)
 
 
 class Near(NamedTuple):
-    """Axles that are nearly one: ``text`` says which and how near, ``instead`` what to write for one axle.
+    """Axles that are nearly one: ``text`` says which, in backticks, and how near, ``instead`` what to write for one.
 
     ``tolerance`` [m] takes them for one; ``moves`` says how wheels were moved for that, and is empty where the robot's
     own is smaller. ``wheel``: the last of them.

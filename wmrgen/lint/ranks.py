@@ -13,7 +13,7 @@ from wmrgen.layout.skid import parallel
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.mobility.ranks import to_array
 from wmrgen.mobility.records import Singularity
-from wmrgen.notation import listed
+from wmrgen.notation import listed, plain
 
 NARROW = 1e-2  # the smallest relative singular value that is no accident
 FLAT = 10.0  # the ratio of good ones
@@ -154,7 +154,7 @@ def conditioned(subject: Subject) -> Iterator[Finding]:
     wheels = [w for w in subject.robot.wheels if w.kind.rollers]
     lost = _lost(subject)
     if lost:
-        yield Finding(subject.mark(wheels[0]), lost.meaning)
+        yield Finding(subject.mark(wheels[0]), plain(lost.meaning))
     elif len(wheels) > 2 and subject.mobility.degree_of_mobility == 3:
         rows = to_array([[p.constant or ZERO for p in rolling_row(w, nominal_view(w)).row] for w in wheels])
         places = np.array([*(w.pivot for w in wheels)])
@@ -188,7 +188,7 @@ def narrow(subject: Subject) -> Iterator[Finding]:
     for one in near:
         if not (one.moves and robot.tolerance.written):
             mark = subject.mark(robot.wheel(one.wheel))
-            yield Finding(mark, one.sentence(robot.tolerance), one.remedies)
+            yield Finding(mark, plain(one.sentence(robot.tolerance)), one.remedies)
     if any(not one.moves for one in near):
         return
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]

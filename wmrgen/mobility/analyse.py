@@ -17,9 +17,9 @@ from wmrgen.mobility.admissible import along
 from wmrgen.mobility.basis import basis, deciding, null_columns, primitive, scaled
 from wmrgen.mobility.configure import Configuration, configuration, in_metres, steering_for
 from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.reasons import apart, plain, reasons, skids, verdict
+from wmrgen.mobility.reasons import apart, reasons, skids, verdict
 from wmrgen.mobility.records import Array, Balance, Mobility, Singularity
-from wmrgen.notation import listed
+from wmrgen.notation import in_code, plain
 
 MOST_WHEELS = 8  # among which minors are written out
 
@@ -108,7 +108,7 @@ def singularities(
 def _icr_on_pivot(w: Wheel) -> Singularity:
     """A steered wheel whose pivot is the ICR: every heading rolls, the inverse holds the present one."""
     g, one, zero = working_view(w), Poly.of(1), Poly({})
-    text = f"the ICR lies on the pivot of {w.name}: its heading is undefined, and inverse holds the present angle"
+    text = f"the ICR lies on the pivot of `{w.name}`: its heading is undefined, and inverse holds the present angle"
     return Singularity("icr_on_pivot", ((one, zero, -g.y), (zero, one, g.x)), text, (w.name,))
 
 
@@ -127,7 +127,7 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
         if many
         else ", and rank C1 falls from 2 to 1: the robot can turn about any point of that line"
     )
-    text = f"the axles of {a.name} and {b.name} lie on one line{what}"
+    text = f"the axles of `{a.name}` and `{b.name}` lie on one line{what}"
     return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
 
 
@@ -160,7 +160,7 @@ def _drive(at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...
     names = tuple(w.name for w in driven)
     one = len(names) == 1
     text = (
-        f"{listed(list(names))} {'stands' if one else 'stand'} still whatever the robot does there: "
+        f"{in_code(names)} {'stands' if one else 'stand'} still whatever the robot does there: "
         f"{'it drives and measures' if one else 'they drive and measure'} nothing"
     )
     return [Singularity("drive", tuple(rates), text, names)]
@@ -176,7 +176,7 @@ def _rolling_rank(at: Configuration) -> list[Singularity]:
     if rank == 3:
         return []
     text = (
-        f"the rolling rows of {listed([w.name for w in wheels])} have rank {rank}: "
+        f"the rolling rows of {in_code(w.name for w in wheels)} have rank {rank}: "
         f"{'one motion of the body turns' if rank == 2 else 'two independent motions of the body turn'} no wheel, so "
         f"the wheels cannot drive {'it' if rank == 2 else 'them'}"
     )

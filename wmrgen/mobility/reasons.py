@@ -16,35 +16,26 @@ from wmrgen.mobility.admissible import along, coupled_sets
 from wmrgen.mobility.configure import Configuration
 from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import TOLERANCE, Array
-from wmrgen.notation import listed, turning
+from wmrgen.notation import in_code, turning
 
 SAME = 1e-9
 
 
 def reasons(at: Configuration, deciding: tuple[Wheel, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Why the degrees are what they are, one sentence each, names of wheels in backticks; and of these sentences those
-    that argue, without what the robot file or a definition says: couplings, (3.40) to (3.42).
+    that argue, without what the layout or a definition says: axles taken for one, couplings, (3.40) to (3.42).
 
     ``deciding``: the steered wheels that give a row of C1.
     """
-    axles = (*_fixed(at), *_taken_for_one(at))
+    axles = _fixed(at)
     wheels = (*_coupled(at), *_steered(at, deciding), *_free_wheels(at))
     remarks = (*filter(None, [verdict(at)]), *_doubts(at), *_coincidences(at))
-    every = (*axles, *_couplings(at), *wheels, *_degrees(at), *remarks)
+    every = (*axles, *_taken_for_one(at), *_couplings(at), *wheels, *_degrees(at), *remarks)
     return every, (*axles, *wheels, *remarks)
 
 
-def plain(text: str) -> str:
-    """A sentence for a terminal and for data: without backticks."""
-    return text.replace("`", "")
-
-
 def _names(wheels: Iterable[Wheel]) -> str:
-    return _code([w.name for w in wheels])
-
-
-def _code(names: Iterable[str]) -> str:
-    return listed([f"`{name}`" for name in names])
+    return in_code(w.name for w in wheels)
 
 
 def _axle(w: Wheel) -> Array:
@@ -111,7 +102,7 @@ def apart(at: Configuration) -> tuple[str, ...]:
 def _axles_meet(at: Configuration, wheels: list[Wheel]) -> str:
     """Where several axle lines meet, if anywhere."""
     if three := apart(at):
-        return f"The axles of {_code(three)} meet in no common point: nothing can move (rank C1f = 3)."
+        return f"The axles of {in_code(three)} meet in no common point: nothing can move (rank C1f = 3)."
     (null,) = null_basis(unit_rows(np.array([_axle(w) for w in wheels])))
     if abs(null[2]) < SAME:
         where, what = "are parallel and distinct", "straight motion along the wheels"
@@ -127,7 +118,7 @@ def _couplings(at: Configuration) -> list[str]:
     for joint, names in at.robot.couplings:
         spins = f"they {turning(at.robot.ratios(names))}"
         what = "their steering angles are equal" if joint == "steer" else spins
-        sentences.append(f"{_code(names)} are coupled: {what}.")
+        sentences.append(f"{in_code(names)} are coupled: {what}.")
     return sentences
 
 
@@ -155,19 +146,19 @@ def _steered(at: Configuration, deciding: tuple[Wheel, ...]) -> list[str]:
         return []
     if not at.steerability:
         return [
-            f"{_code(steered)} can be steered, but one direction alone lets every wheel roll: "
+            f"{in_code(steered)} can be steered, but one direction alone lets every wheel roll: "
             "no degree of freedom of steering is left."
         ]
     leaders = [at.robot.wheels[at.robot.steer_group[w.index]].name for w in deciding]
     lead = list(dict.fromkeys(leaders))[: at.steerability]
     rest = [name for name in steered if name not in lead]
     chosen = "ICR" if np.abs(at.admissible.basis[:, 2]).max() > TOLERANCE else "direction of motion"
-    sentence = f"Steering {_code(lead)} chooses the {chosen} (delta_s = {at.steerability})"
+    sentence = f"Steering {in_code(lead)} chooses the {chosen} (delta_s = {at.steerability})"
     if rest and chosen != "ICR":
-        sentence += f"; {_code(rest)} must point the same way"
+        sentence += f"; {in_code(rest)} must point the same way"
     elif rest:
         axles = "its axle" if len(rest) == 1 else "their axles"
-        sentence += f"; {_code(rest)} must follow, {axles} through the same point"
+        sentence += f"; {in_code(rest)} must follow, {axles} through the same point"
     return [sentence + "."]
 
 

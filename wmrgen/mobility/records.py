@@ -64,7 +64,7 @@ class Admissible(NamedTuple):
 class Singularity(NamedTuple):
     """Where a rank drops or an angle is undefined. ``conditions``, which may have named parameters, all vanish there.
 
-    ``twist`` is True when a condition is a row to be multiplied with (vx, vy, omega).
+    A condition that is a row is multiplied with (vx, vy, omega). ``meaning`` has names in backticks.
     """
 
     kind: str

@@ -112,8 +112,8 @@ def test_the_domain_has_a_condition_for_each_place_that_is_lost() -> None:
     d = derived(CAR_REAR, on_axle(2))
     page = sheet(d)
     texts = [c.text for c in page.domain]
-    assert [t.split()[0] for t in texts] == ["the", "the", "trailer2", "trailer1"]
-    assert "right angle to world x" in texts[0] and "front asks for an infinite curvature" in texts[1]
+    assert [t.split()[0] for t in texts] == ["the", "the", "`trailer2`", "`trailer1`"]
+    assert "right angle to world x" in texts[0] and "`front` asks for an infinite curvature" in texts[1]
     at = {symbol(p.name): 0.0 for p in page.state} | {
         symbol(p.name): float(p.default or 0) for p in page.parameters
     }

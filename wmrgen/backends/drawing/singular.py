@@ -12,7 +12,7 @@ from wmrgen.layout.records import Robot
 from wmrgen.mobility.admissible import along
 from wmrgen.mobility.ranks import null_basis
 from wmrgen.mobility.records import Array, Mobility, Singularity
-from wmrgen.notation import listed
+from wmrgen.notation import listed, plain
 from wmrgen.robot import Derivation
 
 FILE = "singular.svg"
@@ -50,9 +50,7 @@ def singular(derivation: Derivation) -> Figure | None:
 def _words(s: Singularity, mobility: Mobility) -> list[str]:
     others = " (likewise the others)" if sum(o.kind == s.kind for o in mobility.singularities) > 1 else ""
     words = s.meaning.partition(". ")[0]
-    if words.partition(" ")[0] not in s.wheels:  # a name stays as it is
-        words = words[0].upper() + words[1:]
-    return wrapped(words + others, _WIDE - 24)
+    return wrapped(plain(words[0].upper() + words[1:] + others), _WIDE - 24)
 
 
 def _twist(s: Singularity, robot: Robot, mobility: Mobility) -> Twist | None:

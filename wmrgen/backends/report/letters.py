@@ -21,7 +21,7 @@ from wmrgen.backends.report.latex import (
     width,
     wrapped,
 )  # fmt: skip
-from wmrgen.backends.report.markdown import aligned, code, listed, math, named, sentence
+from wmrgen.backends.report.markdown import aligned, code, listed, math, sentence
 from wmrgen.backends.report.terms import Term
 from wmrgen.constraints import XI
 from wmrgen.exact.evaluate import sqrt_poly
@@ -264,16 +264,15 @@ def regular(d: Derivation) -> list[str]:
         )
     if space.limited.absent:
         intro += f" For the limits of {listed(space.limited.absent)} {code(space.form)} has no variable."
-    axles = d.mobility.basis_wheels
-    return [intro, *(block for form, system in systems.items() for block in _exceptions(form, system, axles))]
+    return [intro, *(block for form, system in systems.items() for block in _exceptions(form, system))]
 
 
-def _exceptions(form: str, system: System, axles: Sequence[str]) -> list[str]:
-    """Where a form does not hold, and why; ``axles``: the steered wheels that decide."""
+def _exceptions(form: str, system: System) -> list[str]:
+    """Where a form does not hold, and why."""
     names = symbol_names((*system.state, *system.inputs, *system.geometry))
     blocks = []
     for domain in system.domain:
-        why = sentence(named(domain.text, axles).replace(": ", ", for ", 1))
+        why = sentence(domain.text.replace(": ", ", for ", 1))
         if size(domain.expression) > _CONDITION:
             blocks += [f"{code(form)} does not hold where a long expression vanishes: {why}."]
             continue

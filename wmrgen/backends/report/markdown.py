@@ -23,9 +23,7 @@ CAP = 16  # wheels whose equations are written out
 _ENTITY = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "$": "&#36;"}
 _LOW = str.maketrans("12", "₁₂")
 _NEGATIVE = re.compile(r"(?<![\w.)])-(?=\d)")
-_CODE = re.compile(
-    r"\\`(.*?)\\`|\b([A-Za-z](?:\\_|\w)*\.(?:spin|speed|steer(?:\\_rate)?|heading|alpha|beta|gamma))\b"
-)
+_CODE = re.compile(r"(\\`.*?\\`|\b[A-Za-z](?:\\_|\w)*\.(?:spin|speed|steer(?:\\_rate)?)\b)")  # escaped
 _ETA = re.compile(r"\beta(\d)\b")
 _INDEX = re.compile(r"\b(delta|rank C1|C1|J1|J2)(\\_)?(m|s|M|f)?\b")
 
@@ -43,10 +41,18 @@ def escape(text: str) -> str:
 
 
 def sentence(text: str) -> str:
-    """A finding in words: escaped, with delta_m, C1f and eta1 set as symbols, code, joints and angles as code."""
-    shown = minus(_INDEX.sub(_symbol, escape(text))).replace("omega = 0", "ω = 0")
-    shown = _ETA.sub(r"η<sub>\1</sub>", shown)
-    return _CODE.sub(lambda match: code((match[1] or match[2]).replace("\\_", "_")), shown)
+    """A finding in words: escaped, with joints and what stands in backticks as code, the rest with symbols."""
+    parts = _CODE.split(escape(text))
+    return "".join(
+        code(part.replace("\\", "").strip("`")) if k % 2 else _with_symbols(part)
+        for k, part in enumerate(parts)
+    )
+
+
+def _with_symbols(words: str) -> str:
+    """delta_m, C1f, eta1 and omega as formulas have them."""
+    shown = minus(_INDEX.sub(_symbol, words)).replace("omega = 0", "ω = 0")
+    return _ETA.sub(r"η<sub>\1</sub>", shown)
 
 
 def minus(text: str) -> str:
@@ -68,11 +74,6 @@ def capitalised(text: str) -> str:
     return sentence(text[:1].upper() + text[1:]).removesuffix(".") + "."
 
 
-def named(text: str, names: Sequence[str]) -> str:
-    """A finding with these names in backticks, where it lists them."""
-    return text.replace(notation.listed(names), listed(names), 1) if names else text
-
-
 def pictures(figures: Mapping[str, tuple[str, str]], *files: str) -> list[str]:
     """Those figures that there are, beside each other where the page is wide enough."""
     lines = [f"![{escape(figures[file][0])}]({file})" for file in files if file in figures]
@@ -86,7 +87,7 @@ def code(name: str) -> str:
 
 def listed(names: Sequence[str]) -> str:
     """`a`, `b` and `c`"""
-    return notation.listed([code(n) for n in names])
+    return notation.in_code(names)
 
 
 def some(wheels: Sequence[Wheel]) -> str:

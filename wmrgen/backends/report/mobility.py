@@ -13,7 +13,6 @@ from wmrgen.backends.report.markdown import (
     capitalised,
     items,
     math,
-    named,
     pictures,
     plain,
     rounded,
@@ -234,7 +233,7 @@ def singular(d: Derivation) -> list[str]:
     for s in d.mobility.singularities:
         if s.kind != "icr_on_pivot":
             where = " This happens where" + (", at the same time," if len(s.conditions) > 1 else "")
-            said = capitalised(named(s.meaning, s.wheels))
+            said = capitalised(s.meaning)
             blocks += [said + (where if s.conditions else "")]
             blocks += _conditions(s.conditions, d.robot) if s.conditions else []
     return blocks

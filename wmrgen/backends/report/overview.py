@@ -9,6 +9,7 @@ from math import hypot
 
 from wmrgen import notation
 from wmrgen.backends.report.markdown import (
+    capitalised,
     code,
     escape,
     grouped,
@@ -19,7 +20,6 @@ from wmrgen.backends.report.markdown import (
     pictures,
     plain,
     rounded,
-    sentence,
     table,
 )
 from wmrgen.exact.evaluate import parameters_in
@@ -103,7 +103,7 @@ def layout(d: Derivation) -> list[str]:
         rows = [[code(t.name), plain(t.length.nominal), plain(t.hitch.nominal)] for t in robot.trailers]
         head = ["trailer", "length from coupling to axle", "coupling behind the axle in front"]
         blocks += ["It tows, from the robot backwards:", *table(head, rows, "lr")]
-    notes = [*map(sentence, robot.notes), *_remarks(robot)]
+    notes = [*map(capitalised, robot.notes), *_remarks(robot)]
     return [*blocks, *items(notes)]
 
 

@@ -43,7 +43,7 @@ from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.basis import scaled
 from wmrgen.mobility.ranks import numeric_rank
 from wmrgen.mobility.records import Mobility
-from wmrgen.notation import listed
+from wmrgen.notation import in_code
 from wmrgen.ports import Port, Role, output
 
 Eta = tuple[Poly, ...]  # coordinates of a twist along the columns of N
@@ -99,7 +99,7 @@ class Motion(NamedTuple):
         else:
             condition = essential(self.divisor)
             rates = {f"{w.name}.steer_rate" for w in self.frame.wheels}
-            drives = listed([p.name for p in self.inputs if p.name not in rates])
+            drives = in_code(p.name for p in self.inputs if p.name not in rates)
             text = f"G is unbounded: {drives} no longer determine{'s' * one} the motion"
         return domain_of(condition, text, self.robot)
 

@@ -110,8 +110,8 @@ def _one_line(robot: Robot, first: str, second: str, symbolic: bool) -> Domain:
     conditions = (square(expression(essential(towards(v, w, view)))) for v, w in ((a, b), (b, a)))
     return Domain(
         add(*conditions),
-        f"the axles of {first} and {second} lie on one line, and eta1 moves nothing, though the robot can turn about "
-        "the points of that line (the form twist has these motions)",
+        f"the axles of `{first}` and `{second}` lie on one line, and eta1 moves nothing, though the robot can turn "
+        "about the points of that line (the form `twist` has these motions)",
     )
 
 
@@ -199,7 +199,7 @@ def zeta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sys
     rate = _in_zeta(quotient(turn, speed))
     first = (sympy.cos(zeta), sympy.sin(zeta), rate, rate)
     zero, one = sympy.S.Zero, sympy.S.One
-    lost = f"the ICR lies on {wheel.name}: its centre stands still"
+    lost = f"the ICR lies on `{wheel.name}`: its centre stands still"
     domain = domain_of(essential(speed), lost, robot, _in_zeta)
     text = f"zeta form (Tzafestas (2.56b)): the reference is {wheel.name}, its rolling direction is zeta"
     return System(

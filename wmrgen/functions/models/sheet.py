@@ -11,6 +11,7 @@ import sympy
 
 from wmrgen.exact.number import ZERO
 from wmrgen.functions.system import Domain, Lag, System, of_commands, rate_port
+from wmrgen.notation import plain
 from wmrgen.ports import Port, Role
 from wmrgen.printing import Latex, Reader, Text, Writer, exact, size
 from wmrgen.symbolic import Expr, number, signal
@@ -141,7 +142,7 @@ def singular_sets(system: System) -> tuple[str, ...]:
 
 
 def _sets(domain: Iterable[Domain], printer: Writer) -> list[str]:
-    return [f"{_written(printer, d.expression)} = 0: {d.text}" for d in domain]
+    return [f"{_written(printer, d.expression)} = 0: {plain(d.text)}" for d in domain]
 
 
 def _with_unit(port: Port) -> str:
@@ -171,7 +172,9 @@ def data(sheet: Sheet) -> dict[str, Any]:
             for e in sheet.equations
         },
         "fields": {name: [shown(e) for e in field] for name, field in sheet.fields},
-        "domain": [{"condition": f"{shown(d.expression)} = 0", "meaning": d.text} for d in sheet.domain],
+        "domain": [
+            {"condition": f"{shown(d.expression)} = 0", "meaning": plain(d.text)} for d in sheet.domain
+        ],
     }
 
 

@@ -69,7 +69,7 @@ def _by_position(t: Train) -> tuple[list[Equation], list[Equation], list[Domain]
         divisor = x * cosine + y * sine
         bend = divisor**2 / x
         where.append(Equation("kappa", tidy(sine / divisor)))
-        lost = f"the steering angle of {s.name} asks for an infinite curvature"
+        lost = f"the steering angle of `{s.name}` asks for an infinite curvature"
         domain.insert(1, Domain(tidy(divisor), lost))
     return where, [*_transformation(t, path.slopes), *_inputs(t, path, bend)], domain
 
@@ -97,7 +97,7 @@ def _path(t: Train) -> tuple[_Path, list[Domain]]:
         rates[f"{trailer.name}.theta"] = s * c.inverse() * w * inverse_length
         inverse_gain = inverse_gain * c * c * inverse_length.inverse() * w.inverse()
         w = w * c.inverse()
-        domain.append(Domain(expression(c), f"{trailer.name} is jack-knifed"))
+        domain.append(Domain(expression(c), f"`{trailer.name}` is jack-knifed"))
     if t.steering is not None:
         rates["theta"] = Poly.gen("local", "kappa") * w
         inverse_gain = inverse_gain * w.inverse()

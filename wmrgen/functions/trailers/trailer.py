@@ -182,7 +182,7 @@ def _jackknives(motion: Motion, on_fixed_axle: bool, convoys: list[list[Towed]])
             alone = len(speeds) == 1
             condition = add(*(v if alone else times(v, signal(u.name)) for v, u in speeds))
             why = "its axle stands still and turns on the spot while it is pulled; beyond, it is pushed backwards"
-        domains.append(Domain(condition, f"{t.name} is jack-knifed: {why}"))
+        domains.append(Domain(condition, f"`{t.name}` is jack-knifed: {why}"))
     return domains
 
 

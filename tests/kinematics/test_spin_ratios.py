@@ -15,9 +15,9 @@ import pytest
 
 from wmrgen import derive, load
 from wmrgen.errors import RobotFileError
-from wmrgen.functions.models.polynomials import generic, nominal_at
 from wmrgen.ir.interpret import FLOAT64, evaluate
 from wmrgen.lower import lower
+from wmrgen.mobility.ranks import generic, nominal_at
 from wmrgen.robot import Derivation
 
 # Name -> x, y [m], heading [deg], r [m], type and what else the wheel has.

@@ -28,20 +28,18 @@ from typing import NamedTuple
 import numpy as np
 
 from wmrgen.constraints import arm, heading, rolling_row, sliding_row, working_view
-from wmrgen.exact.evaluate import circle
-from wmrgen.exact.evaluate import number as evaluated
 from wmrgen.exact.linalg import cofactor, symmetric
 from wmrgen.exact.number import ONE, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, dot, has_angles
+from wmrgen.exact.poly import Poly, Row, dot, has_angles
 from wmrgen.kinematics.records import Locals, signal_poly
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.ranks import numeric_rank
+from wmrgen.mobility.ranks import generic, nominal_at, numeric_rank
 from wmrgen.symbolic import Expr, add, expression, maximum, number, root, select, square, subtract, times
 
 Measured = tuple[Row, Poly, Exact]  # row . xi = value, which counts so much
 FLOOR = Exact(Fraction(1, 10**12))
 EDGE = Exact(Fraction(1, 10**6))
-_POINTS = ((3, 5), (-7, 4), (2, 9))  # half-angle tangents p/q of generic joint angles
+_DRAWS = 3  # of joint angles: a rank is the largest of them
 Twist = tuple[Expr, Expr, Expr]
 
 
@@ -222,23 +220,10 @@ def reach_of(wheels: Sequence[Wheel]) -> Exact:
 
 def generic_rank(measured: Measurements) -> int:
     """The rank of the measured rows at nominal parameters and general joint angles."""
-    rows = (
-        [[_at(p, measured.robot, point) for p in row] for row, _, _ in measured.rows] for point in _POINTS
-    )
+    robot = measured.robot
+    draws = (generic(robot, seed) for seed in range(_DRAWS))
+    rows = ([[nominal_at(p, robot, angles) for p in row] for row, _, _ in measured.rows] for angles in draws)
     return max(_rank(numbers, measured.wheels) for numbers in rows)
-
-
-def _at(poly: Poly, robot: Robot, point: tuple[int, int]) -> float:
-    """A polynomial at nominal parameters and an angle of its own for each joint."""
-    p, q = point
-
-    def value(gen: Gen) -> Poly | None:
-        if gen.kind not in ("cos", "sin"):
-            return None
-        index = robot.wheel(gen.name).index + 1
-        return Poly.of(circle(Fraction(p * index, q + index))[gen.kind == "sin"])
-
-    return float(evaluated(poly.substitute(value), {p.name: p.value for p in robot.parameters}))
 
 
 def _rank(rows: list[list[float]], wheels: Sequence[Wheel]) -> int:

@@ -7,7 +7,7 @@ depend neither on the unit of length of the file nor on where P lies. With the c
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import copysign, hypot, log, sqrt
@@ -16,16 +16,20 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from wmrgen.constraints import View
+from wmrgen.exact.evaluate import circle, number
 from wmrgen.exact.linalg import rank as exact_rank
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly, Row
+from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import TOLERANCE, Array, Rank
 
 T = TypeVar("T", Poly, Exact)
+Angles = Callable[[str], tuple[Exact, Exact]]  # wheel -> cosine and sine of its steering angle
 NEAR = 32  # units: the centre lies on a grid this wide, so that it is P of a robot that stands about P
 GRID = 1e12  # singular values are kept to this fraction of the largest
 _SPAN_TOLERANCE = 1e-8
+# 1/tan(angle/2) of the angles at which generic ranks are decided; 10, 11, … follow.
+_HALVES = (3, -5, 4, 7, -6, 9)
 
 
 class Unit(NamedTuple):
@@ -75,6 +79,36 @@ def unit_of(robot: Robot) -> Unit:
     grid = NEAR * length
     x, y = (grid * round(Fraction(float(v)) / grid) for v in middle)
     return Unit((x, y), length)
+
+
+def straight(_: str) -> tuple[Exact, Exact]:
+    """Every steering angle zero."""
+    return Exact(1), Exact(0)
+
+
+def generic(robot: Robot, seed: int = 0) -> Angles:
+    """Different angles for different wheels."""
+    names = [w.name for w in robot.wheels] + [v.name for v in robot.virtual]
+    place = {name: k for k, name in enumerate(names, seed)}
+
+    def angle(name: str) -> tuple[Exact, Exact]:
+        k = place[name]
+        return circle(Fraction(1, _HALVES[k] if k < len(_HALVES) else k + 4))
+
+    return angle
+
+
+def nominal_at(poly: Poly, robot: Robot, angles: Angles) -> float:
+    """The value at nominal parameters and these steering angles."""
+
+    def value(gen: Gen) -> Poly | None:
+        if gen.kind in ("cos", "sin"):
+            return Poly.of(angles(gen.name)[gen.kind == "sin"])
+        if gen.args:
+            return Poly.gen(gen.kind, gen.name, *(a.substitute(value) for a in gen.args))
+        return None
+
+    return float(number(poly.substitute(value), {p.name: p.value for p in robot.parameters}))
 
 
 def to_array(rows: Sequence[Sequence[Exact]]) -> Array:

@@ -15,7 +15,6 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models import growth as growth_of
 from wmrgen.functions.models.growth import MOST_STATES, growth, robot_growth
-from wmrgen.functions.models.polynomials import generic
 from wmrgen.functions.models.vector_fields import (
     Field,
     Slopes,
@@ -26,6 +25,7 @@ from wmrgen.functions.models.vector_fields import (
     to_poly,
     value_at,
 )
+from wmrgen.mobility.ranks import generic
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, expression
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from wmrgen import notation
 from wmrgen.backends.report.angles import gathered, over, readable, upright
 from wmrgen.backends.report.latex import WIDE, alike, broken, latex, pieces, terms, total, width, wrapped
 from wmrgen.backends.report.markdown import aligned, code, math, matrix, some
 from wmrgen.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.exact.poly import Poly, Row, dot, each
-from wmrgen.functions.models.polynomials import NEGLIGIBLE, generic, nominal_at
+from wmrgen.functions.models.polynomials import NEGLIGIBLE
 from wmrgen.layout.records import Wheel
+from wmrgen.mobility.ranks import generic, nominal_at
 from wmrgen.robot import Derivation
 from wmrgen.wheels import WheelType
 
@@ -186,25 +189,24 @@ def null_space(d: Derivation) -> list[str]:
         return [*blocks, "C₁ has rank 3: no twist but ξ = 0 keeps every wheel from sliding."]
     if len(columns) == 3:
         blocks += ["No row constrains ξ: every twist lies in the null space of C₁, N = I."]
-        return [*blocks, *_meaning(d)]
+        return [*blocks, *_meaning(d, columns)]
     blocks += [
         "A motion is admissible when C₁ ξ = 0. The columns of N span these motions, cleared of common factors; every "
         "admissible twist is ξ = N η, with one number η per column:",
         *math(f"N = {matrix(zip(*map(_entries, columns), strict=True))}"),
     ]
-    return [*blocks, *_meaning(d)]
+    return [*blocks, *_meaning(d, columns)]
 
 
 def _entries(column: Row) -> list[str]:
     return [readable(p) for p in column]
 
 
-def _meaning(d: Derivation) -> list[str]:
+def _meaning(d: Derivation, columns: Sequence[Row]) -> list[str]:
     """Which motion each column is, by what does not vanish at nominal parameters."""
     angles, zero = generic(d.robot), Poly({})
     columns = [
-        upright(each(c, lambda p: p if abs(nominal_at(p, d.robot, angles)) > NEGLIGIBLE else zero))
-        for c in d.mobility.null_space_symbolic
+        each(c, lambda p: p if abs(nominal_at(p, d.robot, angles)) > NEGLIGIBLE else zero) for c in columns
     ]
     heads = [f"Column {i + 1}" for i in range(len(columns))] if len(columns) > 1 else ["The column"]
     blocks = [" ".join(f"{head} {_motion(c)}" for head, c in zip(heads, columns, strict=True))]

@@ -23,20 +23,13 @@ from wmrgen.constraints import (
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.poly import Gen, Poly, Row, dot, each
-from wmrgen.functions.models.polynomials import (
-    angles_in,
-    by_steering,
-    clean,
-    cleaned,
-    generic,
-    nominal_at,
-    straight,
-)
+from wmrgen.functions.models.polynomials import angles_in, by_steering, clean, cleaned
 from wmrgen.functions.registry import underivable
 from wmrgen.kinematics.records import parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.basis import null_columns
+from wmrgen.mobility.ranks import generic, nominal_at, straight
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port
 

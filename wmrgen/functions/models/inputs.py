@@ -25,15 +25,7 @@ from wmrgen.functions.models.frame import (
     rim_row,
     steering_rates,
 )
-from wmrgen.functions.models.polynomials import (
-    angles_in,
-    cleaned,
-    divided,
-    domain_of,
-    essential,
-    generic,
-    nominal_at,
-)
+from wmrgen.functions.models.polynomials import angles_in, cleaned, divided, domain_of, essential
 from wmrgen.functions.models.virtual import as_wheel, driving, steering_frame
 from wmrgen.functions.system import Domain
 from wmrgen.kinematics.pose import unit_of_eta
@@ -41,7 +33,7 @@ from wmrgen.kinematics.records import joint_port
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.basis import scaled
-from wmrgen.mobility.ranks import numeric_rank
+from wmrgen.mobility.ranks import generic, nominal_at, numeric_rank
 from wmrgen.mobility.records import Mobility
 from wmrgen.notation import in_code
 from wmrgen.ports import Port, Role, output

@@ -3,53 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from fractions import Fraction
 from math import cos, pi, sin
 
-from wmrgen.exact.evaluate import circle, fix, number
-from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.evaluate import fix
+from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Gen, Poly, Row, by_angle, each, whole, without_lengths
 from wmrgen.functions.system import Domain
 from wmrgen.layout.records import Robot
 from wmrgen.symbolic import Expr, expression
 
-# 1/tan(angle/2) of the angles at which generic ranks are decided; 10, 11, … follow.
-_HALVES = (3, -5, 4, 7, -6, 9)
 NEGLIGIBLE = 1e-12
 _STEPS = 720
 _MARGIN = 1e-3
-
-Angles = Callable[[str], tuple[Exact, Exact]]  # wheel -> cosine and sine of its steering angle
-
-
-def straight(_: str) -> tuple[Exact, Exact]:
-    """Every steering angle zero."""
-    return Exact(1), Exact(0)
-
-
-def generic(robot: Robot, seed: int = 0) -> Angles:
-    """Different angles for different wheels."""
-    names = [w.name for w in robot.wheels] + [v.name for v in robot.virtual]
-    place = {name: k for k, name in enumerate(names, seed)}
-
-    def angle(name: str) -> tuple[Exact, Exact]:
-        k = place[name]
-        return circle(Fraction(1, _HALVES[k] if k < len(_HALVES) else k + 4))
-
-    return angle
-
-
-def nominal_at(poly: Poly, robot: Robot, angles: Angles) -> float:
-    """The value at nominal parameters and these steering angles."""
-
-    def value(gen: Gen) -> Poly | None:
-        if gen.kind in ("cos", "sin"):
-            return Poly.of(angles(gen.name)[gen.kind == "sin"])
-        if gen.args:
-            return Poly.gen(gen.kind, gen.name, *(a.substitute(value) for a in gen.args))
-        return None
-
-    return float(number(poly.substitute(value), {p.name: p.value for p in robot.parameters}))
 
 
 def by_steering(poly: Poly, wheel: str) -> Poly:

@@ -14,14 +14,13 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, has_angles
 from wmrgen.functions.models.frame import Frame, constant_rows, frame, steering_direction
-from wmrgen.functions.models.polynomials import generic, nominal_at, straight
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
 from wmrgen.layout.records import Geometry, Robot, T, Virtual, Wheel
 from wmrgen.mobility.admissible import along
 from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.configure import pivot_velocity
-from wmrgen.mobility.ranks import numeric_rank, unit_rows
+from wmrgen.mobility.ranks import generic, nominal_at, numeric_rank, straight, unit_rows
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Role
 from wmrgen.symbolic import angle_of, expression

@@ -22,12 +22,12 @@ from wmrgen.constraints import View, driving_row, nominal_view, rolling_row, sym
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Poly, dot
-from wmrgen.functions.models.polynomials import NEGLIGIBLE, clean, generic, nominal_at
+from wmrgen.functions.models.polynomials import NEGLIGIBLE, clean
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.basis import IDENTITY, primitive
-from wmrgen.mobility.ranks import independent, numeric_rank, to_array, unit_rows
+from wmrgen.mobility.ranks import generic, independent, nominal_at, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import (

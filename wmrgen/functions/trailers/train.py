@@ -21,7 +21,6 @@ from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.poly import Poly, Row, has_angles
 from wmrgen.functions.models.axle import Axle, Vector, fixed_axle
 from wmrgen.functions.models.frame import constant_rows
-from wmrgen.functions.models.polynomials import nominal_at, straight
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.system import Gate
 from wmrgen.functions.trailers.series import NARROW, Link, Path, path
@@ -29,6 +28,7 @@ from wmrgen.functions.trailers.trailer import behind, check_trailers, in_view, s
 from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.analyse import fixed
+from wmrgen.mobility.ranks import nominal_at, straight
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import POSE, TWIST, Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, rotated, signal, subtract, times

@@ -62,23 +62,9 @@ def magnitude(value: Exact, style: Style = "") -> tuple[str, str, bool]:
 
     ``style``: decimals or fractions in place of the other, where both would do; exact is what is short.
     """
-    value = abs(value)
-    if style == "decimals" and not value.is_rational:
-        return decimal(float(value)), "", False
-    parts = [(p, root) for p, root in zip(value.parts, _ROOTS, strict=True) if p]
-    if len(parts) == 1:
-        p, root = parts[0]
-        short = _fraction(abs(p), bool(root), style)
-        if short:
-            above, below = short
-            return ("" if above == "1" else above) + root, below, False
-    elif value.den < 1000 and max(abs(n) for n in value.num) < 1000:
-        pairs = zip(value.num, _ROOTS, strict=True)
-        signed = [f"{n:+}{root}" if abs(n) != 1 or not root else f"{n:+}"[0] + root for n, root in pairs if n]
-        signed.sort(key=lambda part: part.startswith("-"))
-        return "".join(signed).removeprefix("+"), "" if value.den == 1 else str(value.den), True
-    shown = decimal(float(value))
-    return "" if shown == "1" else shown, "", False
+    short = _short(value, style) if value.is_rational or style != "decimals" else None
+    shown = decimal(abs(float(value)))
+    return short or ("" if shown == "1" else shown, "", False)
 
 
 def style_of(numbers: Sequence[Exact]) -> Style:
@@ -89,15 +75,26 @@ def style_of(numbers: Sequence[Exact]) -> Style:
         return ""
     if all("." not in magnitude(n, "fractions")[0] for n in numbers):
         return "fractions"
-    return "decimals" if all(n.is_rational for n in numbers) or any(map(_rounded, numbers)) else "exact"
+    rounded = not all(_short(n) for n in numbers)
+    return "decimals" if rounded or all(n.is_rational for n in numbers) else "exact"
 
 
-def _rounded(value: Exact) -> bool:
-    """Whether `magnitude` writes six digits of more."""
-    above, below, is_sum = magnitude(value)
-    if below or is_sum or "sqrt" in above:
-        return False
-    return "cdot" in above or not value.is_rational or Fraction(above or "1") != abs(value.parts[0])
+def _short(value: Exact, style: Style = "") -> tuple[str, str, bool] | None:
+    """`magnitude` of what is exact and short, None of other numbers."""
+    value = abs(value)
+    parts = [(p, root) for p, root in zip(value.parts, _ROOTS, strict=True) if p]
+    if len(parts) == 1:
+        p, root = parts[0]
+        if not (fraction := _fraction(abs(p), bool(root), style)):
+            return None
+        above, below = fraction
+        return ("" if above == "1" else above) + root, below, False
+    if value.den >= 1000 or max(abs(n) for n in value.num) >= 1000:
+        return None
+    pairs = zip(value.num, _ROOTS, strict=True)
+    signed = [f"{n:+}{root}" if abs(n) != 1 or not root else f"{n:+}"[0] + root for n, root in pairs if n]
+    signed.sort(key=lambda part: part.startswith("-"))
+    return "".join(signed).removeprefix("+"), "" if value.den == 1 else str(value.den), True
 
 
 def _fraction(f: Fraction, root: bool, style: Style) -> tuple[str, str] | None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.report.common import numerics_of, page_of, page_written
-from tests.report.reading import read
+from tests.report.reading import formulas, read
 from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen import notation
 from wmrgen.backends.report.closed import closed_forward
@@ -79,11 +79,7 @@ def test_the_posture_model_in_wheel_speeds(name: str) -> None:
         r"\dot{x}": c * twist[0] - s * twist[1], r"\dot{y}": s * twist[0] + c * twist[1],
         r"\dot{\theta}": twist[2], "v_x": twist[0], "v_y": twist[1],
     }  # fmt: skip
-    sides = [
-        line.removesuffix("[4pt]").removesuffix(r" \\").split(" &= ")
-        for line in speeds(name).splitlines()
-        if " &= " in line
-    ]
+    sides = formulas(speeds(name))
     assert [a for a, _ in sides if a.startswith(r"\dot")][:3] == list(rates)[:3]
     for a, right in sides:
         if a in rates:  # the turn of a tractor is that of its trailer, too

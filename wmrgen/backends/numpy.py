@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import keyword
 from collections.abc import Callable, Mapping, Sequence
+from itertools import islice
 from types import SimpleNamespace
 from typing import Any
 
@@ -148,7 +149,7 @@ def _callable(function: Function) -> Callable[..., dict[str, Any]]:
     def call(*positional: Any, **named: Any) -> dict[str, Any]:
         if len(positional) > len(names):
             raise TypeError(f"{function.name}() takes {len(names)} arguments, {len(positional)} were given")
-        inputs = dict(zip(list(names)[: len(positional)], positional, strict=True))
+        inputs = dict(zip(islice(names, len(positional)), positional, strict=True))
         for key, value in named.items():
             name = contract.get(key, key)  # left_spin=… or **{"left.spin": …}
             if name not in names:

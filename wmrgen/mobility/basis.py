@@ -134,7 +134,7 @@ def null_columns(rows: Sequence[Row]) -> tuple[Row, ...]:
     if len(rows) == 1:
         return _axle(rows[0])
     if len(rows) == 2:
-        return (_column(cross(rows[0], rows[1])),)
+        return (_cleared(cross(rows[0], rows[1])),)
     return ()
 
 
@@ -183,11 +183,12 @@ def _over(row: Row, divisor: Poly) -> Row:
             angles = tuple(part for part in monomial if part[0].kind in ("cos", "sin"))
             rest = tuple(part for part in monomial if part not in angles)
             by_angle.setdefault(angles, {})[rest] = c
-        return Poly.sum(Poly({angles: ONE}) * over(Poly(terms)) for angles, terms in by_angle.items())
+        return Poly.sum(Poly({angles: ONE}) * share(Poly(terms)) for angles, terms in by_angle.items())
 
-    def over(p: Poly) -> Poly:
-        times = _share(p, divisor)
-        return p * inverse if times is None else Poly.of(times)
+    def share(p: Poly) -> Poly:
+        monomial, c = divisor.ordered[0]
+        times = p.terms.get(monomial, ZERO) / c
+        return Poly.of(times) if p == divisor.scale(times) else p * inverse
 
     return each(row, quotient)
 
@@ -213,13 +214,13 @@ def _axle(row: Row) -> tuple[Row, ...]:
     return forward, primitive((-(nx * k), -(ny * k), size))
 
 
-def _column(row: Row) -> Row:
+def _cleared(row: Row) -> Row:
     """A null vector without common factors, also without a polynomial that no angle changes."""
-    first = next((p for p in row if p), None)
-    if first is None or has_angles([first]):
-        return primitive(row)
-    multiples = all(_share(p, first) is not None for p in row)
-    return primitive(each(row, lambda p: Poly.of(_share(p, first) or ZERO)) if multiples else row)
+    first = next((p for p in row if p), _ZERO)
+    if first and not has_angles([first]):
+        numbers = _over(row, first)
+        row = numbers if all(p.constant is not None for p in numbers) else row
+    return primitive(row)
 
 
 def primitive(row: Polys) -> Polys:
@@ -228,13 +229,6 @@ def primitive(row: Polys) -> Polys:
         return row
     shift, factor = common_powers(row), _leading(row)
     return cast(Polys, tuple(_shifted(p, shift, factor) for p in row))
-
-
-def _share(p: Poly, of: Poly) -> Exact | None:
-    """The number that ``p`` is a multiple of ``of`` by."""
-    monomial, c = of.ordered[0]
-    times = p.terms.get(monomial, ZERO) / c
-    return times if p == of.scale(times) else None
 
 
 def _leading(row: tuple[Poly, ...]) -> Exact:

@@ -225,8 +225,7 @@ def _exact_rank(robot: Robot, numbers: list[ExactRow]) -> int:
     basis = null_space(numbers or [(ZERO, ZERO, ZERO)], 3)
     best = 0
     for weights in _WEIGHTS:
-        pairs = tuple(zip(basis, weights[: len(basis)], strict=True))
-        twist = [sum((b[k] * w for b, w in pairs), ZERO) for k in range(3)]
+        twist = [sum((b[k] * weights[i] for i, b in enumerate(basis)), ZERO) for k in range(3)]
         rows: list[ExactRow] = list(numbers)
         for w in robot.wheels:
             if w.kind.steers:

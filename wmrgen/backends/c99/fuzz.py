@@ -32,7 +32,7 @@ def _tried(unit: Unit, guarded: Guarded, prepare: Guarded | None) -> dict[str, A
     step = guarded.step
     variables = unit.variables(step)
     changed = {variable for output in guarded.outputs if (variable := _changed(guarded, output))}
-    before = [p for p in step.parameters if p.name in changed and not guarded.prepares]
+    before = [p for p in step.parameters if p.name in changed]
     fill = _any(guarded)
     if guarded.prepares:
         variables |= {"nominal": variables["params"], "expected": variables["prepared"]}

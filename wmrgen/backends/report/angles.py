@@ -17,18 +17,20 @@ def upright(column: Row) -> Row:
     """A column of N, which has no scale: it turns at 1 to the left, or by the sine of a sum of angles, where that
     halves no named length; else no number is a fraction."""
     turn = column[2]
-    numbers = {abs(c) for c in turn.terms.values()}
-    if len(numbers) == 1:
-        size = numbers.pop()
-        once = each(
-            column, lambda p: p.scale((-size if turn.constant and turn.constant.sign < 0 else size).inverse())
-        )
-        if not any(
-            c.den > 1 for p in once for m, c in p.terms.items() if any(g.kind == "param" for g, _ in m)
-        ):
+    sizes = {abs(c) for c in turn.terms.values()}
+    if len(sizes) == 1:
+        rate = turn.constant or sizes.pop()
+        once = each(column, lambda p: p.scale(rate.inverse()))
+        if not _halves_a_length(once):
             return once
     x, y, z = whole(column)
     return x, y, z
+
+
+def _halves_a_length(column: Row) -> bool:
+    """Whether a fraction stands before a named length."""
+    numbers = (c for p in column for m, c in p.terms.items() if any(g.kind == "param" for g, _ in m))
+    return any(c.den > 1 for c in numbers)
 
 
 def readable(p: Poly) -> str:

@@ -20,6 +20,7 @@ from wmrgen.layout.records import Wheel
 from wmrgen.robot import Derivation
 
 CAP = 16  # wheels whose equations are written out
+_BELOW, _APART = " \\\\\n", " \\\\[4pt]\n"  # from row to row of a formula, and where fractions would touch
 _ENTITY = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "$": "&#36;"}
 _LOW = str.maketrans("12", "₁₂")
 _NEGATIVE = re.compile(r"(?<![\w.)])-(?=\d)")
@@ -131,7 +132,7 @@ def matrix(rows: Iterable[Iterable[Poly | str]]) -> str:
     listed_rows = [list(row) for row in rows]
     shown = iter(alike([e for row in listed_rows for e in row if isinstance(e, Poly)]))
     entries = [[next(shown) if isinstance(e, Poly) else e for e in row] for row in listed_rows]
-    end = " \\\\[4pt]\n" if any("\\frac" in entry for row in entries for entry in row) else " \\\\\n"
+    end = _APART if any("\\frac" in entry for row in entries for entry in row) else _BELOW
     body = end.join(" & ".join(row) for row in entries)
     return f"\\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"
 
@@ -139,9 +140,8 @@ def matrix(rows: Iterable[Iterable[Poly | str]]) -> str:
 def aligned(lines: Iterable[str]) -> list[str]:
     """Formulas one below the other, aligned at their &; further apart where fractions would touch."""
     rows = list(lines)
-    apart = [" \\\\[4pt]" if "\\frac" in a and "\\frac" in b else " \\\\" for a, b in pairwise(rows)]
-    ended = [row + end for row, end in zip(rows, [*apart, ""][: len(rows)], strict=True)]
-    return math("\\begin{aligned}", *ended, "\\end{aligned}")
+    further = [(_APART if "\\frac" in a and "\\frac" in b else _BELOW) + b for a, b in pairwise(rows)]
+    return math("\\begin{aligned}", "".join([*rows[:1], *further]), "\\end{aligned}")
 
 
 def written(d: Derivation) -> list[tuple[list[str], str]]:

@@ -86,7 +86,7 @@ def layout(d: Derivation) -> list[str]:
     if robot.parameters:
         named = grouped((_in_code(p), f"{code(p.name)} = {plain(p.nominal)}") for p in robot.parameters)
         texts = [f"{notation.listed(who)}, {what}" for what, who in named.items()]
-        blocks += [f"Named parameters: {'; '.join(texts)}.{_letters(robot)}"]
+        blocks += [" ".join([f"Named parameters: {'; '.join(texts)}.", *_letters(robot)])]
     if robot.couplings:
         couplings = (
             f"{listed(names)} "
@@ -107,42 +107,34 @@ def layout(d: Derivation) -> list[str]:
     return [*blocks, *items(notes)]
 
 
-def _letters(robot: Robot) -> str:
+def _letters(robot: Robot) -> list[str]:
     """Which letters in formulas are parameters, though they look like lengths of wheels or other symbols."""
     names = [p.name for p in robot.parameters]
-    own = [name for name in names if name in _LENGTHS and not _is_length(robot, name)]
-    marked = [name for name in names if notation.parameter(name).startswith(r"\mathtt")]
-    said = ""
-    if own:
+    sentences = []
+    if own := [name for name in names if name in _LENGTHS and not _is_length(robot, name)]:
         these, lengths = (
             ("are these parameters", "are lengths") if len(own) > 1 else ("is this parameter", "is a length")
         )
-        said = (
-            f" In formulas of this robot {listed(own)} {these}; in equations for any wheel, such as the book's, "
+        sentences.append(
+            f"In formulas of this robot {listed(own)} {these}; in equations for any wheel, such as the book's, "
             f"{notation.listed(own)} {lengths} of the table above."
         )
-    return said + (
-        f" In formulas typewriter marks {listed(marked)} as {'parameters' if len(marked) > 1 else 'a parameter'}."
-        if marked
-        else ""
-    )
+    if marked := [name for name in names if notation.parameter(name).startswith(r"\mathtt")]:
+        parameters = "parameters" if len(marked) > 1 else "a parameter"
+        sentences.append(f"In formulas typewriter marks {listed(marked)} as {parameters}.")
+    return sentences
 
 
 def _is_length(robot: Robot, name: str) -> bool:
     """Whether each wheel that the parameter r, d or l is for has it as its radius, castor offset or distance from P."""
     parameter = Poly.gen("param", name)
-    lengths = [
-        *(t for trailer in robot.trailers for t in (trailer.length, trailer.hitch)),
-        robot.effective_track,
-    ]
-    if any(parameters_in(length.symbolic) & {name} for length in lengths if length):
-        return False
+    towed = (length for trailer in robot.trailers for length in (trailer.length, trailer.hitch))
+    others = [length.symbolic for length in (*towed, robot.effective_track) if length]
     for w in robot.wheels:
         g = w.symbolic
         own = {"r": g.r - parameter, "d": g.d - parameter, "l": g.x * g.x + g.y * g.y - parameter * parameter}
-        if own[name] and any(name in parameters_in(p) for p in (g.x, g.y, g.r, g.d, g.o, g.r_sw)):
-            return False
-    return True
+        others += (g.x, g.y, g.r, g.d, g.o, g.r_sw) if own[name] else ()
+    return not any(name in parameters_in(p) for p in others)
 
 
 def _virtual(robot: Robot) -> list[str]:

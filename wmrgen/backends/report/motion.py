@@ -56,7 +56,8 @@ def _posture(d: Derivation) -> list[str]:
         + (f" and {rates_of}" if steering else "")
         + ". Its inputs are the coordinates η of the twist in the null space"
         + (" and the steering rates." if steering else ".")
-        + " It does not turn, as wheels that roll do not: a controller integrates `twist`, below." * straight
+        + " In this model no wheel slides, so the robot cannot turn: a controller integrates `twist`, below."
+        * straight
     ]
     in_eta = [
         "With the columns scaled as in `dynamics` each η is a speed, [m/s], or, where its column turns at a rate that "

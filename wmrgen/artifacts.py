@@ -102,9 +102,9 @@ def write_file(path: Path, content: bytes) -> bool:
             if _holds(path, content):
                 return False
             with tempfile.TemporaryDirectory(prefix=_STAGE, dir=path.parent) as staging:
-                _stage(Path(staging) / path.name, content)
+                _stage({Path(staging) / path.name: content})
                 (Path(staging) / path.name).replace(path)
-            _sync_directory(path.parent)
+            _sync(path.parent)
             return True
     except OSError as error:
         raise EnvironmentFailure(f"cannot write {path}: {error.strerror or error}") from error
@@ -171,8 +171,7 @@ def _replace(directory: Path, wanted: dict[str, bytes]) -> Written:
     removed = [name for name in old if name not in wanted and (directory / name).is_file()]
     with tempfile.TemporaryDirectory(prefix=_STAGE, dir=directory.parent) as staging:
         before, after = Path(staging) / "before", Path(staging) / "after"
-        for name in changed:
-            _stage(after / name, wanted[name])
+        _stage({after / name: wanted[name] for name in changed})
         directory.mkdir(exist_ok=True)
         moved = [name for name in changed if name != MANIFEST]
         _exchange(directory, [*moved, *removed], moved, before, after)
@@ -181,7 +180,7 @@ def _replace(directory: Path, wanted: dict[str, bytes]) -> Written:
                 folder.rmdir()
         if MANIFEST in changed:
             (after / MANIFEST).replace(directory / MANIFEST)
-    _sync_directory(directory)
+    _sync(directory)
     return Written(tuple(changed), tuple(n for n in wanted if n not in changed), tuple(removed))
 
 
@@ -197,7 +196,7 @@ def _exchange(directory: Path, old: Sequence[str], new: Sequence[str], before: P
                 source.replace(target)
                 completed.append((source, target))
             for folder in {path.parent for move in moves for path in move if path.is_relative_to(directory)}:
-                _sync_directory(folder)
+                _sync(folder)
     except BaseException:
         for source, target in reversed(completed):
             target.replace(source)
@@ -215,12 +214,13 @@ def _same(path: Path, content: bytes) -> bool:
     return path.stat().st_size == len(content) and path.read_bytes() == content
 
 
-def _stage(path: Path, content: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("wb") as stream:
-        stream.write(content)
-        stream.flush()
-        os.fsync(stream.fileno())
+def _stage(contents: Mapping[Path, bytes]) -> None:
+    """Write all files before the disk is waited for: it takes them together in a fraction of the time."""
+    for path, content in contents.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    for path in contents:
+        _sync(path)
 
 
 def _listed(directory: Path) -> list[str]:
@@ -248,10 +248,12 @@ def _manifest(directory: Path) -> dict[str, Any]:
     return manifest if isinstance(manifest, dict) else {}
 
 
-def _sync_directory(directory: Path) -> None:
-    if os.name != "posix":
+def _sync(path: Path) -> None:
+    """Wait until the disk holds a file, or what a folder lists; POSIX alone can do the latter."""
+    folder = path.is_dir()
+    if folder and os.name != "posix":
         return
-    handle = os.open(directory, os.O_RDONLY)
+    handle = os.open(path, os.O_RDONLY if folder else os.O_RDWR)
     try:
         os.fsync(handle)
     finally:

@@ -129,8 +129,8 @@ from pathlib import Path
 import wmrgen.artifacts as artifacts
 from wmrgen import __main__
 
-def slow(path, content, plain=artifacts._stage):
-    plain(path, content)
+def slow(contents, plain=artifacts._stage):
+    plain(contents)
     print("staged", flush=True)
     time.sleep(60)
 

@@ -13,10 +13,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from wmrgen.importing.frames import across, dot, plus, transposed, turned, unit
+from wmrgen.importing.frames import dot, plus, transposed, turned, unit
 from wmrgen.importing.passed import (
     UNTOLD,
     Passed,
+    called_wheel,
+    coaxial,
     no_wheel,
     nothing_told,
     of_legs,
@@ -78,8 +80,8 @@ def _bodies(robot: Robot, wheels: list[Candidate]) -> list[Candidate]:
 
 def _stands_upright(robot: Robot, joint: Joint) -> bool:
     """What is called a wheel turns without end about an upright axis, and carries nothing that moves."""
-    named = re.search("wheel", f"{joint.name} {joint.child}", re.IGNORECASE)
-    return bool(named) and joint.spins and robot.upright(joint) and not robot.moving_below(joint.child)
+    turns = joint.spins and robot.upright(joint) and not robot.moving_below(joint.child)
+    return turns and called_wheel(joint)
 
 
 def _apart(c: Candidate, other: Candidate) -> bool:
@@ -149,9 +151,8 @@ def _limited(robot: Robot, joint: Joint) -> Candidate | None:
 def _as_drawn(robot: Robot, candidate: Candidate) -> Candidate:
     """A joint without <axis> turns about 1 0 0, which is seldom meant: its cylinder says what is."""
     joint, why = candidate.joint, "it has no <axis>, so 1 0 0"
-    others = [turned(w.rotation, Z) for kind, _, _, w in robot.shapes(joint.child) if kind == "cylinder"]
-    if others:
-        axis = _forward(unit(others[0]))
+    if cylinder := _cylinder(robot, joint.child):
+        _, axis = cylinder
         shape = robot.round_shape(joint.child, candidate.origin, axis)
         why += ", which is not that of its cylinder"
         return replace(candidate, axis=axis, shape=shape, doubt=why, unsure=True)
@@ -173,34 +174,28 @@ def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
             rest = tuple(j for j in candidate.via if j is not silent[0])
             upright = turned(transposed(robot.frame(silent[0].child).rotation), Z)
             return replace(candidate, steer=replace(silent[0], axis=upright), via=rest, doubt=why)
-        if same := [j for j in candidate.via if j.turns and _coaxial(robot, j, candidate)]:
+        turning = (j for j in candidate.via if j.turns)
+        if same := [j for j in turning if coaxial(candidate, robot.origin(j), robot.axis(j))]:
             return replace(candidate, doubt=f"{quoted(same[0].name)} above it turns about the same axle")
     return candidate
-
-
-def _coaxial(robot: Robot, joint: Joint, c: Candidate) -> bool:
-    """A joint turns about a wheel's own axle."""
-    off = across(plus(robot.origin(joint), c.origin, -1), c.axis)
-    return dot(off, off) < (UNSEEN / 10) ** 2 and abs(dot(robot.axis(joint), c.axis)) > COAXIAL
 
 
 def _steer_only(robot: Robot, joint: Joint) -> Candidate | None:
     """A wheel that its joint steers and that has none to roll about: its axis is that of its cylinder."""
     if joint.spins or not robot.upright(joint) or robot.moving_below(joint.child):
         return None
-    cylinder = _level_cylinder(robot, joint.child)
-    if cylinder is None:
+    cylinder = _cylinder(robot, joint.child)
+    if cylinder is None or abs(cylinder[1][2]) > LEVEL:
         return None
     body = replace(joint, name=joint.child, kind=RIGID)
     candidate = _candidate(robot, body, *cylinder, steer=joint)
     return replace(candidate, doubt="it steers, and the file has no joint about which the wheel turns")
 
 
-def _level_cylinder(robot: Robot, link: str) -> tuple[Vector, Vector] | None:
-    """The centre and the axis of the first cylinder of a link, the sense chosen forward; None where it is not level."""
-    where = next((w for kind, _, _, w in robot.shapes(link) if kind == "cylinder"), None)
-    along = turned(where.rotation, Z) if where else Z
-    return None if where is None or abs(along[2]) > LEVEL else (where.origin, _forward(unit(along)))
+def _cylinder(robot: Robot, link: str) -> tuple[Vector, Vector] | None:
+    """The centre and the axis of the first cylinder of a link, the sense chosen forward; None where it has none."""
+    cylinders = (where for kind, _, _, where in robot.shapes(link) if kind == "cylinder")
+    return next(((where.origin, _forward(unit(turned(where.rotation, Z)))) for where in cylinders), None)
 
 
 def _forward(axis: Vector) -> Vector:
@@ -217,8 +212,8 @@ def _fixed(robot: Robot, joint: Joint) -> Candidate | None:
     if robot.moving_below(joint.child) or any(j.turns for j in beyond):
         return None
     named = re.search("wheel|hub|tire|tyre", f"{joint.name} {joint.child}", re.IGNORECASE)
-    axle = (robot.origin(joint), robot.axis(joint)) if joint.axis else None
-    axle = axle or (_level_cylinder(robot, joint.child) if named else None)
+    drawn = _cylinder(robot, joint.child) if named else None
+    axle = (robot.origin(joint), robot.axis(joint)) if joint.axis else drawn
     if axle is None or abs(axle[1][2]) > LEVEL:
         return None
     candidate = _candidate(robot, joint, *axle)

@@ -134,10 +134,10 @@ def plugin_controllers(root: Element) -> tuple[Controller, ...]:
             kind = " ".join(filter(None, (element.get("filename"), element.get("name"))))
             result.append(_controller(element.get("name") or "", kind, leaves))
         elif local(element) == "mobile" and element.get("type") == "differential":
-            leaves = [_leaf("wheel_names", element.get("joints") or "", element)]
-            values = (element.get("params") or "").split()[:2]
-            words = ("wheel_separation", "wheel_radius")[: len(values)]
-            leaves += [_leaf(word, value, element) for word, value in zip(words, values, strict=True)]
+            track, radius, *_ = [*(element.get("params") or "").split(), "", ""]
+            joints = element.get("joints") or ""
+            told = {"wheel_names": joints, "wheel_separation": track, "wheel_radius": radius}
+            leaves = [_leaf(word, text, element) for word, text in told.items()]
             result.append(_controller("mobile", "differential", leaves))
     return tuple(c for c in result if c.lengths)
 

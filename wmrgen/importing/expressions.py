@@ -38,9 +38,12 @@ def checked(text: str) -> str:
     if len(text) > _CHARACTERS:
         raise refuse(f"an expression of {len(text)} characters")
     try:
-        tree = ast.parse(text.strip(), mode="eval")
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        tree = _Guarded().visit(ast.parse(text.strip(), mode="eval"))
+        guarded = ast.unparse(tree)
+    except (SyntaxError, ValueError):
         raise refuse(f"{quoted(text)} is not an expression") from None
+    except (RecursionError, MemoryError):
+        raise refuse(f"the expression {quoted(text)} is nested too deeply") from None
     loops = 0
     for node in ast.walk(tree):
         name = node.attr if isinstance(node, ast.Attribute) else ""
@@ -48,10 +51,7 @@ def checked(text: str) -> str:
         loops += isinstance(node, ast.comprehension)
         if isinstance(node, _REFUSED) or _INSIDES.match(name) or loops > 1:
             raise refuse(f"the expression {quoted(text)} is refused: it may do more than compute")
-    try:
-        return ast.unparse(_Guarded().visit(tree))
-    except RecursionError:
-        raise refuse(f"the expression {quoted(text)} is nested too deeply") from None
+    return guarded
 
 
 class _Guarded(ast.NodeTransformer):

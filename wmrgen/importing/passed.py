@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -34,10 +33,14 @@ _CHAIN = 4  # joints that turn above a wheel on a leg, beside the one that steer
 UNTOLD = "it is called one, but fixed, and neither an axis nor a cylinder says how it stands"
 
 
+def called_wheel(joint: Joint) -> bool:
+    """Its name, or that of its link, says so."""
+    return "wheel" in f"{joint.name} {joint.child}".lower()
+
+
 def nothing_told(robot: Robot, joint: Joint, wheels: Sequence[Candidate]) -> bool:
     """A fixed joint is called a wheel, at the height of one, of which it is no part, and says no more; where there are
     fewer than two, and nothing hangs on it."""
-    named = re.search("wheel", f"{joint.name} {joint.child}", re.IGNORECASE)
     height = robot.origin(joint)[2]
     level = (
         any(abs(height - w.origin[2]) < EVEN for w in wheels)
@@ -46,13 +49,12 @@ def nothing_told(robot: Robot, joint: Joint, wheels: Sequence[Candidate]) -> boo
     )
     own = {id(each) for w in wheels for each in (w.joint, *robot.under(w.joint.child))}
     carries = {id(each) for each in robot.under(joint.child)} & own
-    return bool(named) and level and id(joint) not in own and not carries
+    return called_wheel(joint) and level and id(joint) not in own and not carries
 
 
 def wheel_like(c: Candidate, wheels: Sequence[Candidate]) -> bool:
     """It is called a wheel, or drawn as large as one that is."""
-    named = re.search("wheel", f"{c.joint.name} {c.joint.child}", re.IGNORECASE)
-    return bool(named) or any(c.shape and w.shape and c.radius == w.radius for w in wheels)
+    return called_wheel(c.joint) or any(c.shape and w.shape and c.radius == w.radius for w in wheels)
 
 
 def off_the_ground(c: Candidate, wheels: Sequence[Candidate]) -> str:
@@ -97,8 +99,7 @@ def _gear(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> Passed | 
 
 def _radius(robot: Robot, c: Candidate) -> float:
     """The radius of a wheel's shape, else how far its meshes reach from the axle [m]; 0 where neither says it."""
-    meshes = () if c.shape else robot.meshes(c)
-    return float(c.radius) if c.shape else max((m.reach.radius for m in meshes if m.reach), default=0.0)
+    return float(c.radius) if c.shape else max((reach.radius for reach in robot.bounds(c)), default=0.0)
 
 
 def _named(ends: Sequence[Candidate]) -> str:
@@ -118,7 +119,7 @@ def _limb(robot: Robot, c: Candidate) -> str:
         return "a plugin has it push air or water, as a propeller does"
     if reach := _reaches_aside(robot, c):
         return f"its body reaches {reach:.3g} m to one side of the axle, as a flipper or an arm does"
-    bounds = max((m.reach for m in robot.meshes(c) if m.reach), key=lambda b: b.least, default=None)
+    bounds = max(robot.bounds(c), key=lambda b: b.least, default=None)
     if bounds and bounds.least < _ROUND:
         far, near = bounds.radius, bounds.least * bounds.radius
         return (
@@ -144,18 +145,21 @@ def of_legs(robot: Robot, turning: Sequence[Candidate], passed: Sequence[Passed]
     result = []
     for c in (c for c in turning if all(c.joint is not each.joint for each in passed)):
         above = [j.name for j in robot.moving_above(c.joint) if j is not c.steer]
-        legs = (j for j, origin, axis in axles if j.name in above or _same_axle(c, origin, axis))
+        legs = (j for j, origin, axis in axles if j.name in above or _beside(c, origin, axis))
         if leg := next(legs, None):
             result.append(Passed(c.joint, f"it is beside a limb that {quoted(leg.name)} turns"))
     return result
 
 
-def _same_axle(c: Candidate, origin: Vector, axis: Vector) -> bool:
+def _beside(c: Candidate, origin: Vector, axis: Vector) -> bool:
     """An ``axis`` through ``origin`` is a wheel's axle, and the two origins are within the wheel's radius."""
     off = plus(origin, c.origin, -1)
-    if dot(off, off) >= c.radius**2:
-        return False
-    aside = across(off, c.axis)
+    return dot(off, off) < c.radius**2 and coaxial(c, origin, axis)
+
+
+def coaxial(c: Candidate, origin: Vector, axis: Vector) -> bool:
+    """An ``axis`` through ``origin`` is a wheel's axle."""
+    aside = across(plus(origin, c.origin, -1), c.axis)
     return dot(aside, aside) < EVEN**2 and abs(dot(axis, c.axis)) > COAXIAL
 
 

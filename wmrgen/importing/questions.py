@@ -20,13 +20,11 @@ _GROUND = ("base_footprint",)
 
 
 def doubt(c: Candidate, name: str, heading: float) -> Question:
-    where = "by the axis of its cylinder"
-    if not c.shape:
-        where = (
-            "about 1 0 0"
-            if c.joint.axis is None
-            else "if the axle lies along y where the steering angle is 0"
-        )
+    where = "if the axle lies along y where the steering angle is 0"
+    if c.shape:
+        where = "by the axis of its cylinder"
+    elif c.joint.axis is None:
+        where = "about 1 0 0"
     hints = (f"{heading:.6g} {where}",) if c.unsure else ()
     text = f"joint {quoted(c.joint.name)}: {c.doubt}. Is it a wheel that stands so?"
     return Question(name, "heading" if c.unsure else "type", text, hints)
@@ -86,7 +84,7 @@ def swivel_doubts(
 def axle_asked(robot: Robot, c: Candidate, name: str) -> Iterator[Question]:
     """What may be two wheels on one shaft, in whose middle one is taken: two as large as one another, and further apart
     than their diameter, or a mesh that is twice as long."""
-    bounds = max((m.reach for m in robot.meshes(c) if m.reach), key=lambda r: r.radius, default=None)
+    bounds = max(robot.bounds(c), key=lambda b: b.radius, default=None)
     if c.shape:
         (a, b), least = c.shape.sides, 2 * c.radius
     elif bounds and bounds.round:
@@ -121,17 +119,20 @@ def mesh_radius(robot: Robot, c: Candidate) -> tuple[Fraction, str] | None:
     """The radius by the mesh of a wheel [m], to the micrometre, and where it is from. None where that is not sure: for
     several meshes, of collisions else of visuals, for one that is not round, and where the other meshes, a plugin or
     the height above the ground say another."""
-    meshes = robot.meshes(c)
-    roles = [mesh.role for mesh in meshes if mesh.reach]
-    own = [mesh for mesh in meshes if mesh.role == roles[0]] if roles else []
+    meshes = sorted((mesh for mesh in robot.meshes(c) if mesh.reach), key=lambda mesh: mesh.role)
+    own = [mesh for mesh in meshes if mesh.role == meshes[0].role]
     bounds = own[0].reach if len(own) == 1 else None
     if not bounds or not bounds.round or bounds.radius > _LARGEST or c.unsure or c.rollers:
         return None
-    drawn = [mesh.reach.radius for mesh in meshes if mesh.reach and mesh not in own]
+    drawn = sorted(mesh.reach.radius for mesh in meshes[1:] if mesh.reach)
+    told = [float(radius) for _, radius in _radii_told(robot)]
     ground = _height_above_ground(robot, c)
-    for said in (drawn and [max(drawn)], [r for _, r in _radii_told(robot)], [ground[1]] if ground else []):
-        if said and all(abs(float(r) / bounds.radius - 1) > CONFLICT for r in said):
-            return None
+    others = (drawn[-1:], told, [float(ground[1])] if ground else [])
+    agree = (
+        any(abs(radius / bounds.radius - 1) <= CONFLICT for radius in radii) for radii in others if radii
+    )
+    if not all(agree):
+        return None
     return Fraction(round(bounds.radius * 10**6), 10**6), f"bound of the {own[0].words} about the axle"
 
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder
 
 from wmrgen.errors import Code, EnvironmentFailure, Mark, RobotFileError
@@ -43,17 +43,29 @@ class Text:
         return Source.of(re.sub("\r\n?", "\n", self.data.decode("utf-8", "replace")), self.file)
 
 
-class Placed(Element):
-    """An element that keeps where its tag begins: in a text, line and column as expat counts them, from 1 and 0. None
-    where nobody wrote it."""
+class Place(NamedTuple):
+    """Where a tag begins: line and column as expat counts them, from 1 and 0."""
 
-    place: tuple[Text, int, int] | None = None
+    text: Text
+    line: int
+    column: int
+
+
+class Placed(Element):
+    """An element that keeps its place; None where nobody wrote it."""
+
+    place: Place | None = None
+
+
+def placed(root: Element) -> Iterator[Placed]:
+    """The elements below what `parse` gave, and that itself, in the order of the file."""
+    return (each for each in root.iter() if isinstance(each, Placed))
 
 
 def mark_of(element: Element) -> Mark | None:
     """Where an element stands."""
-    place = getattr(element, "place", None)
-    return place[0].source.mark(place[1] - 1, place[2]) if place else None
+    place = element.place if isinstance(element, Placed) else None
+    return place.text.source.mark(place.line - 1, place.column) if place else None
 
 
 @contextlib.contextmanager
@@ -75,7 +87,7 @@ class _Builder(TreeBuilder):
 
     def start(self, tag: Any, attributes: Any, /) -> Any:
         element: Any = super().start(tag, attributes)
-        element.place = (self.text, self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber)
+        element.place = Place(self.text, self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber)
         return element
 
 

@@ -167,6 +167,10 @@ class Robot:
             self._meshes[axle] = tuple(self._reaches(c))
         return self._meshes[axle]
 
+    def bounds(self, c: Candidate) -> list[Reach]:
+        """How far the meshes of a wheel's body reach whose files are at hand."""
+        return [mesh.reach for mesh in self.meshes(c) if mesh.reach]
+
     def _reaches(self, c: Candidate) -> Iterator[Mesh]:
         for shape, where in self.body(c.joint.child):
             if shape.uri:

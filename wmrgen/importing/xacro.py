@@ -21,12 +21,13 @@ from xml.etree.ElementTree import Element
 
 from wmrgen.errors import EnvironmentFailure, RobotFileError
 from wmrgen.importing.expressions import checked, counted, offered, weighed
-from wmrgen.importing.read import MAX_BYTES, Placed, parse, refuse
+from wmrgen.importing.read import MAX_BYTES, Place, parse, placed, refuse
 from wmrgen.spec.text import printable, quoted, read_at_most
 
 _UNPREFIXED = ("property", "macro", "include", "arg")
 _MOST_MISSING, _YAML_BYTES = 20, 1 << 16
-_PLACE = "wmrgen.place"  # an attribute: its number in what is placed
+_PLACE = "wmrgen.place"  # an attribute: by which its place is remembered
+_TAG = re.compile(r"<(?!xacro:)[^\s/>]+")
 
 
 def resolve(
@@ -45,8 +46,8 @@ def resolve(
     missing: list[str] = []
     plain: list[str] = []
     called: list[str] = []
-    placed: list[Placed] = []
-    opened = partial(_opened, file=file, roots=roots, plain=plain, placed=placed)
+    places: dict[str, Place] = {}
+    opened = partial(_opened, file=file, roots=roots, plain=plain, places=places)
     with _kept(xacro, roots, packages, opened, called), contextlib.redirect_stderr(io.StringIO()):
         while len(missing) < _MOST_MISSING:
             try:
@@ -69,11 +70,8 @@ def resolve(
             f"Give them behind the file: {printable(words)}.",
         )
     root = parse(document.toxml(encoding="utf-8"), printable(str(file)))
-    places = {str(number): element for number, element in enumerate(placed)}
-    for element in root.iter():
-        if isinstance(element, Placed):
-            written = places.get(element.attrib.pop(_PLACE, ""))
-            element.place = None if written is None else written.place
+    for element in placed(root):
+        element.place = places.get(element.attrib.pop(_PLACE, ""))
     return root, called
 
 
@@ -182,9 +180,12 @@ def _no_environment(name: str) -> str:
     raise refuse(f"$(env {quoted(name)[1:-1]}) reads the environment, which import does not")
 
 
-def _opened(path: Path, file: Path, roots: list[Path], plain: list[str], placed: list[Placed]) -> io.StringIO:
+def _opened(
+    path: Path, file: Path, roots: list[Path], plain: list[str], places: dict[str, Place]
+) -> io.StringIO:
     """The text of a file below one of ``roots``; XML without document type. Its elements of xacro that lack the prefix
-    are added to ``plain``, the others to ``placed``, with their numbers there as attributes, which outlive macros."""
+    are added to ``plain``, the places of others to ``places``, by keys that they have as attributes, which outlive
+    macros."""
     where = _inside(path, roots)
     try:
         data = read_at_most(where, MAX_BYTES + 1)
@@ -196,19 +197,18 @@ def _opened(path: Path, file: Path, roots: list[Path], plain: list[str], placed:
         return io.StringIO(data.decode("utf-8-sig"))
     root = parse(data, printable(str(file if where == file.resolve() else path)))
     plain += [f"{printable(path.name)} <{e.tag}>" for e in root if e.tag in _UNPREFIXED]
-    return io.StringIO(_numbered(data.decode("utf-8-sig"), root, placed))
+    return io.StringIO(_numbered(data.decode("utf-8-sig"), root, places))
 
 
-def _numbered(text: str, root: Element, placed: list[Placed]) -> str:
-    """A text of XML whose elements, but those of xacro, have their number in ``placed`` as an attribute."""
+def _numbered(text: str, root: Element, places: dict[str, Place]) -> str:
+    """A text of XML whose elements, but those of xacro, have the keys of their places as attributes."""
     lines = re.sub("\r\n?", "\n", text).split("\n")
-    for element in reversed(list(root.iter())):
-        _, line, column = getattr(element, "place", None) or (None, 1, 0)
-        tag = re.compile(r"<(?!xacro:)[^\s/>]+").match(lines[line - 1], column)
-        if tag and isinstance(element, Placed):
-            number = f' {_PLACE}="{len(placed)}"'
-            lines[line - 1] = f"{lines[line - 1][: tag.end()]}{number}{lines[line - 1][tag.end() :]}"
-            placed.append(element)
+    for place in reversed([element.place for element in placed(root) if element.place]):
+        line = lines[place.line - 1]
+        if tag := _TAG.match(line, place.column):
+            key = str(len(places))
+            lines[place.line - 1] = f'{line[: tag.end()]} {_PLACE}="{key}"{line[tag.end() :]}'
+            places[key] = place
     return "\n".join(lines)
 
 

@@ -86,23 +86,12 @@ class Writer:
             tube[:3, 3] = centre
             tube = tube @ _about_z(self.random.uniform(0, 6))
             geometry = "<cylinder><radius>0.1</radius><length>0.04</length></cylinder>"
-            del self.frames[name]
-            shape = f'<collision name="c">{self._relative(tube, frame)}<geometry>{geometry}</geometry></collision>'
-            self.frames[name] = frame
+            shape = f'<collision name="c">{self.pose(tube, name)}<geometry>{geometry}</geometry></collision>'
         others = {k: v for k, v in self.frames.items() if k != name}
         self.frames, held = others, self.frames
         text = f'<link name="{name}">{self.pose(frame)}{shape}</link>'
         self.frames = held
         return text
-
-    def _relative(self, where: Matrix, default: Matrix) -> str:
-        self.frames["itself"] = default
-        seen = np.linalg.inv(default) @ where
-        del self.frames["itself"]
-        turn = angles(seen[:3, :3])
-        if min(abs(math.remainder(a, math.pi / 12)) for a in turn) < 3e-3:
-            raise ValueError("would be snapped")
-        return "<pose>" + " ".join(f"{v:.17g}" for v in (*seen[:3, 3], *turn)) + "</pose>"
 
 
 def _about_z(angle: float) -> Matrix:

@@ -357,6 +357,29 @@ def test_a_fixed_joint_with_an_axis_alone_is_no_wheel(wmrgen_cli: Cli, tmp_path:
     assert done.code == 2 and "0 joints are wheels" in done.err
 
 
+@pytest.mark.parametrize(
+    ("this", "that", "note"),
+    [
+        ('rpy="1.57 0 0"', 'rpy="90 0 0"', "rpy is '90 0 0', in radians more than a turn; degrees were likely meant"),
+        ('radius="0.1"', 'radius="-0.1"', "link 'left_link': collision: a radius of -0.1 is not read"),
+        ('<parent link="base_link"/><child link="tail', '<child link="tail', "'tail' has no <parent>, and is not read"),
+        ('<link name="tail"', '<link name="left_link"/><link name="tail"', "'left_link': several links have this name"),
+    ],
+)  # fmt: skip
+def test_slips_are_noted(read: Import, this: str, that: str, note: str) -> None:
+    text = robot(pair(), link("tail"), joint("tail", "base_link", "tail", "-0.3 0 0.1"))
+    assert text != (slip := text.replace(this, that)) and note in read(slip)["notes"]
+
+
+def test_a_file_of_two_bytes_to_a_character_is_shown(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """As Windows writes what another program prints."""
+    path = tmp_path / "wide.urdf"
+    text = robot(pair()).replace("0.05 0.25", "0.05 O").replace("><", ">\n<")
+    path.write_bytes(text.encode("utf-16"))
+    done = wmrgen_cli("import", path)
+    assert done.code == 2 and '<origin xyz="0.05 O 0.1"' in done.err
+
+
 def test_a_cylinder_across_the_axle_is_a_hint(read: Import) -> None:
     said = read(robot(pair().replace('rpy="1.57 0 0"', 'rpy="0 1.57 0"')))
     hints = [q["hints"] for q in said["questions"] if q["key"] == "r"]

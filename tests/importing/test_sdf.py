@@ -320,11 +320,30 @@ def test_includes_stay_inside(read: Import, side: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("part", "note"),
+    [
+        ('<joint name="g" type="gearbox"><parent>left</parent><child>right</child></joint>', "'g' is a gearbox"),
+        (wheel("tail", "-0.3 0 0.1").replace("tail_joint", "left_joint"), "several joints have this name"),
+        (wheel("tail", "-0.3 0 0.1", more="<surface><friction><ode><fdir1>1 0</fdir1></ode></friction></surface>"),
+         "three numbers are needed, not '1 0'; this fdir1 is not read"),
+        (wheel("tail", "-0.3 0 0.1", "<sphere><radius>-0.1</radius></sphere>"), "a radius of -0.1 is not read"),
+    ],
+)  # fmt: skip
+def test_what_is_passed_over_is_noted(read: Import, part: str, note: str) -> None:
+    said = read(sdf(PAIR, part))
+    assert {"left_joint", "right_joint"} <= set(said["wheels"]) and note in said["notes"]
+
+
+@pytest.mark.parametrize(
     ("parts", "words", "place"),
     [
         (PAIR.replace("<child>left<", "<child>no<"), "'no'", '<joint name="left_joint"'),
+        (PAIR.replace("<child>left</child>", ""), "'left_joint' has no <child>", '<joint name="left_joint"'),
+        (PAIR.replace("<pose>0.05 0", '<pose relative_to="f">0.05 0'), "no frame 'f'", '<link name="left"'),
+        (PAIR.replace("<pose>0.05 0", '<pose rotation_format="quat_xyzw">0.05 0'), "seven numbers", "<pose rotation"),
         (PAIR.replace("<pose>0.05 0.25", '<pose relative_to="right_joint">0.05 0.25')
          .replace("<pose>0.05 -0.25", '<pose relative_to="left_joint">0.05 -0.25'), "relative to itself", "<joint"),
+        (PAIR.replace('"c">', '"c"><pose relative_to="f">0 0 0 0 0 0</pose>'), "there is no frame 'f'", "<collision"),
         (PAIR.replace("0.05 0.25 0.1 ", "0.25 0.1 "), "six numbers", "<pose>0.25 0.1"),
         (PAIR.replace("<xyz>0 0 1", "<xyz>0 O 1"), "'O' is not a number", "<xyz>0 O 1"),
         (f'<!-- <joint name="left_joint">O -->{PAIR.replace("<xyz>0 0 1", "<xyz>0 O 1")}', "'O' is not", "<xyz>0 O 1"),

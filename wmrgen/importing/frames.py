@@ -113,7 +113,7 @@ def tree(
     """The joints of the tree, and those that give a link a second parent, which are noted. RobotFileError for links
     that are not there, and for joints in a circle."""
     if len(joints) > MAX_JOINTS:
-        raise RobotFileError(f"more than {MAX_JOINTS} joints")
+        raise RobotFileError(f"more than {MAX_JOINTS} joints", joints[MAX_JOINTS].mark, code=Code.DESCRIPTION)
     above: dict[str, Joint] = {}
     closing = []
     for joint in joints:

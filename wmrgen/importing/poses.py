@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from xml.etree.ElementTree import Element
 
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Mark, RobotFileError
 from wmrgen.importing.frames import IDENTITY, composed, frame
 from wmrgen.importing.read import at, child, number, refuse
 from wmrgen.importing.records import MODEL, Frame, Vector
@@ -41,18 +41,18 @@ class FrameGraph:
 
     def __init__(self) -> None:
         self.missing: list[str] = []  # URIs of models that nobody gave
-        self._within: dict[str, tuple[str, Frame]] = {}
+        self._within: dict[str, tuple[str, Frame, Mark | None]] = {}
         self._carriers: dict[str, str] = {}
 
-    def add(self, name: str, reference: str, where: Frame, carrier: str) -> None:
-        """A frame at ``where`` in ``reference``, rigid with ``carrier``: a link or another frame. The first of a name
-        counts."""
-        self._within.setdefault(name, (reference, where))
+    def add(self, name: str, reference: str, where: Frame, carrier: str, mark: Mark | None = None) -> None:
+        """A frame at ``where`` in ``reference``, as it stands at ``mark``, rigid with ``carrier``: a link or another
+        frame. The first of a name counts."""
+        self._within.setdefault(name, (reference, where, mark))
         self._carriers.setdefault(name, carrier)
 
     def pose(self, name: str, root: str = MODEL) -> Frame:
         """The frame in ``root``. RobotFileError for one that is not there, or relative to itself."""
-        result, at = IDENTITY, name
+        result, at, mark = IDENTITY, name, None
         for _ in range(_MOST):
             if at == root:
                 return result
@@ -60,10 +60,11 @@ class FrameGraph:
                 raise refuse(
                     f"there is no frame {quoted(at)}",
                     f"{quoted(name)} is relative to it." if at != name else "",
+                    mark=mark,
                 )
-            at, where = self._within[at]
+            at, where, mark = self._within[at]
             result = composed(where, result)
-        raise refuse(f"the frame {quoted(name)} is relative to itself")
+        raise refuse(f"the frame {quoted(name)} is relative to itself", mark=mark)
 
     def _lacks(self, what: str) -> MissingLinkError:
         if not self.missing:
@@ -99,10 +100,12 @@ def placement(element: Element, what: str) -> Frame:
         return IDENTITY
     with at(pose):
         values = [number(word, f"{what}: pose") for word in words]
-        if pose.get("rotation_format") == "quat_xyzw" and len(values) == 7:
+        quaternion = pose.get("rotation_format") == "quat_xyzw"
+        if len(values) != (7 if quaternion else 6):
+            count = "seven numbers with quat_xyzw" if quaternion else "six numbers"
+            raise refuse(f"{what}: a pose has {count}, not {quoted(' '.join(words))}")
+        if quaternion:
             return frame((values[0], values[1], values[2]), _angles(values[3:], what))
-        if len(values) != 6:
-            raise refuse(f"{what}: a pose has six numbers, not {quoted(' '.join(words))}")
     x, y, z, *rpy = values
     if pose.get("degrees", "").strip() in ("true", "1"):
         rpy = [Fraction(math.radians(angle)) for angle in rpy]

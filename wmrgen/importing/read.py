@@ -5,6 +5,7 @@ No entity and no document type is followed; numbers are read by a pattern, never
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import re
 from collections.abc import Iterator
@@ -40,7 +41,9 @@ class Text:
 
     @cached_property
     def source(self) -> Source:
-        return Source.of(re.sub("\r\n?", "\n", self.data.decode("utf-8", "replace")), self.file)
+        wide = self.data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+        text = self.data.decode("utf-16" if wide else "utf-8", "replace")
+        return Source.of(re.sub("\r\n?", "\n", text), self.file)
 
 
 class Place(NamedTuple):
@@ -207,6 +210,15 @@ def bound(text: str, what: str) -> Fraction:
     if match := _ENDLESS.fullmatch(text.strip()):
         return Fraction(f"{match[1]}1e{_LARGEST}")
     return number(text, what)
+
+
+def radius_in(text: str, what: str, notes: list[str]) -> Fraction | None:
+    """A radius [m]; None where nothing is written, and for one below zero, which is noted."""
+    value = number(text, f"{what} radius") if text else None
+    if value is not None and value < 0:
+        notes.append(f"{what}: a radius of {text.strip()} is not read")
+        return None
+    return value
 
 
 def direction(text: str | None, what: str) -> Vector | None:

@@ -20,7 +20,7 @@ from wmrgen.importing.read import (
     children,
     mark_of,
     name_of,
-    number,
+    radius_in,
     refuse,
     text_in,
     vector,
@@ -110,7 +110,7 @@ class _Reader:
 
     def _place(self, element: Element, name: str, scope: Scope, default: str, carrier: str) -> None:
         where = placement(element, quoted(name))
-        self.frames.add(name, scope.full(reference(element), default), where, carrier)
+        self.frames.add(name, scope.full(reference(element), default), where, carrier, mark_of(element))
 
     def _include(self, element: Element, scope: Scope) -> None:
         uri = text_in(element, "uri")
@@ -135,7 +135,7 @@ class _Reader:
         if held:
             inner = Scope(scope.prefix if merged else f"{name}::", own, False)
             where = composed(where, inverse(self.frames.pose(inner.full(held, own), own)))
-        self.frames.add(own, scope.full(reference(placed), scope.own), where, carrier)
+        self.frames.add(own, scope.full(reference(placed), scope.own), where, carrier, mark_of(placed))
         self.frames.add(name, own, IDENTITY, carrier)
 
     def description(self, name: str) -> Description:
@@ -189,7 +189,7 @@ class _Reader:
                     uri = "" if child(form, "submesh") is not None else text_in(form, "uri")
                     with at(form):
                         scale = vector(text_in(form, "scale") or "1 1 1", f"{what}: scale")
-                        value = number(radius, f"{what} radius") if radius else None
+                        value = radius_in(radius, what, self.notes)
                     with at(part):
                         where = self._in_link(part, full, scope)
                     shapes.append(Shape(str(form.tag), role, where, value, uri, scale))

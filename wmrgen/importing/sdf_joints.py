@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element
 
 from wmrgen.importing.frames import IDENTITY, ancestors, composed, inverse, parents, plus, transposed, turned
 from wmrgen.importing.poses import FrameGraph, MissingLinkError, Scope, placement, reference
-from wmrgen.importing.read import at, bound, child, children, direction, mark_of, number, text_in
+from wmrgen.importing.read import at, bound, child, children, direction, mark_of, number, refuse, text_in
 from wmrgen.importing.records import MODEL, RIGID, Frame, Joint, Vector, endless
 from wmrgen.spec.text import quoted
 
@@ -46,6 +46,8 @@ def joints_of(
         what, kind = f"joint {quoted(full)}", element.get("type", "")
         if kind == _TREELESS:
             notes.append(f"{what} is a gearbox, and not read")
+        elif not text_in(element, "child"):
+            raise refuse(f"{what} has no <child>", mark=mark_of(element))
         elif text_in(element, "child") != "world":  # which holds the model
             try:
                 with at(element):
@@ -77,6 +79,8 @@ def _joint(full: str, element: Element, scope: Scope, frames: FrameGraph) -> lis
     """What a joint is to a URDF. MissingLinkError where it names a link that is not there."""
     what = f"joint {quoted(full)}"
     parent, body = (frames.carrier(scope.full(text_in(element, end), MODEL)) for end in ("parent", "child"))
+    if body == MODEL:  # which it holds
+        return []
     place = frames.pose(body)
     own = frames.pose(scope.full(reference(element), body))
     at = composed(own, placement(element, what))

@@ -29,11 +29,14 @@ from wmrgen.importing.read import (
     mark_of,
     name_of,
     number,
+    radius_in,
     refuse,
     vector,
 )
 from wmrgen.importing.records import KINDS, Description, Frame, Friction, Joint, Shape, Vector
 from wmrgen.spec.text import quoted
+
+_TURN = 6.3  # [rad] beyond which an angle is seldom meant
 
 
 def _origin(element: Element, what: str, notes: list[str]) -> Frame:
@@ -47,7 +50,11 @@ def _origin(element: Element, what: str, notes: list[str]) -> Frame:
     if "xyz" in origin.attrib and not origin.attrib["xyz"].strip():
         notes.append(f"{what}: xyz is empty, taken as 0 0 0")
     with at(origin):
-        return frame(vector(origin.get("xyz"), f"{what}: xyz"), vector(origin.get("rpy"), f"{what}: rpy"))
+        xyz, rpy = vector(origin.get("xyz"), f"{what}: xyz"), vector(origin.get("rpy"), f"{what}: rpy")
+    if any(abs(angle) > _TURN for angle in rpy):
+        said = quoted(origin.get("rpy", ""))
+        notes.append(f"{what}: rpy is {said}, in radians more than a turn; degrees were likely meant")
+    return frame(xyz, rpy)
 
 
 def describe(root: Element, file: str) -> Description:
@@ -58,7 +65,9 @@ def describe(root: Element, file: str) -> Description:
             "URDF, xacro and SDF are read.",
         )
     notes: list[str] = []
-    links = tuple(dict.fromkeys(name_of(link, "link") for link in children(root, "link")))
+    names = Counter(name_of(link, "link") for link in children(root, "link"))
+    notes += [f"link {quoted(name)}: several links have this name" for name, n in names.items() if n > 1]
+    links = tuple(names)
     if not links:
         raise refuse(f"{file}: has no link", "", "Give a file that describes a robot, not only parts of one.")
     joints, closing = _joints(root, set(links), notes)
@@ -80,7 +89,12 @@ def describe(root: Element, file: str) -> Description:
 
 
 def _joints(root: Element, links: set[str], notes: list[str]) -> tuple[tuple[Joint, ...], tuple[Joint, ...]]:
-    elements = [each for each in children(root, "joint") if child(each, "parent") is not None]
+    elements = []
+    for each in children(root, "joint"):
+        if child(each, "parent") is not None:
+            elements.append(each)
+        else:
+            notes.append(f"joint {quoted(each.get('name', ''))} has no <parent>, and is not read")
     joints = [_joint(element, notes) for element in elements[: MAX_JOINTS + 1]]
     for name, count in Counter(joint.name for joint in joints).items():
         if count > 1:
@@ -121,9 +135,9 @@ def _shapes(link: Element, notes: list[str]) -> tuple[Shape, ...]:
             geometry = child(part, "geometry")
             what = f"link {quoted(link.get('name', ''))}: {role}"
             for form in [] if geometry is None else list(geometry):
-                radius = form.get("radius") if local(form) in ("cylinder", "sphere") else None
+                radius = form.get("radius", "") if local(form) in ("cylinder", "sphere") else ""
                 with at(form):
-                    value = number(radius, f"{what} radius") if radius else None
+                    value = radius_in(radius, what, notes)
                 scale = _scale(form.get("scale"), what, notes)
                 where, uri = _origin(part, what, notes), form.get("filename", "")
                 shapes.append(Shape(local(form), role, where, value, uri, scale))

@@ -89,6 +89,9 @@ def polar(alpha: str, head: str = "") -> str:
         (differential() + "limits: {omega: 3600 deg/s}\n", []),
         (differential() + "limits: {vx: 99, spin: 999}\n", []),
         (differential() + "limits: {vx: 101, spin: 1001}\n", ["WMR002", "WMR002"]),
+        (differential() + "limits: {spin: 0}\n", ["WMR002"]),
+        (differential() + "limits: {vx_rate: [0, 0]}\n", ["WMR002"]),
+        (differential() + "limits: {spin: [0, 9], vy: 0}\n", []),
         (differential() + "trailers: [{name: t, length: 19.9}]\n", []),
         (differential() + "trailers: [{name: t, length: 3000}]\n", ["WMR003"]),
         (differential() + "trailers: [{name: t, length: 0.9 mm}]\n", ["WMR004"]),
@@ -290,6 +293,12 @@ NEEDED = degrees(atan2(1.2 * 0.8, 1.5))  # steering of that car at 0.8 rad/s
 )
 def test_steering_limits_of_a_car(limit: str, expected: list[str], tmp_path: Path) -> None:
     assert codes(tmp_path / "robot.yaml", car(limit, 0.8)) == expected
+
+
+@pytest.mark.parametrize(("lag", "expected"), [("10", []), ("150", ["WMR002"] * 2), ("150 ms", [])])
+def test_lags_of_a_robot_and_of_a_wheel(lag: str, expected: list[str], tmp_path: Path) -> None:
+    text = car("1", 0.8).replace("r: 0.3, act", f"r: 0.3, lag: {{steer: {lag}}}, act")
+    assert codes(tmp_path / "robot.yaml", f"{text}lag: {{steer: {lag}}}\n") == expected
 
 
 @pytest.mark.parametrize(("limit", "expected"), [("1.57", []), ("1.56", ["WMR023"]), ("[0, pi]", [])])

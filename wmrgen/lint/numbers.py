@@ -8,11 +8,13 @@ from itertools import combinations
 from math import degrees, pi, tau
 
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
+from wmrgen.ports import TWIST_NAMES
 from wmrgen.spec.records import Limit, Quantity
 
 LARGEST, APART = 20.0, 100.0  # of a robot [m]; the largest of its sizes over the smallest
 FASTEST = 10 * tau  # a body or a steering joint that turns faster is no robot's [rad/s]
 _SPEED = 100.0  # nor is one that drives faster [m/s]
+_SLOWEST = 10.0  # time constant of a joint [s]
 _MOST = {
     "steer": (tau, "rad", "deg"),
     **dict.fromkeys(("omega", "steer_rate"), (FASTEST, "rad/s", "deg/s")),
@@ -76,10 +78,11 @@ def _limits(subject: Subject) -> Iterator[tuple[str, Limit]]:
 
 @rule(
     "WMR002",
-    "a limit that no robot reaches",
+    "a limit or a lag that no robot has",
     """A steering limit of more than a turn, a body or a steering joint that turns ten times a second, a speed of more
-    than 100 m/s, at the rim of a wheel too: without a unit they are in radians and metres, and degrees, turns a minute
-    or millimetres were likely meant.""",
+    than 100 m/s, at the rim of a wheel too, a lag of more than 10 s: without a unit they are in radians, metres and
+    seconds, and degrees, turns a minute, millimetres or milliseconds were likely meant. With a limit of 0 of a joint or
+    of an acceleration nothing moves.""",
     """
 wheels:
   - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
@@ -97,13 +100,23 @@ def limits(subject: Subject) -> Iterator[Finding]:
     for name, limit in _limits(subject):
         bound, unit, meant = most.get(limit.name, (0.0, "", ""))
         worst = max((limit.low, limit.high), key=lambda q: abs(subject.value(q)))
-        if bound and not _MEANT.search(worst.text) and abs(value := subject.value(worst)) > bound:
+        value = subject.value(worst)
+        if bound and not _MEANT.search(worst.text) and abs(value) > bound:
             turns = f", {abs(value) / tau:.3g} turns{' a second' * ('/' in unit)}" if "rad" in unit else ""
             yield Finding(
                 limit.mark,
                 f"{name}: a limit {limit.name} of {value:.4g} {unit}{turns}",
                 f"Did you mean {meant}? Write the unit.",
             )
+        elif not value and limit.name not in TWIST_NAMES:
+            what = f"{name}: a limit {limit.name} of 0, with which nothing moves"
+            yield Finding(limit.mark, what, "Write the largest value, or delete the key.")
+    lags = [("the robot", lag) for lag in subject.spec.lag]
+    lags += [(w.name, lag) for w in subject.spec.wheels for lag in w.lag]
+    for name, (joint, time) in lags:
+        if (value := subject.value(time)) > _SLOWEST:
+            what = f"{name}: a lag of {joint} of {value:.4g} s"
+            yield Finding(time.mark, what, "Did you mean ms? Write the unit.")
 
 
 @rule(

@@ -60,7 +60,7 @@ def spelled(words: Iterable[str], robot: Robot, joint: str, ports: Sequence[Port
         name, equals, value = word.partition("=")
         name = name.strip()
         own = [p.name for p in ports if p.name.startswith(f"{name}.")]
-        (full,) = own if len(own) == 1 else [f"{name}.{joint}"]
+        full = own[0] if len(own) == 1 else f"{name}.{joint}"
         result.append(f"{full}={value}" if equals and name in wheels else word)
     return result
 

@@ -151,14 +151,12 @@ def check(requests: Iterable[FunctionSpec]) -> None:
     for request in requests:
         with several:
             if not has_function(request.name):
-                near = nearest(request.name, names())
-                every = bool(near) and _FUNCTIONS[near].kind is Kind.FIRMWARE
-                hint = (
-                    f"Leave it out if {near} is meant, which is generated for every robot." if every else ""
-                )
+                near, instead = nearest(request.name, names()), suggestion(request.name, optional_names())
+                if near and _FUNCTIONS[near].kind is Kind.FIRMWARE:
+                    instead = f"Leave it out if {near} is meant, which is generated for every robot."
                 raise RobotFileError(
                     f"there is no function {quoted(request.name)}", request.mark,
-                    instead=hint or suggestion(request.name, optional_names()), code=Code.UNDECLARED,
+                    instead=instead, code=Code.UNDECLARED,
                 )  # fmt: skip
             if _FUNCTIONS[request.name].kind is Kind.FIRMWARE:
                 raise RobotFileError(

@@ -116,11 +116,12 @@ class _Parser:
             "²": "Write **2.",
             "³": "Write **3.",
         }
-        hint = special.get(character, "")
-        plain = unicodedata.normalize("NFKC", self._node.text)
-        if not hint and not character.isascii() and plain.isascii():  # of full width
+        hint, plain = "", unicodedata.normalize("NFKC", self._node.text)
+        if character in special:
+            hint = special[character]
+        elif plain.isascii() and not character.isascii():  # of full width
             hint = f"Write {plain}."
-        elif not hint and character.isnumeric():  # ½
+        elif character.isnumeric():  # ½
             hint = f"Write {unicodedata.numeric(character):g}."
         return self._error(what, _GRAMMAR, hint, position)
 

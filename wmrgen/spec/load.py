@@ -223,7 +223,7 @@ def _names_in_doubt(table: Table, errors: Sequence[WmrgenError]) -> tuple[bool, 
     unread = [error.mark in declared for error in errors if error.code is Code.NAME]
     no_mapping = parameters is not None and not isinstance(parameters, MappingNode)
     unnamed = isinstance(wheels, SequenceNode) and len(declared_types(table)) < len(wheels.items)
-    return no_mapping or True in unread, unnamed or False in unread
+    return no_mapping or any(unread), unnamed or not all(unread)
 
 
 def _in_wheels(table: Table, error: WmrgenError) -> bool:

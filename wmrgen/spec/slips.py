@@ -183,7 +183,9 @@ def _tab(t: _Trouble) -> _Mistake:
 def _beside_its_item(t: _Trouble) -> _Mistake | None:
     """The first line that should stand in the item of a list above it, and is indented as its dash."""
     for k, line in enumerate(t.lines[: t.at.line] if t.rest.startswith("- ") else ()):
-        if line.text.startswith(f"{t.before}- ") and re.match(rf"{t.before}\w", t.lines[k + 1].text):
+        if line.text.startswith(f"{t.before}- ") and re.match(
+            rf"{re.escape(t.before)}\w", t.lines[k + 1].text
+        ):
             what = "this line is no part of the item above it"
             return _Mistake(what, "Indent it by two spaces.", Place(k + 1, t.at.column))
     return None

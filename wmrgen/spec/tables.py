@@ -213,10 +213,7 @@ def table_of(
             last = name
     for key, value in unknown:
         several.add(unknown_key(key, value, fields, what))
-        inside = (
-            {k.text for k, _ in value.entries} & {*section.keys} if isinstance(value, MappingNode) else set()
-        )
-        if len(inside) > 1:  # the whole table, one level too deep
+        if _one_level_too_deep(value, fields):
             table.excused.update(section.keys)
             continue
         meant, certain = _meant(key.text, fields)
@@ -249,6 +246,12 @@ def severed(key: Scalar, value: Node) -> tuple[str, str] | None:
     return None
 
 
+def _one_level_too_deep(value: Node, fields: Collection[Field]) -> bool:
+    """What stands behind a key has several keys of the table in which that key stands."""
+    valid = {f.key for f in fields}
+    return isinstance(value, MappingNode) and len(valid & {key.text for key, _ in value.entries}) > 1
+
+
 def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) -> RobotFileError:
     """The error for a key that does not exist, with the nearest one that does."""
     empty = isinstance(value, Scalar) and not value.text
@@ -268,19 +271,17 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
         return key.error(f"no colon in {quoted(key.text)}", "", f"Write {word}: {rest.lstrip(' =')}")
     if key.text == "<<":
         return key.error("'<<' merges mappings in YAML", "Merge keys are refused.", "Write the keys out.")
+    unknown, why = f"unknown key {quoted(key.text)} in {what}", lookalike(key.text)
+    if _one_level_too_deep(value, fields):
+        return key.error(unknown, why, "Delete the line, and write what stands below it without indentation.")
     aliases = {alias: text for f in fields for alias, text in f.hints.items()}
     instead = suggestion(key.text, [f.key for f in fields], aliases)
-    why = lookalike(key.text)
-    inner = [(f, sub) for f in fields if isinstance(f.value, Section) for sub in f.value.fields]
-    inside = next(
-        (f"Write {f.key}: {{{s.key}: …}}." for f, s in inner if key.text in (s.key, *s.aliases)), ""
-    )
-    if isinstance(value, MappingNode) and len({k.text for k, _ in value.entries} & valid) > 1:
-        instead = "Delete the line, and write what stands below it without indentation."
-        return key.error(f"unknown key {quoted(key.text)} in {what}", why, instead)
-    if instead.startswith("Valid") and inside:
-        instead = inside
-    for section in (WHEEL, ROBOT):
-        if instead.startswith("Valid") and any(key.text == f.key for f in section.fields):
-            why = f"It is a key of {section.title}."
-    return key.error(f"unknown key {quoted(key.text)} in {what}", why, instead, code=Code.UNKNOWN_KEY)
+    if instead.startswith("Valid"):
+        inner = [(f, sub) for f in fields if isinstance(f.value, Section) for sub in f.value.fields]
+        inside = [f"Write {f.key}: {{{s.key}: …}}." for f, s in inner if key.text in (s.key, *s.aliases)]
+        whose = [f"It is a key of {section.title}." for section in (ROBOT, WHEEL) if key.text in section.keys]
+        if inside:
+            instead = inside[0]
+        elif whose:
+            why = whose[0]
+    return key.error(unknown, why, instead, code=Code.UNKNOWN_KEY)

@@ -163,6 +163,7 @@ def test_what_no_controller_has_is_refused_in_words(name: str) -> None:
         ("mecanum", ("gamma: -45", "gamma: -44.99"), "the formula has -45 deg for the front left wheel"),
         ("mecanum", ("gamma: -45", "gamma: 45"), "gamma = 45 deg at the ground"),
         ("mecanum", ("heading: 0", "heading: pi"), "rolls backward"),
+        ("mecanum", (", y: ", ", y: -"), "four wheels, one in each corner"),
         ("omni", ("alpha: ", "alpha: 1"), "equally spaced"),
         ("omni", ("beta: 0", "beta: pi"), "distances of the wheels"),
         ("omni", ("r: 0", "r: 0.001 + 0"), "radii differ"),
@@ -186,10 +187,17 @@ def test_what_is_a_little_off_is_refused(
         ros2_control(load(tmp_path, *wheels, more=more))
 
 
-def test_a_coupling_is_refused(tmp_path: Path) -> None:
-    wheels, _ = drives(Random(7))["differential"]
-    with pytest.raises(NotDerivableError, match="'b' has its spin coupled to that of 'a'"):
-        ros2_control(load(tmp_path, *wheels, more="couplings:\n  - equal: [a.spin, b.spin]\n"))
+@pytest.mark.parametrize(
+    ("wheels", "more", "why"),
+    [
+        (drives(Random(7))["differential"][0], "couplings:\n  - equal: [a.spin, b.spin]\n",
+         "'b' has its spin coupled to that of 'a'"),
+        (["name: a, type: steered, x: 0, y: 0, heading: 0, r: 0.1"], "", "two steered wheels or more"),
+    ],
+)  # fmt: skip
+def test_what_has_no_formula_is_refused(tmp_path: Path, wheels: list[str], more: str, why: str) -> None:
+    with pytest.raises(NotDerivableError, match=why):
+        ros2_control(load(tmp_path, *wheels, more=more))
 
 
 PEER = [

@@ -147,6 +147,26 @@ def test_a_swivel_that_only_a_transmission_names(read: Import, body: str, kind: 
     assert read(robot(*parts, said, control("s")))["asked"] == []
 
 
+def test_a_steering_axis_that_leans(read: Import) -> None:
+    """0.1 rad: at the height of the axle it stands 0.1 sin(0.1) further back than at the joint, 0.1 above."""
+    fork = link("s") + joint("s", "base_link", "s", "0.3 0 0.2", axis="0 0 1", rpy="0 0.1 0")
+    said = read(robot(pair(), fork, wheel("front", "0 0 -0.1", parent="s"), control("left_joint", "s")))
+    assert said["asked"] == [("front", "x")]
+    assert "leans by 5.73 deg" in said["text"] and "at the axle x = 0.290017, y = 0" in said["text"]
+
+
+def test_a_mesh_beside_its_steering_axis(read: Import) -> None:
+    """Without its file nothing tells whether the joint stands in its middle."""
+    fork = link("s") + joint("s", "base_link", "s", "0.3 0 0.2", axis="0 0 1")
+    front = wheel("front", "0 0.03 -0.1", '<mesh filename="a.stl"/>', parent="s")
+    said = read(robot(pair(), fork, front, control("left_joint", "s")))
+    hints = {q["key"]: q["hints"] for q in said["questions"]}
+    assert hints == {
+        "r": [],
+        "offset_y": ["0.03 at the joint", "0.03 at the origin of the collision mesh 'a.stl'"],
+    }
+
+
 def test_two_wheels_on_one_shaft(read: Import) -> None:
     """One joint turns both: rigid parts of it, 0.4 m apart; two sides of one wheel stand nearer."""
     for half, asked in ((0.2, [("axle", "type")]), (0.04, [])):

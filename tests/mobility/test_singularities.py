@@ -22,8 +22,9 @@ from wmrgen.symbolic import expression, parameter, signal
 FRONT = wheel("f", "steered", 0.5, -0.2, heading=0.3)
 
 
-def of(wheels: list[dict[str, Any]], kind: str) -> list[Singularity]:
-    model = derived({"wheels": wheels, "couplings": []})
+def of(wheels: list[dict[str, Any]], kind: str, *coupled: str) -> list[Singularity]:
+    couplings = [("steer", [*coupled])] if coupled else []
+    model = derived({"wheels": wheels, "couplings": couplings})
     return [s for s in model.derivation.mobility.singularities if s.kind == kind]
 
 
@@ -59,6 +60,15 @@ def test_two_steered_axles_on_one_line() -> None:
         assert shared.meaning.endswith(
             ", and rank C1 falls from 2 to 1: the robot can turn about any point of that line"
         )
+
+
+def test_axles_that_one_angle_turns_are_not_one_line() -> None:
+    """Aslant they never are: C1 has rank 2 at each angle."""
+    aslant = [
+        wheel("a", "steered", 0.04, -0.49, heading=0.08),
+        wheel("b", "steered", 0.63, -0.63, heading=-1.56),
+    ]
+    assert len(of(aslant, "shared_axle")) == 1 and of(aslant, "shared_axle", "a", "b") == []
 
 
 def test_a_fixed_axle_is_shared_with_no_steered_wheel() -> None:

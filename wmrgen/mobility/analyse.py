@@ -17,7 +17,7 @@ from wmrgen.mobility.admissible import along
 from wmrgen.mobility.basis import basis, deciding, null_columns, primitive, scaled
 from wmrgen.mobility.configure import Configuration, configuration, in_metres, steering_for
 from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.reasons import apart, reasons, skids, verdict
+from wmrgen.mobility.reasons import SAME, apart, reasons, skids, verdict
 from wmrgen.mobility.records import Array, Balance, Mobility, Singularity
 from wmrgen.notation import in_code, plain
 
@@ -115,11 +115,15 @@ def _icr_on_pivot(w: Wheel) -> Singularity:
 def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singularity]:
     """The axles of the two steered wheels that decide the motion fall into one line: rank C1 drops.
 
-    A steered wheel on the line of the fixed axle decides nothing: its axle can always follow.
+    A steered wheel on the line of the fixed axle decides nothing: its axle can always follow. Axles that one angle
+    turns keep the angle between them.
     """
     if at.mobility != 1 or len(wheels) != 2:
         return []
     a, b = wheels
+    lead = at.robot.steer_group
+    if lead[a.index] == lead[b.index] and abs((a.zero_heading / b.zero_heading).imag) > SAME:
+        return []
     conditions = (towards(a, b, symbolic_view), towards(b, a, symbolic_view))
     many = sum(w.kind.steers for w in at.robot.wheels) > 2 and not _pivots_in_line(at)
     what = (

@@ -80,7 +80,9 @@ def test_where_a_form_does_not_hold(name: str) -> None:
     head = page.partition("`wmrgen model` prints")[2].partition(". ")[0]
     introduced = re.findall(r"`(posture|twist|eta)`", head)
     assert introduced and set(introduced) == set(told)
-    for formula in re.findall(r"does not hold where [^\n]*\n\n```math\n(.*?)```", page, re.DOTALL):
+    shared = sum(s.kind == "shared_axle" for s in of_gallery(name).mobility.singularities)
+    assert page.count("(the form `twist` has these motions). Section 9 has the condition.\n") == shared
+    for formula in re.findall(r"does not hold where [^\n]*:\n\n```math\n(.*?)```", page, re.DOTALL):
         assert (
             "\\psi" in formula and "0 &= " in formula and "_steer" not in formula and ".steer" not in formula
         )
@@ -174,7 +176,7 @@ def test_the_twist_of_eta_is_that_of_dynamics(name: str) -> None:
 
 
 def test_angles_of_wheels_that_follow_are_symbols() -> None:
-    """Of two wheels with one steering motor the model has one angle; a condition may name the other."""
+    """Of two wheels with one steering motor the model has one angle, and no condition that asks for two."""
     page = page_written(
         "wmrgen: 1\nname: sample\nwheels:\n"
         "  - {name: a, type: steered, x: 0.04, y: -0.49, heading: 0.08, r: 0.2, actuated: [steer]}\n"

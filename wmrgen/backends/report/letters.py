@@ -273,6 +273,9 @@ def _exceptions(form: str, system: System) -> list[str]:
     blocks = []
     for domain in system.domain:
         why = sentence(domain.text.replace(": ", ", for ", 1))
+        if form == "eta":
+            blocks += [f"{code(form)} does not hold where {why}. Section 9 has the condition."]
+            continue
         if size(domain.expression) > _CONDITION:
             blocks += [f"{code(form)} does not hold where a long expression vanishes: {why}."]
             continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 from wmrgen import notation
 from wmrgen.backends.registry import Facts
 from wmrgen.backends.report.further import formulas
-from wmrgen.backends.report.markdown import code, foot, items, math, minus, page, table, written
+from wmrgen.backends.report.markdown import code, foot, items, math, minus, page, sentence, table, written
 from wmrgen.bounds.robot import SINGULAR, TIES, Bounds, beyond, described, error, listed
 from wmrgen.ir.nodes import count
 from wmrgen.kinematics.pose import SWITCH, WORST_ERROR
@@ -38,7 +38,7 @@ def _cost(d: Derivation) -> list[str]:
     for f in module.every:
         c = count(f)
         cells = (c.additions, c.multiplications, c.divisions, c.roots, c.sines, c.arctangents, c.comparisons)
-        rows.append([code(f.name), _GIVES.get(f.name, f.text), *map(str, cells)])
+        rows.append([code(f.name), sentence(_GIVES.get(f.name, f.text)), *map(str, cells)])
     head = ["function", "what it gives", "+ −", "×", "÷", "√", "sin, cos", "atan2", "select"]
     prepare = "`prepare` runs when a tunable parameter changes; no step divides by geometry."
     return [

@@ -345,6 +345,7 @@ wheels:
         (ROOTS, r"0.075\,\sin\psi_{\mathrm{front}}-\frac{15\,a\,\cos", "0.288462"),  # all numbers are exact
         (ROOTS, "`a` = 0.41 and `r` = 0.05, constant in the generated code.\n", "In formulas"),
         (STUCK, "inputs u that are components of the twist (`twist`). `twist` is the state space", "(`eta`)"),
+        (STUCK, "No text among the five that wmrgen reproduces", "only translates"),
         (LOCKED, "`slip` is the norm of z − H ξ [m/s].", r"\mathrm{slip} = \sqrt{{"),  # too wide for a page
         (LOCKED, "Without slip nothing moves: DDOF = DOF = 0.", "holonomic, but not"),
         (LOCKED, "a degenerate layout, (0, 0): without slip it cannot move.", "steering adds"),

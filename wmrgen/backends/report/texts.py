@@ -260,7 +260,9 @@ def _all_steered(robot: Robot, wheels: Wheels) -> list[Citation]:
     if robot.couplings:
         first = wheels[0].nominal
         parallel = all(_same(w.nominal.ch, first.ch) and _same(w.nominal.sh, first.sh) for w in wheels)
-        if not parallel or len(set(robot.steer_group)) > 1:
+        turns = {(robot.spin_group[w.index], robot.per_turn(w, w.nominal)) for w in wheels}
+        rolls = len(turns) == len({shaft for shaft, _ in turns})  # equally far, where one shaft turns them
+        if not (parallel and rolls) or len(set(robot.steer_group)) > 1:
             return []
         return [Citation("Siegwart 3.3.3", "synchro drive: the chassis only translates", {})]
     box = Citation("Kelly Box 4.2", "rows H of the contact velocities and their least squares", {})

@@ -95,13 +95,9 @@ def test_an_angle_of_tunable_parameters(
     for backend, values in found.items():
         assert values == pytest.approx(wanted, rel=2e-6, abs=2e-6), backend
     assert {k: float(v) for k, v in numbers.items()} == pytest.approx(wanted, rel=1e-12, abs=1e-12)
-    (row, _) = json.loads((tmp_path / "out/pair/model.json").read_text(encoding="utf-8"))[
-        "J1"
-    ]  # of Python's syntax
-    h, syntax = (
-        TUNABLE[text](a, b),
-        {name: getattr(math, name) for name in "pi sqrt sin cos tan atan2".split()},
-    )
+    data = json.loads((tmp_path / "out/pair/model.json").read_text(encoding="utf-8"))
+    syntax = {name: getattr(math, name) for name in "pi sqrt sin cos tan atan2".split()}
+    h, (row, _) = TUNABLE[text](a, b), data["J1"]
     values = [eval(entry, {**syntax, "a": a, "b": b}) for entry in row]
     assert values == pytest.approx([math.cos(h), math.sin(h), -0.2 * math.cos(h)], rel=1e-12)
 

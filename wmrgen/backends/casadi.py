@@ -143,17 +143,19 @@ _SCHEMES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 
 def step(model: ca.Function, odometry: Function, kind: str, dt: float) -> ca.Function:
     """``(x, u, p) -> (xnext, A, B, c)``: the state after ``dt`` [s] under constant inputs; to first order it is
-    A x + B u + c. ``kind``: rk4, collocation, or exact, by the robot's ``odometry``. UsageError for another, and for
-    exact where the twist changes with the state."""
+    A x + B u + c. ``kind``: rk4, collocation, or exact, by the robot's ``odometry``. UsageError for another, for a step
+    that takes no time, and for exact where the twist changes with the state."""
     if kind not in ("exact", *_SCHEMES):
         raise UsageError(f"there is no step {kind}: write exact, {' or '.join(_SCHEMES)}")
+    if not 0 < dt < math.inf:
+        raise UsageError(f"dt is {dt:g}: a step takes time. Write dt in seconds, such as 0.05.")
     symbol: Any = ca.MX.sym if kind == "collocation" else ca.SX.sym  # what solves equations has no SX
     x, u, p = vectors = [symbol(name, model.size1_in(i)) for i, name in enumerate("xup")]
     if kind == "exact":
         after = _exact(model, to_casadi(odometry, "odometry"), vectors, dt)
     else:
         scheme, options = _SCHEMES[kind]
-        after = scheme(_ode_of(model), *options)(x, ca.vertcat(u, p), dt)
+        after = x + scheme(_changes(model), *options)(ca.DM.zeros(x.shape), ca.vertcat(x, u, p), dt)
     a, b = ca.jacobian(after, x), ca.jacobian(after, u)
     affine = after - ca.mtimes(a, x) - ca.mtimes(b, u)
     return ca.Function(
@@ -162,10 +164,12 @@ def step(model: ca.Function, odometry: Function, kind: str, dt: float) -> ca.Fun
     )  # fmt: skip
 
 
-def _ode_of(model: ca.Function) -> ca.Function:
-    """A model as CasADi's schemes want it: inputs and parameters are one vector."""
+def _changes(model: ca.Function) -> ca.Function:
+    """A model as CasADi's schemes want it, of what the state changes by since the beginning of the step: far from the
+    origin Newton's method would never come to rest. Beginning, inputs and parameters are one vector."""
     x, u, p = (ca.SX.sym(name, model.size1_in(i)) for i, name in enumerate("xup"))
-    return ca.Function("ode", [x, ca.vertcat(u, p)], [model(x, u, p)], ["x", "p"], ["ode"])
+    change = ca.SX.sym("change", model.size1_in(0))
+    return ca.Function("ode", [change, ca.vertcat(x, u, p)], [model(x + change, u, p)], ["x", "p"], ["ode"])
 
 
 def _exact(model: ca.Function, odometry: ca.Function, vectors: Sequence[ca.SX], dt: float) -> ca.SX:

@@ -86,10 +86,8 @@ def _step(
         what = "the chained form has no step" if form == "chained" else "a step takes --dt"
         raise UsageError(f"{what}. Write --dt 0.05 [s] and any --form but chained.")
     span = float(from_words([f"dt={dt}"], [Port("dt", Role.COMMAND, "s")])["dt"])
-    if not span > 0:
-        raise UsageError(f"--dt is {dt}: a step takes time. Write --dt 0.05 [s].")
+    step = derivation.state_space(form, discrete, span)
     if out is not None:
-        step = derivation.state_space(form, discrete, span)
         write_file(out, BACKENDS["casadi"].offers("content")(step))
         console.result(str(out))
         return 0
@@ -97,7 +95,12 @@ def _step(
     groups = (space.state, space.inputs, space.geometry)
     case = from_words(values, [port for ports in groups for port in ports])
     point = [[float(case.get(p.name, p.default or ZERO)) for p in ports] for ports in groups]
-    after, a, b, c = (part.full().tolist() for part in derivation.state_space(form, discrete, span)(*point))
+    try:
+        after, a, b, c = (part.full().tolist() for part in step(*point))
+    except RuntimeError:
+        raise UsageError(
+            f"the {discrete} step of {span:g} s does not converge. Write a smaller --dt, or --discrete rk4."
+        ) from None
     x, u = ([p.name for p in ports] for ports in (space.state, space.inputs))
     xnext, affine = ([row[0] for row in column] for column in (after, c))
     if as_json:

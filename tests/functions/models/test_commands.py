@@ -119,6 +119,18 @@ def test_a_step_is_printed_and_written(tmp_path: Path) -> None:
         (("--discrete", "rk4", "--dt", "1", "--form", "chained"), "chained"),
         (("--discrete", "rk4", "--dt", "1", "speed=1"), "no input 'speed'"),
         (("--discrete", "exact", "--dt", "1"), "rk4"),
+        (
+            (
+                "--discrete",
+                "collocation",
+                "--dt",
+                "1e3",
+                "rear.spin=6",
+                "front.steer=0.3",
+                "front.steer_rate=1",
+            ),
+            "a smaller --dt",
+        ),
         (("--discrete", "rk4", "--dt", "1", "-o", "my step.casadi"), "not a name"),
     ],
 )

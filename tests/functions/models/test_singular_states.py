@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import cos, sin
 
+import casadi
 import numpy as np
 import pytest
 import sympy
@@ -113,3 +114,23 @@ def test_driven_castors_have_a_model_without_singular_angles(name: str) -> None:
     assert derivation.system("posture").domain
     rates = derivation.state_space()([0, 0, 0.5], [0.3, -0.2, 0.7], nominal(derivation)).full().ravel()
     assert rates == pytest.approx([0.3 * cos(0.5) + 0.2 * sin(0.5), 0.3 * sin(0.5) - 0.2 * cos(0.5), 0.7])
+
+
+@pytest.mark.slow
+def test_a_swerve_is_planned_from_rest_to_rest() -> None:
+    """As docs/mpc.md says: with rolling to a millimetre a second, where the equality has no regular point."""
+    derivation = of_gallery("wpilib_swervebot")
+    step, g = derivation.state_space(discrete="rk4", dt=0.1), derivation.rolling()
+    problem = casadi.Opti()
+    x, u = problem.variable(7, 21), problem.variable(7, 20)
+    problem.subject_to(x[:, 0] == [0, 0, 0, 0.1, 0.1, 0.1, 0.1])
+    problem.subject_to(x[:3, 20] == [1.0, 0.5, 1.0])
+    problem.subject_to(u[:3, 19] == 0)
+    for k in range(20):
+        problem.subject_to(x[:, k + 1] == step(x[:, k], u[:, k], [])[0])
+        problem.subject_to(problem.bounded(-1e-3, g(x[:, k], u[:, k], []), 1e-3))
+    problem.minimize(casadi.sumsqr(u))
+    problem.set_initial(u, 0.1)
+    problem.solver("ipopt", {"print_time": False}, {"print_level": 0, "sb": "yes"})
+    plan = problem.solve()
+    assert plan.value(x)[:3, 20] == pytest.approx([1.0, 0.5, 1.0])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
-from math import atan, cos, inf, radians, sin, tan
+from math import atan, cos, inf, nan, radians, sin, tan
 from pathlib import Path
 from types import ModuleType
 
@@ -182,9 +182,23 @@ def test_rates_of_inputs_are_bounded_as_the_file_says() -> None:
     assert (vx["rate_lower"], vx["rate_upper"]) == (-9, 9) and "rate_lower" not in steer_rate
 
 
-def test_a_step_of_no_known_kind_is_refused() -> None:
-    with pytest.raises(UsageError, match="exact, rk4 or collocation"):
-        of_gallery("lekiwi").state_space(discrete="euler", dt=0.1)
+@pytest.mark.parametrize("dt", [0.1, 0.0, -0.1, inf, nan])
+def test_what_is_no_step_is_refused(dt: float) -> None:
+    kind, message = ("euler", "exact, rk4 or collocation") if dt == 0.1 else ("rk4", "a step takes time")
+    with pytest.raises(UsageError, match=message):
+        of_gallery("lekiwi").state_space(discrete=kind, dt=dt)
+
+
+@pytest.mark.parametrize("kind", ["rk4", "exact", "collocation"])
+def test_a_step_is_the_same_everywhere(kind: str) -> None:
+    """In coordinates of a map, where a metre is the millionth part of x, and after many turns."""
+    step = of_gallery("wpilib_swervebot").state_space(discrete=kind, dt=0.1)
+    x, u = point(step, 4)
+    after, a, *_ = (part.full() for part in step(x, u, []))
+    away = np.array([5e5, 4.5e6, 200 * np.pi, 0, 0, 0, 0])
+    there, same, *_ = (part.full() for part in step(x + away, u, []))
+    assert there.ravel() - away == pytest.approx(after.ravel(), abs=2e-9)
+    assert same == pytest.approx(a, abs=1e-9)
 
 
 def test_the_exact_step_is_exact_and_smooth_at_a_straight_line() -> None:

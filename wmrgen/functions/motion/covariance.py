@@ -221,7 +221,7 @@ def odometry_covariance(_: Robot, __: Mobility) -> Formula:
     names = Locals()
     steps = increments(names)
     pose = zip(POSE, (add(signal(p.name), e) for p, e in zip(POSE, steps, strict=True)), strict=True)
-    dx, dy = (names.define(f"{axis}_step", e) for axis, e in zip("xy", steps[:2], strict=True))
+    dx, dy = names.define("x_step", steps[0]), names.define("y_step", steps[1])
     before = {p.name: signal(p.name) for p in (*POSE_COVARIANCE, *TWIST_COVARIANCE)}
     (xx, xy, yy), by_rate = _of_velocity(before, names)
     half = names.define("half_dt", signal("dt") / 2)

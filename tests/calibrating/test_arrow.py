@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from wmrgen.calibrating.arrow import Sums
 from wmrgen.calibrating.certainty import _spread
 from wmrgen.calibrating.clocks import Clocks
-from wmrgen.calibrating.fit import Sums, arrow, nearest, prior_of_own, prior_of_shared
+from wmrgen.calibrating.fit import arrow, nearest, prior_of_own, prior_of_shared
 from wmrgen.calibrating.observability import deviations
 
 SHARED, OWN, ROWS = 5, 4, 30

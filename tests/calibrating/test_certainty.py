@@ -12,13 +12,12 @@ import pytest
 
 from tests.calibrating.simulated import LAYOUTS, Encoders, Tracker, csv, drive
 from tests.calibrating.test_calibrate import derivation_of
-from wmrgen.calibrating.calibrate import _deviations, calibrate
-from wmrgen.calibrating.certainty import Fit, _pulls, _spans, _walk, fit
+from wmrgen.calibrating.calibrate import _jackknife, calibrate
+from wmrgen.calibrating.certainty import _pulls, _spans, _walk, fit, student
 from wmrgen.calibrating.clocks import ALONE, shown
-from wmrgen.calibrating.fit import LEVER, Residuals, _typical
-from wmrgen.calibrating.logs import Truth
+from wmrgen.calibrating.fit import LEVER, Residuals, _middle, serial, start_of
 from wmrgen.calibrating.mistakes import refuse_strangers
-from wmrgen.calibrating.outliers import Drift, _drifts, _peaks, _steps
+from wmrgen.calibrating.outliers import Drift, _drifts, _peaks, _steps_of
 from wmrgen.errors import UsageError
 
 ALONG, ACROSS, TURN = 4e-6, 1e-6, 9e-6  # m^2/s, m^2/s, rad^2/s
@@ -72,7 +71,7 @@ def test_what_slips_and_noise_do_to_the_gradient() -> None:
     by, weights = random.normal(size=(3, count, unknowns)), random.uniform(0.5, 1, (3, count))
     place, heading = random.normal(size=count) + 1j * random.normal(size=count), random.normal(size=count)
     rows = Residuals(np.zeros((3, count)), by, weights, place, heading)
-    pulls = _pulls(SimpleNamespace(scale=0.02), t, rows)  # type: ignore[arg-type]
+    pulls = _pulls(0.02, t, rows)
 
     gradient = weights[..., None] / 0.02**2 * by
 
@@ -94,16 +93,11 @@ def test_what_slips_and_noise_do_to_the_gradient() -> None:
 def test_drives_that_differ_by_more_than_their_own_slips_make() -> None:
     """Means of all readings but one are the jackknife's textbook case: its deviation is that of the mean. A parameter
     that one drive alone tells differs without it, and that counts for nothing."""
-    readings = np.array([1.0, 1.3, 0.8, 1.1, 0.9])
-    without = [readings[np.arange(5) != k].mean() for k in range(5)]
-    others = [
-        SimpleNamespace(values=(mean, 9.0 * (k == 0)), deviations=np.array([0.01, 5.0 if k == 0 else 0.2]))
-        for k, mean in enumerate(without)
-    ]
-    best = SimpleNamespace(deviations=np.array([0.01, 0.2]), student=2.0)
-    deviations = _deviations(best, others)  # type: ignore[arg-type]
-    assert deviations == pytest.approx([2 * readings.std(ddof=1) / 5**0.5, 0.4])
-    assert list(_deviations(best, others[:2])) == [0.02, 0.4]  # type: ignore[arg-type]
+    readings, inside = np.array([1.0, 1.3, 0.8, 1.1, 0.9]), np.array([0.01, 0.2])
+    values = np.array([(readings[np.arange(5) != k].mean(), 9.0 * (k == 0)) for k in range(5)])
+    deviations = np.array([(0.01, 5.0 if k == 0 else 0.2) for k in range(5)])
+    assert _jackknife(inside, values, deviations) == pytest.approx([readings.std(ddof=1) / 5**0.5, 0.2])
+    assert _jackknife(inside, values[:2], deviations[:2]) is inside
 
 
 @pytest.mark.parametrize(
@@ -112,7 +106,7 @@ def test_drives_that_differ_by_more_than_their_own_slips_make() -> None:
 )
 def test_few_measurements_more_than_unknowns(freedom: int, three: float) -> None:
     """99.73 % of Student's distribution lie within so many standard deviations (JCGM 100:2008, table G.2)."""
-    assert 3 * Fit.student.fget(SimpleNamespace(freedom=freedom)) == pytest.approx(three, rel=1e-3)  # type: ignore[attr-defined]
+    assert 3 * student(freedom) == pytest.approx(three, rel=1e-3)
 
 
 @pytest.mark.parametrize("late", [(0.0, 0.0, 0.0), (-0.3, 0.2, 0.05)])
@@ -127,7 +121,7 @@ def test_clocks_that_agree_and_clocks_that_differ(tmp_path: Path, late: tuple[fl
         paths[-1].write_text(csv(recorded.log), encoding="utf-8")
         paths[-1].with_suffix(".truth.csv").write_text(csv(recorded.truth), encoding="utf-8")
     best = calibrate(derivation_of(tmp_path, layout), paths, []).fit
-    alone = fit(replace(best.problem, clocks=ALONE))
+    alone = fit(replace(best.problem, clocks=ALONE), serial, start_of(best.problem))
     errors, of_each = (np.abs(np.subtract(which.offsets, late)) for which in (best, alone))
     assert np.all(of_each > 0.005) and np.all(of_each < 3 * 0.1 * np.sqrt(alone.spread[0]))
     if any(late):
@@ -160,21 +154,13 @@ def test_slips_are_at_the_peaks_of_what_is_unusual() -> None:
 
 
 @pytest.mark.parametrize("ahead", [1, 1j])
-def test_a_slip_along_either_axis_is_a_step_of_the_path(
-    ahead: complex, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_slip_along_either_axis_is_a_step_of_the_path(ahead: complex) -> None:
     """Ten centimetres at once, and no turn."""
     t = STEP * np.arange(300)
     off = 0.1 * ahead * (t > 15)
-    place = SPEED * t * ahead + off
-    rows = Residuals(
-        np.array([off.real, off.imag, 0 * t]), np.zeros((3, 300, 1)), np.ones((3, 300)), place, np.zeros(300)
-    )
-    monkeypatch.setattr("wmrgen.calibrating.outliers.residuals", lambda *_: rows)
-    monkeypatch.setattr("wmrgen.calibrating.outliers.later", lambda *_: None)
-    drives = [SimpleNamespace(truth=Truth(t, t, t, t))]
-    best = SimpleNamespace(problem=SimpleNamespace(drives=drives), unknowns=None, offsets=(0.0,))
-    at, (moved, turned) = _steps(best, 0)  # type: ignore[arg-type]
+    values, place = np.array([off.real, off.imag, 0 * t]), SPEED * t * ahead + off
+    rows = Residuals(values, np.zeros((3, 300, 1)), np.ones((3, 300)), place, np.zeros(300))
+    at, (moved, turned) = _steps_of(rows, t)
     assert moved.max() == pytest.approx(0.1) and 13 <= at[np.argmax(moved)] <= 15
     assert not turned.any()
 
@@ -194,21 +180,16 @@ def test_what_keeps_log_and_truth_apart_is_said(
         monkeypatch.setattr(f"wmrgen.calibrating.mistakes.{name}", lambda *_, value=value: value)
     with pytest.raises(UsageError, match=f"{words} from the truth.*: look"):
         best: Any = SimpleNamespace(
-            apart=np.array([(0.0, 0.0), (off, turned)]), offsets=(0.0, 0.0), rms=(off, turned),
+            rms_by_drive=np.array([(0.0, 0.0), (off, turned)]), offsets=(0.0, 0.0),
             problem=SimpleNamespace(drives=[SimpleNamespace(name=name) for name in "ab"]),
         )  # fmt: skip
         refuse_strangers(best, best.problem.drives, lambda _: best)
 
 
 @pytest.mark.parametrize(("count", "size"), [(0, 0.0), (11, 3 / 11**0.5), (12, 0.0)])
-def test_few_residuals_count_by_their_squares(
-    count: int, size: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_few_residuals_count_by_their_squares(count: int, size: float) -> None:
     """A drive of so few that its own unknowns take most up has a median of nearly nothing; one of none has none."""
-    values = np.array([3.0, *[0.0] * count])[:count]
-    rows = SimpleNamespace(values=values, weights=np.ones(count))
-    monkeypatch.setattr("wmrgen.calibrating.fit.residuals", lambda *_: rows)
-    assert _typical(None, None, 0) == pytest.approx(size)  # type: ignore[arg-type]
+    assert _middle(np.array([3.0, *[0.0] * count])[:count]) == pytest.approx(size)
 
 
 PIECES = np.linspace(2.0, 42.0, 11)

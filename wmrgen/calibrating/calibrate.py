@@ -70,7 +70,7 @@ class Calibration:
     after: Errors
     held_out: Errors | None
     outliers: tuple[Outlier, ...]
-    drifts: tuple[Drift, ...] = ()
+    drifts: tuple[Drift, ...]
 
     @property
     def clocks(self) -> dict[str, float]:
@@ -272,15 +272,19 @@ def _held_out(best: Fit, others: Sequence[Fit]) -> Errors | None:
 
 
 def _deviations(best: Fit, others: Sequence[Fit]) -> Reals:
-    """Standard deviations of the parameters: what slips and noise in the drives make, or, where it is more, what the
-    drives differ by (the jackknife, of three parts at least). A part without which a parameter is far less certain
-    alone tells it: what is left says nothing of it. Where measurements are few, both are so much larger that three of
-    them are as sure as ever; infinite where unknowns are as many."""
-    inside = best.deviations
-    if len(others) < _FEWEST:
-        return inside * best.student
-    values = np.array([rest.values for rest in others])
-    tells = np.array([rest.deviations for rest in others]) < _ALONE * inside
+    """Standard deviations of the parameters, of the ``others`` without a part of the drives each. Where measurements
+    are few, they are so much larger that three of them are as sure as ever; infinite where unknowns are as many."""
+    values, deviations = np.array([o.values for o in others]), np.array([o.deviations for o in others])
+    return np.asarray(certainty.student(best.freedom) * _jackknife(best.deviations, values, deviations))
+
+
+def _jackknife(inside: Reals, values: Reals, deviations: Reals) -> Reals:
+    """Of P parameters the standard deviations ``inside`` (P,) that slips and noise in the drives make, or, where it is
+    more, what n parts of the drives differ by, three at least: by ``values`` and ``deviations`` (n, P) without each. A
+    part without which a parameter is far less certain alone tells it: what is left says nothing of it."""
+    if len(values) < _FEWEST:
+        return inside
+    tells = deviations < _ALONE * inside
     middle = np.sum(values * tells, axis=0) / np.maximum(1, np.sum(tells, axis=0))
-    between = np.sqrt((len(others) - 1) * np.mean(tells * (values - middle) ** 2, axis=0))
-    return np.asarray(np.maximum(inside, between) * best.student)
+    between = np.sqrt((len(values) - 1) * np.mean(tells * (values - middle) ** 2, axis=0))
+    return np.asarray(np.maximum(inside, between))

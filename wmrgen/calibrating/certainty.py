@@ -21,17 +21,16 @@ from wmrgen.calibrating.fit import (
     Each,
     Problem,
     Residuals,
-    agreed,
-    apart,
     arrow,
     information,
+    joint_residuals,
+    joint_sums,
     nearest,
+    path_sums,
     prior_of_own,
     prior_of_shared,
     residuals,
-    serial,
     solved,
-    summed,
 )
 from wmrgen.calibrating.path import Reals
 from wmrgen.calibrating.stored import chosen
@@ -46,10 +45,10 @@ _LATER = (1.0, 2.0, 4.0, 8.0)  # [s] after which they are; a third of the drive 
 class Fit:
     """What was estimated: ``values`` of the parameters and ``mount`` (x, y [m], heading [rad] of the tracked point on
     the robot); ``covariance`` of both, in `Problem.units`; ``information``: the matrix that the drives alone give,
-    own unknowns eliminated; ``noise``: the mean square of residuals in units of the scale; ``rms`` [m] of positions
-    and [rad] of headings; ``apart`` (drives, 2): the same of each drive; ``offsets`` [s] by drive; ``spread``
-    (2, drives): their variances in units, and what these were, if residuals did not depend on each other; ``freedom``:
-    measurements less unknowns."""
+    own unknowns eliminated; ``noise``: the mean square of residuals in units of the scale; ``rms`` (2,) [m] of
+    positions and [rad] of headings, nan where none was measured; ``rms_by_drive`` (drives, 2); ``offsets`` [s] by
+    drive; ``spread`` (2, drives): their variances in units, and what these were, if residuals did not depend on each
+    other; ``freedom``: measurements less unknowns."""
 
     problem: Problem
     unknowns: Reals
@@ -58,17 +57,11 @@ class Fit:
     covariance: Reals
     information: Reals
     noise: float
-    rms: tuple[float, float]
-    apart: Reals
+    rms: Reals
+    rms_by_drive: Reals
     offsets: tuple[float, ...]
     spread: Reals
     freedom: int
-
-    @property
-    def student(self) -> float:
-        """How many times as far as three standard deviations of a normal distribution Student's goes, that of as many
-        degrees of freedom: infinite where there is none."""
-        return float(stdtrit(self.freedom, ndtr(3.0)) / 3) if self.freedom > 0 else np.inf
 
     @property
     def deviations(self) -> Reals:
@@ -77,12 +70,18 @@ class Fit:
         return np.asarray(sizes[: len(self.values)])
 
 
-def fit(problem: Problem, each: Each = serial, start: Reals | None = None) -> Fit:
+def student(freedom: int) -> float:
+    """How many times as far as three standard deviations of a normal distribution Student's goes, that of as many
+    degrees of ``freedom``: infinite where there is none."""
+    return float(stdtrit(freedom, ndtr(3.0)) / 3) if freedom > 0 else np.inf
+
+
+def fit(problem: Problem, each: Each, start: Reals) -> Fit:
     """The parameters under which paths and truth are nearest, from ``start`` on."""
     return fit_at(*solved(problem, each, start), each)
 
 
-def without(best: Fit, drives: Sequence[int], each: Each = serial) -> Fit:
+def without(best: Fit, drives: Sequence[int], each: Each) -> Fit:
     """The fit without ``drives``, from that of all on."""
     problem, shared = best.problem, len(best.covariance)
     kept = [i for i in range(len(problem.drives)) if i not in drives]
@@ -91,7 +90,7 @@ def without(best: Fit, drives: Sequence[int], each: Each = serial) -> Fit:
     return fit_at(rest, nearest(rest, np.concatenate([best.unknowns[:shared], own.ravel()]), each), each)
 
 
-def agreeing(best: Fit, each: Each = serial) -> Fit:
+def agreeing(best: Fit, each: Each) -> Fit:
     """The fit in which clocks agree as far as those of ``best``, where each drive tells its own alone, show that they
     do: what is no more than slips and noise make of an offset is taken from it, and little where they truly differ."""
     own = best.unknowns[len(best.problem.units) :].reshape(len(best.problem.drives), -1)
@@ -115,13 +114,12 @@ class _Evidence:
     offset: float
 
 
-def fit_at(problem: Problem, unknowns: Reals, each: Each = serial) -> Fit:
-    """What the ``unknowns`` that were found say, and how certain they are."""
+def fit_at(problem: Problem, unknowns: Reals, each: Each) -> Fit:
+    """What the ``unknowns`` of least cost say, and how certain they are."""
     count = len(problem.nominal)
     shared = problem.shared(unknowns)
     every = each(problem, unknowns, _evidence)
-    counts = np.sum([drive.counts for drive in every], axis=0)
-    squares = np.sum([drive.squares for drive in every], axis=0) / np.where(counts, counts, np.nan)
+    squares, counts = np.array([d.squares for d in every]), np.array([d.counts for d in every])
     measured = int(counts.sum())
     # Squares of errors are so much larger than those of residuals, for unknowns take part of them up.
     freedom = measured - len(unknowns)
@@ -141,13 +139,18 @@ def fit_at(problem: Problem, unknowns: Reals, each: Each = serial) -> Fit:
         covariance,
         information(problem, [drive.sums for drive in every]),
         sum(drive.usual * sum(drive.counts) for drive in every) / measured / problem.scale**2,
-        (float(np.sqrt(2 * squares[0])), float(np.sqrt(squares[1])) / LEVER),
-        np.array([np.sqrt(np.array(d.squares) / np.maximum(1, d.counts)) for d in every])
-        * (2**0.5, 1 / LEVER),
+        _rms(squares.sum(axis=0), counts.sum(axis=0)),
+        _rms(squares, counts),
         tuple(drive.offset for drive in every),
         spread,
         freedom,
     )
+
+
+def _rms(squares: Reals, counts: NDArray[np.intp]) -> Reals:
+    """Root mean squares (..., 2) of positions [m] and of headings [rad], of sums of residuals' squares (..., 2): those
+    of x and y, and of headings; nan where there are none."""
+    return np.asarray(np.sqrt(squares / np.where(counts, counts, np.nan)) * (2**0.5, 1 / LEVER))
 
 
 def _independent(drive: _Evidence) -> Reals:
@@ -181,11 +184,11 @@ def _spread(problem: Problem, every: Sequence[_Evidence], noise: Reals) -> tuple
 
 def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:
     rows = residuals(problem, unknowns, index)
-    sums, measured = summed(problem, rows), rows.weights > 0
+    sums, measured = path_sums(problem, rows), rows.weights > 0
     slides = np.zeros_like(sums.matrix)
     if problem.untold is not None:
-        values, by = apart(problem, unknowns, index)
-        sums, slides = sums + agreed(problem, values, by), _slides(problem, values, by)
+        values, by = joint_residuals(problem, unknowns, index)
+        sums, slides = sums + joint_sums(problem, values, by), _slides(problem, values, by)
     of_axes = [rows.values[part][measured[part]] ** 2 for part in (slice(0, 2), slice(2, 3))]
     t = problem.drives[index].truth.t
     return _Evidence(
@@ -194,7 +197,7 @@ def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:
         (len(of_axes[0]), len(of_axes[1])),
         _usual(np.concatenate(of_axes)) if measured.any() else 0.0,
         _spans(t, rows, measured),
-        _pulls(problem, t, rows),
+        _pulls(problem.scale, t, rows),
         slides,
         float(problem.own(unknowns, index)[3]),
     )
@@ -210,11 +213,11 @@ def _glitch(squares: Reals) -> float:
     return float(_GLITCH * np.mean(np.sort(squares)[: max(1, round(_COMMON * len(squares)))]))
 
 
-def _pulls(problem: Problem, t: Reals, rows: Residuals) -> Reals:
+def _pulls(scale: float, t: Reals, rows: Residuals) -> Reals:
     """The covariances of a drive's gradient by its k unknowns that a unit of each of what `_walk` returns makes
-    (5, k, k)."""
-    z = rows.values / problem.scale
-    gain = (rows.weights / (problem.scale**2 * (1 + z * z) ** 1.5))[..., None]
+    (5, k, k); ``scale`` [m] is that of the loss."""
+    z = rows.values / scale
+    gain = (rows.weights / (scale**2 * (1 + z * z) ** 1.5))[..., None]
     pull = gain * rows.by  # (3, n, k) by metre of residual
     after = np.cumsum(pull[:, ::-1], axis=1)[:, ::-1]  # of a step along x, y that all that follows takes
     turning = LEVER * pull[2] - pull[0] * rows.place.imag[:, None] + pull[1] * rows.place.real[:, None]
@@ -228,8 +231,8 @@ def _pulls(problem: Problem, t: Reals, rows: Residuals) -> Reals:
 
 
 def _slides(problem: Problem, values: Reals, by: Reals) -> Reals:
-    """The covariance of a drive's gradient (k, k) that its joints' disagreement makes, as `apart` has it, one span's
-    independent of the next's (White, Econometrica 48:817, 1980)."""
+    """The covariance of a drive's gradient (k, k) that its joints' disagreement makes, as `joint_residuals` has it,
+    one span's independent of the next's (White, Econometrica 48:817, 1980)."""
     z = values / problem.slides
     pull = np.einsum("rn,rnk->nk", z / np.sqrt(1 + z * z), by) / problem.slides
     return np.asarray(pull.T @ pull)

@@ -3,13 +3,13 @@ the solver."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from wmrgen.calibrating.fit import Each, Problem, Result, own_columns
+from wmrgen.calibrating.fit import Each, Problem, Result, Task, own_columns
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Reals
 from wmrgen.calibrating.stored import Stored
@@ -31,9 +31,7 @@ def cluster(address: str) -> Iterator[Each]:
     with client:
         sent: dict[int | Path, tuple[Any, Any]] = {}  # what is kept beside the future has the key to itself
 
-        def each(
-            problem: Problem, unknowns: Reals, task: Callable[[Problem, Reals, int], Result]
-        ) -> Sequence[Result]:
+        def each(problem: Problem, unknowns: Reals, task: Task[Result]) -> Sequence[Result]:
             bare = replace(problem, drives=())
             parts = []
             for index in range(len(problem.drives)):
@@ -50,8 +48,6 @@ def cluster(address: str) -> Iterator[Each]:
         yield each
 
 
-def of_drive(
-    task: Callable[[Problem, Reals, int], Result], problem: Problem, drive: Drive, unknowns: Reals
-) -> Result:
+def of_drive(task: Task[Result], problem: Problem, drive: Drive, unknowns: Reals) -> Result:
     """The task of one drive: ``unknowns`` are the shared ones and its own."""
     return task(replace(problem, drives=(drive,)), unknowns, 0)

@@ -25,13 +25,16 @@ from wmrgen.calibrating.path import Complexes, Increments, Reals, Samples, betwe
 from wmrgen.calibrating.stored import changed
 
 Result = TypeVar("Result")
+Task = Callable[["Problem", Reals, int], Result]  # of one drive, by its number: unknowns are those of all
 BEYOND = 1.0  # [s] that clocks may be apart: so far a truth may reach beyond its log
 LEVER = 0.15  # [m] a heading's residual is this times its error
 _SPACING = 1.0  # [s] truth that is denser than this counts no more than truth at this spacing
 _MOUNT = 3  # x, y, heading of the tracked point on the robot
-_OWN = 4  # of a drive: x, y, heading of its start; clock offset
 _UNIT_MOUNT = (0.05, 0.05, 0.05)  # [m, m, rad] about what such quantities are, for scaling and the weak prior
-_UNIT_OWN = (0.1, 0.1, 0.1, 0.1)  # [m, m, rad, s]
+UNIT_OWN = np.array(
+    [0.1, 0.1, 0.1, 0.1]
+)  # of a drive: x, y [m], heading [rad] of its start; clock offset [s]
+_OWN = len(UNIT_OWN)
 _PRIOR_OWN = 0.01  # the same for start poses and clocks
 _MOST_STEPS = 40  # of the solver; where residuals are small it needs ten
 _FEW = 12  # residuals of a drive, three times its own unknowns
@@ -41,11 +44,11 @@ _PRIOR = 0.1  # residuals, in units of the loss's scale, that one unit (10 % of 
 
 
 class Untold(NamedTuple):
-    """Orthonormal ``directions`` (P, k) of the parameters' unknowns that the truth does not tell, and the unknowns (P,)
-    ``beside`` them."""
+    """Orthonormal ``directions`` (P, k) of the parameters' unknowns that the truth does not tell, from the ``origin``
+    (P,) on."""
 
     directions: Reals
-    beside: Reals
+    origin: Reals
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +89,7 @@ class Problem:
     def own(self, unknowns: Reals, index: int) -> Reals:
         """Start x, y [m], heading [rad] and clock offset [s] of a drive."""
         first = len(self.nominal) + _MOUNT + _OWN * index
-        drive = self.drives[index]
-        return np.array([*drive.start, 0.0]) + np.array(_UNIT_OWN) * unknowns[first : first + _OWN]
+        return np.array([*self.drives[index].start, 0.0]) + UNIT_OWN * unknowns[first : first + _OWN]
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,26 +126,23 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     turn_by = there(path.heading_by)
     place_by = start * there(path.position_by) + 1j * turned * mount * turn_by
     speed, turn = (np.diff(poses, axis=0)[0] / length * moving for poses in (path.position, path.heading))
-    rows, ones = len(at), np.ones_like(at)
-    place = np.zeros((count + _MOUNT + _OWN, rows), dtype=complex)
-    angle = np.zeros((count + _MOUNT + _OWN, rows))
+    ones, angle = np.ones_like(at), np.zeros((count + _MOUNT + _OWN, len(at)))
+    place = angle.astype(complex)
     place[:count], angle[:count] = place_by, turn_by
     place[count], place[count + 1], angle[count + 2] = turned, 1j * turned, ones
     place[count + 3], place[count + 4], place[count + 5] = ones, 1j * ones, 1j * reached
     angle[count + 5] = ones
     place[count + 6], angle[count + 6] = start * speed + 1j * turned * mount * turn, turn
-    by_own = np.array(_UNIT_OWN)[:, None]
-    place, angle = (
-        np.concatenate([problem.by_unknowns.T @ by[:-_OWN], by_own * by[-_OWN:]]) for by in (place, angle)
-    )
+    for by in (place, angle):
+        by[:-_OWN], by[-_OWN:] = problem.by_unknowns.T @ by[:-_OWN], UNIT_OWN[:, None] * by[-_OWN:]
     off = complex(own[0], own[1]) + reached
     heading_error = heading + own[2] + mount_heading - drive.truth.theta
     values = np.array([off.real - drive.truth.x, off.imag - drive.truth.y, LEVER * heading_error])
-    by = np.array([place.real.T, place.imag.T, LEVER * angle.T])
     measured = np.isfinite(values)
     return Residuals(
-        np.where(measured, values, 0.0), by, measured * _weights(drive.truth.t), off, heading + own[2]
-    )
+        np.where(measured, values, 0.0), np.array([place.real.T, place.imag.T, LEVER * angle.T]),
+        measured * _weights(drive.truth.t), off, heading + own[2],
+    )  # fmt: skip
 
 
 def place_at(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
@@ -162,52 +161,52 @@ def _weights(times: Reals) -> Reals:
 
 def sums(problem: Problem, unknowns: Reals, index: int) -> Sums:
     """A drive's part."""
-    paths = summed(problem, residuals(problem, unknowns, index))
-    return paths if problem.untold is None else paths + agreed(problem, *apart(problem, unknowns, index))
+    paths = path_sums(problem, residuals(problem, unknowns, index))
+    if problem.untold is None:
+        return paths
+    return paths + joint_sums(problem, *joint_residuals(problem, unknowns, index))
 
 
-def summed(problem: Problem, rows: Residuals) -> Sums:
+def path_sums(problem: Problem, rows: Residuals) -> Sums:
     """The part of a drive's residuals."""
     return robust(rows.values.reshape(-1) / problem.scale, rows.by / problem.scale, rows.weights.reshape(-1))
 
 
-def agreed(problem: Problem, values: Reals, by: Reals) -> Sums:
-    """The part of what a drive's joints disagree by, as `apart` has it."""
+def joint_sums(problem: Problem, values: Reals, by: Reals) -> Sums:
+    """The part of what a drive's joints disagree by, as `joint_residuals` has it."""
     z = values.reshape(-1) / problem.slides
     return robust(z, by / problem.slides, np.ones_like(z))
 
 
-def apart(problem: Problem, unknowns: Reals, index: int) -> tuple[Reals, Reals]:
+def joint_residuals(problem: Problem, unknowns: Reals, index: int) -> tuple[Reals, Reals]:
     """What R measured rows of a drive's joints are off by [m] in n spans of `_SPACING`, (R, n), and the derivatives by
     its unknowns (R, n, k), in their units: in directions of `untold` alone, so that nothing else follows from it."""
     drive, count = problem.drives[index], len(problem.nominal)
-    directions, beside = problem.untold or Untold(np.eye(count), np.zeros(count))
+    assert problem.untold is not None
+    directions, origin = problem.untold
     along, moved = directions @ directions.T, unknowns.copy()
-    moved[:count] = beside + along @ (unknowns[:count] - beside)
+    moved[:count] = origin + along @ (unknowns[:count] - origin)
     firsts = np.flatnonzero(np.diff(np.floor((drive.t[:-1] - drive.t[0]) / _SPACING), prepend=-1.0))
-    rows = problem.increments.apart(drive.columns, problem.shared(moved)[:count], firsts)
+    rows = problem.increments.joint_residuals(drive.columns, problem.shared(moved)[:count], firsts)
     by = np.zeros((*rows.shape[1:], count + _MOUNT + _OWN))
     by[..., :count] = np.moveaxis(rows[1:], 0, -1) @ problem.by_unknowns[:count, :count] @ along
     return rows[0], by
 
 
 class Each(Protocol):
-    """What computes something of every drive of a problem, where its unknowns are known."""
+    """What does a task for every drive of a problem."""
 
-    def __call__(
-        self, problem: Problem, unknowns: Reals, task: Callable[[Problem, Reals, int], Result]
-    ) -> Sequence[Result]: ...
+    def __call__(self, problem: Problem, unknowns: Reals, task: Task[Result]) -> Sequence[Result]: ...
 
 
-def serial(problem: Problem, unknowns: Reals, task: Callable[[Problem, Reals, int], Result]) -> list[Result]:
+def serial(problem: Problem, unknowns: Reals, task: Task[Result]) -> list[Result]:
     """The results of all drives, one after the other."""
     return [task(problem, unknowns, index) for index in range(len(problem.drives))]
 
 
-def solved(problem: Problem, each: Each = serial, start: Reals | None = None) -> tuple[Problem, Reals]:
-    """The unknowns of the least robust cost, by scipy's dogleg method: from a scale at which nominal parameters,
-    or those of ``start``, are good, in two steps to one that the residuals show; and the problem with that scale."""
-    unknowns = start_of(problem) if start is None else start
+def solved(problem: Problem, each: Each, unknowns: Reals) -> tuple[Problem, Reals]:
+    """The unknowns of the least robust cost, by scipy's dogleg method: from a scale at which the ``unknowns`` are good,
+    in two steps to one that the residuals show; and the problem with that scale."""
     for most in (np.inf, problem.scale, problem.scale):
         problem = replace(problem, drives=_during(problem, unknowns))
         typical = float(np.median(each(problem, unknowns, _typical)))
@@ -229,11 +228,15 @@ def _during(problem: Problem, unknowns: Reals) -> Sequence[Drive]:
 
 
 def _typical(problem: Problem, unknowns: Reals, index: int) -> float:
-    """The median [m] of a drive's residuals; of so few that its own unknowns take them up the root mean square."""
     rows = residuals(problem, unknowns, index)
-    sizes = np.abs(rows.values[rows.weights > 0])
-    few = len(sizes) < _FEW
-    return float(np.sqrt(np.mean(sizes**2)) if few else np.median(sizes)) if len(sizes) else 0.0
+    return _middle(np.abs(rows.values[rows.weights > 0]))
+
+
+def _middle(sizes: Reals) -> float:
+    """The median of a drive's residuals; of so few that its own unknowns take them up the root mean square."""
+    if not len(sizes):
+        return 0.0
+    return float(np.median(sizes) if len(sizes) >= _FEW else np.sqrt(np.mean(sizes**2)))
 
 
 def unit_of(nominal: float) -> float:
@@ -249,7 +252,7 @@ def start_of(problem: Problem) -> Reals:
 def later(problem: Problem, unknowns: Reals, index: int, seconds: float) -> Reals:
     """The unknowns with the clock of a drive's truth off by so many seconds more."""
     moved = unknowns.copy()
-    moved[own_columns(problem, index)[-1]] += seconds / _UNIT_OWN[-1]
+    moved[own_columns(problem, index)[-1]] += seconds / UNIT_OWN[-1]
     return moved
 
 
@@ -279,7 +282,7 @@ def own_columns(problem: Problem, index: int) -> NDArray[np.intp]:
     return np.concatenate([np.arange(shared), shared + _OWN * index + np.arange(_OWN)])
 
 
-def nearest(problem: Problem, start: Reals, each: Each = serial) -> Reals:
+def nearest(problem: Problem, start: Reals, each: Each) -> Reals:
     """The unknowns of least cost from ``start`` on, at the problem's scale, but for the roughness of the readings. The
     matrix is positive definite, as the dogleg method needs: what squares of derivatives add up to, and the prior."""
     shared, late = len(problem.units), np.array([0.0, 0.0, 0.0, problem.clocks.late])

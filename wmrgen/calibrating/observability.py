@@ -17,10 +17,10 @@ from wmrgen.calibrating.fit import (
     Each,
     Problem,
     Untold,
-    agreed,
-    apart,
     arrow,
     information,
+    joint_residuals,
+    joint_sums,
     nearest,
     prior_of_shared,
     serial,
@@ -81,7 +81,7 @@ def deviations(problem: Problem, told: Reals, noise: float) -> tuple[Reals, Real
     return 0.1 * np.sqrt(variances[::-1]), directions[:, ::-1]
 
 
-def settled(best: Fit, each: Each = serial) -> Fit:
+def settled(best: Fit, each: Each) -> Fit:
     """The fit of paths, with what the truth does not tell as joints disagree least, and directions held in which that
     is no nearer to the truth than nominal values are: they stay nominal. What the truth tells does not follow the
     joints' disagreement, in which wheels that all slip alike do not show."""
@@ -92,10 +92,10 @@ def settled(best: Fit, each: Each = serial) -> Fit:
         if not untold.size:
             break
         if rows:
-            unknowns = _moved(matrix, best.unknowns, _agreeing(paths, best.unknowns, untold, each))
-            slides = 1.5 * float(np.median(each(paths, unknowns, _sliding)))
-            beside = Untold(untold, unknowns[: len(untold)])
-            problem = replace(best.problem, untold=beside, slides=max(slides, FINEST))
+            joints = replace(paths, untold=Untold(untold, best.unknowns[: len(untold)]))
+            unknowns = _moved(matrix, best.unknowns, _agreeing(joints, best.unknowns, untold, each))
+            slides = 1.5 * float(np.median(each(joints, unknowns, _sliding)))
+            problem = replace(best.problem, untold=joints.untold, slides=max(slides, FINEST))
             best = fit_at(problem, nearest(problem, unknowns, each), each)
         variances, directions = np.linalg.eigh(best.covariance[: len(untold), : len(untold)])
         held = directions[:, variances > _NOMINAL]
@@ -117,7 +117,7 @@ def _agreeing(problem: Problem, unknowns: Reals, untold: Reals, each: Each) -> R
 
 
 def _of_joints(problem: Problem, unknowns: Reals, index: int) -> Sums:
-    return agreed(problem, *apart(problem, unknowns, index))
+    return joint_sums(problem, *joint_residuals(problem, unknowns, index))
 
 
 def _moved(matrix: Arrow, unknowns: Reals, way: Reals) -> Reals:
@@ -131,7 +131,7 @@ def _moved(matrix: Arrow, unknowns: Reals, way: Reals) -> Reals:
 
 def _sliding(problem: Problem, unknowns: Reals, index: int) -> float:
     """The median over spans [m] of what a drive's joints disagree by, the root mean square of all rows."""
-    values, _ = apart(problem, unknowns, index)
+    values, _ = joint_residuals(problem, unknowns, index)
     return float(np.median(np.sqrt(np.mean(values**2, axis=0))))
 
 

@@ -22,7 +22,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from wmrgen.calibrating.certainty import Fit
-from wmrgen.calibrating.fit import BEYOND, LEVER, Each, Problem, later, residuals, serial
+from wmrgen.calibrating.fit import BEYOND, LEVER, UNIT_OWN, Each, Problem, Residuals, later, residuals
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Reals
 from wmrgen.calibrating.stored import changed
@@ -32,6 +32,7 @@ _WINDOW, _BETWEEN = 8, 4  # steps whose median is compared, before and after, an
 _PATH = (0.06, 0.15)  # [m], [rad] that a slip in the path is at least: clocks that drift make steps, too
 _SEEN, _FAR = 4.0, 7.0  # robust standard deviations: what is farther is a slip, of the path and among joints
 _LATE = 1.5  # [s] that a clock may be off by in a drive
+STRANGE = 5.0  # [s] that a clock is off by, where log and truth hardly belong to one drive
 _CLOCK = 0.5  # of a step: what another clock leaves of it, where the clock makes it
 _LARGE = 2.0  # times the scale of residuals, which a disagreement of joints in one step is at least
 _NOTED = 0.02  # [m] a disagreement that is worth telling, however far the drives are off
@@ -42,10 +43,10 @@ _SHORTEST = 3.0  # [s] of what is left of a drive between two slips
 _FEWEST = 12  # rows of truth in it
 _DRIFTS, _JUMPS = (0.2, 0.05), 0.3  # [s], [rad] over a drive; [s] at once: what is less is not told
 _PIECES = (6, 12)  # of a drive, in which clock and heading are told anew: so many at least and at most
-_BESIDE = 2  # pieces before and after a jump at least: one alone may be odd
+_AROUND = 2  # pieces before and after a jump at least: one alone may be odd
 _PIECE = 3.0  # [s] that each lasts at least
 _TOLD = 1e-6  # of the largest singular value: what is less tells nothing
-_LEFT = (0.1, 0.15)  # of the squares that pieces differ by, which a line and a jump may leave
+_UNEXPLAINED = (0.1, 0.15)  # of the squares that pieces differ by: what a line and a jump may leave
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,13 +74,13 @@ class Drift:
     at_once: bool = False
 
 
-def drifts(problem: Problem, unknowns: Reals, each: Each = serial) -> list[list[Drift]]:
+def drifts(problem: Problem, unknowns: Reals, each: Each) -> list[list[Drift]]:
     """How clock and heading of each drive's truth drift or jump, where they do."""
-    pieces = each(problem, unknowns, _pieces)
+    pieces = each(problem, unknowns, _by_piece)
     return [_drifts(drive.name, *of) for drive, of in zip(problem.drives, pieces, strict=True)]
 
 
-def _pieces(problem: Problem, unknowns: Reals, index: int) -> tuple[Reals, Reals, Reals]:
+def _by_piece(problem: Problem, unknowns: Reals, index: int) -> tuple[Reals, Reals, Reals]:
     """Edges [s] of the pieces of a drive, by the log's clock, and what clock [s] and heading [rad] are off by in each;
     nothing where too few poses are measured."""
     nothing = (np.empty(0), np.empty(0), np.empty(0))
@@ -90,7 +91,7 @@ def _pieces(problem: Problem, unknowns: Reals, index: int) -> tuple[Reals, Reals
     if count < _PIECES[0]:
         return nothing
     edges = np.linspace(t[0], t[-1], count + 1)
-    by, off = rows.by[:, whole, -4:], rows.values[:, whole]
+    by, off = rows.by[:, whole, -len(UNIT_OWN) :], rows.values[:, whole]
     turn = np.broadcast_to(np.array([0.0, 0.0, LEVER])[:, None, None], (*off.shape, 1))
     by = np.concatenate([by, turn], axis=2)
     result = []
@@ -104,8 +105,7 @@ def _pieces(problem: Problem, unknowns: Reals, index: int) -> tuple[Reals, Reals
             return nothing
         result.append(off_by[-2:] / size[-2:])
     clock, heading = np.array(result).T
-    unit = 1.0 / np.max(later(problem, unknowns, index, 1.0) - unknowns)  # [s] of the unknown
-    return edges, unit * clock, heading
+    return edges, UNIT_OWN[-1] * clock, heading
 
 
 def _drifts(name: str, edges: Reals, clock: Reals, heading: Reals) -> list[Drift]:
@@ -115,22 +115,22 @@ def _drifts(name: str, edges: Reals, clock: Reals, heading: Reals) -> list[Drift
     count = len(clock)
     along = (edges[1:] + edges[:-1]) / 2 / np.ptp(edges)
     spread = np.sum((clock - clock.mean()) ** 2), np.sum((heading - heading.mean()) ** 2)
-    (line, drift), (line_of_heading, turned) = (_explained([along], values) for values in (clock, heading))
-    where = range(_BESIDE, count - _BESIDE)  # the piece with the jump, which may be anything
-    jumps = [_explained([np.arange(count) > k, np.arange(count) == k], clock) for k in where]
-    jump = where[int(np.argmin([left for left, _ in jumps]))]
-    left, moved = jumps[jump - _BESIDE]
+    (line, drift), (line_of_heading, turned) = (_regression([along], values) for values in (clock, heading))
+    where = range(_AROUND, count - _AROUND)  # the piece with the jump, which may be anything
+    jumps = [_regression([np.arange(count) > k, np.arange(count) == k], clock) for k in where]
+    jump = where[int(np.argmin([rest for rest, _ in jumps]))]
+    rest, moved = jumps[jump - _AROUND]
     result = []
-    if left < min(_LEFT[1] * spread[0], line / 2) and abs(moved) > _JUMPS:
+    if rest < min(_UNEXPLAINED[1] * spread[0], line / 2) and abs(moved) > _JUMPS:
         result.append(Drift(name, float(edges[jump]), float(edges[jump + 1]), moved, 0.0, at_once=True))
-    elif line < _LEFT[0] * spread[0] and abs(drift) > _DRIFTS[0]:
+    elif line < _UNEXPLAINED[0] * spread[0] and abs(drift) > _DRIFTS[0]:
         result.append(Drift(name, float(edges[0]), float(edges[-1]), drift, 0.0))
-    if line_of_heading < _LEFT[0] * spread[1] and abs(turned) > _DRIFTS[1]:
+    if line_of_heading < _UNEXPLAINED[0] * spread[1] and abs(turned) > _DRIFTS[1]:
         result.append(Drift(name, float(edges[0]), float(edges[-1]), 0.0, turned))
     return result
 
 
-def _explained(columns: Sequence[Reals | NDArray[np.bool_]], values: Reals) -> tuple[float, float]:
+def _regression(columns: Sequence[Reals | NDArray[np.bool_]], values: Reals) -> tuple[float, float]:
     """The squares of ``values`` that a constant and ``columns`` leave, and how much the first of these counts."""
     matrix = np.array([*columns, np.ones(len(values))], dtype=float).T
     counts = np.linalg.lstsq(matrix, values, rcond=None)[0]
@@ -157,7 +157,8 @@ def outliers(best: Fit) -> list[list[Outlier]]:
     merged = [_merged(drive.name, of_drive) for drive, of_drive in zip(drives, spans, strict=True)]
     lengths = [sum(slip.end - slip.start for slip in slips) for slips in merged]
     rare = [length < _MOST * (d.t[-1] - d.t[0]) for length, d in zip(lengths, drives, strict=True)]
-    return [slips if few else [] for slips, few in zip(merged, rare, strict=True)]
+    likely = [few and abs(late) < STRANGE for few, late in zip(rare, best.offsets, strict=True)]
+    return [slips if so else [] for slips, so in zip(merged, likely, strict=True)]
 
 
 def _no_clock(best: Fit, index: int, peaks: NDArray[np.bool_]) -> NDArray[np.intp]:
@@ -174,13 +175,17 @@ def _no_clock(best: Fit, index: int, peaks: NDArray[np.bool_]) -> NDArray[np.int
 
 
 def _steps(best: Fit, index: int, late: float = 0.0) -> tuple[Reals, tuple[Reals, Reals]]:
-    """Times [s], and by how much the median errors of place [m] and heading [rad] differ before and after, if the
-    truth's clock is ``late`` [s] besides; none where poses are not measured that often. What a heading error moves the
-    path by is no error of place."""
-    drive, nothing = best.problem.drives[index], np.empty(0)
+    """The `_steps_of` a drive, if the truth's clock is ``late`` [s] besides."""
     rows = residuals(best.problem, later(best.problem, best.unknowns, index, late), index)
-    whole = (rows.weights > 0).all(axis=0)
-    t = drive.truth.t[whole] + best.offsets[index]
+    return _steps_of(rows, best.problem.drives[index].truth.t + best.offsets[index])
+
+
+def _steps_of(rows: Residuals, t: Reals) -> tuple[Reals, tuple[Reals, Reals]]:
+    """Times [s], and by how much the median errors of place [m] and heading [rad] differ before and after, of residuals
+    at times ``t`` [s]; none where poses are not measured that often. What a heading error moves the path by
+    is no error of place."""
+    whole, nothing = (rows.weights > 0).all(axis=0), np.empty(0)
+    t = t[whole]
     if len(t) < _FEWEST or np.median(np.diff(t)) > 2 * _STEP:
         return nothing, (nothing, nothing)
     heading, way = rows.values[2][whole] / LEVER, np.diff(rows.place[whole], prepend=rows.place[whole][:1])

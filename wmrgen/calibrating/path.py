@@ -80,7 +80,7 @@ class Increments:
         by = rows[3:].reshape(-1, 3, rows.shape[1])
         return Reckoning(rows[0] + 1j * rows[1], rows[2], by[:, 0] + 1j * by[:, 1], by[:, 2])
 
-    def apart(
+    def joint_residuals(
         self, columns: Mapping[str, Reals], values: Reals | Sequence[float], firsts: NDArray[np.intp]
     ) -> Reals:
         """What each of R measured rows is off by [m] in n spans of steps, which begin with ``firsts``, and this by P

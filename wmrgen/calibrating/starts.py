@@ -23,7 +23,6 @@ from wmrgen.calibrating.fit import (
     nearest,
     place_at,
     residuals,
-    serial,
     start_of,
 )
 from wmrgen.calibrating.logs import Drive
@@ -54,7 +53,7 @@ def laid(problem: Problem) -> Problem:
     return replace(problem, drives=changed(drives, started), turned=turned)
 
 
-def near(problem: Problem, each: Each = serial) -> Reals:
+def near(problem: Problem, each: Each) -> Reals:
     """Unknowns to start from: nominal ones, or where odometry with them loses its way, what short pieces of the drives
     say, in which it does not, and with that longer ones."""
     start = start_of(problem)

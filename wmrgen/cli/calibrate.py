@@ -111,10 +111,7 @@ def _as_data(result: Calibration, told: _Told) -> dict[str, Any]:
     from wmrgen.calibrating.drawn import by_time
 
     return {
-        "parameters": {
-            name: asdict(e) | ({} if isfinite(e.sigma) else {"sigma": None})
-            for name, e in result.parameters.items()
-        },
+        "parameters": {name: asdict(e) for name, e in result.parameters.items()},
         "unobservable": [list(group) for group in result.unobservable],
         "notes": told.notes,
         "counts_per_turn": told.counts_per_turn,
@@ -129,11 +126,7 @@ def _as_data(result: Calibration, told: _Told) -> dict[str, Any]:
             },
             "by_joint": told.by_joint,
         },
-        "outliers": [
-            {name: None if isnan(value) else value for name, value in asdict(slip).items() if name != "drive"}
-            | {"drive": slip.drive}
-            for slip in result.outliers
-        ],
+        "outliers": [asdict(slip) for slip in result.outliers],
         "errors": {
             name: None if errors is None else asdict(errors)
             for name, errors in (
@@ -223,7 +216,8 @@ def _drifting(drift: Drift) -> str:
 def _together(group: Sequence[str]) -> str:
     if len(group) == 1:
         return f"these drives do not tell {group[0]}, so that it is not written"
-    return f"{', '.join(group[:-1])} and {group[-1]} scale together on these drives"
+    names = f"{', '.join(group[:-1])} and {group[-1]}"
+    return f"{names} scale together on these drives, so that their values hold only together"
 
 
 def _remedy(

@@ -325,7 +325,7 @@ def test_includes_stay_inside(read: Import, side: Path, tmp_path: Path) -> None:
         ('<joint name="g" type="gearbox"><parent>left</parent><child>right</child></joint>', "'g' is a gearbox"),
         (wheel("tail", "-0.3 0 0.1").replace("tail_joint", "left_joint"), "several joints have this name"),
         (wheel("tail", "-0.3 0 0.1", more="<surface><friction><ode><fdir1>1 0</fdir1></ode></friction></surface>"),
-         "three numbers are needed, not '1 0'; this fdir1 is not read"),
+         "link 'tail': fdir1: three numbers are needed, not '1 0'; this fdir1 is not read"),
         (wheel("tail", "-0.3 0 0.1", "<sphere><radius>-0.1</radius></sphere>"), "a radius of -0.1 is not read"),
     ],
 )  # fmt: skip
@@ -351,6 +351,7 @@ def test_what_is_passed_over_is_noted(read: Import, part: str, note: str) -> Non
         (PAIR + '<frame name="a" attached_to="b"/><frame name="b" attached_to="a"/>'
          '<joint name="j" type="fixed"><parent>a</parent><child>chassis</child></joint>', "attached to itself",
          '<joint name="j"'),
+        (PAIR + '<model name="m" placement_frame="f"><link name="l"/></model>', "no frame 'm::f'", '<model name="m"'),
         (PAIR + '<include><uri>model.sdf</uri></include>', "more than 64 models", "<model"),
     ],
 )  # fmt: skip

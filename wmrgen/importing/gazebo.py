@@ -8,7 +8,6 @@ from xml.etree.ElementTree import Element
 
 from wmrgen.importing.read import below, children, local, number, vector
 from wmrgen.importing.records import Friction
-from wmrgen.spec.text import quoted
 
 _WATCHES = re.compile(
     "state[-_]?publisher|sensor|torque|mimic|odometry[-_]?publisher|_ir_|camera|laser|lidar|(?<![a-z])imu(?![a-z])|opcode",
@@ -78,12 +77,10 @@ def friction(element: Element, link: str) -> Friction | None:
     frame_of = [
         v for k, v in direction.attrib.items() if k.rsplit("}", 1)[-1].rsplit(":", 1)[-1] == "expressed_in"
     ]
-    along = vector(direction.text, f"fdir1 of {quoted(link)}")
+    along = vector(direction.text, "fdir1")
     if not any(along):
         return None
-    mu1, mu2 = (
-        number(size, f"{key} of {quoted(link)}") for key, size in zip(("mu1", "mu2"), sizes, strict=True)
-    )
+    mu1, mu2 = (number(size, key) for key, size in zip(("mu1", "mu2"), sizes, strict=True))
     return Friction(along, frame_of[0] if frame_of else link, mu1, mu2)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from xml.etree.ElementTree import Element
 
-from wmrgen.errors import Mark, RobotFileError
+from wmrgen.errors import Code, Mark, RobotFileError
 from wmrgen.importing.frames import IDENTITY, composed, frame
 from wmrgen.importing.read import at, child, number, refuse
 from wmrgen.importing.records import MODEL, Frame, Vector
@@ -68,10 +68,10 @@ class FrameGraph:
 
     def _lacks(self, what: str) -> MissingLinkError:
         if not self.missing:
-            return MissingLinkError(what)
+            return MissingLinkError(what, code=Code.DESCRIPTION)
         name = printable(self.missing[0].rpartition("://")[2].partition("/")[0])
         why = f"The model {quoted(self.missing[0])} was not given."
-        return MissingLinkError(what, None, why, f"Give --package {name}=DIR.")
+        return MissingLinkError(what, None, why, f"Give --package {name}=DIR.", Code.DESCRIPTION)
 
     def carrier(self, name: str) -> str:
         """The link that carries a frame; a link is its own. MissingLinkError for a frame that is not there."""

@@ -134,7 +134,8 @@ class _Reader:
         held = text_in(outer, "placement_frame") or placed.get("placement_frame", "")
         if held:
             inner = Scope(scope.prefix if merged else f"{name}::", own, False)
-            where = composed(where, inverse(self.frames.pose(inner.full(held, own), own)))
+            with at(placed):
+                where = composed(where, inverse(self.frames.pose(inner.full(held, own), own)))
         self.frames.add(own, scope.full(reference(placed), scope.own), where, carrier, mark_of(placed))
         self.frames.add(name, own, IDENTITY, carrier)
 

@@ -53,10 +53,10 @@ def joints_of(
                 with at(element):
                     joints += _joint(full, element, scope, frames)
             except MissingLinkError as error:
-                missing = MissingLinkError(f"{what}: {error.what}", error.mark, error.why, error.instead)
+                error.what = f"{what}: {error.what}"
                 limits = [_limits(axis, what) for axis in _axes(element)] or [None]
                 spins = any(endless(_kind(kind, each), each) for each in limits)
-                lost.append(Lost(missing, spins, scope.full(text_in(element, "child"), "")))
+                lost.append(Lost(error, spins, scope.full(text_in(element, "child"), "")))
     return joints, lost
 
 

@@ -174,7 +174,7 @@ def _frictions(root: Element, notes: list[str]) -> dict[str, Friction]:
             if says := friction(gazebo, link):
                 frictions[link] = says
         except RobotFileError as error:
-            unread.append(error.what)
+            unread.append(f"link {quoted(link)}: {error.what}")
     if unread:
         more = f" It is the first of {len(unread)}." if len(unread) > 1 else ""
         notes.append(f"{unread[0]}; this fdir1 is not read.{more}")

@@ -53,3 +53,12 @@ def test_rollers_refuse_what_cannot_be(wmrgen_cli: Cli, words: tuple[str, str, s
     done = rollers(wmrgen_cli, *words)
     assert (done.code, done.out) == (2, "")
     assert said in done.err and "Traceback" not in done.err
+
+
+def test_gains_in_words(wmrgen_cli: Cli) -> None:
+    """Roots of s + 0.5 and of s^2 + 10 s + 3."""
+    done = wmrgen_cli("gains", "k_rho=0.5", "k_alpha=10.5", "k_beta=-6")
+    assert "stable          = yes\n" in done.out and "violated        = nothing\n" in done.out
+    assert "polynomial      = +1 s^3 +10.5 s^2 +8 s +1.5\n" in done.out
+    assert "eigenvalues     = -0.5, -0.309584, -9.69042\n" in done.out
+    assert done.err == "not from every pose: k_alpha + 2 k_beta - 2/pi k_rho > 0 fails\n"

@@ -71,6 +71,30 @@ def test_a_centre_at_infinity_lies_to_the_left_of_travel(wmrgen_cli: Cli) -> Non
     assert found["direction"] == pytest.approx(found["travel"] + math.pi / 2)
 
 
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["vx=0"], "icr = none: standstill\n"),
+        (["vy=1"], "car: the wheels forbid this twist: 1 m/s slides\n"),
+        (["vx=1", "omega=1", "point.x=1"], "point_velocity = (1.0, 1.0)\npoint_radius   = 1.4142135623730951\n"),
+    ],
+)  # fmt: skip
+def test_a_centre_of_a_twist_in_words(car: Path, wmrgen_cli: Cli, words: list[str], told: str) -> None:
+    done = wmrgen_cli("icr", car, *words)
+    assert done.code == 0 and told in (done.out + done.err)
+
+
+def test_segments_in_words(tmp_path: Path, wmrgen_cli: Cli) -> None:
+    """0.5 m/s and 1 rad/s of wheels of radius 0.0975 m, 0.1655 m beside P."""
+    file = tmp_path / "segments.json"
+    file.write_text('[{"vx": 0.5, "dt": 2}, {"omega": 1, "dt": 1}]')
+    ahead, turning = 0.5 / 0.0975, 0.1655 / 0.0975
+    assert wmrgen_cli("motion", PIONEER, "--segments", file).out.splitlines() == [
+        f"   0.000 s  drive 2 s  left.spin={ahead:.6g} right.spin={ahead:.6g}  ->  x=1 y=0 theta=0",
+        f"   2.000 s  drive 1 s  left.spin={-turning:.6g} right.spin={turning:.6g}  ->  x=1 y=0 theta=1",
+    ]
+
+
 def test_no_segments_and_a_wrong_unit_in_one(tmp_path: Path, wmrgen_cli: Cli) -> None:
     file = tmp_path / "segments.json"
     file.write_text("[]")

@@ -109,7 +109,7 @@ def _modules(path: Path, name: str) -> Modules:
 
     robot = noted(wmrgen.load(path))
     if name == "goto_pose":
-        warn_of_gains(robot)
+        warn_of_gains(robot, asked=True)
     if not has_function(name):
         hint = suggestion(name, names())
         raise UsageError(f"{robot.name} has no function {name!r}. {hint} `wmrgen functions` lists them.")

@@ -98,7 +98,7 @@ def derived(spec: RobotSpec, robot: Robot) -> Derivation:
     derivation = wmrgen.derive(robot)
     findings = linted(spec, derivation)
     noted(robot, but={finding.what for finding in findings})
-    warn_of_gains(robot)
+    warn_of_gains(robot, asked="goto_pose" in robot.functions)
     for finding in findings:
         if finding.stops:
             ignored = f"To derive it all the same write beside the line: # wmrgen: ignore {finding.code}"

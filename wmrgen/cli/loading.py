@@ -26,12 +26,12 @@ def noted(robot: Robot, but: Container[str] = ()) -> Robot:
     return robot
 
 
-def warn_of_gains(robot: Robot) -> None:
-    """Say which gains of a robot's file do not stabilise, or not from everywhere."""
+def warn_of_gains(robot: Robot, asked: bool) -> None:
+    """Say which gains of a robot's file do not stabilise, or not from everywhere. ``asked``: for goto_pose."""
     if robot.gains:
         from wmrgen.functions.control.gains import warnings
 
-        for text in warnings(robot):
+        for text in warnings(robot, asked):
             console.note(f"warning: {robot.name}: {text}")
 
 

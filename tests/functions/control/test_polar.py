@@ -293,9 +293,12 @@ def test_gains_that_do_not_stabilise_are_refused_by_name(
 ) -> None:
     path = write(tmp_path, PAIR.replace("wheels:", f"gains: {{{gains}}}\nwheels:"))
     done = wmrgen_cli("eval", path, "goto_pose", "x=-1")
-    assert done.code == 3 and condition in done.err
+    assert done.code == 3 and done.err.count(condition) == 1
     done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
     assert done.code == 0 and "warning" in done.err and condition in done.err
+    path.write_text(path.read_text().replace("wheels:", "functions: [goto_pose]\nwheels:"))
+    done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
+    assert done.code == 3 and done.err.count(condition) == 1
 
 
 def test_gains_that_are_only_locally_good_get_a_note(

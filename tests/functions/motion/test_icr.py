@@ -58,7 +58,7 @@ def test_distances_of_axles_from_a_point() -> None:
             w = r.wheel(name)
             h = w.heading + steer.get(name, 0.0)
             wanted = (x - float(w.nominal.x)) * math.cos(h) + (y - float(w.nominal.y)) * math.sin(h)
-            assert distance == pytest.approx(abs(wanted), abs=1e-12)
+            assert type(distance) is float and distance == pytest.approx(abs(wanted), abs=1e-12)
 
 
 def test_axles_that_meet_have_no_distance_from_there() -> None:

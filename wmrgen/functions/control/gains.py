@@ -111,20 +111,26 @@ def nominal_gains(robot: Robot) -> dict[str, Exact]:
     }
 
 
-def warnings(robot: Robot) -> tuple[str, ...]:
-    """What is to be said about the gains in a robot's file; nothing where it has none."""
+def warnings(robot: Robot, asked: bool) -> tuple[str, ...]:
+    """What is to be said about the gains in a robot's file; nothing where it has none. ``asked``: for goto_pose, which
+    itself refuses those that do not stabilise it."""
     if not robot.gains.keys() & TEXTBOOK.keys():
         return ()
     gains = nominal_gains(robot)
     verdict = judge(**gains)
     if not verdict.stable:
-        return (f"gains {shown(gains)} do not stabilise goto_pose: {', '.join(verdict.violated)} fails",)
+        what = f"gains {shown(gains)} do not stabilise goto_pose: {_failing(verdict.violated)}"
+        return () if asked else (what,)
     if verdict.lost:
         return (
-            f"gains {shown(gains)} stabilise goto_pose near the goal, but {' and '.join(verdict.lost)} fails: "
+            f"gains {shown(gains)} stabilise goto_pose near the goal, but {_failing(verdict.lost)}: "
             "from some poses the goal leaves the half plane ahead on the way",
         )
     return ()
+
+
+def _failing(conditions: tuple[str, ...]) -> str:
+    return f"{' and '.join(conditions)} fail{'s' * (len(conditions) == 1)}"
 
 
 def shown(gains: dict[str, Exact]) -> str:

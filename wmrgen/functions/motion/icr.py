@@ -132,7 +132,7 @@ def axle_distances(robot: Robot, steer: Mapping[str, float], point: tuple[float,
     for w in robot.wheels:
         if w.kind.constrains:
             b, a, k = _row(w, steer)  # (-s, c, x c + y s)
-            distances[w.name] = abs(a * point[0] - b * point[1] - k)
+            distances[w.name] = abs(float(a * point[0] - b * point[1] - k))
     return distances
 
 

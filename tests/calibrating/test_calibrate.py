@@ -24,11 +24,13 @@ from wmrgen.calibrating.calibrate import Calibration, Estimate, _held_out, _name
 from wmrgen.calibrating.certainty import fit
 from wmrgen.calibrating.fit import Problem, serial, start_of, sums, unit_of
 from wmrgen.calibrating.logs import read
-from wmrgen.calibrating.observability import blind, courses, offers, plan
+from wmrgen.calibrating.observability import courses, offers, plan
+from wmrgen.calibrating.outliers import Drift
 from wmrgen.calibrating.path import Reckoning, passed, reckoned
 from wmrgen.calibrating.picture import _ERRORS, _PATHS, _errors, _key, _paths, _values
 from wmrgen.calibrating.starts import laid
 from wmrgen.calibrating.written import with_values
+from wmrgen.cli.calibrate import _drifting, _notes
 from wmrgen.errors import UsageError
 
 LOGS = Path(__file__).parent / "logs"
@@ -207,10 +209,11 @@ def test_what_only_appears_as_a_sum_is_named(tmp_path: Path) -> None:
     assert sum(result.parameters[n].value for n in ("half_length", "half_width")) == pytest.approx(
         0.25 + truth.true["half_width"], rel=1e-3
     )
-    problem = problem_of(derivation)
-    assert [set(group) for group in blind(problem, offers(problem, derivation))] == [
-        {"half_length", "half_width"}
-    ]
+    (note,) = _notes(derivation, result)
+    assert note == (
+        "half_width and half_length scale together on these drives, so that their values hold only together: no drive "
+        "tells them apart; measure one of them, and delete its tunable: true"
+    )
 
 
 def test_straight_lines_do_not_tell_a_track(tmp_path: Path) -> None:
@@ -223,8 +226,10 @@ def test_straight_lines_do_not_tell_a_track(tmp_path: Path) -> None:
     assert ("half_track",) in result.unobservable
     assert result.parameters["half_track"].value == pytest.approx(0.2, abs=1e-6)
     assert result.parameters["r_left"].observable and result.parameters["r_right"].observable
-    added = plan(result.fit.problem, offers(result.fit.problem, derivation), 0.01, result.fit.information)
-    assert added is not None and any(s.twist[2] for course in added for s in course.segments)
+    (note,) = _notes(derivation, result)
+    assert note == (
+        "these drives do not tell half_track, so that it is not written: add four turns on the spot, two each way"
+    )
 
 
 @pytest.mark.slow
@@ -425,6 +430,27 @@ def test_a_mistake_beside_headings_alone_is_named(tmp_path: Path, mistake: str) 
     _truths(paths, lambda rows: rows * (1, np.nan, np.nan, 1))
     with pytest.raises(UsageError, match=f"they would agree with {mistaken(paths, mistake)}$"):
         calibrate(derivation_of(tmp_path, LAYOUTS["differential"]), paths, [])
+
+
+@pytest.mark.parametrize(
+    ("drift", "said"),
+    [
+        (
+            Drift("a", 14.0, 18.0, 0.7, 0.0, True),
+            "the truth's clock jumps by -0.70 s from t = 14.0 to 18.0 s: each part is fitted alone",
+        ),
+        (
+            Drift("a", 2.0, 42.0, -0.4, 0.0),
+            "the truth's clock drifts by +0.40 s from t = 2.0 to 42.0 s, so parameters may be wrong",
+        ),
+        (
+            Drift("a", 2.0, 42.0, 0.0, -0.08),
+            "the truth's heading drifts by -0.080 rad from t = 2.0 to 42.0 s, so parameters may be wrong",
+        ),
+    ],
+)
+def test_what_is_said_of_drifts(drift: Drift, said: str) -> None:
+    assert _drifting(drift) == f"a: {said}"
 
 
 def _truths(paths: list[Path], change: Callable[[np.ndarray], np.ndarray]) -> None:
@@ -644,9 +670,14 @@ def test_the_command(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None
     assert len(tenths) == 10 and max(row["position"] for row in tenths) < 0.002
     told = wmrgen_cli("calibrate", str(tmp_path / "robot.yaml"), *paths)
     assert "half_track = 0.207" in told.out and told.code == 0
-    planned = wmrgen_cli("calibrate", str(tmp_path / "robot.yaml"), "--plan")
-    assert planned.code == 0 and "m" in planned.out
-    assert wmrgen_cli("calibrate", str(tmp_path / "robot.yaml")).code == 2
+    robot, certain = tmp_path / "robot.yaml", "the drives make every parameter certain to 1 % already\n"
+    assert wmrgen_cli("calibrate", robot, *paths, "--plan").out == told.out + certain
+    assert json.loads(wmrgen_cli("calibrate", robot, *paths, "--plan", "--json").out) == {**data, "plan": []}
+    planned = wmrgen_cli("calibrate", robot, "--plan", "--precision", "0.03").out
+    assert planned == "a straight line of 4 m and back: 16 s\nfour turns on the spot, two each way: 25 s\n"
+    finer = wmrgen_cli("calibrate", robot, "--plan", "--precision", "1e-6").out
+    assert finer == "none of the drives makes every parameter certain to 0.0001 %\n"
+    assert wmrgen_cli("calibrate", robot).code == 2
 
 
 @pytest.mark.slow

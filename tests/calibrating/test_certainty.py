@@ -18,6 +18,7 @@ from wmrgen.calibrating.clocks import ALONE, shown
 from wmrgen.calibrating.fit import LEVER, Residuals, _middle, serial, start_of
 from wmrgen.calibrating.mistakes import refuse_strangers
 from wmrgen.calibrating.outliers import Drift, _drifts, _peaks, _steps_of
+from wmrgen.calibrating.starts import _bearing
 from wmrgen.errors import UsageError
 
 ALONG, ACROSS, TURN = 4e-6, 1e-6, 9e-6  # m^2/s, m^2/s, rad^2/s
@@ -220,3 +221,15 @@ def test_drifts_and_jumps_are_told_from_what_differs(
     ]
     for one, expected in zip(result, told, strict=True):
         assert (one.late, one.turned) == pytest.approx((expected.late, expected.turned), abs=0.02)
+
+
+@pytest.mark.parametrize("bearing", [-2.0, 0.3, 3.0])
+def test_places_alone_tell_where_a_robot_looked_first(bearing: float) -> None:
+    """z = z0 + exp(i s) (p + exp(i phi) m), with s the bearing; of three places by the way alone; of one not."""
+    phi = np.sin(0.1 * np.arange(100))
+    p = np.cumsum(0.1 * np.exp(1j * phi))
+    z = 3 - 1j + np.exp(1j * bearing) * (p + np.exp(1j * phi) * (0.2 + 0.1j))
+    assert _bearing(z, p, phi) == pytest.approx(bearing, abs=1e-3)
+    ahead = 3 - 1j + np.exp(1j * bearing) * p
+    assert _bearing(ahead[:3], p[:3], phi[:3]) == pytest.approx(bearing, abs=1e-3)
+    assert _bearing(z[:1], p[:1], phi[:1]) == 0

@@ -156,7 +156,7 @@ def _bearing(z: Complexes, p: Complexes, phi: Reals) -> float:
         np.maximum.accumulate(np.abs(p - p[0])) > _LEAST
     )
     count = max(4, int(np.argmax(far)) if far.any() else len(z))
-    columns = np.array([p[:count], np.exp(1j * phi[:count]), np.ones(len(z[:count]))])
+    columns = np.array([p[:count], np.exp(1j * phi[:count])])
     columns = columns - columns.mean(axis=1, keepdims=True)
     if len(z) < 4:
         columns = columns[:1]

@@ -18,7 +18,7 @@ _SHOWN = 1e-9  # [rad] rounding
 
 if TYPE_CHECKING:
     from wmrgen.calibrating.calibrate import Calibration
-    from wmrgen.calibrating.observability import Offer
+    from wmrgen.calibrating.observability import Course, Offer
     from wmrgen.calibrating.outliers import Drift
     from wmrgen.robot import Derivation
 
@@ -45,7 +45,14 @@ def calibrate(
             raise UsageError(
                 "no log is given: wmrgen calibrate ROBOT.yaml LOG.csv…, or --plan for drives to make"
             )
-        return _planned(derivation, precision, as_json)
+        planned = _Planned.of(derivation, precision)
+        if as_json:
+            console.data(
+                {"plan": planned.as_data(), "unobservable": [list(group) for group in planned.never]}
+            )
+        else:
+            planned.tell()
+        return 0
     if scheduler is None:
         result = work.calibrate(derivation, logs, truth or ())
     else:
@@ -59,12 +66,13 @@ def calibrate(
     if files is not None:
         _write_all(files, robot, derivation, result, values)
     told = _Told.of(derivation, result)
+    more = _Planned.of(derivation, precision, result) if plan else None
     if as_json:
-        console.data(_as_data(result, told))
+        console.data(_as_data(result, told) | ({} if more is None else {"plan": more.as_data()}))
         return 0
     _tell(derivation.robot.name, result, told)
-    if plan:
-        return _planned(derivation, precision, as_json, result)
+    if more is not None:
+        more.tell()
     return 0
 
 
@@ -223,37 +231,50 @@ def _together(group: Sequence[str]) -> str:
 def _remedy(
     choices: Sequence[Offer], result: Calibration, group: Sequence[str], never: Sequence[Sequence[str]]
 ) -> str:
-    """What would tell the parameters of ``group`` apart."""
+    """What would tell the parameters of ``group``."""
     from wmrgen.calibrating.observability import WEAK, plan
 
+    them, measure = ("it", "measure it") if len(group) == 1 else ("them apart", "measure one of them")
     if any(set(group) & set(other) for other in never):
-        return "no drive tells; measure one of them, and delete its tunable: true"
+        return f"no drive tells {them}; {measure}, and delete its tunable: true"
     courses = plan(result.fit.problem, choices, WEAK, result.fit.information)
-    return f"add {' and '.join(course.text for course in courses)}" if courses else "measure one of them"
+    return f"add {' and '.join(course.text for course in courses)}" if courses else measure
 
 
-def _planned(
-    derivation: Derivation, precision: float, as_json: bool, result: Calibration | None = None
-) -> int:
-    """Print the drives that make every parameter certain to ``precision``."""
-    from wmrgen.calibrating.calibrate import problem_of
-    from wmrgen.calibrating.observability import blind, offers, plan
+@dataclass(frozen=True, slots=True)
+class _Planned:
+    """The ``courses`` after which every parameter is certain to ``precision``, None where none do; parameters that no
+    drive tells apart, ``never``."""
 
-    problem = problem_of(derivation) if result is None else result.fit.problem
-    choices = offers(problem, derivation)
-    courses = plan(problem, choices, precision, None if result is None else result.fit.information)
-    never = blind(problem, choices)
-    if as_json:
-        told = None if courses is None else [{"drive": c.text, "seconds": c.seconds} for c in courses]
-        console.data({"plan": told, "unobservable": [list(group) for group in never]})
-        return 0
-    for group in never:
-        console.note(f"no drive tells {' and '.join(group)} apart: measure one of them")
-    if courses is None:
-        console.result(f"none of the drives makes every parameter certain to {100 * precision:g} %")
-    else:
-        for course in courses:
+    courses: Sequence[Course] | None
+    never: Sequence[Sequence[str]]
+    precision: float
+
+    @staticmethod
+    def of(derivation: Derivation, precision: float, result: Calibration | None = None) -> _Planned:
+        """Without drives, or after those of a calibration."""
+        from wmrgen.calibrating.calibrate import problem_of
+        from wmrgen.calibrating.observability import blind, offers, plan
+
+        problem = problem_of(derivation) if result is None else result.fit.problem
+        choices = offers(problem, derivation)
+        courses = plan(problem, choices, precision, None if result is None else result.fit.information)
+        return _Planned(courses, blind(problem, choices), precision)
+
+    def as_data(self) -> list[dict[str, Any]] | None:
+        """For JSON."""
+        if self.courses is None:
+            return None
+        return [{"drive": course.text, "seconds": course.seconds} for course in self.courses]
+
+    def tell(self) -> None:
+        """Print the courses."""
+        for group in self.never:
+            apart = ": measure it" if len(group) == 1 else " apart: measure one of them"
+            console.note(f"no drive tells {' and '.join(group)}{apart}")
+        if self.courses is None:
+            console.result(f"none of the drives makes every parameter certain to {100 * self.precision:g} %")
+        elif not self.courses:
+            console.result(f"the drives make every parameter certain to {100 * self.precision:g} % already")
+        for course in self.courses or ():
             console.result(f"{course.text}: {course.seconds:.0f} s")
-        if not courses:
-            console.result(f"the drives make every parameter certain to {100 * precision:g} % already")
-    return 0

@@ -86,9 +86,12 @@ def test_the_file_is_the_model_of_model_json(path: Path) -> None:
 
 @pytest.mark.parametrize("name", STEERED)
 def test_constraints_are_what_contacts_slide(name: str) -> None:
-    """Velocity of each steered wheel's contact along its axle, from positions alone."""
+    """Velocity of each steered wheel's contact along its axle, from positions alone; of two wheels of one axle once, so
+    that no constraint follows from others."""
     derivation = of_gallery(name)
     g = derivation.rolling()
+    names = [entry["name"] for entry in derivation.entries("twist")["constraints"]]
+    jacobian = g.factory("jacobian", ["x", "u", "p"], ["jac:g:x", "jac:g:u"])
     f = derivation.state_space("twist")
     system = derivation.system("twist")
     for seed in range(5):
@@ -98,7 +101,7 @@ def test_constraints_are_what_contacts_slide(name: str) -> None:
         rates = np.array(f(x, u, p)).ravel()
         c, s = cos(x[2]), sin(x[2])
         vx, vy, omega = c * rates[0] + s * rates[1], -s * rates[0] + c * rates[1], rates[2]
-        slides = []
+        slides = {}
         for w in derivation.robot.wheels:
             if w.kind.steers:
                 leader = derivation.robot.wheels[derivation.robot.steer_group[w.index]]
@@ -106,8 +109,13 @@ def test_constraints_are_what_contacts_slide(name: str) -> None:
                 normal = np.array([-sin(angle), cos(angle)])
                 contact = np.array([float(w.nominal.x), float(w.nominal.y)]) + float(w.nominal.o) * normal
                 velocity = np.array([vx - omega * contact[1], vy + omega * contact[0]])
-                slides.append(velocity @ normal)
-        assert np.array(g(x, u, p)).ravel() == pytest.approx(slides, abs=1e-12)
+                slides[f"{w.name}.slide"] = velocity @ normal
+        constraints = g(x, u, p).full().ravel()
+        assert constraints == pytest.approx([slides[entry] for entry in names], abs=1e-12)
+        assert all(np.abs(constraints - slide).min() < 1e-12 for slide in slides.values())
+        assert np.linalg.matrix_rank(np.hstack([part.full() for part in jacobian(x, u, p)]), 1e-9) == len(
+            names
+        )
 
 
 def test_a_skid_steer_turns() -> None:

@@ -45,16 +45,20 @@ def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sy
 
 
 def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
-    """g(x, u) [m/s]: by how much each steered wheel slides (Siegwart (3.16)) under state and inputs of `twist_system`;
-    None where nothing steers."""
+    """g(x, u) [m/s]: by how much each steered wheel slides (Siegwart (3.16)) under state and inputs of `twist_system`,
+    wheels of one axle once; None where nothing steers."""
     wheels = [w for w in robot.wheels if w.kind.steers]
     if not wheels:
         return None
     system, (inputs, columns) = twist_system(robot, mobility), _free(robot, mobility, working_view)
-    outputs = []
+    outputs, rows = [], []
     for w in wheels:
         turned = replace(w, name=robot.wheels[robot.steer_group[w.index]].name)
-        row = [expression(p) for p in sliding_row(turned, working_view(w)).row]
+        polys = sliding_row(turned, working_view(w)).row
+        if polys in rows:
+            continue
+        rows.append(polys)
+        row = [expression(p) for p in polys]
         terms = (
             times(add(*map(times, row, column)), signal(port.name))
             for port, column in zip(inputs, columns, strict=True)

@@ -29,25 +29,33 @@ def effective_track(quantity: Quantity | None, scope: Scope, wheels: Sequence[Wh
     """The track in its views. RobotFileError where it is not positive, and for wheels that do not turn by skidding."""
     if quantity is None:
         return None
-    track, fixed = scope.length(quantity), [w for w in wheels if w.kind.fixed_axle]
-    others = [w for w in wheels if (w.kind.constrains or w.kind.rollers) and w not in fixed]
-    what = why = ""
-    if track.nominal.sign <= 0:
-        what = f"effective_track is {quantity.text}, which is not positive"
-    elif others:
-        what = f"effective_track of a robot with the {others[0].kind.noun} {others[0].name}"
-        why = "It says how a robot turns whose wheels are all fixed."
-    elif not parallel([w.zero_heading for w in fixed]):
-        what = "effective_track of a robot whose fixed wheels are not parallel"
-        why = "They have no left and right."
-    elif not fixed or not {*sides([w.pivot for w in fixed], fixed[0].zero_heading)} >= {_LEFT, _RIGHT}:
-        what = "effective_track of a robot with fixed wheels on one side alone"
-        why = "It is the distance between left and right wheels."
+    track = scope.length(quantity)
+    what, why = f"effective_track is {quantity.text}, which is not positive", ""
+    if track.nominal.sign > 0:
+        what, why = no_track(wheels)
     if what:
         raise RobotFileError(
             what, quantity.mark, why, "Write a length, such as 1.5 times the track; or delete it."
         )
     return track
+
+
+def no_track(wheels: Sequence[Wheel]) -> tuple[str, str]:
+    """Which robot of these wheels cannot have an effective track, and why; nothing where it can."""
+    fixed = [w for w in wheels if w.kind.fixed_axle]
+    others = [w for w in wheels if (w.kind.constrains or w.kind.rollers) and w not in fixed]
+    if others:
+        what = f"effective_track of a robot with the {others[0].kind.noun} {others[0].name}"
+        return what, "It says how a robot turns whose wheels are all fixed."
+    if not parallel([w.zero_heading for w in fixed]):
+        return (
+            "effective_track of a robot whose fixed wheels are not parallel",
+            "They have no left and right.",
+        )
+    if not fixed or not {*sides([w.pivot for w in fixed], fixed[0].zero_heading)} >= {_LEFT, _RIGHT}:
+        what = "effective_track of a robot with fixed wheels on one side alone"
+        return what, "It is the distance between left and right wheels."
+    return "", ""
 
 
 def parallel(headings: Sequence[complex]) -> bool:

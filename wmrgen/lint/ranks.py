@@ -9,7 +9,7 @@ import numpy as np
 from wmrgen.constraints import nominal_view, rolling_row
 from wmrgen.exact.number import ZERO
 from wmrgen.layout.measured import SLIP
-from wmrgen.layout.skid import parallel
+from wmrgen.layout.skid import no_track, parallel
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.mobility.ranks import to_array
 from wmrgen.mobility.records import Singularity
@@ -78,8 +78,11 @@ def skids(subject: Subject) -> Iterator[Finding]:
         names = listed([w.name for w in fixed])
         what = f"{names} stand on parallel axles: the robot turns only by skidding (skid-steer)"
         about = (
-            "Write effective_track: and the track of a differential drive that turns as it does (measured, some 1.5 "
-            "times its own). Without it kinematics are least squares, which do not know how far it turns."
+            "Its wheels are not all fixed, so that no effective_track can be said: kinematics are least squares, which "
+            "do not know how far it turns."
+            if any(no_track(subject.robot.wheels))
+            else "Write effective_track: and the track of a differential drive that turns as it does (measured, some "
+            "1.5 times its own). Without it kinematics are least squares, which do not know how far it turns."
         )
         remedies = [near.remedies for near in subject.robot.near if not near.moves]
         yield Finding(subject.mark(fixed[0]), what, " ".join((about, *remedies)))

@@ -12,6 +12,7 @@ from wmrgen.constraints import constrain, nominal_view
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Geometry, Wheel
+from wmrgen.layout.skid import no_track
 from wmrgen.mobility.admissible import along, coupled_sets
 from wmrgen.mobility.configure import Configuration
 from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
@@ -182,11 +183,11 @@ def verdict(at: Configuration) -> str:
     if at.mobility == 0:
         why = "no motion is free of sliding"
     elif skids(at):
-        solved = (
-            "least squares and report the residual; `effective_track` in the robot file would say how far it turns"
-            if at.robot.effective_track is None
-            else "those of a differential drive of its effective track"
-        )
+        solved = "those of a differential drive of its effective track"
+        if at.robot.effective_track is None:
+            solved = "least squares and report the residual"
+            if not any(no_track(at.robot.wheels)):
+                solved += "; `effective_track` in the robot file would say how far it turns"
         why = (
             "its fixed axles are several parallel lines: it turns only by skidding (skid-steer); "
             f"kinematics are {solved}"

@@ -183,3 +183,26 @@ def test_one_side_has_no_track(wheels: tuple[tuple[float, float, float], ...]) -
 def test_a_robot_without_fixed_wheels_has_no_track() -> None:
     with pytest.raises(RobotFileError, match="one side"):
         of_text(Base(()).text("1") + "  - {name: ball, type: spherical, x: 0, y: 0}\n")
+
+
+@pytest.mark.parametrize(
+    ("wheel", "possible"),
+    [
+        ("", True),
+        (WHEEL.format("castor", 0, 0, ", d: -0.05"), True),
+        (WHEEL.format("steered", 0, 0, ""), False),
+        (WHEEL.format("swedish", 0, 0, ", gamma: 45 deg"), False),
+    ],
+)
+def test_an_effective_track_is_advised_where_it_can_be_said(
+    wheel: str, possible: bool, tmp_path: Path
+) -> None:
+    """By lint, among the reasons and by the model, which says of steered wheels, too, what it holds for."""
+    path = tmp_path / "skid.yaml"
+    path.write_text(HUSKY.text("1").replace("effective_track: wide\n", "") + wheel)
+    derivation = wmrgen.derive(wmrgen.load(path))
+    model = derivation.system("twist").text
+    texts = (run_cli("lint", str(path), code=1)[0], " ".join(derivation.mobility.reasons), model)
+    assert ["effective_track" in text for text in texts[1:]] == [possible] * 2
+    assert ("Write effective_track" in texts[0]) == possible
+    assert ("it holds where no steered wheel slides" in model) == ("steered" in wheel)

@@ -18,7 +18,7 @@ from wmrgen.functions.registry import system, underivable
 from wmrgen.functions.system import System
 from wmrgen.kinematics.records import Formula, Locals, joint_port, parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.layout.skid import parallel, sides
+from wmrgen.layout.skid import no_track, parallel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import POSE, TWIST, Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, over, signal, square, times
@@ -78,14 +78,12 @@ def _steered(robot: Robot) -> list[Wheel]:
 
 
 def _condition(robot: Robot, mobility: Mobility) -> str:
+    text = "; it holds where no steered wheel slides" if _steered(robot) else ""
     if mobility.rank_C1f.value > 1:
-        fixed = [w for w in robot.wheels if w.kind.fixed_axle]
-        sided = {*sides([w.pivot for w in fixed], fixed[0].zero_heading)} >= {1, -1}
-        return (
-            "; its fixed wheels slide where it turns, and the sideways velocity is that of least sliding"
-            + "; effective_track in the robot file would say which wheel speeds turn it so" * sided
-        )
-    return "; it holds where no steered wheel slides" if _steered(robot) else ""
+        text += "; its fixed wheels slide where it turns, and the sideways velocity is that of least sliding"
+        if not any(no_track(robot.wheels)):
+            text += "; effective_track in the robot file would say which wheel speeds turn it so"
+    return text
 
 
 def _free(robot: Robot, mobility: Mobility, view: View) -> tuple[tuple[Port, ...], tuple[Column, ...]]:

@@ -39,6 +39,9 @@ wheels:
 """
 VIRTUAL = "virtual: [{name: front, steers: [front_left, front_right]}, {name: rear, drives: [left, right]}]\n"
 LAG = "lag: {steer: 0.3}"
+ON_AXLE = CAR.partition("  - {name: front_left")[0] + (
+    "  - {name: mid, type: steered, x: 0, y: 0.1, heading: 0.2, r: 0.3, actuated: [steer]}\n"
+)
 CASTORS = f"""\
 wmrgen: 1
 name: castors
@@ -114,6 +117,7 @@ def bounded(entries: list[dict[str, Any]], values: np.ndarray) -> bool:
             CAR % LAG + VIRTUAL, "posture",
             "vx omega left.spin right.spin front_left.spin front_left.steer_rate front_right.steer_rate",
         ),
+        (ON_AXLE % "", "posture", "vx omega mid.steer"),
         ("kuka_youbot", None, "vx vy omega br.spin"),
         ("textbook_tricycle", None, "vx omega"),
         ("wpilib_swervebot", None, "front_left.spin front_right.spin back_left.spin back_right.spin"),

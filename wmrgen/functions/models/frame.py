@@ -115,6 +115,13 @@ def _pivot_velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly
     return a, b
 
 
+def _followed(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
+    """Velocity of the pivot of a wheel that turns itself along it, under a column that moves it: of several all have
+    its direction, for such a wheel stands on the line of a fixed axle."""
+    velocities = [_pivot_velocity(frame, wheel, column) for column in frame.columns]
+    return next((v for v in velocities if any(v)), velocities[0])
+
+
 def _rolling_sign(frame: Frame, wheel: Wheel, velocity: tuple[Poly, Poly]) -> int:
     """+1 where the wheel rolls forward under +eta with its heading nearest to its zero, else -1."""
     g = wheel.nominal
@@ -160,8 +167,7 @@ def steering_rates(frame: Frame, wheel: Wheel) -> dict[str, Poly]:
     lead = frame.leader(wheel)
     if lead is not None:
         return {lead.name: ONE}
-    (column,) = frame.columns
-    a, b = _pivot_velocity(frame, wheel, column)
+    a, b = _followed(frame, wheel)
     squared = (a * a + b * b).inverse()
     rates = {
         w.name: (a * by_steering(b, w.name) - b * by_steering(a, w.name)) * squared for w in frame.wheels
@@ -179,8 +185,7 @@ def steering_direction(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
     lead = frame.leader(wheel)
     if lead is not None:
         return steer_gens(lead)
-    (column,) = frame.columns
-    a, b = _pivot_velocity(frame, wheel, column)
+    a, b = _followed(frame, wheel)
     g, sign = frame.view(wheel), _rolling_sign(frame, wheel, (a, b))
     return (a * g.ch + b * g.sh).scale(sign), (b * g.ch - a * g.sh).scale(sign)
 

@@ -204,7 +204,10 @@ def _way(robot: Robot, wheels: list[Wheel]) -> str:
     steered = [w.name for w in wheels if w.kind.steers]
     if not steered or len(robot.together("steer", wheels)) < 2:
         return ""
-    return f" Of its two headings {listed(steered)} takes the one that rolls the way the others do."
+    whose, take = (
+        ("its", "takes the one that rolls") if len(steered) == 1 else ("their", "take those that roll")
+    )
+    return f" Of {whose} two headings {listed(steered)} {take} the way the others do."
 
 
 def _may_be_cut(robot: Robot, w: Wheel) -> bool:

@@ -257,10 +257,14 @@ def regular(d: Derivation) -> list[str]:
     if sliding:
         intro += f" {listed(sliding)} do{'es' * (len(sliding) == 1)} not hold where {ROLLING_ALONE}."
     if space.limits:
-        limits = f"{code(f'{d.robot.name}_limits.casadi')}, {code('limits')} in {code(f'{d.robot.name}.py')}"
+        limits = (
+            f"{code(f'{d.robot.name}_limits.casadi')} and {code('limits')} in {code(f'{d.robot.name}.py')}"
+        )
+        one = len(space.limits) == 1
         intro += (
-            f" The robot file limits {listed([p.name for p in space.limits])}, too, which are neither "
-            f"states nor inputs of {code(space.form)}: {limits} are functions of both, and model.json has their bounds."
+            f" The robot file limits {listed([p.name for p in space.limits])}, too, which "
+            f"{'is neither a state nor an input' if one else 'are neither states nor inputs'} of {code(space.form)}: "
+            f"{limits} give {'it' if one else 'them'} as a function of both, and {code('model.json')} has the bounds."
         )
     if space.limited.absent:
         intro += f" For the limits of {listed(space.limited.absent)} {code(space.form)} has no variable."

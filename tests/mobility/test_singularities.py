@@ -69,6 +69,13 @@ def test_axles_that_one_angle_turns_are_not_one_line() -> None:
         wheel("b", "steered", 0.63, -0.63, heading=-1.56),
     ]
     assert len(of(aslant, "shared_axle")) == 1 and of(aslant, "shared_axle", "a", "b") == []
+    in_line = [
+        wheel("a", "steered", 0.5, 0.1),
+        wheel("b", "steered", 0.0, 0.1),
+        wheel("c", "steered", -0.5, 0.1, heading=0.3),
+    ]
+    (shared,) = of(in_line, "shared_axle", "b", "c")
+    assert "a" in shared.wheels and shared.meaning.endswith("another steered wheel does")
 
 
 def test_a_fixed_axle_is_shared_with_no_steered_wheel() -> None:

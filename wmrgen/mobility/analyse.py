@@ -12,12 +12,12 @@ from wmrgen.exact.linalg import determinant
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot, each
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.layout.skid import driven
+from wmrgen.layout.skid import driven, parallel
 from wmrgen.mobility.admissible import along
 from wmrgen.mobility.basis import basis, deciding, null_columns, primitive, scaled
 from wmrgen.mobility.configure import Configuration, configuration, in_metres, steering_for
 from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.reasons import SAME, apart, reasons, skids, verdict
+from wmrgen.mobility.reasons import apart, reasons, skids, verdict
 from wmrgen.mobility.records import Array, Balance, Mobility, Singularity
 from wmrgen.notation import in_code, plain
 
@@ -122,14 +122,13 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
         return []
     a, b = wheels
     lead = at.robot.steer_group
-    if lead[a.index] == lead[b.index] and abs((a.zero_heading / b.zero_heading).imag) > SAME:
+    if lead[a.index] == lead[b.index] and not parallel([a.zero_heading, b.zero_heading]):
         return []
     conditions = (towards(a, b, symbolic_view), towards(b, a, symbolic_view))
-    many = sum(w.kind.steers for w in at.robot.wheels) > 2 and not _pivots_in_line(at)
     what = (
-        ": these two no longer determine the motion; another steered wheel does"
-        if many
-        else ", and rank C1 falls from 2 to 1: the robot can turn about any point of that line"
+        ", and rank C1 falls from 2 to 1: the robot can turn about any point of that line"
+        if _may_be_one_line(at.robot)
+        else ": these two no longer determine the motion; another steered wheel does"
     )
     text = f"the axles of `{a.name}` and `{b.name}` lie on one line{what}"
     return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
@@ -142,10 +141,14 @@ def towards(a: Wheel, b: Wheel, view: View) -> Poly:
     return ex * (gb.x - ga.x) + ey * (gb.y - ga.y)
 
 
-def _pivots_in_line(at: Configuration) -> bool:
-    first, *others = (w.pivot for w in at.robot.wheels if w.kind.steers)
+def _may_be_one_line(robot: Robot) -> bool:
+    """Whether all steered axles can be: their pivots are on a line, and one angle turns parallel wheels alone."""
+    steered = [w for w in robot.wheels if w.kind.steers]
+    first, *others = (w.pivot for w in steered)
     points = [[(p - first).real, (p - first).imag] for p in others]
-    return int(np.linalg.matrix_rank(np.array(points), tol=1e-9)) < 2
+    return int(np.linalg.matrix_rank(np.array(points), tol=1e-9)) < 2 and all(
+        parallel([w.zero_heading for w in group]) for group in robot.together("steer", steered)
+    )
 
 
 def _drive(at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...]) -> list[Singularity]:

@@ -305,14 +305,6 @@ couplings: [{equal: [a.steer, b.steer, c.steer]}, {equal: [a.spin, b.spin, c.spi
 """
 
 
-SHAFT = """wmrgen: 1
-name: sample
-wheels:
-  - {name: a, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}
-  - {name: b, type: steered, x: 0.4, y: 0, heading: 0, r: 0.1}
-  - {name: c, type: steered, x: -0.4, y: 0, heading: 0, r: 0.1}
-couplings: [{equal: [a.spin, b.spin, c.spin]}]
-"""
 # The letter e stands in sentences before the name does; C1 is a matrix, too.
 NAMES = """wmrgen: 1
 name: sample
@@ -345,11 +337,6 @@ wheels:
 @pytest.mark.parametrize(
     ("robot", "said", "unsaid"),
     [
-        (
-            SHAFT,
-            "Of their two headings `b` and `c` take those that roll the way the others do.",
-            "takes the one",
-        ),
         (NAMES, "limits `omega`, too, which is neither a state nor an input of", "neither states"),
         (NAMES, "G is unbounded, for `left.spin` no longer determines the motion:", "`e`d"),
         (NAMES, "`C1` imposes no sliding constraint", "`C₁`"),

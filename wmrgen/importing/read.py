@@ -25,6 +25,8 @@ MAX_DEPTH = 64
 _NUMBER = re.compile(r"([+-]?)(\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE]([+-]?\d{1,4}))?")
 _ENDLESS = re.compile(r"([+-]?)(?:inf(?:inity)?|[\d.]{1,40}e\+?(?:[3-9]\d|\d{3,4}))", re.IGNORECASE)
 _LARGEST, _SMALLEST = 30, -30  # exponents; below is zero
+_UNBOUND = "unbound prefix"
+_XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 ONES: Vector = (Fraction(1), Fraction(1), Fraction(1))
 ZERO: Vector = (Fraction(0), Fraction(0), Fraction(0))
 
@@ -94,9 +96,9 @@ class _Builder(TreeBuilder):
         return element
 
 
-def parse(text: bytes, file: str, most: int = MAX_BYTES) -> Element:
+def parse(text: bytes, file: str, most: int = MAX_BYTES, strict: bool = False) -> Element:
     """The root of `Placed` elements of a ``file``, a path. RobotFileError for what is no XML, has a document type or is
-    too large."""
+    too large. Unless ``strict``, -- in comments and prefixes that are not declared are read, as simulators do."""
     try:
         from defusedxml.common import DefusedXmlException
     except ImportError:
@@ -109,8 +111,8 @@ def parse(text: bytes, file: str, most: int = MAX_BYTES) -> Element:
         try:
             root = _elements(text, source)
         except ParseError as error:
-            plain = re.sub(rb"<!--.*?-->", _blank, text, flags=re.DOTALL)  # simulators allow -- in comments
-            if plain == text and "unbound prefix" not in str(error):
+            plain = re.sub(rb"<!--.*?-->", _blank, text, flags=re.DOTALL)
+            if strict or (plain == text and _UNBOUND not in str(error)):
                 raise
             root = _elements(_bound(plain), source)
     except DefusedXmlException:
@@ -121,7 +123,8 @@ def parse(text: bytes, file: str, most: int = MAX_BYTES) -> Element:
         words = re.sub(r": line \d+, column \d+$", "", str(error))
         line, column = error.position if isinstance(error, ParseError) else (0, 0)
         mark = source.source.mark(line - 1, column) if line else None
-        raise refuse(f"{name}: not XML: {quoted(words, 100)}", mark=mark) from None
+        hint = f"Write <robot {_XACRO}>." if _UNBOUND in words else ""
+        raise refuse(f"{name}: not XML: {quoted(words, 100)}", "", hint, mark) from None
     _cap(root, name)
     return root
 

@@ -52,7 +52,8 @@ def describe(root: Element, file: str, include: Include) -> Description:
     ]
     if not robots:
         why = " ".join(f"Note: {note}." for note in lost[:3])
-        raise refuse(f"{file}: no model of it has a joint", why, "Give the file that describes the robot.")
+        hint = "Give the file that describes the robot."
+        raise refuse(f"{file}: no model of it has a joint", why, hint, mark_of(root))
     reader = _Reader(include)
     reader.model(robots[0][0], "", MODEL, robots[0][1])
     first, *others = (quoted(model.get("name", "")) for model, _ in robots)

@@ -88,7 +88,7 @@ def _model(path: Path | None) -> Element | None:
     if path is not None and path.is_dir():
         config = path / "model.config"
         versions = (
-            list(below(parse(bytes_of(config, MAX_BYTES + 1), config.name), "sdf"))
+            list(below(parse(bytes_of(config, MAX_BYTES + 1), printable(str(config))), "sdf"))
             if config.is_file()
             else []
         )

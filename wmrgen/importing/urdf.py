@@ -63,6 +63,7 @@ def describe(root: Element, file: str) -> Description:
         raise refuse(
             f"{file}: the root element is <{quoted(local(root))[1:-1]}>, not <robot> or <sdf>",
             "URDF, xacro and SDF are read.",
+            mark=mark_of(root),
         )
     notes: list[str] = []
     names = Counter(name_of(link, "link") for link in children(root, "link"))

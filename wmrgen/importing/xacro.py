@@ -85,7 +85,7 @@ def _failed(file: Path, error: Exception, plain: list[str]) -> RobotFileError:
     """What the package says; ``plain``: elements of xacro that it does not know as such."""
     for cause in _causes(error):
         if isinstance(cause, RobotFileError):
-            return refuse(f"{printable(file.name)}: {cause.what}", cause.why, cause.instead)
+            return cause if cause.mark else refuse(f"{printable(file.name)}: {cause.what}", cause.why, cause.instead)
         if isinstance(cause, FileNotFoundError):
             lost = printable(Path(str(cause.filename)).name)
             return refuse(f"{printable(file.name)}: it includes {quoted(lost)}, which is not there")
@@ -195,7 +195,7 @@ def _opened(
         if len(data) > _YAML_BYTES:
             raise refuse(f"{printable(path.name)}: larger than {_YAML_BYTES // 1024} KiB")
         return io.StringIO(data.decode("utf-8-sig"))
-    root = parse(data, printable(str(file if where == file.resolve() else path)))
+    root = parse(data, printable(str(file if where == file.resolve() else path)), strict=True)
     plain += [f"{printable(path.name)} <{e.tag}>" for e in root if e.tag in _UNPREFIXED]
     return io.StringIO(_numbered(data.decode("utf-8-sig"), root, places))
 

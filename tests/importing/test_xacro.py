@@ -104,7 +104,43 @@ def test_calls_of_macros_without_the_prefix_are_noted(wmrgen_cli: Cli, tmp_path:
 def test_a_file_that_is_included_and_not_there(wmrgen_cli: Cli, tmp_path: Path) -> None:
     done = wmrgen_cli("import", write(tmp_path, '<xacro:include filename="parts.xacro"/>'))
     assert done.code == 2 and "it includes 'parts.xacro', which is not there" in done.err
-    assert str(tmp_path) not in done.err
+    assert str(tmp_path) not in done.err.splitlines()[0]
+
+
+MACRO = '<xacro:macro name="m" params="a">\n<link name="${a}"/>\n<xacro:if value="${a}"/></xacro:macro>\n'
+
+
+@pytest.mark.parametrize(
+    ("parts", "words", "place"),
+    [
+        ('<link name="${n}"/>', "name 'n' is not defined", "<link"),
+        ('<link name="a"><visual/>\n<inertial mass="${1/0}"/></link>', "division by zero", "<inertial"),
+        ('<xacro:if value="${n}"/>', "name 'n' is not defined", "<xacro:if"),
+        (MACRO + '<xacro:m b="1"/>', 'Invalid parameter "b"', "<xacro:m b"),
+        (MACRO + '<xacro:m a="${n}"/>', "name 'n' is not defined", "<xacro:m a"),
+        (MACRO + '<xacro:m a="x"/>', 'which is not a boolean', "<xacro:m a"),
+        (MACRO.replace("${a}", "${b}", 1) + '<xacro:m a="1"/>', "name 'b' is not defined", "<link"),
+        ('<xacro:include filename="no.xacro"/>', "it includes 'no.xacro', which is not there", "<xacro:include"),
+        ('<link name="$(find none)"/>', "Give --package none=DIR", "<link"),
+        ('<xacro:arg name="a"/> <!-- a -- b -->', "not XML", " b -->"),
+    ],
+)  # fmt: skip
+def test_errors_have_the_place_of_their_element(
+    wmrgen_cli: Cli, tmp_path: Path, parts: str, words: str, place: str
+) -> None:
+    path = write(tmp_path, f"\n{parts}\n")
+    done = wmrgen_cli("import", path)
+    assert done.code == 2 and words in done.err
+    line, column = map(int, re.findall(rf"--> {re.escape(str(path))}:(\d+):(\d+)", done.err)[0])
+    assert path.read_text().splitlines()[line - 1][column - 1 :].startswith(place), done.err
+
+
+def test_a_prefix_that_is_not_declared_has_its_declaration(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    path = write(tmp_path, "\n<xacro:property/>")
+    path.write_text(path.read_text().replace(HEAD, '<robot name="probe">'))
+    done = wmrgen_cli("import", path)
+    assert done.code == 2 and f"--> {path}:2:1\n" in done.err
+    assert 'Write <robot xmlns:xacro="http://www.ros.org/wiki/xacro">.' in done.err
 
 
 def test_a_package_that_was_not_given_is_named(wmrgen_cli: Cli, tmp_path: Path) -> None:

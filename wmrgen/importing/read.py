@@ -55,6 +55,10 @@ class Place(NamedTuple):
     line: int
     column: int
 
+    @property
+    def mark(self) -> Mark:
+        return self.text.source.mark(self.line - 1, self.column)
+
 
 class Placed(Element):
     """An element that keeps its place; None where nobody wrote it."""
@@ -70,7 +74,7 @@ def placed(root: Element) -> Iterator[Placed]:
 def mark_of(element: Element) -> Mark | None:
     """Where an element stands."""
     place = element.place if isinstance(element, Placed) else None
-    return place.text.source.mark(place.line - 1, place.column) if place else None
+    return place.mark if place else None
 
 
 @contextlib.contextmanager

@@ -19,7 +19,7 @@ from types import SimpleNamespace
 from typing import Any
 from xml.etree.ElementTree import Element
 
-from wmrgen.errors import EnvironmentFailure, RobotFileError
+from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError
 from wmrgen.importing.expressions import checked, counted, offered, weighed
 from wmrgen.importing.read import MAX_BYTES, Place, parse, placed, refuse
 from wmrgen.spec.text import printable, quoted, read_at_most
@@ -27,7 +27,60 @@ from wmrgen.spec.text import printable, quoted, read_at_most
 _UNPREFIXED = ("property", "macro", "include", "arg")
 _MOST_MISSING, _YAML_BYTES = 20, 1 << 16
 _PLACE = "wmrgen.place"  # an attribute: by which its place is remembered
-_TAG = re.compile(r"<(?!xacro:)[^\s/>]+")
+
+
+class _Trail:
+    """Where the package is in the files. ``files``: roots of those that are opened and not parsed yet; ``at``: places
+    of the element that it evaluates, last, and of those around it."""
+
+    def __init__(self) -> None:
+        self.files: list[Element] = []
+        self.at: list[Place | None] = []
+        self._places: dict[str, Place | None] = {}
+
+    def parsed(self, parse: Callable[..., Any]) -> Callable[..., Any]:
+        """A function that parses, with the places of its elements: as attributes, which outlive macros, but of those of
+        xacro, which takes no others."""
+
+        def call(*args: Any) -> Any:
+            document = parse(*args)
+            elements = document.getElementsByTagName("*")
+            for node, element in zip(elements, placed(self.files.pop()), strict=True):
+                node.place = element.place
+                if not node.tagName.startswith("xacro:"):
+                    node.setAttribute(_PLACE, str(len(self._places)))
+                    self._places[node.getAttribute(_PLACE)] = element.place
+            return document
+
+        return call
+
+    def inside(self, walk: Callable[..., Any]) -> Callable[..., Any]:
+        """A function that evaluates what is in an element."""
+
+        def call(node: Any, *scopes: Any) -> Any:
+            self.at.append(self._place(node))
+            result = walk(node, *scopes)
+            self.at.pop()
+            return result
+
+        return call
+
+    def beside(self, work: Callable[..., Any]) -> Callable[..., Any]:
+        """A function that does what an element of xacro says."""
+
+        def call(node: Any, *args: Any) -> Any:
+            self.at[-1] = self._place(node)
+            return work(node, *args)
+
+        return call
+
+    def _place(self, node: Any) -> Place | None:
+        return getattr(node, "place", None) or self._places.get(node.getAttribute(_PLACE))
+
+    def restore(self, root: Element) -> None:
+        """Give the elements that the package has made the places of those that they are made of."""
+        for element in placed(root):
+            element.place = self._places.get(element.attrib.pop(_PLACE, ""))
 
 
 def resolve(
@@ -46,10 +99,11 @@ def resolve(
     missing: list[str] = []
     plain: list[str] = []
     called: list[str] = []
-    places: dict[str, Place] = {}
-    opened = partial(_opened, file=file, roots=roots, plain=plain, places=places)
-    with _kept(xacro, roots, packages, opened, called), contextlib.redirect_stderr(io.StringIO()):
+    trail = _Trail()
+    opened = partial(_opened, file=file, roots=roots, plain=plain, files=trail.files)
+    with _kept(xacro, roots, packages, opened, called, trail), contextlib.redirect_stderr(io.StringIO()):
         while len(missing) < _MOST_MISSING:
+            trail.at.clear()
             try:
                 document = xacro.process_file(
                     str(file.resolve()), mappings={**values, **dict.fromkeys(missing, "1")}
@@ -60,7 +114,8 @@ def resolve(
                 if name is None or name in missing:
                     if missing:
                         break
-                    raise _failed(file, error, plain) from None
+                    place = next(filter(None, reversed(trail.at)), None)
+                    raise _failed(file, error, plain, place.mark if place else None) from None
                 missing.append(name)
     if missing:
         words = " ".join(f"{name}:=VALUE" for name in missing)
@@ -70,8 +125,7 @@ def resolve(
             f"Give them behind the file: {printable(words)}.",
         )
     root = parse(document.toxml(encoding="utf-8"), printable(str(file)))
-    for element in placed(root):
-        element.place = places.get(element.attrib.pop(_PLACE, ""))
+    trail.restore(root)
     return root, called
 
 
@@ -81,23 +135,29 @@ def macros(file: Path) -> list[str]:
     return [e.get("name", "") for e in root.iter() if isinstance(e.tag, str) and e.tag.endswith("}macro")]
 
 
-def _failed(file: Path, error: Exception, plain: list[str]) -> RobotFileError:
-    """What the package says; ``plain``: elements of xacro that it does not know as such."""
+def _failed(file: Path, error: Exception, plain: list[str], mark: Mark | None) -> RobotFileError:
+    """What the package says, and where; ``plain``: elements of xacro that it does not know as such."""
     for cause in _causes(error):
         if isinstance(cause, RobotFileError):
-            return cause if cause.mark else refuse(f"{printable(file.name)}: {cause.what}", cause.why, cause.instead)
+            return (
+                cause
+                if cause.mark
+                else refuse(f"{printable(file.name)}: {cause.what}", cause.why, cause.instead, mark)
+            )
         if isinstance(cause, FileNotFoundError):
             lost = printable(Path(str(cause.filename)).name)
-            return refuse(f"{printable(file.name)}: it includes {quoted(lost)}, which is not there")
+            return refuse(
+                f"{printable(file.name)}: it includes {quoted(lost)}, which is not there", mark=mark
+            )
         if isinstance(cause, RecursionError):
             what = f"{printable(file.name)}: macros, or files that it includes, call each other without end"
-            return refuse(what, "", "Delete one of the calls.")
+            return refuse(what, "", "Delete one of the calls.", mark)
     words = re.sub(r"\s+", " ", str(error) or type(error).__name__)
     what = f"{printable(file.name)}: xacro: {quoted(words, 300)[1:-1]}"
     if not plain:
-        return refuse(what)
+        return refuse(what, mark=mark)
     return refuse(
-        what, f"In {plain[0]} has no prefix, and is passed over.", "Write xacro: before such names."
+        what, f"In {plain[0]} has no prefix, and is passed over.", "Write xacro: before such names.", mark
     )
 
 
@@ -130,6 +190,7 @@ def _kept(
     packages: Mapping[str, Path],
     opened: Callable[[Path], object],
     called: list[str],
+    trail: _Trail,
 ) -> Iterator[None]:
     """The package with its doors shut; as it was, afterwards."""
     from xacro import substitution_args
@@ -147,7 +208,10 @@ def _kept(
         (xacro, "_global_symbols", symbols),
         (xacro, "safe_eval", lambda text, *scopes: weighed(evaluate(checked(text), *scopes))),
         (xacro, "eval_text", counted(xacro.eval_text, count)),
-        (xacro, "handle_macro_call", counted(call, count)),
+        (xacro, "handle_macro_call", counted(trail.beside(call), count)),
+        (xacro, "parse", trail.parsed(xacro.parse)),
+        (xacro, "eval_all", trail.inside(xacro.eval_all)),
+        (xacro, "check_attrs", trail.beside(xacro.check_attrs)),
         (substitution_args, "_eval", lambda text, context: _evaluated(text, context, symbols)),
         (substitution_args, "_eval_find", lambda name: _package(name, packages)),
         (substitution_args, "_eval_env", _no_environment),
@@ -180,12 +244,9 @@ def _no_environment(name: str) -> str:
     raise refuse(f"$(env {quoted(name)[1:-1]}) reads the environment, which import does not")
 
 
-def _opened(
-    path: Path, file: Path, roots: list[Path], plain: list[str], places: dict[str, Place]
-) -> io.StringIO:
-    """The text of a file below one of ``roots``; XML without document type. Its elements of xacro that lack the prefix
-    are added to ``plain``, the places of others to ``places``, by keys that they have as attributes, which outlive
-    macros."""
+def _opened(path: Path, file: Path, roots: list[Path], plain: list[str], files: list[Element]) -> io.StringIO:
+    """The text of a file below one of ``roots``; XML without document type, its root added to ``files``, and its
+    elements of xacro that lack the prefix to ``plain``."""
     where = _inside(path, roots)
     try:
         data = read_at_most(where, MAX_BYTES + 1)
@@ -195,21 +256,9 @@ def _opened(
         if len(data) > _YAML_BYTES:
             raise refuse(f"{printable(path.name)}: larger than {_YAML_BYTES // 1024} KiB")
         return io.StringIO(data.decode("utf-8-sig"))
-    root = parse(data, printable(str(file if where == file.resolve() else path)), strict=True)
-    plain += [f"{printable(path.name)} <{e.tag}>" for e in root if e.tag in _UNPREFIXED]
-    return io.StringIO(_numbered(data.decode("utf-8-sig"), root, places))
-
-
-def _numbered(text: str, root: Element, places: dict[str, Place]) -> str:
-    """A text of XML whose elements, but those of xacro, have the keys of their places as attributes."""
-    lines = re.sub("\r\n?", "\n", text).split("\n")
-    for place in reversed([element.place for element in placed(root) if element.place]):
-        line = lines[place.line - 1]
-        if tag := _TAG.match(line, place.column):
-            key = str(len(places))
-            lines[place.line - 1] = f'{line[: tag.end()]} {_PLACE}="{key}"{line[tag.end() :]}'
-            places[key] = place
-    return "\n".join(lines)
+    files.append(parse(data, printable(str(file if where == file.resolve() else path)), strict=True))
+    plain += [f"{printable(path.name)} <{e.tag}>" for e in files[-1] if e.tag in _UNPREFIXED]
+    return io.StringIO(data.decode("utf-8-sig"))
 
 
 def _globbed(pattern: str, roots: list[Path]) -> list[str]:

@@ -23,6 +23,7 @@ from tests.functions.models.robots import (
     same,
     zero,
 )
+from tests.robots import of_text
 from wmrgen.robot import Derivation
 
 THETA, PSI, FRONT = s("theta"), s("psi.steer"), s("front.steer")
@@ -176,3 +177,18 @@ def test_fields_by_input() -> None:
     system = derived(CAR_REAR).system("posture", symbolic=True)
     assert [port.name for port in system.inputs] == ["rear.spin", "front.steer_rate"]
     assert list(system.G[:, 0]) == list(system.fields[0])
+
+
+def test_a_turn_about_the_pivot_of_the_driven_wheel() -> None:
+    """The only motion there is: the wheel holds its angle and rolls beside its pivot, r spin = -o omega."""
+    d = of_text("""
+wmrgen: 1
+name: pivots
+wheels:
+  - {name: a, type: fixed, x: -0.25, y: 0.2, r: 0.07, heading: pi}
+  - {name: b, type: steered, x: 0.3, y: 0.45, r: 0.1, heading: 0, actuated: []}
+  - {name: c, type: steered, x: -0.25, y: 0.2, r: 0.07, heading: pi/3, offset_y: 0.03}
+couplings: [{equal: [b.steer, c.steer]}]
+""")
+    turn = sympy.Rational(-7, 3)
+    assert G(d).subs(THETA, 0) == turn * sympy.Matrix([sympy.Rational(1, 5), sympy.Rational(1, 4), 1])

@@ -168,9 +168,10 @@ def steering_rates(frame: Frame, wheel: Wheel) -> dict[str, Poly]:
     if lead is not None:
         return {lead.name: ONE}
     a, b = _followed(frame, wheel)
-    squared = (a * a + b * b).inverse()
+    squared = a * a + b * b
     rates = {
-        w.name: (a * by_steering(b, w.name) - b * by_steering(a, w.name)) * squared for w in frame.wheels
+        w.name: (a * by_steering(b, w.name) - b * by_steering(a, w.name)) * squared.inverse()
+        for w in frame.wheels
     }
     return {name: rate for name, rate in rates.items() if rate}
 

@@ -42,6 +42,14 @@ LAG = "lag: {steer: 0.3}"
 ON_AXLE = CAR.partition("  - {name: front_left")[0] + (
     "  - {name: mid, type: steered, x: 0, y: 0.1, heading: 0.2, r: 0.3, actuated: [steer]}\n"
 )
+TWINS = f"""\
+wmrgen: 1
+name: twins
+{LIMITS}
+wheels:
+  - {{name: a, type: steered, x: 0.5, y: 0.1, heading: 0, r: 0.1}}
+  - {{name: b, type: steered, x: 0.5, y: 0.1, heading: 0.2, r: 0.1}}
+"""
 CASTORS = f"""\
 wmrgen: 1
 name: castors
@@ -118,6 +126,11 @@ def bounded(entries: list[dict[str, Any]], values: np.ndarray) -> bool:
             "vx omega left.spin right.spin front_left.spin front_left.steer_rate front_right.steer_rate",
         ),
         (ON_AXLE % "", "posture", "vx omega mid.steer"),
+        (
+            CAR % "" + ON_AXLE.splitlines(True)[-1], "posture",
+            "vx omega right.spin front_left.spin front_right.steer_rate mid.steer",
+        ),
+        (TWINS, "posture", "vx vy omega a.spin b.spin a.steer a.steer_rate"),
         ("kuka_youbot", None, "vx vy omega br.spin"),
         ("textbook_tricycle", None, "vx omega"),
         ("wpilib_swervebot", None, "front_left.spin front_right.spin back_left.spin back_right.spin"),

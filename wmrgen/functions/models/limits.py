@@ -14,6 +14,7 @@ import sympy
 from wmrgen.constraints import driving_row, steer_gens, working_view
 from wmrgen.exact.poly import Poly, Row, dot, each
 from wmrgen.functions.models.frame import Frame, frame, steering_direction, steering_rates
+from wmrgen.functions.models.polynomials import NEGLIGIBLE
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.system import Lag, System
 from wmrgen.kinematics.records import Formula, Locals, joint_port
@@ -106,9 +107,11 @@ class _Terms:
     @cached_property
     def narrowing(self) -> dict[str, Wheel]:
         """Angles that follow from one coordinate beside a fixed axle: their limits are limits of the coordinate."""
-        wheels = {f"{w.name}.steer": w for w in self.robot.wheels if w.kind.steers and not self._is_state(w)}
-        alone = wheels and self.posed and self.axle and len(self.frame.wheels) == 1
-        return wheels if alone else {}
+        axle, wheels = self.axle, {}
+        if axle and self.posed:
+            apart = [w for w in self.robot.wheels if abs(_from(axle, w).real) > NEGLIGIBLE]
+            wheels = {f"{w.name}.steer": w for w in apart if w.kind.steers and not self._is_state(w)}
+        return wheels if wheels and len(self.frame.wheels) == 1 else {}
 
     @cached_property
     def axle(self) -> Wheel | None:
@@ -212,16 +215,24 @@ class _Terms:
         return Poly({}) if value is sympy.S.Zero else self.locals.poly(name, value)
 
 
+def _from(axle: Wheel, w: Wheel) -> complex:
+    """Where a wheel stands, seen from a fixed wheel along its rolling direction [m]."""
+    return (w.pivot - axle.pivot) / axle.zero_heading
+
+
 def _seen_by(lead: Wheel, w: Wheel, axle: Wheel, angle: float) -> float:
-    """The angle of ``lead`` [rad] while ``w`` stands at ``angle``, and both roll beside ``axle``, a fixed wheel."""
+    """The angle of ``lead`` [rad] while ``w`` stands at ``angle``, and both roll beside ``axle``, a fixed wheel;
+    infinite where ``w`` may turn round."""
 
     def ahead(v: Wheel) -> float:
         """Its angle where the robot drives straight ahead."""
         turn = phase(axle.zero_heading / v.zero_heading)
         return turn - pi * round(turn / pi)
 
-    here, there = ((v.pivot - axle.pivot) / axle.zero_heading for v in (w, lead))
+    here, there = _from(axle, w), _from(axle, lead)
     delta = angle - ahead(w)
     side = copysign(1.0, here.real)
+    if abs(delta) >= pi:
+        return copysign(inf, delta * here.real * there.real)
     omega, speed = side * sin(delta), side * (here.real * cos(delta) + here.imag * sin(delta))
     return ahead(lead) + phase(complex(speed - omega * there.imag, omega * there.real))

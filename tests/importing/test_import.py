@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -255,7 +256,8 @@ def test_gamma_is_never_guessed(read: Import, wmrgen_cli: Cli, tmp_path: Path, w
 
 
 def test_rollers_in_the_file_say_gamma(read: Import) -> None:
-    """Six rollers on the rim: the axis of the lowest, at the ground. They are no wheels themselves."""
+    """Six rollers on the rim: the axis of the lowest, at the ground. They are no wheels themselves. Of those that have
+    their origins on the axle none is the lowest."""
     rollers = ""
     for k in range(6):
         a = math.pi * k / 3
@@ -266,6 +268,9 @@ def test_rollers_in_the_file_say_gamma(read: Import) -> None:
     assert list(said["wheels"]) == ["left", "right", "third"]
     third = said["wheels"]["third"]
     assert third["type"] == "swedish" and third["gamma"] == pytest.approx(0, abs=1e-9)
+    centred = re.sub(r'(<child link="r\d"/><origin xyz=)"[^"]*"', r'\1"0 0 0"', rollers)
+    said = read(robot(pair(), wheel("third", "-0.3 0 0.1"), centred))
+    assert said["wheels"]["third"]["gamma"] is None and ("third", "gamma") in keys(said)
 
 
 def test_meshes_stand_beside_wheels_that_are_drawn(read: Import) -> None:

@@ -74,7 +74,7 @@ def gamma_said(robot: Robot, c: Candidate, e: Vector) -> tuple[float | None, str
     """The direction of the roller at the ground from the heading, modulo pi in (-pi/2, pi/2], and its source."""
     if c.rollers:
         lowest = min(c.rollers, key=lambda j: robot.origin(j)[2])
-        return _gamma_of(robot, lowest, c, e), f"axis of the lowest roller {quoted(lowest.name)}"
+        return _gamma_of(robot, lowest, c), f"axis of the lowest roller {quoted(lowest.name)}"
     slanting = _slanting_friction(robot, c, e)
     if slanting is None:
         return None, UNSAID
@@ -87,12 +87,12 @@ def gamma_said(robot: Robot, c: Candidate, e: Vector) -> tuple[float | None, str
     return gamma, f"fdir1 in {quoted(link)}: full friction along the roller's axis"
 
 
-def _gamma_of(robot: Robot, roller: Joint, c: Candidate, e: Vector) -> float:
+def _gamma_of(robot: Robot, roller: Joint, c: Candidate) -> float | None:
     """gamma of a roller once the wheel has turned so far that the roller is straight below the axle: there the rim of
-    a wheel that turns forward moves against e."""
+    a wheel that turns forward moves against its heading. None for one on the axle, which comes to stand anywhere."""
     out, axis = across(plus(robot.origin(roller), c.origin, -1), c.axis), robot.axis(roller)
     if not any(out):
-        return _modulo(angle(axis) - angle(e))
+        return None
     return _modulo(math.atan2(dot(axis, c.axis), -dot(axis, cross(c.axis, unit(out)))))
 
 

@@ -66,7 +66,7 @@ class Fit:
     @property
     def deviations(self) -> Reals:
         """Standard deviations of the parameters [m, rad] that slips and noise in the drives make."""
-        sizes = np.sqrt(np.diag(self.covariance)) * self.problem.units
+        sizes = np.sqrt(np.maximum(np.diag(self.covariance), 0.0)) * self.problem.units  # but for rounding
         return np.asarray(sizes[: len(self.values)])
 
 

@@ -31,9 +31,7 @@ LEVER = 0.15  # [m] a heading's residual is this times its error
 _SPACING = 1.0  # [s] truth that is denser than this counts no more than truth at this spacing
 _MOUNT = 3  # x, y, heading of the tracked point on the robot
 _UNIT_MOUNT = (0.05, 0.05, 0.05)  # [m, m, rad] about what such quantities are, for scaling and the weak prior
-UNIT_OWN = np.array(
-    [0.1, 0.1, 0.1, 0.1]
-)  # of a drive: x, y [m], heading [rad] of its start; clock offset [s]
+UNIT_OWN = np.array([0.1, 0.1, 0.1, 0.1])  # a drive's: x, y [m], heading [rad] of its start; clock offset [s]
 _OWN = len(UNIT_OWN)
 _PRIOR_OWN = 0.01  # the same for start poses and clocks
 _MOST_STEPS = 40  # of the solver; where residuals are small it needs ten

@@ -15,7 +15,6 @@ from wmrgen.calibrating.outliers import STRANGE
 from wmrgen.calibrating.path import Reals
 from wmrgen.calibrating.readings import Change, counts, readings
 from wmrgen.calibrating.starts import nominal_at
-from wmrgen.calibrating.stored import chosen
 from wmrgen.errors import UsageError
 
 _FAR = 0.1  # of the truth's extent: where residuals stay so large, joints and truth do not belong together
@@ -45,7 +44,6 @@ def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> None
     unlikely = _unlikely(best, _SURE if strange else 0.0)
     if not strange and not unlikely:
         return
-    drives = _worst_first(best, drives)
     hint = _hint_of_some(best, drives, fitted) if strange else _hint(best, drives[:2], fitted)
     if not strange and hint == _NO_HINT:
         return  # a length that these drives do not tell may come out as it likes
@@ -60,32 +58,35 @@ def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> None
     raise UsageError(f"whatever the parameters are, {stay}: {hint}")
 
 
-def _worst_first(best: Fit, drives: Sequence[Drive]) -> Sequence[Drive]:
-    """The drives, those first that stay farthest from their truth: a hint has to hold for them."""
-    names = [drive.name for drive in drives]
-    far = dict.fromkeys(names, 0.0)
-    for drive, size in zip(best.problem.drives, _far(best), strict=True):
-        far[drive.name] = max(far[drive.name], float(size))
-    return chosen(drives, sorted(range(len(names)), key=lambda i: -far[names[i]]))
-
-
 def _hint_of_some(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> str:
-    """The hint of all drives; else of those that do not agree even alone, where others do, or which truths are
-    exchanged."""
-    hint, every = _hint(best, drives[:2], fitted), dict.fromkeys(drive.name for drive in drives)
-    if hint != _NO_HINT or not 1 < len(every) <= _FEW:
+    """The hint of all drives; else of those that do not agree, where the others do, or which truths are exchanged."""
+    far, two, hint = _by_name(best), drives[:2], _NO_HINT
+    if len(two) == len(drives) or _strange(fitted(two)):  # else they agree under what changes nothing
+        hint = _hint(best, two, fitted)
+    if hint != _NO_HINT or len(far) == 1:
         return hint
-    drives = list(drives)
-    alone = {name: fitted([drive for drive in drives if drive.name == name]) for name in every}
-    names = [name for name in every if _strange(alone[name])]
+    names = [name for name, size in far.items() if size > 1]
+    others = [drive for drive in drives if drive.name not in names]
+    if not 0 < 2 * len(names) < len(far) or _strange(fitted(others)):  # what is wrong draws others off
+        few = far if len(far) <= _FEW else ()
+        names = [name for name in few if _strange(fitted([drive for drive in drives if drive.name == name]))]
     some = [drive for drive in drives if drive.name in names]
-    for a, b in combinations(some, 2):
-        rest = [drive for drive in drives if drive is not a and drive is not b]
+    for a, b in combinations(some, 2) if len(some) <= _FEW else ():
+        rest = [drive for drive in drives if drive.name not in (a.name, b.name)]
         if _agrees(best, fitted([replace(a, truth=b.truth), replace(b, truth=a.truth), *rest])):
             return f"they would agree with the truths of {a.name} and {b.name} exchanged"
-    if not 0 < len(names) < len(every):
+    if not 0 < len(names) < len(far):
         return hint
-    return f"the others agree without {' and '.join(names)}: {_hint(alone[names[0]], some[:2], fitted)}"
+    alone = fitted([drive for drive in some if drive.name == some[0].name])
+    return f"the others agree without {' and '.join(names)}: {_hint(alone, some[:2], fitted)}"
+
+
+def _by_name(best: Fit) -> dict[str, float]:
+    """How `_far` joints and truth of each drive stay apart, in the worst of its parts."""
+    far: dict[str, float] = {}
+    for drive, size in zip(best.problem.drives, _far(best), strict=True):
+        far[drive.name] = max(far.get(drive.name, 0.0), float(size))
+    return far
 
 
 def _hint(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> str:

@@ -58,6 +58,8 @@ def test_they_are_written_when_asked_for_and_looked_after(
     (out / "index.html").write_text("mine")
     told = wmrgen_cli("check")
     assert told.code == 1 and "generated/index.html: not what" in told.out
+    anew = ["generated/README.md (up to date)", "generated/index.html (new or changed)"]
+    assert wmrgen_cli("gallery").out.splitlines() == anew
     (out / "other").mkdir()
     (out / "other" / "model.json").write_text("{}")  # no robot, no row
     assert overview(out)["README.md"].decode() == markdown

@@ -171,6 +171,11 @@ def test_the_heading_as_written_decides(tmp_path: Path, alpha: str, beta: str) -
     assert (m.degree_of_mobility, m.degree_of_steerability) == (2, 0)
 
 
+def test_angles_snap_one_by_one_where_their_sum_does_not() -> None:
+    wheel = build(read_text(DRIVE.format(alpha="0.7", beta="3.14"), "drive.yaml")).wheels[1]
+    assert math.remainder(wheel.heading - (0.7 + math.pi / 2), 2 * math.pi) == pytest.approx(0, abs=1e-12)
+
+
 PLACES = {
     "alpha": "type: fixed, l: 0.2, alpha: {}, heading: 0",
     "beta": "type: fixed, l: 0.2, alpha: pi/2, beta: {}",

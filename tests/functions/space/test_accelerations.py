@@ -147,6 +147,22 @@ def test_from_standstill_a_wheel_speeds_up_as_it_stands(backend: str, tmp_path: 
     assert result["rear_left.spin_rate"] == pytest.approx((2 - 0.3) / 0.1)
 
 
+@pytest.mark.parametrize(
+    ("robot", "lead"), [(TRICYCLE.format(base=1.0), "front"), (ON_ONE_BELT.replace("pi/2", "0"), "a")]
+)
+def test_a_pivot_slower_than_a_micrometre_a_second_counts_as_that_fast(
+    tmp_path: Path, robot: str, lead: str
+) -> None:
+    """Straight ahead, while the velocity begins to turn: v v'/|v|^2; alone and as half of a double angle."""
+    path = write(tmp_path, robot)
+    turned = "omega" if lead == "front" else "vy"
+    for speed, rate in ((1e-5, 1e5), (1e-6, 1e6)):
+        result = call(path, "accelerations", {"vx": speed, f"{turned}_rate": 1.0})
+        assert result[f"{lead}.steer_rate"] == pytest.approx(rate, rel=1e-12)
+    slower = call(path, "accelerations", {"vx": 1e-7, f"{turned}_rate": 1.0})[f"{lead}.steer_rate"]
+    assert 0 < slower < 1e6
+
+
 def test_steering_rate_is_the_closed_form(tmp_path: Path) -> None:
     """(vA x vA') / |vA|^2 of the pivot at (1, 0), away from standstill."""
     formula = derived(write(tmp_path, TRICYCLE.format(base=1.0)), "accelerations").formula("accelerations")

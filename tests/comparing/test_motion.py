@@ -12,6 +12,7 @@ import pytest
 import wmrgen
 from tests.comparing.test_corpus import bicycle, mecanum, ring, side
 from wmrgen.comparing.compare import compare
+from wmrgen.comparing.parameters import standing
 from wmrgen.comparing.quantities import as_driven
 from wmrgen.comparing.record import Comparison, Layout, Side
 from wmrgen.comparing.sources import layouts, of_header, of_robot
@@ -258,6 +259,7 @@ def test_two_controllers_without_a_robot(kind: str, s: float, tmp_path: Path) ->
     turn = ratios(result)["turn"]
     if kind.startswith(("swerve", "mecanum")):
         assert (turn > 1) == (s > 1)
+        assert [abs(w.values["x"]) for w in standing(first).wheels] == pytest.approx([0.3] * 4)
     else:
         assert turn == pytest.approx(s, abs=1e-6)
 

@@ -13,7 +13,7 @@ from tests.report.common import numerics_of, page_of, page_written
 from tests.report.reading import formulas, read
 from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen import notation
-from wmrgen.backends.report.closed import closed_forward
+from wmrgen.backends.report.closed import closed_forward, closed_inverse
 
 
 def test_the_yaw_rate_of_a_mecanum_base() -> None:
@@ -22,6 +22,17 @@ def test_the_yaw_rate_of_a_mecanum_base() -> None:
     assert rf"\omega &= {factor}" in page
     assert rf"{factor} = \frac{{125}}{{4954}} \approx 0.0252321" in page
     assert r"\det(H^T H) = 8\,{\left(\mathit{half\_track}+\mathit{half\_wheelbase}\right)}^{2}" in page
+
+
+@pytest.mark.parametrize(
+    ("r", "spin"), [("0.0331", r"\frac{v_x-0.2\;\omega}{0.0331}"), ("0.125", r"8\;v_x-1.6\;\omega")]
+)
+def test_a_radius_whose_inverse_has_many_digits_divides(r: str, spin: str) -> None:
+    wheels = (
+        f"{{name: {n}, type: fixed, x: 0, y: {y}, heading: 0, r: {r}}}" for n, y in (("a", 0.2), ("b", -0.2))
+    )
+    lines = closed_inverse(of_text(f"wmrgen: 1\nname: two\nwheels: [{', '.join(wheels)}]\n"))
+    assert f"&= {spin} " in "\n".join(lines)
 
 
 def speeds(name: str) -> str:

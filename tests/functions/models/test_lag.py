@@ -99,6 +99,13 @@ def test_wheels_that_turn_together_have_the_longest_lag() -> None:
     assert derivation.rolling()(x, u, []).full() == pytest.approx(free.rolling()(x, u, []).full())
 
 
+def test_a_spin_is_commanded_as_it_was() -> None:
+    text = CAR.format(top="lag: {steer: 150 ms}", rear=", actuated: []", front="")
+    space = of_text(text.replace("actuated: [steer]", "actuated: [spin, steer]")).default_state_space
+    assert space is not None
+    assert [port.name for port in space.inputs] == ["front.spin", "front.steer_command"]
+
+
 def test_a_virtual_wheel_has_the_lag_of_those_that_it_steers() -> None:
     text = (Path(__file__).parents[3] / "robots" / "car_with_trailers.yaml").read_text(encoding="utf-8")
     derivation = of_text(text.replace("wheels:\n", "lag: {steer: 0.5}\nwheels:\n", 1))

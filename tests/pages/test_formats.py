@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 from collections.abc import Callable
@@ -15,7 +16,7 @@ from tests.conftest import ROOT, Outcome
 from tests.pages.katex import mistakes
 from tests.robots import of_text
 from tests.tools import missing, need
-from wmrgen.compiler import _BROWSERS
+from wmrgen.compiler import _BROWSERS, print_page
 from wmrgen.pages import live
 from wmrgen.pages.document import Report, page
 from wmrgen.pages.markdown import html
@@ -83,6 +84,18 @@ def test_pdf(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
     assert wmrgen_cli("check", robot_file, "-o", out).code == 0
     (out / "pair" / "report.pdf").write_bytes(b"mine")
     assert wmrgen_cli("check", robot_file, "-o", out).code == 1
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a script of sh is the browser")
+def test_what_a_browser_prints_has_no_date(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A browser that copies the page which it is given."""
+    browser = tmp_path / _BROWSERS[0]
+    browser.write_text('#!/bin/sh\nfor page; do :; done\ncp "${page#file://}" page.pdf\n', encoding="utf-8")
+    browser.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    printed = print_page("%PDF-1.4 /CreationDate (D:20261124043000+00'00') /ModDate(D:2026) text")
+    then = b"(D:20000101000000+00'00')"
+    assert printed == b"%PDF-1.4 /CreationDate " + then + b" /ModDate" + then + b" text"
 
 
 def test_without_a_browser(

@@ -366,7 +366,6 @@ SLOW_MISTAKES = [
     ("mistake", "name"),
     [
         ("joints in degrees", "differential"),
-        ("theta in degrees", "differential"),
         *(pytest.param(*case, marks=pytest.mark.slow) for case in SLOW_MISTAKES),
     ],
 )

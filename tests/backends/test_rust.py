@@ -107,6 +107,14 @@ def test_no_panic_is_compiled_and_nothing_is_unsafe_but_calls_of_the_library(cra
     assert "#![forbid(unsafe_code)]" in library(unit(MODULES[0], FLOAT))
 
 
+def test_its_self_test_checks_every_function_of_a_table(crate: Path) -> None:
+    text = (crate / "tests/selftest.rs").read_text()
+    tables = [part.partition(". Columns: ") for part in text.split("\n/// ")]
+    checks = {called: body.count("check(row, ") for called, columns, body in tables if columns}
+    assert checks.pop("forward after inverse") == 1
+    assert len(checks) == 10 and checks == {called: called.count(" and ") + 1 for called in checks}
+
+
 def test_it_is_a_package(wmrgen_cli: Callable[..., Outcome], robot_file: Path) -> None:
     out = robot_file.parent / "out"
     assert wmrgen_cli("derive", robot_file, "-o", out, "--package", "rust", "--target", "m0").code == 0

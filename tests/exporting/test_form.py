@@ -78,6 +78,10 @@ def test_urdf_keeps_the_rules_of_its_specification(name: str) -> None:
         assert min(ixx, iyy, izz) > 0 and 2 * max(ixx, iyy, izz) < ixx + iyy + izz, (
             "no body has these moments"
         )
+        cylinder = link.find("collision/geometry/cylinder")
+        if cylinder is not None:  # about y
+            r, mass = float(attribute(cylinder, "radius")), float(attribute(inertial.find("mass"), "value"))
+            assert ixx == izz and iyy == pytest.approx(mass * r**2 / 2)
 
 
 @pytest.mark.parametrize("name", EVERY_TYPE)

@@ -51,7 +51,9 @@ def test_fused_multiply_add_is_rounded_once() -> None:
             a, b, c = 1.0 + 2.0**-12, 1.0 + 2.0**-12, source.choice((1, -1)) * 2.0 ** source.randint(-70, 30)
         exact = Fraction(a) * Fraction(b) + Fraction(c)
         assert fma(a, b, c) == round_rational(exact, 24, -149, 128)
-    assert math.isinf(fma(3e38, 3e38, 0.0))
+    double, a, b = FLOAT64.of(Op.FMA), 1.0 + 2.0**-30, 1.0 - 2.0**-30
+    assert double(a, b, -1.0) == -(2.0**-60) and a * b == 1
+    assert math.isinf(fma(3e38, 3e38, 0.0)) and math.isinf(double(math.inf, 2.0, 0.0))
     assert math.isnan(fma(math.inf, 0.0, 1.0))
 
 

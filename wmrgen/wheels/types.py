@@ -217,7 +217,13 @@ SWEDISH = WheelType(
         ),
     },
     checks=(
-        Check("r_sw", lambda g: g.r_sw.sign <= 0, "{what} has r_sw = {text}, which is not positive"),
+        Check(
+            "r_sw",
+            lambda g: g.r_sw.sign <= 0,
+            "{what} has r_sw = {text}, which is not positive",
+            "",
+            "r_sw is the radius of a roller: r_sw: 15 mm. Only the function contacts asks for it.",
+        ),
         Check(
             "gamma",
             lambda g: abs(float(g.cg)) < 1e-9,

@@ -127,7 +127,7 @@ def _wide(ranges: str) -> list[str]:
 
 
 def _narrow(ranges: str, shift: str) -> list[str]:
-    beside = r" - \frac{o\,\omega}{r}" if shift else ""
+    offset = r" - \frac{o\,\omega}{r}" if shift else ""
     return [
         f"Steering is limited to less than a quarter turn: {ranges}. At most one of the two headings "
         "that roll lies inside, and the wheel takes the angle inside at which it slides least. Seen from the "
@@ -137,7 +137,7 @@ def _narrow(ranges: str, shift: str) -> list[str]:
             r"p &= v_{Ax}\cos(h+m) + v_{Ay}\sin(h+m), & q &= v_{Ay}\cos(h+m) - v_{Ax}\sin(h+m)",
             r"t &= \min\left(\max\left(\frac{q}{p}, -\tan\rho\right), \tan\rho\right), & "
             r"\psi^{+} &= m + \arctan t, & "
-            rf"\dot{{\varphi}} &= \frac{{p + q\,t}}{{r\,\sqrt{{1+t^2}}}}{beside}",
+            rf"\dot{{\varphi}} &= \frac{{p + q\,t}}{{r\,\sqrt{{1+t^2}}}}{offset}",
         ]),
         "With p = q = 0 the present angle is held.",
         *_swinging(shift),

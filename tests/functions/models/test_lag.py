@@ -78,6 +78,18 @@ def test_the_exact_step_takes_the_lag_in() -> None:
     assert float(h) == pytest.approx((0.5 - 0.1) / 0.15)
 
 
+@pytest.mark.parametrize(
+    ("kind", "lags", "stable"), [("rk4", 2.7, True), ("rk4", 2.9, False), ("collocation", 50, True)]
+)
+def test_steps_of_many_lags(kind: str, lags: float, stable: bool) -> None:
+    """Runge and Kutta's is stable for steps of up to 2.785 time constants, Radau's for any (docs/mpc.md)."""
+    step = car("lag: {steer: 0.1}").state_space(discrete=kind, dt=0.1 * lags)
+    x = np.array([0, 0, 0, 0.3])
+    for _ in range(20):
+        x = step(x, [0.0, 0.0], [1.1])[0].full().ravel()
+    assert (abs(x[3]) < 0.3) == stable
+
+
 def test_without_lag_the_rate_is_the_input() -> None:
     space = car().default_state_space
     assert space is not None

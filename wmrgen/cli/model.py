@@ -8,6 +8,7 @@ and validators or to read.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -101,6 +102,9 @@ def _step(
         raise UsageError(
             f"the {discrete} step of {span:g} s does not converge. Write a smaller --dt, or --discrete rk4."
         ) from None
+    if not all(isfinite(v) for part in (after, a, b, c) for row in part for v in row):
+        where = "; ".join(space.singular)
+        raise UsageError(f"{form} does not hold where {where}. Write other values, or another --form.")
     x, u = ([p.name for p in ports] for ports in (space.state, space.inputs))
     xnext, affine = ([row[0] for row in column] for column in (after, c))
     if as_json:

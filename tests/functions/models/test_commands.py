@@ -138,6 +138,18 @@ def test_a_step_that_cannot_be_is_refused(words: tuple[str, ...], message: str) 
     assert message in wmrgen("model", ROBOTS / "bicycle.yaml", *words, code=2)
 
 
+def test_a_step_where_the_model_is_singular_is_refused(tmp_path: Path) -> None:
+    """A front wheel whose zero is across the robot: at 0 it gave NaN, which nobody explained."""
+    path = tmp_path / "across.yaml"
+    text = (ROBOTS / "bicycle.yaml").read_text(encoding="utf-8")
+    path.write_text(
+        text.replace("y: 0, heading: 0, r: r, act", "y: 0, heading: 90 deg, r: r, act"), encoding="utf-8"
+    )
+    words = ("model", path, "--discrete", "rk4", "--dt", "0.1", "rear.spin=1")
+    assert "does not hold where sin(front.steer) = 0: G is unbounded" in wmrgen(*words, code=2)
+    assert wmrgen(*words, "front.steer=1.5")
+
+
 def test_it_is_said_which_form_holds_where() -> None:
     """Of a swerve drive, of a car and of a skid-steer, in words and as data."""
     lines = wmrgen("model", ROBOTS / "wpilib_swervebot.yaml").splitlines()

@@ -178,3 +178,45 @@ def test_how_fast_a_twist_may_change_stands_at_the_twist() -> None:
     limits = of_text(CAR % "").entries("posture")["limits"]
     assert (limits[0]["rate_lower"], limits[0]["rate_upper"]) == (-4, 4)
     assert [e["name"] for e in limits if "rate_lower" in e] == ["vx"]
+
+
+@pytest.mark.parametrize("zero", [0, 90, -90, 180, 60])
+@pytest.mark.parametrize("back", [0, 180])
+def test_bounds_turn_with_the_zero_of_steering(zero: int, back: int) -> None:
+    """Wheels that are mounted turned, with limits by as much less, steer as before: their coordinate is as much less,
+    also where they roll backwards. What is square to the way at its zero goes straight on at 90 and at -90 degrees:
+    the limits say at which."""
+
+    def bounds(zero: int, back: int) -> np.ndarray:
+        wheels = [
+            f"  - {{name: {name}, type: steered, x: {x}, y: {y}, heading: {zero + back} deg, r: 0.3, "
+            f"limits: {{steer: [{-most - zero} deg, {most - zero} deg]}}}}\n"
+            for name, x, y, most in (("a", 1, 0.5, 80), ("b", 1.5, -0.5, 70))
+        ]
+        left = "{name: left, type: fixed, x: 0, y: 0.4, heading: 0, r: 0.3}"
+        virtual = "virtual: [{name: front, steers: [a, b]}]"
+        text = f"wmrgen: 1\nname: car\n{virtual}\nwheels:\n  - {left}\n{''.join(wheels)}"
+        angle = of_text(text).entries("posture")["x"][3]
+        return np.array([angle["lower"], angle["upper"]])
+
+    straight = bounds(0, 0)
+    assert bounds(zero, back) == pytest.approx(straight - np.radians(zero))
+    assert straight[0] < 0 < straight[1]
+
+
+@pytest.mark.parametrize("away", [0, 10_000, 100_000])
+def test_a_wheel_on_a_slanting_axle_line_bounds_no_coordinate(away: int) -> None:
+    """Its angle is the same in every motion, also where P is so far that doubles round its place by more."""
+
+    def wheel(name: str, kind: str, ahead: float, aside: float) -> str:
+        x = f"{away} + {ahead}*cos(pi/6) - {aside}/2"
+        y = f"{away} + {ahead}/2 + {aside}*cos(pi/6)"
+        limits = ", limits: {steer: 0.5}" * (name == "mid")
+        return f"  - {{name: {name}, type: {kind}, x: {x}, y: {y}, heading: 30 deg, r: 0.3{limits}}}\n"
+
+    wheels = (
+        wheel("left", "fixed", 0, 0.4) + wheel("mid", "steered", 0, 0.1) + wheel("front", "steered", 1.1, 0)
+    )
+    entries = of_text(f"wmrgen: 1\nname: slanting\nwheels:\n{wheels}").entries("posture")
+    assert entries["x"][3]["name"] == "front.steer" and entries["x"][3]["upper"] is None
+    assert [(e["name"], e["upper"]) for e in entries["limits"]] == [("mid.steer", 0.5)]

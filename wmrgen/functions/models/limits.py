@@ -130,7 +130,10 @@ class _Terms:
             limit = self.robot.limit(follower, "steer")
             (lead,) = self.frame.wheels
             if limit and self.axle and name.startswith(f"{lead.name}."):
-                ends = [_seen_by(lead, follower, self.axle, float(end)) for end in (limit.low, limit.high)]
+                ends = [
+                    _seen_by(self.robot, lead, follower, self.axle, float(end))
+                    for end in (limit.low, limit.high)
+                ]
                 low, high = max(low, min(ends)), min(high, max(ends))
         return low, high
 
@@ -217,22 +220,26 @@ class _Terms:
 
 def _from(axle: Wheel, w: Wheel) -> complex:
     """Where a wheel stands, seen from a fixed wheel along its rolling direction [m]."""
-    return (w.pivot - axle.pivot) / axle.zero_heading
+    a, g = axle.nominal, w.nominal
+    x, y = g.x - a.x, g.y - a.y
+    return complex(float(x * a.ch + y * a.sh), float(y * a.ch - x * a.sh))
 
 
-def _seen_by(lead: Wheel, w: Wheel, axle: Wheel, angle: float) -> float:
+def _ahead(robot: Robot, w: Wheel, axle: Wheel) -> float:
+    """The angle of a wheel [rad] where the robot drives straight on, of its two that nearest to the middle of its
+    limits."""
+    limit, turn = robot.limit(w, "steer"), phase(axle.zero_heading / w.zero_heading)
+    middle = float(limit.low + limit.high) / 2 if limit else 0.0
+    return turn - pi * round((turn - middle) / pi)
+
+
+def _seen_by(robot: Robot, lead: Wheel, w: Wheel, axle: Wheel, angle: float) -> float:
     """The angle of ``lead`` [rad] while ``w`` stands at ``angle``, and both roll beside ``axle``, a fixed wheel;
     infinite where ``w`` may turn round."""
-
-    def ahead(v: Wheel) -> float:
-        """Its angle where the robot drives straight ahead."""
-        turn = phase(axle.zero_heading / v.zero_heading)
-        return turn - pi * round(turn / pi)
-
     here, there = _from(axle, w), _from(axle, lead)
-    delta = angle - ahead(w)
+    delta = angle - _ahead(robot, w, axle)
     side = copysign(1.0, here.real)
     if abs(delta) >= pi:
         return copysign(inf, delta * here.real * there.real)
     omega, speed = side * sin(delta), side * (here.real * cos(delta) + here.imag * sin(delta))
-    return ahead(lead) + phase(complex(speed - omega * there.imag, omega * there.real))
+    return _ahead(robot, lead, axle) + phase(complex(speed - omega * there.imag, omega * there.real))

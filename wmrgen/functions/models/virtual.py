@@ -29,7 +29,7 @@ _SMALL = 1e-9
 
 
 def as_wheel(robot: Robot, virtual: Virtual) -> Wheel:
-    """The virtual wheel as a wheel at its place, parallel to the first that it stands for, radius 1."""
+    """The virtual wheel as a wheel at its place, parallel to the first that it stands for and as limited, radius 1."""
     lead = robot.wheel(virtual.wheels[0])
 
     def at(view: str, one: T, zero: T) -> Geometry[T]:
@@ -42,7 +42,7 @@ def as_wheel(robot: Robot, virtual: Virtual) -> Wheel:
         index=-1, name=virtual.name, type=lead.type, symbolic=at("symbolic", one, zero),
         working=at("working", one, zero), nominal=at("nominal", Exact(1), Exact(0)),
         l=0.0, alpha=0.0, beta=0.0, gamma=0.0, heading=lead.heading,
-        actuated=("spin", "steer") if lead.turns else ("spin",), sensed=(), limits={},
+        actuated=("spin", "steer") if lead.turns else ("spin",), sensed=(), limits=lead.limits,
     )  # fmt: skip
 
 

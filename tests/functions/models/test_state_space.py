@@ -118,6 +118,22 @@ def test_constraints_are_what_contacts_slide(name: str) -> None:
         )
 
 
+@pytest.mark.parametrize("heading", ["pi/6", "-pi/2", "2", "-2"])
+def test_wheels_of_one_axle_are_one_constraint_whichever_way_they_point(heading: str) -> None:
+    twin = f"x: 0.5, y: 0.2, r: 0.1, heading: {heading}"
+    text = f"""\
+wmrgen: 1
+name: twins
+couplings: [{{equal: [a.steer, b.steer]}}]
+wheels:
+  - {{name: a, type: steered, {twin}, offset_y: 0.05}}
+  - {{name: b, type: steered, {twin} + pi, offset_y: 0.05}}
+  - {{name: c, type: steered, x: -0.5, y: 0, heading: 0, r: 0.1}}
+"""
+    names = [entry["name"] for entry in of_text(text).entries()["constraints"]]
+    assert names == ["a.slide", "c.slide"]
+
+
 def test_a_skid_steer_turns() -> None:
     derivation = of_gallery("clearpath_a200")
     rates = np.array(derivation.state_space()([0, 0, 0.5], [0.4, 0.9], nominal(derivation))).ravel()

@@ -19,6 +19,7 @@ from wmrgen.functions.system import System
 from wmrgen.kinematics.records import Formula, Locals, joint_port, parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.layout.skid import no_track, parallel
+from wmrgen.mobility.basis import primitive
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import POSE, TWIST, Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, over, signal, square, times
@@ -55,9 +56,9 @@ def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
     for w in wheels:
         turned = replace(w, name=robot.wheels[robot.steer_group[w.index]].name)
         polys = sliding_row(turned, working_view(w)).row
-        if polys in rows:
+        if primitive(polys) in rows:  # whichever way the wheel points
             continue
-        rows.append(polys)
+        rows.append(primitive(polys))
         row = [expression(p) for p in polys]
         terms = (
             times(add(*map(times, row, column)), signal(port.name))

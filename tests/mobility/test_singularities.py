@@ -22,8 +22,8 @@ from wmrgen.symbolic import expression, parameter, signal
 FRONT = wheel("f", "steered", 0.5, -0.2, heading=0.3)
 
 
-def of(wheels: list[dict[str, Any]], kind: str, *coupled: str) -> list[Singularity]:
-    couplings = [("steer", [*coupled])] if coupled else []
+def of(wheels: list[dict[str, Any]], kind: str, *coupled: str, joint: str = "steer") -> list[Singularity]:
+    couplings = [(joint, [*coupled])] if coupled else []
     model = derived({"wheels": wheels, "couplings": couplings})
     return [s for s in model.derivation.mobility.singularities if s.kind == kind]
 
@@ -76,6 +76,14 @@ def test_axles_that_one_angle_turns_are_not_one_line() -> None:
     ]
     (shared,) = of(in_line, "shared_axle", "b", "c")
     assert "a" in shared.wheels and shared.meaning.endswith("another steered wheel does")
+
+
+def test_coupled_spins_decide_where_steered_axles_are_one_line() -> None:
+    """Wheels of unlike radius, so that the robot turns: about the points of a circle, of which the line has two."""
+    a, b = wheel("a", "steered", 0.3, 0.1, r=0.1), wheel("b", "steered", -0.3, 0.1, r=0.2)
+    for wheels in ([a, b], [a, b, wheel("c", "castor", -0.4, 0.3, d=0.1)]):
+        (shared,) = of(wheels, "shared_axle", "a", "b", joint="spin")
+        assert shared.wheels == ("a", "b") and shared.meaning.endswith("the coupled spins do")
 
 
 def test_a_fixed_axle_is_shared_with_no_steered_wheel() -> None:

@@ -13,7 +13,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot, each
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.layout.skid import driven, parallel
-from wmrgen.mobility.admissible import along
+from wmrgen.mobility.admissible import along, geared
 from wmrgen.mobility.basis import basis, deciding, null_columns, primitive, scaled
 from wmrgen.mobility.configure import Configuration, configuration, in_metres, steering_for
 from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
@@ -125,11 +125,11 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
     if lead[a.index] == lead[b.index] and not parallel([a.zero_heading, b.zero_heading]):
         return []
     conditions = (towards(a, b, symbolic_view), towards(b, a, symbolic_view))
-    what = (
-        ", and rank C1 falls from 2 to 1: the robot can turn about any point of that line"
-        if _may_be_one_line(at.robot)
-        else ": these two no longer determine the motion; another steered wheel does"
-    )
+    what = ": these two no longer determine the motion; another steered wheel does"
+    if _may_be_one_line(at.robot):
+        what = ", and rank C1 falls from 2 to 1: the robot can turn about any point of that line"
+        if geared(at.robot):
+            what = ": these two no longer determine the motion; the coupled spins do"
     text = f"the axles of `{a.name}` and `{b.name}` lie on one line{what}"
     return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
 

@@ -9,6 +9,7 @@ import pytest
 from tests.conftest import ROOT
 from tests.report.common import page_of, page_written, pages_of
 from tests.robots import ROBOTS, of_gallery
+from wmrgen.backends.report.texts import citations
 
 FENCE = re.compile(r"^```math\n(.*?)\n```$", re.MULTILINE | re.DOTALL)
 
@@ -47,7 +48,7 @@ def test_math_is_what_github_renders(name: str) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_section_wheel_and_equation_number(name: str) -> None:
     page, robot = page_of(name), of_gallery(name).robot
-    last = 11 if robot.functions else 10
+    last = 10 if citations(robot) else 9
     assert [int(n) for n in re.findall(r"(?m)^## (\d+) ", page)] == list(range(1, last + 1))
     assert page.startswith(f"# `{name}`\n")
     assert "![Top view of" in page

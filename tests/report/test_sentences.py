@@ -222,7 +222,7 @@ def test_names_of_wheels_are_code(name: str) -> None:
 def test_models_in_rates_of_joints_need_enough_of_them(name: str) -> None:
     lacking = any(balance.lacking for balance in of_gallery(name).mobility.actuation)
     page = page_of(name)
-    assert ("inputs u that are the rates of driven joints (`posture`)" in page) != lacking
+    assert ("inputs u are the rates of driven joints (`posture`)" in page) != lacking
     assert ("the coordinates η (`eta` and `posture`: too few joints are driven" in page) == lacking
 
 
@@ -346,8 +346,8 @@ wheels:
         (LETTERS, "In formulas typewriter marks `L` as a parameter.", "Mechanical couplings:\n"),
         (ROOTS, r"0.075\,\sin\psi_{\mathrm{front}}-\frac{15\,a\,\cos", "0.288462"),  # all numbers are exact
         (ROOTS, "`a` = 0.41 and `r` = 0.05, constant in the generated code.\n", "In formulas"),
-        (STUCK, "inputs u that are components of the twist (`twist`). `twist` is the state space", "(`eta`)"),
-        (STUCK, "No text among the five that wmrgen reproduces", "only translates"),
+        (STUCK, "inputs u are components of the twist (`twist`). `twist` is the state space", "(`eta`)"),
+        (STUCK, "## 9 Singular configurations", "In the textbooks"),
         (LOCKED, "`slip` is the norm of z − H ξ [m/s].", r"\mathrm{slip} = \sqrt{{"),  # too wide for a page
         (LOCKED, "Without slip nothing moves: DDOF = DOF = 0.", "holonomic, but not"),
         (LOCKED, "a degenerate layout, (0, 0): without slip it cannot move.", "steering adds"),

@@ -82,7 +82,7 @@ def test_the_report_shows_it() -> None:
     text = ROBOTS["unicycle"].read_text(encoding="utf-8").split("functions:")[0]
     pages = emit(of_text(text + "functions: [motion, circle, goto_pose, icr]\n"), FACTS)
     page, numerics = (pages[name].decode() for name in ("report.md", "numerics.md"))
-    assert "asks for `motion`, `circle`, `goto_pose` and `icr`, too" in page.split("## 11 ")[1]
+    assert "formulas of `motion`, `circle`, `goto_pose` and `icr`, which the robot file asks for" in page
     parts = re.split(r"^### ", numerics.split("## Further functions")[1].split("\n## ")[0], flags=re.M)[1:]
     assert len(parts) == 4
     for part in parts:

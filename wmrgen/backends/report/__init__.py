@@ -9,7 +9,6 @@ from __future__ import annotations
 from wmrgen.backends.registry import Facts
 from wmrgen.backends.report import numerics, wiring
 from wmrgen.backends.report.forward import forward
-from wmrgen.backends.report.further import further
 from wmrgen.backends.report.inverse import inverse
 from wmrgen.backends.report.letters import regular
 from wmrgen.backends.report.markdown import foot, page
@@ -24,7 +23,7 @@ from wmrgen.robot import Derivation
 FILE = "report.md"
 _LAYOUT = (opening, result, layout, wheel_rows, matrices, null_space, analysis, skid)
 _MOTION = (inverse, forward, motion)  # of the drive that turns as the robot does, where it skids
-_WHOLE = (regular, singular, texts, further)
+_WHOLE = (regular, singular, texts)
 
 
 def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:

@@ -1,11 +1,11 @@
-"""Section 11 and its formulas: the further functions that a robot file asks for."""
+"""The further functions that a robot file asks for, and their formulas."""
 
 from __future__ import annotations
 
 from wmrgen import notation
 from wmrgen.backends.report.latex import WIDE, width, wrapped
 from wmrgen.backends.report.letters import model
-from wmrgen.backends.report.markdown import aligned, capitalised, code, listed, sentence, table
+from wmrgen.backends.report.markdown import aligned, capitalised, code, sentence, table
 from wmrgen.functions.models.sheet import tidy
 from wmrgen.kinematics.records import Formula, substituted
 from wmrgen.printing import Latex, by_hand, size
@@ -19,24 +19,12 @@ _SMALL = 6  # operations and symbols of an intermediate result that is written w
 
 
 def further(d: Derivation) -> list[str]:
-    """Section 11: their names; what they give stands with their formulas."""
-    names = [f.name for f in _wanted(d)]
-    if not names:
-        return []
-    return [
-        "## 11 Further functions",
-        f"The robot file asks for {listed(names)}, too. What {'each' if len(names) > 1 else 'it'} gives, where it "
-        "comes from, and its formula are in [numerics.md](numerics.md).",
-    ]
-
-
-def formulas(d: Derivation) -> list[str]:
     """Their ports and formulas."""
-    blocks = [block for f in _wanted(d) for block in _function(d, f)]
+    blocks = [block for f in wanted(d) for block in _function(d, f)]
     return ["## Further functions", *blocks] if blocks else []
 
 
-def _wanted(d: Derivation) -> list[Formula]:
+def wanted(d: Derivation) -> list[Formula]:
     names = asked(d.robot)
     return [f for f in d.program.formulas if f.name in names]
 

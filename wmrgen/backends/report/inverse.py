@@ -32,11 +32,8 @@ def inverse(d: Derivation) -> list[str]:
     blocks = ["## 6 Inverse kinematics", *_projection(projection)]
     if not wheels:
         return [*blocks, "There is no joint to command."]
-    unsteered = [w for w in wheels if not w.turns]
     passive = [w for w in wheels if w.kind.swivels and not w.actuated]
     steered = [w for w in wheels if w.kind.steers]
-    if unsteered:
-        blocks += ["A wheel that does not steer has its speed from its rolling equation: see the result."]
     if any(w.kind.swivels and w.actuated for w in wheels):
         blocks += [
             "A driven castor has both rates from its rows: the rolling row gives φ̇, the sliding row ψ̇."
@@ -59,7 +56,10 @@ def _projection(projection: Projection) -> list[str]:
     zero = [n for n, p in zip(TWIST_NAMES, projection.twist, strict=True) if not p]
     if away == zero:
         names = notation.listed([_WORDS[n] for n in zero])
-        return [f"Not every ξ is admissible: the wheels forbid {names}, which is taken away first."]
+        slip = "; `slip` is |v<sub>y</sub>|, the speed [m/s] at which they would slide"
+        return [
+            f"The wheels forbid {names}, which is taken away first{slip * (_forms(projection) == [XI[1]])}."
+        ]
     return [
         "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the rest is driven:",
         *aligned(projected(projection)),
@@ -130,16 +130,15 @@ def _narrow(ranges: str, shift: str) -> list[str]:
     offset = r" - \frac{o\,\omega}{r}" if shift else ""
     return [
         f"Steering is limited to less than a quarter turn: {ranges}. At most one of the two headings "
-        "that roll lies inside, and the wheel takes the angle inside at which it slides least. Seen from the "
+        "that roll lies inside, and the wheel takes the angle at which it slides least. Seen from the "
         "middle m of the limits, which are 2ρ apart, the velocity (v<sub>Ax</sub>, v<sub>Ay</sub>) of its pivot "
-        "A is p along the wheel and q across it, h being the wheel's heading at ψ = 0:",
+        "A is p along the wheel and q across it, h being its heading at ψ = 0; p = q = 0 holds the present angle:",
         *aligned([
             r"p &= v_{Ax}\cos(h+m) + v_{Ay}\sin(h+m), & q &= v_{Ay}\cos(h+m) - v_{Ax}\sin(h+m)",
             r"t &= \min\left(\max\left(\frac{q}{p}, -\tan\rho\right), \tan\rho\right), & "
             r"\psi^{+} &= m + \arctan t, & "
             rf"\dot{{\varphi}} &= \frac{{p + q\,t}}{{r\,\sqrt{{1+t^2}}}}{offset}",
         ]),
-        "With p = q = 0 the present angle is held.",
         *_swinging(shift),
     ]  # fmt: skip
 
@@ -257,9 +256,7 @@ def _admissible(steered: bool, held: bool) -> str:
     unless = ", unless a limit or a coupling keeps a wheel from its angle" if held else ""
     return (
         "At given steering angles not every twist is admissible, but for every twist there are angles at which it is. "
-        "`inverse` asks for these, so `slip`, the distance to the nearest admissible twist, is 0"
-        + unless
-        + "."
+        f"`inverse` asks for these, so `slip`, the distance to the nearest admissible twist, is 0{unless}."
     )
 
 
@@ -278,18 +275,22 @@ def _root_of_square(g: Gen) -> Poly | None:
     return Poly({tuple((h, e // 2) for h, e in square): root})
 
 
+def _forms(projection: Projection) -> list[Poly]:
+    return [_rootless(p) for p in projection.residuals if p]
+
+
 def _forbidden(projection: Projection, coupled: bool, steered: bool, held: bool) -> list[str]:
     """What the admissible twist leaves of the commanded one."""
-    forms = [_rootless(p) for p in projection.residuals if p]
+    forms = _forms(projection)
     if not forms and coupled:
         return []
     if not forms:
         return [_admissible(steered, held)]
+    if forms == [XI[1]] and projection.twist != XI:
+        return []  # said where it is taken away
     words = "`slip` is the sideways speed [m/s] that the commanded twist would force on the contact points"
     follow = "Nothing is taken away from the twist here: the wheels follow as well as they can. "
     words = f"{follow * (projection.twist == XI)}{words}"
-    if forms == [XI[1]]:
-        return [words.replace("speed [m/s]", "speed |v<sub>y</sub>| [m/s]", 1) + "."]
     if len(forms) == 1:
         return [f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]
     counts = squares(forms)

@@ -249,7 +249,7 @@ def regular(d: Derivation) -> list[str]:
             f"{_INPUTS['eta']} ({listed(['eta', *same])}: too few joints are driven for their rates to do)"
         )
     intro = (
-        "`wmrgen model` prints the model as q̇ = G(q) u, with a state q and inputs u that are "
+        "`wmrgen model` prints the model q̇ = G(q) u, whose inputs u are "
         f"{notation.listed([*words.values()], 'or')}. {code(space.form)} is the state space ({files})."
     )
     if always:

@@ -168,7 +168,7 @@ def integrability(d: Derivation) -> list[str]:
     products = {-(w.nominal.ch * w.nominal.ch + w.nominal.sh * w.nominal.sh) for w in wheels}
     value = " or ".join(f"{float(v):g}" for v in sorted(products, key=float))
     return [
-        f"Can the constraints be integrated? A wheel's sliding row ({some(wheels)}) is c(q) q̇ = 0 in the coordinates "
+        f"Can the constraints be integrated? A wheel's sliding row is c(q) q̇ = 0 in the coordinates "
         f"q = (x, y, θ) of the world{held}; χ is the direction in which it rolls, seen from the world, and k the third "
         "entry. Frobenius asks for c · curl c:",
         *math(
@@ -245,8 +245,8 @@ def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
     still = "" if any(_turns_about(w, d.mobility) for w in wheels) else " The robot then stands still, too."
     return [
         f"A steered wheel whose pivot (x, y) is the ICR stands still ({some(wheels)}): v<sub>x</sub> − y ω = 0 and "
-        f"v<sub>y</sub> + x ω = 0.{still} The wheel's heading is undefined there, and `inverse` holds the present "
-        "angle. Close by, a small change of the twist asks for a large change of the angle."
+        f"v<sub>y</sub> + x ω = 0.{still} The wheel's heading is undefined there (section 6); close by, a "
+        "small change of the twist asks for a large change of the angle."
     ]
 
 

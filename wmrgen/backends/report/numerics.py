@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wmrgen import notation
 from wmrgen.backends.registry import Facts
-from wmrgen.backends.report.further import formulas
+from wmrgen.backends.report.further import further
 from wmrgen.backends.report.markdown import code, foot, items, math, minus, page, sentence, table, written
 from wmrgen.bounds.robot import SINGULAR, TIES, Bounds, beyond, described, error, listed
 from wmrgen.ir.nodes import count
@@ -26,7 +26,7 @@ def numerics(d: Derivation, facts: Facts) -> str:
     return page([
         f"# Numerics of {code(name)}",
         "The derivation is in [report.md](report.md). Here are the numbers behind it and behind the code.",
-        *_cost(d), *_ranges(d.bounds), *_ranks(d), *_series(), *formulas(d), *_places(name, facts), *_files(d),
+        *_cost(d), *_ranges(d.bounds), *_ranks(d), *_series(), *further(d), *_places(name, facts), *_files(d),
         *foot(facts),
     ])  # fmt: skip
 

@@ -7,7 +7,8 @@ from fractions import Fraction
 from itertools import chain, islice, product
 
 from wmrgen.backends.report.closed import closed_forward, closed_inverse
-from wmrgen.backends.report.markdown import code, pictures, table, written
+from wmrgen.backends.report.further import wanted
+from wmrgen.backends.report.markdown import code, listed, pictures, table, written
 from wmrgen.backends.report.overview import kind_of_robot
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ports import TWIST_NAMES
@@ -156,7 +157,11 @@ def _unit(unit: str) -> str:
 def _files(d: Derivation) -> list[str]:
     """What the backends write beside this page, numerics.md saying what each is."""
     names = [name for names, _ in written(d) for name in names]
-    return [f"**Files** (what each is: [numerics.md](numerics.md)): {' · '.join([*map(_link, names)])}"]
+    further = [f.name for f in wanted(d)]
+    asked = f", with formulas of {listed(further)}, which the robot file asks for, too" if further else ""
+    return [
+        f"**Files** (what each is{asked}: [numerics.md](numerics.md)): {' · '.join([*map(_link, names)])}"
+    ]
 
 
 def _link(name: str) -> str:

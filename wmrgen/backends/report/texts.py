@@ -38,21 +38,14 @@ class Citation(NamedTuple):
 
 
 def texts(d: Derivation) -> list[str]:
-    """Section 10."""
-    blocks = ["## 10 In the textbooks"]
+    """Section 10, of a layout that a text has."""
     lines = []
     for c in citations(d.robot):
         letters = ", ".join(f"{name} = {plain(value)}" for name, value in c.letters.items())
         order = f"wheels in the order {listed([w.name for w in c.wheels])}" if c.wheels else ""
         details = "; ".join(part for part in (letters, order) if part)
         lines.append(f"{c.equation}: {c.what}" + (f" ({details})" if details else ""))
-    if lines:
-        return [*blocks, "The rows of this robot are those of", *items(lines)]
-    return [
-        *blocks,
-        "No text among the five that wmrgen reproduces writes this layout out; its rows are those of section "
-        "2, with the numbers given there.",
-    ]
+    return ["## 10 In the textbooks", "The rows of this robot are those of", *items(lines)] if lines else []
 
 
 def citations(robot: Robot) -> list[Citation]:

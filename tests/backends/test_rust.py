@@ -115,6 +115,18 @@ def test_its_self_test_checks_every_function_of_a_table(crate: Path) -> None:
     assert len(checks) == 10 and checks == {called: called.count(" and ") + 1 for called in checks}
 
 
+def test_its_self_test_compiles_and_passes(crate: Path) -> None:
+    """Without Cargo, which `test_cargo_runs_the_self_test` has: in a quarter of a second."""
+    need("rustc")
+    rust = (tool("rustc"), "--edition=2021", "-Dwarnings")
+    crate_itself = ("--crate-type=lib", "--crate-name=pioneer3dx_kinematics", "src/lib.rs")
+    subprocess.run([*rust, *crate_itself], cwd=crate, check=True)
+    tests = ("--test", "tests/selftest.rs", "--extern=pioneer3dx_kinematics", "-L.", "-o", "selftest")
+    subprocess.run([*rust, *tests], cwd=crate, check=True)
+    done = subprocess.run([crate / "selftest"], capture_output=True, text=True, check=True)
+    assert "law_of_rows_of_inverse ... ok" in done.stdout
+
+
 def test_it_is_a_package(wmrgen_cli: Callable[..., Outcome], robot_file: Path) -> None:
     out = robot_file.parent / "out"
     assert wmrgen_cli("derive", robot_file, "-o", out, "--package", "rust", "--target", "m0").code == 0

@@ -28,7 +28,7 @@ from wmrgen.calibrating.observability import courses, offers, plan
 from wmrgen.calibrating.outliers import Drift
 from wmrgen.calibrating.path import Reckoning, passed, reckoned
 from wmrgen.calibrating.picture import _ERRORS, _PATHS, _errors, _key, _paths, _values
-from wmrgen.calibrating.starts import laid
+from wmrgen.calibrating.starts import _finds, laid
 from wmrgen.calibrating.written import with_values
 from wmrgen.cli.calibrate import _drifting, _notes
 from wmrgen.errors import UsageError
@@ -520,6 +520,21 @@ def test_the_solver_halts_where_readings_are_rough(tmp_path: Path) -> None:
     assert len(evaluations) < 20
     half_track = best.values[problem.increments.parameters.index("half_track")]
     assert half_track == pytest.approx(layout.true["half_track"], rel=2e-3)
+
+
+@pytest.mark.parametrize("measured", [True, False], ids=["headings", "places alone"])
+def test_pieces_are_looked_at_where_odometry_loses_its_way(tmp_path: Path, measured: bool) -> None:
+    """As with a third of the track, and not with true parameters: headings and places are those of the truth."""
+    layout = LAYOUTS["differential"]
+    paths, problem = written(tmp_path, layout), problem_of(derivation_of(tmp_path, layout))
+    run = read(paths[0], paths[0].with_suffix(".truth.csv"), problem.increments.joints, {})
+    if not measured:
+        run = replace(run, truth=replace(run.truth, theta=np.full_like(run.truth.theta, np.nan)))
+    for share, near in ((1.0, True), (1 / 3, False)):
+        track = {"half_track": share * layout.true["half_track"]}
+        nominal = ({**layout.true, **track}[name] for name in problem.increments.parameters)
+        ready = laid(replace(problem, nominal=tuple(nominal), drives=(run,)))
+        assert _finds(ready, start_of(ready), 0) == near
 
 
 SLIPS = ((7.0, 7.6, 1.8), (20.0, 20.4, 0.3))

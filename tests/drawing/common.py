@@ -24,12 +24,18 @@ THREE = "".join(
     for k, (x, y, h) in enumerate(((0.3, 0.0, 0), (-0.2, 0.25, 1), (-0.2, -0.25, -2)))
 )
 CASTOR = "  - {{name: castor, type: castor, x: -0.3, y: 0, heading: 0, d: {}, r: 0.05}}\n"
-MECANUM = "".join(
-    f"  - {{name: m{k}, type: swedish, x: {x}, y: {y}, heading: 0, gamma: {g}, r: 0.05}}\n"
-    for k, (x, y, g) in enumerate(
-        ((0.2, 0.2, "pi/4"), (0.2, -0.2, "-pi/4"), (-0.2, 0.2, "-pi/4"), (-0.2, -0.2, "pi/4"))
+
+
+def mecanum(ahead: str = "0", left: str = "0") -> str:
+    """Rollers in an X at the ground, about a point of the robot: they cannot turn it."""
+    corners = ((0.2, 0.2, "pi/4"), (0.2, -0.2, "-pi/4"), (-0.2, 0.2, "-pi/4"), (-0.2, -0.2, "pi/4"))
+    return "".join(
+        f"  - {{name: m{k}, type: swedish, x: {x} + {ahead}, y: {y} + {left}, heading: 0, gamma: {g}, r: 0.05}}\n"
+        for k, (x, y, g) in enumerate(corners)
     )
-)  # rollers in an X at the ground: they cannot turn the robot
+
+
+MECANUM = mecanum()
 
 
 def many(count: int, name: str = "w{}", r: float = 0.05) -> str:

@@ -13,6 +13,7 @@ from tests.drawing.common import (
     MECANUM,
     PAIR,
     SVG,
+    mecanum,
     numbers,
     of_class,
     page,
@@ -123,9 +124,10 @@ def test_the_icr_stands_on_a_pivot_and_on_a_line_through_two(name: str) -> None:
     assert min(abs(complex(*second) - a), abs(complex(*second) - b)) > 0.1 * abs(a - b)
 
 
-def test_mecanum_rollers_in_an_x_meet_in_the_icr() -> None:
+@pytest.mark.parametrize("middle", [("0", "0"), ("0.1", "-0.04"), ("-0.03", "0.3")])
+def test_mecanum_rollers_in_an_x_meet_in_the_icr(middle: tuple[str, str]) -> None:
     """There the robot turns, and no wheel: J1 (vx, vy, omega) = 0."""
-    d = robot(MECANUM)
+    d = robot(mecanum(*middle))
     ((icr, _),) = icrs(parsed(d, "singular.svg"))
     twist = np.array([icr[1], -icr[0], 1.0])
     rows = []

@@ -234,19 +234,29 @@ def test_many_wheels_that_are_drawn_or_touch_take_no_longer(read: Import) -> Non
     assert time.process_time() - start < 8  # 30 s where all were
 
 
+@pytest.mark.parametrize("ahead", ["x", "y"])
 @pytest.mark.parametrize(
-    ("trail", "height", "drives"), [("-0.04", "0.11", True), ("0", "0.11", False), ("-0.04", "0.3", False)]
-)
+    ("trail", "aside", "height", "drives"),
+    [(-0.04, 0, 0.11, True), (-0.04, 0.05, 0.11, True), (0, 0, 0.11, False), (0, 0.05, 0.11, False),
+     (-0.04, 0, 0.3, False)],
+)  # fmt: skip
 def test_wheels_larger_than_the_castors_beside_them(
-    read: Import, trail: str, height: str, drives: bool
+    read: Import, trail: float, aside: float, height: float, drives: bool, ahead: str
 ) -> None:
-    """Of meshes alone the ground is not known: castors do not drive, what drives beside them stands on it too."""
-    parts = [wheel(n, f"0 {y} {height}", MESH) for n, y in (("left_wheel", 0.2), ("right_wheel", -0.2))]
+    """Of meshes alone the ground is not known: castors do not drive, what drives beside them stands on it too. What
+    stands beside its steering axis trails as little as what stands on it; and so along any axis of the base."""
+
+    def at(x: float, y: float, z: float) -> str:
+        return f"{x} {y} {z}" if ahead == "x" else f"{-y} {x} {z}"
+
+    axle = at(0, 1, 0)
+    wheels = (("left_wheel", 0.2), ("right_wheel", -0.2))
+    parts = [wheel(n, at(0, y, height), MESH, axis=axle) for n, y in wheels]
     for n, y in (("a", 0.1), ("b", -0.1)):
         parts += [
             link(f"{n}_s"),
-            joint(f"{n}_s", "base_link", f"{n}_s", f"-0.3 {y} 0.1", axis="0 0 1"),
-            wheel(n, f"{trail} 0 -0.06", MESH, parent=f"{n}_s"),
+            joint(f"{n}_s", "base_link", f"{n}_s", at(-0.3, y, 0.1), axis="0 0 1"),
+            wheel(n, at(trail, aside, -0.06), MESH, parent=f"{n}_s", axis=axle),
         ]
     said = read(robot(*parts))
     assert ({"left", "right"} <= {*said["names"]}) is drives and {"a", "b"} <= {*said["names"]}

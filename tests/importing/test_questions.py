@@ -303,6 +303,17 @@ def arm(name: str, y: float, mimic: str = "", limits: str = "-0.6 0.5", axis: st
     return link(f"{name}_arm") + turn + wheel(name, "0 0 0", parent=f"{name}_arm")
 
 
+def test_wheels_that_one_joint_steers_are_coupled(read: Import) -> None:
+    """Left and right hub of one pivot left of the robot's middle, which lint takes by their own middle."""
+    pivot = link("fork") + joint("swivel", "base_link", "fork", "-0.3 0.3 0.1", axis="0 0 1")
+    twins = "".join(
+        wheel(n, f"-0.05 {y} -0.05", cylinder("0.05"), "fork") for n, y in (("hub_l", 0.06), ("hub_r", -0.06))
+    )
+    said = read(robot(pair(), pivot, twins))
+    assert [said["wheels"][n]["offset_y"] for n in ("hub_l", "hub_r")] == [0.06, -0.06]
+    assert "  - {equal: [hub_l.steer, hub_r.steer]}   # joint 'swivel' steers both" in said["text"]
+
+
 def test_steering_that_mimics(read: Import) -> None:
     """One to one it is a coupling; what turns half as far cannot be said."""
     mimic = '<mimic joint="a_turn"/>'

@@ -98,7 +98,7 @@ def test_axes_are_in_the_joint_or_in_the_model(read: Import, version: str, said:
 
 
 @pytest.mark.parametrize(("kind", "order"), [("universal", 1), ("revolute2", 1), ("revolute2", -1)])
-def test_two_axes_steer_and_spin(read: Import, kind: str, order: int) -> None:
+def test_two_axes_steer_and_spin(read: Import, kind: str, order: int, tmp_path: Path) -> None:
     """The upright one steers, whichever stands first, and its limits are the steering angle's."""
     steer = "<xyz>0 -1 0</xyz><limit><lower>-0.6</lower><upper>0.6</upper></limit>"
     keys = ("axis", "axis2")[::order]
@@ -107,6 +107,7 @@ def test_two_axes_steer_and_spin(read: Import, kind: str, order: int) -> None:
     front = said["front_joint"]
     assert (front["type"], front["steer_joint"], front["d"]) == ("steered", "front_joint", 0.0)
     assert {w["type"] for w in said.values()} == {"fixed", "steered"}
+    assert "couplings:" not in (tmp_path / "probe.yaml").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

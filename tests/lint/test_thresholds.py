@@ -153,6 +153,21 @@ def test_names_and_places(names: tuple[str, ...], expected: int, tmp_path: Path)
     assert codes(tmp_path / "robot.yaml", wheels(*entries)) == ["WMR011"] * expected
 
 
+@pytest.mark.parametrize(
+    ("left", "couplings", "expected"), [(0.05, True, 0), (-0.05, True, 1), (0.05, False, 1)]
+)
+def test_sides_of_wheels_that_one_joint_steers(
+    left: float, couplings: bool, expected: int, tmp_path: Path
+) -> None:
+    """Both stand left of the robot's middle: the right one is that of their pivot."""
+    hub = "type: castor, x: -0.3, y: 0.3, heading: 0, d: -0.05, r: 0.05, actuated: [spin, steer]"
+    twins = wheels(f"name: left_hub, {hub}, offset_y: {left}", f"name: right_hub, {hub}, offset_y: {-left}")
+    rest = "  - {name: tail, type: castor, x: 0.3, y: -0.3, heading: 0, d: -0.05, r: 0.05}\n"
+    coupled = "couplings:\n  - {equal: [left_hub.steer, right_hub.steer]}\n" * couplings
+    found = codes(tmp_path / "robot.yaml", twins + rest + coupled)
+    assert found.count("WMR011") == expected, found
+
+
 @pytest.mark.parametrize("ratio", [1, 0.5, 2])
 def test_omni_wheels_that_run_around_the_middle_do_not_roll_against_each_other(
     ratio: float, tmp_path: Path

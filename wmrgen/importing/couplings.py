@@ -1,4 +1,4 @@
-"""Joints of wheels that turn alike, because one mimics the other or both mimic a third."""
+"""Joints of wheels that turn alike: one mimics the other, both mimic a third, or one joint steers both."""
 
 from __future__ import annotations
 
@@ -22,10 +22,12 @@ def couplings(
     """Pairs that turn alike, spins in their ratio; questions where that may be the simulator's way alone; notes on
     steering that follows in another way."""
     description = robot.description
-    roles = {w.joint: f"{w.name}.spin" for w in wheels if w.joint}
-    roles |= {w.steer_joint: f"{w.name}.steer" for w in wheels if w.steer_joint}
+    pairs, notes, steering = list[Coupling](), list[str](), dict[str, str]()
+    for name, role in ((w.steer_joint, f"{w.name}.steer") for w in wheels if w.steer_joint):
+        if (first := steering.setdefault(name, role)) != role:
+            pairs.append(Coupling(first, role, why=f"joint {quoted(name)} steers both"))
+    roles = {w.joint: f"{w.name}.spin" for w in wheels if w.joint} | steering
     leads = {(name, role.rpartition(".")[2]): [(role, _ITSELF)] for name, role in roles.items()}
-    pairs, notes = list[Coupling](), list[str]()
     for joint in description.joints:
         if joint.name not in roles or not joint.mimic:
             continue

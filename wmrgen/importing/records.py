@@ -147,6 +147,7 @@ class Coupling:
     first: str
     second: str
     ratio: Fraction = Fraction(1)
+    why: str = "mimic"
 
     @property
     def joints(self) -> str:

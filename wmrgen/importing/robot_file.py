@@ -66,7 +66,7 @@ def text(robot: Imported, source: str) -> str:
     if robot.couplings or doubts:
         lines += [
             "couplings:",
-            *(f"  - {{equal: {each.joints}}}   # mimic" for each in robot.couplings),
+            *(f"  - {{equal: {each.joints}}}   # {each.why}" for each in robot.couplings),
         ]
     for question in doubts:
         lines += [*_asked(question, "  "), f"  - {{equal: {OPEN}}}"]

@@ -72,10 +72,18 @@ wheels:
     PAIR,
 )
 def labels(subject: Subject) -> Iterator[Finding]:
-    middle = _middle(subject.robot.wheels)
+    middle, groups = _middle(subject.robot.wheels), subject.robot.steer_group
     for w in subject.robot.wheels:
         places = {"the middle of the wheels": w.pivot - middle, "the origin P": w.pivot}
         wrong = [(s, whence) for s in role(w.name).split() if (whence := _contradicted(s, places))]
+        if any(
+            v is not w and v.pivot == w.pivot and groups[v.index] == groups[w.index]
+            for v in subject.robot.wheels
+        ):
+            own = {
+                "its pivot": w.contact(w.zero_heading) - w.pivot
+            }  # the left one of a pair that one joint steers
+            wrong = [(s, whence) for s, whence in wrong if _contradicted(s, own)]
         if wrong:
             side, whence = wrong[0]
             where = f"({w.pivot.real:.4g}, {w.pivot.imag:.4g}), {_OPPOSITE[side]} {whence}"

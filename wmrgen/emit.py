@@ -80,7 +80,6 @@ def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
         sympy_version=sympy.__version__,
         site=(where := site(derivation)),
         constants=constants(derivation.robot, where),
-        formulas=derivation.raw_module.functions,
         vectors=derivation.vector_forms,
     )
 

@@ -11,7 +11,7 @@ import sympy
 from wmrgen.exact.evaluate import pi_rational
 from wmrgen.exact.number import ONE, ZERO, Exact, exact_sqrt, sqrt_rational
 from wmrgen.ir.build import Builder
-from wmrgen.ir.nodes import Function, Op, places
+from wmrgen.ir.nodes import Function, Named, Op, places, renumbered
 from wmrgen.kinematics.records import Call, Formula
 from wmrgen.symbolic import Expr, Input, Local, Nearest, Parameter
 
@@ -46,7 +46,7 @@ class _Lowering:
         self.builder = Builder()
         self.memo: dict[Expr, int] = {}
         self.names = {p.name.replace(".", "_"): p.name for p in formula.inputs}
-        self.locals = dict(formula.locals)
+        self.locals, self.quantities = dict(formula.locals), dict(formula.quantities)
         self.calls = {result: (call, k) for call in calls for k, result in enumerate(call.results)}
         self.parameters: set[str] = set()
         self.geometric: list[bool] = []  # of the first nodes: whether they depend on no input but geometry
@@ -81,11 +81,14 @@ class _Lowering:
             "take the functions of wmrgen.symbolic, and sympy.Rational or number(Exact) for numbers"
         )
 
-    def named(self, results: Sequence[int]) -> tuple[tuple[str, int], ...]:
+    def named(self, results: Sequence[int]) -> tuple[Named, ...]:
         """The intermediate results that ``results`` need, by the node they have in the finished function."""
-        lowered = [(str(symbol), self.memo[symbol]) for symbol in self.locals if symbol in self.memo]
-        place = places(self.builder.nodes, results)
-        return tuple((name, place[node]) for name, node in lowered if node in place)
+        lowered = (
+            Named(symbol.name, self.memo[symbol], self.quantities.get(symbol.name, ""))
+            for symbol in self.locals
+            if symbol in self.memo
+        )
+        return renumbered(lowered, places(self.builder.nodes, results))
 
     def _input(self, expr: Expr) -> int:
         if expr.name not in self.names:

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_a3bdeaee8218bc36)
+#if !defined(ACKERMANN_CAR_PAIR_e15ca5b74218f1b1)
 #error "ackermann_car.c and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -189,11 +189,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_direction(h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -212,14 +212,16 @@ void ackermann_car_inverse(
     ackermann_car_wheels *out)
 {
     const float t0 = 0.75f * twist->omega;
-    const float front_left_p = twist->vx - t0; /* front_left: p */
-    const float front_right_p = twist->vx + t0; /* front_right: p */
+    const float front_left_p = twist->vx - t0; /* p of front_left */
+    const float front_right_p = twist->vx + t0; /* p of front_right */
     const float t1 = 2.5f * twist->omega;
     const float t2 = fabsf(t1);
-    const float front_left_tangent = wmrgen_clamp(t1 / wmrgen_at_least(front_left_p, 1e-20f), 0.83909965f); /* front_left: t */
-    const float t3 = ((fabsf(front_left_p) + t2) < 2e-20f) ? wmrgen_clamp(now->front_left.steer, 0.6981317f) : wmrgen_arctangent(front_left_tangent);
-    const float front_right_tangent = wmrgen_clamp(t1 / wmrgen_at_least(front_right_p, 1e-20f), 0.83909965f); /* front_right: t */
-    const float t4 = ((t2 + fabsf(front_right_p)) < 2e-20f) ? wmrgen_clamp(now->front_right.steer, 0.6981317f) : wmrgen_arctangent(front_right_tangent);
+    /* t of front_left */
+    const float front_left_t = wmrgen_clamp(t1 / wmrgen_at_least(front_left_p, 1e-20f), 0.83909965f);
+    const float t3 = ((fabsf(front_left_p) + t2) < 2e-20f) ? wmrgen_clamp(now->front_left.steer, 0.6981317f) : wmrgen_arctangent(front_left_t);
+    /* t of front_right */
+    const float front_right_t = wmrgen_clamp(t1 / wmrgen_at_least(front_right_p, 1e-20f), 0.83909965f);
+    const float t4 = ((t2 + fabsf(front_right_p)) < 2e-20f) ? wmrgen_clamp(now->front_right.steer, 0.6981317f) : wmrgen_arctangent(front_right_t);
 
     out->rear_left.spin = 3.3333333f * front_left_p;
     out->rear_right.spin = 3.3333333f * front_right_p;
@@ -234,20 +236,21 @@ void ackermann_car_inverse_slip(
 {
     (void)wheels;
     const float t0 = 0.75f * twist->omega;
-    const float front_left_p = twist->vx - t0; /* front_left: p */
+    const float front_left_p = twist->vx - t0; /* p of front_left */
     const float t1 = 2.5f * twist->omega;
-    const float front_left_tangent = wmrgen_clamp(t1 / wmrgen_at_least(front_left_p, 1e-20f), 0.83909965f); /* front_left: t */
-    const float t2 = fmaf(front_left_tangent, front_left_tangent, 1.0f);
-    const float t3 = fmaf(-front_left_p, front_left_tangent, t1) / sqrtf(t2);
-    const float front_right_p = twist->vx + t0; /* front_right: p */
-    const float front_right_tangent = wmrgen_clamp(t1 / wmrgen_at_least(front_right_p, 1e-20f), 0.83909965f); /* front_right: t */
-    const float t4 = fmaf(-front_right_p, front_right_tangent, t1);
-    const float t5 = fmaf(front_right_tangent, front_right_tangent, 1.0f);
-    const float t6 = t4 / sqrtf(t5);
-    const float t7 = fabsf(twist->vy);
-    const float t8 = sqrtf(fmaf(t7, t7, 0.5f * fmaf(t3, t3, t6 * t6)));
+    /* t of front_left */
+    const float front_left_t = wmrgen_clamp(t1 / wmrgen_at_least(front_left_p, 1e-20f), 0.83909965f);
+    const float t2 = sqrtf(fmaf(front_left_t, front_left_t, 1.0f));
+    const float t3 = fmaf(-front_left_p, front_left_t, t1) / t2;
+    const float front_right_p = twist->vx + t0; /* p of front_right */
+    /* t of front_right */
+    const float front_right_t = wmrgen_clamp(t1 / wmrgen_at_least(front_right_p, 1e-20f), 0.83909965f);
+    const float t4 = sqrtf(fmaf(front_right_t, front_right_t, 1.0f));
+    const float t5 = fmaf(-front_right_p, front_right_t, t1) / t4;
+    const float t6 = fabsf(twist->vy);
+    const float t7 = sqrtf(fmaf(t6, t6, 0.5f * fmaf(t3, t3, t5 * t5)));
 
-    *slip = t8;
+    *slip = t7;
 }
 
 void ackermann_car_forward(const ackermann_car_wheels *wheels, ackermann_car_twist *twist)
@@ -259,10 +262,12 @@ void ackermann_car_forward(const ackermann_car_wheels *wheels, ackermann_car_twi
     (void)slip;
 #else
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
-    const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y)); /* front_right: row of H, omega */
+    /* row of H of front_right, omega */
+    const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y));
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
-    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* front_left: row of H, omega */
-    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f)); /* HtH[2][2] */
+    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* row of H of front_left, omega */
+    /* HtH[2][2] */
+    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f));
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
     const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
     const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
@@ -293,10 +298,12 @@ void ackermann_car_forward_slip(
     float *slip)
 {
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
-    const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y)); /* front_right: row of H, omega */
+    /* row of H of front_right, omega */
+    const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y));
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
-    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* front_left: row of H, omega */
-    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f)); /* HtH[2][2] */
+    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* row of H of front_left, omega */
+    /* HtH[2][2] */
+    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f));
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
     const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
     const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
@@ -312,19 +319,19 @@ void ackermann_car_forward_slip(
     const float det = fmaf(-t1, adj02, fmaf(adj00, n00, -(t0 * adj01))); /* det(HtH) */
     const float t4 = (det < 2.25f) ? 2.25f : det;
     const float t5 = 1.0f / t4;
-    const float vx_fit = fmaf(adj00, b0, adj02 * b2) * t5; /* vx */
+    const float vx_fit = fmaf(adj00, b0, adj02 * b2) * t5;
     const float p1 = fmaf(b0, adj01, b2 * fmaf(t0, t1, -(n12 * n00))); /* (adj(HtH) Htz)[1] */
-    const float vy_fit = t5 * p1; /* vy */
+    const float vy_fit = t5 * p1;
     const float p2 = fmaf(b0, adj02, b2 * fmaf(n11, n00, -(t0 * t0))); /* (adj(HtH) Htz)[2] */
-    const float omega_fit = t5 * p2; /* omega */
+    const float omega_fit = t5 * p2;
     const float t6 = (-0.75f) * omega_fit;
-    const float error_0 = fmaf(0.3f, wheels->rear_left.spin, -vx_fit) - t6; /* residual 0 */
-    const float error_2 = fmaf(0.3f, wheels->rear_right.spin, t6 - vx_fit); /* residual 2 */
+    const float error_0 = fmaf(0.3f, wheels->rear_left.spin, -vx_fit) - t6;
+    const float error_2 = fmaf(0.3f, wheels->rear_right.spin, t6 - vx_fit);
     const float t7 = fmaf(front_left.y, vx_fit, -(front_left.x * vy_fit));
-    const float error_4 = fmaf(-front_left_rw, omega_fit, t7); /* residual 4 */
+    const float error_4 = fmaf(-front_left_rw, omega_fit, t7);
     const float t8 = fmaf(error_4, error_4, fmaf(error_0, error_0, error_2 * error_2));
     const float t9 = fmaf(front_right.y, vx_fit, -(front_right.x * vy_fit));
-    const float error_5 = fmaf(-front_right_rw, omega_fit, t9); /* residual 5 */
+    const float error_5 = fmaf(-front_right_rw, omega_fit, t9);
     const float t10 = (2.0f * (vy_fit * vy_fit)) + fmaf(error_5, error_5, t8);
 
     twist->vx = vx_fit;

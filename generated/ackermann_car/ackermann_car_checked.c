@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_a3bdeaee8218bc36)
+#if !defined(ACKERMANN_CAR_PAIR_e15ca5b74218f1b1)
 #error "ackermann_car_checked.c and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_a3bdeaee8218bc36)
+#if !defined(ACKERMANN_CAR_PAIR_e15ca5b74218f1b1)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

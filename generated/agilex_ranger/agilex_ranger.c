@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_543ff544c2acd9e2)
+#if !defined(AGILEX_RANGER_PAIR_eb4d1c08deb6ca51)
 #error "agilex_ranger.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -191,16 +191,16 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 {
     wmrgen_wheel result;
     const float size = sqrtf((x * x) + (y * y));
-    const float t0 = (size < 1e-20f) ? 1e-20f : size;
-    const float t1 = fabsf(x);
-    const float t2 = wmrgen_with_sign_of(2.0f, x);
-    const float heading = (size < 1e-20f) ? now : (t2 * wmrgen_arctangent(y / (t0 + t1)));
-    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t3);
-    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
+    const float size_safe = (size < 1e-20f) ? 1e-20f : size;
+    const float t0 = fabsf(x);
+    const float t1 = wmrgen_with_sign_of(2.0f, x);
+    const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
+    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t4;
-    result.steer = t5;
+    result.spin = t3;
+    result.steer = t4;
     return result;
 }
 #endif
@@ -214,11 +214,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -236,39 +236,43 @@ void agilex_ranger_inverse(
     const agilex_ranger_wheels *now,
     agilex_ranger_wheels *out)
 {
-    const float front_left_x = fmaf(1.1920929e-09f, twist->omega, fmaf((-0.28f), twist->omega, twist->vx)); /* front_left: a, rear_left: a */
-    const float front_left_y = fmaf(1.1920929e-08f, twist->omega, fmaf(0.45f, twist->omega, twist->vy)); /* front_left: b, front_right: b */
+    /* v_Ax of front_left, v_Ax of rear_left */
+    const float front_left_x = fmaf(1.1920929e-09f, twist->omega, fmaf((-0.28f), twist->omega, twist->vx));
+    /* v_Ay of front_left, v_Ay of front_right */
+    const float front_left_y = fmaf(1.1920929e-08f, twist->omega, fmaf(0.45f, twist->omega, twist->vy));
     const wmrgen_wheel t0 = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_clamp(now->front_left.steer, 1.57f), 1.0f);
     const float t1 = (1.6572665f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
-    const float front_left_heading = (t0.steer < (-1.6572665f)) ? (t0.steer + 3.1415927f) : t1; /* front_left: heading, front_left: angle inside the limits */
-    const float t2 = wmrgen_clamp(front_left_heading, 1.57f);
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2 - t0.steer);
-    const float front_right_x = fmaf((-1.1920929e-09f), twist->omega, fmaf(0.28f, twist->omega, twist->vx)); /* front_right: a, rear_right: a */
+    const float t2 = (t0.steer < (-1.6572665f)) ? (t0.steer + 3.1415927f) : t1;
+    const float front_left_target = wmrgen_clamp(t2, 1.57f);
+    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, front_left_target - t0.steer);
+    /* v_Ax of front_right, v_Ax of rear_right */
+    const float front_right_x = fmaf((-1.1920929e-09f), twist->omega, fmaf(0.28f, twist->omega, twist->vx));
     const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_clamp(now->front_right.steer, 1.57f), 1.0f);
     const float t5 = (1.6572665f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
-    const float front_right_heading = (t4.steer < (-1.6572665f)) ? (t4.steer + 3.1415927f) : t5; /* front_right: heading, front_right: angle inside the limits */
-    const float t6 = wmrgen_clamp(front_right_heading, 1.57f);
-    const wmrgen_vector t7 = wmrgen_vector_at(1.0f, t6 - t4.steer);
-    const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy)); /* rear_left: b, rear_right: b */
+    const float t6 = (t4.steer < (-1.6572665f)) ? (t4.steer + 3.1415927f) : t5;
+    const float front_right_target = wmrgen_clamp(t6, 1.57f);
+    const wmrgen_vector t7 = wmrgen_vector_at(1.0f, front_right_target - t4.steer);
+    /* v_Ay of rear_left, v_Ay of rear_right */
+    const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy));
     const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(now->rear_left.steer, 1.57f), 1.0f);
     const float t9 = (1.6572665f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
-    const float rear_left_heading = (t8.steer < (-1.6572665f)) ? (t8.steer + 3.1415927f) : t9; /* rear_left: heading, rear_left: angle inside the limits */
-    const float t10 = wmrgen_clamp(rear_left_heading, 1.57f);
-    const wmrgen_vector t11 = wmrgen_vector_at(1.0f, t10 - t8.steer);
+    const float t10 = (t8.steer < (-1.6572665f)) ? (t8.steer + 3.1415927f) : t9;
+    const float rear_left_target = wmrgen_clamp(t10, 1.57f);
+    const wmrgen_vector t11 = wmrgen_vector_at(1.0f, rear_left_target - t8.steer);
     const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_clamp(now->rear_right.steer, 1.57f), 1.0f);
     const float t13 = (1.6572665f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
-    const float rear_right_heading = (t12.steer < (-1.6572665f)) ? (t12.steer + 3.1415927f) : t13; /* rear_right: heading, rear_right: angle inside the limits */
-    const float t14 = wmrgen_clamp(rear_right_heading, 1.57f);
-    const wmrgen_vector t15 = wmrgen_vector_at(1.0f, t14 - t12.steer);
+    const float t14 = (t12.steer < (-1.6572665f)) ? (t12.steer + 3.1415927f) : t13;
+    const float rear_right_target = wmrgen_clamp(t14, 1.57f);
+    const wmrgen_vector t15 = wmrgen_vector_at(1.0f, rear_right_target - t12.steer);
 
     out->front_left.spin = 8.333333f * (t0.spin * t3.x);
-    out->front_left.steer = t2;
+    out->front_left.steer = front_left_target;
     out->front_right.spin = 8.333333f * (t4.spin * t7.x);
-    out->front_right.steer = t6;
+    out->front_right.steer = front_right_target;
     out->rear_left.spin = 8.333333f * (t8.spin * t11.x);
-    out->rear_left.steer = t10;
+    out->rear_left.steer = rear_left_target;
     out->rear_right.spin = 8.333333f * (t12.spin * t15.x);
-    out->rear_right.steer = t14;
+    out->rear_right.steer = rear_right_target;
 }
 
 void agilex_ranger_inverse_slip(
@@ -276,40 +280,40 @@ void agilex_ranger_inverse_slip(
     const agilex_ranger_wheels *wheels,
     float *slip)
 {
-    const float front_left_x = fmaf(1.1920929e-09f, twist->omega, fmaf((-0.28f), twist->omega, twist->vx)); /* front_left: a, rear_left: a */
-    const float front_left_y = fmaf(1.1920929e-08f, twist->omega, fmaf(0.45f, twist->omega, twist->vy)); /* front_left: b, front_right: b */
+    /* v_Ax of front_left, v_Ax of rear_left */
+    const float front_left_x = fmaf(1.1920929e-09f, twist->omega, fmaf((-0.28f), twist->omega, twist->vx));
+    /* v_Ay of front_left, v_Ay of front_right */
+    const float front_left_y = fmaf(1.1920929e-08f, twist->omega, fmaf(0.45f, twist->omega, twist->vy));
     const float t0 = wmrgen_clamp(wheels->front_left.steer, 1.57f);
     const wmrgen_wheel t1 = wmrgen_steer_along(front_left_x, front_left_y, t0, 1.0f);
     const float t2 = (1.6572665f < t1.steer) ? (t1.steer - 3.1415927f) : t1.steer;
-    const float front_left_heading = (t1.steer < (-1.6572665f)) ? (t1.steer + 3.1415927f) : t2; /* front_left: heading, front_left: angle inside the limits */
-    const float front_left_excess = wmrgen_clamp(front_left_heading, 1.57f) - t1.steer; /* front left excess */
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, front_left_excess);
-    const float t4 = t1.spin * t3.y;
-    const float front_right_x = fmaf((-1.1920929e-09f), twist->omega, fmaf(0.28f, twist->omega, twist->vx)); /* front_right: a, rear_right: a */
-    const float t5 = wmrgen_clamp(wheels->front_right.steer, 1.57f);
-    const wmrgen_wheel t6 = wmrgen_steer_along(front_right_x, front_left_y, t5, 1.0f);
-    const float t7 = (1.6572665f < t6.steer) ? (t6.steer - 3.1415927f) : t6.steer;
-    const float front_right_heading = (t6.steer < (-1.6572665f)) ? (t6.steer + 3.1415927f) : t7; /* front_right: heading, front_right: angle inside the limits */
-    const float front_right_excess = wmrgen_clamp(front_right_heading, 1.57f) - t6.steer; /* front right excess */
-    const wmrgen_vector t8 = wmrgen_vector_at(1.0f, front_right_excess);
-    const float t9 = t6.spin * t8.y;
-    const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy)); /* rear_left: b, rear_right: b */
-    const wmrgen_wheel t10 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(wheels->rear_left.steer, 1.57f), 1.0f);
-    const float t11 = (1.6572665f < t10.steer) ? (t10.steer - 3.1415927f) : t10.steer;
-    const float rear_left_heading = (t10.steer < (-1.6572665f)) ? (t10.steer + 3.1415927f) : t11; /* rear_left: heading, rear_left: angle inside the limits */
-    const float rear_left_excess = wmrgen_clamp(rear_left_heading, 1.57f) - t10.steer; /* rear left excess */
-    const wmrgen_vector t12 = wmrgen_vector_at(1.0f, rear_left_excess);
-    const float t13 = t10.spin * t12.y;
-    const float t14 = wmrgen_clamp(wheels->rear_right.steer, 1.57f);
-    const wmrgen_wheel t15 = wmrgen_steer_along(front_right_x, rear_left_y, t14, 1.0f);
-    const float t16 = (1.6572665f < t15.steer) ? (t15.steer - 3.1415927f) : t15.steer;
-    const float rear_right_heading = (t15.steer < (-1.6572665f)) ? (t15.steer + 3.1415927f) : t16; /* rear_right: heading, rear_right: angle inside the limits */
-    const float rear_right_excess = wmrgen_clamp(rear_right_heading, 1.57f) - t15.steer; /* rear right excess */
-    const wmrgen_vector t17 = wmrgen_vector_at(1.0f, rear_right_excess);
-    const float t18 = t15.spin * t17.y;
-    const float t19 = fmaf(t18, t18, fmaf(t13, t13, fmaf(t4, t4, t9 * t9)));
+    const float t3 = (t1.steer < (-1.6572665f)) ? (t1.steer + 3.1415927f) : t2;
+    const wmrgen_vector t4 = wmrgen_vector_at(1.0f, wmrgen_clamp(t3, 1.57f) - t1.steer);
+    const float t5 = t1.spin * t4.y;
+    /* v_Ax of front_right, v_Ax of rear_right */
+    const float front_right_x = fmaf((-1.1920929e-09f), twist->omega, fmaf(0.28f, twist->omega, twist->vx));
+    const float t6 = wmrgen_clamp(wheels->front_right.steer, 1.57f);
+    const wmrgen_wheel t7 = wmrgen_steer_along(front_right_x, front_left_y, t6, 1.0f);
+    const float t8 = (1.6572665f < t7.steer) ? (t7.steer - 3.1415927f) : t7.steer;
+    const float t9 = (t7.steer < (-1.6572665f)) ? (t7.steer + 3.1415927f) : t8;
+    const wmrgen_vector t10 = wmrgen_vector_at(1.0f, wmrgen_clamp(t9, 1.57f) - t7.steer);
+    const float t11 = t7.spin * t10.y;
+    /* v_Ay of rear_left, v_Ay of rear_right */
+    const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy));
+    const wmrgen_wheel t12 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(wheels->rear_left.steer, 1.57f), 1.0f);
+    const float t13 = (1.6572665f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
+    const float t14 = (t12.steer < (-1.6572665f)) ? (t12.steer + 3.1415927f) : t13;
+    const wmrgen_vector t15 = wmrgen_vector_at(1.0f, wmrgen_clamp(t14, 1.57f) - t12.steer);
+    const float t16 = t12.spin * t15.y;
+    const float t17 = wmrgen_clamp(wheels->rear_right.steer, 1.57f);
+    const wmrgen_wheel t18 = wmrgen_steer_along(front_right_x, rear_left_y, t17, 1.0f);
+    const float t19 = (1.6572665f < t18.steer) ? (t18.steer - 3.1415927f) : t18.steer;
+    const float t20 = (t18.steer < (-1.6572665f)) ? (t18.steer + 3.1415927f) : t19;
+    const wmrgen_vector t21 = wmrgen_vector_at(1.0f, wmrgen_clamp(t20, 1.57f) - t18.steer);
+    const float t22 = t18.spin * t21.y;
+    const float t23 = fmaf(t22, t22, fmaf(t16, t16, fmaf(t5, t5, t11 * t11)));
 
-    *slip = sqrtf(0.25f * t19);
+    *slip = sqrtf(0.25f * t23);
 }
 
 void agilex_ranger_forward(const agilex_ranger_wheels *wheels, agilex_ranger_twist *twist)
@@ -328,7 +332,7 @@ void agilex_ranger_forward(const agilex_ranger_wheels *wheels, agilex_ranger_twi
     const float t1 = front_left.x + rear_left.x;
     const float t2 = rear_left.y + rear_right.y;
     const float t3 = front_left.y + front_right.y;
-    const float omega_fit = fmaf(0.048059806f, t3 - t2, 0.029903881f * (t0 - t1)); /* omega */
+    const float omega_fit = fmaf(0.048059806f, t3 - t2, 0.029903881f * (t0 - t1));
 
     twist->vx = 0.03f * (t0 + t1);
     twist->vy = 0.03f * (t2 + t3);
@@ -347,11 +351,11 @@ void agilex_ranger_forward_slip(
     const wmrgen_vector front_left = wmrgen_vector_at(wheels->front_left.spin, wheels->front_left.steer);
     const wmrgen_vector rear_left = wmrgen_vector_at(wheels->rear_left.spin, wheels->rear_left.steer);
     const float t1 = front_left.x + rear_left.x;
-    const float vx_fit = 0.03f * (t0 + t1); /* vx */
+    const float vx_fit = 0.03f * (t0 + t1);
     const float t2 = rear_left.y + rear_right.y;
     const float t3 = front_left.y + front_right.y;
-    const float vy_fit = 0.03f * (t2 + t3); /* vy */
-    const float omega_fit = fmaf(0.048059806f, t3 - t2, 0.029903881f * (t0 - t1)); /* omega */
+    const float vy_fit = 0.03f * (t2 + t3);
+    const float omega_fit = fmaf(0.048059806f, t3 - t2, 0.029903881f * (t0 - t1));
     const float t4 = 0.28f * omega_fit;
     const float t5 = -(vx_fit - t4);
     const float t6 = fmaf(0.12f, front_left.x, t5);

@@ -21,7 +21,7 @@
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_543ff544c2acd9e2)
+#if !defined(AGILEX_RANGER_PAIR_eb4d1c08deb6ca51)
 #error "agilex_ranger_checked.h and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(ANDINO_PAIR_ba0410fa937d4d5a)
+#if !defined(ANDINO_PAIR_b31d944c926bbfb7)
 #error "andino_checked.c and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

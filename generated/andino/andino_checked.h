@@ -21,7 +21,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_ba0410fa937d4d5a)
+#if !defined(ANDINO_PAIR_b31d944c926bbfb7)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

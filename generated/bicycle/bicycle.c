@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_a4569fc69aff52ab)
+#if !defined(BICYCLE_PAIR_0a948b3525827263)
 #error "bicycle.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -197,16 +197,16 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 {
     wmrgen_wheel result;
     const float size = sqrtf((x * x) + (y * y));
-    const float t0 = (size < 1e-20f) ? 1e-20f : size;
-    const float t1 = fabsf(x);
-    const float t2 = wmrgen_with_sign_of(2.0f, x);
-    const float heading = (size < 1e-20f) ? now : (t2 * wmrgen_arctangent(y / (t0 + t1)));
-    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t3);
-    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
+    const float size_safe = (size < 1e-20f) ? 1e-20f : size;
+    const float t0 = fabsf(x);
+    const float t1 = wmrgen_with_sign_of(2.0f, x);
+    const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
+    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t4;
-    result.steer = t5;
+    result.spin = t3;
+    result.steer = t4;
     return result;
 }
 #endif
@@ -220,11 +220,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_direction(h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -241,10 +241,10 @@ void bicycle_inverse(const bicycle_twist *twist, const bicycle_wheels *now, bicy
 {
     const wmrgen_wheel t0 = wmrgen_steer_along(twist->vx, 1.1f * twist->omega, wmrgen_clamp(now->front.steer, 1.0471976f), 1.0f);
     const float t1 = (1.6144296f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
-    const float front_heading = (t0.steer < (-1.6144296f)) ? (t0.steer + 3.1415927f) : t1; /* front: heading */
+    const float t2 = (t0.steer < (-1.6144296f)) ? (t0.steer + 3.1415927f) : t1;
 
     out->rear.spin = 2.9411764f * twist->vx;
-    out->front.steer = wmrgen_clamp(front_heading, 1.0471976f);
+    out->front.steer = wmrgen_clamp(t2, 1.0471976f);
 }
 
 void bicycle_inverse_slip(const bicycle_twist *twist, const bicycle_wheels *wheels, float *slip)
@@ -252,13 +252,12 @@ void bicycle_inverse_slip(const bicycle_twist *twist, const bicycle_wheels *whee
     const float t0 = wmrgen_clamp(wheels->front.steer, 1.0471976f);
     const wmrgen_wheel t1 = wmrgen_steer_along(twist->vx, 1.1f * twist->omega, t0, 1.0f);
     const float t2 = (1.6144296f < t1.steer) ? (t1.steer - 3.1415927f) : t1.steer;
-    const float front_heading = (t1.steer < (-1.6144296f)) ? (t1.steer + 3.1415927f) : t2; /* front: heading */
-    const float front_excess = wmrgen_clamp(front_heading, 1.0471976f) - t1.steer; /* front excess */
-    const wmrgen_vector t3 = wmrgen_direction(front_excess);
-    const float t4 = t1.spin * t3.y;
-    const float t5 = fabsf(twist->vy);
+    const float t3 = (t1.steer < (-1.6144296f)) ? (t1.steer + 3.1415927f) : t2;
+    const wmrgen_vector t4 = wmrgen_direction(wmrgen_clamp(t3, 1.0471976f) - t1.steer);
+    const float t5 = t1.spin * t4.y;
+    const float t6 = fabsf(twist->vy);
 
-    *slip = sqrtf(fmaf(t5, t5, t4 * t4));
+    *slip = sqrtf(fmaf(t6, t6, t5 * t5));
 }
 
 void bicycle_forward(const bicycle_wheels *wheels, bicycle_twist *twist)
@@ -277,38 +276,38 @@ void bicycle_forward(const bicycle_wheels *wheels, bicycle_twist *twist)
     const float t3 = front.x * front.x;
     const float n11 = t3 + 1.0f; /* HtH[1][1] */
     const float t4 = n00 * n11;
-    const float n22 = 1.21f * t3; /* HtH[2][2], adj(HtH)[0][0], adj(HtH)[1][1], det(HtH) */
-    const float t5 = fmaf(1.21f, n00 * t3, n22);
-    const float c2 = t5 + fmaf((-2.21f), t1, t4); /* c2 */
+    const float adj00 = 1.21f * t3; /* adj(HtH)[0][0] */
+    const float t5 = fmaf(1.21f, n00 * t3, adj00);
+    const float c2 = t5 + fmaf((-2.21f), t1, t4);
     const float t6 = (c2 < 1e-12f) ? 1e-12f : c2;
-    const float over_c2 = 1.0f / t6; /* over c2 */
-    const float t7 = n22 * wheels->rear.spin;
+    const float over_c2 = 1.0f / t6;
+    const float t7 = adj00 * wheels->rear.spin;
     const float t8 = 0.34f * fmaf(-t7, over_c2, wheels->rear.spin);
     const float t9 = t2 + 2.0f;
-    const float c1 = fmaf(2.21f, t3, t9); /* c1 */
-    const float rear_wx = 0.34f * wheels->rear.spin; /* rear: its velocity, x, Htz[0], vx */
-    const float size2 = fmaf(1.6528926f, t5, fmaf((-3.0f), t1, t4)); /* size2 */
-    const float size1 = fmaf(3.0f, t3, t9); /* size1 */
-    const float edge3 = 6.05e-07f * (size1 * size2); /* edge3 */
-    const float t10 = fmaf(n11, t0, -(t3 * t0));
-    const float t11 = fmaf(n00, n22, t0 * ((-1.21f) * t10));
-    const float t12 = (t11 < 1e-12f) ? 1e-12f : t11;
+    const float c1 = fmaf(2.21f, t3, t9);
+    const float t10 = 0.34f * wheels->rear.spin;
+    const float size2 = fmaf(1.6528926f, t5, fmaf((-3.0f), t1, t4));
+    const float size1 = fmaf(3.0f, t3, t9);
+    const float edge3 = 6.05e-07f * (size1 * size2);
+    const float t11 = fmaf(n11, t0, -(t3 * t0));
+    const float det = fmaf(n00, adj00, t0 * ((-1.21f) * t11)); /* det(HtH) */
+    const float t12 = (det < 1e-12f) ? 1e-12f : det;
     const float t13 = 0.34f / t12;
-    const float t14 = (edge3 < t11) ? (t7 * t13) : (over_c2 * fmaf(c1, t8, -(n00 * rear_wx)));
-    const float edge2 = 0.000001f * (size1 * size1); /* edge2 */
+    const float t14 = (edge3 < det) ? (t7 * t13) : (over_c2 * fmaf(c1, t8, -(n00 * t10)));
+    const float edge2 = 0.000001f * (size1 * size1);
     const float t15 = (c1 < 1e-12f) ? 1e-12f : c1;
-    const float t16 = (edge2 < size2) ? t14 : (rear_wx / t15);
-    const float t17 = t0 * wheels->rear.spin;
-    const float t18 = (edge3 < t11) ? 0.0f : (over_c2 * (0.34f * t17));
-    const float t19 = (edge2 < size2) ? t18 : 0.0f;
-    const float t20 = 1.1f * t10 * wheels->rear.spin;
-    const float t21 = 0.34f * fmaf(1.1f, t17, -(c1 * (over_c2 * t20)));
-    const float t22 = (edge3 < t11) ? (t13 * t20) : (over_c2 * t21);
-    const float t23 = (edge2 < size2) ? t22 : 0.0f;
+    const float vx_fit = (edge2 < size2) ? t14 : (t10 / t15);
+    const float t16 = t0 * wheels->rear.spin;
+    const float t17 = (edge3 < det) ? 0.0f : (over_c2 * (0.34f * t16));
+    const float vy_fit = (edge2 < size2) ? t17 : 0.0f;
+    const float t18 = 1.1f * t11 * wheels->rear.spin;
+    const float t19 = 0.34f * fmaf(1.1f, t16, -(c1 * (over_c2 * t18)));
+    const float t20 = (edge3 < det) ? (t13 * t18) : (over_c2 * t19);
+    const float omega_fit = (edge2 < size2) ? t20 : 0.0f;
 
-    twist->vx = t16;
-    twist->vy = t19;
-    twist->omega = t23;
+    twist->vx = vx_fit;
+    twist->vy = vy_fit;
+    twist->omega = omega_fit;
 #endif
 }
 
@@ -322,42 +321,42 @@ void bicycle_forward_slip(const bicycle_wheels *wheels, bicycle_twist *twist, fl
     const float t3 = front.x * front.x;
     const float n11 = t3 + 1.0f; /* HtH[1][1] */
     const float t4 = n00 * n11;
-    const float n22 = 1.21f * t3; /* HtH[2][2], adj(HtH)[0][0], adj(HtH)[1][1], det(HtH) */
-    const float t5 = fmaf(1.21f, n00 * t3, n22);
-    const float c2 = t5 + fmaf((-2.21f), t1, t4); /* c2 */
+    const float adj00 = 1.21f * t3; /* adj(HtH)[0][0] */
+    const float t5 = fmaf(1.21f, n00 * t3, adj00);
+    const float c2 = t5 + fmaf((-2.21f), t1, t4);
     const float t6 = (c2 < 1e-12f) ? 1e-12f : c2;
-    const float over_c2 = 1.0f / t6; /* over c2 */
-    const float t7 = n22 * wheels->rear.spin;
+    const float over_c2 = 1.0f / t6;
+    const float t7 = adj00 * wheels->rear.spin;
     const float t8 = 0.34f * fmaf(-t7, over_c2, wheels->rear.spin);
     const float t9 = t2 + 2.0f;
-    const float c1 = fmaf(2.21f, t3, t9); /* c1 */
-    const float rear_wx = 0.34f * wheels->rear.spin; /* rear: its velocity, x, Htz[0], vx */
-    const float size2 = fmaf(1.6528926f, t5, fmaf((-3.0f), t1, t4)); /* size2 */
-    const float size1 = fmaf(3.0f, t3, t9); /* size1 */
-    const float edge3 = 6.05e-07f * (size1 * size2); /* edge3 */
-    const float t10 = fmaf(n11, t0, -(t3 * t0));
-    const float t11 = fmaf(n00, n22, t0 * ((-1.21f) * t10));
-    const float t12 = (t11 < 1e-12f) ? 1e-12f : t11;
+    const float c1 = fmaf(2.21f, t3, t9);
+    const float t10 = 0.34f * wheels->rear.spin;
+    const float size2 = fmaf(1.6528926f, t5, fmaf((-3.0f), t1, t4));
+    const float size1 = fmaf(3.0f, t3, t9);
+    const float edge3 = 6.05e-07f * (size1 * size2);
+    const float t11 = fmaf(n11, t0, -(t3 * t0));
+    const float det = fmaf(n00, adj00, t0 * ((-1.21f) * t11)); /* det(HtH) */
+    const float t12 = (det < 1e-12f) ? 1e-12f : det;
     const float t13 = 0.34f / t12;
-    const float t14 = (edge3 < t11) ? (t7 * t13) : (over_c2 * fmaf(c1, t8, -(n00 * rear_wx)));
-    const float edge2 = 0.000001f * (size1 * size1); /* edge2 */
+    const float t14 = (edge3 < det) ? (t7 * t13) : (over_c2 * fmaf(c1, t8, -(n00 * t10)));
+    const float edge2 = 0.000001f * (size1 * size1);
     const float t15 = (c1 < 1e-12f) ? 1e-12f : c1;
-    const float t16 = (edge2 < size2) ? t14 : (rear_wx / t15);
-    const float t17 = t0 * wheels->rear.spin;
-    const float t18 = (edge3 < t11) ? 0.0f : (over_c2 * (0.34f * t17));
-    const float t19 = (edge2 < size2) ? t18 : 0.0f;
-    const float t20 = 1.1f * t10 * wheels->rear.spin;
-    const float t21 = 0.34f * fmaf(1.1f, t17, -(c1 * (over_c2 * t20)));
-    const float t22 = (edge3 < t11) ? (t13 * t20) : (over_c2 * t21);
-    const float t23 = (edge2 < size2) ? t22 : 0.0f;
-    const float t24 = fmaf(front.y, t16, front.x * fmaf((-1.1f), t23, -t19));
-    const float t25 = rear_wx - t16;
-    const float t26 = sqrtf(fmaf(t24, t24, fmaf(t25, t25, t19 * t19)));
+    const float vx_fit = (edge2 < size2) ? t14 : (t10 / t15);
+    const float t16 = t0 * wheels->rear.spin;
+    const float t17 = (edge3 < det) ? 0.0f : (over_c2 * (0.34f * t16));
+    const float vy_fit = (edge2 < size2) ? t17 : 0.0f;
+    const float t18 = 1.1f * t11 * wheels->rear.spin;
+    const float t19 = 0.34f * fmaf(1.1f, t16, -(c1 * (over_c2 * t18)));
+    const float t20 = (edge3 < det) ? (t13 * t18) : (over_c2 * t19);
+    const float omega_fit = (edge2 < size2) ? t20 : 0.0f;
+    const float error_2 = fmaf(front.y, vx_fit, front.x * fmaf((-1.1f), omega_fit, -vy_fit));
+    const float error_0 = t10 - vx_fit;
+    const float t21 = fmaf(error_2, error_2, fmaf(error_0, error_0, vy_fit * vy_fit));
 
-    twist->vx = t16;
-    twist->vy = t19;
-    twist->omega = t23;
-    *slip = t26;
+    twist->vx = vx_fit;
+    twist->vy = vy_fit;
+    twist->omega = omega_fit;
+    *slip = sqrtf(t21);
 }
 
 void bicycle_odometry(bicycle_pose *pose, const bicycle_twist *twist, float dt)

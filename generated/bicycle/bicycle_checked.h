@@ -21,7 +21,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_a4569fc69aff52ab)
+#if !defined(BICYCLE_PAIR_0a948b3525827263)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

@@ -30,7 +30,7 @@
 
 #define CAR_WITH_TRAILERS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CAR_WITH_TRAILERS_MODEL_HASH "d6f67aeb73b8ade1ecf5c0f66fe0f518" /**< digest of the model */
-#define CAR_WITH_TRAILERS_PAIR_5b6c182d26a55106 1 /**< header and source that were written together have the same */
+#define CAR_WITH_TRAILERS_PAIR_06af15b2b0cb404e 1 /**< header and source that were written together have the same */
 #define CAR_WITH_TRAILERS_WHEELS 4 /**< how many wheels the robot has */
 #define CAR_WITH_TRAILERS_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define CAR_WITH_TRAILERS_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_5b6c182d26a55106)
+#if !defined(CAR_WITH_TRAILERS_PAIR_06af15b2b0cb404e)
 #error "car_with_trailers_checked.h and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_bda6c9044788c69c)
+#if !defined(CARE_O_BOT_4_PAIR_1648c31763a6c9ec)
 #error "care_o_bot_4.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -180,16 +180,16 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 {
     wmrgen_wheel result;
     const float size = sqrtf((x * x) + (y * y));
-    const float t0 = (size < 1e-20f) ? 1e-20f : size;
-    const float t1 = fabsf(x);
-    const float t2 = wmrgen_with_sign_of(2.0f, x);
-    const float heading = (size < 1e-20f) ? now : (t2 * wmrgen_arctangent(y / (t0 + t1)));
-    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t3);
-    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
+    const float size_safe = (size < 1e-20f) ? 1e-20f : size;
+    const float t0 = fabsf(x);
+    const float t1 = wmrgen_with_sign_of(2.0f, x);
+    const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
+    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t4;
-    result.steer = t5;
+    result.spin = t3;
+    result.steer = t4;
     return result;
 }
 #endif
@@ -203,11 +203,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -225,13 +225,16 @@ void care_o_bot_4_inverse(
     const care_o_bot_4_wheels *now,
     care_o_bot_4_wheels *out)
 {
-    const float t0 = fmaf((-1.335144e-09f), twist->omega, fmaf((-0.21515f), twist->omega, twist->vx));
-    const float fl_y = fmaf(1.282692e-09f, twist->omega, fmaf(0.12422f, twist->omega, twist->vy)); /* fl: b, fr: b */
-    const wmrgen_wheel fl = wmrgen_steer_along(t0, fl_y, now->fl.steer, 13.333333f);
-    const float t1 = fmaf((-2.565384e-09f), twist->omega, fmaf((-0.24844f), twist->omega, twist->vy));
-    const wmrgen_wheel b = wmrgen_steer_along(twist->vx, t1, now->b.steer, 13.333333f);
-    const float t2 = fmaf(1.335144e-09f, twist->omega, fmaf(0.21515f, twist->omega, twist->vx));
-    const wmrgen_wheel fr = wmrgen_steer_along(t2, fl_y, now->fr.steer, 13.333333f);
+    /* v_Ax of fl */
+    const float fl_x = fmaf((-1.335144e-09f), twist->omega, fmaf((-0.21515f), twist->omega, twist->vx));
+    /* v_Ay of fl, v_Ay of fr */
+    const float fl_y = fmaf(1.282692e-09f, twist->omega, fmaf(0.12422f, twist->omega, twist->vy));
+    const wmrgen_wheel fl = wmrgen_steer_along(fl_x, fl_y, now->fl.steer, 13.333333f);
+    /* v_Ay of b */
+    const float b_y = fmaf((-2.565384e-09f), twist->omega, fmaf((-0.24844f), twist->omega, twist->vy));
+    const wmrgen_wheel b = wmrgen_steer_along(twist->vx, b_y, now->b.steer, 13.333333f);
+    const float fr_x = fmaf(1.335144e-09f, twist->omega, fmaf(0.21515f, twist->omega, twist->vx)); /* v_Ax of fr */
+    const wmrgen_wheel fr = wmrgen_steer_along(fr_x, fl_y, now->fr.steer, 13.333333f);
 
     out->fl.spin = fl.spin;
     out->fl.steer = fl.steer;
@@ -273,11 +276,11 @@ void care_o_bot_4_forward_slip(
     const wmrgen_vector fl = wmrgen_vector_at(wheels->fl.spin, wheels->fl.steer);
     const wmrgen_vector b = wmrgen_vector_at(wheels->b.spin, wheels->b.steer);
     const wmrgen_vector fr = wmrgen_vector_at(wheels->fr.spin, wheels->fr.steer);
-    const float vx_fit = 0.025f * (fr.x + (fl.x + b.x)); /* vx */
+    const float vx_fit = 0.025f * (fr.x + (fl.x + b.x));
     const float t0 = fl.y + fr.y;
-    const float vy_fit = 0.025f * (b.y + t0); /* vy */
+    const float vy_fit = 0.025f * (b.y + t0);
     const float t1 = fmaf(0.087146334f, fr.x - fl.x, -(0.10063042f * b.y));
-    const float omega_fit = fmaf(0.05031521f, t0, t1); /* omega */
+    const float omega_fit = fmaf(0.05031521f, t0, t1);
     const float t2 = (-0.21515f) * omega_fit;
     const float t3 = -vx_fit;
     const float t4 = fmaf(0.075f, fl.x, t3) - t2;

@@ -29,7 +29,7 @@
 
 #define CARE_O_BOT_4_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CARE_O_BOT_4_MODEL_HASH "84fcbbaf9e38d600819abaded5750e06" /**< digest of the model */
-#define CARE_O_BOT_4_PAIR_bda6c9044788c69c 1 /**< header and source that were written together have the same */
+#define CARE_O_BOT_4_PAIR_1648c31763a6c9ec 1 /**< header and source that were written together have the same */
 #define CARE_O_BOT_4_WHEELS 3 /**< how many wheels the robot has */
 #define CARE_O_BOT_4_FL_X 0.12422f /**< [m] pivot, forward of P */
 #define CARE_O_BOT_4_FL_Y 0.21515f /**< [m] pivot, to the left of P */

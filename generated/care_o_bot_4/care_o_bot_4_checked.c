@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_bda6c9044788c69c)
+#if !defined(CARE_O_BOT_4_PAIR_1648c31763a6c9ec)
 #error "care_o_bot_4_checked.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

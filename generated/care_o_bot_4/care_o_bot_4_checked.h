@@ -21,7 +21,7 @@
 
 #include "care_o_bot_4.h"
 
-#if !defined(CARE_O_BOT_4_PAIR_bda6c9044788c69c)
+#if !defined(CARE_O_BOT_4_PAIR_1648c31763a6c9ec)
 #error "care_o_bot_4_checked.h and care_o_bot_4.h were not generated together: copy both"
 #endif
 

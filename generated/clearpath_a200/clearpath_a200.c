@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_A200_PAIR_ceb396200687a46c)
+#if !defined(CLEARPATH_A200_PAIR_c5c887ce807268d0)
 #error "clearpath_a200.c and clearpath_a200.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -138,11 +138,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_direction(h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -194,9 +194,9 @@ void clearpath_a200_forward_slip(
 {
     const float t0 = wheels->front_right.spin + wheels->rear_right.spin;
     const float t1 = wheels->front_left.spin + wheels->rear_left.spin;
-    const float vx_fit = 0.041275f * (t0 + t1); /* vx */
+    const float vx_fit = 0.041275f * (t0 + t1);
     const float t2 = t0 - t1;
-    const float omega_fit = 0.080353804f * t2; /* omega */
+    const float omega_fit = 0.080353804f * t2;
     const float t3 = 0.022298181f * t2;
     const float t4 = -(vx_fit - t3);
     const float t5 = fmaf(0.1651f, wheels->front_left.spin, t4);

@@ -30,7 +30,7 @@
 
 #define CLEARPATH_A200_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_A200_MODEL_HASH "a835a864c25f272b3a3208e7368e86ab" /**< digest of the model */
-#define CLEARPATH_A200_PAIR_ceb396200687a46c 1 /**< header and source that were written together have the same */
+#define CLEARPATH_A200_PAIR_c5c887ce807268d0 1 /**< header and source that were written together have the same */
 #define CLEARPATH_A200_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_A200_FRONT_LEFT_X 0.256f /**< [m] pivot, forward of P */
 #define CLEARPATH_A200_FRONT_LEFT_Y 0.2775f /**< [m] pivot, to the left of P */

@@ -32,7 +32,7 @@
 
 #define CLEARPATH_DO100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_DO100_MODEL_HASH "220c83a478e0be96d02212a0d09b085f" /**< digest of the model */
-#define CLEARPATH_DO100_PAIR_00d2652aeba165b4 1 /**< header and source that were written together have the same */
+#define CLEARPATH_DO100_PAIR_40ff28375ba7d321 1 /**< header and source that were written together have the same */
 #define CLEARPATH_DO100_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_DO100_FRONT_LEFT_X 0.285f /**< [m] pivot, forward of P */
 #define CLEARPATH_DO100_FRONT_LEFT_Y 0.2104f /**< [m] pivot, to the left of P */

@@ -36,7 +36,7 @@
 
 #define CLEARPATH_R100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_R100_MODEL_HASH "deec2372809346c365996ee8244d4a09" /**< digest of the model */
-#define CLEARPATH_R100_PAIR_86ba36edf73b1b0e 1 /**< header and source that were written together have the same */
+#define CLEARPATH_R100_PAIR_e8953584f5cb4c05 1 /**< header and source that were written together have the same */
 #define CLEARPATH_R100_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_R100_FRONT_LEFT_X 0.319f /**< [m] pivot, forward of P */
 #define CLEARPATH_R100_FRONT_LEFT_Y 0.2755f /**< [m] pivot, to the left of P */

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_e6b4f5be70171886)
+#if !defined(F1TENTH_PAIR_0dd9e916e473e671)
 #error "f1tenth.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -189,11 +189,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_direction(h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -208,9 +208,9 @@ float *f1tenth_joint(f1tenth_wheels *wheels, int joint)
 
 void f1tenth_inverse(const f1tenth_twist *twist, const f1tenth_wheels *now, f1tenth_wheels *out)
 {
-    const float front_q = 0.3302f * twist->omega; /* front: q */
-    const float front_tangent = wmrgen_clamp(front_q / wmrgen_at_least(twist->vx, 1e-20f), 0.4452287f); /* front: t */
-    const float t0 = ((fabsf(twist->vx) + fabsf(front_q)) < 2e-20f) ? wmrgen_clamp(now->front.steer, 0.41887903f) : wmrgen_arctangent(front_tangent);
+    const float front_q = 0.3302f * twist->omega; /* q of front */
+    const float front_t = wmrgen_clamp(front_q / wmrgen_at_least(twist->vx, 1e-20f), 0.4452287f); /* t of front */
+    const float t0 = ((fabsf(twist->vx) + fabsf(front_q)) < 2e-20f) ? wmrgen_clamp(now->front.steer, 0.41887903f) : wmrgen_arctangent(front_t);
 
     out->front.steer = t0;
     out->rear.spin = 20.0f * twist->vx;
@@ -219,13 +219,12 @@ void f1tenth_inverse(const f1tenth_twist *twist, const f1tenth_wheels *now, f1te
 void f1tenth_inverse_slip(const f1tenth_twist *twist, const f1tenth_wheels *wheels, float *slip)
 {
     (void)wheels;
-    const float front_q = 0.3302f * twist->omega; /* front: q */
-    const float front_tangent = wmrgen_clamp(front_q / wmrgen_at_least(twist->vx, 1e-20f), 0.4452287f); /* front: t */
-    const float t0 = sqrtf(fmaf(front_tangent, front_tangent, 1.0f));
-    const float t1 = fmaf(-twist->vx, front_tangent, front_q) / t0;
-    const float t2 = fabsf(fmaf((-0.17145f), twist->omega, twist->vy));
+    const float front_q = 0.3302f * twist->omega; /* q of front */
+    const float front_t = wmrgen_clamp(front_q / wmrgen_at_least(twist->vx, 1e-20f), 0.4452287f); /* t of front */
+    const float t0 = fmaf(-twist->vx, front_t, front_q) / sqrtf(fmaf(front_t, front_t, 1.0f));
+    const float t1 = fabsf(fmaf((-0.17145f), twist->omega, twist->vy));
 
-    *slip = sqrtf(fmaf(t2, t2, t1 * t1));
+    *slip = sqrtf(fmaf(t1, t1, t0 * t0));
 }
 
 void f1tenth_forward(const f1tenth_wheels *wheels, f1tenth_twist *twist)
@@ -241,45 +240,45 @@ void f1tenth_forward(const f1tenth_wheels *wheels, f1tenth_twist *twist)
     const float n22 = fmaf(0.025201563f, t0, 0.029395102f); /* HtH[2][2] */
     const float n12 = fmaf(0.15875f, t0, (-0.17145f)); /* HtH[1][2] */
     const float n11 = t0 + 1.0f; /* HtH[1][1] */
-    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0], det(HtH) */
+    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
     const float t1 = front.y * front.x;
     const float t2 = t1 * t1;
     const float n00 = fmaf(front.y, front.y, 1.0f); /* HtH[0][0] */
     const float t3 = adj00 + fmaf(n00, n22, -(0.025201563f * t2));
     const float adj22 = fmaf(n00, n11, -t2); /* adj(HtH)[2][2] */
-    const float c2 = adj22 + t3; /* c2 */
+    const float c2 = adj22 + t3;
     const float t4 = (c2 < 1e-12f) ? 1e-12f : c2;
-    const float over_c2 = 1.0f / t4; /* over c2 */
+    const float over_c2 = 1.0f / t4;
     const float t5 = adj00 * wheels->rear.spin;
     const float t6 = 0.05f * fmaf(-t5, over_c2, wheels->rear.spin);
     const float t7 = n00 + n11;
-    const float c1 = t7 + n22; /* c1 */
-    const float rear_wx = 0.05f * wheels->rear.spin; /* rear: its velocity, x, Htz[0], vx */
-    const float size2 = fmaf(36.632275f, t3, adj22); /* size2 */
-    const float size1 = fmaf(36.632275f, n22, t7); /* size1 */
-    const float edge3 = 2.7298332e-08f * (size1 * size2); /* edge3 */
-    const float t8 = n12 * t1;
-    const float adj01 = fmaf(n22, t1, -(0.15875f * t8)); /* adj(HtH)[0][1] */
-    const float adj02 = fmaf(0.15875f, n11 * t1, -t8); /* adj(HtH)[0][2] */
-    const float t9 = fmaf(n00, adj00, t1 * fmaf((-0.15875f), adj02, -adj01));
-    const float t10 = (t9 < 1e-12f) ? 1e-12f : t9;
+    const float c1 = t7 + n22;
+    const float t8 = 0.05f * wheels->rear.spin;
+    const float size2 = fmaf(36.632275f, t3, adj22);
+    const float size1 = fmaf(36.632275f, n22, t7);
+    const float edge3 = 2.7298332e-08f * (size1 * size2);
+    const float t9 = n12 * t1;
+    const float adj01 = fmaf(n22, t1, -(0.15875f * t9)); /* adj(HtH)[0][1] */
+    const float adj02 = fmaf(0.15875f, n11 * t1, -t9); /* adj(HtH)[0][2] */
+    const float det = fmaf(n00, adj00, t1 * fmaf((-0.15875f), adj02, -adj01)); /* det(HtH) */
+    const float t10 = (det < 1e-12f) ? 1e-12f : det;
     const float t11 = 0.05f / t10;
-    const float t12 = (edge3 < t9) ? (t5 * t11) : (over_c2 * fmaf(c1, t6, -(n00 * rear_wx)));
-    const float edge2 = 0.000001f * (size1 * size1); /* edge2 */
+    const float t12 = (edge3 < det) ? (t5 * t11) : (over_c2 * fmaf(c1, t6, -(n00 * t8)));
+    const float edge2 = 0.000001f * (size1 * size1);
     const float t13 = (c1 < 1e-12f) ? 1e-12f : c1;
-    const float t14 = (edge2 < size2) ? t12 : (rear_wx / t13);
-    const float t15 = adj01 * wheels->rear.spin;
-    const float t16 = t1 * wheels->rear.spin;
-    const float t17 = (edge3 < t9) ? (t11 * t15) : (over_c2 * (0.05f * fmaf(-c1, over_c2 * t15, t16)));
-    const float t18 = (edge2 < size2) ? t17 : 0.0f;
-    const float t19 = adj02 * wheels->rear.spin;
-    const float t20 = 0.05f * fmaf(0.15875f, t16, -(c1 * (over_c2 * t19)));
-    const float t21 = (edge3 < t9) ? (t11 * t19) : (over_c2 * t20);
-    const float t22 = (edge2 < size2) ? t21 : 0.0f;
+    const float vx_fit = (edge2 < size2) ? t12 : (t8 / t13);
+    const float t14 = adj01 * wheels->rear.spin;
+    const float t15 = t1 * wheels->rear.spin;
+    const float t16 = (edge3 < det) ? (t11 * t14) : (over_c2 * (0.05f * fmaf(-c1, over_c2 * t14, t15)));
+    const float vy_fit = (edge2 < size2) ? t16 : 0.0f;
+    const float t17 = adj02 * wheels->rear.spin;
+    const float t18 = 0.05f * fmaf(0.15875f, t15, -(c1 * (over_c2 * t17)));
+    const float t19 = (edge3 < det) ? (t11 * t17) : (over_c2 * t18);
+    const float omega_fit = (edge2 < size2) ? t19 : 0.0f;
 
-    twist->vx = t14;
-    twist->vy = t18;
-    twist->omega = t22;
+    twist->vx = vx_fit;
+    twist->vy = vy_fit;
+    twist->omega = omega_fit;
 #endif
 }
 
@@ -290,51 +289,51 @@ void f1tenth_forward_slip(const f1tenth_wheels *wheels, f1tenth_twist *twist, fl
     const float n22 = fmaf(0.025201563f, t0, 0.029395102f); /* HtH[2][2] */
     const float n12 = fmaf(0.15875f, t0, (-0.17145f)); /* HtH[1][2] */
     const float n11 = t0 + 1.0f; /* HtH[1][1] */
-    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0], det(HtH) */
+    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
     const float t1 = front.y * front.x;
     const float t2 = t1 * t1;
     const float n00 = fmaf(front.y, front.y, 1.0f); /* HtH[0][0] */
     const float t3 = adj00 + fmaf(n00, n22, -(0.025201563f * t2));
     const float adj22 = fmaf(n00, n11, -t2); /* adj(HtH)[2][2] */
-    const float c2 = adj22 + t3; /* c2 */
+    const float c2 = adj22 + t3;
     const float t4 = (c2 < 1e-12f) ? 1e-12f : c2;
-    const float over_c2 = 1.0f / t4; /* over c2 */
+    const float over_c2 = 1.0f / t4;
     const float t5 = adj00 * wheels->rear.spin;
     const float t6 = 0.05f * fmaf(-t5, over_c2, wheels->rear.spin);
     const float t7 = n00 + n11;
-    const float c1 = t7 + n22; /* c1 */
-    const float rear_wx = 0.05f * wheels->rear.spin; /* rear: its velocity, x, Htz[0], vx */
-    const float size2 = fmaf(36.632275f, t3, adj22); /* size2 */
-    const float size1 = fmaf(36.632275f, n22, t7); /* size1 */
-    const float edge3 = 2.7298332e-08f * (size1 * size2); /* edge3 */
-    const float t8 = n12 * t1;
-    const float adj01 = fmaf(n22, t1, -(0.15875f * t8)); /* adj(HtH)[0][1] */
-    const float adj02 = fmaf(0.15875f, n11 * t1, -t8); /* adj(HtH)[0][2] */
-    const float t9 = fmaf(n00, adj00, t1 * fmaf((-0.15875f), adj02, -adj01));
-    const float t10 = (t9 < 1e-12f) ? 1e-12f : t9;
+    const float c1 = t7 + n22;
+    const float t8 = 0.05f * wheels->rear.spin;
+    const float size2 = fmaf(36.632275f, t3, adj22);
+    const float size1 = fmaf(36.632275f, n22, t7);
+    const float edge3 = 2.7298332e-08f * (size1 * size2);
+    const float t9 = n12 * t1;
+    const float adj01 = fmaf(n22, t1, -(0.15875f * t9)); /* adj(HtH)[0][1] */
+    const float adj02 = fmaf(0.15875f, n11 * t1, -t9); /* adj(HtH)[0][2] */
+    const float det = fmaf(n00, adj00, t1 * fmaf((-0.15875f), adj02, -adj01)); /* det(HtH) */
+    const float t10 = (det < 1e-12f) ? 1e-12f : det;
     const float t11 = 0.05f / t10;
-    const float t12 = (edge3 < t9) ? (t5 * t11) : (over_c2 * fmaf(c1, t6, -(n00 * rear_wx)));
-    const float edge2 = 0.000001f * (size1 * size1); /* edge2 */
+    const float t12 = (edge3 < det) ? (t5 * t11) : (over_c2 * fmaf(c1, t6, -(n00 * t8)));
+    const float edge2 = 0.000001f * (size1 * size1);
     const float t13 = (c1 < 1e-12f) ? 1e-12f : c1;
-    const float t14 = (edge2 < size2) ? t12 : (rear_wx / t13);
-    const float t15 = adj01 * wheels->rear.spin;
-    const float t16 = t1 * wheels->rear.spin;
-    const float t17 = (edge3 < t9) ? (t11 * t15) : (over_c2 * (0.05f * fmaf(-c1, over_c2 * t15, t16)));
-    const float t18 = (edge2 < size2) ? t17 : 0.0f;
-    const float t19 = adj02 * wheels->rear.spin;
-    const float t20 = 0.05f * fmaf(0.15875f, t16, -(c1 * (over_c2 * t19)));
-    const float t21 = (edge3 < t9) ? (t11 * t19) : (over_c2 * t20);
-    const float omega_fit = (edge2 < size2) ? t21 : 0.0f; /* omega */
-    const float t22 = -t18;
-    const float t23 = fmaf(front.y, t14, front.x * fmaf((-0.15875f), omega_fit, t22));
-    const float t24 = fmaf(0.17145f, omega_fit, t22);
-    const float t25 = rear_wx - t14;
-    const float t26 = sqrtf(fmaf(t23, t23, fmaf(t25, t25, t24 * t24)));
+    const float vx_fit = (edge2 < size2) ? t12 : (t8 / t13);
+    const float t14 = adj01 * wheels->rear.spin;
+    const float t15 = t1 * wheels->rear.spin;
+    const float t16 = (edge3 < det) ? (t11 * t14) : (over_c2 * (0.05f * fmaf(-c1, over_c2 * t14, t15)));
+    const float vy_fit = (edge2 < size2) ? t16 : 0.0f;
+    const float t17 = adj02 * wheels->rear.spin;
+    const float t18 = 0.05f * fmaf(0.15875f, t15, -(c1 * (over_c2 * t17)));
+    const float t19 = (edge3 < det) ? (t11 * t17) : (over_c2 * t18);
+    const float omega_fit = (edge2 < size2) ? t19 : 0.0f;
+    const float t20 = -vy_fit;
+    const float error_2 = fmaf(front.y, vx_fit, front.x * fmaf((-0.15875f), omega_fit, t20));
+    const float error_1 = fmaf(0.17145f, omega_fit, t20);
+    const float error_0 = t8 - vx_fit;
+    const float t21 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
 
-    twist->vx = t14;
-    twist->vy = t18;
+    twist->vx = vx_fit;
+    twist->vy = vy_fit;
     twist->omega = omega_fit;
-    *slip = t26;
+    *slip = sqrtf(t21);
 }
 
 void f1tenth_odometry(f1tenth_pose *pose, const f1tenth_twist *twist, float dt)
@@ -358,23 +357,23 @@ void f1tenth_limit_twist(f1tenth_twist *twist)
     const float t2 = (t1 < 1.0f) ? 1.0f : t1;
     const float t3 = (t0 < t2) ? t2 : t0;
     const float t4 = 0.1f * fabsf(twist->omega);
-    const float t5 = (t4 < t3) ? t3 : t4;
-    const float t6 = 1.0f / t5;
+    const float load = (t4 < t3) ? t3 : t4;
+    const float scale = 1.0f / load;
 
-    twist->vx = wmrgen_clamp(twist->vx * t6, 20.0f);
-    twist->vy = wmrgen_clamp(twist->vy * t6, 20.0f);
-    twist->omega = wmrgen_clamp(twist->omega * t6, 10.0f);
+    twist->vx = wmrgen_clamp(twist->vx * scale, 20.0f);
+    twist->vy = wmrgen_clamp(twist->vy * scale, 20.0f);
+    twist->omega = wmrgen_clamp(twist->omega * scale, 10.0f);
 }
 
 void f1tenth_limit_acceleration(f1tenth_twist *twist, const f1tenth_twist *wanted, float dt)
 {
-    const float vx_change = wanted->vx - twist->vx; /* vx change */
+    const float vx_change = wanted->vx - twist->vx;
     const float t0 = 0.10515247f * fabsf(vx_change);
-    const float vy_change = wanted->vy - twist->vy; /* vy change */
+    const float vy_change = wanted->vy - twist->vy;
     const float t1 = 0.10515247f * fabsf(vy_change);
-    const float time = (t0 < t1) ? t1 : t0; /* time */
+    const float time = (t0 < t1) ? t1 : t0;
     const float t2 = (time < 1e-20f) ? 1e-20f : time;
-    const float step = (dt < 0.0f) ? 0.0f : dt; /* step */
+    const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t3 = 0.9999995f * (step / t2);
     const float t4 = (step < time) ? fmaf(vx_change, t3, twist->vx) : wanted->vx;
     const float t5 = (step < time) ? fmaf(vy_change, t3, twist->vy) : wanted->vy;
@@ -392,7 +391,7 @@ void f1tenth_steer_toward(
     f1tenth_wheels *out)
 {
     const float t0 = wmrgen_clamp(now->front.steer, 0.41887903f);
-    const float step = (dt < 0.0f) ? 0.0f : dt; /* step */
+    const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t1 = 3.2f * step;
     const float t2 = t0 - t1;
     const float t3 = t0 + t1;

@@ -21,7 +21,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_e6b4f5be70171886)
+#if !defined(F1TENTH_PAIR_0dd9e916e473e671)
 #error "f1tenth_checked.h and f1tenth.h were not generated together: copy both"
 #endif
 

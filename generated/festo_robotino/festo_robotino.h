@@ -30,7 +30,7 @@
 
 #define FESTO_ROBOTINO_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define FESTO_ROBOTINO_MODEL_HASH "dc1c44663fd46ce4c79e09cfa991d44a" /**< digest of the model */
-#define FESTO_ROBOTINO_PAIR_3cb800354f660d83 1 /**< header and source that were written together have the same */
+#define FESTO_ROBOTINO_PAIR_e688a811f2ef2120 1 /**< header and source that were written together have the same */
 #define FESTO_ROBOTINO_WHEELS 3 /**< how many wheels the robot has */
 #define FESTO_ROBOTINO_WHEEL0_X 0.065f /**< [m] pivot, forward of P */
 #define FESTO_ROBOTINO_WHEEL0_Y 0.11f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_3cb800354f660d83)
+#if !defined(FESTO_ROBOTINO_PAIR_e688a811f2ef2120)
 #error "festo_robotino_checked.h and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(JPL_OSR_PAIR_29f155fef313a1f6)
+#if !defined(JPL_OSR_PAIR_eacb9295fcb8035b)
 #error "jpl_osr.c and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -180,16 +180,16 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 {
     wmrgen_wheel result;
     const float size = sqrtf((x * x) + (y * y));
-    const float t0 = (size < 1e-20f) ? 1e-20f : size;
-    const float t1 = fabsf(x);
-    const float t2 = wmrgen_with_sign_of(2.0f, x);
-    const float heading = (size < 1e-20f) ? now : (t2 * wmrgen_arctangent(y / (t0 + t1)));
-    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t3);
-    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
+    const float size_safe = (size < 1e-20f) ? 1e-20f : size;
+    const float t0 = fabsf(x);
+    const float t1 = wmrgen_with_sign_of(2.0f, x);
+    const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
+    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t4;
-    result.steer = t5;
+    result.spin = t3;
+    result.steer = t4;
     return result;
 }
 #endif
@@ -203,11 +203,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -223,10 +223,10 @@ float *jpl_osr_joint(jpl_osr_wheels *wheels, int joint)
 void jpl_osr_inverse(const jpl_osr_twist *twist, const jpl_osr_wheels *now, jpl_osr_wheels *out)
 {
     const float t0 = 0.177f * twist->omega;
-    const float left_front_x = twist->vx - t0; /* left_front: a, left_back: a */
+    const float left_front_x = twist->vx - t0; /* v_Ax of left_front, v_Ax of left_back */
     const float t1 = 0.274f * twist->omega;
     const wmrgen_wheel left_front = wmrgen_steer_along(left_front_x, t1, now->left_front.steer, 13.333333f);
-    const float right_front_x = twist->vx + t0; /* right_front: a, right_back: a */
+    const float right_front_x = twist->vx + t0; /* v_Ax of right_front, v_Ax of right_back */
     const wmrgen_wheel right_front = wmrgen_steer_along(right_front_x, t1, now->right_front.steer, 13.333333f);
     const float t2 = (-0.31f) * twist->omega;
     const wmrgen_wheel left_back = wmrgen_steer_along(left_front_x, t2, now->left_back.steer, 13.333333f);
@@ -272,8 +272,8 @@ void jpl_osr_forward(const jpl_osr_wheels *wheels, jpl_osr_twist *twist)
     const float t4 = fmaf(0.69960475f, t1 - t0, t3);
     const float t5 = left_back.y + right_back.y;
     const float t6 = left_front.y + right_front.y;
-    const float vy_fit = fmaf((-0.00038280358f), t4, fmaf(0.012049109f, t5, 0.012932735f * t6)); /* vy */
-    const float omega_fit = fmaf((-0.031900298f), t4, fmaf(0.03606121f, t6, -(0.037574265f * t5))); /* omega */
+    const float vy_fit = fmaf((-0.00038280358f), t4, fmaf(0.012049109f, t5, 0.012932735f * t6));
+    const float omega_fit = fmaf((-0.031900298f), t4, fmaf(0.03606121f, t6, -(0.037574265f * t5)));
 
     twist->vx = 0.0125f * (t0 + (t1 + t2));
     twist->vy = vy_fit;
@@ -290,13 +290,13 @@ void jpl_osr_forward_slip(const jpl_osr_wheels *wheels, jpl_osr_twist *twist, fl
     const wmrgen_vector left_back = wmrgen_vector_at(wheels->left_back.spin, wheels->left_back.steer);
     const float t1 = left_front.x + left_back.x;
     const float t2 = wheels->left_middle.spin + wheels->right_middle.spin;
-    const float vx_fit = 0.0125f * (t0 + (t1 + t2)); /* vx */
+    const float vx_fit = 0.0125f * (t0 + (t1 + t2));
     const float t3 = wheels->left_middle.spin - wheels->right_middle.spin;
     const float t4 = fmaf(0.69960475f, t1 - t0, t3);
     const float t5 = left_back.y + right_back.y;
     const float t6 = left_front.y + right_front.y;
-    const float vy_fit = fmaf((-0.00038280358f), t4, fmaf(0.012049109f, t5, 0.012932735f * t6)); /* vy */
-    const float omega_fit = fmaf((-0.031900298f), t4, fmaf(0.03606121f, t6, -(0.037574265f * t5))); /* omega */
+    const float vy_fit = fmaf((-0.00038280358f), t4, fmaf(0.012049109f, t5, 0.012932735f * t6));
+    const float omega_fit = fmaf((-0.031900298f), t4, fmaf(0.03606121f, t6, -(0.037574265f * t5)));
     const float t7 = -fmaf(0.274f, omega_fit, vy_fit);
     const float t8 = fmaf(0.075f, right_front.y, t7);
     const float t9 = fmaf(0.075f, left_front.y, t7);

@@ -32,7 +32,7 @@
 
 #define JPL_OSR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define JPL_OSR_MODEL_HASH "2cf0dc325756e7dda404cb5f636b1bbd" /**< digest of the model */
-#define JPL_OSR_PAIR_29f155fef313a1f6 1 /**< header and source that were written together have the same */
+#define JPL_OSR_PAIR_eacb9295fcb8035b 1 /**< header and source that were written together have the same */
 #define JPL_OSR_WHEELS 6 /**< how many wheels the robot has */
 #define JPL_OSR_LEFT_FRONT_X 0.274f /**< [m] pivot, forward of P */
 #define JPL_OSR_LEFT_FRONT_Y 0.177f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_29f155fef313a1f6)
+#if !defined(JPL_OSR_PAIR_eacb9295fcb8035b)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 

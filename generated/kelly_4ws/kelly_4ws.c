@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_66a9a916b4b839ea)
+#if !defined(KELLY_4WS_PAIR_0532c8a176ab0f3a)
 #error "kelly_4ws.c and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -186,16 +186,16 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 {
     wmrgen_wheel result;
     const float size = sqrtf((x * x) + (y * y));
-    const float t0 = (size < 1e-20f) ? 1e-20f : size;
-    const float t1 = fabsf(x);
-    const float t2 = wmrgen_with_sign_of(2.0f, x);
-    const float heading = (size < 1e-20f) ? now : (t2 * wmrgen_arctangent(y / (t0 + t1)));
-    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t3);
-    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
+    const float size_safe = (size < 1e-20f) ? 1e-20f : size;
+    const float t0 = fabsf(x);
+    const float t1 = wmrgen_with_sign_of(2.0f, x);
+    const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
+    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t4;
-    result.steer = t5;
+    result.spin = t3;
+    result.steer = t4;
     return result;
 }
 #endif
@@ -209,11 +209,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_direction(h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -231,14 +231,16 @@ void kelly_4ws_inverse(
     const kelly_4ws_wheels *now,
     kelly_4ws_wheels *out)
 {
-    const float w1_x = fmaf(1.1920929e-08f, twist->omega, fmaf((-0.3f), twist->omega, twist->vx)); /* w1: a, w3: a */
-    const float w1_y = fmaf(0.5f, twist->omega, twist->vy); /* w1: b, w2: b */
+    /* v_Ax of w1, v_Ax of w3 */
+    const float w1_x = fmaf(1.1920929e-08f, twist->omega, fmaf((-0.3f), twist->omega, twist->vx));
+    const float w1_y = fmaf(0.5f, twist->omega, twist->vy); /* v_Ay of w1, v_Ay of w2 */
     const wmrgen_wheel w1 = wmrgen_steer_along(w1_x, w1_y, now->w1.steer, 1.0f);
     const float t0 = 0.7f * twist->omega;
     const float t1 = -t0;
-    const float w2_x = fmaf((-1.1920929e-08f), twist->omega, fmaf(0.3f, twist->omega, twist->vx)); /* w2: a, w4: a */
+    /* v_Ax of w2, v_Ax of w4 */
+    const float w2_x = fmaf((-1.1920929e-08f), twist->omega, fmaf(0.3f, twist->omega, twist->vx));
     const wmrgen_wheel w2 = wmrgen_steer_along(w2_x, w1_y, now->w2.steer, 1.0f);
-    const float w3_y = fmaf((-0.5f), twist->omega, twist->vy); /* w3: b, w4: b */
+    const float w3_y = fmaf((-0.5f), twist->omega, twist->vy); /* v_Ay of w3, v_Ay of w4 */
     const wmrgen_wheel w3 = wmrgen_steer_along(w1_x, w3_y, now->w3.steer, 1.0f);
     const wmrgen_wheel w4 = wmrgen_steer_along(w2_x, w3_y, now->w4.steer, 1.0f);
 
@@ -287,20 +289,20 @@ void kelly_4ws_forward(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist)
     const float t9 = wheels->w1.steer_rate + wheels->w2.steer_rate;
     const float t10 = wheels->w4.steer_rate + (wheels->w3.steer_rate + t9);
     const float t11 = fmaf(0.028f, wheels->w4.spin + t8, -(0.0196f * t10));
-    const float moment = (2.0f * (t2 - t5)) + fmaf(1.2f, t6 - t7, t11); /* moment */
-    const float sum_wy = t5 + t2; /* sum: its velocity, y */
+    const float moment = (2.0f * (t2 - t5)) + fmaf(1.2f, t6 - t7, t11);
+    const float sum_wy = t5 + t2;
     const float t12 = w3.y - w4.y;
     const float t13 = w1.y - w2.y;
-    const float sum_fx = (-0.07f) * (t12 + t13); /* sum fx */
+    const float sum_fx = (-0.07f) * (t12 + t13);
     const float t14 = -sum_fx;
-    const float sum_wx = t6 + t7; /* sum: its velocity, x */
+    const float sum_wx = t6 + t7;
     const float t15 = w1.x + w3.x;
     const float t16 = w2.x + w4.x;
-    const float sum_fy = 0.07f * (t15 - t16); /* sum fy */
+    const float sum_fy = 0.07f * (t15 - t16);
     const float t17 = fmaf(sum_wx, sum_fy, fmaf(t14, sum_wy, moment));
-    const float inertia = fmaf(0.168f, t16 + t15, fmaf(0.28f, t12 - t13, 5.5184f)); /* inertia */
+    const float inertia = fmaf(0.168f, t16 + t15, fmaf(0.28f, t12 - t13, 5.5184f));
     const float t18 = fmaf(-sum_fy, sum_fy, fmaf(t14, sum_fx, inertia));
-    const float omega_fit = t17 / t18; /* omega */
+    const float omega_fit = t17 / t18;
 
     twist->vx = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
     twist->vy = 0.25f * fmaf(t14, omega_fit, sum_wy);
@@ -313,58 +315,58 @@ void kelly_4ws_forward_slip(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twi
     const float t0 = fmaf(0.07f, wheels->w1.steer_rate, 0.1f * wheels->w1.spin);
     const float t1 = fmaf(0.1f, wheels->w2.spin, -(0.07f * wheels->w2.steer_rate));
     const wmrgen_vector w2 = wmrgen_direction(wheels->w2.steer);
-    const float w2_wy = t1 * w2.y; /* w2: its velocity, y */
+    const float w2_wy = t1 * w2.y;
     const wmrgen_vector w1 = wmrgen_direction(wheels->w1.steer);
     const float t2 = fmaf(t0, w1.y, w2_wy);
     const float t3 = fmaf(0.07f, wheels->w3.steer_rate, 0.1f * wheels->w3.spin);
     const float t4 = fmaf(0.1f, wheels->w4.spin, -(0.07f * wheels->w4.steer_rate));
     const wmrgen_vector w4 = wmrgen_direction(wheels->w4.steer);
-    const float w4_wy = t4 * w4.y; /* w4: its velocity, y */
+    const float w4_wy = t4 * w4.y;
     const wmrgen_vector w3 = wmrgen_direction(wheels->w3.steer);
     const float t5 = fmaf(t3, w3.y, w4_wy);
-    const float w4_wx = w4.x * t4; /* w4: its velocity, x */
+    const float w4_wx = w4.x * t4;
     const float t6 = fmaf(w2.x, t1, w4_wx);
-    const float w3_wx = w3.x * t3; /* w3: its velocity, x */
+    const float w3_wx = w3.x * t3;
     const float t7 = fmaf(w1.x, t0, w3_wx);
     const float t8 = wheels->w2.spin - wheels->w1.spin - wheels->w3.spin;
     const float t9 = wheels->w1.steer_rate + wheels->w2.steer_rate;
     const float t10 = wheels->w4.steer_rate + (wheels->w3.steer_rate + t9);
     const float t11 = fmaf(0.028f, wheels->w4.spin + t8, -(0.0196f * t10));
-    const float moment = (2.0f * (t2 - t5)) + fmaf(1.2f, t6 - t7, t11); /* moment */
-    const float sum_wy = t5 + t2; /* sum: its velocity, y */
+    const float moment = (2.0f * (t2 - t5)) + fmaf(1.2f, t6 - t7, t11);
+    const float sum_wy = t5 + t2;
     const float t12 = w3.y - w4.y;
     const float t13 = w1.y - w2.y;
-    const float sum_fx = (-0.07f) * (t12 + t13); /* sum fx */
+    const float sum_fx = (-0.07f) * (t12 + t13);
     const float t14 = -sum_fx;
-    const float sum_wx = t6 + t7; /* sum: its velocity, x */
+    const float sum_wx = t6 + t7;
     const float t15 = w1.x + w3.x;
     const float t16 = w2.x + w4.x;
-    const float sum_fy = 0.07f * (t15 - t16); /* sum fy */
+    const float sum_fy = 0.07f * (t15 - t16);
     const float t17 = fmaf(sum_wx, sum_fy, fmaf(t14, sum_wy, moment));
-    const float inertia = fmaf(0.168f, t16 + t15, fmaf(0.28f, t12 - t13, 5.5184f)); /* inertia */
+    const float inertia = fmaf(0.168f, t16 + t15, fmaf(0.28f, t12 - t13, 5.5184f));
     const float t18 = fmaf(-sum_fy, sum_fy, fmaf(t14, sum_fx, inertia));
-    const float omega_fit = t17 / t18; /* omega */
+    const float omega_fit = t17 / t18;
     const float t19 = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
     const float t20 = 0.25f * fmaf(t14, omega_fit, sum_wy);
     const float t21 = 0.3f * omega_fit;
     const float t22 = t21 - t19;
     const float t23 = 0.07f * omega_fit;
-    const float error_0 = fmaf(w1.x, t23, fmaf(w1.x, t0, t22)); /* residual 0 */
+    const float error_0 = fmaf(w1.x, t23, fmaf(w1.x, t0, t22));
     const float t24 = (-0.5f) * omega_fit;
     const float t25 = t24 - t20;
-    const float error_1 = fmaf(w1.y, t23, fmaf(t0, w1.y, t25)); /* residual 1 */
+    const float error_1 = fmaf(w1.y, t23, fmaf(t0, w1.y, t25));
     const float t26 = t19 + t21;
     const float t27 = (-0.07f) * omega_fit;
-    const float error_2 = fmaf(w2.x, t27, fmaf(w2.x, t1, -t26)); /* residual 2 */
+    const float error_2 = fmaf(w2.x, t27, fmaf(w2.x, t1, -t26));
     const float t28 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
-    const float error_3 = fmaf(w2.y, t27, w2_wy + t25); /* residual 3 */
-    const float error_4 = fmaf(w3.x, t23, w3_wx + t22); /* residual 4 */
+    const float error_3 = fmaf(w2.y, t27, w2_wy + t25);
+    const float error_4 = fmaf(w3.x, t23, w3_wx + t22);
     const float t29 = fmaf(error_4, error_4, fmaf(error_3, error_3, t28));
     const float t30 = t20 + t24;
-    const float error_5 = fmaf(w3.y, t23, fmaf(t3, w3.y, -t30)); /* residual 5 */
-    const float error_6 = fmaf(w4.x, t27, w4_wx - t26); /* residual 6 */
+    const float error_5 = fmaf(w3.y, t23, fmaf(t3, w3.y, -t30));
+    const float error_6 = fmaf(w4.x, t27, w4_wx - t26);
     const float t31 = fmaf(error_6, error_6, fmaf(error_5, error_5, t29));
-    const float error_7 = fmaf(w4.y, t27, w4_wy - t30); /* residual 7 */
+    const float error_7 = fmaf(w4.y, t27, w4_wy - t30);
 
     twist->vx = t19;
     twist->vy = t20;

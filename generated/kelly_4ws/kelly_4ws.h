@@ -30,7 +30,7 @@
 
 #define KELLY_4WS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KELLY_4WS_MODEL_HASH "41c3b6a17a2651cddb86d9bd77c26fed" /**< digest of the model */
-#define KELLY_4WS_PAIR_66a9a916b4b839ea 1 /**< header and source that were written together have the same */
+#define KELLY_4WS_PAIR_0532c8a176ab0f3a 1 /**< header and source that were written together have the same */
 #define KELLY_4WS_WHEELS 4 /**< how many wheels the robot has */
 #define KELLY_4WS_W1_X 0.5f /**< [m] pivot, forward of P */
 #define KELLY_4WS_W1_Y 0.3f /**< [m] pivot, to the left of P */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(KELLY_4WS_PAIR_66a9a916b4b839ea)
+#if !defined(KELLY_4WS_PAIR_0532c8a176ab0f3a)
 #error "kelly_4ws_checked.c and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

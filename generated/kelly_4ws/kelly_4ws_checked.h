@@ -21,7 +21,7 @@
 
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_66a9a916b4b839ea)
+#if !defined(KELLY_4WS_PAIR_0532c8a176ab0f3a)
 #error "kelly_4ws_checked.h and kelly_4ws.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_3b092f98235ae814)
+#if !defined(KUKA_YOUBOT_PAIR_31be1ad002724f82)
 #error "kuka_youbot.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -170,11 +170,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_direction(h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -283,8 +283,8 @@ void kuka_youbot_limit_twist(kuka_youbot_twist *twist)
     const float t2 = (t1 < 1.0f) ? 1.0f : t1;
     const float t3 = (t0 < t2) ? t2 : t0;
     const float t4 = 0.8333333f * fabsf(twist->omega);
-    const float load = (t4 < t3) ? t3 : t4; /* load */
-    const float scale = 1.0f / load; /* scale */
+    const float load = (t4 < t3) ? t3 : t4;
+    const float scale = 1.0f / load;
 
     twist->vx = wmrgen_clamp(twist->vx * scale, 0.8f);
     twist->vy = wmrgen_clamp(twist->vy * scale, 0.8f);
@@ -296,16 +296,16 @@ void kuka_youbot_limit_acceleration(
     const kuka_youbot_twist *wanted,
     float dt)
 {
-    const float vx_change = wanted->vx - twist->vx; /* vx change */
+    const float vx_change = wanted->vx - twist->vx;
     const float t0 = 1.25f * fabsf(vx_change);
-    const float vy_change = wanted->vy - twist->vy; /* vy change */
+    const float vy_change = wanted->vy - twist->vy;
     const float t1 = 1.25f * fabsf(vy_change);
     const float t2 = (t0 < t1) ? t1 : t0;
-    const float omega_change = wanted->omega - twist->omega; /* omega change */
+    const float omega_change = wanted->omega - twist->omega;
     const float t3 = 0.41666666f * fabsf(omega_change);
-    const float time = (t3 < t2) ? t2 : t3; /* time */
+    const float time = (t3 < t2) ? t2 : t3;
     const float t4 = (time < 1e-20f) ? 1e-20f : time;
-    const float step = (dt < 0.0f) ? 0.0f : dt; /* step */
+    const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t5 = 0.9999995f * (step / t4);
     const float t6 = (step < time) ? fmaf(vx_change, t5, twist->vx) : wanted->vx;
     const float t7 = (step < time) ? fmaf(vy_change, t5, twist->vy) : wanted->vy;
@@ -325,8 +325,8 @@ void kuka_youbot_desaturate(kuka_youbot_wheels *wheels, float *scale)
     const float t4 = 0.0625f * fabsf(wheels->bl.spin);
     const float t5 = (t4 < t3) ? t3 : t4;
     const float t6 = 0.0625f * fabsf(wheels->br.spin);
-    const float load = (t6 < t5) ? t5 : t6; /* load */
-    const float t7 = 1.0f / load; /* scale */
+    const float load = (t6 < t5) ? t5 : t6;
+    const float t7 = 1.0f / load;
 
     wheels->fl.spin = wmrgen_clamp(wheels->fl.spin * t7, 16.0f);
     wheels->fr.spin = wmrgen_clamp(wheels->fr.spin * t7, 16.0f);

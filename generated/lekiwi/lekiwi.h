@@ -30,7 +30,7 @@
 
 #define LEKIWI_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define LEKIWI_MODEL_HASH "030ed73b3dd53aaaf9ffb44c1aeeef14" /**< digest of the model */
-#define LEKIWI_PAIR_86d08f47bbd54a71 1 /**< header and source that were written together have the same */
+#define LEKIWI_PAIR_859ae10d1cebd0f0 1 /**< header and source that were written together have the same */
 #define LEKIWI_WHEELS 3 /**< how many wheels the robot has */
 #define LEKIWI_LEFT_WHEEL_X 0.0625f /**< [m] pivot, forward of P */
 #define LEKIWI_LEFT_WHEEL_Y 0.10825317f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_86d08f47bbd54a71)
+#if !defined(LEKIWI_PAIR_859ae10d1cebd0f0)
 #error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_5c0c28a5156da503)
+#if !defined(LOCKED_BICYCLE_PAIR_1d3b31dc20f5603d)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 

@@ -33,7 +33,7 @@
 
 #define MIR_100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define MIR_100_MODEL_HASH "7ff84fa9c3ee1f7254feff359693530d" /**< digest of the model */
-#define MIR_100_PAIR_8afb8d70971e41ff 1 /**< header and source that were written together have the same */
+#define MIR_100_PAIR_2c8d1008b1d368f4 1 /**< header and source that were written together have the same */
 #define MIR_100_WHEELS 6 /**< how many wheels the robot has */
 #define MIR_100_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define MIR_100_LEFT_Y 0.222604f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_8afb8d70971e41ff)
+#if !defined(MIR_100_PAIR_2c8d1008b1d368f4)
 #error "mir_100_checked.h and mir_100.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_b209c2587d39ec2e)
+#if !defined(NEOBOTIX_MPO_700_PAIR_99a0e24644a575f7)
 #error "neobotix_mpo_700.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -186,16 +186,16 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 {
     wmrgen_wheel result;
     const float size = sqrtf((x * x) + (y * y));
-    const float t0 = (size < 1e-20f) ? 1e-20f : size;
-    const float t1 = fabsf(x);
-    const float t2 = wmrgen_with_sign_of(2.0f, x);
-    const float heading = (size < 1e-20f) ? now : (t2 * wmrgen_arctangent(y / (t0 + t1)));
-    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t3);
-    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
+    const float size_safe = (size < 1e-20f) ? 1e-20f : size;
+    const float t0 = fabsf(x);
+    const float t1 = wmrgen_with_sign_of(2.0f, x);
+    const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
+    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t4;
-    result.steer = t5;
+    result.spin = t3;
+    result.steer = t4;
     return result;
 }
 #endif
@@ -209,11 +209,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_direction(h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -231,14 +231,18 @@ void neobotix_mpo_700_inverse(
     const neobotix_mpo_700_wheels *now,
     neobotix_mpo_700_wheels *out)
 {
-    const float front_left_x = fmaf((-2.3841857e-09f), twist->omega, fmaf((-0.19f), twist->omega, twist->vx)); /* front_left: a, back_left: a */
-    const float front_left_y = fmaf(5.3644182e-09f, twist->omega, fmaf(0.24f, twist->omega, twist->vy)); /* front_left: b, front_right: b */
+    /* v_Ax of front_left, v_Ax of back_left */
+    const float front_left_x = fmaf((-2.3841857e-09f), twist->omega, fmaf((-0.19f), twist->omega, twist->vx));
+    /* v_Ay of front_left, v_Ay of front_right */
+    const float front_left_y = fmaf(5.3644182e-09f, twist->omega, fmaf(0.24f, twist->omega, twist->vy));
     const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, now->front_left.steer, 1.0f);
     const float t0 = 0.5f * twist->omega;
     const float t1 = -t0;
-    const float back_left_y = fmaf((-5.3644182e-09f), twist->omega, fmaf((-0.24f), twist->omega, twist->vy)); /* back_left: b, back_right: b */
+    /* v_Ay of back_left, v_Ay of back_right */
+    const float back_left_y = fmaf((-5.3644182e-09f), twist->omega, fmaf((-0.24f), twist->omega, twist->vy));
     const wmrgen_wheel back_left = wmrgen_steer_along(front_left_x, back_left_y, now->back_left.steer, 1.0f);
-    const float back_right_x = fmaf(2.3841857e-09f, twist->omega, fmaf(0.19f, twist->omega, twist->vx)); /* back_right: a, front_right: a */
+    /* v_Ax of back_right, v_Ax of front_right */
+    const float back_right_x = fmaf(2.3841857e-09f, twist->omega, fmaf(0.19f, twist->omega, twist->vx));
     const wmrgen_wheel back_right = wmrgen_steer_along(back_right_x, back_left_y, now->back_right.steer, 1.0f);
     const wmrgen_wheel front_right = wmrgen_steer_along(back_right_x, front_left_y, now->front_right.steer, 1.0f);
 
@@ -288,19 +292,19 @@ void neobotix_mpo_700_forward(const neobotix_mpo_700_wheels *wheels, neobotix_mp
     const float t10 = wheels->front_left.steer_rate + wheels->back_left.steer_rate;
     const float t11 = wheels->front_right.steer_rate + (wheels->back_right.steer_rate + t10);
     const float t12 = fmaf(0.76f, t6 - t7, fmaf(0.0162f, t9, -(0.0081f * t11)));
-    const float sum_wy = t5 + t2; /* sum: its velocity, y */
+    const float sum_wy = t5 + t2;
     const float t13 = back_left.y - back_right.y;
     const float t14 = front_left.y - front_right.y;
-    const float sum_fx = (-0.045f) * (t13 + t14); /* sum fx */
+    const float sum_fx = (-0.045f) * (t13 + t14);
     const float t15 = -sum_fx;
-    const float sum_wx = t6 + t7; /* sum: its velocity, x */
+    const float sum_wx = t6 + t7;
     const float t16 = front_left.x + back_left.x;
     const float t17 = back_right.x + front_right.x;
-    const float sum_fy = 0.045f * (t16 - t17); /* sum fy */
+    const float sum_fy = 0.045f * (t16 - t17);
     const float t18 = fmaf(sum_wx, sum_fy, fmaf(t15, sum_wy, fmaf(0.96f, t2 - t5, t12)));
-    const float inertia = fmaf(0.0684f, t17 + t16, fmaf(0.0864f, t13 - t14, 1.5316f)); /* inertia */
+    const float inertia = fmaf(0.0684f, t17 + t16, fmaf(0.0864f, t13 - t14, 1.5316f));
     const float t19 = fmaf(-sum_fy, sum_fy, fmaf(t15, sum_fx, inertia));
-    const float omega_fit = t18 / t19; /* omega */
+    const float omega_fit = t18 / t19;
 
     twist->vx = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
     twist->vy = 0.25f * fmaf(t15, omega_fit, sum_wy);
@@ -316,58 +320,58 @@ void neobotix_mpo_700_forward_slip(
     const float t0 = fmaf(0.045f, wheels->front_left.steer_rate, 0.09f * wheels->front_left.spin);
     const float t1 = fmaf(0.09f, wheels->front_right.spin, -(0.045f * wheels->front_right.steer_rate));
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
-    const float front_right_wy = t1 * front_right.y; /* front_right: its velocity, y */
+    const float front_right_wy = t1 * front_right.y;
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
     const float t2 = fmaf(t0, front_left.y, front_right_wy);
     const float t3 = fmaf(0.045f, wheels->back_left.steer_rate, 0.09f * wheels->back_left.spin);
     const float t4 = fmaf(0.09f, wheels->back_right.spin, -(0.045f * wheels->back_right.steer_rate));
     const wmrgen_vector back_right = wmrgen_direction(wheels->back_right.steer);
-    const float back_right_wy = t4 * back_right.y; /* back_right: its velocity, y */
+    const float back_right_wy = t4 * back_right.y;
     const wmrgen_vector back_left = wmrgen_direction(wheels->back_left.steer);
     const float t5 = fmaf(t3, back_left.y, back_right_wy);
-    const float front_right_wx = front_right.x * t1; /* front_right: its velocity, x */
+    const float front_right_wx = front_right.x * t1;
     const float t6 = fmaf(back_right.x, t4, front_right_wx);
-    const float back_left_wx = back_left.x * t3; /* back_left: its velocity, x */
+    const float back_left_wx = back_left.x * t3;
     const float t7 = fmaf(front_left.x, t0, back_left_wx);
     const float t8 = wheels->back_right.spin - wheels->front_left.spin;
     const float t9 = wheels->front_right.spin + (t8 - wheels->back_left.spin);
     const float t10 = wheels->front_left.steer_rate + wheels->back_left.steer_rate;
     const float t11 = wheels->front_right.steer_rate + (wheels->back_right.steer_rate + t10);
     const float t12 = fmaf(0.76f, t6 - t7, fmaf(0.0162f, t9, -(0.0081f * t11)));
-    const float sum_wy = t5 + t2; /* sum: its velocity, y */
+    const float sum_wy = t5 + t2;
     const float t13 = back_left.y - back_right.y;
     const float t14 = front_left.y - front_right.y;
-    const float sum_fx = (-0.045f) * (t13 + t14); /* sum fx */
+    const float sum_fx = (-0.045f) * (t13 + t14);
     const float t15 = -sum_fx;
-    const float sum_wx = t6 + t7; /* sum: its velocity, x */
+    const float sum_wx = t6 + t7;
     const float t16 = front_left.x + back_left.x;
     const float t17 = back_right.x + front_right.x;
-    const float sum_fy = 0.045f * (t16 - t17); /* sum fy */
+    const float sum_fy = 0.045f * (t16 - t17);
     const float t18 = fmaf(sum_wx, sum_fy, fmaf(t15, sum_wy, fmaf(0.96f, t2 - t5, t12)));
-    const float inertia = fmaf(0.0684f, t17 + t16, fmaf(0.0864f, t13 - t14, 1.5316f)); /* inertia */
+    const float inertia = fmaf(0.0684f, t17 + t16, fmaf(0.0864f, t13 - t14, 1.5316f));
     const float t19 = fmaf(-sum_fy, sum_fy, fmaf(t15, sum_fx, inertia));
-    const float omega_fit = t18 / t19; /* omega */
+    const float omega_fit = t18 / t19;
     const float t20 = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
     const float t21 = 0.25f * fmaf(t15, omega_fit, sum_wy);
     const float t22 = 0.19f * omega_fit;
     const float t23 = t22 - t20;
     const float t24 = 0.045f * omega_fit;
-    const float error_0 = fmaf(front_left.x, t24, fmaf(front_left.x, t0, t23)); /* residual 0 */
+    const float error_0 = fmaf(front_left.x, t24, fmaf(front_left.x, t0, t23));
     const float t25 = (-0.24f) * omega_fit;
     const float t26 = t25 - t21;
-    const float error_1 = fmaf(front_left.y, t24, fmaf(t0, front_left.y, t26)); /* residual 1 */
-    const float error_2 = fmaf(back_left.x, t24, back_left_wx + t23); /* residual 2 */
+    const float error_1 = fmaf(front_left.y, t24, fmaf(t0, front_left.y, t26));
+    const float error_2 = fmaf(back_left.x, t24, back_left_wx + t23);
     const float t27 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
     const float t28 = t21 + t25;
-    const float error_3 = fmaf(back_left.y, t24, fmaf(t3, back_left.y, -t28)); /* residual 3 */
+    const float error_3 = fmaf(back_left.y, t24, fmaf(t3, back_left.y, -t28));
     const float t29 = t20 + t22;
     const float t30 = (-0.045f) * omega_fit;
-    const float error_4 = fmaf(back_right.x, t30, fmaf(back_right.x, t4, -t29)); /* residual 4 */
+    const float error_4 = fmaf(back_right.x, t30, fmaf(back_right.x, t4, -t29));
     const float t31 = fmaf(error_4, error_4, fmaf(error_3, error_3, t27));
-    const float error_5 = fmaf(back_right.y, t30, back_right_wy - t28); /* residual 5 */
-    const float error_6 = fmaf(front_right.x, t30, front_right_wx - t29); /* residual 6 */
+    const float error_5 = fmaf(back_right.y, t30, back_right_wy - t28);
+    const float error_6 = fmaf(front_right.x, t30, front_right_wx - t29);
     const float t32 = fmaf(error_6, error_6, fmaf(error_5, error_5, t31));
-    const float error_7 = fmaf(front_right.y, t30, front_right_wy + t26); /* residual 7 */
+    const float error_7 = fmaf(front_right.y, t30, front_right_wy + t26);
 
     twist->vx = t20;
     twist->vy = t21;

@@ -30,7 +30,7 @@
 
 #define NEOBOTIX_MPO_700_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEOBOTIX_MPO_700_MODEL_HASH "f1e67be7a7c2f6a814df84e23d3f1f55" /**< digest of the model */
-#define NEOBOTIX_MPO_700_PAIR_b209c2587d39ec2e 1 /**< header and source that were written together have the same */
+#define NEOBOTIX_MPO_700_PAIR_99a0e24644a575f7 1 /**< header and source that were written together have the same */
 #define NEOBOTIX_MPO_700_WHEELS 4 /**< how many wheels the robot has */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_X 0.24f /**< [m] pivot, forward of P */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_Y 0.19f /**< [m] pivot, to the left of P */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_b209c2587d39ec2e)
+#if !defined(NEOBOTIX_MPO_700_PAIR_99a0e24644a575f7)
 #error "neobotix_mpo_700_checked.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

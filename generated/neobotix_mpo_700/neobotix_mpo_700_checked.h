@@ -21,7 +21,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_b209c2587d39ec2e)
+#if !defined(NEOBOTIX_MPO_700_PAIR_99a0e24644a575f7)
 #error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

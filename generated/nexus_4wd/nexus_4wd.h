@@ -32,7 +32,7 @@
 
 #define NEXUS_4WD_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEXUS_4WD_MODEL_HASH "16a59c9a4f4e4c3d0d69c6d04809a259" /**< digest of the model */
-#define NEXUS_4WD_PAIR_3038323acaa838f6 1 /**< header and source that were written together have the same */
+#define NEXUS_4WD_PAIR_a0f4019797c6a2b7 1 /**< header and source that were written together have the same */
 #define NEXUS_4WD_WHEELS 4 /**< how many wheels the robot has */
 #define NEXUS_4WD_UPPER_LEFT_X 0.15f /**< [m] pivot, forward of P */
 #define NEXUS_4WD_UPPER_LEFT_Y 0.15f /**< [m] pivot, to the left of P */

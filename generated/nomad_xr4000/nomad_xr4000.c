@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_57ff9f9f2e6af5cc)
+#if !defined(NOMAD_XR4000_PAIR_6eb03291843e8907)
 #error "nomad_xr4000.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -138,11 +138,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_direction(h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -162,18 +162,18 @@ void nomad_xr4000_inverse(
 {
     const float t0 = 10.0f * twist->omega;
     const float t1 = (-50.0f) * twist->vx;
-    const float castor1_a = t0 + t1; /* castor1 a, castor3 a */
+    const float castor1_a = t0 + t1;
     const float t2 = (-50.0f) * twist->vy;
-    const float castor1_b = t2 - t0; /* castor1 b, castor2 b */
+    const float castor1_b = t2 - t0;
     const wmrgen_vector castor1 = wmrgen_direction(now->castor1.steer);
     const float t3 = fmaf(castor1_a, castor1.x, castor1_b * castor1.y);
     const float t4 = -twist->omega;
     const float t5 = fmaf(-castor1.x, castor1_b, fmaf(castor1_a, castor1.y, t4));
-    const float castor2_a = t1 - t0; /* castor2 a, castor4 a */
+    const float castor2_a = t1 - t0;
     const wmrgen_vector castor2 = wmrgen_direction(now->castor2.steer);
     const float t6 = fmaf(castor2_a, castor2.x, castor1_b * castor2.y);
     const float t7 = fmaf(-castor1_b, castor2.x, fmaf(castor2_a, castor2.y, t4));
-    const float castor3_b = t0 + t2; /* castor3 b, castor4 b */
+    const float castor3_b = t0 + t2;
     const wmrgen_vector castor3 = wmrgen_direction(now->castor3.steer);
     const float t8 = fmaf(castor1_a, castor3.x, castor3_b * castor3.y);
     const float t9 = fmaf(-castor3.x, castor3_b, fmaf(castor1_a, castor3.y, t4));
@@ -212,39 +212,39 @@ void nomad_xr4000_forward(const nomad_xr4000_wheels *wheels, nomad_xr4000_twist 
 #else
     const wmrgen_vector castor3 = wmrgen_direction(wheels->castor3.steer);
     const float t0 = 2.75f * wheels->castor3.spin;
-    const float castor3_wy = fmaf(castor3.x, wheels->castor3.steer_rate, castor3.y * t0); /* castor3: its velocity, y */
+    const float castor3_wy = fmaf(castor3.x, wheels->castor3.steer_rate, castor3.y * t0);
     const wmrgen_vector castor4 = wmrgen_direction(wheels->castor4.steer);
     const float t1 = 2.75f * wheels->castor4.spin;
-    const float castor4_wy = fmaf(castor4.x, wheels->castor4.steer_rate, castor4.y * t1); /* castor4: its velocity, y */
+    const float castor4_wy = fmaf(castor4.x, wheels->castor4.steer_rate, castor4.y * t1);
     const float t2 = castor3_wy + castor4_wy;
     const wmrgen_vector castor1 = wmrgen_direction(wheels->castor1.steer);
     const float t3 = 2.75f * wheels->castor1.spin;
-    const float castor1_wy = fmaf(castor1.x, wheels->castor1.steer_rate, castor1.y * t3); /* castor1: its velocity, y */
+    const float castor1_wy = fmaf(castor1.x, wheels->castor1.steer_rate, castor1.y * t3);
     const wmrgen_vector castor2 = wmrgen_direction(wheels->castor2.steer);
     const float t4 = 2.75f * wheels->castor2.spin;
-    const float castor2_wy = fmaf(castor2.x, wheels->castor2.steer_rate, castor2.y * t4); /* castor2: its velocity, y */
+    const float castor2_wy = fmaf(castor2.x, wheels->castor2.steer_rate, castor2.y * t4);
     const float t5 = castor1_wy + castor2_wy;
-    const float sum_wy = t2 + t5; /* sum: its velocity, y */
-    const float castor2_wx = fmaf(castor2.x, t4, -(wheels->castor2.steer_rate * castor2.y)); /* castor2: its velocity, x */
-    const float castor4_wx = fmaf(castor4.x, t1, -(wheels->castor4.steer_rate * castor4.y)); /* castor4: its velocity, x */
+    const float sum_wy = t2 + t5;
+    const float castor2_wx = fmaf(castor2.x, t4, -(wheels->castor2.steer_rate * castor2.y));
+    const float castor4_wx = fmaf(castor4.x, t1, -(wheels->castor4.steer_rate * castor4.y));
     const float t6 = castor2_wx + castor4_wx;
-    const float castor1_wx = fmaf(castor1.x, t3, -(wheels->castor1.steer_rate * castor1.y)); /* castor1: its velocity, x */
-    const float castor3_wx = fmaf(castor3.x, t0, -(wheels->castor3.steer_rate * castor3.y)); /* castor3: its velocity, x */
+    const float castor1_wx = fmaf(castor1.x, t3, -(wheels->castor1.steer_rate * castor1.y));
+    const float castor3_wx = fmaf(castor3.x, t0, -(wheels->castor3.steer_rate * castor3.y));
     const float t7 = castor1_wx + castor3_wx;
     const float t8 = wheels->castor1.steer_rate + wheels->castor2.steer_rate;
     const float t9 = wheels->castor4.steer_rate + (wheels->castor3.steer_rate + t8);
-    const float moment = fmaf(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9)); /* moment */
+    const float moment = fmaf(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9));
     const float t10 = castor3.x + castor4.x;
     const float t11 = castor1.x + castor2.x;
     const float t12 = t10 + t11;
-    const float sum_wx = t6 + t7; /* sum: its velocity, x */
+    const float sum_wx = t6 + t7;
     const float t13 = castor2.y + castor4.y;
     const float t14 = castor1.y + castor3.y;
     const float t15 = t13 + t14;
     const float t16 = fmaf(-sum_wx, t15, fmaf(t12, sum_wy, moment));
-    const float inertia = fmaf(80.0f, t10 + (t13 - t11 - t14), 3216.0f); /* inertia */
+    const float inertia = fmaf(80.0f, t10 + (t13 - t11 - t14), 3216.0f);
     const float t17 = -t15;
-    const float omega_fit = t16 / fmaf(t17, t15, fmaf(-t12, t12, inertia)); /* omega */
+    const float omega_fit = t16 / fmaf(t17, t15, fmaf(-t12, t12, inertia));
 
     twist->vx = 0.005f * fmaf(t17, omega_fit, sum_wx);
     twist->vy = 0.005f * fmaf(t12, omega_fit, sum_wy);
@@ -259,57 +259,57 @@ void nomad_xr4000_forward_slip(
 {
     const wmrgen_vector castor3 = wmrgen_direction(wheels->castor3.steer);
     const float t0 = 2.75f * wheels->castor3.spin;
-    const float castor3_wy = fmaf(castor3.x, wheels->castor3.steer_rate, castor3.y * t0); /* castor3: its velocity, y */
+    const float castor3_wy = fmaf(castor3.x, wheels->castor3.steer_rate, castor3.y * t0);
     const wmrgen_vector castor4 = wmrgen_direction(wheels->castor4.steer);
     const float t1 = 2.75f * wheels->castor4.spin;
-    const float castor4_wy = fmaf(castor4.x, wheels->castor4.steer_rate, castor4.y * t1); /* castor4: its velocity, y */
+    const float castor4_wy = fmaf(castor4.x, wheels->castor4.steer_rate, castor4.y * t1);
     const float t2 = castor3_wy + castor4_wy;
     const wmrgen_vector castor1 = wmrgen_direction(wheels->castor1.steer);
     const float t3 = 2.75f * wheels->castor1.spin;
-    const float castor1_wy = fmaf(castor1.x, wheels->castor1.steer_rate, castor1.y * t3); /* castor1: its velocity, y */
+    const float castor1_wy = fmaf(castor1.x, wheels->castor1.steer_rate, castor1.y * t3);
     const wmrgen_vector castor2 = wmrgen_direction(wheels->castor2.steer);
     const float t4 = 2.75f * wheels->castor2.spin;
-    const float castor2_wy = fmaf(castor2.x, wheels->castor2.steer_rate, castor2.y * t4); /* castor2: its velocity, y */
+    const float castor2_wy = fmaf(castor2.x, wheels->castor2.steer_rate, castor2.y * t4);
     const float t5 = castor1_wy + castor2_wy;
-    const float sum_wy = t2 + t5; /* sum: its velocity, y */
-    const float castor2_wx = fmaf(castor2.x, t4, -(wheels->castor2.steer_rate * castor2.y)); /* castor2: its velocity, x */
-    const float castor4_wx = fmaf(castor4.x, t1, -(wheels->castor4.steer_rate * castor4.y)); /* castor4: its velocity, x */
+    const float sum_wy = t2 + t5;
+    const float castor2_wx = fmaf(castor2.x, t4, -(wheels->castor2.steer_rate * castor2.y));
+    const float castor4_wx = fmaf(castor4.x, t1, -(wheels->castor4.steer_rate * castor4.y));
     const float t6 = castor2_wx + castor4_wx;
-    const float castor1_wx = fmaf(castor1.x, t3, -(wheels->castor1.steer_rate * castor1.y)); /* castor1: its velocity, x */
-    const float castor3_wx = fmaf(castor3.x, t0, -(wheels->castor3.steer_rate * castor3.y)); /* castor3: its velocity, x */
+    const float castor1_wx = fmaf(castor1.x, t3, -(wheels->castor1.steer_rate * castor1.y));
+    const float castor3_wx = fmaf(castor3.x, t0, -(wheels->castor3.steer_rate * castor3.y));
     const float t7 = castor1_wx + castor3_wx;
     const float t8 = wheels->castor1.steer_rate + wheels->castor2.steer_rate;
     const float t9 = wheels->castor4.steer_rate + (wheels->castor3.steer_rate + t8);
-    const float moment = fmaf(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9)); /* moment */
+    const float moment = fmaf(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9));
     const float t10 = castor3.x + castor4.x;
     const float t11 = castor1.x + castor2.x;
     const float t12 = t10 + t11;
-    const float sum_wx = t6 + t7; /* sum: its velocity, x */
+    const float sum_wx = t6 + t7;
     const float t13 = castor2.y + castor4.y;
     const float t14 = castor1.y + castor3.y;
     const float t15 = t13 + t14;
     const float t16 = fmaf(-sum_wx, t15, fmaf(t12, sum_wy, moment));
-    const float inertia = fmaf(80.0f, t10 + (t13 - t11 - t14), 3216.0f); /* inertia */
+    const float inertia = fmaf(80.0f, t10 + (t13 - t11 - t14), 3216.0f);
     const float t17 = -t15;
-    const float omega_fit = t16 / fmaf(t17, t15, fmaf(-t12, t12, inertia)); /* omega */
+    const float omega_fit = t16 / fmaf(t17, t15, fmaf(-t12, t12, inertia));
     const float t18 = 0.005f * fmaf(t17, omega_fit, sum_wx);
     const float t19 = 0.005f * fmaf(t12, omega_fit, sum_wy);
     const float t20 = 0.2f * omega_fit;
     const float t21 = t20 - t18;
-    const float error_0 = fmaf(0.02f, fmaf(-castor1.y, omega_fit, castor1_wx), t21); /* residual 0 */
+    const float error_0 = fmaf(0.02f, fmaf(-castor1.y, omega_fit, castor1_wx), t21);
     const float t22 = -(t19 + t20);
-    const float error_1 = fmaf(0.02f, fmaf(castor1.x, omega_fit, castor1_wy), t22); /* residual 1 */
+    const float error_1 = fmaf(0.02f, fmaf(castor1.x, omega_fit, castor1_wy), t22);
     const float t23 = -(t18 + t20);
-    const float error_2 = fmaf(0.02f, fmaf(-castor2.y, omega_fit, castor2_wx), t23); /* residual 2 */
+    const float error_2 = fmaf(0.02f, fmaf(-castor2.y, omega_fit, castor2_wx), t23);
     const float t24 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
-    const float error_3 = fmaf(0.02f, fmaf(castor2.x, omega_fit, castor2_wy), t22); /* residual 3 */
-    const float error_4 = fmaf(0.02f, fmaf(-castor3.y, omega_fit, castor3_wx), t21); /* residual 4 */
+    const float error_3 = fmaf(0.02f, fmaf(castor2.x, omega_fit, castor2_wy), t22);
+    const float error_4 = fmaf(0.02f, fmaf(-castor3.y, omega_fit, castor3_wx), t21);
     const float t25 = fmaf(error_4, error_4, fmaf(error_3, error_3, t24));
     const float t26 = t20 - t19;
-    const float error_5 = fmaf(0.02f, fmaf(castor3.x, omega_fit, castor3_wy), t26); /* residual 5 */
-    const float error_6 = fmaf(0.02f, fmaf(-castor4.y, omega_fit, castor4_wx), t23); /* residual 6 */
+    const float error_5 = fmaf(0.02f, fmaf(castor3.x, omega_fit, castor3_wy), t26);
+    const float error_6 = fmaf(0.02f, fmaf(-castor4.y, omega_fit, castor4_wx), t23);
     const float t27 = fmaf(error_6, error_6, fmaf(error_5, error_5, t25));
-    const float error_7 = fmaf(0.02f, fmaf(castor4.x, omega_fit, castor4_wy), t26); /* residual 7 */
+    const float error_7 = fmaf(0.02f, fmaf(castor4.x, omega_fit, castor4_wy), t26);
 
     twist->vx = t18;
     twist->vy = t19;

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PIONEER3DX_PAIR_9c6c60a0e2bb88c4)
+#if !defined(PIONEER3DX_PAIR_453038ee583f8439)
 #error "pioneer3dx.c and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -170,11 +170,11 @@ WMRGEN_KERNEL float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_direction(h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -315,32 +315,32 @@ void pioneer3dx_odometry_covariance(
     const float half_turn = 0.5f * t0; /* h */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
     const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float x_step = fmaf(twist->vx, t1.x, -(twist->vy * t1.y)) * chord; /* x step */
-    const float y_step = chord * fmaf(twist->vx, t1.y, t1.x * twist->vy); /* y step */
-    const float chord_x = t1.x * chord; /* chord: a */
-    const float chord_y = t1.y * chord; /* chord: b */
-    const float by_omega_x = fmaf(twist_covariance->vxomega, chord_x, -(twist_covariance->vyomega * chord_y)); /* by_omega: a */
+    const float x_step = fmaf(twist->vx, t1.x, -(twist->vy * t1.y)) * chord;
+    const float y_step = chord * fmaf(twist->vx, t1.y, t1.x * twist->vy);
+    const float chord_x = t1.x * chord;
+    const float chord_y = t1.y * chord;
+    const float by_omega_x = fmaf(twist_covariance->vxomega, chord_x, -(twist_covariance->vyomega * chord_y));
     const float t2 = 0.5f * dt;
-    const float x_heading = fmaf(by_omega_x, t2, pose_covariance->xtheta); /* x: heading */
+    const float x_heading = fmaf(by_omega_x, t2, pose_covariance->xtheta);
     const float t3 = -y_step;
     const float t4 = dt * twist_covariance->omegaomega;
     const float t5 = dt * t4;
-    const float heading_variance = fmaf(0.25f, t5, pose_covariance->thetatheta); /* heading variance */
-    const float x_turned = fmaf(t3, heading_variance, x_heading); /* x turned */
+    const float heading_variance = fmaf(0.25f, t5, pose_covariance->thetatheta);
+    const float x_turned = fmaf(t3, heading_variance, x_heading);
     const float t6 = fmaf(t3, x_heading + x_turned, pose_covariance->xx);
     const float t7 = chord_y * twist_covariance->vxvy;
-    const float by_vx_x = fmaf(chord_x, twist_covariance->vxvx, -t7); /* by_vx: a */
+    const float by_vx_x = fmaf(chord_x, twist_covariance->vxvx, -t7);
     const float t8 = -chord_y;
     const float t9 = chord_x * twist_covariance->vxvy;
-    const float by_vy_x = fmaf(t8, twist_covariance->vyvy, t9); /* by_vy: a */
+    const float by_vy_x = fmaf(t8, twist_covariance->vyvy, t9);
     const float t10 = fmaf(t8, by_vy_x, fmaf(chord_x, by_vx_x, t6));
-    const float by_omega_y = fmaf(twist_covariance->vxomega, chord_y, chord_x * twist_covariance->vyomega); /* by_omega: b */
-    const float y_heading = fmaf(t2, by_omega_y, pose_covariance->ytheta); /* y: heading */
+    const float by_omega_y = fmaf(twist_covariance->vxomega, chord_y, chord_x * twist_covariance->vyomega);
+    const float y_heading = fmaf(t2, by_omega_y, pose_covariance->ytheta);
     const float t11 = fmaf(x_step, x_turned, fmaf(t3, y_heading, pose_covariance->xy));
     const float t12 = fmaf(chord_x, by_vy_x, fmaf(chord_y, by_vx_x, t11));
     const float t13 = 0.5f * t4;
     const float t14 = fmaf(t2, fmaf(t3, t13, by_omega_x), x_turned);
-    const float y_turned = fmaf(x_step, heading_variance, y_heading); /* y turned */
+    const float y_turned = fmaf(x_step, heading_variance, y_heading);
     const float t15 = fmaf(x_step, y_heading + y_turned, pose_covariance->yy);
     const float t16 = fmaf(chord_y, fmaf(chord_y, twist_covariance->vxvx, t9), t15);
     const float t17 = fmaf(chord_x, fmaf(chord_x, twist_covariance->vyvy, t7), t16);
@@ -362,11 +362,11 @@ void pioneer3dx_odometry_from_angles(
     pioneer3dx_pose *pose,
     const pioneer3dx_wheels *step)
 {
-    const float vx_step = (step->left.spin + step->right.spin) * prepared->k2; /* vx step */
+    const float vx_step = (step->left.spin + step->right.spin) * prepared->k2;
     const float t0 = step->left.spin - step->right.spin;
     const float half_turn = t0 * prepared->k8; /* h */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
-    const float sinc = wmrgen_sinc(half_turn); /* sinc, dt sinc(h) */
+    const float sinc = wmrgen_sinc(half_turn); /* dt sinc(h) */
 
     pose->x = fmaf(vx_step * t1.x, sinc, pose->x);
     pose->y = fmaf(sinc, vx_step * t1.y, pose->y);
@@ -377,9 +377,9 @@ void pioneer3dx_limit_twist(pioneer3dx_twist *twist)
 {
     const float t0 = 0.19098593f * fabsf(twist->omega);
     const float t1 = 0.8333333f * fabsf(twist->vx);
-    const float load = (t1 < 1.0f) ? 1.0f : t1; /* load */
-    const float t2 = (t0 < load) ? load : t0;
-    const float scale = 1.0f / t2; /* scale */
+    const float t2 = (t1 < 1.0f) ? 1.0f : t1;
+    const float load = (t0 < t2) ? t2 : t0;
+    const float scale = 1.0f / load;
     const float t3 = wmrgen_clamp(twist->omega * scale, 5.2359877f);
 
     twist->vx = wmrgen_clamp(twist->vx * scale, 1.2f);
@@ -392,13 +392,13 @@ void pioneer3dx_limit_acceleration(
     const pioneer3dx_twist *wanted,
     float dt)
 {
-    const float omega_change = wanted->omega - twist->omega; /* omega change */
+    const float omega_change = wanted->omega - twist->omega;
     const float t0 = 0.2864789f * fabsf(omega_change);
-    const float vx_change = wanted->vx - twist->vx; /* vx change */
+    const float vx_change = wanted->vx - twist->vx;
     const float t1 = 1.6666666f * fabsf(vx_change);
-    const float time = (t0 < t1) ? t1 : t0; /* time */
+    const float time = (t0 < t1) ? t1 : t0;
     const float t2 = (time < 1e-20f) ? 1e-20f : time;
-    const float step = (dt < 0.0f) ? 0.0f : dt; /* step */
+    const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t3 = 0.9999995f * (step / t2);
     const float t4 = (step < time) ? fmaf(vx_change, t3, twist->vx) : wanted->vx;
     const float t5 = (step < time) ? fmaf(omega_change, t3, twist->omega) : wanted->omega;
@@ -413,8 +413,8 @@ void pioneer3dx_desaturate(pioneer3dx_wheels *wheels, float *scale)
     const float t0 = 0.08130081f * fabsf(wheels->right.spin);
     const float t1 = 0.08130081f * fabsf(wheels->left.spin);
     const float t2 = (t1 < 1.0f) ? 1.0f : t1;
-    const float load = (t0 < t2) ? t2 : t0; /* load */
-    const float t3 = 1.0f / load; /* scale */
+    const float load = (t0 < t2) ? t2 : t0;
+    const float t3 = 1.0f / load;
 
     wheels->left.spin = wmrgen_clamp(wheels->left.spin * t3, 12.3f);
     wheels->right.spin = wmrgen_clamp(wheels->right.spin * t3, 12.3f);

@@ -36,7 +36,7 @@
 
 #define PIONEER3DX_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PIONEER3DX_MODEL_HASH "4eb29b3e498165baa7aaf221d84107cf" /**< digest of the model */
-#define PIONEER3DX_PAIR_9c6c60a0e2bb88c4 1 /**< header and source that were written together have the same */
+#define PIONEER3DX_PAIR_453038ee583f8439 1 /**< header and source that were written together have the same */
 #define PIONEER3DX_WHEELS 3 /**< how many wheels the robot has */
 #define PIONEER3DX_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define PIONEER3DX_LEFT_Y 0.1655f /**< [m] pivot, to the left of P */

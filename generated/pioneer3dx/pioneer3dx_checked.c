@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PIONEER3DX_PAIR_9c6c60a0e2bb88c4)
+#if !defined(PIONEER3DX_PAIR_453038ee583f8439)
 #error "pioneer3dx_checked.c and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

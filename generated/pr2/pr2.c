@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_9b0ece03421d9d1d)
+#if !defined(PR2_PAIR_0acedc14a499a7a2)
 #error "pr2.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -186,16 +186,16 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 {
     wmrgen_wheel result;
     const float size = sqrtf((x * x) + (y * y));
-    const float t0 = (size < 1e-20f) ? 1e-20f : size;
-    const float t1 = fabsf(x);
-    const float t2 = wmrgen_with_sign_of(2.0f, x);
-    const float heading = (size < 1e-20f) ? now : (t2 * wmrgen_arctangent(y / (t0 + t1)));
-    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t3);
-    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
+    const float size_safe = (size < 1e-20f) ? 1e-20f : size;
+    const float t0 = fabsf(x);
+    const float t1 = wmrgen_with_sign_of(2.0f, x);
+    const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
+    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t4;
-    result.steer = t5;
+    result.spin = t3;
+    result.steer = t4;
     return result;
 }
 #endif
@@ -209,11 +209,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_direction(h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -228,15 +228,19 @@ float *pr2_joint(pr2_wheels *wheels, int joint)
 
 void pr2_inverse(const pr2_twist *twist, const pr2_wheels *now, pr2_wheels *out)
 {
-    const float fl_l_x = fmaf(2.1696092e-09f, twist->omega, fmaf((-0.2246f), twist->omega, twist->vx)); /* fl_l: a, bl_l: a */
-    const float fl_l_y = fmaf((-2.1696092e-09f), twist->omega, fmaf(0.2246f, twist->omega, twist->vy)); /* fl_l: b, fr_l: b */
+    /* v_Ax of fl_l, v_Ax of bl_l */
+    const float fl_l_x = fmaf(2.1696092e-09f, twist->omega, fmaf((-0.2246f), twist->omega, twist->vx));
+    /* v_Ay of fl_l, v_Ay of fr_l */
+    const float fl_l_y = fmaf((-2.1696092e-09f), twist->omega, fmaf(0.2246f, twist->omega, twist->vy));
     const wmrgen_wheel fl_l = wmrgen_steer_along(fl_l_x, fl_l_y, now->fl_l.steer, 1.0f);
     const float t0 = 13.370414f * fl_l.spin;
     const float t1 = 0.6551503f * twist->omega;
-    const float fr_l_x = fmaf((-2.1696092e-09f), twist->omega, fmaf(0.2246f, twist->omega, twist->vx)); /* fr_l: a, br_l: a */
+    /* v_Ax of fr_l, v_Ax of br_l */
+    const float fr_l_x = fmaf((-2.1696092e-09f), twist->omega, fmaf(0.2246f, twist->omega, twist->vx));
     const wmrgen_wheel fr_l = wmrgen_steer_along(fr_l_x, fl_l_y, now->fr_l.steer, 1.0f);
     const float t2 = 13.370414f * fr_l.spin;
-    const float bl_l_y = fmaf(2.1696092e-09f, twist->omega, fmaf((-0.2246f), twist->omega, twist->vy)); /* bl_l: b, br_l: b */
+    /* v_Ay of bl_l, v_Ay of br_l */
+    const float bl_l_y = fmaf(2.1696092e-09f, twist->omega, fmaf((-0.2246f), twist->omega, twist->vy));
     const wmrgen_wheel bl_l = wmrgen_steer_along(fl_l_x, bl_l_y, now->bl_l.steer, 1.0f);
     const float t3 = 13.370414f * bl_l.spin;
     const wmrgen_wheel br_l = wmrgen_steer_along(fr_l_x, bl_l_y, now->br_l.steer, 1.0f);
@@ -286,7 +290,7 @@ void pr2_forward(const pr2_wheels *wheels, pr2_twist *twist)
     const wmrgen_vector fl_l = wmrgen_direction(wheels->fl_l.steer);
     const wmrgen_vector fl_r = wmrgen_direction(wheels->fl_r.steer);
     const float t1 = fr_l.y - fr_r.y + (fl_l.y - fl_r.y);
-    const float sum_fx = (-0.049f) * (t0 + t1); /* sum fx */
+    const float sum_fx = (-0.049f) * (t0 + t1);
     const float t2 = -sum_fx;
     const float t3 = fmaf(0.049f, wheels->bl_l.steer_rate, 0.074792f * wheels->bl_l.spin);
     const float t4 = fmaf(0.074792f, wheels->bl_r.spin, -(0.049f * wheels->bl_r.steer_rate));
@@ -300,7 +304,7 @@ void pr2_forward(const pr2_wheels *wheels, pr2_twist *twist)
     const float t12 = fmaf(t11, fr_l.y, fmaf(t9, fl_l.y, t10 * fl_r.y));
     const float t13 = fmaf(0.074792f, wheels->fr_r.spin, -(0.049f * wheels->fr_r.steer_rate));
     const float t14 = fmaf(t13, fr_r.y, t12);
-    const float sum_wy = t8 + t14; /* sum: its velocity, y */
+    const float sum_wy = t8 + t14;
     const float t15 = fmaf(br_l.x, t5, fmaf(fr_l.x, t11, fr_r.x * t13));
     const float t16 = fmaf(br_r.x, t7, t15);
     const float t17 = fmaf(bl_l.x, t3, fmaf(fl_l.x, t9, fl_r.x * t10));
@@ -312,15 +316,15 @@ void pr2_forward(const pr2_wheels *wheels, pr2_twist *twist)
     const float t23 = wheels->fr_r.steer_rate + (wheels->fr_l.steer_rate + t22);
     const float t24 = wheels->bl_r.steer_rate + (wheels->bl_l.steer_rate + t23);
     const float t25 = wheels->br_r.steer_rate + (wheels->br_l.steer_rate + t24);
-    const float moment = fmaf(1.7968f, t14 + (t16 - t18) - t8, fmaf(0.029318465f, t21, -(0.019208f * t25))); /* moment */
-    const float sum_wx = t16 + t18; /* sum: its velocity, x */
+    const float moment = fmaf(1.7968f, t14 + (t16 - t18) - t8, fmaf(0.029318465f, t21, -(0.019208f * t25)));
+    const float sum_wx = t16 + t18;
     const float t26 = br_l.x - br_r.x + (fr_l.x - fr_r.x);
     const float t27 = bl_l.x - bl_r.x + (fl_l.x - fl_r.x);
-    const float sum_fy = 0.049f * (t26 + t27); /* sum fy */
+    const float sum_fy = 0.049f * (t26 + t27);
     const float t28 = fmaf(sum_wx, sum_fy, fmaf(t2, sum_wy, moment));
-    const float inertia = fmaf(0.1760864f, t0 + (t27 - t26 - t1), 6.6106443f); /* inertia */
+    const float inertia = fmaf(0.1760864f, t0 + (t27 - t26 - t1), 6.6106443f);
     const float t29 = fmaf(-sum_fy, sum_fy, fmaf(t2, sum_fx, inertia));
-    const float omega_fit = t28 / t29; /* omega */
+    const float omega_fit = t28 / t29;
 
     twist->vx = 0.125f * fmaf(sum_fy, omega_fit, sum_wx);
     twist->vy = 0.125f * fmaf(t2, omega_fit, sum_wy);
@@ -340,24 +344,24 @@ void pr2_forward_slip(const pr2_wheels *wheels, pr2_twist *twist, float *slip)
     const wmrgen_vector fl_l = wmrgen_direction(wheels->fl_l.steer);
     const wmrgen_vector fl_r = wmrgen_direction(wheels->fl_r.steer);
     const float t1 = fr_l.y - fr_r.y + (fl_l.y - fl_r.y);
-    const float sum_fx = (-0.049f) * (t0 + t1); /* sum fx */
+    const float sum_fx = (-0.049f) * (t0 + t1);
     const float t2 = -sum_fx;
     const float t3 = fmaf(0.049f, wheels->bl_l.steer_rate, 0.074792f * wheels->bl_l.spin);
     const float t4 = fmaf(0.074792f, wheels->bl_r.spin, -(0.049f * wheels->bl_r.steer_rate));
-    const float bl_r_wy = t4 * bl_r.y; /* bl_r: its velocity, y */
+    const float bl_r_wy = t4 * bl_r.y;
     const float t5 = fmaf(0.049f, wheels->br_l.steer_rate, 0.074792f * wheels->br_l.spin);
     const float t6 = fmaf(0.074792f, wheels->br_r.spin, -(0.049f * wheels->br_r.steer_rate));
     const float t7 = fmaf(t6, br_r.y, fmaf(t5, br_l.y, fmaf(t3, bl_l.y, bl_r_wy)));
     const float t8 = fmaf(0.049f, wheels->fl_l.steer_rate, 0.074792f * wheels->fl_l.spin);
     const float t9 = fmaf(0.074792f, wheels->fl_r.spin, -(0.049f * wheels->fl_r.steer_rate));
-    const float fl_r_wy = t9 * fl_r.y; /* fl_r: its velocity, y */
+    const float fl_r_wy = t9 * fl_r.y;
     const float t10 = fmaf(0.049f, wheels->fr_l.steer_rate, 0.074792f * wheels->fr_l.spin);
     const float t11 = fmaf(0.074792f, wheels->fr_r.spin, -(0.049f * wheels->fr_r.steer_rate));
     const float t12 = fmaf(t11, fr_r.y, fmaf(t10, fr_l.y, fmaf(t8, fl_l.y, fl_r_wy)));
-    const float sum_wy = t7 + t12; /* sum: its velocity, y */
-    const float fr_r_wx = fr_r.x * t11; /* fr_r: its velocity, x */
+    const float sum_wy = t7 + t12;
+    const float fr_r_wx = fr_r.x * t11;
     const float t13 = fmaf(br_r.x, t6, fmaf(br_l.x, t5, fmaf(fr_l.x, t10, fr_r_wx)));
-    const float fl_r_wx = fl_r.x * t9; /* fl_r: its velocity, x */
+    const float fl_r_wx = fl_r.x * t9;
     const float t14 = fmaf(bl_r.x, t4, fmaf(bl_l.x, t3, fmaf(fl_l.x, t8, fl_r_wx)));
     const float t15 = wheels->fl_r.spin - wheels->fl_l.spin - wheels->fr_l.spin;
     const float t16 = wheels->bl_r.spin + (wheels->fr_r.spin + t15 - wheels->bl_l.spin);
@@ -366,47 +370,47 @@ void pr2_forward_slip(const pr2_wheels *wheels, pr2_twist *twist, float *slip)
     const float t19 = wheels->fr_r.steer_rate + (wheels->fr_l.steer_rate + t18);
     const float t20 = wheels->bl_r.steer_rate + (wheels->bl_l.steer_rate + t19);
     const float t21 = wheels->br_r.steer_rate + (wheels->br_l.steer_rate + t20);
-    const float moment = fmaf(1.7968f, t12 + (t13 - t14) - t7, fmaf(0.029318465f, t17, -(0.019208f * t21))); /* moment */
-    const float sum_wx = t13 + t14; /* sum: its velocity, x */
+    const float moment = fmaf(1.7968f, t12 + (t13 - t14) - t7, fmaf(0.029318465f, t17, -(0.019208f * t21)));
+    const float sum_wx = t13 + t14;
     const float t22 = br_l.x - br_r.x + (fr_l.x - fr_r.x);
     const float t23 = bl_l.x - bl_r.x + (fl_l.x - fl_r.x);
-    const float sum_fy = 0.049f * (t22 + t23); /* sum fy */
+    const float sum_fy = 0.049f * (t22 + t23);
     const float t24 = fmaf(sum_wx, sum_fy, fmaf(t2, sum_wy, moment));
-    const float inertia = fmaf(0.1760864f, t0 + (t23 - t22 - t1), 6.6106443f); /* inertia */
+    const float inertia = fmaf(0.1760864f, t0 + (t23 - t22 - t1), 6.6106443f);
     const float t25 = fmaf(-sum_fy, sum_fy, fmaf(t2, sum_fx, inertia));
-    const float omega_fit = t24 / t25; /* omega */
+    const float omega_fit = t24 / t25;
     const float t26 = 0.125f * fmaf(sum_fy, omega_fit, sum_wx);
     const float t27 = 0.125f * fmaf(t2, omega_fit, sum_wy);
     const float t28 = 0.2246f * omega_fit;
     const float t29 = t28 - t26;
     const float t30 = 0.049f * omega_fit;
-    const float error_0 = t29 + fmaf(fl_l.x, t8, fl_l.x * t30); /* residual 0 */
+    const float error_0 = t29 + fmaf(fl_l.x, t8, fl_l.x * t30);
     const float t31 = t27 + t28;
-    const float error_1 = fmaf(t8, fl_l.y, fl_l.y * t30) - t31; /* residual 1 */
+    const float error_1 = fmaf(t8, fl_l.y, fl_l.y * t30) - t31;
     const float t32 = (-0.049f) * omega_fit;
-    const float error_2 = t29 + fmaf(fl_r.x, t32, fl_r_wx); /* residual 2 */
+    const float error_2 = t29 + fmaf(fl_r.x, t32, fl_r_wx);
     const float t33 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
-    const float error_3 = fmaf(fl_r.y, t32, fl_r_wy) - t31; /* residual 3 */
+    const float error_3 = fmaf(fl_r.y, t32, fl_r_wy) - t31;
     const float t34 = t26 + t28;
-    const float error_4 = fmaf(fr_l.x, t10, fr_l.x * t30) - t34; /* residual 4 */
+    const float error_4 = fmaf(fr_l.x, t10, fr_l.x * t30) - t34;
     const float t35 = fmaf(error_4, error_4, fmaf(error_3, error_3, t33));
-    const float error_5 = fmaf(t10, fr_l.y, fr_l.y * t30) - t31; /* residual 5 */
-    const float error_6 = fmaf(fr_r.x, t32, fr_r_wx) - t34; /* residual 6 */
+    const float error_5 = fmaf(t10, fr_l.y, fr_l.y * t30) - t31;
+    const float error_6 = fmaf(fr_r.x, t32, fr_r_wx) - t34;
     const float t36 = fmaf(error_6, error_6, fmaf(error_5, error_5, t35));
-    const float error_7 = fmaf(t11, fr_r.y, fr_r.y * t32) - t31; /* residual 7 */
-    const float error_8 = t29 + fmaf(bl_l.x, t3, bl_l.x * t30); /* residual 8 */
+    const float error_7 = fmaf(t11, fr_r.y, fr_r.y * t32) - t31;
+    const float error_8 = t29 + fmaf(bl_l.x, t3, bl_l.x * t30);
     const float t37 = fmaf(error_8, error_8, fmaf(error_7, error_7, t36));
     const float t38 = t28 - t27;
-    const float error_9 = t38 + fmaf(t3, bl_l.y, bl_l.y * t30); /* residual 9 */
-    const float error_10 = t29 + fmaf(bl_r.x, t4, bl_r.x * t32); /* residual 10 */
+    const float error_9 = t38 + fmaf(t3, bl_l.y, bl_l.y * t30);
+    const float error_10 = t29 + fmaf(bl_r.x, t4, bl_r.x * t32);
     const float t39 = fmaf(error_10, error_10, fmaf(error_9, error_9, t37));
-    const float error_11 = t38 + fmaf(bl_r.y, t32, bl_r_wy); /* residual 11 */
-    const float error_12 = fmaf(br_l.x, t5, br_l.x * t30) - t34; /* residual 12 */
+    const float error_11 = t38 + fmaf(bl_r.y, t32, bl_r_wy);
+    const float error_12 = fmaf(br_l.x, t5, br_l.x * t30) - t34;
     const float t40 = fmaf(error_12, error_12, fmaf(error_11, error_11, t39));
-    const float error_13 = t38 + fmaf(t5, br_l.y, br_l.y * t30); /* residual 13 */
-    const float error_14 = fmaf(br_r.x, t6, br_r.x * t32) - t34; /* residual 14 */
+    const float error_13 = t38 + fmaf(t5, br_l.y, br_l.y * t30);
+    const float error_14 = fmaf(br_r.x, t6, br_r.x * t32) - t34;
     const float t41 = fmaf(error_14, error_14, fmaf(error_13, error_13, t40));
-    const float error_15 = t38 + fmaf(t6, br_r.y, br_r.y * t32); /* residual 15 */
+    const float error_15 = t38 + fmaf(t6, br_r.y, br_r.y * t32);
 
     twist->vx = t26;
     twist->vy = t27;

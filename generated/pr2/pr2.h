@@ -34,7 +34,7 @@
 
 #define PR2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PR2_MODEL_HASH "e4192620800a5ac0abd2788d5bd8edd1" /**< digest of the model */
-#define PR2_PAIR_9b0ece03421d9d1d 1 /**< header and source that were written together have the same */
+#define PR2_PAIR_0acedc14a499a7a2 1 /**< header and source that were written together have the same */
 #define PR2_WHEELS 8 /**< how many wheels the robot has */
 #define PR2_FL_L_X 0.2246f /**< [m] pivot, forward of P */
 #define PR2_FL_L_Y 0.2246f /**< [m] pivot, to the left of P */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PR2_PAIR_9b0ece03421d9d1d)
+#if !defined(PR2_PAIR_0acedc14a499a7a2)
 #error "pr2_checked.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

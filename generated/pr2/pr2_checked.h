@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_9b0ece03421d9d1d)
+#if !defined(PR2_PAIR_0acedc14a499a7a2)
 #error "pr2_checked.h and pr2.h were not generated together: copy both"
 #endif
 

@@ -31,7 +31,7 @@
 
 #define SSL_PARSIAN_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define SSL_PARSIAN_MODEL_HASH "d2e8622fbe3b268f579090f82b5a9e7e" /**< digest of the model */
-#define SSL_PARSIAN_PAIR_46a5960584419249 1 /**< header and source that were written together have the same */
+#define SSL_PARSIAN_PAIR_5828ec798129347a 1 /**< header and source that were written together have the same */
 #define SSL_PARSIAN_WHEELS 4 /**< how many wheels the robot has */
 #define SSL_PARSIAN_WHEEL1_X 0.045f /**< [m] pivot, forward of P */
 #define SSL_PARSIAN_WHEEL1_Y 0.07794229f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_46a5960584419249)
+#if !defined(SSL_PARSIAN_PAIR_5828ec798129347a)
 #error "ssl_parsian_checked.h and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_14bfb64bb37fe641)
+#if !defined(SYNCHRO_DRIVE_PAIR_fdfcd09f2df2a30e)
 #error "synchro_drive.c and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -180,16 +180,16 @@ WMRGEN_ONCE wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float p
 {
     wmrgen_wheel result;
     const float size = sqrtf((x * x) + (y * y));
-    const float t0 = (size < 1e-20f) ? 1e-20f : size;
-    const float t1 = fabsf(x);
-    const float t2 = wmrgen_with_sign_of(2.0f, x);
-    const float heading = (size < 1e-20f) ? now : (t2 * wmrgen_arctangent(y / (t0 + t1)));
-    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t3);
-    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
+    const float size_safe = (size < 1e-20f) ? 1e-20f : size;
+    const float t0 = fabsf(x);
+    const float t1 = wmrgen_with_sign_of(2.0f, x);
+    const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
+    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t4;
-    result.steer = t5;
+    result.spin = t3;
+    result.steer = t4;
     return result;
 }
 #endif
@@ -203,11 +203,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -267,11 +267,11 @@ void synchro_drive_forward_slip(
     const wmrgen_vector w1 = wmrgen_vector_at(wheels->w1.spin, wheels->w1.steer);
     const wmrgen_vector w2 = wmrgen_vector_at(wheels->w2.spin, wheels->w2.steer);
     const wmrgen_vector w3 = wmrgen_vector_at(wheels->w3.spin, wheels->w3.steer);
-    const float vx_fit = 0.033333335f * (w3.x + (w1.x + w2.x)); /* vx */
+    const float vx_fit = 0.033333335f * (w3.x + (w1.x + w2.x));
     const float t0 = w2.y + w3.y;
-    const float vy_fit = 0.033333335f * (w1.y + t0); /* vy */
+    const float vy_fit = 0.033333335f * (w1.y + t0);
     const float t1 = fmaf(0.11111111f, w1.y, 0.096225046f * (w3.x - w2.x));
-    const float omega_fit = fmaf((-0.055555556f), t0, t1); /* omega */
+    const float omega_fit = fmaf((-0.055555556f), t0, t1);
     const float t2 = (-0.25980762f) * omega_fit;
     const float t3 = -vx_fit;
     const float t4 = fmaf(0.1f, w2.x, t3) - t2;

@@ -29,7 +29,7 @@
 
 #define SYNCHRO_DRIVE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define SYNCHRO_DRIVE_MODEL_HASH "ca53a49909aa89c00fc7a8eb53af7271" /**< digest of the model */
-#define SYNCHRO_DRIVE_PAIR_14bfb64bb37fe641 1 /**< header and source that were written together have the same */
+#define SYNCHRO_DRIVE_PAIR_fdfcd09f2df2a30e 1 /**< header and source that were written together have the same */
 #define SYNCHRO_DRIVE_WHEELS 3 /**< how many wheels the robot has */
 #define SYNCHRO_DRIVE_W1_X 0.3f /**< [m] pivot, forward of P */
 #define SYNCHRO_DRIVE_W1_Y 0.0f /**< [m] pivot, to the left of P */

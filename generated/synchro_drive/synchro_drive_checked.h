@@ -21,7 +21,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_14bfb64bb37fe641)
+#if !defined(SYNCHRO_DRIVE_PAIR_fdfcd09f2df2a30e)
 #error "synchro_drive_checked.h and synchro_drive.h were not generated together: copy both"
 #endif
 

@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_OMNI_STEER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_OMNI_STEER_MODEL_HASH "30c6ad4f64152a4577f1b5e8c6b6787f" /**< digest of the model */
-#define TEXTBOOK_OMNI_STEER_PAIR_e9bd9e5463a3afdb 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_OMNI_STEER_PAIR_70a8f86ef3890682 1 /**< header and source that were written together have the same */
 #define TEXTBOOK_OMNI_STEER_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_OMNI_STEER_FRONT_X 0.3f /**< [m] pivot, forward of P */
 #define TEXTBOOK_OMNI_STEER_FRONT_Y 0.0f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_e9bd9e5463a3afdb)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_70a8f86ef3890682)
 #error "textbook_omni_steer_checked.h and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

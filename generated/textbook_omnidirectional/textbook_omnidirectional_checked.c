@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_b7905f1e8244fe19)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_e304b39db8600ed5)
 #error "textbook_omnidirectional_checked.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

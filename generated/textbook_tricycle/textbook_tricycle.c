@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_a8d5084720455cf0)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_fcf0332c4fab0167)
 #error "textbook_tricycle.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -191,16 +191,16 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 {
     wmrgen_wheel result;
     const float size = sqrtf((x * x) + (y * y));
-    const float t0 = (size < 1e-20f) ? 1e-20f : size;
-    const float t1 = fabsf(x);
-    const float t2 = wmrgen_with_sign_of(2.0f, x);
-    const float heading = (size < 1e-20f) ? now : (t2 * wmrgen_arctangent(y / (t0 + t1)));
-    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t3);
-    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
+    const float size_safe = (size < 1e-20f) ? 1e-20f : size;
+    const float t0 = fabsf(x);
+    const float t1 = wmrgen_with_sign_of(2.0f, x);
+    const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
+    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t4;
-    result.steer = t5;
+    result.spin = t3;
+    result.steer = t4;
     return result;
 }
 #endif
@@ -214,11 +214,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -240,13 +240,13 @@ void textbook_tricycle_inverse(
     const float t1 = 3.6363637f * twist->omega;
     const wmrgen_wheel t2 = wmrgen_steer_along(twist->vx, 1.4f * twist->omega, wmrgen_clamp(now->front.steer, 1.3089969f), 1.0f);
     const float t3 = (1.6144296f < t2.steer) ? (t2.steer - 3.1415927f) : t2.steer;
-    const float front_heading = (t2.steer < (-1.6144296f)) ? (t2.steer + 3.1415927f) : t3; /* front: heading */
-    const float front_target = wmrgen_clamp(front_heading, 1.3089969f); /* front: angle inside the limits */
-    const wmrgen_vector t4 = wmrgen_vector_at(1.0f, front_target - t2.steer);
+    const float t4 = (t2.steer < (-1.6144296f)) ? (t2.steer + 3.1415927f) : t3;
+    const float front_target = wmrgen_clamp(t4, 1.3089969f);
+    const wmrgen_vector t5 = wmrgen_vector_at(1.0f, front_target - t2.steer);
 
     out->rear_left.spin = t0 - t1;
     out->rear_right.spin = t1 + t0;
-    out->front.spin = 9.090909f * (t2.spin * t4.x);
+    out->front.spin = 9.090909f * (t2.spin * t5.x);
     out->front.steer = front_target;
 }
 
@@ -258,13 +258,12 @@ void textbook_tricycle_inverse_slip(
     const float t0 = wmrgen_clamp(wheels->front.steer, 1.3089969f);
     const wmrgen_wheel t1 = wmrgen_steer_along(twist->vx, 1.4f * twist->omega, t0, 1.0f);
     const float t2 = (1.6144296f < t1.steer) ? (t1.steer - 3.1415927f) : t1.steer;
-    const float front_heading = (t1.steer < (-1.6144296f)) ? (t1.steer + 3.1415927f) : t2; /* front: heading */
-    const float front_excess = wmrgen_clamp(front_heading, 1.3089969f) - t1.steer; /* front excess */
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, front_excess);
-    const float t4 = t1.spin * t3.y;
-    const float t5 = fabsf(twist->vy);
+    const float t3 = (t1.steer < (-1.6144296f)) ? (t1.steer + 3.1415927f) : t2;
+    const wmrgen_vector t4 = wmrgen_vector_at(1.0f, wmrgen_clamp(t3, 1.3089969f) - t1.steer);
+    const float t5 = t1.spin * t4.y;
+    const float t6 = fabsf(twist->vy);
 
-    *slip = sqrtf(fmaf(t5, t5, t4 * t4));
+    *slip = sqrtf(fmaf(t6, t6, t5 * t5));
 }
 
 void textbook_tricycle_forward(
@@ -287,9 +286,9 @@ void textbook_tricycle_forward_slip(
 {
     const wmrgen_vector front = wmrgen_vector_at(wheels->front.spin, wheels->front.steer);
     const float t0 = wheels->rear_left.spin + wheels->rear_right.spin;
-    const float vx_fit = 0.036666665f * (front.x + t0); /* vx */
+    const float vx_fit = 0.036666665f * (front.x + t0);
     const float t1 = wheels->rear_left.spin - wheels->rear_right.spin;
-    const float vy_fit = 0.012622951f * fmaf(0.5714286f, front.y, t1); /* vy */
+    const float vy_fit = 0.012622951f * fmaf(0.5714286f, front.y, t1);
     const float t2 = fmaf(2.3333333f, front.y, -t1);
     const float t3 = -vx_fit;
     const float t4 = (-0.010819672f) * t2;

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_01e76e6eee83ddf6)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_1f429020fb45a03a)
 #error "textbook_two_steer.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -180,16 +180,16 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 {
     wmrgen_wheel result;
     const float size = sqrtf((x * x) + (y * y));
-    const float t0 = (size < 1e-20f) ? 1e-20f : size;
-    const float t1 = fabsf(x);
-    const float t2 = wmrgen_with_sign_of(2.0f, x);
-    const float heading = (size < 1e-20f) ? now : (t2 * wmrgen_arctangent(y / (t0 + t1)));
-    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t3);
-    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
+    const float size_safe = (size < 1e-20f) ? 1e-20f : size;
+    const float t0 = fabsf(x);
+    const float t1 = wmrgen_with_sign_of(2.0f, x);
+    const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
+    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t4;
-    result.steer = t5;
+    result.spin = t3;
+    result.steer = t4;
     return result;
 }
 #endif
@@ -203,11 +203,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -225,11 +225,14 @@ void textbook_two_steer_inverse(
     const textbook_two_steer_wheels *now,
     textbook_two_steer_wheels *out)
 {
-    const float front_x = fmaf(1.4901161e-09f, twist->omega, fmaf((-0.1f), twist->omega, twist->vx)); /* front: a, rear: a */
-    const float t0 = fmaf((-1.1920929e-08f), twist->omega, fmaf(0.3f, twist->omega, twist->vy));
-    const wmrgen_wheel front = wmrgen_steer_along(front_x, t0, now->front.steer, 10.0f);
-    const float t1 = fmaf(1.1920929e-08f, twist->omega, fmaf((-0.3f), twist->omega, twist->vy));
-    const wmrgen_wheel rear = wmrgen_steer_along(front_x, t1, now->rear.steer, 10.0f);
+    /* v_Ax of front, v_Ax of rear */
+    const float front_x = fmaf(1.4901161e-09f, twist->omega, fmaf((-0.1f), twist->omega, twist->vx));
+    /* v_Ay of front */
+    const float front_y = fmaf((-1.1920929e-08f), twist->omega, fmaf(0.3f, twist->omega, twist->vy));
+    const wmrgen_wheel front = wmrgen_steer_along(front_x, front_y, now->front.steer, 10.0f);
+    /* v_Ay of rear */
+    const float rear_y = fmaf(1.1920929e-08f, twist->omega, fmaf((-0.3f), twist->omega, twist->vy));
+    const wmrgen_wheel rear = wmrgen_steer_along(front_x, rear_y, now->rear.steer, 10.0f);
 
     out->front.spin = front.spin;
     out->front.steer = front.steer;

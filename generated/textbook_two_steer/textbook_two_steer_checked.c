@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_01e76e6eee83ddf6)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_1f429020fb45a03a)
 #error "textbook_two_steer_checked.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_01e76e6eee83ddf6)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_1f429020fb45a03a)
 #error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
 #endif
 

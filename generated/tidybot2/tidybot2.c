@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_777100b133dfe57f)
+#if !defined(TIDYBOT2_PAIR_fe1f4b394d5fe38f)
 #error "tidybot2.c and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -138,11 +138,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_direction(h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -162,18 +162,18 @@ void tidybot2_inverse(
 {
     const float t0 = (-71.38778f) * twist->vx;
     const float t1 = 12.14663f * twist->omega;
-    const float caster_1_a = t0 - t1; /* caster 1 a, caster 4 a */
+    const float caster_1_a = t0 - t1;
     const float t2 = (-71.38778f) * twist->vy;
     const float t3 = 13.574386f * twist->omega;
-    const float caster_1_b = t2 - t3; /* caster 1 b, caster 2 b */
+    const float caster_1_b = t2 - t3;
     const wmrgen_vector caster_1 = wmrgen_direction(now->caster_1.steer);
     const float t4 = fmaf(caster_1_a, caster_1.x, caster_1_b * caster_1.y);
     const float t5 = fmaf(caster_1_a, caster_1.y, -(caster_1.x * caster_1_b));
-    const float caster_2_a = t1 + t0; /* caster 2 a, caster 3 a */
+    const float caster_2_a = t1 + t0;
     const wmrgen_vector caster_2 = wmrgen_direction(now->caster_2.steer);
     const float t6 = fmaf(caster_2_a, caster_2.x, caster_1_b * caster_2.y);
     const float t7 = fmaf(caster_2_a, caster_2.y, -(caster_1_b * caster_2.x));
-    const float caster_3_b = t2 + t3; /* caster 3 b, caster 4 b */
+    const float caster_3_b = t2 + t3;
     const wmrgen_vector caster_3 = wmrgen_direction(now->caster_3.steer);
     const float t8 = fmaf(caster_2_a, caster_3.x, caster_3_b * caster_3.y);
     const float t9 = fmaf(caster_2_a, caster_3.y, -(caster_3.x * caster_3_b));
@@ -211,49 +211,49 @@ void tidybot2_forward(const tidybot2_wheels *wheels, tidybot2_twist *twist)
     const float t0 = wheels->caster_1.steer_rate * caster_1.y;
     const float t1 = caster_1.x * wheels->caster_1.steer_rate;
     const float t2 = 3.6264992f * wheels->caster_1.spin;
-    const float caster_1_wy = fmaf(caster_1.y, t2, fmaf((-0.26791832f), t0, t1)); /* caster_1: its velocity, y */
+    const float caster_1_wy = fmaf(caster_1.y, t2, fmaf((-0.26791832f), t0, t1));
     const wmrgen_vector caster_2 = wmrgen_direction(wheels->caster_2.steer);
     const float t3 = wheels->caster_2.steer_rate * caster_2.y;
     const float t4 = caster_2.x * wheels->caster_2.steer_rate;
     const float t5 = 3.6264992f * wheels->caster_2.spin;
-    const float caster_2_wy = fmaf(caster_2.y, t5, fmaf((-0.26791832f), t3, t4)); /* caster_2: its velocity, y */
+    const float caster_2_wy = fmaf(caster_2.y, t5, fmaf((-0.26791832f), t3, t4));
     const float t6 = caster_1_wy + caster_2_wy;
     const wmrgen_vector caster_3 = wmrgen_direction(wheels->caster_3.steer);
     const float t7 = wheels->caster_3.steer_rate * caster_3.y;
     const float t8 = caster_3.x * wheels->caster_3.steer_rate;
     const float t9 = 3.6264992f * wheels->caster_3.spin;
-    const float caster_3_wy = fmaf(caster_3.y, t9, fmaf((-0.26791832f), t7, t8)); /* caster_3: its velocity, y */
+    const float caster_3_wy = fmaf(caster_3.y, t9, fmaf((-0.26791832f), t7, t8));
     const wmrgen_vector caster_4 = wmrgen_direction(wheels->caster_4.steer);
     const float t10 = wheels->caster_4.steer_rate * caster_4.y;
     const float t11 = caster_4.x * wheels->caster_4.steer_rate;
     const float t12 = 3.6264992f * wheels->caster_4.spin;
-    const float caster_4_wy = fmaf(caster_4.y, t12, fmaf((-0.26791832f), t10, t11)); /* caster_4: its velocity, y */
+    const float caster_4_wy = fmaf(caster_4.y, t12, fmaf((-0.26791832f), t10, t11));
     const float t13 = caster_3_wy + caster_4_wy;
-    const float caster_1_wx = fmaf((-0.26791832f), t1, fmaf(caster_1.x, t2, -t0)); /* caster_1: its velocity, x */
-    const float caster_4_wx = fmaf((-0.26791832f), t11, fmaf(caster_4.x, t12, -t10)); /* caster_4: its velocity, x */
+    const float caster_1_wx = fmaf((-0.26791832f), t1, fmaf(caster_1.x, t2, -t0));
+    const float caster_4_wx = fmaf((-0.26791832f), t11, fmaf(caster_4.x, t12, -t10));
     const float t14 = caster_1_wx + caster_4_wx;
-    const float caster_2_wx = fmaf((-0.26791832f), t4, fmaf(caster_2.x, t5, -t3)); /* caster_2: its velocity, x */
-    const float caster_3_wx = fmaf((-0.26791832f), t8, fmaf(caster_3.x, t9, -t7)); /* caster_3: its velocity, x */
+    const float caster_2_wx = fmaf((-0.26791832f), t4, fmaf(caster_2.x, t5, -t3));
+    const float caster_3_wx = fmaf((-0.26791832f), t8, fmaf(caster_3.x, t9, -t7));
     const float t15 = caster_2_wx + caster_3_wx;
     const float t16 = wheels->caster_1.spin + wheels->caster_2.spin;
     const float t17 = wheels->caster_4.spin + (wheels->caster_3.spin + t16);
     const float t18 = wheels->caster_1.steer_rate + wheels->caster_2.steer_rate;
     const float t19 = wheels->caster_4.steer_rate + (wheels->caster_3.steer_rate + t18);
     const float t20 = fmaf(48.58652f, t14 - t15, fmaf(3.8864224f, t17, -(4.287121f * t19)));
-    const float sum_wy = t13 + t6; /* sum: its velocity, y */
+    const float sum_wy = t13 + t6;
     const float t21 = caster_3.y + caster_4.y + (caster_1.y + caster_2.y);
     const float t22 = caster_3.x + caster_4.x + (caster_1.x + caster_2.x);
-    const float sum_fx = fmaf(0.26791832f, t21, -t22); /* sum fx */
+    const float sum_fx = fmaf(0.26791832f, t21, -t22);
     const float t23 = -sum_fx;
     const float t24 = fmaf(t23, sum_wy, fmaf(54.297543f, t6 - t13, t20));
-    const float sum_wx = t15 + t14; /* sum: its velocity, x */
-    const float sum_fy = fmaf((-0.26791832f), t22, -t21); /* sum fy */
+    const float sum_wx = t15 + t14;
+    const float sum_fy = fmaf((-0.26791832f), t22, -t21);
     const float t25 = fmaf(82.560646f, caster_3.x - caster_1.x, 5326.022f);
     const float t26 = fmaf(126.26766f, caster_1.y - caster_3.y, t25);
     const float t27 = fmaf(134.62953f, caster_4.x - caster_2.x, t26);
-    const float inertia = fmaf(68.07843f, caster_4.y - caster_2.y, t27); /* inertia */
+    const float inertia = fmaf(68.07843f, caster_4.y - caster_2.y, t27);
     const float t28 = fmaf(-sum_fy, sum_fy, fmaf(t23, sum_fx, inertia));
-    const float omega_fit = fmaf(sum_wx, sum_fy, t24) / t28; /* omega */
+    const float omega_fit = fmaf(sum_wx, sum_fy, t24) / t28;
 
     twist->vx = 0.003502f * fmaf(sum_fy, omega_fit, sum_wx);
     twist->vy = 0.003502f * fmaf(t23, omega_fit, sum_wy);
@@ -267,76 +267,76 @@ void tidybot2_forward_slip(const tidybot2_wheels *wheels, tidybot2_twist *twist,
     const float t0 = wheels->caster_1.steer_rate * caster_1.y;
     const float t1 = caster_1.x * wheels->caster_1.steer_rate;
     const float t2 = 3.6264992f * wheels->caster_1.spin;
-    const float caster_1_wy = fmaf(caster_1.y, t2, fmaf((-0.26791832f), t0, t1)); /* caster_1: its velocity, y */
+    const float caster_1_wy = fmaf(caster_1.y, t2, fmaf((-0.26791832f), t0, t1));
     const wmrgen_vector caster_2 = wmrgen_direction(wheels->caster_2.steer);
     const float t3 = wheels->caster_2.steer_rate * caster_2.y;
     const float t4 = caster_2.x * wheels->caster_2.steer_rate;
     const float t5 = 3.6264992f * wheels->caster_2.spin;
-    const float caster_2_wy = fmaf(caster_2.y, t5, fmaf((-0.26791832f), t3, t4)); /* caster_2: its velocity, y */
+    const float caster_2_wy = fmaf(caster_2.y, t5, fmaf((-0.26791832f), t3, t4));
     const float t6 = caster_1_wy + caster_2_wy;
     const wmrgen_vector caster_3 = wmrgen_direction(wheels->caster_3.steer);
     const float t7 = wheels->caster_3.steer_rate * caster_3.y;
     const float t8 = caster_3.x * wheels->caster_3.steer_rate;
     const float t9 = 3.6264992f * wheels->caster_3.spin;
-    const float caster_3_wy = fmaf(caster_3.y, t9, fmaf((-0.26791832f), t7, t8)); /* caster_3: its velocity, y */
+    const float caster_3_wy = fmaf(caster_3.y, t9, fmaf((-0.26791832f), t7, t8));
     const wmrgen_vector caster_4 = wmrgen_direction(wheels->caster_4.steer);
     const float t10 = wheels->caster_4.steer_rate * caster_4.y;
     const float t11 = caster_4.x * wheels->caster_4.steer_rate;
     const float t12 = 3.6264992f * wheels->caster_4.spin;
-    const float caster_4_wy = fmaf(caster_4.y, t12, fmaf((-0.26791832f), t10, t11)); /* caster_4: its velocity, y */
+    const float caster_4_wy = fmaf(caster_4.y, t12, fmaf((-0.26791832f), t10, t11));
     const float t13 = caster_3_wy + caster_4_wy;
-    const float caster_1_wx = fmaf((-0.26791832f), t1, fmaf(caster_1.x, t2, -t0)); /* caster_1: its velocity, x */
-    const float caster_4_wx = fmaf((-0.26791832f), t11, fmaf(caster_4.x, t12, -t10)); /* caster_4: its velocity, x */
+    const float caster_1_wx = fmaf((-0.26791832f), t1, fmaf(caster_1.x, t2, -t0));
+    const float caster_4_wx = fmaf((-0.26791832f), t11, fmaf(caster_4.x, t12, -t10));
     const float t14 = caster_1_wx + caster_4_wx;
-    const float caster_2_wx = fmaf((-0.26791832f), t4, fmaf(caster_2.x, t5, -t3)); /* caster_2: its velocity, x */
-    const float caster_3_wx = fmaf((-0.26791832f), t8, fmaf(caster_3.x, t9, -t7)); /* caster_3: its velocity, x */
+    const float caster_2_wx = fmaf((-0.26791832f), t4, fmaf(caster_2.x, t5, -t3));
+    const float caster_3_wx = fmaf((-0.26791832f), t8, fmaf(caster_3.x, t9, -t7));
     const float t15 = caster_2_wx + caster_3_wx;
     const float t16 = wheels->caster_1.spin + wheels->caster_2.spin;
     const float t17 = wheels->caster_4.spin + (wheels->caster_3.spin + t16);
     const float t18 = wheels->caster_1.steer_rate + wheels->caster_2.steer_rate;
     const float t19 = wheels->caster_4.steer_rate + (wheels->caster_3.steer_rate + t18);
     const float t20 = fmaf(48.58652f, t14 - t15, fmaf(3.8864224f, t17, -(4.287121f * t19)));
-    const float sum_wy = t13 + t6; /* sum: its velocity, y */
+    const float sum_wy = t13 + t6;
     const float t21 = caster_3.y + caster_4.y + (caster_1.y + caster_2.y);
     const float t22 = caster_3.x + caster_4.x + (caster_1.x + caster_2.x);
-    const float sum_fx = fmaf(0.26791832f, t21, -t22); /* sum fx */
+    const float sum_fx = fmaf(0.26791832f, t21, -t22);
     const float t23 = -sum_fx;
     const float t24 = fmaf(t23, sum_wy, fmaf(54.297543f, t6 - t13, t20));
-    const float sum_wx = t15 + t14; /* sum: its velocity, x */
-    const float sum_fy = fmaf((-0.26791832f), t22, -t21); /* sum fy */
+    const float sum_wx = t15 + t14;
+    const float sum_fy = fmaf((-0.26791832f), t22, -t21);
     const float t25 = fmaf(82.560646f, caster_3.x - caster_1.x, 5326.022f);
     const float t26 = fmaf(126.26766f, caster_1.y - caster_3.y, t25);
     const float t27 = fmaf(134.62953f, caster_4.x - caster_2.x, t26);
-    const float inertia = fmaf(68.07843f, caster_4.y - caster_2.y, t27); /* inertia */
+    const float inertia = fmaf(68.07843f, caster_4.y - caster_2.y, t27);
     const float t28 = fmaf(-sum_fy, sum_fy, fmaf(t23, sum_fx, inertia));
-    const float omega_fit = fmaf(sum_wx, sum_fy, t24) / t28; /* omega */
+    const float omega_fit = fmaf(sum_wx, sum_fy, t24) / t28;
     const float t29 = 0.003502f * fmaf(sum_fy, omega_fit, sum_wx);
     const float t30 = 0.003502f * fmaf(t23, omega_fit, sum_wy);
     const float t31 = (-0.17015f) * omega_fit;
     const float t32 = t31 - t29;
     const float t33 = caster_1.y * omega_fit;
     const float t34 = caster_1.x * omega_fit;
-    const float error_0 = fmaf((-0.003753f), t34, fmaf(0.014008f, caster_1_wx - t33, t32)); /* residual 0 */
+    const float error_0 = fmaf((-0.003753f), t34, fmaf(0.014008f, caster_1_wx - t33, t32));
     const float t35 = (-0.19015f) * omega_fit;
     const float t36 = t35 - t30;
-    const float error_1 = fmaf((-0.003753f), t33, fmaf(0.014008f, caster_1_wy + t34, t36)); /* residual 1 */
+    const float error_1 = fmaf((-0.003753f), t33, fmaf(0.014008f, caster_1_wy + t34, t36));
     const float t37 = -(t29 + t31);
     const float t38 = caster_2.y * omega_fit;
     const float t39 = caster_2.x * omega_fit;
-    const float error_2 = fmaf((-0.003753f), t39, fmaf(0.014008f, caster_2_wx - t38, t37)); /* residual 2 */
+    const float error_2 = fmaf((-0.003753f), t39, fmaf(0.014008f, caster_2_wx - t38, t37));
     const float t40 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
-    const float error_3 = fmaf((-0.003753f), t38, fmaf(0.014008f, caster_2_wy + t39, t36)); /* residual 3 */
+    const float error_3 = fmaf((-0.003753f), t38, fmaf(0.014008f, caster_2_wy + t39, t36));
     const float t41 = caster_3.y * omega_fit;
     const float t42 = caster_3.x * omega_fit;
-    const float error_4 = fmaf((-0.003753f), t42, fmaf(0.014008f, caster_3_wx - t41, t37)); /* residual 4 */
+    const float error_4 = fmaf((-0.003753f), t42, fmaf(0.014008f, caster_3_wx - t41, t37));
     const float t43 = fmaf(error_4, error_4, fmaf(error_3, error_3, t40));
     const float t44 = -(t30 + t35);
-    const float error_5 = fmaf((-0.003753f), t41, fmaf(0.014008f, caster_3_wy + t42, t44)); /* residual 5 */
+    const float error_5 = fmaf((-0.003753f), t41, fmaf(0.014008f, caster_3_wy + t42, t44));
     const float t45 = caster_4.y * omega_fit;
     const float t46 = caster_4.x * omega_fit;
-    const float error_6 = fmaf((-0.003753f), t46, fmaf(0.014008f, caster_4_wx - t45, t32)); /* residual 6 */
+    const float error_6 = fmaf((-0.003753f), t46, fmaf(0.014008f, caster_4_wx - t45, t32));
     const float t47 = fmaf(error_6, error_6, fmaf(error_5, error_5, t43));
-    const float error_7 = fmaf((-0.003753f), t45, fmaf(0.014008f, caster_4_wy + t46, t44)); /* residual 7 */
+    const float error_7 = fmaf((-0.003753f), t45, fmaf(0.014008f, caster_4_wy + t46, t44));
 
     twist->vx = t29;
     twist->vy = t30;

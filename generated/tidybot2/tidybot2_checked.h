@@ -21,7 +21,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_777100b133dfe57f)
+#if !defined(TIDYBOT2_PAIR_fe1f4b394d5fe38f)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 

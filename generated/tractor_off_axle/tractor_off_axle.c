@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_dd38adfee1b85db0)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_60917290cb4f2a12)
 #error "tractor_off_axle.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -132,11 +132,11 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -210,12 +210,12 @@ void tractor_off_axle_trailer(
     const tractor_off_axle_trailer_in *in,
     tractor_off_axle_trailer_out *out)
 {
-    const float body_x = 0.055f * (wheels->left.spin + wheels->right.spin); /* body: a */
+    const float body_x = 0.055f * (wheels->left.spin + wheels->right.spin);
     const wmrgen_vector t0 = wmrgen_vector_at(body_x, pose->theta);
-    const float body_z = 0.2037037f * (wheels->right.spin - wheels->left.spin); /* body z */
+    const float body_z = 0.2037037f * (wheels->right.spin - wheels->left.spin);
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->cart.theta - pose->theta);
-    const float cart_turn = fmaf((-1.25f), body_x * t1.y, -(0.3125f * (body_z * t1.x))); /* cart: Delta */
-    const float cart_speed = fmaf(body_x, t1.x, -(0.25f * (body_z * t1.y))); /* cart: speed */
+    const float cart_turn = fmaf((-1.25f), body_x * t1.y, -(0.3125f * (body_z * t1.x)));
+    const float cart_speed = fmaf(body_x, t1.x, -(0.25f * (body_z * t1.y)));
 
     out->x_rate = t0.x;
     out->y_rate = t0.y;

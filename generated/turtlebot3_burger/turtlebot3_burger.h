@@ -29,7 +29,7 @@
 
 #define TURTLEBOT3_BURGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TURTLEBOT3_BURGER_MODEL_HASH "4d2a4c3382a2a55ebe43cb481ad4570c" /**< digest of the model */
-#define TURTLEBOT3_BURGER_PAIR_cb9dce8477effd87 1 /**< header and source that were written together have the same */
+#define TURTLEBOT3_BURGER_PAIR_6a81f14d524104e0 1 /**< header and source that were written together have the same */
 #define TURTLEBOT3_BURGER_WHEELS 3 /**< how many wheels the robot has */
 #define TURTLEBOT3_BURGER_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TURTLEBOT3_BURGER_LEFT_Y 0.08f /**< [m] pivot, to the left of P */

@@ -27,7 +27,7 @@
 
 #define UNICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define UNICYCLE_MODEL_HASH "6d50e76a8612f313b0b61ab7a1ecf839" /**< digest of the model */
-#define UNICYCLE_PAIR_6313ad6e984cf46c 1 /**< header and source that were written together have the same */
+#define UNICYCLE_PAIR_c6795d51b3b00b86 1 /**< header and source that were written together have the same */
 #define UNICYCLE_WHEELS 1 /**< how many wheels the robot has */
 #define UNICYCLE_WHEEL_X 0.0f /**< [m] pivot, forward of P */
 #define UNICYCLE_WHEEL_Y 0.0f /**< [m] pivot, to the left of P */

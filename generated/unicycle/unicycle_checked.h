@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_6313ad6e984cf46c)
+#if !defined(UNICYCLE_PAIR_c6795d51b3b00b86)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 

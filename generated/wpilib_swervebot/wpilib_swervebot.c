@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_049494907c8fc44b)
+#if !defined(WPILIB_SWERVEBOT_PAIR_0e246adfed8642b2)
 #error "wpilib_swervebot.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -191,16 +191,16 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 {
     wmrgen_wheel result;
     const float size = sqrtf((x * x) + (y * y));
-    const float t0 = (size < 1e-20f) ? 1e-20f : size;
-    const float t1 = fabsf(x);
-    const float t2 = wmrgen_with_sign_of(2.0f, x);
-    const float heading = (size < 1e-20f) ? now : (t2 * wmrgen_arctangent(y / (t0 + t1)));
-    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t3);
-    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
+    const float size_safe = (size < 1e-20f) ? 1e-20f : size;
+    const float t0 = fabsf(x);
+    const float t1 = wmrgen_with_sign_of(2.0f, x);
+    const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
+    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t4;
-    result.steer = t5;
+    result.spin = t3;
+    result.steer = t4;
     return result;
 }
 #endif
@@ -214,11 +214,11 @@ WMRGEN_KERNEL float wmrgen_sinc(float h)
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
-    const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2);
-    const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
+    const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
+    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t4;
+    return t3;
 }
 #endif
 
@@ -236,12 +236,16 @@ void wpilib_swervebot_inverse(
     const wpilib_swervebot_wheels *now,
     wpilib_swervebot_wheels *out)
 {
-    const float front_left_x = fmaf(1.2159347e-08f, twist->omega, fmaf((-0.381f), twist->omega, twist->vx)); /* front_left: a, back_left: a */
-    const float front_left_y = fmaf((-1.2159347e-08f), twist->omega, fmaf(0.381f, twist->omega, twist->vy)); /* front_left: b, front_right: b */
+    /* v_Ax of front_left, v_Ax of back_left */
+    const float front_left_x = fmaf(1.2159347e-08f, twist->omega, fmaf((-0.381f), twist->omega, twist->vx));
+    /* v_Ay of front_left, v_Ay of front_right */
+    const float front_left_y = fmaf((-1.2159347e-08f), twist->omega, fmaf(0.381f, twist->omega, twist->vy));
     const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, now->front_left.steer, 19.68504f);
-    const float front_right_x = fmaf((-1.2159347e-08f), twist->omega, fmaf(0.381f, twist->omega, twist->vx)); /* front_right: a, back_right: a */
+    /* v_Ax of front_right, v_Ax of back_right */
+    const float front_right_x = fmaf((-1.2159347e-08f), twist->omega, fmaf(0.381f, twist->omega, twist->vx));
     const wmrgen_wheel front_right = wmrgen_steer_along(front_right_x, front_left_y, now->front_right.steer, 19.68504f);
-    const float back_left_y = fmaf(1.2159347e-08f, twist->omega, fmaf((-0.381f), twist->omega, twist->vy)); /* back_left: b, back_right: b */
+    /* v_Ay of back_left, v_Ay of back_right */
+    const float back_left_y = fmaf(1.2159347e-08f, twist->omega, fmaf((-0.381f), twist->omega, twist->vy));
     const wmrgen_wheel back_left = wmrgen_steer_along(front_left_x, back_left_y, now->back_left.steer, 19.68504f);
     const wmrgen_wheel back_right = wmrgen_steer_along(front_right_x, back_left_y, now->back_right.steer, 19.68504f);
 
@@ -293,10 +297,10 @@ void wpilib_swervebot_forward_slip(
     const wmrgen_vector front_left = wmrgen_vector_at(wheels->front_left.spin, wheels->front_left.steer);
     const wmrgen_vector back_left = wmrgen_vector_at(wheels->back_left.spin, wheels->back_left.steer);
     const float t1 = front_left.x + back_left.x;
-    const float vx_fit = 0.0127f * (t0 + t1); /* vx */
+    const float vx_fit = 0.0127f * (t0 + t1);
     const float t2 = back_left.y + back_right.y;
     const float t3 = front_left.y + front_right.y;
-    const float vy_fit = 0.0127f * (t2 + t3); /* vy */
+    const float vy_fit = 0.0127f * (t2 + t3);
     const float t4 = t3 + (t0 - t1) - t2;
     const float t5 = 0.00635f * t4;
     const float t6 = -(vx_fit - t5);
@@ -360,26 +364,26 @@ void wpilib_swervebot_forward_covariance(
     wpilib_swervebot_twist_covariance *twist_covariance)
 {
     const float t0 = wheels->front_right.spin * wheels->front_right.spin;
-    const float front_right_spin_variance = fmaf(0.0001f, t0, 0.0025f); /* front right spin variance */
+    const float front_right_spin_variance = fmaf(0.0001f, t0, 0.0025f);
     const wmrgen_vector front_right = wmrgen_vector_at(1.0f, wheels->front_right.steer);
     const float t1 = front_right.x * front_right.x;
     const float t2 = fmaf(0.00258064f, t1 * front_right_spin_variance, -(1.9652697e-07f * (t1 * t0)));
     const float t3 = 1.9652697e-07f * t0;
     const float t4 = wheels->back_right.spin * wheels->back_right.spin;
-    const float back_right_spin_variance = fmaf(0.0001f, t4, 0.0025f); /* back right spin variance */
+    const float back_right_spin_variance = fmaf(0.0001f, t4, 0.0025f);
     const wmrgen_vector back_right = wmrgen_vector_at(1.0f, wheels->back_right.steer);
     const float t5 = back_right.x * back_right.x;
     const float t6 = fmaf(0.00258064f, t5 * back_right_spin_variance, -(1.9652697e-07f * (t5 * t4)));
     const float t7 = 1.9652697e-07f * t4;
     const float t8 = t2 + t3 + (t6 + t7);
     const float t9 = wheels->front_left.spin * wheels->front_left.spin;
-    const float front_left_spin_variance = fmaf(0.0001f, t9, 0.0025f); /* front left spin variance */
+    const float front_left_spin_variance = fmaf(0.0001f, t9, 0.0025f);
     const wmrgen_vector front_left = wmrgen_vector_at(1.0f, wheels->front_left.steer);
     const float t10 = front_left.x * front_left.x;
     const float t11 = fmaf(0.00258064f, t10 * front_left_spin_variance, -(1.9652697e-07f * (t10 * t9)));
     const float t12 = 1.9652697e-07f * t9;
     const float t13 = wheels->back_left.spin * wheels->back_left.spin;
-    const float back_left_spin_variance = fmaf(0.0001f, t13, 0.0025f); /* back left spin variance */
+    const float back_left_spin_variance = fmaf(0.0001f, t13, 0.0025f);
     const wmrgen_vector back_left = wmrgen_vector_at(1.0f, wheels->back_left.steer);
     const float t14 = back_left.x * back_left.x;
     const float t15 = fmaf(0.00258064f, t14 * back_left_spin_variance, -(1.9652697e-07f * (t14 * t13)));
@@ -394,11 +398,11 @@ void wpilib_swervebot_forward_covariance(
     const float t24 = t22 - t11 + (t23 - t2);
     const float t25 = t21 + t24;
     const float t26 = t18 + t25;
-    const float front_left_c01 = front_left.x * (front_left.y * (t22 - t12)); /* front left c01 */
-    const float front_right_c01 = front_right.x * (front_right.y * (t23 - t3)); /* front right c01 */
+    const float front_left_c01 = front_left.x * (front_left.y * (t22 - t12));
+    const float front_right_c01 = front_right.x * (front_right.y * (t23 - t3));
     const float t27 = front_left_c01 - front_right_c01;
-    const float back_left_c01 = back_left.x * (back_left.y * (t19 - t16)); /* back left c01 */
-    const float back_right_c01 = back_right.x * (back_right.y * (t20 - t7)); /* back right c01 */
+    const float back_left_c01 = back_left.x * (back_left.y * (t19 - t16));
+    const float back_right_c01 = back_right.x * (back_right.y * (t20 - t7));
     const float t28 = back_left_c01 - back_right_c01;
     const float t29 = t27 - t28;
     const float t30 = fmaf((-0.625f), t26, fmaf(slip, slip, -(0.25f * t29)));
@@ -427,32 +431,32 @@ void wpilib_swervebot_odometry_covariance(
     const float half_turn = 0.5f * t0; /* h */
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
     const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float x_step = fmaf(twist->vx, t1.x, -(twist->vy * t1.y)) * chord; /* x step */
-    const float y_step = chord * fmaf(twist->vx, t1.y, t1.x * twist->vy); /* y step */
-    const float chord_x = t1.x * chord; /* chord: a */
-    const float chord_y = t1.y * chord; /* chord: b */
-    const float by_omega_x = fmaf(twist_covariance->vxomega, chord_x, -(twist_covariance->vyomega * chord_y)); /* by_omega: a */
+    const float x_step = fmaf(twist->vx, t1.x, -(twist->vy * t1.y)) * chord;
+    const float y_step = chord * fmaf(twist->vx, t1.y, t1.x * twist->vy);
+    const float chord_x = t1.x * chord;
+    const float chord_y = t1.y * chord;
+    const float by_omega_x = fmaf(twist_covariance->vxomega, chord_x, -(twist_covariance->vyomega * chord_y));
     const float t2 = 0.5f * dt;
-    const float x_heading = fmaf(by_omega_x, t2, pose_covariance->xtheta); /* x: heading */
+    const float x_heading = fmaf(by_omega_x, t2, pose_covariance->xtheta);
     const float t3 = -y_step;
     const float t4 = dt * twist_covariance->omegaomega;
     const float t5 = dt * t4;
-    const float heading_variance = fmaf(0.25f, t5, pose_covariance->thetatheta); /* heading variance */
-    const float x_turned = fmaf(t3, heading_variance, x_heading); /* x turned */
+    const float heading_variance = fmaf(0.25f, t5, pose_covariance->thetatheta);
+    const float x_turned = fmaf(t3, heading_variance, x_heading);
     const float t6 = fmaf(t3, x_heading + x_turned, pose_covariance->xx);
     const float t7 = chord_y * twist_covariance->vxvy;
-    const float by_vx_x = fmaf(chord_x, twist_covariance->vxvx, -t7); /* by_vx: a */
+    const float by_vx_x = fmaf(chord_x, twist_covariance->vxvx, -t7);
     const float t8 = -chord_y;
     const float t9 = chord_x * twist_covariance->vxvy;
-    const float by_vy_x = fmaf(t8, twist_covariance->vyvy, t9); /* by_vy: a */
+    const float by_vy_x = fmaf(t8, twist_covariance->vyvy, t9);
     const float t10 = fmaf(t8, by_vy_x, fmaf(chord_x, by_vx_x, t6));
-    const float by_omega_y = fmaf(twist_covariance->vxomega, chord_y, chord_x * twist_covariance->vyomega); /* by_omega: b */
-    const float y_heading = fmaf(t2, by_omega_y, pose_covariance->ytheta); /* y: heading */
+    const float by_omega_y = fmaf(twist_covariance->vxomega, chord_y, chord_x * twist_covariance->vyomega);
+    const float y_heading = fmaf(t2, by_omega_y, pose_covariance->ytheta);
     const float t11 = fmaf(x_step, x_turned, fmaf(t3, y_heading, pose_covariance->xy));
     const float t12 = fmaf(chord_x, by_vy_x, fmaf(chord_y, by_vx_x, t11));
     const float t13 = 0.5f * t4;
     const float t14 = fmaf(t2, fmaf(t3, t13, by_omega_x), x_turned);
-    const float y_turned = fmaf(x_step, heading_variance, y_heading); /* y turned */
+    const float y_turned = fmaf(x_step, heading_variance, y_heading);
     const float t15 = fmaf(x_step, y_heading + y_turned, pose_covariance->yy);
     const float t16 = fmaf(chord_y, fmaf(chord_y, twist_covariance->vxvx, t9), t15);
     const float t17 = fmaf(chord_x, fmaf(chord_x, twist_covariance->vyvy, t7), t16);
@@ -480,14 +484,14 @@ void wpilib_swervebot_odometry_from_angles(
     const wmrgen_vector front_left = wmrgen_vector_at(step->front_left.spin, wheels->front_left.steer);
     const wmrgen_vector front_right = wmrgen_vector_at(step->front_right.spin, wheels->front_right.steer);
     const float t1 = front_left.y + front_right.y;
-    const float vy_fit = 0.0127f * (t0 + t1); /* vy, vy step */
+    const float vy_fit = 0.0127f * (t0 + t1);
     const float t2 = front_right.x + back_right.x;
     const float t3 = front_left.x + back_left.x;
     const float t4 = t1 + (t2 - t3) - t0;
     const float half_turn = 0.008333334f * t4; /* h */
     const wmrgen_vector t5 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
-    const float vx_fit = 0.0127f * (t2 + t3); /* vx, vx step */
-    const float sinc = wmrgen_sinc(half_turn); /* sinc, dt sinc(h) */
+    const float vx_fit = 0.0127f * (t2 + t3);
+    const float sinc = wmrgen_sinc(half_turn); /* dt sinc(h) */
     const float t6 = fmaf(fmaf(vx_fit, t5.x, -(vy_fit * t5.y)), sinc, pose->x);
     const float t7 = fmaf(sinc, fmaf(vx_fit, t5.y, t5.x * vy_fit), pose->y);
 
@@ -502,13 +506,14 @@ void wpilib_swervebot_limit_twist(wpilib_swervebot_twist *twist)
     const float t1 = 0.33333334f * fabsf(twist->vy);
     const float t2 = (t0 < t1) ? t1 : t0;
     const float t3 = 0.31830987f * fabsf(twist->omega);
-    const float load = (t3 < t2) ? t2 : t3; /* load */
+    const float load = (t3 < t2) ? t2 : t3;
     const float t4 = (load < 1.0f) ? 1.0f : load;
-    const float t5 = (load < 0.02f) ? 0.0f : (1.0f / t4);
+    const float scale = (load < 0.02f) ? 0.0f : (1.0f / t4);
+    const float t5 = wmrgen_clamp(twist->omega * scale, 3.1415927f);
 
-    twist->vx = wmrgen_clamp(twist->vx * t5, 3.0f);
-    twist->vy = wmrgen_clamp(twist->vy * t5, 3.0f);
-    twist->omega = wmrgen_clamp(twist->omega * t5, 3.1415927f);
+    twist->vx = wmrgen_clamp(twist->vx * scale, 3.0f);
+    twist->vy = wmrgen_clamp(twist->vy * scale, 3.0f);
+    twist->omega = t5;
 }
 
 void wpilib_swervebot_limit_acceleration(
@@ -516,16 +521,16 @@ void wpilib_swervebot_limit_acceleration(
     const wpilib_swervebot_twist *wanted,
     float dt)
 {
-    const float vx_change = wanted->vx - twist->vx; /* vx change */
+    const float vx_change = wanted->vx - twist->vx;
     const float t0 = 0.11111111f * fabsf(vx_change);
-    const float vy_change = wanted->vy - twist->vy; /* vy change */
+    const float vy_change = wanted->vy - twist->vy;
     const float t1 = 0.11111111f * fabsf(vy_change);
     const float t2 = (t0 < t1) ? t1 : t0;
-    const float omega_change = wanted->omega - twist->omega; /* omega change */
+    const float omega_change = wanted->omega - twist->omega;
     const float t3 = 0.10610329f * fabsf(omega_change);
-    const float time = (t3 < t2) ? t2 : t3; /* time */
+    const float time = (t3 < t2) ? t2 : t3;
     const float t4 = (time < 1e-20f) ? 1e-20f : time;
-    const float step = (dt < 0.0f) ? 0.0f : dt; /* step */
+    const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t5 = 0.9999995f * (step / t4);
     const float t6 = (step < time) ? fmaf(vx_change, t5, twist->vx) : wanted->vx;
     const float t7 = (step < time) ? fmaf(vy_change, t5, twist->vy) : wanted->vy;
@@ -564,18 +569,18 @@ void wpilib_swervebot_desaturate(wpilib_swervebot_wheels *wheels, float *scale)
     const float t4 = 0.016933333f * fabsf(wheels->back_left.spin);
     const float t5 = (t4 < t3) ? t3 : t4;
     const float t6 = 0.016933333f * fabsf(wheels->back_right.spin);
-    const float t7 = (t6 < t5) ? t5 : t6;
-    const float t8 = 1.0f / t7;
-    const float t9 = wmrgen_clamp(wheels->front_left.spin * t8, 59.05512f);
-    const float t10 = wmrgen_clamp(wheels->front_right.spin * t8, 59.05512f);
-    const float t11 = wmrgen_clamp(wheels->back_left.spin * t8, 59.05512f);
-    const float t12 = wmrgen_clamp(wheels->back_right.spin * t8, 59.05512f);
+    const float load = (t6 < t5) ? t5 : t6;
+    const float t7 = 1.0f / load;
+    const float t8 = wmrgen_clamp(wheels->front_left.spin * t7, 59.05512f);
+    const float t9 = wmrgen_clamp(wheels->front_right.spin * t7, 59.05512f);
+    const float t10 = wmrgen_clamp(wheels->back_left.spin * t7, 59.05512f);
+    const float t11 = wmrgen_clamp(wheels->back_right.spin * t7, 59.05512f);
 
-    wheels->front_left.spin = t9;
-    wheels->front_right.spin = t10;
-    wheels->back_left.spin = t11;
-    wheels->back_right.spin = t12;
-    *scale = t8;
+    wheels->front_left.spin = t8;
+    wheels->front_right.spin = t9;
+    wheels->back_left.spin = t10;
+    wheels->back_right.spin = t11;
+    *scale = t7;
 }
 
 void wpilib_swervebot_joints_from_counters(

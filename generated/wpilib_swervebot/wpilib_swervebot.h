@@ -32,7 +32,7 @@
 
 #define WPILIB_SWERVEBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define WPILIB_SWERVEBOT_MODEL_HASH "aa5e1814fb9897cf854b1afb3815fec3" /**< digest of the model */
-#define WPILIB_SWERVEBOT_PAIR_049494907c8fc44b 1 /**< header and source that were written together have the same */
+#define WPILIB_SWERVEBOT_PAIR_0e246adfed8642b2 1 /**< header and source that were written together have the same */
 #define WPILIB_SWERVEBOT_WHEELS 4 /**< how many wheels the robot has */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_X 0.381f /**< [m] pivot, forward of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_Y 0.381f /**< [m] pivot, to the left of P */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_049494907c8fc44b)
+#if !defined(WPILIB_SWERVEBOT_PAIR_0e246adfed8642b2)
 #error "wpilib_swervebot_checked.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_049494907c8fc44b)
+#if !defined(WPILIB_SWERVEBOT_PAIR_0e246adfed8642b2)
 #error "wpilib_swervebot_checked.h and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

@@ -74,7 +74,7 @@ def written(folder: Path, robot: str, target: str = "m4f") -> list[str]:
     (folder / "driven.yaml").write_text(f"wmrgen: 1\nname: driven\n{WHEELS[robot]}")
     d = derive(load(folder / "driven.yaml"))
     options = {"target": target}
-    put(folder, emit(d.c_module, Facts(site=site(d), formulas=d.raw_module.functions, options=options)))
+    put(folder, emit(d.c_module, Facts(site=site(d), options=options)))
     text = (folder / "example/main.c").read_text()
     assert text.count("    hardware();\n}") == text.count("int main(void)") == 1
     text = text.replace("    hardware();\n}", "    record();\n    hardware();\n}")

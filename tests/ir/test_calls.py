@@ -8,7 +8,6 @@ import pytest
 
 from tests.robots import ROBOTS, of_gallery
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.registry import Facts
 from wmrgen.exact.number import Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.calls import by_name, called, inlined, inlined_calls, with_places
@@ -123,7 +122,7 @@ def test_a_swerve_reads_as_a_person_would_write_it() -> None:
     """Issue 13: inverse and forward of a swerve in at most 60 lines, of a car too; wheels by their names."""
     for name in ("wpilib_swervebot", "ackermann_car"):
         derivation = of_gallery(name)
-        source = sources(derivation.c_module, facts=Facts(formulas=derivation.raw_module.functions))[1]
+        source = sources(derivation.c_module)[1]
         bodies = re.findall(rf"^void {name}_(?:inverse|forward)\((?:.|\n)*?^\}}\n", source, flags=re.M)
         assert len(bodies) == 2
         assert sum(body.count("\n") for body in bodies) <= 60
@@ -135,7 +134,7 @@ def test_a_swerve_reads_as_a_person_would_write_it() -> None:
 
 def _swerve() -> str:
     derivation = of_gallery("wpilib_swervebot")
-    return sources(derivation.c_module, facts=Facts(formulas=derivation.raw_module.functions))[1]
+    return sources(derivation.c_module)[1]
 
 
 @pytest.mark.slow

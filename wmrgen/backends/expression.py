@@ -20,6 +20,7 @@ from wmrgen.ir.ops import Conditional, Op
 
 _LONGEST = 44  # characters of an expression printed in place
 _LONGEST_ARM = 56  # the same where it is computed only if it is chosen
+_LONGEST_LINE = 110  # characters of a statement with its note; else the note stands above it
 _CHOICE, _SUM, _PRODUCT, _UNARY, _ATOM = range(5)
 _BINDING = {"+": _SUM, "-": _SUM, "*": _PRODUCT, "/": _PRODUCT}
 
@@ -192,7 +193,12 @@ class _Printer(NamedTuple):
 
     def _named(self, index: int, text: str, kind: str) -> str:
         name, note = self.names.get(index) or self._temporary(), self.notes.get(index)
-        self.statements.append(self.style.declare.format(name, text, kind) + (f" {note}" if note else ""))
+        statement = self.style.declare.format(name, text, kind)
+        if note and len(statement) + len(note) > _LONGEST_LINE:
+            self.statements.append(note)
+        elif note:
+            statement += f" {note}"
+        self.statements.append(statement)
         return name
 
     def _temporary(self) -> str:
@@ -212,9 +218,10 @@ def body(
 ) -> Body:
     """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name.
 
-    ``notes``: node -> finished comment, printed behind the statement that names the node. ``kernels``: what may be
-    called, by name. ``names``: what a node is called where it gets a statement, each name once. ``apart``: nodes that
-    have a statement of their own, also where they are needed once. ``reserved``: names that no temporary may have.
+    ``notes``: node -> finished comment, printed behind the statement that names the node, or above it. ``kernels``:
+    what may be called, by name. ``names``: what a node is called where it gets a statement, each name once.
+    ``apart``: nodes that have a statement of their own, also where they are needed once. ``reserved``: names that no
+    temporary may have.
     """
     names = names or {}
     reserved = {*names.values(), *reserved}

@@ -49,9 +49,9 @@ class Facts:
     ``wheel_lines``: the wheel table, one finished line per wheel and note. ``model_hash``: hexadecimal digest of the
     model. ``constants``: numbers of the robot file, each with its name, ``left.radius``, and what it is.
     ``bound_lines``: what is proved of the code, for the backend whose code that is. ``site``: what the robot
-    file says about inputs. ``formulas``: the functions as lowered. ``options``: what the user chose of what the
-    backend takes. ``places``: where the code of other backends computes what (for the report). ``vectors``: the model
-    of the robot as x' = f(x, u, p), where it has one, and what has to be 0 where it holds.
+    file says about inputs. ``options``: what the user chose of what the backend takes. ``places``: where the code of
+    other backends computes what (for the report). ``vectors``: the model of the robot as x' = f(x, u, p), where it has
+    one, and what has to be 0 where it holds.
     """
 
     description: str = ""
@@ -62,7 +62,6 @@ class Facts:
     bound_lines: tuple[str, ...] = ()
     constants: tuple[tuple[str, float, str], ...] = ()
     site: Site = NO_SITE
-    formulas: tuple[Function, ...] = ()
     options: Mapping[str, str | bool] = field(default_factory=dict)
     places: tuple[Place, ...] = ()
     vectors: tuple[VectorForm, ...] = ()

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ONE
-from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role, prune
+from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role, pruned, rebuilt, renumbered
 
 Kernels = Mapping[str, Function]
 
@@ -77,7 +77,7 @@ def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequenc
             place.append(results[node.args[0]][int(node.name or 0)])
         else:
             place.append(put(node, tuple(place[a] for a in node.args)))
-    named = tuple((name, place[k]) for name, k in function.named)
+    named = renumbered(function.named, dict(enumerate(place)))
     at = tuple(place[r] for r in function.results)
     return replace(function, nodes=tuple(nodes), results=at, named=named), place
 
@@ -97,9 +97,9 @@ def select(module: Module, names: dict[str, str]) -> Module:
 def keep_outputs(function: Function, names: frozenset[str], name: str) -> Function:
     """The function with the outputs in ``names`` only, under another name."""
     kept = [i for i, port in enumerate(function.outputs) if port.name in names]
-    nodes, results = prune(function.nodes, [function.results[i] for i in kept])
     outputs = tuple(function.outputs[i] for i in kept)
-    return replace(function, name=name, nodes=nodes, outputs=outputs, results=results)
+    results = tuple(function.results[i] for i in kept)
+    return pruned(replace(function, name=name, outputs=outputs, results=results))
 
 
 def inline_prepare(function: Function, prepare: Function | None) -> Function:
@@ -119,8 +119,7 @@ def inline_prepare(function: Function, prepare: Function | None) -> Function:
         nodes.append(Node(node.op, tuple(place[a] for a in node.args), node.value, node.name))
         place.append(len(nodes) - 1)
     tunables = prepare.inputs + tuple(p for p in own if p.name not in {q.name for q in prepare.inputs})
-    kept, results = prune(nodes, [place[r] for r in function.results])
-    return replace(function, inputs=contract + tunables, nodes=kept, results=results)
+    return pruned(rebuilt(replace(function, inputs=contract + tunables), nodes, dict(enumerate(place))))
 
 
 def self_contained(module: Module) -> tuple[Function, ...]:

@@ -18,7 +18,7 @@ from wmrgen.ir.build import Builder
 from wmrgen.ir.geometry import Form, Monomial, Scalars, accumulate, geometry_only, times
 from wmrgen.ir.linear_program import Coefficient, Emitter, Graph
 from wmrgen.ir.linear_search import cheapest
-from wmrgen.ir.nodes import Function, Op
+from wmrgen.ir.nodes import Function, Op, pruned, rebuilt
 
 Rows = dict[int, dict[int, Coefficient]]  # row's node -> term -> coefficient
 _SUMS = (Op.ADD, Op.SUB)
@@ -249,5 +249,5 @@ def _emit(function: Function, shape: _Shape, scalars: Scalars, builder: Builder,
             built[i] = builder.copy(node, ())
         elif not shape.linear[i]:
             built[i] = builder.again(node, [value(arg) for arg in node.args])
-    results = [value(result) for result in function.results]
-    return builder.function(function.name, function.inputs, function.outputs, results, function.text)
+    place = built | {result: value(result) for result in function.results}
+    return pruned(rebuilt(function, builder.nodes, place))

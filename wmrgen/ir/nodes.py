@@ -8,7 +8,7 @@ list stands here, too: uses, what results need, an order that keeps few values a
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeVar
 
@@ -36,11 +36,19 @@ class Node(NamedTuple):
         return self.op, self.args
 
 
+class Named(NamedTuple):
+    """An intermediate result of a formula, the node that computes it, and what the report calls it, where it does."""
+
+    name: str
+    node: int
+    quantity: str = ""
+
+
 @dataclass(frozen=True, slots=True)
 class Function:
     """Straight-line code: ``outputs[k]`` is computed by node ``results[k]``.
 
-    ``named``: intermediate results of the formula and their nodes, of code as lowered and not optimised.
+    ``named``: intermediate results of the formula; passes keep them as long as they compute them.
     ``variant_of``: the function whose inputs and intermediate results this one shares, where it gives other outputs
     of the same formula. ``limits``: which inputs the limits of the robot bound. ``in_place``: see `wmrgen.interface`.
     """
@@ -51,7 +59,7 @@ class Function:
     outputs: tuple[Port, ...]
     results: tuple[int, ...]
     text: str = ""
-    named: tuple[tuple[str, int], ...] = ()
+    named: tuple[Named, ...] = ()
     variant_of: str = ""
     limits: Limits = Limits.NONE
     in_place: bool = False
@@ -141,14 +149,29 @@ def pruned(function: Function) -> Function:
     return placed(function, places(function.nodes, function.results))
 
 
+def rebuilt(function: Function, nodes: Sequence[Node], place: Mapping[int, int]) -> Function:
+    """``function`` over ``nodes``, where the value of its node k stands at ``place[k]``.
+
+    A pass that no longer computes a value gives it no place; a name of it is gone then.
+    """
+    named = tuple(each for each in renumbered(function.named, place) if nodes[each.node].args)
+    results = tuple(place[result] for result in function.results)
+    return replace(function, nodes=tuple(nodes), results=results, named=named)
+
+
 def placed(function: Function, place: Mapping[int, int]) -> Function:
     """``function`` with the nodes that have a ``place``, each there; it lists them in that order."""
     return replace(
         function,
         nodes=_moved(function.nodes, place),
         results=tuple(place[result] for result in function.results),
-        named=tuple((name, place[k]) for name, k in function.named if k in place),
+        named=renumbered(function.named, place),
     )
+
+
+def renumbered(named: Iterable[Named], place: Mapping[int, int]) -> tuple[Named, ...]:
+    """Those whose node has a ``place``, there."""
+    return tuple(each._replace(node=place[each.node]) for each in named if each.node in place)
 
 
 def _moved(nodes: Sequence[Node], place: Mapping[int, int]) -> tuple[Node, ...]:

@@ -12,7 +12,7 @@ from wmrgen.ir.build import Builder
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.linear_forms import share_linear_forms
-from wmrgen.ir.nodes import Function, Module, Op, Port, Role, prune, schedule
+from wmrgen.ir.nodes import Function, Module, Op, Port, Role, pruned, rebuilt, schedule
 from wmrgen.ir.simplify import factor, reduce_strength, regroup_products, settle_signs
 from wmrgen.ir.verify import check_module
 
@@ -24,14 +24,14 @@ def drop_dead_code(function: Function) -> Function:
 
     Contract inputs stay, read or not: callers rely on them.
     """
-    nodes, results = prune(function.nodes, function.results)
-    read = {node.name for node in nodes if node.op is Op.INPUT}
+    needed = pruned(function)
+    read = {node.name for node in needed.nodes if node.op is Op.INPUT}
     inputs = tuple(
         port
         for port in function.inputs
         if port.name in read or port.role not in (Role.GEOMETRY, Role.PREPARED)
     )
-    return replace(function, inputs=inputs, nodes=nodes, results=results)
+    return replace(needed, inputs=inputs)
 
 
 # ---- what is known before the step
@@ -82,11 +82,9 @@ def _hoist_one(
             continue
         _move(function, i, moved, builder)
         built.append(_reference(own, builder, moved[i], prepared, used) if i in wanted else -1)
-    results = [built[result] for result in function.results]
     inputs = tuple(port for port in function.inputs if port.role is not Role.GEOMETRY)
-    return own.function(
-        function.name, inputs + tuple(used.values()), function.outputs, results, function.text
-    )
+    step = replace(function, inputs=inputs + tuple(used.values()))
+    return pruned(rebuilt(step, own.nodes, {i: k for i, k in enumerate(built) if k >= 0}))
 
 
 def _tunable(function: Function, names: set[str]) -> list[bool]:
@@ -144,10 +142,6 @@ def optimise(
     module = replace(hoist(steps, name), kernels=kernels)
     steps = tuple(_run(function, AFTER_HOIST) for function in module.functions)
     prepare = None if module.prepare is None else _prepare(module.prepare)
-    pairs = zip(steps, functions, strict=True)
-    steps = tuple(
-        replace(step, variant_of=f.variant_of, limits=f.limits, in_place=f.in_place) for step, f in pairs
-    )
     module = Module(name, steps, prepare, kernels)
     check_module(functions if meaning is None else meaning, inlined_calls(module))
     return module

@@ -15,7 +15,7 @@ from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir import interval as iv
 from wmrgen.ir.build import Builder
 from wmrgen.ir.geometry import geometry_only
-from wmrgen.ir.nodes import Function, Node, Op, uses_of
+from wmrgen.ir.nodes import Function, Node, Op, pruned, rebuilt, uses_of
 
 _FAR = 2.0**-64
 _SUMS = (Op.ADD, Op.SUB)
@@ -30,8 +30,7 @@ def _rewritten(function: Function, rule: Rule) -> Function:
     built: Built = []
     for i, node in enumerate(function.nodes):
         built.append(rule(builder, i, node, built))
-    results = [built[result] for result in function.results]
-    return builder.function(function.name, function.inputs, function.outputs, results, function.text)
+    return pruned(rebuilt(function, builder.nodes, dict(enumerate(built))))
 
 
 def _args(node: Node, built: Built) -> list[int]:

@@ -66,7 +66,10 @@ def _roller(w: Wheel) -> tuple[Port, Expr]:
 def _sphere(w: Wheel, names: Locals) -> Outputs:
     """Direction of the contact's velocity [rad, robot frame] and the roll rate along it [rad/s]."""
     g = working_view(w)
-    a, b = (names.define(f"{w.name}_{axis}", part) for axis, part in zip("xy", pivot(w, XI), strict=True))
+    a, b = (
+        names.define(f"{w.name}_{axis}", part, f"v_A{axis} of {w.name}")
+        for axis, part in zip("xy", pivot(w, XI), strict=True)
+    )
     return [
         (Port(f"{w.name}.direction", Role.COMMAND, "rad", "direction of rolling, from x"), angle_of(b, a)),
         (

@@ -158,8 +158,8 @@ def _step_by_step(rows: list[Measured], rank: NominalRank, names: Locals) -> tup
         for i, (r, z, weight) in enumerate(rows)
     ]
     normal, moment = normal_equations(named)
-    entries = symmetric(lambda i, j: short(f"n{i}{j}", normal[i][j]))
-    twist = _solved(entries, [short(f"b{i}", p) for i, p in enumerate(moment)], rank)
+    entries = symmetric(lambda i, j: short(f"n{i}{j}", normal[i][j], f"HtH[{i}][{j}]"))
+    twist = _solved(entries, [short(f"b{i}", p, f"Htz[{i}]") for i, p in enumerate(moment)], rank)
     fits, slip = _fitted(named, twist, names)
     return fits, sympy.S.Zero if rank.value == len(rows) else slip
 

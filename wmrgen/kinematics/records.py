@@ -60,6 +60,7 @@ class Formula:
     results of kernels, which generated C keeps as functions of their own.
 
     ``source``, ``limits`` and ``in_place`` are those of its declaration, see `wmrgen.functions.registry`.
+    ``quantities``: what reports call intermediate results, by name, where their names do not say it.
     """
 
     name: str
@@ -71,6 +72,7 @@ class Formula:
     limits: Limits = Limits.NONE
     in_place: bool = False
     calls: tuple[Call, ...] = ()
+    quantities: tuple[tuple[str, str], ...] = ()
 
     def closed(self) -> dict[str, Expr]:
         """Output name -> expression in the inputs alone."""
@@ -103,14 +105,20 @@ class Locals:
     def __init__(self) -> None:
         self.items: list[tuple[Local, Expr]] = []
         self.calls: list[Call] = []
+        self.quantities: dict[str, str] = {}
         self._names: set[str] = set()
 
-    def define(self, name: str, value: Expr | Poly) -> Local:
-        """A new intermediate result; returns its symbol, numbered where the name is taken."""
+    def define(self, name: str, value: Expr | Poly, quantity: str = "") -> Local:
+        """A new intermediate result; returns its symbol, numbered where the name is taken.
+
+        ``quantity``: what the report calls it, in ASCII, for comments of generated code.
+        """
         symbol, number = local(name), 2
         while symbol.name in self._names:
             symbol, number = local(f"{name}_{number}"), number + 1
         self._names.add(symbol.name)
+        if quantity:
+            self.quantities[symbol.name] = quantity
         self.items.append((symbol, expression(value) if isinstance(value, Poly) else value))
         return symbol
 
@@ -142,19 +150,27 @@ class Locals:
         c, s = self.define(f"{name}_cos", sympy.cos(angle)), self.define(f"{name}_sin", sympy.sin(angle))
         return rotated(c, s, *vector)
 
-    def poly(self, name: str, value: Expr | Poly) -> Poly:
+    def poly(self, name: str, value: Expr | Poly, quantity: str = "") -> Poly:
         """A new intermediate result as a generator of polynomials."""
-        return Poly.gen("local", self.define(name, value).name)
+        return Poly.gen("local", self.define(name, value, quantity).name)
 
-    def short(self, name: str, value: Poly) -> Poly:
+    def short(self, name: str, value: Poly, quantity: str = "") -> Poly:
         """A sum as a new intermediate result; a single term as it stands."""
-        return self.poly(name, value) if len(value.terms) > 1 else value
+        return self.poly(name, value, quantity) if len(value.terms) > 1 else value
 
     def formula(
         self, name: str, inputs: Iterable[Port], outputs: Iterable[tuple[Port, Expr]], text: str
     ) -> Formula:
         """The function of these intermediate results."""
-        return Formula(name, tuple(inputs), tuple(self.items), tuple(outputs), text, calls=tuple(self.calls))
+        return Formula(
+            name,
+            tuple(inputs),
+            tuple(self.items),
+            tuple(outputs),
+            text,
+            calls=tuple(self.calls),
+            quantities=tuple(self.quantities.items()),
+        )
 
     def adopt(self, formula: Formula, inputs: Mapping[str, Expr]) -> dict[str, Expr]:
         """Add the locals of ``formula``, nothing evaluated; output name -> expression.
@@ -163,8 +179,10 @@ class Locals:
         """
         values: dict[Expr, Expr] = {signal(name): value for name, value in inputs.items()}
         memo: dict[Expr, Expr] = {}
+        quantities = dict(formula.quantities)
         for symbol, value in formula.locals:
-            values[symbol] = self.define(symbol.name, substituted(value, values, memo))
+            quantity = quantities.get(symbol.name, "")
+            values[symbol] = self.define(symbol.name, substituted(value, values, memo), quantity)
         for call in formula.calls:
             args = tuple(substituted(a, values, memo) for a in call.args)
             self.calls.append(Call(call.kernel, args, tuple(values[r] for r in call.results)))

@@ -177,9 +177,14 @@ def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
     """
     rows = _named_rows(measured, names)
     n = symmetric(
-        lambda i, j: names.poly(f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, _, weight in rows))
+        lambda i, j: names.poly(
+            f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, _, weight in rows), f"HtH[{i}][{j}]"
+        )
     )
-    b = [names.poly(f"b{i}", Poly.sum((r[i] * z).scale(weight) for r, z, weight in rows)) for i in range(3)]
+    b = [
+        names.poly(f"b{i}", Poly.sum((r[i] * z).scale(weight) for r, z, weight in rows), f"Htz[{i}]")
+        for i in range(3)
+    ]
     twist = smallest_twist(n, b, measured, names)
     fitted = [names.poly(k, e) for k, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     errors = [(names.poly(f"error_{i}", z - dot(r, fitted)), weight) for i, (r, z, weight) in enumerate(rows)]
@@ -192,21 +197,27 @@ def named_contacts(contacts: Sequence[Contact], names: Locals) -> list[tuple[Pol
     """Contact points and velocities with names, so that each is computed once."""
     named = []
     for c in contacts:
-        parts = (("bx", c.bx), ("by", c.by), ("wx", c.wx), ("wy", c.wy))
-        bx, by, wx, wy = (_named(names, f"{c.wheel.name}_{k}", p) for k, p in parts)
+        parts = (("B_x", c.bx), ("B_y", c.by), ("w_x", c.wx), ("w_y", c.wy))
+        bx, by, wx, wy = (
+            _named(names, f"{c.wheel.name}_{k.replace('_', '').lower()}", p, f"{k} of {c.wheel.name}")
+            for k, p in parts
+        )
         named.append((bx, by, wx, wy))
     return named
 
 
-def _named(names: Locals, name: str, value: Poly) -> Poly:
-    return names.poly(name, value) if value.generators else value
+def _named(names: Locals, name: str, value: Poly, quantity: str) -> Poly:
+    return names.poly(name, value, quantity) if value.generators else value
 
 
 def _named_rows(measured: Measurements, names: Locals) -> list[Measured]:
     points = zip(named_contacts(measured.contacts, names), measured.contacts, strict=True)
     rows = [row for parts, c in points for row in contact_rows(*parts, c.weight)]
     for c in measured.components:
-        x, y, w = (_named(names, f"{c.wheel.name}_r{k}", p) for k, p in zip("xyw", c.row, strict=True))
+        x, y, w = (
+            _named(names, f"{c.wheel.name}_r{k}", p, f"row of H of {c.wheel.name}, {column}")
+            for k, column, p in zip("xyw", ("vx", "vy", "omega"), c.row, strict=True)
+        )
         rows.append(((x, y, w), c.value, c.weight))
     return rows
 
@@ -241,6 +252,12 @@ def lower_bound(measured: Measurements) -> float:
     return float(sum(x * y for x, y in zip(a, np.cross(b, c), strict=True)))
 
 
+def adjugate(n: list[list[Poly]], names: Locals) -> tuple[list[list[Poly]], Expr]:
+    """Adjugate and determinant of H^T H, named."""
+    adj = symmetric(lambda i, j: names.poly(f"adj{i}{j}", cofactor(n, i, j), f"adj(HtH)[{i}][{j}]"))
+    return adj, names.define("det", dot(n[0], adj[0]), "det(HtH)")
+
+
 def smallest_twist(n: list[list[Poly]], b: list[Poly], measured: Measurements, names: Locals) -> list[Expr]:
     """N^+ b, entries named. Where det N has a lower bound above 0 nothing can be lost."""
     rank = generic_rank(measured)
@@ -248,9 +265,11 @@ def smallest_twist(n: list[list[Poly]], b: list[Poly], measured: Measurements, n
     low = [times(expression(v), _over(c1, names, "c1")) for v in b]
     if rank == 1:
         return low
-    adj = symmetric(lambda i, j: names.poly(f"adj{i}{j}", cofactor(n, i, j)))
-    projected = [names.define(f"p{i}", Poly.sum(adj[i][j] * b[j] for j in range(3))) for i in range(3)]
-    det = names.define("det", dot(n[0], adj[0]))
+    adj, det = adjugate(n, names)
+    projected = [
+        names.define(f"p{i}", Poly.sum(adj[i][j] * b[j] for j in range(3)), f"(adj(HtH) Htz)[{i}]")
+        for i in range(3)
+    ]
     bound = lower_bound(measured)
     if bound > 0:
         below = maximum(det, number(Exact(Fraction(bound / 2).limit_denominator(10**9)) or FLOOR))

@@ -80,8 +80,8 @@ class Line(NamedTuple):
 def line(a: Expr, b: Expr, zero: Expr, names: Locals, name: str) -> Line:
     """The line of the velocity (a, b) [m/s] in a frame at the angle ``zero`` [rad] short of the joint's zero."""
     size = names.define(f"{name}size", norm(a, b))
-    kept = names.define(f"{name}kept", maximum(number(STILL), size))
-    slope = names.define(f"{name}slope", b / add(kept, absolute(a)))
+    safe = names.define(f"{name}size_safe", maximum(number(STILL), size))
+    slope = names.define(f"{name}slope", b / add(safe, absolute(a)))
     heading = times(with_sign_of(sympy.Integer(2), a), arctangent(slope))
     return Line(subtract(heading, zero), size)
 
@@ -93,15 +93,17 @@ def pivot(w: Wheel, twist: Row) -> Velocity:
     return dot(along((one, zero), g), twist), dot(along((zero, one), g), twist)
 
 
-def components(velocity: Velocity, names: Locals, *called: str) -> tuple[Expr, Expr]:
+def components(velocity: Velocity, names: Locals, *called: tuple[str, str]) -> tuple[Expr, Expr]:
     """Both components of the velocity of a pivot, from whose ratio its direction is taken; a sum gets a name.
+
+    ``called``: name and quantity of each, see `Locals.define`.
 
     With the centre of rotation 10 nm from a wheel, vx - y omega is 1e-8 of its terms, less than a float resolves: such
     a sum is compensated, unless the other component keeps it from mattering.
     """
     a, b = (
-        expression(one) if len(one.terms) < 2 else names.define(name, _compensated(one, other))
-        for one, other, name in zip(velocity, velocity[::-1], called, strict=True)
+        expression(one) if len(one.terms) < 2 else names.define(name, _compensated(one, other), quantity)
+        for one, other, (name, quantity) in zip(velocity, velocity[::-1], called, strict=True)
     )
     return a, b
 
@@ -167,7 +169,7 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     if limits is not None and limits.high - limits.low <= NARROW:
         return _narrow(w, limits, velocity, names)
     (x, y), zero = near_zero(w, velocity)
-    a, b = components((x, y), names, f"{w.name}_x", f"{w.name}_y")
+    a, b = components((x, y), names, *((f"{w.name}_{k}", f"v_A{k} of {w.name}") for k in "xy"))
     alone = limits is None and not g.o and [w] in robot.together("spin", robot.wheels)
     per_rim = expression(g.r.inverse()) if alone else sympy.S.One
     now = present(w, limits)
@@ -285,8 +287,9 @@ def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Ta
     cosine, sine = circle_point(half.rational())
     most = number(sine / cosine)
     x, y = turned_by(w, velocity, middle)
-    u, v = components((x, y), names, f"{w.name}_p", f"{w.name}_q")
-    slope = names.define(f"{w.name}_tangent", kept_between(-most, v / at_least(u, number(STILL)), most))
+    u, v = components((x, y), names, *((f"{w.name}_{k}", f"{k} of {w.name}") for k in "pq"))
+    tangent = kept_between(-most, v / at_least(u, number(STILL)), most)
+    slope = names.define(f"{w.name}_t", tangent, f"t of {w.name}")
     now = present(w, limits)
     moving = add(absolute(u), absolute(v))
     steer = select(moving, number(STILL * 2), now, add(number(middle), arctangent(slope)))

@@ -86,7 +86,7 @@ def steer_group(
         best = turned_back(target, turning_points(limits))
         target = kept_between(number(limits.low), best, number(limits.high))
     steer = names.define(f"{lead.name}_target", target)
-    turn = names.define(f"{lead.name}_turn", subtract(steer, now))
+    turn = names.define(f"{lead.name}_turn", subtract(steer, now), f"Delta of {lead.name}")
     return {i: turned(steer, turn, u, v) for i, (u, v) in seen.items()}
 
 
@@ -103,9 +103,11 @@ def seen_from(
     """
     g = working_view(w)
     c, s = heading(w if lead is None else lead, g) if at is None else add_angles((g.ch, g.sh), at)
-    a, b = (names.short(f"{w.name}_{k}", p) for k, p in zip("ab", velocity, strict=True))
-    along = names.define(f"{w.name}_along", a * c + b * s)
-    across = names.define(f"{w.name}_across", b * c - a * s)
+    a, b = (
+        names.short(f"{w.name}_{k}", p, f"v_A{k} of {w.name}") for k, p in zip("xy", velocity, strict=True)
+    )
+    along = names.define(f"{w.name}_along", a * c + b * s, f"u of {w.name}")
+    across = names.define(f"{w.name}_across", b * c - a * s, f"w of {w.name}")
     return along, across
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from wmrgen.ir.interpret import values_of
-from wmrgen.ir.nodes import Function, Op, Port, Role, prune
+from wmrgen.ir.nodes import Function, Op, Port, Role, pruned
 from wmrgen.ir.rounding import nearest_float32, to_float64
 from wmrgen.ports import NO_SITE, TWIST_NAMES, Limits, Site
 
@@ -222,9 +222,8 @@ def _near_walls(function: Function, rows: Array, segments: Sequence[Segment], at
     """The first point found just below each wall, by halving the segments that cross it."""
     walls = [wall for wall, _, _ in segments]
     needed = tuple(dict.fromkeys(node for node, _ in walls))
-    nodes, results = prune(function.nodes, needed)
-    short = replace(function, nodes=nodes, results=results)
-    place = dict(zip(needed, results, strict=True))
+    short = pruned(replace(function, results=needed))
+    place = dict(zip(needed, short.results, strict=True))
     goals = np.array([goal for _, goal in walls])
 
     def reached(points: Array) -> Array:

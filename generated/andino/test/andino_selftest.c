@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ANDINO_PAIR_ba0410fa937d4d5a)
+#if !defined(ANDINO_PAIR_b31d944c926bbfb7)
 #error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(BICYCLE_PAIR_a4569fc69aff52ab)
+#if !defined(BICYCLE_PAIR_0a948b3525827263)
 #error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_5b6c182d26a55106)
+#if !defined(CAR_WITH_TRAILERS_PAIR_06af15b2b0cb404e)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_e6b4f5be70171886)
+#if !defined(F1TENTH_PAIR_0dd9e916e473e671)
 #error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LEKIWI_PAIR_86d08f47bbd54a71)
+#if !defined(LEKIWI_PAIR_859ae10d1cebd0f0)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(MIR_100_PAIR_8afb8d70971e41ff)
+#if !defined(MIR_100_PAIR_2c8d1008b1d368f4)
 #error "mir_100_selftest.c and mir_100.h were not generated together: copy both"
 #endif
 

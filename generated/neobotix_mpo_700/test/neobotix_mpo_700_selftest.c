@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_b209c2587d39ec2e)
+#if !defined(NEOBOTIX_MPO_700_PAIR_99a0e24644a575f7)
 #error "neobotix_mpo_700_selftest.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

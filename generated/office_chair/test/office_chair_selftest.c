@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(OFFICE_CHAIR_PAIR_0b0cb4441367b92f)
+#if !defined(OFFICE_CHAIR_PAIR_8d9dbf88c03cb745)
 #error "office_chair_selftest.c and office_chair.h were not generated together: copy both"
 #endif
 

@@ -23,7 +23,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PR2_PAIR_9b0ece03421d9d1d)
+#if !defined(PR2_PAIR_0acedc14a499a7a2)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SSL_PARSIAN_PAIR_46a5960584419249)
+#if !defined(SSL_PARSIAN_PAIR_5828ec798129347a)
 #error "ssl_parsian_selftest.c and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SYNCHRO_DRIVE_PAIR_14bfb64bb37fe641)
+#if !defined(SYNCHRO_DRIVE_PAIR_fdfcd09f2df2a30e)
 #error "synchro_drive_selftest.c and synchro_drive.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_e9bd9e5463a3afdb)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_70a8f86ef3890682)
 #error "textbook_omni_steer_selftest.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

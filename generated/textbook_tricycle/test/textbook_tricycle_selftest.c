@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_a8d5084720455cf0)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_fcf0332c4fab0167)
 #error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 

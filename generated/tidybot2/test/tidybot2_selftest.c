@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TIDYBOT2_PAIR_777100b133dfe57f)
+#if !defined(TIDYBOT2_PAIR_fe1f4b394d5fe38f)
 #error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(UNICYCLE_PAIR_6313ad6e984cf46c)
+#if !defined(UNICYCLE_PAIR_c6795d51b3b00b86)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_049494907c8fc44b)
+#if !defined(WPILIB_SWERVEBOT_PAIR_0e246adfed8642b2)
 #error "wpilib_swervebot_selftest.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wmrgen.backends.c99.emit import emit, sources
-from wmrgen.backends.c99.trace import places
+from wmrgen.backends.c99.places import places
 from wmrgen.backends.registry import Request
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Module

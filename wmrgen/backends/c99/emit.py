@@ -14,7 +14,6 @@ from wmrgen.backends.c99.functions import printed_kernels, shared_structs, steps
 from wmrgen.backends.c99.records import Unit
 from wmrgen.backends.c99.selftest import selftest
 from wmrgen.backends.c99.text import comment_lines, literal
-from wmrgen.backends.c99.trace import traced
 from wmrgen.backends.expression import expanded
 from wmrgen.backends.registry import Facts
 from wmrgen.backends.words import AVR_MACROS
@@ -22,7 +21,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.ir.kernels import rounds
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, M0, Choice
 from wmrgen.ir.kernels.trigonometry import worst
-from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.nodes import Module, Op
 from wmrgen.ir.ops import integer
 from wmrgen.ports import JOINTS
 from wmrgen.render import render
@@ -39,7 +38,7 @@ _WAVES = {Op.SIN, Op.COS, Op.ATAN, Op.ATAN2}
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     """File name -> content. Options are those of `Choice`, and ``fuzz``: a fuzzing harness too."""
     choice = Choice(**{key: str(word) for key, word in facts.options.items() if key != "fuzz"})
-    functions = unit(module, choice, facts.formulas)
+    functions = unit(module, choice)
     header, source, pair = printed(functions, facts)
     common = _common(functions, facts, pair)
     checked_header, checked_source = checked(module, functions, facts.site, common)
@@ -63,19 +62,14 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
 
 def sources(module: Module, choice: Choice = DEFAULT, facts: Facts = NO_FACTS) -> tuple[str, str]:
     """The text of ``<robot>.h`` and ``<robot>.c``."""
-    return printed(unit(module, choice, facts.formulas), facts)[:2]
+    return printed(unit(module, choice), facts)[:2]
 
 
-def unit(module: Module, choice: Choice = DEFAULT, formulas: Sequence[Function] = ()) -> Unit:
-    """The C functions of ``module``: params_default and prepare first when a parameter is tunable.
-
-    ``formulas``: the functions as lowered, whose intermediate results comments name.
-    """
+def unit(module: Module, choice: Choice = DEFAULT) -> Unit:
+    """The C functions of ``module``: params_default and prepare first when a parameter is tunable."""
     written = frozenset(node.op for function in module.functions for node in function.nodes)
-    named = (*module.kernels, *formulas) if formulas else ()
     scalar = choice.scalar
     module, costs = expanded(module, choice)
-    module = traced(module, named)
     shared = shared_structs(module, scalar)
     steps, kernels = steps_of(module, scalar, costs, shared), printed_kernels(module, scalar)
     joints = module.joints or ()

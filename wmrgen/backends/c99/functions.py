@@ -10,7 +10,6 @@ from functools import cache, partial
 
 from wmrgen.backends.c99.records import Kernel, Parameter, Step
 from wmrgen.backends.c99.text import Struct, block_comment, literal, prototype, struct
-from wmrgen.backends.c99.trace import quantity
 from wmrgen.backends.expression import Body, Results, Style, body, results_of
 from wmrgen.interface import IN, OUT, Argument, arguments, members
 from wmrgen.ir.calls import called
@@ -95,7 +94,9 @@ def steps_of(
     by_name = {step.name: step for step in steps}
     for variant in (f for f in module.functions if f.variant_of and f.outputs):
         part, whole = (by_name.get(f"{module.name}_{name}") for name in (variant.variant_of, variant.name))
-        if part is not None and whole is not None and _computes(whole, part) and len(part.lines) > _SHORT:
+        if part is None or whole is None or not _computes(whole, part):
+            continue
+        if sum(not line.startswith("/*") for line in part.lines) > _SHORT:
             by_name[part.name] = part._replace(small=_taken_from(whole, part))
     return tuple(by_name.values())
 
@@ -150,8 +151,9 @@ def _step(
     reads = {port: p.within(member) for p in parameters for port, member in p.reads.items()}
     writes = {port: p.within(member) for p in parameters for port, member in p.writes.items()}
     quantities: dict[int, list[str]] = {}
-    for label, k in function.named:
-        quantities.setdefault(k, []).append(quantity(label))
+    for each in function.named:
+        if each.quantity:
+            quantities.setdefault(each.node, []).append(each.quantity)
     notes = {k: ", ".join(texts) for k, texts in quantities.items()}
     notes = {k: f"/* {note} */" for k, note in notes.items() if len(note) <= _NOTE}
     parameters_of = {p.name for p in parameters}
@@ -232,8 +234,8 @@ def _names(function: Function, used: set[str]) -> dict[int, str]:
             names[k] = name
             used.add(name)
 
-    for label, k in function.named:
-        call(k, label)
+    for each in function.named:
+        call(each.node, each.name)
     several = {node.args[0] for node in nodes if node.op is Op.RESULT}
     for k, node in enumerate(nodes):
         joints = (nodes[a].name or "" for a in node.args) if k in several else ()
@@ -261,7 +263,7 @@ def printed_kernels(module: Module, scalar: str) -> tuple[Kernel, ...]:
 
 def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results], once: bool) -> Kernel:
     used = {"result", *(port.name for port in kernel.inputs)}
-    names = {k: name for name, k in reversed(kernel.named) if name not in used}
+    names = {each.node: each.name for each in reversed(kernel.named) if each.name not in used}
     if len(set(names.values())) < len(names):
         names = {}
     code = body(kernel, str, _style(scalar), kernels=results, names=names, apart=_shared(kernel))

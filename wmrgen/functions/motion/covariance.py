@@ -31,7 +31,7 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.constraints import XI
-from wmrgen.exact.linalg import cofactor, symmetric
+from wmrgen.exact.linalg import symmetric
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row, by_angle, derivative, dot
 from wmrgen.functions.registry import function, underivable
@@ -45,6 +45,7 @@ from wmrgen.kinematics.sensing import (
     Component,
     Contact,
     Measurements,
+    adjugate,
     generic_rank,
     measurements,
     reach_of,
@@ -159,7 +160,9 @@ def _variance(w: Wheel, joint: str, noise: Noise, names: Locals) -> Poly:
 def _constant_inverse(measured: Measurements, names: Locals) -> Matrix:
     """N^-1 where no joint moves it; entries that depend on tunable parameters have names."""
     normal, _ = normal_equations(measured.rows)
-    inverse = pseudo_inverse(symmetric(lambda i, j: names.short(f"n{i}{j}", normal[i][j])), None)
+    inverse = pseudo_inverse(
+        symmetric(lambda i, j: names.short(f"n{i}{j}", normal[i][j], f"HtH[{i}][{j}]")), None
+    )
     return symmetric(lambda i, j: names.short(f"inverse{i}{j}", inverse[i][j]))
 
 
@@ -167,10 +170,11 @@ def _moving_inverse(blocks: Sequence[_Block], measured: Measurements, names: Loc
     """N^-1 by cofactors; where `forward` takes a smaller rank, the determinant is kept at the edge of that."""
     rows = [(row, block.weight) for block in blocks for row in block.rows]
     n = symmetric(
-        lambda i, j: names.poly(f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, weight in rows))
+        lambda i, j: names.poly(
+            f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, weight in rows), f"HtH[{i}][{j}]"
+        )
     )
-    adj = symmetric(lambda i, j: names.poly(f"adj{i}{j}", cofactor(n, i, j)))
-    det = names.define("det", dot(n[0], adj[0]))
+    adj, det = adjugate(n, names)
     s = reach_of(measured.wheels)
     size1 = names.define("size1", n[0][0] + n[1][1] + n[2][2].scale(s.inverse()))
     size2 = names.define("size2", (adj[0][0] + adj[1][1]).scale(s.inverse()) + adj[2][2])

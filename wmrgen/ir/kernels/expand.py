@@ -14,7 +14,7 @@ from wmrgen.ir.calls import called, inlined_calls
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
 from wmrgen.ir.kernels.sums import compensated_sum, fuse, rounding_error
 from wmrgen.ir.kernels.trigonometry import EVEN32, RINT32, RINT64, Processor, flipped, library, soft
-from wmrgen.ir.nodes import Function, Module, Node, Op, schedule, shared, uses_of
+from wmrgen.ir.nodes import Function, Module, Node, Op, rebuilt, schedule, shared, uses_of
 from wmrgen.ir.tape import Tape, compared
 
 _INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}
@@ -102,8 +102,7 @@ class _Expansion:
     def run(self, kernel: bool = False) -> Function:
         for i, node in enumerate(self.function.nodes):
             self.place.append(self._node(i, node))
-        results = tuple(self.place[r] for r in self.function.results)
-        expanded = replace(self.function, nodes=tuple(self.tape.nodes), results=results, named=())
+        expanded = rebuilt(self.function, self.tape.nodes, dict(enumerate(self.place)))
         expanded = fuse(expanded, kernel, self.common) if self.processor.fused else expanded
         return schedule(soft(expanded) if self.processor.integer else expanded)
 

@@ -8,11 +8,10 @@ therefore formed in parts that are exact, and taken away one after the other.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 
 from wmrgen.exact.number import Exact
-from wmrgen.ir.nodes import Function, Node, Op, Shared, pruned, shared, uses_of
+from wmrgen.ir.nodes import Function, Node, Op, Shared, pruned, rebuilt, shared, uses_of
 from wmrgen.ir.rounding import round_rational, to_float32
 from wmrgen.ir.tape import Tape
 
@@ -54,7 +53,7 @@ def fuse(function: Function, kernel: bool = False, common: tuple[int, ...] = ())
             node = Node(node.op, args, node.value, node.name)
         place.append(len(fused))
         fused.append(node)
-    return replace(function, nodes=tuple(fused), results=tuple(place[r] for r in function.results))
+    return rebuilt(function, fused, dict(enumerate(place)))
 
 
 def _products(function: Function, kernel: bool, part: Shared) -> dict[int, int]:

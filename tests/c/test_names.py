@@ -1,0 +1,81 @@
+"""Names and comments of generated C: what they call a value is that value, at stops and standstill, too."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from tests.robots import of_gallery
+from wmrgen.backends.c99.emit import sources
+from wmrgen.backends.c99.places import places_in
+from wmrgen.ir.calls import by_name, with_places
+from wmrgen.ir.interpret import FLOAT64, evaluate, evaluate_nodes
+from wmrgen.ir.kernels import with_kernels
+from wmrgen.ir.kernels.choice import DEFAULT
+from wmrgen.ir.nodes import contract
+
+ROBOTS = ("wpilib_swervebot", "nomad_xr4000", "ackermann_car", "pioneer3dx", "agilex_ranger", "f1tenth")
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_names_are_true(robot: str) -> None:
+    """In float64, of optimised code and of the code of a processor: the named value is that of the formula.
+
+    Steering angles reach beyond every stop; every other twist is small.
+    """
+    derivation = of_gallery(robot)
+    raw = {f.name: f for f in derivation.raw_module.functions}
+    module = derivation.c_module
+    compiled = with_kernels(module, "double", DEFAULT.math, DEFAULT.target)
+    random = np.random.default_rng(4)
+    seen = 0
+    for code in (module, compiled):
+        prepared = evaluate(code.prepare, {}, FLOAT64) if code.prepare else {}
+        for function in code.functions:
+            formula = raw[function.variant_of or function.name]
+            node = {each.name: each.node for each in formula.named}
+            plain, at = with_places(function, by_name(code.kernels))
+            for k in range(20):
+                size = (2.0, 1e-3)[k % 2]
+                case = {port.name: float(random.uniform(-size, size)) for port in contract(formula)}
+                case |= {name: float(random.uniform(-4, 4)) for name in case if name.endswith(".steer")}
+                results = evaluate_nodes(plain, case | prepared, FLOAT64)
+                exact = evaluate_nodes(formula, case, FLOAT64)
+                for each in function.named:
+                    expected = pytest.approx(exact[node[each.name]], rel=1e-9, abs=1e-9)
+                    assert results[at[each.node]] == expected, (function.name, each.name)
+                    seen += 1
+    assert seen >= 20 * 8
+
+
+def test_names_of_kernels_are_those_of_their_formulas() -> None:
+    kernel = next(k for k in of_gallery("wpilib_swervebot").c_module.kernels if k.name == "steer_along")
+    names = {each.name: each.node for each in kernel.named}
+    assert {"size", "heading"} <= names.keys()
+    at = {"x": -3.0, "y": 4.0, "now": 0.3, "per_rim": 2.0}
+    results = evaluate_nodes(kernel, at, FLOAT64)
+    assert results[names["size"]] == 5.0
+    assert np.tan(results[names["heading"]]) == pytest.approx(-4 / 3)
+
+
+def test_comments_and_lines() -> None:
+    source = sources(of_gallery("wpilib_swervebot").c_module)[1]
+    note = r"    /\* v_Ax of front_left, v_Ax of back_left \*/"
+    assert re.search(rf"^{note}\n    const float front_left_x = .*;$", source, flags=re.M)
+    assert re.search(r"^    const float chord = .*; /\* dt sinc\(h\) \*/$", source, flags=re.M)
+    lines = source.splitlines()
+    inverse = {p.function: p for p in places_in("wpilib_swervebot.c", source)}["wpilib_swervebot_inverse"]
+    assert lines[inverse.line - 1].startswith("void wpilib_swervebot_inverse(")
+    texts = {text for text, _ in inverse.quantities}
+    assert "front_left.spin" in texts and sum("of front_left" in text for text in texts) >= 2
+    for text, number in inverse.quantities:
+        assert text in lines[number - 1] or (text in lines[number - 2] and ";" in lines[number - 1])
+
+
+def test_limited_angles_are_called_so() -> None:
+    """The angle before the stop is not called that inside the limits."""
+    source = sources(of_gallery("agilex_ranger").c_module)[1]
+    targets = re.findall(r"const float (\w+_target) = (\w+)\(", source)
+    assert targets and {kernel for _, kernel in targets} == {"wmrgen_clamp"}

@@ -39,7 +39,6 @@ from wmrgen.symbolic import Expr, add, expression, maximum, number, root, select
 Measured = tuple[Row, Poly, Exact]  # row . xi = value, which counts so much
 FLOOR = Exact(Fraction(1, 10**12))
 EDGE = Exact(Fraction(1, 10**6))
-_DRAWS = 3  # of joint angles: a rank is the largest of them
 Twist = tuple[Expr, Expr, Expr]
 
 
@@ -231,10 +230,9 @@ def reach_of(wheels: Sequence[Wheel]) -> Exact:
 
 def generic_rank(measured: Measurements) -> int:
     """The rank of the measured rows at nominal parameters and general joint angles."""
-    robot = measured.robot
-    draws = (generic(robot, seed) for seed in range(_DRAWS))
-    rows = ([[nominal_at(p, robot, angles) for p in row] for row, _, _ in measured.rows] for angles in draws)
-    return max(_rank(numbers, measured.wheels) for numbers in rows)
+    robot, angles = measured.robot, generic(measured.robot)
+    numbers = [[nominal_at(p, robot, angles) for p in row] for row, _, _ in measured.rows]
+    return _rank(numbers, measured.wheels)
 
 
 def _rank(rows: list[list[float]], wheels: Sequence[Wheel]) -> int:

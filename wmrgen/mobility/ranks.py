@@ -28,8 +28,9 @@ Angles = Callable[[str], tuple[Exact, Exact]]  # wheel -> cosine and sine of its
 NEAR = 32  # units: the centre lies on a grid this wide, so that it is P of a robot that stands about P
 GRID = 1e12  # singular values are kept to this fraction of the largest
 _SPAN_TOLERANCE = 1e-8
-# 1/tan(angle/2) of the angles at which generic ranks are decided; 10, 11, … follow.
-_HALVES = (3, -5, 4, 7, -6, 9)
+_PRIME = (
+    1009  # generic angles have tan(angle/2) in parts of it: no triangle of lengths that people write has them
+)
 
 
 class Unit(NamedTuple):
@@ -86,14 +87,13 @@ def straight(_: str) -> tuple[Exact, Exact]:
     return Exact(1), Exact(0)
 
 
-def generic(robot: Robot, seed: int = 0) -> Angles:
+def generic(robot: Robot) -> Angles:
     """Different angles for different wheels."""
     names = [w.name for w in robot.wheels] + [v.name for v in robot.virtual]
-    place = {name: k for k, name in enumerate(names, seed)}
+    place = {name: k for k, name in enumerate(names, 1)}
 
     def angle(name: str) -> tuple[Exact, Exact]:
-        k = place[name]
-        return circle(Fraction(1, _HALVES[k] if k < len(_HALVES) else k + 4))
+        return circle(Fraction(618 * place[name] % _PRIME, _PRIME))
 
     return angle
 

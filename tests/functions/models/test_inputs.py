@@ -13,6 +13,8 @@ CASTORS = "\n".join(
     f"{{name: k{n}, type: castor, x: {x}, y: {y}, heading: 0, d: 0.1, r: r, actuated: [{joints}]}}"
     for n, (x, y, joints) in enumerate(((0.3, 0, "spin"), (-0.3, 0.2, "steer"), (-0.3, -0.2, "")))
 )
+DIAGONAL = """{name: front, type: steered, x: %g, y: %g, heading: 0, r: r, actuated: [steer]}
+{name: rear, type: steered, x: 0, y: 0, heading: 0, r: r}"""
 WITH_CASTOR = "{name: c, type: castor, x: -0.3, y: 0, heading: 0, d: 0.1, r: r}"
 
 
@@ -67,6 +69,16 @@ def test_what_is_missing_is_named(wheels: str, words: str) -> None:
         (DIFFERENTIAL, "", ["right.spin", "left.spin"], ""),
         (OMNI, "", ["w1.spin", "w2.spin", "w3.spin"], ""),
         (TWO_STEER, "", ["front.spin", "front.steer_rate", "rear.steer_rate"], "; rear.spin must follow"),
+        *(
+            (DIAGONAL % place, "", ["rear.spin", "front.steer_rate", "rear.steer_rate"], "")
+            for place in (
+                (-0.3, 0.4),
+                (0.3, -0.4),
+                (-0.5, 1.2),
+                (-0.8, 1.5),
+                (0.7, -2.4),
+            )  # sides of triangles
+        ),
         (OMNI, "couplings: [{equal: [w1.spin, w2.spin]}]", ["w1.spin", "w3.spin"], ""),
     ],
 )

@@ -125,7 +125,7 @@ def _followed(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
 def _rolling_sign(frame: Frame, wheel: Wheel, velocity: tuple[Poly, Poly]) -> int:
     """+1 where the wheel rolls forward under +eta with its heading nearest to its zero, else -1."""
     g = wheel.nominal
-    for angles in (straight, generic(frame.robot), generic(frame.robot, 1)):
+    for angles in (straight, generic(frame.robot)):
         a, b = (nominal_at(p, frame.robot, angles) for p in velocity)
         forward = a * float(g.ch) + b * float(g.sh)
         if abs(forward) > 1e-9:

@@ -99,14 +99,12 @@ def with_calls(program: Program, plain: Module) -> Module:
     return Module(program.name, functions, kernels=kernels_of(program.formulas))
 
 
-def optimised(module: Module, meaning: Module | None = None) -> Module:
+def optimised(module: Module, meaning: Module) -> Module:
     """Every function once; forward also without its residual, inverse also in two: joints, and slip alone.
 
-    ``meaning``: ``module`` in base operations, where it calls kernels.
+    ``meaning``: ``module`` in base operations, without calls of kernels.
     """
-    whole = optimise(
-        module.functions, module.name, kernels=module.kernels, meaning=(meaning or module).functions
-    )
+    whole = optimise(module.functions, module.name, module.kernels, meaning.functions)
     parts: list[Function] = []
     for f in whole.functions:
         results = frozenset(port.name for port in f.outputs if port.name != "slip")

@@ -186,20 +186,14 @@ class Derivation(Analysis):
         return Module(self.robot.name, tuple(self._in_operations(f.name) for f in self.program.formulas))
 
     @cached_property
-    def _optimised(self) -> Module:
-        return optimised(self.raw_module)
-
-    @cached_property
     def _kept_whole(self) -> Module:
-        """As `_optimised`, with calls of kernels where formulas name them."""
-        if not any(f.calls for f in self.program.formulas):
-            return self._optimised
+        """Every function, optimised, with calls of kernels where formulas name them."""
         return optimised(with_calls(self.program, self.raw_module), self.raw_module)
 
     @cached_property
     def module(self) -> Module:
-        """The functions with every output of the contract, optimised."""
-        return select(self._optimised, {f.name: f.name for f in self.program.formulas})
+        """The functions with every output of the contract, optimised, kernels in operations."""
+        return inlined_calls(select(self._kept_whole, {f.name: f.name for f in self.program.formulas}))
 
     @cached_property
     def c_module(self) -> Module:

@@ -53,81 +53,81 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer, rear_left_steer,
     rear_left_steer = np.asarray(rear_left_steer, dtype=np.float64)
     rear_right_steer = np.asarray(rear_right_steer, dtype=np.float64)
     _t0 = vx + (-0.28) * omega
-    _t1 = _t0 * _t0
-    _t2 = vy + 0.45 * omega
-    _t3 = _t2 * _t2
-    _t4 = np.sqrt(_t1 + _t3)
-    _t5 = np.abs(_t0)
-    _t6 = np.arctan(_t2 / (np.maximum(_t4, 1e-20) + _t5))
-    _t7 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
-    _t8 = np.clip(front_left_steer, -1.57, 1.57)
-    _t9 = np.where(_t4 < 1e-20, _t8, _t7 * _t6)
-    _t10 = np.rint(0.31830988617 * (_t9 - _t8))
-    _t11 = _t9 - 3.141592653589793 * _t10
-    _t12 = np.where(1.6572664625997164 < _t11, _t11 - 3.141592653589793, _t11)
-    _t13 = np.where(_t11 < (-1.6572664625997164), _t11 + 3.141592653589793, _t12)
-    _t14 = np.clip(_t13, -1.57, 1.57)
-    _t15 = _t14 - _t11
-    _t16 = np.where(np.signbit(_t0), np.negative(_t4), _t4)
-    _t17 = np.where(np.mod(_t10, 2) == 1, np.negative(_t16), _t16)
+    _t1 = vy + 0.45 * omega
+    _t2 = np.clip(front_left_steer, -1.57, 1.57)
+    _t3 = _t0 * _t0
+    _t4 = _t1 * _t1
+    _t5 = np.sqrt(_t3 + _t4)
+    _t6 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
+    _t7 = np.abs(_t0)
+    _t8 = np.arctan(_t1 / (np.maximum(_t5, 1e-20) + _t7))
+    _t9 = np.where(_t5 < 1e-20, _t2, _t6 * _t8)
+    _t10 = np.rint(0.31830988617 * (_t9 - _t2))
+    _t11 = np.where(np.signbit(_t0), np.negative(_t5), _t5)
+    _t12 = np.where(np.mod(_t10, 2) == 1, np.negative(_t11), _t11)
+    _t13 = _t9 + (-3.141592653589793) * _t10
+    _t14 = np.where(1.6572664625997164 < _t13, _t13 - 3.141592653589793, _t13)
+    _t15 = np.where(_t13 < (-1.6572664625997164), _t13 + 3.141592653589793, _t14)
+    _t16 = np.clip(_t15, -1.57, 1.57)
+    _t17 = _t16 - _t13
     _t18 = vx + 0.28 * omega
-    _t19 = _t18 * _t18
-    _t20 = np.sqrt(_t3 + _t19)
-    _t21 = np.abs(_t18)
-    _t22 = np.arctan(_t2 / (np.maximum(1e-20, _t20) + _t21))
-    _t23 = np.where(np.signbit(_t18), np.negative(2.0), 2.0)
-    _t24 = np.clip(front_right_steer, -1.57, 1.57)
-    _t25 = np.where(_t20 < 1e-20, _t24, _t23 * _t22)
-    _t26 = np.rint(0.31830988617 * (_t25 - _t24))
-    _t27 = _t25 - 3.141592653589793 * _t26
-    _t28 = np.where(1.6572664625997164 < _t27, _t27 - 3.141592653589793, _t27)
-    _t29 = np.where(_t27 < (-1.6572664625997164), _t27 + 3.141592653589793, _t28)
-    _t30 = np.clip(_t29, -1.57, 1.57)
-    _t31 = _t30 - _t27
-    _t32 = np.where(np.signbit(_t18), np.negative(_t20), _t20)
-    _t33 = np.where(np.mod(_t26, 2) == 1, np.negative(_t32), _t32)
+    _t19 = np.clip(front_right_steer, -1.57, 1.57)
+    _t20 = _t18 * _t18
+    _t21 = np.sqrt(_t20 + _t4)
+    _t22 = np.where(np.signbit(_t18), np.negative(2.0), 2.0)
+    _t23 = np.abs(_t18)
+    _t24 = np.arctan(_t1 / (np.maximum(_t21, 1e-20) + _t23))
+    _t25 = np.where(_t21 < 1e-20, _t19, _t22 * _t24)
+    _t26 = np.rint(0.31830988617 * (_t25 - _t19))
+    _t27 = np.where(np.signbit(_t18), np.negative(_t21), _t21)
+    _t28 = np.where(np.mod(_t26, 2) == 1, np.negative(_t27), _t27)
+    _t29 = _t25 + (-3.141592653589793) * _t26
+    _t30 = np.where(1.6572664625997164 < _t29, _t29 - 3.141592653589793, _t29)
+    _t31 = np.where(_t29 < (-1.6572664625997164), _t29 + 3.141592653589793, _t30)
+    _t32 = np.clip(_t31, -1.57, 1.57)
+    _t33 = _t32 - _t29
     _t34 = vy + (-0.45) * omega
-    _t35 = _t34 * _t34
-    _t36 = np.sqrt(_t1 + _t35)
-    _t37 = np.arctan(_t34 / (_t5 + np.maximum(1e-20, _t36)))
-    _t38 = np.clip(rear_left_steer, -1.57, 1.57)
-    _t39 = np.where(_t36 < 1e-20, _t38, _t7 * _t37)
-    _t40 = np.rint(0.31830988617 * (_t39 - _t38))
-    _t41 = _t39 - 3.141592653589793 * _t40
-    _t42 = np.where(1.6572664625997164 < _t41, _t41 - 3.141592653589793, _t41)
-    _t43 = np.where(_t41 < (-1.6572664625997164), _t41 + 3.141592653589793, _t42)
-    _t44 = np.clip(_t43, -1.57, 1.57)
-    _t45 = _t44 - _t41
-    _t46 = np.where(np.signbit(_t0), np.negative(_t36), _t36)
-    _t47 = np.where(np.mod(_t40, 2) == 1, np.negative(_t46), _t46)
-    _t48 = np.sqrt(_t19 + _t35)
-    _t49 = np.arctan(_t34 / (_t21 + np.maximum(1e-20, _t48)))
-    _t50 = np.clip(rear_right_steer, -1.57, 1.57)
-    _t51 = np.where(_t48 < 1e-20, _t50, _t23 * _t49)
-    _t52 = np.rint(0.31830988617 * (_t51 - _t50))
-    _t53 = _t51 - 3.141592653589793 * _t52
-    _t54 = np.where(1.6572664625997164 < _t53, _t53 - 3.141592653589793, _t53)
-    _t55 = np.where(_t53 < (-1.6572664625997164), _t53 + 3.141592653589793, _t54)
-    _t56 = np.clip(_t55, -1.57, 1.57)
-    _t57 = _t56 - _t53
-    _t58 = np.where(np.signbit(_t18), np.negative(_t48), _t48)
-    _t59 = np.where(np.mod(_t52, 2) == 1, np.negative(_t58), _t58)
-    _t60 = _t17 * np.sin(_t15)
-    _t61 = _t33 * np.sin(_t31)
-    _t62 = _t47 * np.sin(_t45)
-    _t63 = _t59 * np.sin(_t57)
+    _t35 = np.clip(rear_left_steer, -1.57, 1.57)
+    _t36 = _t34 * _t34
+    _t37 = np.sqrt(_t3 + _t36)
+    _t38 = np.arctan(_t34 / (np.maximum(_t37, 1e-20) + _t7))
+    _t39 = np.where(_t37 < 1e-20, _t35, _t6 * _t38)
+    _t40 = np.rint(0.31830988617 * (_t39 - _t35))
+    _t41 = np.where(np.signbit(_t0), np.negative(_t37), _t37)
+    _t42 = np.where(np.mod(_t40, 2) == 1, np.negative(_t41), _t41)
+    _t43 = _t39 + (-3.141592653589793) * _t40
+    _t44 = np.where(1.6572664625997164 < _t43, _t43 - 3.141592653589793, _t43)
+    _t45 = np.where(_t43 < (-1.6572664625997164), _t43 + 3.141592653589793, _t44)
+    _t46 = np.clip(_t45, -1.57, 1.57)
+    _t47 = _t46 - _t43
+    _t48 = np.clip(rear_right_steer, -1.57, 1.57)
+    _t49 = np.sqrt(_t20 + _t36)
+    _t50 = np.arctan(_t34 / (np.maximum(_t49, 1e-20) + _t23))
+    _t51 = np.where(_t49 < 1e-20, _t48, _t22 * _t50)
+    _t52 = np.rint(0.31830988617 * (_t51 - _t48))
+    _t53 = np.where(np.signbit(_t18), np.negative(_t49), _t49)
+    _t54 = np.where(np.mod(_t52, 2) == 1, np.negative(_t53), _t53)
+    _t55 = _t51 + (-3.141592653589793) * _t52
+    _t56 = np.where(1.6572664625997164 < _t55, _t55 - 3.141592653589793, _t55)
+    _t57 = np.where(_t55 < (-1.6572664625997164), _t55 + 3.141592653589793, _t56)
+    _t58 = np.clip(_t57, -1.57, 1.57)
+    _t59 = _t58 - _t55
+    _t60 = _t12 * np.sin(_t17)
+    _t61 = _t28 * np.sin(_t33)
+    _t62 = _t42 * np.sin(_t47)
+    _t63 = _t54 * np.sin(_t59)
     _t64 = _t63 * _t63 + (_t62 * _t62 + (_t60 * _t60 + _t61 * _t61))
     return _shaped(
         [vx, vy, omega, front_left_steer, front_right_steer, rear_left_steer, rear_right_steer],
         {
-            "front_left.spin": 8.333333333333334 * (_t17 * np.cos(_t15)),
-            "front_left.steer": _t14,
-            "front_right.spin": 8.333333333333334 * (_t33 * np.cos(_t31)),
-            "front_right.steer": _t30,
-            "rear_left.spin": 8.333333333333334 * (_t47 * np.cos(_t45)),
-            "rear_left.steer": _t44,
-            "rear_right.spin": 8.333333333333334 * (_t59 * np.cos(_t57)),
-            "rear_right.steer": _t56,
+            "front_left.spin": 8.333333333333334 * (_t12 * np.cos(_t17)),
+            "front_left.steer": _t16,
+            "front_right.spin": 8.333333333333334 * (_t28 * np.cos(_t33)),
+            "front_right.steer": _t32,
+            "rear_left.spin": 8.333333333333334 * (_t42 * np.cos(_t47)),
+            "rear_left.steer": _t46,
+            "rear_right.spin": 8.333333333333334 * (_t54 * np.cos(_t59)),
+            "rear_right.steer": _t58,
             "slip": np.sqrt(0.25 * _t64),
         },
     )
@@ -160,40 +160,40 @@ def forward(front_left_spin, front_left_steer, front_right_spin, front_right_ste
     rear_right_spin = np.asarray(rear_right_spin, dtype=np.float64)
     rear_right_steer = np.asarray(rear_right_steer, dtype=np.float64)
     _t0 = front_right_spin * np.cos(front_right_steer)
-    _t1 = rear_right_spin * np.cos(rear_right_steer)
-    _t2 = _t0 + _t1
-    _t3 = front_left_spin * np.cos(front_left_steer)
-    _t4 = rear_left_spin * np.cos(rear_left_steer)
-    _t5 = _t3 + _t4
-    _t6 = 0.03 * (_t2 + _t5)
-    _t7 = rear_left_spin * np.sin(rear_left_steer)
-    _t8 = rear_right_spin * np.sin(rear_right_steer)
-    _t9 = _t7 + _t8
-    _t10 = front_left_spin * np.sin(front_left_steer)
-    _t11 = front_right_spin * np.sin(front_right_steer)
-    _t12 = _t10 + _t11
-    _t13 = 0.03 * (_t9 + _t12)
-    _t14 = 0.04805980776076896 * (_t12 - _t9) + 0.029903880384478464 * (_t2 - _t5)
+    _t1 = front_right_spin * np.sin(front_right_steer)
+    _t2 = rear_right_spin * np.cos(rear_right_steer)
+    _t3 = rear_right_spin * np.sin(rear_right_steer)
+    _t4 = _t0 + _t2
+    _t5 = front_left_spin * np.cos(front_left_steer)
+    _t6 = front_left_spin * np.sin(front_left_steer)
+    _t7 = rear_left_spin * np.cos(rear_left_steer)
+    _t8 = rear_left_spin * np.sin(rear_left_steer)
+    _t9 = _t5 + _t7
+    _t10 = 0.03 * (_t4 + _t9)
+    _t11 = _t8 + _t3
+    _t12 = _t6 + _t1
+    _t13 = 0.03 * (_t11 + _t12)
+    _t14 = 0.04805980776076896 * (_t12 - _t11) + 0.029903880384478464 * (_t4 - _t9)
     _t15 = 0.28 * _t14
-    _t16 = _t6 - _t15
-    _t17 = 0.12 * _t3 - _t16
+    _t16 = _t10 - _t15
+    _t17 = 0.12 * _t5 - _t16
     _t18 = 0.45 * _t14
     _t19 = _t13 + _t18
-    _t20 = 0.12 * _t10 - _t19
-    _t21 = _t6 + _t15
+    _t20 = 0.12 * _t6 - _t19
+    _t21 = _t10 + _t15
     _t22 = 0.12 * _t0 - _t21
-    _t23 = 0.12 * _t11 - _t19
+    _t23 = 0.12 * _t1 - _t19
     _t24 = _t23 * _t23 + (_t22 * _t22 + (_t17 * _t17 + _t20 * _t20))
-    _t25 = 0.12 * _t4 - _t16
+    _t25 = 0.12 * _t7 - _t16
     _t26 = _t13 - _t18
-    _t27 = 0.12 * _t7 - _t26
-    _t28 = 0.12 * _t1 - _t21
+    _t27 = 0.12 * _t8 - _t26
+    _t28 = 0.12 * _t2 - _t21
     _t29 = _t28 * _t28 + (_t27 * _t27 + (_t25 * _t25 + _t24))
-    _t30 = 0.12 * _t8 - _t26
+    _t30 = 0.12 * _t3 - _t26
     return _shaped(
         [front_left_spin, front_left_steer, front_right_spin, front_right_steer, rear_left_spin, rear_left_steer, rear_right_spin, rear_right_steer],
         {
-            "vx": _t6,
+            "vx": _t10,
             "vy": _t13,
             "omega": _t14,
             "slip": np.sqrt(_t30 * _t30 + _t29),
@@ -225,22 +225,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )

@@ -39,28 +39,29 @@ def inverse(vx, vy, omega, front_steer):
     vy = np.asarray(vy, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
     front_steer = np.asarray(front_steer, dtype=np.float64)
-    _t0 = np.sqrt(vx * vx + 1.21 * (omega * omega))
-    _t1 = omega / (np.maximum(_t0, 1e-20) + np.abs(vx))
-    _t2 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
-    _t3 = np.clip(front_steer, -1.0471975511965979, 1.0471975511965979)
-    _t4 = np.where(_t0 < 1e-20, _t3, _t2 * np.arctan(1.1 * _t1))
-    _t5 = np.rint(0.31830988617 * (_t4 - _t3))
-    _t6 = _t4 - 3.141592653589793 * _t5
-    _t7 = np.where(1.614429558094755 < _t6, _t6 - 3.141592653589793, _t6)
-    _t8 = np.where(_t6 < (-1.614429558094755), _t6 + 3.141592653589793, _t7)
-    _t9 = np.clip(_t8, -1.0471975511965979, 1.0471975511965979)
-    _t10 = _t9 - _t6
-    _t11 = np.where(np.signbit(vx), np.negative(_t0), _t0)
-    _t12 = np.where(np.mod(_t5, 2) == 1, np.negative(_t11), _t11)
-    _t13 = _t12 * np.sin(_t10)
-    _t14 = np.abs(vy)
+    _t0 = 1.1 * omega
+    _t1 = np.clip(front_steer, -1.0471975511965979, 1.0471975511965979)
+    _t2 = np.sqrt(vx * vx + _t0 * _t0)
+    _t3 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
+    _t4 = np.arctan(_t0 / (np.maximum(_t2, 1e-20) + np.abs(vx)))
+    _t5 = np.where(_t2 < 1e-20, _t1, _t3 * _t4)
+    _t6 = np.rint(0.31830988617 * (_t5 - _t1))
+    _t7 = np.where(np.signbit(vx), np.negative(_t2), _t2)
+    _t8 = np.where(np.mod(_t6, 2) == 1, np.negative(_t7), _t7)
+    _t9 = _t5 + (-3.141592653589793) * _t6
+    _t10 = np.where(1.614429558094755 < _t9, _t9 - 3.141592653589793, _t9)
+    _t11 = np.where(_t9 < (-1.614429558094755), _t9 + 3.141592653589793, _t10)
+    _t12 = np.clip(_t11, -1.0471975511965979, 1.0471975511965979)
+    _t13 = _t12 - _t9
+    _t14 = _t8 * np.sin(_t13)
+    _t15 = np.abs(vy)
     return _shaped(
         [vx, vy, omega, front_steer],
         {
             "rear.spin": 2.9411764705882355 * vx,
-            "front.spin": 2.9411764705882355 * (_t12 * np.cos(_t10)),
-            "front.steer": _t9,
-            "slip": np.sqrt(_t14 * _t14 + _t13 * _t13),
+            "front.spin": 2.9411764705882355 * (_t8 * np.cos(_t13)),
+            "front.steer": _t12,
+            "slip": np.sqrt(_t15 * _t15 + _t14 * _t14),
         },
     )
 
@@ -149,22 +150,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )

@@ -164,22 +164,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )
@@ -292,8 +291,8 @@ def trailer(x, y, theta, front_steer, trailer1_theta, trailer2_theta, rear_speed
     _t2 = np.where(np.abs(_t0) < 1e-09, 0.0, 1.0 / _t1)
     _t3 = 0.7142857142857143 * (rear_speed * (_t2 * np.sin(front_steer)))
     _t4 = theta - trailer1_theta
-    _t5 = 0.9090909090909091 * (rear_speed * np.sin(_t4))
-    _t6 = rear_speed * np.cos(_t4)
+    _t5 = rear_speed * np.cos(_t4)
+    _t6 = 0.9090909090909091 * (rear_speed * np.sin(_t4))
     _t7 = trailer1_theta - trailer2_theta
     return _shaped(
         [x, y, theta, front_steer, trailer1_theta, trailer2_theta, rear_speed, front_steer_rate],
@@ -302,10 +301,10 @@ def trailer(x, y, theta, front_steer, trailer1_theta, trailer2_theta, rear_speed
             "y_rate": rear_speed * np.sin(theta),
             "theta_rate": _t3,
             "front.steer_rate": front_steer_rate,
-            "trailer1.theta_rate": _t5,
-            "trailer2.theta_rate": 1.1111111111111112 * (_t6 * np.sin(_t7)),
-            "trailer1.speed": _t6,
-            "trailer2.speed": _t6 * np.cos(_t7),
+            "trailer1.theta_rate": _t6,
+            "trailer2.theta_rate": 1.1111111111111112 * (_t5 * np.sin(_t7)),
+            "trailer1.speed": _t5,
+            "trailer2.speed": _t5 * np.cos(_t7),
         },
     )
 

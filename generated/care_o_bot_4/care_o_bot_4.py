@@ -51,40 +51,40 @@ def inverse(vx, vy, omega, fl_steer, b_steer, fr_steer):
     _t1 = vy + 0.12422 * omega
     _t2 = _t1 * _t1
     _t3 = np.sqrt(_t0 * _t0 + _t2)
-    _t4 = np.arctan(_t1 / (np.maximum(_t3, 1e-20) + np.abs(_t0)))
-    _t5 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
-    _t6 = np.where(_t3 < 1e-20, fl_steer, _t5 * _t4)
+    _t4 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
+    _t5 = np.arctan(_t1 / (np.maximum(_t3, 1e-20) + np.abs(_t0)))
+    _t6 = np.where(_t3 < 1e-20, fl_steer, _t4 * _t5)
     _t7 = np.rint(0.31830988617 * (_t6 - fl_steer))
-    _t8 = 13.333333333333334 * _t3
+    _t8 = _t3 * 13.333333333333334
     _t9 = np.where(np.signbit(_t0), np.negative(_t8), _t8)
     _t10 = np.where(np.mod(_t7, 2) == 1, np.negative(_t9), _t9)
     _t11 = vy + (-0.24844) * omega
     _t12 = np.sqrt(vx * vx + _t11 * _t11)
-    _t13 = _t11 / (np.maximum(1e-20, _t12) + np.abs(vx))
-    _t14 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
-    _t15 = np.where(_t12 < 1e-20, b_steer, _t14 * np.arctan(_t13))
+    _t13 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
+    _t14 = _t11 / (np.maximum(_t12, 1e-20) + np.abs(vx))
+    _t15 = np.where(_t12 < 1e-20, b_steer, _t13 * np.arctan(_t14))
     _t16 = np.rint(0.31830988617 * (_t15 - b_steer))
-    _t17 = 13.333333333333334 * _t12
+    _t17 = _t12 * 13.333333333333334
     _t18 = np.where(np.signbit(vx), np.negative(_t17), _t17)
     _t19 = np.where(np.mod(_t16, 2) == 1, np.negative(_t18), _t18)
     _t20 = vx + 0.21515 * omega
-    _t21 = np.sqrt(_t2 + _t20 * _t20)
-    _t22 = _t1 / (np.maximum(1e-20, _t21) + np.abs(_t20))
-    _t23 = np.where(np.signbit(_t20), np.negative(2.0), 2.0)
-    _t24 = np.where(_t21 < 1e-20, fr_steer, _t23 * np.arctan(_t22))
+    _t21 = np.sqrt(_t20 * _t20 + _t2)
+    _t22 = np.where(np.signbit(_t20), np.negative(2.0), 2.0)
+    _t23 = _t1 / (np.maximum(_t21, 1e-20) + np.abs(_t20))
+    _t24 = np.where(_t21 < 1e-20, fr_steer, _t22 * np.arctan(_t23))
     _t25 = np.rint(0.31830988617 * (_t24 - fr_steer))
-    _t26 = 13.333333333333334 * _t21
+    _t26 = _t21 * 13.333333333333334
     _t27 = np.where(np.signbit(_t20), np.negative(_t26), _t26)
     _t28 = np.where(np.mod(_t25, 2) == 1, np.negative(_t27), _t27)
     return _shaped(
         [vx, vy, omega, fl_steer, b_steer, fr_steer],
         {
             "fl.spin": _t10,
-            "fl.steer": _t6 - 3.141592653589793 * _t7,
+            "fl.steer": _t6 + (-3.141592653589793) * _t7,
             "b.spin": _t19,
-            "b.steer": _t15 - 3.141592653589793 * _t16,
+            "b.steer": _t15 + (-3.141592653589793) * _t16,
             "fr.spin": _t28,
-            "fr.steer": _t24 - 3.141592653589793 * _t25,
+            "fr.steer": _t24 + (-3.141592653589793) * _t25,
             "slip": 0.0,
         },
     )
@@ -113,29 +113,29 @@ def forward(fl_spin, fl_steer, b_spin, b_steer, fr_spin, fr_steer):
     fr_spin = np.asarray(fr_spin, dtype=np.float64)
     fr_steer = np.asarray(fr_steer, dtype=np.float64)
     _t0 = fl_spin * np.cos(fl_steer)
-    _t1 = b_spin * np.cos(b_steer)
-    _t2 = fr_spin * np.cos(fr_steer)
-    _t3 = 0.025 * (_t2 + (_t0 + _t1))
-    _t4 = fl_spin * np.sin(fl_steer)
+    _t1 = fl_spin * np.sin(fl_steer)
+    _t2 = b_spin * np.cos(b_steer)
+    _t3 = b_spin * np.sin(b_steer)
+    _t4 = fr_spin * np.cos(fr_steer)
     _t5 = fr_spin * np.sin(fr_steer)
-    _t6 = _t4 + _t5
-    _t7 = b_spin * np.sin(b_steer)
-    _t8 = 0.025 * (_t7 + _t6)
-    _t9 = 0.08714633347252516 * (_t2 - _t0) - 0.10063042104538299 * _t7
-    _t10 = 0.05031521052269149 * _t6 + _t9
+    _t6 = 0.025 * (_t4 + (_t0 + _t2))
+    _t7 = _t1 + _t5
+    _t8 = 0.025 * (_t3 + _t7)
+    _t9 = 0.08714633347252516 * (_t4 - _t0) - 0.10063042104538299 * _t3
+    _t10 = 0.05031521052269149 * _t7 + _t9
     _t11 = (-0.21515) * _t10
-    _t12 = 0.075 * _t0 - _t3 - _t11
+    _t12 = 0.075 * _t0 - _t6 - _t11
     _t13 = _t8 + 0.12422 * _t10
-    _t14 = 0.075 * _t4 - _t13
-    _t15 = 0.075 * _t1 - _t3
-    _t16 = 0.24844 * _t10 + (0.075 * _t7 - _t8)
+    _t14 = 0.075 * _t1 - _t13
+    _t15 = 0.075 * _t2 - _t6
+    _t16 = 0.24844 * _t10 + (0.075 * _t3 - _t8)
     _t17 = _t16 * _t16 + (_t15 * _t15 + (_t12 * _t12 + _t14 * _t14))
-    _t18 = 0.075 * _t2 + (_t11 - _t3)
+    _t18 = 0.075 * _t4 + (_t11 - _t6)
     _t19 = 0.075 * _t5 - _t13
     return _shaped(
         [fl_spin, fl_steer, b_spin, b_steer, fr_spin, fr_steer],
         {
-            "vx": _t3,
+            "vx": _t6,
             "vy": _t8,
             "omega": _t10,
             "slip": np.sqrt(_t19 * _t19 + (_t18 * _t18 + _t17)),
@@ -167,22 +167,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )

@@ -58,59 +58,60 @@ def inverse(vx, vy, omega, left_front_steer, right_front_steer, left_back_steer,
     right_back_steer = np.asarray(right_back_steer, dtype=np.float64)
     _t0 = 0.177 * omega
     _t1 = vx - _t0
-    _t2 = _t1 * _t1
-    _t3 = omega * omega
-    _t4 = 0.075076 * _t3
-    _t5 = np.sqrt(_t2 + _t4)
-    _t6 = 13.333333333333334 * _t5
-    _t7 = np.where(np.signbit(_t1), np.negative(_t6), _t6)
-    _t8 = np.abs(_t1)
-    _t9 = 0.274 * (omega / (np.maximum(_t5, 1e-20) + _t8))
-    _t10 = np.where(np.signbit(_t1), np.negative(2.0), 2.0)
-    _t11 = np.where(_t5 < 1e-20, left_front_steer, _t10 * np.arctan(_t9))
-    _t12 = np.rint(0.31830988617 * (_t11 - left_front_steer))
-    _t13 = np.where(np.mod(_t12, 2) == 1, np.negative(_t7), _t7)
+    _t2 = 0.274 * omega
+    _t3 = _t1 * _t1
+    _t4 = _t2 * _t2
+    _t5 = np.sqrt(_t3 + _t4)
+    _t6 = np.where(np.signbit(_t1), np.negative(2.0), 2.0)
+    _t7 = np.abs(_t1)
+    _t8 = np.arctan(_t2 / (np.maximum(_t5, 1e-20) + _t7))
+    _t9 = np.where(_t5 < 1e-20, left_front_steer, _t6 * _t8)
+    _t10 = np.rint(0.31830988617 * (_t9 - left_front_steer))
+    _t11 = _t5 * 13.333333333333334
+    _t12 = np.where(np.signbit(_t1), np.negative(_t11), _t11)
+    _t13 = np.where(np.mod(_t10, 2) == 1, np.negative(_t12), _t12)
     _t14 = vx + _t0
     _t15 = _t14 * _t14
-    _t16 = np.sqrt(_t4 + _t15)
-    _t17 = 13.333333333333334 * _t16
-    _t18 = np.where(np.signbit(_t14), np.negative(_t17), _t17)
-    _t19 = np.abs(_t14)
-    _t20 = 0.274 * (omega / (np.maximum(1e-20, _t16) + _t19))
-    _t21 = np.where(np.signbit(_t14), np.negative(2.0), 2.0)
-    _t22 = np.where(_t16 < 1e-20, right_front_steer, _t21 * np.arctan(_t20))
-    _t23 = np.rint(0.31830988617 * (_t22 - right_front_steer))
-    _t24 = np.where(np.mod(_t23, 2) == 1, np.negative(_t18), _t18)
-    _t25 = 0.0961 * _t3
-    _t26 = np.sqrt(_t2 + _t25)
-    _t27 = 13.333333333333334 * _t26
-    _t28 = np.where(np.signbit(_t1), np.negative(_t27), _t27)
-    _t29 = 0.31 * (omega / (_t8 + np.maximum(1e-20, _t26)))
-    _t30 = np.where(_t26 < 1e-20, left_back_steer, -(_t10 * np.arctan(_t29)))
-    _t31 = np.rint(0.31830988617 * (_t30 - left_back_steer))
-    _t32 = np.where(np.mod(_t31, 2) == 1, np.negative(_t28), _t28)
-    _t33 = np.sqrt(_t15 + _t25)
-    _t34 = 13.333333333333334 * _t33
-    _t35 = np.where(np.signbit(_t14), np.negative(_t34), _t34)
-    _t36 = 0.31 * (omega / (_t19 + np.maximum(1e-20, _t33)))
-    _t37 = np.where(_t33 < 1e-20, right_back_steer, -(_t21 * np.arctan(_t36)))
-    _t38 = np.rint(0.31830988617 * (_t37 - right_back_steer))
-    _t39 = np.where(np.mod(_t38, 2) == 1, np.negative(_t35), _t35)
-    _t40 = 13.333333333333334 * vx
-    _t41 = 3.3733333333333335 * omega
+    _t16 = np.sqrt(_t15 + _t4)
+    _t17 = np.where(np.signbit(_t14), np.negative(2.0), 2.0)
+    _t18 = np.abs(_t14)
+    _t19 = np.arctan(_t2 / (np.maximum(_t16, 1e-20) + _t18))
+    _t20 = np.where(_t16 < 1e-20, right_front_steer, _t17 * _t19)
+    _t21 = np.rint(0.31830988617 * (_t20 - right_front_steer))
+    _t22 = _t16 * 13.333333333333334
+    _t23 = np.where(np.signbit(_t14), np.negative(_t22), _t22)
+    _t24 = np.where(np.mod(_t21, 2) == 1, np.negative(_t23), _t23)
+    _t25 = (-0.31) * omega
+    _t26 = _t25 * _t25
+    _t27 = np.sqrt(_t3 + _t26)
+    _t28 = np.arctan(_t25 / (np.maximum(_t27, 1e-20) + _t7))
+    _t29 = np.where(_t27 < 1e-20, left_back_steer, _t6 * _t28)
+    _t30 = np.rint(0.31830988617 * (_t29 - left_back_steer))
+    _t31 = _t27 * 13.333333333333334
+    _t32 = np.where(np.signbit(_t1), np.negative(_t31), _t31)
+    _t33 = np.where(np.mod(_t30, 2) == 1, np.negative(_t32), _t32)
+    _t34 = np.sqrt(_t15 + _t26)
+    _t35 = np.arctan(_t25 / (np.maximum(_t34, 1e-20) + _t18))
+    _t36 = np.where(_t34 < 1e-20, right_back_steer, _t17 * _t35)
+    _t37 = np.rint(0.31830988617 * (_t36 - right_back_steer))
+    _t38 = _t34 * 13.333333333333334
+    _t39 = np.where(np.signbit(_t14), np.negative(_t38), _t38)
+    _t40 = np.where(np.mod(_t37, 2) == 1, np.negative(_t39), _t39)
+    _t41 = 13.333333333333334 * vx
+    _t42 = 3.3733333333333335 * omega
     return _shaped(
         [vx, vy, omega, left_front_steer, right_front_steer, left_back_steer, right_back_steer],
         {
             "left_front.spin": _t13,
-            "left_front.steer": _t11 - 3.141592653589793 * _t12,
+            "left_front.steer": _t9 + (-3.141592653589793) * _t10,
             "right_front.spin": _t24,
-            "right_front.steer": _t22 - 3.141592653589793 * _t23,
-            "left_back.spin": _t32,
-            "left_back.steer": _t30 - 3.141592653589793 * _t31,
-            "right_back.spin": _t39,
-            "right_back.steer": _t37 - 3.141592653589793 * _t38,
-            "left_middle.spin": _t40 - _t41,
-            "right_middle.spin": _t41 + _t40,
+            "right_front.steer": _t20 + (-3.141592653589793) * _t21,
+            "left_back.spin": _t33,
+            "left_back.steer": _t29 + (-3.141592653589793) * _t30,
+            "right_back.spin": _t40,
+            "right_back.steer": _t36 + (-3.141592653589793) * _t37,
+            "left_middle.spin": _t41 - _t42,
+            "right_middle.spin": _t42 + _t41,
             "slip": np.abs(vy),
         },
     )
@@ -147,47 +148,47 @@ def forward(left_front_spin, left_front_steer, right_front_spin, right_front_ste
     left_middle_spin = np.asarray(left_middle_spin, dtype=np.float64)
     right_middle_spin = np.asarray(right_middle_spin, dtype=np.float64)
     _t0 = right_front_spin * np.cos(right_front_steer)
-    _t1 = right_back_spin * np.cos(right_back_steer)
-    _t2 = _t0 + _t1
-    _t3 = left_front_spin * np.cos(left_front_steer)
-    _t4 = left_back_spin * np.cos(left_back_steer)
-    _t5 = _t3 + _t4
-    _t6 = _t2 + (_t5 + (left_middle_spin + right_middle_spin))
-    _t7 = 0.0125 * _t6
+    _t1 = right_front_spin * np.sin(right_front_steer)
+    _t2 = right_back_spin * np.cos(right_back_steer)
+    _t3 = right_back_spin * np.sin(right_back_steer)
+    _t4 = _t0 + _t2
+    _t5 = left_front_spin * np.cos(left_front_steer)
+    _t6 = left_front_spin * np.sin(left_front_steer)
+    _t7 = left_back_spin * np.cos(left_back_steer)
     _t8 = left_back_spin * np.sin(left_back_steer)
-    _t9 = right_back_spin * np.sin(right_back_steer)
-    _t10 = _t8 + _t9
-    _t11 = left_front_spin * np.sin(left_front_steer)
-    _t12 = right_front_spin * np.sin(right_front_steer)
-    _t13 = _t11 + _t12
-    _t14 = 0.01204910880902186 * _t10 + 0.012932734498723989 * _t13
-    _t15 = 0.6996047430830039 * (_t5 - _t2) + (left_middle_spin - right_middle_spin)
+    _t9 = _t5 + _t7
+    _t10 = _t4 + (_t9 + (left_middle_spin + right_middle_spin))
+    _t11 = 0.0125 * _t10
+    _t12 = _t8 + _t3
+    _t13 = _t6 + _t1
+    _t14 = 0.01204910880902186 * _t12 + 0.012932734498723989 * _t13
+    _t15 = 0.6996047430830039 * (_t9 - _t4) + (left_middle_spin - right_middle_spin)
     _t16 = _t14 - 0.0003828035950250663 * _t15
-    _t17 = 0.036061208226999 * _t13 - 0.03757426591484511 * _t10
+    _t17 = 0.036061208226999 * _t13 - 0.03757426591484511 * _t12
     _t18 = _t17 - 0.0319002995854222 * _t15
     _t19 = _t16 + 0.274 * _t18
-    _t20 = 0.075 * _t12 - _t19
-    _t21 = 0.075 * _t11 - _t19
+    _t20 = 0.075 * _t1 - _t19
+    _t21 = 0.075 * _t6 - _t19
     _t22 = 0.177 * _t18
-    _t23 = _t7 - _t22
-    _t24 = 0.075 * _t3 - _t23
-    _t25 = _t7 + _t22
+    _t23 = _t11 - _t22
+    _t24 = 0.075 * _t5 - _t23
+    _t25 = _t11 + _t22
     _t26 = 0.075 * _t0 - _t25
     _t27 = _t20 * _t20 + (_t26 * _t26 + (_t24 * _t24 + _t21 * _t21))
-    _t28 = 0.075 * _t4 - _t23
+    _t28 = 0.075 * _t7 - _t23
     _t29 = _t16 - 0.31 * _t18
     _t30 = 0.075 * _t8 - _t29
-    _t31 = 0.075 * _t1 - _t25
+    _t31 = 0.075 * _t2 - _t25
     _t32 = _t31 * _t31 + (_t30 * _t30 + (_t28 * _t28 + _t27))
-    _t33 = 0.075 * _t9 - _t29
+    _t33 = 0.075 * _t3 - _t29
     _t34 = (-0.253) * _t18
-    _t35 = 0.075 * left_middle_spin - _t7 - _t34
-    _t36 = 0.075 * right_middle_spin + (_t34 - _t7)
+    _t35 = 0.075 * left_middle_spin - _t11 - _t34
+    _t36 = 0.075 * right_middle_spin + (_t34 - _t11)
     _t37 = _t36 * _t36 + (_t35 * _t35 + (_t33 * _t33 + _t32))
     return _shaped(
         [left_front_spin, left_front_steer, right_front_spin, right_front_steer, left_back_spin, left_back_steer, right_back_spin, right_back_steer, left_middle_spin, right_middle_spin],
         {
-            "vx": _t7,
+            "vx": _t11,
             "vy": _t16,
             "omega": _t18,
             "slip": np.sqrt(2.0 * (_t16 * _t16) + _t37),
@@ -219,22 +220,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )

@@ -53,39 +53,39 @@ def inverse(vx, vy, omega, w1_steer, w2_steer, w3_steer, w4_steer):
     w3_steer = np.asarray(w3_steer, dtype=np.float64)
     w4_steer = np.asarray(w4_steer, dtype=np.float64)
     _t0 = vx + (-0.3) * omega
-    _t1 = _t0 * _t0
-    _t2 = vy + 0.5 * omega
-    _t3 = _t2 * _t2
-    _t4 = np.sqrt(_t1 + _t3)
-    _t5 = np.abs(_t0)
-    _t6 = np.arctan(_t2 / (np.maximum(_t4, 1e-20) + _t5))
-    _t7 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
-    _t8 = np.where(_t4 < 1e-20, w1_steer, _t7 * _t6)
+    _t1 = vy + 0.5 * omega
+    _t2 = _t0 * _t0
+    _t3 = _t1 * _t1
+    _t4 = np.sqrt(_t2 + _t3)
+    _t5 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
+    _t6 = np.abs(_t0)
+    _t7 = np.arctan(_t1 / (np.maximum(_t4, 1e-20) + _t6))
+    _t8 = np.where(_t4 < 1e-20, w1_steer, _t5 * _t7)
     _t9 = np.rint(0.31830988617 * (_t8 - w1_steer))
     _t10 = np.where(np.signbit(_t0), np.negative(_t4), _t4)
     _t11 = np.where(np.mod(_t9, 2) == 1, np.negative(_t10), _t10)
     _t12 = 0.7 * omega
     _t13 = vx + 0.3 * omega
     _t14 = _t13 * _t13
-    _t15 = np.sqrt(_t3 + _t14)
-    _t16 = np.abs(_t13)
-    _t17 = np.arctan(_t2 / (np.maximum(1e-20, _t15) + _t16))
-    _t18 = np.where(np.signbit(_t13), np.negative(2.0), 2.0)
-    _t19 = np.where(_t15 < 1e-20, w2_steer, _t18 * _t17)
+    _t15 = np.sqrt(_t14 + _t3)
+    _t16 = np.where(np.signbit(_t13), np.negative(2.0), 2.0)
+    _t17 = np.abs(_t13)
+    _t18 = np.arctan(_t1 / (np.maximum(_t15, 1e-20) + _t17))
+    _t19 = np.where(_t15 < 1e-20, w2_steer, _t16 * _t18)
     _t20 = np.rint(0.31830988617 * (_t19 - w2_steer))
     _t21 = np.where(np.signbit(_t13), np.negative(_t15), _t15)
     _t22 = np.where(np.mod(_t20, 2) == 1, np.negative(_t21), _t21)
     _t23 = vy + (-0.5) * omega
     _t24 = _t23 * _t23
-    _t25 = np.sqrt(_t1 + _t24)
-    _t26 = np.arctan(_t23 / (_t5 + np.maximum(1e-20, _t25)))
-    _t27 = np.where(_t25 < 1e-20, w3_steer, _t7 * _t26)
+    _t25 = np.sqrt(_t2 + _t24)
+    _t26 = np.arctan(_t23 / (np.maximum(_t25, 1e-20) + _t6))
+    _t27 = np.where(_t25 < 1e-20, w3_steer, _t5 * _t26)
     _t28 = np.rint(0.31830988617 * (_t27 - w3_steer))
     _t29 = np.where(np.signbit(_t0), np.negative(_t25), _t25)
     _t30 = np.where(np.mod(_t28, 2) == 1, np.negative(_t29), _t29)
     _t31 = np.sqrt(_t14 + _t24)
-    _t32 = np.arctan(_t23 / (_t16 + np.maximum(1e-20, _t31)))
-    _t33 = np.where(_t31 < 1e-20, w4_steer, _t18 * _t32)
+    _t32 = np.arctan(_t23 / (np.maximum(_t31, 1e-20) + _t17))
+    _t33 = np.where(_t31 < 1e-20, w4_steer, _t16 * _t32)
     _t34 = np.rint(0.31830988617 * (_t33 - w4_steer))
     _t35 = np.where(np.signbit(_t13), np.negative(_t31), _t31)
     _t36 = np.where(np.mod(_t34, 2) == 1, np.negative(_t35), _t35)
@@ -93,13 +93,13 @@ def inverse(vx, vy, omega, w1_steer, w2_steer, w3_steer, w4_steer):
         [vx, vy, omega, w1_steer, w2_steer, w3_steer, w4_steer],
         {
             "w1.spin": 10.0 * _t11 - _t12,
-            "w1.steer": _t8 - 3.141592653589793 * _t9,
+            "w1.steer": _t8 + (-3.141592653589793) * _t9,
             "w2.spin": _t12 + 10.0 * _t22,
-            "w2.steer": _t19 - 3.141592653589793 * _t20,
+            "w2.steer": _t19 + (-3.141592653589793) * _t20,
             "w3.spin": 10.0 * _t30 - _t12,
-            "w3.steer": _t27 - 3.141592653589793 * _t28,
+            "w3.steer": _t27 + (-3.141592653589793) * _t28,
             "w4.spin": _t12 + 10.0 * _t36,
-            "w4.steer": _t33 - 3.141592653589793 * _t34,
+            "w4.steer": _t33 + (-3.141592653589793) * _t34,
             "slip": 0.0,
         },
     )
@@ -232,22 +232,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )

@@ -120,22 +120,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )
@@ -288,51 +287,50 @@ def odometry_covariance(x, y, theta, xx, xy, xtheta, yy, ytheta, thetatheta, vx,
     omegaomega = np.asarray(omegaomega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
-    _t12 = (vx * _t10 - vy * _t11) * _t8
-    _t13 = _t8 * (vx * _t11 + _t10 * vy)
-    _t14 = _t10 * _t8
-    _t15 = _t11 * _t8
-    _t16 = vxomega * _t14 - vyomega * _t15
-    _t17 = 0.5 * dt
-    _t18 = xtheta + _t16 * _t17
-    _t19 = dt * omegaomega
-    _t20 = dt * _t19
-    _t21 = thetatheta + 0.25 * _t20
-    _t22 = _t18 - _t13 * _t21
-    _t23 = _t15 * vxvy
-    _t24 = _t14 * vxvx - _t23
-    _t25 = _t14 * vxvy
-    _t26 = _t25 - _t15 * vyvy
-    _t27 = _t14 * _t24 + (xx - _t13 * (_t18 + _t22)) - _t15 * _t26
-    _t28 = vxomega * _t15 + _t14 * vyomega
-    _t29 = ytheta + _t17 * _t28
-    _t30 = _t15 * _t24 + (_t12 * _t22 + (xy - _t13 * _t29))
-    _t31 = 0.5 * _t19
-    _t32 = _t29 + _t12 * _t21
-    _t33 = _t15 * (_t25 + _t15 * vxvx) + (yy + _t12 * (_t29 + _t32))
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
+    _t11 = (vx * _t3 - vy * _t4) * _t10
+    _t12 = _t10 * (vx * _t4 + _t3 * vy)
+    _t13 = _t3 * _t10
+    _t14 = _t4 * _t10
+    _t15 = vxomega * _t13 - vyomega * _t14
+    _t16 = 0.5 * dt
+    _t17 = xtheta + _t15 * _t16
+    _t18 = dt * omegaomega
+    _t19 = dt * _t18
+    _t20 = thetatheta + 0.25 * _t19
+    _t21 = _t17 - _t12 * _t20
+    _t22 = _t14 * vxvy
+    _t23 = _t13 * vxvx - _t22
+    _t24 = _t13 * vxvy
+    _t25 = _t24 - _t14 * vyvy
+    _t26 = _t13 * _t23 + (xx - _t12 * (_t17 + _t21)) - _t14 * _t25
+    _t27 = vxomega * _t14 + _t13 * vyomega
+    _t28 = ytheta + _t16 * _t27
+    _t29 = _t14 * _t23 + (_t11 * _t21 + (xy - _t12 * _t28))
+    _t30 = 0.5 * _t18
+    _t31 = _t28 + _t11 * _t20
+    _t32 = _t14 * (_t24 + _t14 * vxvx) + (yy + _t11 * (_t28 + _t31))
     return _shaped(
         [x, y, theta, xx, xy, xtheta, yy, ytheta, thetatheta, vx, vy, omega, vxvx, vxvy, vxomega, vyvy, vyomega, omegaomega, dt],
         {
-            "x": x + _t12,
-            "y": y + _t13,
+            "x": x + _t11,
+            "y": y + _t12,
             "theta": theta + _t0,
-            "xx": _t27,
-            "xy": _t14 * _t26 + _t30,
-            "xtheta": _t22 + _t17 * (_t16 - _t13 * _t31),
-            "yy": _t14 * (_t23 + _t14 * vyvy) + _t33,
-            "ytheta": _t32 + _t17 * (_t28 + _t12 * _t31),
-            "thetatheta": thetatheta + _t20,
+            "xx": _t26,
+            "xy": _t13 * _t25 + _t29,
+            "xtheta": _t21 + _t16 * (_t15 - _t12 * _t30),
+            "yy": _t13 * (_t22 + _t13 * vyvy) + _t32,
+            "ytheta": _t31 + _t16 * (_t27 + _t11 * _t30),
+            "thetatheta": thetatheta + _t19,
         },
     )
 
@@ -361,22 +359,22 @@ def odometry_from_angles(x, y, theta, left_spin_step, right_spin_step, half_trac
     half_track = np.asarray(half_track, dtype=np.float64)
     radius = np.asarray(radius, dtype=np.float64)
     _t0 = np.where(np.abs(half_track) < 1e-12, np.copysign(1e-12, half_track), half_track)
-    _t1 = (right_spin_step - left_spin_step) * (0.5 * (radius * (1.0 / _t0)))
-    _t2 = _t1 * _t1
-    _t3 = 0.008333333333333333 - 4.96031746031746e-05 * _t2
-    _t4 = 0.25 * _t2
-    _t5 = 0.5 * _t1
-    _t6 = np.abs(_t5)
-    _t7 = np.maximum(_t6, 0.046875)
-    _t8 = np.where(_t6 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t3 * _t4), np.sin(_t7) / _t7)
-    _t9 = (left_spin_step + right_spin_step) * (0.5 * radius)
-    _t10 = theta + _t5
+    _t1 = radius * (1.0 / _t0)
+    _t2 = (left_spin_step + right_spin_step) * (0.5 * radius)
+    _t3 = left_spin_step - right_spin_step
+    _t4 = _t3 * ((-0.25) * _t1)
+    _t5 = theta + _t4
+    _t6 = np.abs(_t4)
+    _t7 = _t4 * _t4
+    _t8 = (-0.0001984126984126984) * _t7 + 0.008333333333333333
+    _t9 = np.maximum(_t6, 0.046875)
+    _t10 = np.where(_t6 < 0.046875, 1.0 - _t7 * (0.16666666666666666 - _t7 * _t8), np.sin(_t9) / _t9)
     return _shaped(
         [x, y, theta, left_spin_step, right_spin_step, half_track, radius],
         {
-            "x": x + _t9 * np.cos(_t10) * _t8,
-            "y": y + _t8 * (_t9 * np.sin(_t10)),
-            "theta": theta + _t1,
+            "x": x + _t2 * np.cos(_t5) * _t10,
+            "y": y + _t10 * (_t2 * np.sin(_t5)),
+            "theta": theta - _t3 * (0.5 * _t1),
         },
     )
 

@@ -74,70 +74,70 @@ def inverse(vx, vy, omega, fl_l_steer, fl_r_steer, fr_l_steer, fr_r_steer, bl_l_
     br_r_steer = np.asarray(br_r_steer, dtype=np.float64)
     _t0 = (-0.2246) * omega
     _t1 = vx + _t0
-    _t2 = _t1 * _t1
-    _t3 = 0.2246 * omega
-    _t4 = vy + _t3
-    _t5 = _t4 * _t4
-    _t6 = np.sqrt(_t2 + _t5)
-    _t7 = np.abs(_t1)
-    _t8 = np.arctan(_t4 / (np.maximum(_t6, 1e-20) + _t7))
-    _t9 = np.where(np.signbit(_t1), np.negative(2.0), 2.0)
-    _t10 = np.where(_t6 < 1e-20, fl_l_steer, _t9 * _t8)
+    _t2 = 0.2246 * omega
+    _t3 = vy + _t2
+    _t4 = _t1 * _t1
+    _t5 = _t3 * _t3
+    _t6 = np.sqrt(_t4 + _t5)
+    _t7 = np.where(np.signbit(_t1), np.negative(2.0), 2.0)
+    _t8 = np.abs(_t1)
+    _t9 = np.arctan(_t3 / (np.maximum(_t6, 1e-20) + _t8))
+    _t10 = np.where(_t6 < 1e-20, fl_l_steer, _t7 * _t9)
     _t11 = np.rint(0.31830988617 * (_t10 - fl_l_steer))
     _t12 = np.where(np.signbit(_t1), np.negative(_t6), _t6)
     _t13 = np.where(np.mod(_t11, 2) == 1, np.negative(_t12), _t12)
-    _t14 = 13.37041394801583 * _t13
-    _t15 = 0.6551502834527757 * omega
-    _t16 = _t10 - 3.141592653589793 * _t11
-    _t17 = vx + _t3
+    _t14 = _t10 + (-3.141592653589793) * _t11
+    _t15 = 13.37041394801583 * _t13
+    _t16 = 0.6551502834527757 * omega
+    _t17 = vx + _t2
     _t18 = _t17 * _t17
-    _t19 = np.sqrt(_t5 + _t18)
-    _t20 = np.abs(_t17)
-    _t21 = np.arctan(_t4 / (np.maximum(1e-20, _t19) + _t20))
-    _t22 = np.where(np.signbit(_t17), np.negative(2.0), 2.0)
-    _t23 = np.where(_t19 < 1e-20, fr_l_steer, _t22 * _t21)
+    _t19 = np.sqrt(_t18 + _t5)
+    _t20 = np.where(np.signbit(_t17), np.negative(2.0), 2.0)
+    _t21 = np.abs(_t17)
+    _t22 = np.arctan(_t3 / (np.maximum(_t19, 1e-20) + _t21))
+    _t23 = np.where(_t19 < 1e-20, fr_l_steer, _t20 * _t22)
     _t24 = np.rint(0.31830988617 * (_t23 - fr_l_steer))
     _t25 = np.where(np.signbit(_t17), np.negative(_t19), _t19)
     _t26 = np.where(np.mod(_t24, 2) == 1, np.negative(_t25), _t25)
-    _t27 = 13.37041394801583 * _t26
-    _t28 = _t23 - 3.141592653589793 * _t24
+    _t27 = _t23 + (-3.141592653589793) * _t24
+    _t28 = 13.37041394801583 * _t26
     _t29 = vy + _t0
     _t30 = _t29 * _t29
-    _t31 = np.sqrt(_t2 + _t30)
-    _t32 = np.arctan(_t29 / (_t7 + np.maximum(1e-20, _t31)))
-    _t33 = np.where(_t31 < 1e-20, bl_l_steer, _t9 * _t32)
+    _t31 = np.sqrt(_t4 + _t30)
+    _t32 = np.arctan(_t29 / (np.maximum(_t31, 1e-20) + _t8))
+    _t33 = np.where(_t31 < 1e-20, bl_l_steer, _t7 * _t32)
     _t34 = np.rint(0.31830988617 * (_t33 - bl_l_steer))
     _t35 = np.where(np.signbit(_t1), np.negative(_t31), _t31)
     _t36 = np.where(np.mod(_t34, 2) == 1, np.negative(_t35), _t35)
-    _t37 = 13.37041394801583 * _t36
-    _t38 = _t33 - 3.141592653589793 * _t34
+    _t37 = _t33 + (-3.141592653589793) * _t34
+    _t38 = 13.37041394801583 * _t36
     _t39 = np.sqrt(_t18 + _t30)
-    _t40 = np.arctan(_t29 / (_t20 + np.maximum(1e-20, _t39)))
-    _t41 = np.where(_t39 < 1e-20, br_l_steer, _t22 * _t40)
+    _t40 = np.arctan(_t29 / (np.maximum(_t39, 1e-20) + _t21))
+    _t41 = np.where(_t39 < 1e-20, br_l_steer, _t20 * _t40)
     _t42 = np.rint(0.31830988617 * (_t41 - br_l_steer))
     _t43 = np.where(np.signbit(_t17), np.negative(_t39), _t39)
     _t44 = np.where(np.mod(_t42, 2) == 1, np.negative(_t43), _t43)
-    _t45 = 13.37041394801583 * _t44
-    _t46 = _t41 - 3.141592653589793 * _t42
+    _t45 = _t41 + (-3.141592653589793) * _t42
+    _t46 = 13.37041394801583 * _t44
     return _shaped(
         [vx, vy, omega, fl_l_steer, fl_r_steer, fr_l_steer, fr_r_steer, bl_l_steer, bl_r_steer, br_l_steer, br_r_steer],
         {
-            "fl_l.spin": _t14 - _t15,
-            "fl_l.steer": _t16,
-            "fl_r.spin": _t14 + _t15,
-            "fl_r.steer": _t16,
-            "fr_l.spin": _t27 - _t15,
-            "fr_l.steer": _t28,
-            "fr_r.spin": _t15 + _t27,
-            "fr_r.steer": _t28,
-            "bl_l.spin": _t37 - _t15,
-            "bl_l.steer": _t38,
-            "bl_r.spin": _t15 + _t37,
-            "bl_r.steer": _t38,
-            "br_l.spin": _t45 - _t15,
-            "br_l.steer": _t46,
-            "br_r.spin": _t15 + _t45,
-            "br_r.steer": _t46,
+            "fl_l.spin": _t15 - _t16,
+            "fl_l.steer": _t14,
+            "fl_r.spin": _t15 + _t16,
+            "fl_r.steer": _t14,
+            "fr_l.spin": _t28 - _t16,
+            "fr_l.steer": _t27,
+            "fr_r.spin": _t16 + _t28,
+            "fr_r.steer": _t27,
+            "bl_l.spin": _t38 - _t16,
+            "bl_l.steer": _t37,
+            "bl_r.spin": _t16 + _t38,
+            "bl_r.steer": _t37,
+            "br_l.spin": _t46 - _t16,
+            "br_l.steer": _t45,
+            "br_r.spin": _t16 + _t46,
+            "br_r.steer": _t45,
             "slip": 0.0,
         },
     )
@@ -326,22 +326,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )

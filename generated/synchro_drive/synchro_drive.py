@@ -48,23 +48,23 @@ def inverse(vx, vy, omega, w1_steer, w2_steer, w3_steer):
     w2_steer = np.asarray(w2_steer, dtype=np.float64)
     w3_steer = np.asarray(w3_steer, dtype=np.float64)
     _t0 = np.sqrt(vx * vx + vy * vy)
-    _t1 = np.arctan(vy / (np.maximum(_t0, 1e-20) + np.abs(vx)))
-    _t2 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
-    _t3 = np.where(_t0 < 1e-20, w1_steer, _t2 * _t1)
+    _t1 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
+    _t2 = np.arctan(vy / (np.maximum(_t0, 1e-20) + np.abs(vx)))
+    _t3 = np.where(_t0 < 1e-20, w1_steer, _t1 * _t2)
     _t4 = np.rint(0.31830988617 * (_t3 - w1_steer))
     _t5 = np.where(np.signbit(vx), np.negative(_t0), _t0)
     _t6 = np.where(np.mod(_t4, 2) == 1, np.negative(_t5), _t5)
-    _t7 = 10.0 * _t6
-    _t8 = _t3 - 3.141592653589793 * _t4
+    _t7 = _t3 + (-3.141592653589793) * _t4
+    _t8 = 10.0 * _t6
     return _shaped(
         [vx, vy, omega, w1_steer, w2_steer, w3_steer],
         {
-            "w1.spin": _t7,
-            "w1.steer": _t8,
-            "w2.spin": _t7,
-            "w2.steer": _t8,
-            "w3.spin": _t7,
-            "w3.steer": _t8,
+            "w1.spin": _t8,
+            "w1.steer": _t7,
+            "w2.spin": _t8,
+            "w2.steer": _t7,
+            "w3.spin": _t8,
+            "w3.steer": _t7,
             "slip": np.abs(0.3 * omega),
         },
     )
@@ -93,29 +93,29 @@ def forward(w1_spin, w1_steer, w2_spin, w2_steer, w3_spin, w3_steer):
     w3_spin = np.asarray(w3_spin, dtype=np.float64)
     w3_steer = np.asarray(w3_steer, dtype=np.float64)
     _t0 = w1_spin * np.cos(w1_steer)
-    _t1 = w2_spin * np.cos(w2_steer)
-    _t2 = w3_spin * np.cos(w3_steer)
-    _t3 = 0.03333333333333333 * (_t2 + (_t0 + _t1))
-    _t4 = w2_spin * np.sin(w2_steer)
+    _t1 = w1_spin * np.sin(w1_steer)
+    _t2 = w2_spin * np.cos(w2_steer)
+    _t3 = w2_spin * np.sin(w2_steer)
+    _t4 = w3_spin * np.cos(w3_steer)
     _t5 = w3_spin * np.sin(w3_steer)
-    _t6 = _t4 + _t5
-    _t7 = w1_spin * np.sin(w1_steer)
-    _t8 = 0.03333333333333333 * (_t7 + _t6)
-    _t9 = 0.1111111111111111 * _t7 + 0.09622504486493763 * (_t2 - _t1)
-    _t10 = _t9 - 0.05555555555555555 * _t6
+    _t6 = 0.03333333333333333 * (_t4 + (_t0 + _t2))
+    _t7 = _t3 + _t5
+    _t8 = 0.03333333333333333 * (_t1 + _t7)
+    _t9 = 0.1111111111111111 * _t1 + 0.09622504486493763 * (_t4 - _t2)
+    _t10 = _t9 - 0.05555555555555555 * _t7
     _t11 = (-0.25980762113533157) * _t10
-    _t12 = 0.1 * _t1 - _t3 - _t11
-    _t13 = 0.1 * _t7 - _t8 - 0.3 * _t10
-    _t14 = 0.1 * _t0 - _t3
+    _t12 = 0.1 * _t2 - _t6 - _t11
+    _t13 = 0.1 * _t1 - _t8 - 0.3 * _t10
+    _t14 = 0.1 * _t0 - _t6
     _t15 = _t8 - 0.15 * _t10
-    _t16 = 0.1 * _t4 - _t15
+    _t16 = 0.1 * _t3 - _t15
     _t17 = _t16 * _t16 + (_t12 * _t12 + (_t14 * _t14 + _t13 * _t13))
-    _t18 = 0.1 * _t2 + (_t11 - _t3)
+    _t18 = 0.1 * _t4 + (_t11 - _t6)
     _t19 = 0.1 * _t5 - _t15
     return _shaped(
         [w1_spin, w1_steer, w2_spin, w2_steer, w3_spin, w3_steer],
         {
-            "vx": _t3,
+            "vx": _t6,
             "vy": _t8,
             "omega": _t10,
             "slip": np.sqrt(_t19 * _t19 + (_t18 * _t18 + _t17)),
@@ -147,22 +147,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )

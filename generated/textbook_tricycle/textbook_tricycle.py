@@ -43,29 +43,30 @@ def inverse(vx, vy, omega, front_steer):
     front_steer = np.asarray(front_steer, dtype=np.float64)
     _t0 = 9.090909090909092 * vx
     _t1 = 3.6363636363636362 * omega
-    _t2 = np.sqrt(vx * vx + 1.96 * (omega * omega))
-    _t3 = omega / (np.maximum(_t2, 1e-20) + np.abs(vx))
-    _t4 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
-    _t5 = np.clip(front_steer, -1.3089969389957472, 1.3089969389957472)
-    _t6 = np.where(_t2 < 1e-20, _t5, _t4 * np.arctan(1.4 * _t3))
-    _t7 = np.rint(0.31830988617 * (_t6 - _t5))
-    _t8 = _t6 - 3.141592653589793 * _t7
-    _t9 = np.where(1.614429558094755 < _t8, _t8 - 3.141592653589793, _t8)
-    _t10 = np.where(_t8 < (-1.614429558094755), _t8 + 3.141592653589793, _t9)
-    _t11 = np.clip(_t10, -1.3089969389957472, 1.3089969389957472)
-    _t12 = _t11 - _t8
-    _t13 = np.where(np.signbit(vx), np.negative(_t2), _t2)
-    _t14 = np.where(np.mod(_t7, 2) == 1, np.negative(_t13), _t13)
-    _t15 = _t14 * np.sin(_t12)
-    _t16 = np.abs(vy)
+    _t2 = 1.4 * omega
+    _t3 = np.clip(front_steer, -1.3089969389957472, 1.3089969389957472)
+    _t4 = np.sqrt(vx * vx + _t2 * _t2)
+    _t5 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
+    _t6 = np.arctan(_t2 / (np.maximum(_t4, 1e-20) + np.abs(vx)))
+    _t7 = np.where(_t4 < 1e-20, _t3, _t5 * _t6)
+    _t8 = np.rint(0.31830988617 * (_t7 - _t3))
+    _t9 = np.where(np.signbit(vx), np.negative(_t4), _t4)
+    _t10 = np.where(np.mod(_t8, 2) == 1, np.negative(_t9), _t9)
+    _t11 = _t7 + (-3.141592653589793) * _t8
+    _t12 = np.where(1.614429558094755 < _t11, _t11 - 3.141592653589793, _t11)
+    _t13 = np.where(_t11 < (-1.614429558094755), _t11 + 3.141592653589793, _t12)
+    _t14 = np.clip(_t13, -1.3089969389957472, 1.3089969389957472)
+    _t15 = _t14 - _t11
+    _t16 = _t10 * np.sin(_t15)
+    _t17 = np.abs(vy)
     return _shaped(
         [vx, vy, omega, front_steer],
         {
             "rear_left.spin": _t0 - _t1,
             "rear_right.spin": _t1 + _t0,
-            "front.spin": 9.090909090909092 * (_t14 * np.cos(_t12)),
-            "front.steer": _t11,
-            "slip": np.sqrt(_t16 * _t16 + _t15 * _t15),
+            "front.spin": 9.090909090909092 * (_t10 * np.cos(_t15)),
+            "front.steer": _t14,
+            "slip": np.sqrt(_t17 * _t17 + _t16 * _t16),
         },
     )
 
@@ -89,21 +90,21 @@ def forward(rear_left_spin, rear_right_spin, front_spin, front_steer):
     front_spin = np.asarray(front_spin, dtype=np.float64)
     front_steer = np.asarray(front_steer, dtype=np.float64)
     _t0 = front_spin * np.cos(front_steer)
-    _t1 = 0.03666666666666667 * (_t0 + (rear_left_spin + rear_right_spin))
-    _t2 = rear_left_spin - rear_right_spin
-    _t3 = front_spin * np.sin(front_steer)
-    _t4 = 0.012622950819672131 * (_t2 + 0.5714285714285714 * _t3)
-    _t5 = 2.3333333333333335 * _t3 - _t2
+    _t1 = front_spin * np.sin(front_steer)
+    _t2 = 0.03666666666666667 * (_t0 + (rear_left_spin + rear_right_spin))
+    _t3 = rear_left_spin - rear_right_spin
+    _t4 = 0.012622950819672131 * (_t3 + 0.5714285714285714 * _t1)
+    _t5 = 2.3333333333333335 * _t1 - _t3
     _t6 = (-0.010819672131147541) * _t5
-    _t7 = 0.11 * rear_left_spin - _t1 - _t6
-    _t8 = 0.11 * rear_right_spin + (_t6 - _t1)
-    _t9 = 0.11 * _t0 - _t1
-    _t10 = 0.11 * _t3 - _t4 - 0.037868852459016396 * _t5
+    _t7 = 0.11 * rear_left_spin - _t2 - _t6
+    _t8 = 0.11 * rear_right_spin + (_t6 - _t2)
+    _t9 = 0.11 * _t0 - _t2
+    _t10 = 0.11 * _t1 - _t4 - 0.037868852459016396 * _t5
     _t11 = _t10 * _t10 + (_t9 * _t9 + (_t7 * _t7 + _t8 * _t8))
     return _shaped(
         [rear_left_spin, rear_right_spin, front_spin, front_steer],
         {
-            "vx": _t1,
+            "vx": _t2,
             "vy": _t4,
             "omega": 0.027049180327868853 * _t5,
             "slip": np.sqrt(2.0 * (_t4 * _t4) + _t11),
@@ -135,22 +136,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )

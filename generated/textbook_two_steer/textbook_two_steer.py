@@ -44,32 +44,32 @@ def inverse(vx, vy, omega, front_steer, rear_steer):
     front_steer = np.asarray(front_steer, dtype=np.float64)
     rear_steer = np.asarray(rear_steer, dtype=np.float64)
     _t0 = vx + (-0.1) * omega
-    _t1 = _t0 * _t0
-    _t2 = vy + 0.3 * omega
-    _t3 = np.sqrt(_t1 + _t2 * _t2)
-    _t4 = np.abs(_t0)
-    _t5 = np.arctan(_t2 / (np.maximum(_t3, 1e-20) + _t4))
-    _t6 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
-    _t7 = np.where(_t3 < 1e-20, front_steer, _t6 * _t5)
+    _t1 = vy + 0.3 * omega
+    _t2 = _t0 * _t0
+    _t3 = np.sqrt(_t2 + _t1 * _t1)
+    _t4 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
+    _t5 = np.abs(_t0)
+    _t6 = np.arctan(_t1 / (np.maximum(_t3, 1e-20) + _t5))
+    _t7 = np.where(_t3 < 1e-20, front_steer, _t4 * _t6)
     _t8 = np.rint(0.31830988617 * (_t7 - front_steer))
-    _t9 = 10.0 * _t3
+    _t9 = _t3 * 10.0
     _t10 = np.where(np.signbit(_t0), np.negative(_t9), _t9)
     _t11 = np.where(np.mod(_t8, 2) == 1, np.negative(_t10), _t10)
     _t12 = vy + (-0.3) * omega
-    _t13 = np.sqrt(_t1 + _t12 * _t12)
-    _t14 = np.arctan(_t12 / (_t4 + np.maximum(1e-20, _t13)))
-    _t15 = np.where(_t13 < 1e-20, rear_steer, _t6 * _t14)
+    _t13 = np.sqrt(_t2 + _t12 * _t12)
+    _t14 = np.arctan(_t12 / (np.maximum(_t13, 1e-20) + _t5))
+    _t15 = np.where(_t13 < 1e-20, rear_steer, _t4 * _t14)
     _t16 = np.rint(0.31830988617 * (_t15 - rear_steer))
-    _t17 = 10.0 * _t13
+    _t17 = _t13 * 10.0
     _t18 = np.where(np.signbit(_t0), np.negative(_t17), _t17)
     _t19 = np.where(np.mod(_t16, 2) == 1, np.negative(_t18), _t18)
     return _shaped(
         [vx, vy, omega, front_steer, rear_steer],
         {
             "front.spin": _t11,
-            "front.steer": _t7 - 3.141592653589793 * _t8,
+            "front.steer": _t7 + (-3.141592653589793) * _t8,
             "rear.spin": _t19,
-            "rear.steer": _t15 - 3.141592653589793 * _t16,
+            "rear.steer": _t15 + (-3.141592653589793) * _t16,
             "slip": 0.0,
         },
     )
@@ -93,19 +93,19 @@ def forward(front_spin, front_steer, rear_spin, rear_steer):
     front_steer = np.asarray(front_steer, dtype=np.float64)
     rear_spin = np.asarray(rear_spin, dtype=np.float64)
     rear_steer = np.asarray(rear_steer, dtype=np.float64)
-    _t0 = front_spin * np.sin(front_steer)
-    _t1 = rear_spin * np.sin(rear_steer)
-    _t2 = _t0 - _t1
-    _t3 = front_spin * np.cos(front_steer)
-    _t4 = rear_spin * np.cos(rear_steer)
-    _t5 = 0.016666666666666666 * _t2 + 0.05 * (_t3 + _t4)
+    _t0 = front_spin * np.cos(front_steer)
+    _t1 = front_spin * np.sin(front_steer)
+    _t2 = rear_spin * np.cos(rear_steer)
+    _t3 = rear_spin * np.sin(rear_steer)
+    _t4 = _t1 - _t3
+    _t5 = 0.016666666666666666 * _t4 + 0.05 * (_t0 + _t2)
     return _shaped(
         [front_spin, front_steer, rear_spin, rear_steer],
         {
             "vx": _t5,
-            "vy": 0.05 * (_t0 + _t1),
-            "omega": 0.16666666666666666 * _t2,
-            "slip": np.abs(0.07071067811865475 * (_t3 - _t4)),
+            "vy": 0.05 * (_t1 + _t3),
+            "omega": 0.16666666666666666 * _t4,
+            "slip": np.abs(0.07071067811865475 * (_t0 - _t2)),
         },
     )
 
@@ -134,22 +134,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )

@@ -54,57 +54,57 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer, back_left_steer,
     back_right_steer = np.asarray(back_right_steer, dtype=np.float64)
     _t0 = (-0.381) * omega
     _t1 = vx + _t0
-    _t2 = _t1 * _t1
-    _t3 = 0.381 * omega
-    _t4 = vy + _t3
-    _t5 = _t4 * _t4
-    _t6 = np.sqrt(_t2 + _t5)
-    _t7 = np.abs(_t1)
-    _t8 = np.arctan(_t4 / (np.maximum(_t6, 1e-20) + _t7))
-    _t9 = np.where(np.signbit(_t1), np.negative(2.0), 2.0)
-    _t10 = np.where(_t6 < 1e-20, front_left_steer, _t9 * _t8)
+    _t2 = 0.381 * omega
+    _t3 = vy + _t2
+    _t4 = _t1 * _t1
+    _t5 = _t3 * _t3
+    _t6 = np.sqrt(_t4 + _t5)
+    _t7 = np.where(np.signbit(_t1), np.negative(2.0), 2.0)
+    _t8 = np.abs(_t1)
+    _t9 = np.arctan(_t3 / (np.maximum(_t6, 1e-20) + _t8))
+    _t10 = np.where(_t6 < 1e-20, front_left_steer, _t7 * _t9)
     _t11 = np.rint(0.31830988617 * (_t10 - front_left_steer))
-    _t12 = 19.68503937007874 * _t6
+    _t12 = _t6 * 19.68503937007874
     _t13 = np.where(np.signbit(_t1), np.negative(_t12), _t12)
     _t14 = np.where(np.mod(_t11, 2) == 1, np.negative(_t13), _t13)
-    _t15 = vx + _t3
+    _t15 = vx + _t2
     _t16 = _t15 * _t15
-    _t17 = np.sqrt(_t5 + _t16)
-    _t18 = np.abs(_t15)
-    _t19 = np.arctan(_t4 / (np.maximum(1e-20, _t17) + _t18))
-    _t20 = np.where(np.signbit(_t15), np.negative(2.0), 2.0)
-    _t21 = np.where(_t17 < 1e-20, front_right_steer, _t20 * _t19)
+    _t17 = np.sqrt(_t16 + _t5)
+    _t18 = np.where(np.signbit(_t15), np.negative(2.0), 2.0)
+    _t19 = np.abs(_t15)
+    _t20 = np.arctan(_t3 / (np.maximum(_t17, 1e-20) + _t19))
+    _t21 = np.where(_t17 < 1e-20, front_right_steer, _t18 * _t20)
     _t22 = np.rint(0.31830988617 * (_t21 - front_right_steer))
-    _t23 = 19.68503937007874 * _t17
+    _t23 = _t17 * 19.68503937007874
     _t24 = np.where(np.signbit(_t15), np.negative(_t23), _t23)
     _t25 = np.where(np.mod(_t22, 2) == 1, np.negative(_t24), _t24)
     _t26 = vy + _t0
     _t27 = _t26 * _t26
-    _t28 = np.sqrt(_t2 + _t27)
-    _t29 = np.arctan(_t26 / (_t7 + np.maximum(1e-20, _t28)))
-    _t30 = np.where(_t28 < 1e-20, back_left_steer, _t9 * _t29)
+    _t28 = np.sqrt(_t4 + _t27)
+    _t29 = np.arctan(_t26 / (np.maximum(_t28, 1e-20) + _t8))
+    _t30 = np.where(_t28 < 1e-20, back_left_steer, _t7 * _t29)
     _t31 = np.rint(0.31830988617 * (_t30 - back_left_steer))
-    _t32 = 19.68503937007874 * _t28
+    _t32 = _t28 * 19.68503937007874
     _t33 = np.where(np.signbit(_t1), np.negative(_t32), _t32)
     _t34 = np.where(np.mod(_t31, 2) == 1, np.negative(_t33), _t33)
     _t35 = np.sqrt(_t16 + _t27)
-    _t36 = np.arctan(_t26 / (_t18 + np.maximum(1e-20, _t35)))
-    _t37 = np.where(_t35 < 1e-20, back_right_steer, _t20 * _t36)
+    _t36 = np.arctan(_t26 / (np.maximum(_t35, 1e-20) + _t19))
+    _t37 = np.where(_t35 < 1e-20, back_right_steer, _t18 * _t36)
     _t38 = np.rint(0.31830988617 * (_t37 - back_right_steer))
-    _t39 = 19.68503937007874 * _t35
+    _t39 = _t35 * 19.68503937007874
     _t40 = np.where(np.signbit(_t15), np.negative(_t39), _t39)
     _t41 = np.where(np.mod(_t38, 2) == 1, np.negative(_t40), _t40)
     return _shaped(
         [vx, vy, omega, front_left_steer, front_right_steer, back_left_steer, back_right_steer],
         {
             "front_left.spin": _t14,
-            "front_left.steer": _t10 - 3.141592653589793 * _t11,
+            "front_left.steer": _t10 + (-3.141592653589793) * _t11,
             "front_right.spin": _t25,
-            "front_right.steer": _t21 - 3.141592653589793 * _t22,
+            "front_right.steer": _t21 + (-3.141592653589793) * _t22,
             "back_left.spin": _t34,
-            "back_left.steer": _t30 - 3.141592653589793 * _t31,
+            "back_left.steer": _t30 + (-3.141592653589793) * _t31,
             "back_right.spin": _t41,
-            "back_right.steer": _t37 - 3.141592653589793 * _t38,
+            "back_right.steer": _t37 + (-3.141592653589793) * _t38,
             "slip": 0.0,
         },
     )
@@ -137,39 +137,39 @@ def forward(front_left_spin, front_left_steer, front_right_spin, front_right_ste
     back_right_spin = np.asarray(back_right_spin, dtype=np.float64)
     back_right_steer = np.asarray(back_right_steer, dtype=np.float64)
     _t0 = front_right_spin * np.cos(front_right_steer)
-    _t1 = back_right_spin * np.cos(back_right_steer)
-    _t2 = _t0 + _t1
-    _t3 = front_left_spin * np.cos(front_left_steer)
-    _t4 = back_left_spin * np.cos(back_left_steer)
-    _t5 = _t3 + _t4
-    _t6 = 0.0127 * (_t2 + _t5)
-    _t7 = back_left_spin * np.sin(back_left_steer)
-    _t8 = back_right_spin * np.sin(back_right_steer)
-    _t9 = _t7 + _t8
-    _t10 = front_left_spin * np.sin(front_left_steer)
-    _t11 = front_right_spin * np.sin(front_right_steer)
-    _t12 = _t10 + _t11
-    _t13 = 0.0127 * (_t9 + _t12)
-    _t14 = _t12 + (_t2 - _t5) - _t9
+    _t1 = front_right_spin * np.sin(front_right_steer)
+    _t2 = back_right_spin * np.cos(back_right_steer)
+    _t3 = back_right_spin * np.sin(back_right_steer)
+    _t4 = _t0 + _t2
+    _t5 = front_left_spin * np.cos(front_left_steer)
+    _t6 = front_left_spin * np.sin(front_left_steer)
+    _t7 = back_left_spin * np.cos(back_left_steer)
+    _t8 = back_left_spin * np.sin(back_left_steer)
+    _t9 = _t5 + _t7
+    _t10 = 0.0127 * (_t4 + _t9)
+    _t11 = _t8 + _t3
+    _t12 = _t6 + _t1
+    _t13 = 0.0127 * (_t11 + _t12)
+    _t14 = _t12 + (_t4 - _t9) - _t11
     _t15 = 0.00635 * _t14
-    _t16 = _t6 - _t15
-    _t17 = 0.0508 * _t3 - _t16
+    _t16 = _t10 - _t15
+    _t17 = 0.0508 * _t5 - _t16
     _t18 = _t13 + _t15
-    _t19 = 0.0508 * _t10 - _t18
-    _t20 = _t6 + _t15
+    _t19 = 0.0508 * _t6 - _t18
+    _t20 = _t10 + _t15
     _t21 = 0.0508 * _t0 - _t20
-    _t22 = 0.0508 * _t11 - _t18
+    _t22 = 0.0508 * _t1 - _t18
     _t23 = _t22 * _t22 + (_t21 * _t21 + (_t17 * _t17 + _t19 * _t19))
-    _t24 = 0.0508 * _t4 - _t16
+    _t24 = 0.0508 * _t7 - _t16
     _t25 = _t13 - _t15
-    _t26 = 0.0508 * _t7 - _t25
-    _t27 = 0.0508 * _t1 - _t20
+    _t26 = 0.0508 * _t8 - _t25
+    _t27 = 0.0508 * _t2 - _t20
     _t28 = _t27 * _t27 + (_t26 * _t26 + (_t24 * _t24 + _t23))
-    _t29 = 0.0508 * _t8 - _t25
+    _t29 = 0.0508 * _t3 - _t25
     return _shaped(
         [front_left_spin, front_left_steer, front_right_spin, front_right_steer, back_left_spin, back_left_steer, back_right_spin, back_right_steer],
         {
-            "vx": _t6,
+            "vx": _t10,
             "vy": _t13,
             "omega": 0.016666666666666666 * _t14,
             "slip": np.sqrt(_t29 * _t29 + _t28),
@@ -201,22 +201,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t3 - vy * _t4) * _t10,
+            "y": y + _t10 * (vx * _t4 + _t3 * vy),
             "theta": theta + _t0,
         },
     )
@@ -470,51 +469,50 @@ def odometry_covariance(x, y, theta, xx, xy, xtheta, yy, ytheta, thetatheta, vx,
     omegaomega = np.asarray(omegaomega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = _t0 * _t0
-    _t2 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t3 = 0.25 * _t1
-    _t4 = 0.5 * _t0
-    _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.046875)
-    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
-    _t8 = dt * _t7
-    _t9 = theta + _t4
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
-    _t12 = (vx * _t10 - vy * _t11) * _t8
-    _t13 = _t8 * (vx * _t11 + _t10 * vy)
-    _t14 = _t10 * _t8
-    _t15 = _t11 * _t8
-    _t16 = vxomega * _t14 - vyomega * _t15
-    _t17 = 0.5 * dt
-    _t18 = xtheta + _t16 * _t17
-    _t19 = dt * omegaomega
-    _t20 = dt * _t19
-    _t21 = thetatheta + 0.25 * _t20
-    _t22 = _t18 - _t13 * _t21
-    _t23 = _t15 * vxvy
-    _t24 = _t14 * vxvx - _t23
-    _t25 = _t14 * vxvy
-    _t26 = _t25 - _t15 * vyvy
-    _t27 = _t14 * _t24 + (xx - _t13 * (_t18 + _t22)) - _t15 * _t26
-    _t28 = vxomega * _t15 + _t14 * vyomega
-    _t29 = ytheta + _t17 * _t28
-    _t30 = _t15 * _t24 + (_t12 * _t22 + (xy - _t13 * _t29))
-    _t31 = 0.5 * _t19
-    _t32 = _t29 + _t12 * _t21
-    _t33 = _t15 * (_t25 + _t15 * vxvx) + (yy + _t12 * (_t29 + _t32))
+    _t1 = 0.5 * _t0
+    _t2 = theta + _t1
+    _t3 = np.cos(_t2)
+    _t4 = np.sin(_t2)
+    _t5 = np.abs(_t1)
+    _t6 = _t1 * _t1
+    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
+    _t8 = np.maximum(_t5, 0.046875)
+    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
+    _t10 = dt * _t9
+    _t11 = (vx * _t3 - vy * _t4) * _t10
+    _t12 = _t10 * (vx * _t4 + _t3 * vy)
+    _t13 = _t3 * _t10
+    _t14 = _t4 * _t10
+    _t15 = vxomega * _t13 - vyomega * _t14
+    _t16 = 0.5 * dt
+    _t17 = xtheta + _t15 * _t16
+    _t18 = dt * omegaomega
+    _t19 = dt * _t18
+    _t20 = thetatheta + 0.25 * _t19
+    _t21 = _t17 - _t12 * _t20
+    _t22 = _t14 * vxvy
+    _t23 = _t13 * vxvx - _t22
+    _t24 = _t13 * vxvy
+    _t25 = _t24 - _t14 * vyvy
+    _t26 = _t13 * _t23 + (xx - _t12 * (_t17 + _t21)) - _t14 * _t25
+    _t27 = vxomega * _t14 + _t13 * vyomega
+    _t28 = ytheta + _t16 * _t27
+    _t29 = _t14 * _t23 + (_t11 * _t21 + (xy - _t12 * _t28))
+    _t30 = 0.5 * _t18
+    _t31 = _t28 + _t11 * _t20
+    _t32 = _t14 * (_t24 + _t14 * vxvx) + (yy + _t11 * (_t28 + _t31))
     return _shaped(
         [x, y, theta, xx, xy, xtheta, yy, ytheta, thetatheta, vx, vy, omega, vxvx, vxvy, vxomega, vyvy, vyomega, omegaomega, dt],
         {
-            "x": x + _t12,
-            "y": y + _t13,
+            "x": x + _t11,
+            "y": y + _t12,
             "theta": theta + _t0,
-            "xx": _t27,
-            "xy": _t14 * _t26 + _t30,
-            "xtheta": _t22 + _t17 * (_t16 - _t13 * _t31),
-            "yy": _t14 * (_t23 + _t14 * vyvy) + _t33,
-            "ytheta": _t32 + _t17 * (_t28 + _t12 * _t31),
-            "thetatheta": thetatheta + _t20,
+            "xx": _t26,
+            "xy": _t13 * _t25 + _t29,
+            "xtheta": _t21 + _t16 * (_t15 - _t12 * _t30),
+            "yy": _t13 * (_t22 + _t13 * vyvy) + _t32,
+            "ytheta": _t31 + _t16 * (_t27 + _t11 * _t30),
+            "thetatheta": thetatheta + _t19,
         },
     )
 
@@ -551,37 +549,35 @@ def odometry_from_angles(x, y, theta, front_left_spin_step, front_left_steer, fr
     back_right_spin_step = np.asarray(back_right_spin_step, dtype=np.float64)
     back_right_steer = np.asarray(back_right_steer, dtype=np.float64)
     _t0 = front_right_spin_step * np.cos(front_right_steer)
-    _t1 = back_right_spin_step * np.cos(back_right_steer)
-    _t2 = _t0 + _t1
-    _t3 = front_left_spin_step * np.cos(front_left_steer)
-    _t4 = back_left_spin_step * np.cos(back_left_steer)
-    _t5 = _t3 + _t4
-    _t6 = 0.0127 * (_t2 + _t5)
-    _t7 = front_left_spin_step * np.sin(front_left_steer)
-    _t8 = front_right_spin_step * np.sin(front_right_steer)
-    _t9 = _t7 + _t8
-    _t10 = back_left_spin_step * np.sin(back_left_steer)
-    _t11 = back_right_spin_step * np.sin(back_right_steer)
-    _t12 = _t10 + _t11
-    _t13 = _t9 + (_t2 - _t5) - _t12
+    _t1 = front_right_spin_step * np.sin(front_right_steer)
+    _t2 = back_right_spin_step * np.cos(back_right_steer)
+    _t3 = back_right_spin_step * np.sin(back_right_steer)
+    _t4 = _t0 + _t2
+    _t5 = front_left_spin_step * np.cos(front_left_steer)
+    _t6 = front_left_spin_step * np.sin(front_left_steer)
+    _t7 = back_left_spin_step * np.cos(back_left_steer)
+    _t8 = back_left_spin_step * np.sin(back_left_steer)
+    _t9 = _t5 + _t7
+    _t10 = 0.0127 * (_t4 + _t9)
+    _t11 = _t6 + _t1
+    _t12 = _t8 + _t3
+    _t13 = _t11 + (_t4 - _t9) - _t12
     _t14 = 0.008333333333333333 * _t13
     _t15 = theta + _t14
     _t16 = np.cos(_t15)
-    _t17 = 0.0127 * (_t12 + _t9)
+    _t17 = 0.0127 * (_t12 + _t11)
     _t18 = np.sin(_t15)
-    _t19 = 0.016666666666666666 * _t13
-    _t20 = _t19 * _t19
-    _t21 = 0.008333333333333333 - 4.96031746031746e-05 * _t20
-    _t22 = 0.25 * _t20
-    _t23 = np.abs(_t14)
-    _t24 = np.maximum(_t23, 0.046875)
-    _t25 = np.where(_t23 < 0.046875, 1.0 - _t22 * (0.16666666666666666 - _t21 * _t22), np.sin(_t24) / _t24)
+    _t19 = np.abs(_t14)
+    _t20 = _t14 * _t14
+    _t21 = (-0.0001984126984126984) * _t20 + 0.008333333333333333
+    _t22 = np.maximum(_t19, 0.046875)
+    _t23 = np.where(_t19 < 0.046875, 1.0 - _t20 * (0.16666666666666666 - _t20 * _t21), np.sin(_t22) / _t22)
     return _shaped(
         [x, y, theta, front_left_spin_step, front_left_steer, front_right_spin_step, front_right_steer, back_left_spin_step, back_left_steer, back_right_spin_step, back_right_steer],
         {
-            "x": x + (_t6 * _t16 - _t17 * _t18) * _t25,
-            "y": y + _t25 * (_t6 * _t18 + _t16 * _t17),
-            "theta": theta + _t19,
+            "x": x + (_t10 * _t16 - _t17 * _t18) * _t23,
+            "y": y + _t23 * (_t10 * _t18 + _t16 * _t17),
+            "theta": theta + 0.016666666666666666 * _t13,
         },
     )
 

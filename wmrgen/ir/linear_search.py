@@ -10,60 +10,55 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
+from itertools import combinations
 
 from wmrgen.ir.linear_program import Coefficient, Edge, Graph, Magnitudes, transpose
 
 Matrix = tuple[tuple[tuple[int, Coefficient], ...], ...]  # of every row (column, coefficient)
 Row = dict[int, tuple[int, int]]  # column -> (magnitude, sign)
 PairKey = tuple[int, ...]
+Pairs = Iterable[tuple[int, int]]
 KeyOf = Callable[[int, tuple[int, int], int, tuple[int, int]], PairKey | None]
 
 
-def _keys(row: Row, columns: Iterable[int], key_of: KeyOf) -> Iterable[PairKey]:
-    """The keys of the pairs of terms of a row, one of them in ``columns``."""
-    for j in columns:
-        for i in row:
-            if i != j:
-                a, b = (i, j) if i < j else (j, i)
-                key = key_of(a, row[a], b, row[b])
-                if key is not None:
-                    yield key
+def _shared(
+    rows: Sequence[Row], pairs: Iterable[tuple[int, Pairs]], key_of: KeyOf
+) -> dict[PairKey, set[int]]:
+    """By its key, which rows have each of their ``pairs`` of columns, where two rows have it."""
+    where: dict[PairKey, set[int]] = {}
+    for r, columns in pairs:
+        row = rows[r]
+        for i, j in columns:
+            key = key_of(i, row[i], j, row[j])
+            if key is not None:
+                where.setdefault(key, set()).add(r)
+    return {key: users for key, users in where.items() if len(users) > 1}
 
 
-def _merge_pairs(
-    rows: Sequence[dict[int, tuple[int, int]]],
-    key_of: KeyOf,
-    merge: Callable[[PairKey], Edge],
-) -> None:
+def _merge_pairs(rows: Sequence[Row], key_of: KeyOf, merge: Callable[[PairKey], Edge]) -> None:
     """Greedily replace the pair of terms that most rows share, while two rows share one.
 
-    Keys begin (column, column, ...); ties fall to the least key. ``merge`` makes the new term.
+    Keys begin (column, column, ...); ties fall to the least key. ``merge`` makes the new term, the last column. A pair
+    that one row has is never shared later: rows are only given pairs with a new term.
     """
-    where: dict[PairKey, set[int]] = {}
-
-    for r, row in enumerate(rows):
-        for key in _keys(row, row, key_of):
-            where.setdefault(key, set()).add(r)
+    where = _shared(rows, ((r, combinations(sorted(row), 2)) for r, row in enumerate(rows)), key_of)
     while where:
         most = max(map(len, where.values()))
-        if most < 2:
-            return
-        best = min((key for key, held in where.items() if len(held) == most), key=lambda k: (k[2:], k))
-        users = sorted(where[best])
-        i, j = best[0], best[1]
+        best = min((key for key, holders in where.items() if len(holders) == most), key=lambda k: (k[2:], k))
+        users = where[best]
+        i, j, *_ = best
         new, flip = merge(best)
+        where = {
+            key: rest
+            for key, holders in where.items()
+            if len(rest := holders - users if i in key[:2] or j in key[:2] else holders) > 1
+        }
         for r in users:
-            row = rows[r]
-            for key in set(_keys(row, (i, j), key_of)):
-                holders = where[key]
-                holders.discard(r)
-                if not holders:
-                    del where[key]
-            magnitude, sign = row.pop(i)
-            row.pop(j)
-            row[new] = (magnitude, sign * flip)
-            for key in _keys(row, (new,), key_of):
-                where.setdefault(key, set()).add(r)
+            magnitude, sign = rows[r].pop(i)
+            del rows[r][j]
+            rows[r][new] = (magnitude, sign * flip)
+        added = [(r, [(column, new) for column in rows[r] if column != new]) for r in users]
+        where |= _shared(rows, added, key_of)
 
 
 def by_products(columns: int, rows: Sequence[Row], scales: Sequence[int]) -> Graph:

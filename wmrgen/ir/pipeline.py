@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
 from itertools import count
 
 from wmrgen.ir.build import Builder
@@ -147,7 +146,6 @@ def optimise(
     return module
 
 
-@lru_cache(maxsize=64)  # the two modules of a robot have functions in common
 def _run(function: Function, passes: tuple[Pass, ...]) -> Function:
     for step in passes:
         function = step(function)

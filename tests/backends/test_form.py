@@ -15,7 +15,13 @@ from wmrgen.emit import site
 
 # Comments and strings by the ending of a file; nothing is looked for in them.
 C = r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"'
-NOT_CODE = {".c": C, ".h": C, ".rs": C, ".js": C + r"|'[^'\n]*'|`[^`]*`", ".py": r'""".*?"""|#[^\n]*|"[^"\n]*"'}
+NOT_CODE = {
+    ".c": C,
+    ".h": C,
+    ".rs": C,
+    ".js": C + r"|'[^'\n]*'|`[^`]*`",
+    ".py": r'""".*?"""|#[^\n]*|"[^"\n]*"',
+}
 PAIRS = {")": "(", "]": "[", "}": "{"}
 ROBOTS = ("pioneer3dx", "ackermann_car", "wpilib_swervebot")
 

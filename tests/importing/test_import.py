@@ -268,9 +268,10 @@ def test_rollers_in_the_file_say_gamma(read: Import) -> None:
     assert list(said["wheels"]) == ["left", "right", "third"]
     third = said["wheels"]["third"]
     assert third["type"] == "swedish" and third["gamma"] == pytest.approx(0, abs=1e-9)
-    centred = re.sub(r'(<child link="r\d"/><origin xyz=)"[^"]*"', r'\1"0 0 0"', rollers)
-    said = read(robot(pair(), wheel("third", "-0.3 0 0.1"), centred))
-    assert said["wheels"]["third"]["gamma"] is None and ("third", "gamma") in keys(said)
+    for place in ("0 0 0", "0 0.02 0", "1e-17 0.02 1e-4"):  # as frames that turn round it
+        centred = re.sub(r'(<child link="r\d"/><origin xyz=)"[^"]*"', rf'\1"{place}"', rollers)
+        said = read(robot(pair(), wheel("third", "-0.3 0 0.1"), centred))
+        assert said["wheels"]["third"]["gamma"] is None and ("third", "gamma") in keys(said)
 
 
 def test_meshes_stand_beside_wheels_that_are_drawn(read: Import) -> None:

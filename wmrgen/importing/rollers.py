@@ -9,7 +9,7 @@ from fractions import Fraction
 
 from wmrgen.importing.frames import across, cross, dot, plus, turned, unit
 from wmrgen.importing.records import Joint, Vector
-from wmrgen.importing.view import Candidate, Robot
+from wmrgen.importing.view import EVEN, Candidate, Robot
 from wmrgen.spec.text import quoted
 
 UNSAID = "not in the file"
@@ -91,7 +91,7 @@ def _gamma_of(robot: Robot, roller: Joint, c: Candidate) -> float | None:
     """gamma of a roller once the wheel has turned so far that the roller is straight below the axle: there the rim of
     a wheel that turns forward moves against its heading. None for one on the axle, which comes to stand anywhere."""
     out, axis = across(plus(robot.origin(roller), c.origin, -1), c.axis), robot.axis(roller)
-    if not any(out):
+    if dot(out, out) < EVEN**2:
         return None
     return _modulo(math.atan2(dot(axis, c.axis), -dot(axis, cross(c.axis, unit(out)))))
 

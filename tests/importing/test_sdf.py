@@ -253,6 +253,32 @@ def test_nested_models_and_frames_of_joints(read: Import) -> None:
     assert (w["x"], w["y"], w["heading"]) == (-0.45, 0.25, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("named", "inside", "driven"),
+    [
+        ("b::turn", "", {"b::turn"}),
+        ("robot::b::turn", "", {"b::turn"}),
+        ("", "turn", {"b::turn"}),
+        ("other::turn", "", {"a::turn", "b::turn"}),
+    ],
+)
+def test_of_joints_of_one_name_those_are_driven_that_a_plugin_means(
+    read: Import, named: str, inside: str, driven: set[str]
+) -> None:
+    """One name in two models: a plugin says which, or stands in its model."""
+    models = ""
+    for name, x in (("a", 0.4), ("b", -0.4)):
+        turn = wheel("w", "0 0 0").replace("w_joint", "turn").replace("chassis", "hub")
+        plugin = f'<plugin name="p" filename="drive"><joint>{inside}</joint></plugin>' if name == "b" else ""
+        models += (
+            f'<model name="{name}"><pose>{x} 0 0.1 0 0 0</pose><link name="hub"/>{turn}{plugin}</model>'
+            f'<joint name="hold_{name}" type="fixed"><parent>chassis</parent><child>{name}::hub</child></joint>'
+        )
+    models += f'<plugin name="p" filename="drive"><joint>{named}</joint></plugin>'
+    said = read(sdf(PAIR, models))["wheels"]
+    assert {joint for joint, w in said.items() if w["actuated"]} == driven
+
+
 def test_a_model_that_nobody_gave_is_named(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:
     include = "<include><uri>model://sonar</uri></include>"
     assert "--package NAME=DIR" in read(sdf(PAIR, include))["notes"]

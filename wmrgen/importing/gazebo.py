@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from xml.etree.ElementTree import Element
 
 from wmrgen.importing.read import below, children, local, number, vector
@@ -17,21 +17,34 @@ _PUSHES = re.compile("thrust|motor[-_]?model|lift[-_]?drag", re.IGNORECASE)
 _MOVES_THE_BODY = re.compile("planar[-_]?move|object_controller|velocity-?control-?system", re.IGNORECASE)
 
 
-def driven_by_plugins(plugins: Iterable[Element], joints: set[str]) -> frozenset[str] | None:
-    """The joints that plugins drive; none where one moves the body as a whole, None where no plugin drives any.
+def driven_by_plugins(
+    plugins: Iterable[tuple[Element, str]], joints: Collection[str]
+) -> frozenset[str] | None:
+    """The joints that plugins drive, each with the prefix of the model in which it stands; none where one moves the
+    body as a whole, None where no plugin drives any.
 
-    A plugin names a joint as the text of an element, alone or in a list, with or without the model before it.
+    A plugin names a joint as the text of an element, alone or in a list, with or without the models before it.
     """
     driven: set[str] = set()
     as_a_whole = False
-    for plugin in plugins:
+    ending: dict[str, list[str]] = {}
+    for joint in joints:
+        ending.setdefault(joint.rpartition("::")[2], []).append(joint)
+    for plugin, prefix in plugins:
         title = plugin.get("filename", "") + " " + plugin.get("name", "")
         if not _WATCHES.search(title):
-            driven |= {
-                name for element in plugin.iter() for name in _names(element.text or "") if name in joints
-            }
+            for word in (word for element in plugin.iter() for word in _words(element.text or "")):
+                own = next((name for name in _names(word, prefix) if name in joints), None)
+                driven |= {own} if own else {*ending.get(word.rpartition("::")[2], ())}
         as_a_whole = as_a_whole or bool(_MOVES_THE_BODY.search(title))
     return frozenset(driven) if driven or as_a_whole else None
+
+
+def _names(word: str, prefix: str) -> Iterator[str]:
+    """What a model of a prefix may mean by a name that may have the models before it: its own joint first."""
+    parts = word.split("::", 8)
+    for end in ("::".join(parts[k:]) for k in range(len(parts))):
+        yield from (prefix + end, end)
 
 
 def pushing(plugins: Iterable[Element]) -> frozenset[str]:
@@ -42,11 +55,9 @@ def pushing(plugins: Iterable[Element]) -> frozenset[str]:
     return frozenset((e.text or "").strip() for p in pushes for e in p.iter() if local(e) in tags)
 
 
-def _names(text: str) -> Iterator[str]:
+def _words(text: str) -> Iterator[str]:
     yield text.strip()
-    for word in re.split(r"[\s,]+", text.strip()[:10_000]):
-        yield word
-        yield word.rsplit("::", 1)[-1]
+    yield from re.split(r"[\s,]+", text.strip()[:10_000])
 
 
 def driven_by_control(root: Element) -> set[str]:

@@ -74,7 +74,7 @@ class _Reader:
         self.frames = FrameGraph()
         self.links: dict[str, tuple[Element, Scope]] = {}
         self.joints: dict[str, tuple[Element, Scope]] = {}
-        self.plugins: list[Element] = []
+        self.plugins: list[tuple[Element, str]] = []  # with the prefixes of their models
         self.words: list[str] = []
         self.notes: list[str] = []
         self.models = 0
@@ -87,7 +87,7 @@ class _Reader:
             raise refuse(what, mark=mark_of(element))
         scope = Scope(prefix, own, version in ("1.0", "1.2", "1.3", "1.4"))
         self.words += words(element)
-        self.plugins += children(element, "plugin")
+        self.plugins += ((plugin, prefix) for plugin in children(element, "plugin"))
         for link in children(element, "link"):
             name = prefix + name_of(link, "link")
             self.links.setdefault(name, (link, scope))
@@ -121,22 +121,24 @@ class _Reader:
             self.frames.missing.append(uri)
             self.notes.append(unread(uri))
             return
-        self.plugins += children(element, "plugin")
         self._within(element, model, scope, root.get("version", ""))
 
     def _within(self, outer: Element, model: Element, scope: Scope, version: str) -> None:
         """A model in another, at the pose of ``outer``: the model itself, or the element that includes it."""
         name = scope.prefix + (text_in(outer, "name") or outer.get("name") or name_of(model, "model"))
-        merged = outer.get("merge") in ("true", "1")
+        prefix = scope.prefix if outer.get("merge") in ("true", "1") else f"{name}::"
         own = f"{name}::__model__"
-        carrier = self.model(model, scope.prefix if merged else f"{name}::", own, version)
+        carrier = self.model(model, prefix, own, version)
+        if outer is not model:
+            self.plugins += ((plugin, prefix) for plugin in children(outer, "plugin"))
         placed = outer if child(outer, "pose") is not None else model
         where = placement(placed, quoted(name))
         held = text_in(outer, "placement_frame") or placed.get("placement_frame", "")
         if held:
-            inner = Scope(scope.prefix if merged else f"{name}::", own, False)
             with at(placed):
-                where = composed(where, inverse(self.frames.pose(inner.full(held, own), own)))
+                where = composed(
+                    where, inverse(self.frames.pose(Scope(prefix, own, False).full(held, own), own))
+                )
         self.frames.add(own, scope.full(reference(placed), scope.own), where, carrier, mark_of(placed))
         self.frames.add(name, own, IDENTITY, carrier)
 
@@ -147,21 +149,17 @@ class _Reader:
         self.notes += passed_over(lost, carried)
         free = set(self.links) - {joint.child for joint in carried}
         held = [self._held(link) for link in self.links if link in free]
-        short = {full.rsplit("::", 1)[-1] for full in self.joints}
-        driven = driven_by_plugins(self.plugins, {*self.joints, *short})
-        if driven is not None:
-            driven = frozenset(j for j in self.joints if j in driven or j.rsplit("::", 1)[-1] in driven)
         return Description(
             name=name,
             links=links,
             joints=(*carried, *held),
             shapes={full: tuple(self._shapes(full)) for full in self.links},
             frictions=self._frictions(),
-            driven=driven,
+            driven=driven_by_plugins(self.plugins, self.joints),
             words=tuple(self.words),
             notes=tuple(self.notes),
             closing=closing,
-            pushing=pushing(self.plugins),
+            pushing=pushing(plugin for plugin, _ in self.plugins),
             masses=self._masses(),
         )
 

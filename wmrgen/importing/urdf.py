@@ -184,7 +184,7 @@ def _frictions(root: Element, notes: list[str]) -> dict[str, Friction]:
 
 def _driven(root: Element, joints: set[str]) -> frozenset[str] | None:
     """The joints that something of the file drives; None where nothing drives any."""
-    plugins = (plugin for gazebo in children(root, "gazebo") for plugin in children(gazebo, "plugin"))
+    plugins = ((plugin, "") for gazebo in children(root, "gazebo") for plugin in children(gazebo, "plugin"))
     by_plugins = driven_by_plugins(plugins, joints)
     by_control = frozenset((driven_by_control(root) | transmitted(root)) & joints)
     return by_control | (by_plugins or frozenset()) if by_control else by_plugins

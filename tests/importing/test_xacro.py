@@ -118,7 +118,7 @@ MACRO = '<xacro:macro name="m" params="a">\n<link name="${a}"/>\n<xacro:if value
         ('<xacro:if value="${n}"/>', "name 'n' is not defined", "<xacro:if"),
         (MACRO + '<xacro:m b="1"/>', 'Invalid parameter "b"', "<xacro:m b"),
         (MACRO + '<xacro:m a="${n}"/>', "name 'n' is not defined", "<xacro:m a"),
-        (MACRO + '<xacro:m a="x"/>', 'which is not a boolean', "<xacro:m a"),
+        (MACRO + '<xacro:m a="x"/>', "which is not a boolean", "<xacro:if"),
         (MACRO.replace("${a}", "${b}", 1) + '<xacro:m a="1"/>', "name 'b' is not defined", "<link"),
         ('<xacro:include filename="no.xacro"/>', "it includes 'no.xacro', which is not there", "<xacro:include"),
         ('<link name="$(find none)"/>', "Give --package none=DIR", "<link"),

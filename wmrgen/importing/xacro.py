@@ -46,7 +46,7 @@ class _Trail:
             document = parse(*args)
             elements = document.getElementsByTagName("*")
             for node, element in zip(elements, placed(self.files.pop()), strict=True):
-                node.place = element.place
+                node.setUserData(_PLACE, element.place, self)
                 if not node.tagName.startswith("xacro:"):
                     node.setAttribute(_PLACE, str(len(self._places)))
                     self._places[node.getAttribute(_PLACE)] = element.place
@@ -58,7 +58,7 @@ class _Trail:
         """A function that evaluates what is in an element."""
 
         def call(node: Any, *scopes: Any) -> Any:
-            self.at.append(self._place(node))
+            self.at.append(node.getUserData(_PLACE))
             result = walk(node, *scopes)
             self.at.pop()
             return result
@@ -69,13 +69,14 @@ class _Trail:
         """A function that does what an element of xacro says."""
 
         def call(node: Any, *args: Any) -> Any:
-            self.at[-1] = self._place(node)
+            self.at[-1] = node.getUserData(_PLACE)
             return work(node, *args)
 
         return call
 
-    def _place(self, node: Any) -> Place | None:
-        return getattr(node, "place", None) or self._places.get(node.getAttribute(_PLACE))
+    def handle(self, _: int, key: str, place: Place | None, __: Any, copy: Any) -> None:
+        """Copies of an element, as macros make them, have its place."""
+        copy.setUserData(key, place, self)
 
     def restore(self, root: Element) -> None:
         """Give the elements that the package has made the places of those that they are made of."""

@@ -310,6 +310,28 @@ def test_steering_limits_of_a_car(limit: str, expected: list[str], tmp_path: Pat
     assert codes(tmp_path / "robot.yaml", car(limit, 0.8)) == expected
 
 
+@pytest.mark.parametrize(
+    ("zero", "limit", "expected"),
+    [
+        ("0", "[0, 35 deg]", []),
+        ("0", "[1 deg, 35 deg]", ["WMR023"]),
+        ("90 deg", "35 deg", ["WMR023"]),
+        ("90 deg", "90 deg", []),
+        ("180 deg", "35 deg", []),
+        ("30 deg", "[-31 deg, 5 deg]", []),
+        ("30 deg", "[-29 deg, 5 deg]", ["WMR023"]),
+    ],
+)
+def test_steering_limits_that_do_not_let_a_car_drive_straight_on(
+    zero: str, limit: str, expected: list[str], tmp_path: Path
+) -> None:
+    """Whatever the limits of its motion."""
+    front = "name: front, type: steered, x: 1, y: 0, r: 0.3, actuated: [steer]"
+    rear = "name: rear, type: fixed, x: 0, y: 0, heading: 0, r: 0.3"
+    text = wheels(rear, f"{front}, heading: {zero}, limits: {{steer: {limit}}}")
+    assert codes(tmp_path / "robot.yaml", text) == expected
+
+
 @pytest.mark.parametrize(("lag", "expected"), [("10", []), ("150", ["WMR002"] * 2), ("150 ms", [])])
 def test_lags_of_a_robot_and_of_a_wheel(lag: str, expected: list[str], tmp_path: Path) -> None:
     text = car("1", 0.8).replace("r: 0.3, act", f"r: 0.3, lag: {{steer: {lag}}}, act")

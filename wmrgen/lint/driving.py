@@ -139,9 +139,10 @@ def _seen(robot: Robot) -> int:
 @rule(
     "WMR023",
     "a motion beyond the steering limits",
-    """The limits of vx, vy and omega promise a motion that the limits of steering do not reach: a car whose omega is
-    too large even at its highest speed, a base told to drive sideways whose wheels do not turn so far. Headings half a
-    turn apart count as one, for the wheel may roll backwards.""",
+    """The limits of steering do not reach a motion that the limits of vx, vy and omega promise: a car whose omega is
+    too large even at its highest speed, a base told to drive sideways whose wheels do not turn so far; or they do not
+    let the robot drive straight on, as about a heading that is a quarter turn off. Headings half a turn apart count as
+    one, for the wheel may roll backwards.""",
     """
 wheels:
   - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
@@ -174,12 +175,15 @@ def beyond(subject: Subject) -> Iterator[Finding]:
 
 
 def _promised(subject: Subject) -> Iterator[tuple[str, Array]]:
-    """Motions that the limits of the twist promise, in words and as a twist."""
+    """Driving straight on, and motions that the limits of the twist promise, in words and as a twist."""
     limits, free = subject.robot.limits, subject.mobility.admissible
     most = {name: max(abs(float(limits[name].low)), abs(float(limits[name].high))) for name in limits}
     vx, vy, omega = (most.get(name, 0.0) for name in TWIST_NAMES)
     if not free.linear or any(joint == "steer" for joint, _ in subject.robot.couplings):
         return
+    ahead = np.array([1.0, 0.0, 0.0])
+    if np.abs(ahead @ free.basis.T @ free.basis - ahead).max() < 1e-9:
+        yield "driving straight on", ahead
     if free.dimension == 3 and vy:
         yield "driving sideways", np.array([0.0, vy, 0.0])
     if free.dimension == 3 and omega:

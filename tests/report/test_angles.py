@@ -15,6 +15,7 @@ from tests.robots import ROBOTS, of_gallery
 from wmrgen import notation
 from wmrgen.backends.report.angles import equation, gathered, readable, roots, upright
 from wmrgen.backends.report.latex import terms
+from wmrgen.backends.report.rows import _quotient
 from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.poly import Poly
 
@@ -79,6 +80,15 @@ def test_what_only_looks_alike_stays() -> None:
         a * b + b * c,
     ):
         assert len(gathered(terms(p))) == 2
+
+
+@given(st.lists(products(), max_size=4), st.lists(products(), min_size=1, max_size=3))
+def test_a_quotient_keeps_its_value(above: list[Poly], below: list[Poly]) -> None:
+    """Whatever cancels; its sign stands before the line where all above it is one product, and only there."""
+    top, bottom = Poly.sum(above), Poly.sum(below)
+    if bottom:
+        text = _quotient(top, bottom)
+        assert read(text, VALUES) * worth(bottom) == pytest.approx(worth(top), rel=1e-9, abs=1e-12)
 
 
 def test_columns_without_fractions() -> None:

@@ -56,6 +56,30 @@ def _reserved(name: str) -> str:
     return why_reserved(name) or ("Windows keeps that name for a device." if device else "")
 
 
+def _refusal(name: str, what: str) -> tuple[str, str] | None:
+    """Why a robot, wheel or parameter may not have this word for its name, and what to write instead."""
+    word = name.lower()
+    if what == "robot":
+        if word == "textbook":
+            return (
+                "`wmrgen textbook` writes a folder of that name: one would replace the other.",
+                "textbook_robot",
+            )
+        if word in _FILE_NAMES:
+            return "The generated files would be taken for a standard header or module.", f"{name}_robot"
+        if AVR_MACROS.keeps(name):
+            return AVR_MACROS.why, _free(name)
+        if word in _SCOPES:
+            why = "Packages name a C++ namespace, a library or a crate after the robot, and one of that name is there."
+            return why, f"{name}_robot"
+    words = word in _EXPRESSION_WORDS or name in _CONTRACT_WORDS or re.fullmatch(r"eta[0-9]+", name)
+    if what == "parameter" and words:
+        why = "Expressions or the inputs and outputs of the model use that word already."
+        return why, "pi as it is" if word == "pi" else f"{name}_0 or a longer name"
+    why = _reserved(name)
+    return (why, _free(name)) if why else None
+
+
 def _check(node: Scalar, what: str) -> str:
     """The name, when it is one; ``what`` says whose: robot, wheel, parameter."""
     name = node.text
@@ -67,10 +91,10 @@ def _check(node: Scalar, what: str) -> str:
             why = f"It has {len(name)} characters. {_WHY_SO_LONG}"
         elif latin(name) != name:
             why = lookalike(name)
-        raise _no_name(node, f"{quoted(name)} is not a valid {what} name", why, _repaired(name))
-    reason = _reserved(name)
-    if reason:
-        raise _no_name(node, f"the {what} name {quoted(name)} is reserved", reason, _free(name))
+        raise _no_name(node, f"{quoted(name)} is not a valid {what} name", why, _repaired(name, what))
+    refusal = _refusal(name, what)
+    if refusal:
+        raise _no_name(node, f"the {what} name {quoted(name)} is reserved", *refusal)
     return name
 
 
@@ -85,26 +109,14 @@ def _free(name: str) -> str:
     return re.sub(r"__+", "_", name.removesuffix("_t"))[:28].rstrip("_") + "_1"
 
 
-def _repaired(name: str) -> str:
+def _repaired(name: str, what: str) -> str:
     """A valid name near ``name``, or nothing."""
     near = re.sub(r"[^A-Za-z0-9]+", "_", latin(name)).strip("_")[:MAX_NAME].rstrip("_")
-    return near if re.fullmatch(NAME_PATTERN, near) and not _reserved(near) else ""
+    return near if re.fullmatch(NAME_PATTERN, near) and not _refusal(near, what) else ""
 
 
 def robot_name(node: Scalar) -> str:
     """A robot's name, which also names its files and folder."""
-    word, what = node.text.lower(), f"the robot name {quoted(node.text)} is reserved"
-    if word == "textbook":
-        why = "Beside the robots' folders, `wmrgen textbook` writes a folder of that name: one would replace the other."
-        raise _no_name(node, what, why, "textbook_robot")
-    if word in _FILE_NAMES:
-        why = "The generated files would be taken for a standard header or module."
-        raise _no_name(node, what, why, f"{node.text}_robot")
-    if AVR_MACROS.keeps(node.text):
-        raise _no_name(node, what, AVR_MACROS.why, _free(node.text))
-    if word in _SCOPES:
-        why = "The packages name a C++ namespace, a library or a crate after the robot, and one of that name is there."
-        raise _no_name(node, what, why, f"{node.text}_robot")
     return _check(node, "robot")
 
 
@@ -114,11 +126,6 @@ def wheel_name(node: Scalar) -> str:
 
 def parameter_name(node: Scalar) -> str:
     """A parameter's name, which must not be a word of expressions or of the contract either."""
-    name = node.text
-    if name.lower() in _EXPRESSION_WORDS or name in _CONTRACT_WORDS or re.fullmatch(r"eta[0-9]+", name):
-        why = "Expressions or the inputs and outputs of the model use that word already."
-        instead = "pi as it is" if name.lower() == "pi" else f"{name}_0 or a longer name"
-        raise _no_name(node, f"the parameter name {quoted(name)} is reserved", why, instead)
     return _check(node, "parameter")
 
 

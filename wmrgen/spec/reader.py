@@ -62,7 +62,6 @@ class _Composer(Reader, Scanner, Parser):
 
     def _mark(self, line: int, column: int) -> Mark:
         """The place in the file of a place in the lines as they are read."""
-        line = min(line, len(self._lines) - 1)
         return self._source.mark(line, self._lines[line].column(column))
 
     def fetch_anchor(self) -> None:

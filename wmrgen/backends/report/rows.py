@@ -228,8 +228,9 @@ def _quotient(above: Poly, below: Poly) -> str:
             return total(quotient)
     if not top:
         return "0"
-    sign = "-" if len(pieces(top)) == 1 and total(top).startswith("-") else ""
-    shown = total(top).removeprefix(sign)
+    shown = total(top)
+    sign = "-" if shown.startswith("-") else ""  # of a product: a sum begins with what is added
+    shown = shown.removeprefix(sign)
     if sign and shown.startswith(r"\left("):
         shown = shown.removeprefix(r"\left(").removesuffix(r"\right)")
     return rf"{sign}\frac{{{shown}}}{{{total(bottom)}}}"

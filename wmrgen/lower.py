@@ -180,7 +180,7 @@ class _Lowering:
 def number_of(expr: Expr, other: Callable[[Expr], Exact | None] = lambda _: None) -> Exact | None:
     """A sympy number as a field element, ``other`` of a constant that the field does not hold. None with symbols."""
     if isinstance(expr, sympy.Rational):
-        return Exact(Fraction(int(expr.p), int(expr.q)))
+        return Exact.ratio(int(expr.p), int(expr.q))
     if isinstance(expr, sympy.Pow) and isinstance(expr.base, sympy.Rational) and expr.exp == sympy.S.Half:
         root = exact_sqrt(Fraction(int(expr.base.p), int(expr.base.q)))
         return other(expr) if root is None else root

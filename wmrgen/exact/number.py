@@ -11,6 +11,7 @@ from math import gcd, isqrt, lcm
 
 Rational = int | Fraction
 _DIGITS = 60
+_NONE = (0, 0, 0, 0)
 
 
 @cache
@@ -49,10 +50,11 @@ class Exact:
         return cls._reduced((num[0] // g, num[1] // g, num[2] // g, num[3] // g), den // g)
 
     @classmethod
-    def _rational(cls, num: int, den: int) -> Exact:
+    def ratio(cls, num: int, den: int) -> Exact:
         """num / den, den > 0."""
-        g = gcd(num, den)
-        return cls._reduced((num // g, 0, 0, 0), den // g)
+        self, g = object.__new__(cls), gcd(num, den)
+        self.num, self.den, self._hash = (num // g, 0, 0, 0), den // g, None
+        return self
 
     @classmethod
     def _reduced(cls, num: tuple[int, int, int, int], den: int) -> Exact:
@@ -83,15 +85,15 @@ class Exact:
         return not (b or c or d)
 
     def __bool__(self) -> bool:
-        return any(self.num)
+        return self.num != _NONE
 
     def __add__(self, other: Exact | Rational) -> Exact:
-        o = Exact.of(other)
+        o = other if isinstance(other, Exact) else Exact(other)  # the quick way: most work is here
         p, q = self.den, o.den
         a, b, c, d = self.num
         e, f, g, h = o.num
         if not (b or c or d or f or g or h):
-            return Exact._rational(a * q + e * p, p * q)
+            return Exact.ratio(a * q + e * p, p * q)
         return Exact._make((a * q + e * p, b * q + f * p, c * q + g * p, d * q + h * p), p * q)
 
     __radd__ = __add__
@@ -107,11 +109,11 @@ class Exact:
         return Exact.of(other) - self
 
     def __mul__(self, other: Exact | Rational) -> Exact:
-        o = Exact.of(other)
+        o = other if isinstance(other, Exact) else Exact(other)  # the quick way: most work is here
         a, b, c, d = self.num
         e, f, g, h = o.num
         if not (b or c or d or f or g or h):
-            return Exact._rational(a * e, self.den * o.den)
+            return Exact.ratio(a * e, self.den * o.den)
         if not (b or c or d):
             return Exact._make((a * e, a * f, a * g, a * h), self.den * o.den)
         return Exact._make(
@@ -163,9 +165,9 @@ class Exact:
 
     def __hash__(self) -> int:
         if self._hash is None:
-            self._hash = (
-                hash(Fraction(self.num[0], self.den)) if self.is_rational else hash((self.num, self.den))
-            )
+            a, b, c, d = self.num
+            rational = a if self.den == 1 else Fraction(a, self.den)
+            self._hash = hash((self.num, self.den) if b or c or d else rational)
         return self._hash
 
     def rational(self, digits: int = _DIGITS) -> Fraction:
@@ -192,8 +194,9 @@ class Exact:
         return -self if self.sign < 0 else self
 
     def __float__(self) -> float:
-        if self.is_rational:
-            return self.num[0] / self.den
+        a, b, c, d = self.num
+        if not (b or c or d):
+            return a / self.den
         value = self.rational()
         return value.numerator / value.denominator
 

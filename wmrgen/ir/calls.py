@@ -52,11 +52,11 @@ def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequenc
     place: list[int] = []
     results: dict[int, tuple[int, ...]] = {}  # a call -> where its results are
 
+    one = Node(Op.CONST, value=ONE)
+
     def put(node: Node, args: tuple[int, ...]) -> int:
-        if node.op is Op.MUL:
-            for factor, other in (args, args[::-1]):
-                if nodes[factor].value == ONE:
-                    return other  # to the bit
+        if node.op is Op.MUL and (factor := index.get(one)) in args:
+            return args[args[0] == factor]  # to the bit
         new = node if args == node.args else Node(node.op, args, node.value, node.name)
         position = index.setdefault(new, len(nodes))
         if position == len(nodes):

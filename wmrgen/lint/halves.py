@@ -170,11 +170,12 @@ def _says(text: str, what: str, size: float) -> bool:
 
 def faced(subject: Subject) -> Iterator[Finding]:
     """Two wheels that face each other across the x axis, of which one has exactly twice what the other has."""
+    forward = [w.pivot.real for w in subject.robot.wheels]
     for spec, a in subject.wheels:
         others = [
             w
-            for w in subject.robot.wheels
-            if w is not a and w.kind is a.kind and abs(w.pivot.real - a.pivot.real) < _CLOSE
+            for w, x in zip(subject.robot.wheels, forward, strict=True)
+            if w is not a and w.type == a.type and abs(x - forward[a.index]) < _CLOSE
         ]
         b = others[0] if len(others) == 1 else a
         if a.pivot.imag * b.pivot.imag >= 0:

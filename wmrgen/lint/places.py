@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from itertools import combinations
 
@@ -73,16 +74,12 @@ wheels:
 )
 def labels(subject: Subject) -> Iterator[Finding]:
     middle, groups = _middle(subject.robot.wheels), subject.robot.steer_group
+    steered_at = Counter((w.pivot, groups[w.index]) for w in subject.robot.wheels)
     for w in subject.robot.wheels:
         places = {"the middle of the wheels": w.pivot - middle, "the origin P": w.pivot}
         wrong = [(s, whence) for s in role(w.name).split() if (whence := _contradicted(s, places))]
-        if any(
-            v is not w and v.pivot == w.pivot and groups[v.index] == groups[w.index]
-            for v in subject.robot.wheels
-        ):
-            own = {
-                "its pivot": w.contact(w.zero_heading) - w.pivot
-            }  # the left one of a pair that one joint steers
+        if steered_at[w.pivot, groups[w.index]] > 1:  # the left one of a pair that one joint steers
+            own = {"its pivot": w.contact(w.zero_heading) - w.pivot}
             wrong = [(s, whence) for s, whence in wrong if _contradicted(s, own)]
         if wrong:
             side, whence = wrong[0]

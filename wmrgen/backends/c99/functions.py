@@ -17,6 +17,7 @@ from wmrgen.ir.nodes import Cost, Function, Module, Op, Role, pruned
 
 _SHORT = 12  # statements: so few are repeated, not called
 _NOTE = 60  # characters of a comment behind a statement
+_PLACE = re.compile(r"[\w.]+(?:->[\w.]+)*")  # a variable or a member
 
 
 def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tuple[Step, ...]:
@@ -191,10 +192,9 @@ def _overwritten(
     early: dict[str, None] = {}
     overwritten: set[tuple[str, str]] = set()
     for output, text in zip(outputs, results, strict=True):
+        read = set(_PLACE.findall(text))
         for name, p, member in inputs:
-            if (p.type, member) in overwritten and re.search(
-                rf"(?<![\w>.]){re.escape(p.within(member))}(?![\w.])", text
-            ):
+            if (p.type, member) in overwritten and p.within(member) in read:
                 early[name] = None
         if output in stored:
             overwritten.add(stored[output])

@@ -19,6 +19,8 @@ from wmrgen.errors import EnvironmentFailure
 
 _USUAL = ("cc", "gcc", "clang")
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge")
+_TEX = ("lualatex", "xelatex")  # those that print Greek letters
+_THEN = {"SOURCE_DATE_EPOCH": "946684800", "FORCE_SOURCE_DATE": "1"}  # the date of a TeX
 _HOW = "Install one (Debian, Ubuntu: apt-get install gcc; macOS: xcode-select --install) or set CC."
 # Contraction to fused multiply-add is off so that results are those of the printed operations.
 DEFAULT_FLAGS = ("-std=c99", "-O1", "-ffp-contract=off")
@@ -169,31 +171,44 @@ def run_node(files: Mapping[str, str]) -> str:
     return run_tool([node, "main.mjs"], files)
 
 
-def print_page(page: str) -> bytes:
-    """The PDF of an HTML page, by Chromium or a browser that is made of it. EnvironmentFailure where there is none.
+def print_pages(page: str, files: Mapping[str, str], markdown: Sequence[str]) -> bytes:
+    """The PDF of an HTML page, by Chromium or a browser that is made of it; where there is none, of the pages
+    ``markdown`` among ``files``, which hold their figures and ``paper.lua``, by pandoc and a TeX. EnvironmentFailure
+    without either.
 
-    What says when it was printed is taken out, so that a browser gives the same bytes again.
+    What says when it was printed is taken out, so that the same bytes come again.
     """
-    browser = next((path for name in _BROWSERS if (path := find_tool(name))), None)
-    if browser is None:
-        how = (
-            "Install one (Debian, Ubuntu: apt-get install chromium), or print report.html (--html) yourself."
-        )
-        raise EnvironmentFailure(
-            f"no browser found that prints a PDF: looked for {', '.join(_BROWSERS)}. {how}"
-        )
-    # Chromium refuses to run in its sandbox as root.
-    root = ["--no-sandbox"] if os.name == "posix" and os.geteuid() == 0 else []
-    options = ["--headless", "--disable-gpu", "--no-pdf-header-footer", "--user-data-dir=profile", *root]
-    with _folder_of({"page.html": page}) as folder:
-        address = (folder / "page.html").as_uri()
-        command = [browser, *options, "--print-to-pdf=page.pdf", address]
-        _run(command, f"the browser {browser}", folder=str(folder), how="")
+    browser, tex = (
+        next((path for n in names if (path := find_tool(n))), None) for names in (_BROWSERS, _TEX)
+    )
+    with _folder_of({**files, "page.html": page}) as folder:
+        if browser:
+            # Chromium refuses to run in its sandbox as root.
+            root = ["--no-sandbox"] if os.name == "posix" and os.geteuid() == 0 else []
+            options = [
+                "--headless",
+                "--disable-gpu",
+                "--no-pdf-header-footer",
+                "--user-data-dir=profile",
+                *root,
+            ]
+            command = [browser, *options, "--print-to-pdf=page.pdf", (folder / "page.html").as_uri()]
+        elif tex and find_tool("rsvg-convert") and (pandoc := find_tool("pandoc")):
+            options = ["--from=gfm", "--lua-filter=paper.lua", f"--pdf-engine={tex}"]
+            command = [pandoc, *options, "--output=page.pdf", *markdown]
+        else:
+            raise EnvironmentFailure(
+                f"nothing found that prints a PDF: looked for {', '.join(_BROWSERS)}, and for pandoc, rsvg-convert and "
+                f"{' or '.join(_TEX)}. Install a browser (Debian, Ubuntu: apt-get install chromium), or print "
+                "report.html (--html) yourself."
+            )
+        _run(command, Path(command[0]).name, folder=str(folder), env=_THEN, how="")
         try:
             printed = (folder / "page.pdf").read_bytes()
         except OSError as error:
-            raise EnvironmentFailure(f"the browser {browser} printed nothing") from error
-    return _DATE.sub(rb"\1(D:20000101000000+00'00')", printed)
+            raise EnvironmentFailure(f"{command[0]} printed nothing") from error
+    # Of the length that a browser's date has, for a PDF says at which byte each part begins.
+    return _DATE.sub(rb"\1(D:20000101000000+00'00')", printed) if browser else printed
 
 
 def find_tool(name: str) -> str | None:

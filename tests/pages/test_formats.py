@@ -6,7 +6,9 @@ import json
 import os
 import re
 import shutil
+import subprocess
 from collections.abc import Callable
+from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -15,8 +17,9 @@ import pytest
 from tests.conftest import ROOT, Outcome
 from tests.pages.katex import mistakes
 from tests.robots import of_text
-from tests.tools import missing, need
-from wmrgen.compiler import _BROWSERS, print_page
+from tests.tools import missing, need, tool
+from wmrgen.backends.report.markdown import escape
+from wmrgen.compiler import _BROWSERS, _TEX, print_pages
 from wmrgen.pages import live
 from wmrgen.pages.document import Report, page
 from wmrgen.pages.markdown import html
@@ -93,9 +96,46 @@ def test_what_a_browser_prints_has_no_date(tmp_path: Path, monkeypatch: pytest.M
     browser.write_text('#!/bin/sh\nfor page; do :; done\ncp "${page#file://}" page.pdf\n', encoding="utf-8")
     browser.chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
-    printed = print_page("%PDF-1.4 /CreationDate (D:20261124043000+00'00') /ModDate(D:2026) text")
+    printed = print_pages("%PDF-1.4 /CreationDate (D:20261124043000+00'00') /ModDate(D:2026) text", {}, [])
     then = b"(D:20000101000000+00'00')"
     assert printed == b"%PDF-1.4 /CreationDate " + then + b" /ModDate" + then + b" text"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="scripts of sh are the tools")
+def test_a_tex_prints_where_no_browser_is(
+    wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A pandoc that says what it is given, and that all pages, their figures and the filter stand beside it."""
+    for name in ("pandoc", "rsvg-convert", _TEX[1]):
+        (tmp_path / name).write_text(
+            '#!/bin/sh\n(echo "%PDF $* /ModDate (D:2000Z)"; echo *) > page.pdf\n', encoding="utf-8"
+        )
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setattr("shutil.which", partial(shutil.which, path=str(tmp_path)))
+    done = wmrgen_cli("derive", robot_file, "-o", tmp_path / "out", "--pdf")
+    assert done.code == 0, done.err
+    told, files = (tmp_path / "out" / "pair" / "report.pdf").read_text(encoding="utf-8").splitlines()
+    assert f"--pdf-engine={tmp_path / _TEX[1]} " in told
+    assert told.endswith(" report.md numerics.md wiring.md /ModDate (D:2000Z)")  # bytes are counted in a PDF
+    assert {"layout.svg", "paper.lua", "report.md", "numerics.md", "wiring.md"} <= set(files.split())
+
+
+def test_what_pandoc_gives_to_a_tex() -> None:
+    """Formulas no wider than the page, indices, pictures one below the other, tables that break their lines; what
+    stands in a robot file is text. A TeX would take CI too long to install."""
+    report = (ROOT / "generated" / "car_with_trailers" / "report.md").read_text(encoding="utf-8")
+    hostile = "\n\n" + escape(r"\input{/etc/passwd} $x$ <b>") + "\n"
+    command = [tool("pandoc"), "--from=gfm", f"--lua-filter={ROOT}/templates/paper/paper.lua", "--to=latex"]
+    told = subprocess.run(
+        [*command, "-s"], input=report + hostile, capture_output=True, text=True, check=True
+    )
+    head, _, text = told.stdout.partition(r"\begin{document}")
+    assert head.count(r"\newcommand\fitted") == 1 and "DejaVu Serif" in head
+    assert text.count(r"\[\fitted{") == report.count("```math") and "```" not in text
+    assert text.count(r"\textsubscript{") == report.count("<sub>") and "sub>" not in text
+    assert re.search(r"\\includegraphics\{layout.svg\}\n\n\\includegraphics\{motion.svg\}\n\n", text)
+    assert text.count(r"\begin{longtable}") == 3 and text.count(r">{\raggedright") == 2 + 3
+    assert r"\href" not in text and r"\textbackslash input\{/etc/passwd\} \$x\$ \textless b" in text
 
 
 def test_without_a_browser(

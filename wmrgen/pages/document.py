@@ -9,7 +9,7 @@ import base64
 import hashlib
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from html import escape
@@ -65,16 +65,20 @@ def _body(report: Report, ids: set[str]) -> str:
     figures = {
         name: content.decode().strip() for name, content in report.files.items() if name.endswith(".svg")
     }
-    pages = sorted((name for name in report.files if name.endswith(".md")), key=lambda name: name != REPORT)
-    chapters = {name: free(f"{report.name}-{name}", ids) for name in pages}
-    texts = {name: html(report.files[name].decode(), figures, ids) for name in chapters}
-    for name, place in chapters.items():  # links between them stay in the page
+    places = {name: free(f"{report.name}-{name}", ids) for name in chapters(report.files)}
+    texts = {name: html(report.files[name].decode(), figures, ids) for name in places}
+    for name, place in places.items():  # links between them stay in the page
         texts = {key: text.replace(f'href="{name}"', f'href="#{place}"') for key, text in texts.items()}
-    parts = {key: f'<section id="{chapters[key]}">\n{text}</section>' for key, text in texts.items()}
+    parts = {key: f'<section id="{places[key]}">\n{text}</section>' for key, text in texts.items()}
     return "\n".join(
         part if key == REPORT else f"<details><summary>{key.removesuffix('.md')}</summary>\n{part}</details>"
         for key, part in parts.items()
     )
+
+
+def chapters(files: Iterable[str]) -> list[str]:
+    """The pages among ``files``, the report first."""
+    return sorted((name for name in files if name.endswith(".md")), key=lambda name: name != REPORT)
 
 
 def _document(title: str, bodies: Sequence[str], live: str, version: str) -> str:

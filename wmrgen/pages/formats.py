@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from wmrgen.compiler import print_page
+from wmrgen.compiler import print_pages
 from wmrgen.pages import live
-from wmrgen.pages.document import Report, page
+from wmrgen.pages.document import Report, chapters, page
 from wmrgen.robot import Derivation
+from wmrgen.shipped import shipped
 
 HTML, PDF = "report.html", "report.pdf"
 
@@ -20,9 +21,16 @@ def report(derivation: Derivation, files: Mapping[str, bytes]) -> Report:
 def formatted(
     derivation: Derivation, files: Mapping[str, bytes], formats: Collection[str]
 ) -> dict[str, bytes]:
-    """The report in ``formats`` (html, pdf), by file name. EnvironmentFailure where no browser prints the PDF."""
+    """The report in ``formats`` (html, pdf), by file name. EnvironmentFailure where nothing prints the PDF."""
     if not formats:
         return {}
     text = page([report(derivation, files)])
     pages = {HTML: text.encode()} if "html" in formats else {}
-    return {**pages, PDF: print_page(text)} if "pdf" in formats else pages
+    return {**pages, PDF: _printed(text, files)} if "pdf" in formats else pages
+
+
+def _printed(text: str, files: Mapping[str, bytes]) -> bytes:
+    """The PDF of a page, or of the ``files`` that are on it."""
+    texts = {name: content.decode() for name, content in files.items() if name.endswith((".md", ".svg"))}
+    texts["paper.lua"] = (shipped("templates") / "paper" / "paper.lua").read_text(encoding="utf-8")
+    return print_pages(text, texts, chapters(texts))

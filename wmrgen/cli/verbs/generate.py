@@ -54,7 +54,8 @@ def derive(
         bool, typer.Option("--html", help="Write report.html too: one file, and the robot to drive.")
     ] = False,
     pdf: Annotated[
-        bool, typer.Option("--pdf", help="Write report.pdf too, printed by an installed Chromium.")
+        bool,
+        typer.Option("--pdf", help="Write report.pdf too, by an installed Chromium, or pandoc and a TeX."),
     ] = False,
 ) -> None:
     """Example:  wmrgen derive robots/pioneer3dx.yaml -o build

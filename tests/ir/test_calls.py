@@ -141,8 +141,8 @@ def _swerve() -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ROBOTS)
 def test_calls_change_no_result(name: str) -> None:
-    """In float32 the functions with calls of formulas' kernels are within a few units of those without, and have no more
-    operations: CasADi and NumPy are given them."""
+    """In float32 the functions with calls of formulas' kernels are within a few units of those without, and have no
+    more operations: CasADi and NumPy are given them."""
     derivation = of_gallery(name)
     kept, raw = derivation._kept_whole, derivation.raw_module
     for function in optimised(raw, raw).functions:

@@ -7,6 +7,7 @@ import json
 import math
 import struct
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ import pytest
 
 from tests.conftest import Outcome
 from tests.importing.urdf import joint, link, robot
+from wmrgen.importing.frames import IDENTITY
+from wmrgen.importing.meshes import reach
 
 Cli = Callable[..., Outcome]
 RADIUS, LOW, HIGH = 0.08, -0.01, 0.03
@@ -238,3 +241,23 @@ def test_the_mesh_of_a_gear_does_not_reach_the_ground(
     done = wmrgen_cli("import", tmp_path / "probe.urdf", "--json")
     assert ("middle" in [w["name"] for w in json.loads(done.out)["wheels"]]) is not is_gear
     assert ("it reaches 0.008 m from it, they 0.08 m: the gear of a differential" in done.err) is is_gear
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_mesh_reaches_as_far_turned_about_its_axle_and_in_a_mirror(seed: int) -> None:
+    """Few points, of which one side may have none."""
+    random = np.random.default_rng(seed)
+    cloud = random.normal(size=(random.integers(1, 9), 3))
+    zero, z = (Fraction(0),) * 3, (Fraction(0), Fraction(0), Fraction(1))
+
+    def reached(points: Any) -> list[float]:
+        told = reach("".join(f"v {x:.12f} {y:.12f} {h:.12f}\n" for x, y, h in points).encode(), "a.obj",
+                     (Fraction(1),) * 3, IDENTITY, zero, z)  # fmt: skip
+        assert told is not None and told.radius == pytest.approx(np.hypot(points[:, 0], points[:, 1]).max())
+        assert (told.low, told.high) == pytest.approx((points[:, 2].min(), points[:, 2].max()))
+        return [told.least, told.round]
+
+    c, s = math.cos(seed), math.sin(seed)
+    own = reached(cloud)
+    assert reached(cloud * [1, -1, 1]) == pytest.approx(own)
+    assert reached(cloud @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])) == pytest.approx(own)

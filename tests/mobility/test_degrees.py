@@ -7,10 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+import wmrgen
 from tests.laws.common import NAMES, derived, gallery
 from tests.mobility.test_couplings import AXLE
 from tests.oracle.compare import consistent
+from wmrgen.mobility.configure import _spin_row
 from wmrgen.mobility.ranks import bracket, null_basis, numeric_rank
+from wmrgen.spec.load import read_text
 
 # Campion's five types and two degenerate robots: dimensions of the bracket filtration of pose and steering angles
 GROWTH = {
@@ -65,3 +68,20 @@ def test_the_bracket_is_the_commutator_of_motions() -> None:
     a, b = np.array([0.3, -0.7, 1.1]), np.array([-0.4, 0.9, 0.6])
     wanted = matrix(a) @ matrix(b) - matrix(b) @ matrix(a)
     np.testing.assert_allclose(matrix(bracket(a, b)), wanted, atol=1e-15)
+
+
+@pytest.mark.parametrize("gamma", [0.0, np.pi / 4, -np.pi / 4, 0.3, -np.pi / 3])
+@pytest.mark.parametrize("heading", [0.0, np.pi / 2, -2.2])
+def test_spins_that_couplings_compare_are_those_of_the_rolling_equation(gamma: float, heading: float) -> None:
+    """[sin(a + b + g), -cos(a + b + g), -l cos(b + g)] xi = r cos g spin, with rollers and without."""
+    robot = wmrgen.robot_of(read_text(f"""
+wmrgen: 1
+name: pair
+wheels:
+  - {{name: own, type: swedish, x: 0.3, y: -0.2, heading: {heading!r}, gamma: {gamma!r}, r: 0.05}}
+  - {{name: plain, type: fixed, x: 0.1, y: 0.4, heading: {heading!r}, r: 0.07}}
+""", "pair.yaml"))  # fmt: skip
+    for w, g, r in zip(robot.wheels, (gamma, 0.0), (0.05, 0.07), strict=True):
+        turned, alpha = heading + np.pi / 2 + g, np.angle(w.pivot)
+        row = np.array([np.sin(turned), -np.cos(turned), -abs(w.pivot) * np.cos(turned - alpha)])
+        assert _spin_row(robot, w.index, {}) == pytest.approx(row / (r * np.cos(g)))

@@ -125,3 +125,24 @@ SHAFT = "couplings: [{equal: [l.spin, q.spin], ratios: [1, -1]}]\n"
 def test_what_no_text_has_is_not_cited(text: str, there: bool) -> None:
     """An axle that nothing drives, or nothing measures; wheels on one shaft that turn the robot on the spot."""
     assert bool(citations(of_text(text).robot)) == there
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("", "", True),
+        ("alpha: 2*pi/3,  heading: 0", "alpha: 3*pi/4,  heading: 0", True),
+        ("  - equal: [w1.spin, w2.spin, w3.spin]\n", "", True),
+        ("  - equal: [w1.steer, w2.steer, w3.steer]\n", "", False),  # it turns on the spot, too
+        ("alpha: 2*pi/3,  heading: 0", "alpha: 2*pi/3,  heading: 1", False),
+        ("alpha: 2*pi/3,  heading: 0, r: r", "alpha: 2*pi/3,  heading: 0, r: 2*r", False),
+    ],
+)
+def test_a_synchro_drive_is_one_whose_wheels_steer_and_roll_alike(old: str, new: str, said: bool) -> None:
+    """On whatever places: then it translates alone."""
+    text = ROBOTS["synchro_drive"].read_text(encoding="utf-8")
+    assert old in text
+    derivation = of_text(text.replace(old, new, 1))
+    assert ("Siegwart 3.3.3" in {c.equation for c in citations(derivation.robot)}) == said
+    if said:
+        assert derivation.mobility.robot_type == (1, 1) and derivation.mobility.dof == 2

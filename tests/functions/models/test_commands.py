@@ -148,6 +148,16 @@ def test_a_step_where_the_model_is_singular_is_refused(tmp_path: Path) -> None:
     words = ("model", path, "--discrete", "rk4", "--dt", "0.1", "rear.spin=1")
     assert "does not hold where sin(front.steer) = 0: G is unbounded" in wmrgen(*words, code=2)
     assert wmrgen(*words, "front.steer=1.5")
+    everywhere = (
+        "model",
+        ROBOTS / "pioneer3dx.yaml",
+        "--discrete",
+        "rk4",
+        "--dt",
+        "1e300",
+        "left.spin=1e300",
+    )
+    assert "numbers overflow. Write other values" in wmrgen(*everywhere, code=2)
 
 
 def test_it_is_said_which_form_holds_where() -> None:

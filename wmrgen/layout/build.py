@@ -201,7 +201,7 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
 def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
     """What no value may be: r <= 0, d = 0 of a castor, and what the wheel's type refuses."""
     kind = WHEEL_TYPES[w.type]
-    what = f"the {kind.name} wheel {w.name}"
+    what = f"the {kind.name} wheel {w.name}".rstrip()
     with several:
         if w.r is not None and "r" in kind.required and g.r.sign <= 0:
             raise RobotFileError(f"{what} has r = {w.r.text}, which is not positive", w.r.mark, "",

@@ -79,8 +79,8 @@ _SPELLINGS = {"µm": "um", "μm": "um", "°": "deg", "°/s": "deg/s"}
 _SPELLINGS |= {f"{unit}{two}": f"{unit}^2" for unit in ("m/s", "rad/s", "deg/s") for two in ("2", "²")}
 _ALIASES = {
     **dict.fromkeys(('"', "inch", "inches"), "Write in for inches."),
-    **dict.fromkeys(("degree", "degrees", "grad"), "Write deg for degrees."),
-    **dict.fromkeys(("radian", "radians"), "Write rad for radians."),
+    **dict.fromkeys(("degree", "degrees", "degs", "grad"), "Write deg for degrees."),
+    **dict.fromkeys(("radian", "radians", "rads"), "Write rad for radians."),
     **dict.fromkeys(("meter", "meters", "metre", "metres"), "Write m for metres."),
     **dict.fromkeys(("foot", "feet"), "Write ft for feet."),
 }

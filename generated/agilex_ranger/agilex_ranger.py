@@ -52,83 +52,87 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer, rear_left_steer,
     front_right_steer = np.asarray(front_right_steer, dtype=np.float64)
     rear_left_steer = np.asarray(rear_left_steer, dtype=np.float64)
     rear_right_steer = np.asarray(rear_right_steer, dtype=np.float64)
-    _t0 = vx + (-0.28) * omega
-    _t1 = vy + 0.45 * omega
-    _t2 = np.clip(front_left_steer, -1.57, 1.57)
-    _t3 = _t0 * _t0
-    _t4 = _t1 * _t1
-    _t5 = np.sqrt(_t3 + _t4)
-    _t6 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
-    _t7 = np.abs(_t0)
-    _t8 = np.arctan(_t1 / (np.maximum(_t5, 1e-20) + _t7))
-    _t9 = np.where(_t5 < 1e-20, _t2, _t6 * _t8)
-    _t10 = np.rint(0.31830988617 * (_t9 - _t2))
-    _t11 = np.where(np.signbit(_t0), np.negative(_t5), _t5)
-    _t12 = np.where(np.mod(_t10, 2) == 1, np.negative(_t11), _t11)
-    _t13 = _t9 + (-3.141592653589793) * _t10
-    _t14 = np.where(1.6572664625997164 < _t13, _t13 - 3.141592653589793, _t13)
-    _t15 = np.where(_t13 < (-1.6572664625997164), _t13 + 3.141592653589793, _t14)
-    _t16 = np.clip(_t15, -1.57, 1.57)
-    _t17 = _t16 - _t13
-    _t18 = vx + 0.28 * omega
-    _t19 = np.clip(front_right_steer, -1.57, 1.57)
-    _t20 = _t18 * _t18
-    _t21 = np.sqrt(_t20 + _t4)
-    _t22 = np.where(np.signbit(_t18), np.negative(2.0), 2.0)
-    _t23 = np.abs(_t18)
-    _t24 = np.arctan(_t1 / (np.maximum(_t21, 1e-20) + _t23))
-    _t25 = np.where(_t21 < 1e-20, _t19, _t22 * _t24)
-    _t26 = np.rint(0.31830988617 * (_t25 - _t19))
-    _t27 = np.where(np.signbit(_t18), np.negative(_t21), _t21)
-    _t28 = np.where(np.mod(_t26, 2) == 1, np.negative(_t27), _t27)
-    _t29 = _t25 + (-3.141592653589793) * _t26
-    _t30 = np.where(1.6572664625997164 < _t29, _t29 - 3.141592653589793, _t29)
-    _t31 = np.where(_t29 < (-1.6572664625997164), _t29 + 3.141592653589793, _t30)
-    _t32 = np.clip(_t31, -1.57, 1.57)
-    _t33 = _t32 - _t29
-    _t34 = vy + (-0.45) * omega
-    _t35 = np.clip(rear_left_steer, -1.57, 1.57)
-    _t36 = _t34 * _t34
-    _t37 = np.sqrt(_t3 + _t36)
-    _t38 = np.arctan(_t34 / (np.maximum(_t37, 1e-20) + _t7))
-    _t39 = np.where(_t37 < 1e-20, _t35, _t6 * _t38)
-    _t40 = np.rint(0.31830988617 * (_t39 - _t35))
-    _t41 = np.where(np.signbit(_t0), np.negative(_t37), _t37)
-    _t42 = np.where(np.mod(_t40, 2) == 1, np.negative(_t41), _t41)
-    _t43 = _t39 + (-3.141592653589793) * _t40
-    _t44 = np.where(1.6572664625997164 < _t43, _t43 - 3.141592653589793, _t43)
-    _t45 = np.where(_t43 < (-1.6572664625997164), _t43 + 3.141592653589793, _t44)
-    _t46 = np.clip(_t45, -1.57, 1.57)
-    _t47 = _t46 - _t43
-    _t48 = np.clip(rear_right_steer, -1.57, 1.57)
-    _t49 = np.sqrt(_t20 + _t36)
-    _t50 = np.arctan(_t34 / (np.maximum(_t49, 1e-20) + _t23))
-    _t51 = np.where(_t49 < 1e-20, _t48, _t22 * _t50)
-    _t52 = np.rint(0.31830988617 * (_t51 - _t48))
-    _t53 = np.where(np.signbit(_t18), np.negative(_t49), _t49)
-    _t54 = np.where(np.mod(_t52, 2) == 1, np.negative(_t53), _t53)
-    _t55 = _t51 + (-3.141592653589793) * _t52
-    _t56 = np.where(1.6572664625997164 < _t55, _t55 - 3.141592653589793, _t55)
-    _t57 = np.where(_t55 < (-1.6572664625997164), _t55 + 3.141592653589793, _t56)
-    _t58 = np.clip(_t57, -1.57, 1.57)
-    _t59 = _t58 - _t55
-    _t60 = _t12 * np.sin(_t17)
-    _t61 = _t28 * np.sin(_t33)
-    _t62 = _t42 * np.sin(_t47)
-    _t63 = _t54 * np.sin(_t59)
-    _t64 = _t63 * _t63 + (_t62 * _t62 + (_t60 * _t60 + _t61 * _t61))
+    _front_left_x = vx + (-0.28) * omega
+    _front_left_y = vy + 0.45 * omega
+    _t0 = np.clip(front_left_steer, -1.57, 1.57)
+    _t1 = _front_left_x * _front_left_x
+    _t2 = _front_left_y * _front_left_y
+    _t3 = np.sqrt(_t1 + _t2)
+    _t4 = np.where(np.signbit(_front_left_x), np.negative(2.0), 2.0)
+    _t5 = np.abs(_front_left_x)
+    _t6 = _front_left_y / (np.maximum(_t3, 1e-20) + _t5)
+    _t7 = np.where(_t3 < 1e-20, _t0, _t4 * np.arctan(_t6))
+    _t8 = np.rint(0.31830988617 * (_t7 - _t0))
+    _t9 = np.where(np.signbit(_front_left_x), np.negative(_t3), _t3)
+    _front_left_rim = np.where(np.mod(_t8, 2) == 1, np.negative(_t9), _t9)
+    _front_left_nearest = _t7 + (-3.141592653589793) * _t8
+    _t10 = np.where(1.6572664625997164 < _front_left_nearest, _front_left_nearest - 3.141592653589793, _front_left_nearest)
+    _t11 = np.where(_front_left_nearest < (-1.6572664625997164), _front_left_nearest + 3.141592653589793, _t10)
+    _front_left_target = np.clip(_t11, -1.57, 1.57)
+    _front_left_excess = _front_left_target - _front_left_nearest
+    _t12 = 8.333333333333334 * (_front_left_rim * np.cos(_front_left_excess))
+    _front_right_x = vx + 0.28 * omega
+    _t13 = np.clip(front_right_steer, -1.57, 1.57)
+    _t14 = _front_right_x * _front_right_x
+    _t15 = np.sqrt(_t14 + _t2)
+    _t16 = np.where(np.signbit(_front_right_x), np.negative(2.0), 2.0)
+    _t17 = np.abs(_front_right_x)
+    _t18 = _front_left_y / (np.maximum(_t15, 1e-20) + _t17)
+    _t19 = np.where(_t15 < 1e-20, _t13, _t16 * np.arctan(_t18))
+    _t20 = np.rint(0.31830988617 * (_t19 - _t13))
+    _t21 = np.where(np.signbit(_front_right_x), np.negative(_t15), _t15)
+    _front_right_rim = np.where(np.mod(_t20, 2) == 1, np.negative(_t21), _t21)
+    _front_right_nearest = _t19 + (-3.141592653589793) * _t20
+    _t22 = np.where(1.6572664625997164 < _front_right_nearest, _front_right_nearest - 3.141592653589793, _front_right_nearest)
+    _t23 = np.where(_front_right_nearest < (-1.6572664625997164), _front_right_nearest + 3.141592653589793, _t22)
+    _front_right_target = np.clip(_t23, -1.57, 1.57)
+    _front_right_excess = _front_right_target - _front_right_nearest
+    _t24 = _front_right_rim * np.cos(_front_right_excess)
+    _rear_left_y = vy + (-0.45) * omega
+    _t25 = np.clip(rear_left_steer, -1.57, 1.57)
+    _t26 = _rear_left_y * _rear_left_y
+    _t27 = np.sqrt(_t1 + _t26)
+    _t28 = _rear_left_y / (np.maximum(_t27, 1e-20) + _t5)
+    _t29 = np.where(_t27 < 1e-20, _t25, _t4 * np.arctan(_t28))
+    _t30 = np.rint(0.31830988617 * (_t29 - _t25))
+    _t31 = np.where(np.signbit(_front_left_x), np.negative(_t27), _t27)
+    _rear_left_rim = np.where(np.mod(_t30, 2) == 1, np.negative(_t31), _t31)
+    _rear_left_nearest = _t29 + (-3.141592653589793) * _t30
+    _t32 = np.where(1.6572664625997164 < _rear_left_nearest, _rear_left_nearest - 3.141592653589793, _rear_left_nearest)
+    _t33 = np.where(_rear_left_nearest < (-1.6572664625997164), _rear_left_nearest + 3.141592653589793, _t32)
+    _rear_left_target = np.clip(_t33, -1.57, 1.57)
+    _rear_left_excess = _rear_left_target - _rear_left_nearest
+    _t34 = 8.333333333333334 * (_rear_left_rim * np.cos(_rear_left_excess))
+    _t35 = np.clip(rear_right_steer, -1.57, 1.57)
+    _t36 = np.sqrt(_t14 + _t26)
+    _t37 = _rear_left_y / (np.maximum(_t36, 1e-20) + _t17)
+    _t38 = np.where(_t36 < 1e-20, _t35, _t16 * np.arctan(_t37))
+    _t39 = np.rint(0.31830988617 * (_t38 - _t35))
+    _t40 = np.where(np.signbit(_front_right_x), np.negative(_t36), _t36)
+    _rear_right_rim = np.where(np.mod(_t39, 2) == 1, np.negative(_t40), _t40)
+    _rear_right_nearest = _t38 + (-3.141592653589793) * _t39
+    _t41 = np.where(1.6572664625997164 < _rear_right_nearest, _rear_right_nearest - 3.141592653589793, _rear_right_nearest)
+    _t42 = np.where(_rear_right_nearest < (-1.6572664625997164), _rear_right_nearest + 3.141592653589793, _t41)
+    _rear_right_target = np.clip(_t42, -1.57, 1.57)
+    _rear_right_excess = _rear_right_target - _rear_right_nearest
+    _t43 = 8.333333333333334 * (_rear_right_rim * np.cos(_rear_right_excess))
+    _t44 = _front_left_rim * np.sin(_front_left_excess)
+    _t45 = _front_right_rim * np.sin(_front_right_excess)
+    _t46 = _rear_left_rim * np.sin(_rear_left_excess)
+    _t47 = _rear_right_rim * np.sin(_rear_right_excess)
+    _t48 = _t47 * _t47 + (_t46 * _t46 + (_t44 * _t44 + _t45 * _t45))
     return _shaped(
         [vx, vy, omega, front_left_steer, front_right_steer, rear_left_steer, rear_right_steer],
         {
-            "front_left.spin": 8.333333333333334 * (_t12 * np.cos(_t17)),
-            "front_left.steer": _t16,
-            "front_right.spin": 8.333333333333334 * (_t28 * np.cos(_t33)),
-            "front_right.steer": _t32,
-            "rear_left.spin": 8.333333333333334 * (_t42 * np.cos(_t47)),
-            "rear_left.steer": _t46,
-            "rear_right.spin": 8.333333333333334 * (_t54 * np.cos(_t59)),
-            "rear_right.steer": _t58,
-            "slip": np.sqrt(0.25 * _t64),
+            "front_left.spin": _t12,
+            "front_left.steer": _front_left_target,
+            "front_right.spin": 8.333333333333334 * _t24,
+            "front_right.steer": _front_right_target,
+            "rear_left.spin": _t34,
+            "rear_left.steer": _rear_left_target,
+            "rear_right.spin": _t43,
+            "rear_right.steer": _rear_right_target,
+            "slip": np.sqrt(0.25 * _t48),
         },
     )
 
@@ -159,44 +163,44 @@ def forward(front_left_spin, front_left_steer, front_right_spin, front_right_ste
     rear_left_steer = np.asarray(rear_left_steer, dtype=np.float64)
     rear_right_spin = np.asarray(rear_right_spin, dtype=np.float64)
     rear_right_steer = np.asarray(rear_right_steer, dtype=np.float64)
-    _t0 = front_right_spin * np.cos(front_right_steer)
-    _t1 = front_right_spin * np.sin(front_right_steer)
-    _t2 = rear_right_spin * np.cos(rear_right_steer)
-    _t3 = rear_right_spin * np.sin(rear_right_steer)
-    _t4 = _t0 + _t2
-    _t5 = front_left_spin * np.cos(front_left_steer)
-    _t6 = front_left_spin * np.sin(front_left_steer)
-    _t7 = rear_left_spin * np.cos(rear_left_steer)
-    _t8 = rear_left_spin * np.sin(rear_left_steer)
-    _t9 = _t5 + _t7
-    _t10 = 0.03 * (_t4 + _t9)
-    _t11 = _t8 + _t3
-    _t12 = _t6 + _t1
-    _t13 = 0.03 * (_t11 + _t12)
-    _t14 = 0.04805980776076896 * (_t12 - _t11) + 0.029903880384478464 * (_t4 - _t9)
-    _t15 = 0.28 * _t14
-    _t16 = _t10 - _t15
-    _t17 = 0.12 * _t5 - _t16
-    _t18 = 0.45 * _t14
-    _t19 = _t13 + _t18
-    _t20 = 0.12 * _t6 - _t19
-    _t21 = _t10 + _t15
-    _t22 = 0.12 * _t0 - _t21
-    _t23 = 0.12 * _t1 - _t19
-    _t24 = _t23 * _t23 + (_t22 * _t22 + (_t17 * _t17 + _t20 * _t20))
-    _t25 = 0.12 * _t7 - _t16
-    _t26 = _t13 - _t18
-    _t27 = 0.12 * _t8 - _t26
-    _t28 = 0.12 * _t2 - _t21
-    _t29 = _t28 * _t28 + (_t27 * _t27 + (_t25 * _t25 + _t24))
-    _t30 = 0.12 * _t3 - _t26
+    _front_right_roll_x = front_right_spin * np.cos(front_right_steer)
+    _front_right_roll_y = front_right_spin * np.sin(front_right_steer)
+    _rear_right_roll_x = rear_right_spin * np.cos(rear_right_steer)
+    _rear_right_roll_y = rear_right_spin * np.sin(rear_right_steer)
+    _t0 = _front_right_roll_x + _rear_right_roll_x
+    _front_left_roll_x = front_left_spin * np.cos(front_left_steer)
+    _front_left_roll_y = front_left_spin * np.sin(front_left_steer)
+    _rear_left_roll_x = rear_left_spin * np.cos(rear_left_steer)
+    _rear_left_roll_y = rear_left_spin * np.sin(rear_left_steer)
+    _t1 = _front_left_roll_x + _rear_left_roll_x
+    _vx_fit = 0.03 * (_t0 + _t1)
+    _t2 = _rear_left_roll_y + _rear_right_roll_y
+    _t3 = _front_left_roll_y + _front_right_roll_y
+    _vy_fit = 0.03 * (_t2 + _t3)
+    _omega_fit = 0.04805980776076896 * (_t3 - _t2) + 0.029903880384478464 * (_t0 - _t1)
+    _t4 = 0.28 * _omega_fit
+    _t5 = _vx_fit - _t4
+    _t6 = 0.12 * _front_left_roll_x - _t5
+    _t7 = 0.45 * _omega_fit
+    _t8 = _vy_fit + _t7
+    _t9 = 0.12 * _front_left_roll_y - _t8
+    _t10 = _vx_fit + _t4
+    _t11 = 0.12 * _front_right_roll_x - _t10
+    _t12 = 0.12 * _front_right_roll_y - _t8
+    _t13 = _t12 * _t12 + (_t11 * _t11 + (_t6 * _t6 + _t9 * _t9))
+    _t14 = 0.12 * _rear_left_roll_x - _t5
+    _t15 = _vy_fit - _t7
+    _t16 = 0.12 * _rear_left_roll_y - _t15
+    _t17 = 0.12 * _rear_right_roll_x - _t10
+    _t18 = _t17 * _t17 + (_t16 * _t16 + (_t14 * _t14 + _t13))
+    _t19 = 0.12 * _rear_right_roll_y - _t15
     return _shaped(
         [front_left_spin, front_left_steer, front_right_spin, front_right_steer, rear_left_spin, rear_left_steer, rear_right_spin, rear_right_steer],
         {
-            "vx": _t10,
-            "vy": _t13,
-            "omega": _t14,
-            "slip": np.sqrt(_t30 * _t30 + _t29),
+            "vx": _vx_fit,
+            "vy": _vy_fit,
+            "omega": _omega_fit,
+            "slip": np.sqrt(_t19 * _t19 + _t18),
         },
     )
 
@@ -225,21 +229,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -279,15 +283,17 @@ def dynamics(x, y, theta, front_left_steer, rear_right_steer, eta1, front_left_s
     _t4 = np.sin(front_left_steer)
     _t5 = _t4 * (eta1 * _t3)
     _t6 = _t2 + _t5
-    _t7 = _t3 * _t0 + 0.3111111111111111 * _t6
-    _t8 = np.cos(theta)
-    _t9 = 0.5 * _t6 + 0.6222222222222222 * (_t4 * (eta1 * _t1))
-    _t10 = np.sin(theta)
+    _vx_body = _t3 * _t0 + 0.3111111111111111 * _t6
+    _velocity_cos = np.cos(theta)
+    _vy_body = 0.5 * _t6 + 0.6222222222222222 * (_t4 * (eta1 * _t1))
+    _velocity_sin = np.sin(theta)
+    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _shaped(
         [x, y, theta, front_left_steer, rear_right_steer, eta1, front_left_steer_rate, rear_right_steer_rate],
         {
-            "x_rate": _t7 * _t8 - _t9 * _t10,
-            "y_rate": _t7 * _t10 + _t8 * _t9,
+            "x_rate": _t7,
+            "y_rate": _t8,
             "theta_rate": 1.1111111111111112 * (_t5 - _t2),
             "front_left.steer_rate": front_left_steer_rate,
             "rear_right.steer_rate": rear_right_steer_rate,

@@ -47,21 +47,22 @@ def inverse(vx, vy, omega, front_steer):
     _t5 = np.where(_t2 < 1e-20, _t1, _t3 * _t4)
     _t6 = np.rint(0.31830988617 * (_t5 - _t1))
     _t7 = np.where(np.signbit(vx), np.negative(_t2), _t2)
-    _t8 = np.where(np.mod(_t6, 2) == 1, np.negative(_t7), _t7)
-    _t9 = _t5 + (-3.141592653589793) * _t6
-    _t10 = np.where(1.614429558094755 < _t9, _t9 - 3.141592653589793, _t9)
-    _t11 = np.where(_t9 < (-1.614429558094755), _t9 + 3.141592653589793, _t10)
-    _t12 = np.clip(_t11, -1.0471975511965979, 1.0471975511965979)
-    _t13 = _t12 - _t9
-    _t14 = _t8 * np.sin(_t13)
-    _t15 = np.abs(vy)
+    _front_rim = np.where(np.mod(_t6, 2) == 1, np.negative(_t7), _t7)
+    _front_nearest = _t5 + (-3.141592653589793) * _t6
+    _t8 = np.where(1.614429558094755 < _front_nearest, _front_nearest - 3.141592653589793, _front_nearest)
+    _t9 = np.where(_front_nearest < (-1.614429558094755), _front_nearest + 3.141592653589793, _t8)
+    _front_target = np.clip(_t9, -1.0471975511965979, 1.0471975511965979)
+    _front_excess = _front_target - _front_nearest
+    _t10 = 2.9411764705882355 * (_front_rim * np.cos(_front_excess))
+    _t11 = _front_rim * np.sin(_front_excess)
+    _t12 = np.abs(vy)
     return _shaped(
         [vx, vy, omega, front_steer],
         {
             "rear.spin": 2.9411764705882355 * vx,
-            "front.spin": 2.9411764705882355 * (_t8 * np.cos(_t13)),
-            "front.steer": _t12,
-            "slip": np.sqrt(_t15 * _t15 + _t14 * _t14),
+            "front.spin": _t10,
+            "front.steer": _front_target,
+            "slip": np.sqrt(_t12 * _t12 + _t11 * _t11),
         },
     )
 
@@ -82,46 +83,47 @@ def forward(rear_spin, front_steer):
     front_steer = np.asarray(front_steer, dtype=np.float64)
     _t0 = np.sin(front_steer)
     _t1 = _t0 * _t0
-    _t2 = _t1 + 1.0
-    _t3 = np.cos(front_steer)
-    _t4 = _t3 * _t3
-    _t5 = _t4 + 1.0
-    _t6 = _t2 * _t5
-    _t7 = _t0 * _t3
-    _t8 = _t7 * _t7
-    _t9 = 1.21 * _t4
-    _t10 = _t9 + 1.21 * (_t2 * _t4)
-    _t11 = 1.0 / np.maximum(1e-12, _t10 + (_t6 - 2.21 * _t8))
-    _t12 = _t9 * rear_spin
-    _t13 = _t1 + 2.0
-    _t14 = _t13 + 2.21 * _t4
-    _t15 = 0.34 * rear_spin
-    _t16 = _t14 * (0.34 * (rear_spin - _t12 * _t11)) - _t2 * _t15
-    _t17 = 1.6528925619834711 * _t10 + (_t6 - 3.0 * _t8)
-    _t18 = _t13 + 3.0 * _t4
-    _t19 = 6.05e-07 * (_t18 * _t17)
-    _t20 = _t5 * _t7 - _t4 * _t7
-    _t21 = _t2 * _t9 + _t7 * ((-1.21) * _t20)
-    _t22 = 0.34 * (1.0 / np.maximum(_t21, 1e-12))
-    _t23 = np.where(_t19 < _t21, _t12 * _t22, _t11 * _t16)
-    _t24 = 1e-06 * (_t18 * _t18)
-    _t25 = np.where(_t24 < _t17, _t23, _t15 * (1.0 / np.maximum(1e-12, _t14)))
-    _t26 = _t7 * rear_spin
-    _t27 = np.where(_t19 < _t21, 0.0, _t11 * (0.34 * _t26))
-    _t28 = np.where(_t24 < _t17, _t27, 0.0)
-    _t29 = 1.1 * _t20 * rear_spin
-    _t30 = np.where(_t19 < _t21, _t22 * _t29, _t11 * (0.34 * (1.1 * _t26 - _t14 * (_t11 * _t29))))
-    _t31 = np.where(_t24 < _t17, _t30, 0.0)
-    _t32 = _t0 * _t25 + _t3 * ((-1.1) * _t31 - _t28)
-    _t33 = _t15 - _t25
-    _t34 = np.sqrt(_t32 * _t32 + (_t33 * _t33 + _t28 * _t28))
+    _n00 = _t1 + 1.0
+    _front_ry = np.cos(front_steer)
+    _t2 = _front_ry * _front_ry
+    _n11 = _t2 + 1.0
+    _t3 = _n00 * _n11
+    _t4 = _t0 * _front_ry
+    _t5 = _t4 * _t4
+    _adj00 = 1.21 * _t2
+    _t6 = _adj00 + 1.21 * (_n00 * _t2)
+    _over_c2 = 1.0 / np.maximum(1e-12, _t6 + (_t3 - 2.21 * _t5))
+    _t7 = _adj00 * rear_spin
+    _t8 = _t1 + 2.0
+    _c1 = _t8 + 2.21 * _t2
+    _t9 = 0.34 * rear_spin
+    _t10 = _c1 * (0.34 * (rear_spin - _t7 * _over_c2)) - _n00 * _t9
+    _size2 = 1.6528925619834711 * _t6 + (_t3 - 3.0 * _t5)
+    _size1 = _t8 + 3.0 * _t2
+    _edge3 = 6.05e-07 * (_size1 * _size2)
+    _t11 = _n11 * _t4 - _t2 * _t4
+    _det = _n00 * _adj00 + _t4 * ((-1.21) * _t11)
+    _t12 = 0.34 * (1.0 / np.maximum(_det, 1e-12))
+    _t13 = np.where(_edge3 < _det, _t7 * _t12, _over_c2 * _t10)
+    _edge2 = 1e-06 * (_size1 * _size1)
+    _vx_fit = np.where(_edge2 < _size2, _t13, _t9 * (1.0 / np.maximum(1e-12, _c1)))
+    _t14 = _t4 * rear_spin
+    _t15 = np.where(_edge3 < _det, 0.0, _over_c2 * (0.34 * _t14))
+    _vy_fit = np.where(_edge2 < _size2, _t15, 0.0)
+    _t16 = 1.1 * _t11 * rear_spin
+    _t17 = 0.34 * (1.1 * _t14 - _c1 * (_over_c2 * _t16))
+    _t18 = np.where(_edge3 < _det, _t12 * _t16, _over_c2 * _t17)
+    _omega_fit = np.where(_edge2 < _size2, _t18, 0.0)
+    _error_2 = _t0 * _vx_fit + _front_ry * ((-1.1) * _omega_fit - _vy_fit)
+    _error_0 = _t9 - _vx_fit
+    _t19 = _error_2 * _error_2 + (_error_0 * _error_0 + _vy_fit * _vy_fit)
     return _shaped(
         [rear_spin, front_steer],
         {
-            "vx": _t25,
-            "vy": _t28,
-            "omega": _t31,
-            "slip": _t34,
+            "vx": _vx_fit,
+            "vy": _vy_fit,
+            "omega": _omega_fit,
+            "slip": np.sqrt(_t19),
         },
     )
 
@@ -150,21 +152,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -192,14 +194,14 @@ def dynamics(x, y, theta, front_steer, eta1, front_steer_rate):
     front_steer = np.asarray(front_steer, dtype=np.float64)
     eta1 = np.asarray(eta1, dtype=np.float64)
     front_steer_rate = np.asarray(front_steer_rate, dtype=np.float64)
-    _t0 = eta1 * np.cos(front_steer)
-    _t1 = 0.9090909090909091 * (eta1 * np.sin(front_steer))
+    _vx_body = eta1 * np.cos(front_steer)
+    _omega_body = 0.9090909090909091 * (eta1 * np.sin(front_steer))
     return _shaped(
         [x, y, theta, front_steer, eta1, front_steer_rate],
         {
-            "x_rate": _t0 * np.cos(theta),
-            "y_rate": _t0 * np.sin(theta),
-            "theta_rate": _t1,
+            "x_rate": _vx_body * np.cos(theta),
+            "y_rate": _vx_body * np.sin(theta),
+            "theta_rate": _omega_body,
             "front.steer_rate": front_steer_rate,
         },
     )

@@ -47,36 +47,37 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer):
     front_left_steer = np.asarray(front_left_steer, dtype=np.float64)
     front_right_steer = np.asarray(front_right_steer, dtype=np.float64)
     _t0 = 0.4 * omega
-    _t1 = vx - _t0
-    _t2 = vx + _t0
-    _t3 = np.where(np.abs(_t1) < 1e-20, np.copysign(1e-20, _t1), _t1)
-    _t4 = np.clip(1.4 * (omega / _t3), -0.83909963117728, 0.83909963117728)
-    _t5 = 1.4 * omega
-    _t6 = 1.0 / np.sqrt(_t4 * _t4 + 1.0)
-    _t7 = 9.090909090909092 * ((_t1 + _t5 * _t4) * _t6)
-    _t8 = np.abs(_t5)
-    _t9 = np.clip(front_left_steer, -0.6981317007977318, 0.6981317007977318)
-    _t10 = np.where(np.abs(_t1) + _t8 < 2e-20, _t9, np.arctan(_t4))
-    _t11 = np.where(np.abs(_t2) < 1e-20, np.copysign(1e-20, _t2), _t2)
-    _t12 = np.clip(1.4 * (omega / _t11), -0.83909963117728, 0.83909963117728)
-    _t13 = 1.0 / np.sqrt(_t12 * _t12 + 1.0)
-    _t14 = 9.090909090909092 * ((_t2 + _t5 * _t12) * _t13)
-    _t15 = np.clip(front_right_steer, -0.6981317007977318, 0.6981317007977318)
-    _t16 = np.where(_t8 + np.abs(_t2) < 2e-20, _t15, np.arctan(_t12))
-    _t17 = _t6 * (_t5 - _t1 * _t4)
-    _t18 = _t13 * (_t5 - _t2 * _t12)
-    _t19 = np.abs(vy)
-    _t20 = _t19 * _t19 + 0.5 * (_t17 * _t17 + _t18 * _t18)
+    _front_left_p = vx - _t0
+    _front_right_p = vx + _t0
+    _t1 = np.where(np.abs(_front_left_p) < 1e-20, np.copysign(1e-20, _front_left_p), _front_left_p)
+    _front_left_t = np.clip(1.4 * (omega / _t1), -0.83909963117728, 0.83909963117728)
+    _t2 = 1.4 * omega
+    _front_left_scale = 1.0 / np.sqrt(_front_left_t * _front_left_t + 1.0)
+    _t3 = (_front_left_p + _t2 * _front_left_t) * _front_left_scale
+    _t4 = np.abs(_t2)
+    _t5 = np.clip(front_left_steer, -0.6981317007977318, 0.6981317007977318)
+    _t6 = np.where(np.abs(_front_left_p) + _t4 < 2e-20, _t5, np.arctan(_front_left_t))
+    _t7 = np.where(np.abs(_front_right_p) < 1e-20, np.copysign(1e-20, _front_right_p), _front_right_p)
+    _front_right_t = np.clip(1.4 * (omega / _t7), -0.83909963117728, 0.83909963117728)
+    _t8 = np.sqrt(_front_right_t * _front_right_t + 1.0)
+    _front_right_scale = 1.0 / _t8
+    _t9 = (_front_right_p + _t2 * _front_right_t) * _front_right_scale
+    _t10 = np.clip(front_right_steer, -0.6981317007977318, 0.6981317007977318)
+    _t11 = np.where(_t4 + np.abs(_front_right_p) < 2e-20, _t10, np.arctan(_front_right_t))
+    _t12 = _front_left_scale * (_t2 - _front_left_p * _front_left_t)
+    _t13 = _front_right_scale * (_t2 - _front_right_p * _front_right_t)
+    _t14 = np.abs(vy)
+    _t15 = _t14 * _t14 + 0.5 * (_t12 * _t12 + _t13 * _t13)
     return _shaped(
         [vx, vy, omega, front_left_steer, front_right_steer],
         {
-            "rear_left.spin": 9.090909090909092 * _t1,
-            "rear_right.spin": 9.090909090909092 * _t2,
-            "front_left.spin": _t7,
-            "front_left.steer": _t10,
-            "front_right.spin": _t14,
-            "front_right.steer": _t16,
-            "slip": np.sqrt(_t20),
+            "rear_left.spin": 9.090909090909092 * _front_left_p,
+            "rear_right.spin": 9.090909090909092 * _front_right_p,
+            "front_left.spin": 9.090909090909092 * _t3,
+            "front_left.steer": _t6,
+            "front_right.spin": 9.090909090909092 * _t9,
+            "front_right.steer": _t11,
+            "slip": np.sqrt(_t15),
         },
     )
 
@@ -99,43 +100,44 @@ def forward(rear_left_spin, rear_right_spin, front_left_steer, front_right_steer
     rear_right_spin = np.asarray(rear_right_spin, dtype=np.float64)
     front_left_steer = np.asarray(front_left_steer, dtype=np.float64)
     front_right_steer = np.asarray(front_right_steer, dtype=np.float64)
-    _t0 = np.cos(front_right_steer)
-    _t1 = np.sin(front_right_steer)
-    _t2 = 1.4 * _t0 - 0.4 * _t1
-    _t3 = np.sin(front_left_steer)
-    _t4 = np.cos(front_left_steer)
-    _t5 = 0.4 * _t3 + 1.4 * _t4
-    _t6 = _t2 * _t2 + (_t5 * _t5 + 0.32)
-    _t7 = _t0 * _t0 + (_t4 * _t4 + 2.0)
-    _t8 = _t4 * _t5 + _t0 * _t2
-    _t9 = _t7 * _t6 - _t8 * _t8
-    _t10 = 0.11 * (rear_left_spin + rear_right_spin)
-    _t11 = _t4 * _t3 + _t0 * _t1
-    _t12 = _t3 * _t5 + _t1 * _t2
-    _t13 = _t7 * _t12 - _t8 * _t11
-    _t14 = 0.044 * (rear_right_spin - rear_left_spin)
-    _t15 = _t6 * _t11 - _t8 * _t12
-    _t16 = _t1 * _t1 + (_t3 * _t3 + 2.0)
-    _t17 = np.maximum(_t9 * _t16 - _t11 * _t15 - _t12 * _t13, 0.64)
-    _t18 = 1.0 / _t17
-    _t19 = (_t9 * _t10 + _t13 * _t14) * _t18
-    _t20 = _t10 * _t15 + _t14 * (_t11 * _t12 - _t8 * _t16)
-    _t21 = _t18 * _t20
-    _t22 = _t10 * _t13 + _t14 * (_t7 * _t16 - _t11 * _t11)
-    _t23 = _t18 * _t22
-    _t24 = (-0.4) * _t23
-    _t25 = 0.11 * rear_left_spin - _t19 - _t24
-    _t26 = 0.11 * rear_right_spin + (_t24 - _t19)
-    _t27 = _t3 * _t19 - _t4 * _t21 - _t5 * _t23
-    _t28 = _t1 * _t19 - _t0 * _t21 - _t2 * _t23
-    _t29 = _t28 * _t28 + (_t27 * _t27 + (_t25 * _t25 + _t26 * _t26))
+    _front_right_ry = np.cos(front_right_steer)
+    _t0 = np.sin(front_right_steer)
+    _front_right_rw = 1.4 * _front_right_ry - 0.4 * _t0
+    _t1 = np.sin(front_left_steer)
+    _front_left_ry = np.cos(front_left_steer)
+    _front_left_rw = 0.4 * _t1 + 1.4 * _front_left_ry
+    _n22 = _front_right_rw * _front_right_rw + (_front_left_rw * _front_left_rw + 0.32)
+    _n11 = _front_right_ry * _front_right_ry + (_front_left_ry * _front_left_ry + 2.0)
+    _n12 = _front_left_ry * _front_left_rw + _front_right_ry * _front_right_rw
+    _adj00 = _n11 * _n22 - _n12 * _n12
+    _b0 = 0.11 * (rear_left_spin + rear_right_spin)
+    _t2 = _front_left_ry * _t1 + _front_right_ry * _t0
+    _t3 = _t1 * _front_left_rw + _t0 * _front_right_rw
+    _adj02 = _n11 * _t3 - _n12 * _t2
+    _b2 = 0.044 * (rear_right_spin - rear_left_spin)
+    _adj01 = _n22 * _t2 - _n12 * _t3
+    _n00 = _t0 * _t0 + (_t1 * _t1 + 2.0)
+    _t4 = np.maximum(_adj00 * _n00 - _t2 * _adj01 - _t3 * _adj02, 0.64)
+    _t5 = 1.0 / _t4
+    _vx_fit = (_adj00 * _b0 + _adj02 * _b2) * _t5
+    _p1 = _b0 * _adj01 + _b2 * (_t2 * _t3 - _n12 * _n00)
+    _vy_fit = _t5 * _p1
+    _p2 = _b0 * _adj02 + _b2 * (_n11 * _n00 - _t2 * _t2)
+    _omega_fit = _t5 * _p2
+    _t6 = (-0.4) * _omega_fit
+    _error_0 = 0.11 * rear_left_spin - _vx_fit - _t6
+    _error_2 = 0.11 * rear_right_spin + (_t6 - _vx_fit)
+    _error_4 = _t1 * _vx_fit - _front_left_ry * _vy_fit - _front_left_rw * _omega_fit
+    _t7 = _error_4 * _error_4 + (_error_0 * _error_0 + _error_2 * _error_2)
+    _error_5 = _t0 * _vx_fit - _front_right_ry * _vy_fit - _front_right_rw * _omega_fit
+    _t8 = 2.0 * (_vy_fit * _vy_fit) + (_error_5 * _error_5 + _t7)
     return _shaped(
         [rear_left_spin, rear_right_spin, front_left_steer, front_right_steer],
         {
-            "vx": _t19,
-            "vy": _t21,
-            "omega": _t23,
-            "slip": np.sqrt(2.0 * (_t21 * _t21) + _t29),
+            "vx": _vx_fit,
+            "vy": _vy_fit,
+            "omega": _omega_fit,
+            "slip": np.sqrt(_t8),
         },
     )
 
@@ -164,21 +166,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -207,12 +209,12 @@ def dynamics(x, y, theta, front_left_steer, eta1, front_left_steer_rate):
     eta1 = np.asarray(eta1, dtype=np.float64)
     front_left_steer_rate = np.asarray(front_left_steer_rate, dtype=np.float64)
     _t0 = eta1 * np.sin(front_left_steer)
-    _t1 = eta1 * np.cos(front_left_steer) + 0.2857142857142857 * _t0
+    _vx_body = eta1 * np.cos(front_left_steer) + 0.2857142857142857 * _t0
     return _shaped(
         [x, y, theta, front_left_steer, eta1, front_left_steer_rate],
         {
-            "x_rate": _t1 * np.cos(theta),
-            "y_rate": _t1 * np.sin(theta),
+            "x_rate": _vx_body * np.cos(theta),
+            "y_rate": _vx_body * np.sin(theta),
             "theta_rate": 0.7142857142857143 * _t0,
             "front_left.steer_rate": front_left_steer_rate,
         },
@@ -242,15 +244,15 @@ def posture(x, y, theta, front_steer, rear_speed, front_steer_rate):
     rear_speed = np.asarray(rear_speed, dtype=np.float64)
     front_steer_rate = np.asarray(front_steer_rate, dtype=np.float64)
     _t0 = np.cos(front_steer)
-    _t1 = np.where(np.abs(_t0) < 1e-09, np.copysign(1e-09, _t0), _t0)
-    _t2 = np.where(np.abs(_t0) < 1e-09, 0.0, 1.0 / _t1)
-    _t3 = 0.7142857142857143 * (rear_speed * (_t2 * np.sin(front_steer)))
+    _divisor1 = np.where(np.abs(_t0) < 1e-09, np.copysign(1e-09, _t0), _t0)
+    _over1 = np.where(np.abs(_t0) < 1e-09, 0.0, 1.0 / _divisor1)
+    _body_z = 0.7142857142857143 * (rear_speed * (_over1 * np.sin(front_steer)))
     return _shaped(
         [x, y, theta, front_steer, rear_speed, front_steer_rate],
         {
             "x_rate": rear_speed * np.cos(theta),
             "y_rate": rear_speed * np.sin(theta),
-            "theta_rate": _t3,
+            "theta_rate": _body_z,
             "front.steer_rate": front_steer_rate,
         },
     )
@@ -287,24 +289,25 @@ def trailer(x, y, theta, front_steer, trailer1_theta, trailer2_theta, rear_speed
     rear_speed = np.asarray(rear_speed, dtype=np.float64)
     front_steer_rate = np.asarray(front_steer_rate, dtype=np.float64)
     _t0 = np.cos(front_steer)
-    _t1 = np.where(np.abs(_t0) < 1e-09, np.copysign(1e-09, _t0), _t0)
-    _t2 = np.where(np.abs(_t0) < 1e-09, 0.0, 1.0 / _t1)
-    _t3 = 0.7142857142857143 * (rear_speed * (_t2 * np.sin(front_steer)))
-    _t4 = theta - trailer1_theta
-    _t5 = rear_speed * np.cos(_t4)
-    _t6 = 0.9090909090909091 * (rear_speed * np.sin(_t4))
-    _t7 = trailer1_theta - trailer2_theta
+    _divisor1 = np.where(np.abs(_t0) < 1e-09, np.copysign(1e-09, _t0), _t0)
+    _over1 = np.where(np.abs(_t0) < 1e-09, 0.0, 1.0 / _divisor1)
+    _body_z = 0.7142857142857143 * (rear_speed * (_over1 * np.sin(front_steer)))
+    _t1 = theta - trailer1_theta
+    _trailer1_pull_x = rear_speed * np.cos(_t1)
+    _trailer1_turn = 0.9090909090909091 * (rear_speed * np.sin(_t1))
+    _t2 = trailer1_theta - trailer2_theta
+    _trailer2_turn = 1.1111111111111112 * (_trailer1_pull_x * np.sin(_t2))
     return _shaped(
         [x, y, theta, front_steer, trailer1_theta, trailer2_theta, rear_speed, front_steer_rate],
         {
             "x_rate": rear_speed * np.cos(theta),
             "y_rate": rear_speed * np.sin(theta),
-            "theta_rate": _t3,
+            "theta_rate": _body_z,
             "front.steer_rate": front_steer_rate,
-            "trailer1.theta_rate": _t6,
-            "trailer2.theta_rate": 1.1111111111111112 * (_t5 * np.sin(_t7)),
-            "trailer1.speed": _t5,
-            "trailer2.speed": _t5 * np.cos(_t7),
+            "trailer1.theta_rate": _trailer1_turn,
+            "trailer2.theta_rate": _trailer2_turn,
+            "trailer1.speed": _trailer1_pull_x,
+            "trailer2.speed": _trailer1_pull_x * np.cos(_t2),
         },
     )
 

@@ -47,44 +47,44 @@ def inverse(vx, vy, omega, fl_steer, b_steer, fr_steer):
     fl_steer = np.asarray(fl_steer, dtype=np.float64)
     b_steer = np.asarray(b_steer, dtype=np.float64)
     fr_steer = np.asarray(fr_steer, dtype=np.float64)
-    _t0 = vx + (-0.21515) * omega
-    _t1 = vy + 0.12422 * omega
-    _t2 = _t1 * _t1
-    _t3 = np.sqrt(_t0 * _t0 + _t2)
-    _t4 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
-    _t5 = np.arctan(_t1 / (np.maximum(_t3, 1e-20) + np.abs(_t0)))
-    _t6 = np.where(_t3 < 1e-20, fl_steer, _t4 * _t5)
-    _t7 = np.rint(0.31830988617 * (_t6 - fl_steer))
-    _t8 = _t3 * 13.333333333333334
-    _t9 = np.where(np.signbit(_t0), np.negative(_t8), _t8)
-    _t10 = np.where(np.mod(_t7, 2) == 1, np.negative(_t9), _t9)
-    _t11 = vy + (-0.24844) * omega
-    _t12 = np.sqrt(vx * vx + _t11 * _t11)
-    _t13 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
-    _t14 = _t11 / (np.maximum(_t12, 1e-20) + np.abs(vx))
-    _t15 = np.where(_t12 < 1e-20, b_steer, _t13 * np.arctan(_t14))
-    _t16 = np.rint(0.31830988617 * (_t15 - b_steer))
-    _t17 = _t12 * 13.333333333333334
-    _t18 = np.where(np.signbit(vx), np.negative(_t17), _t17)
-    _t19 = np.where(np.mod(_t16, 2) == 1, np.negative(_t18), _t18)
-    _t20 = vx + 0.21515 * omega
-    _t21 = np.sqrt(_t20 * _t20 + _t2)
-    _t22 = np.where(np.signbit(_t20), np.negative(2.0), 2.0)
-    _t23 = _t1 / (np.maximum(_t21, 1e-20) + np.abs(_t20))
-    _t24 = np.where(_t21 < 1e-20, fr_steer, _t22 * np.arctan(_t23))
-    _t25 = np.rint(0.31830988617 * (_t24 - fr_steer))
-    _t26 = _t21 * 13.333333333333334
-    _t27 = np.where(np.signbit(_t20), np.negative(_t26), _t26)
-    _t28 = np.where(np.mod(_t25, 2) == 1, np.negative(_t27), _t27)
+    _fl_x = vx + (-0.21515) * omega
+    _fl_y = vy + 0.12422 * omega
+    _t0 = _fl_y * _fl_y
+    _t1 = np.sqrt(_fl_x * _fl_x + _t0)
+    _t2 = np.where(np.signbit(_fl_x), np.negative(2.0), 2.0)
+    _t3 = _fl_y / (np.maximum(_t1, 1e-20) + np.abs(_fl_x))
+    _t4 = np.where(_t1 < 1e-20, fl_steer, _t2 * np.arctan(_t3))
+    _t5 = np.rint(0.31830988617 * (_t4 - fl_steer))
+    _t6 = _t1 * 13.333333333333334
+    _t7 = np.where(np.signbit(_fl_x), np.negative(_t6), _t6)
+    _fl_spin = np.where(np.mod(_t5, 2) == 1, np.negative(_t7), _t7)
+    _b_y = vy + (-0.24844) * omega
+    _t8 = np.sqrt(vx * vx + _b_y * _b_y)
+    _t9 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
+    _t10 = np.arctan(_b_y / (np.maximum(_t8, 1e-20) + np.abs(vx)))
+    _t11 = np.where(_t8 < 1e-20, b_steer, _t9 * _t10)
+    _t12 = np.rint(0.31830988617 * (_t11 - b_steer))
+    _t13 = _t8 * 13.333333333333334
+    _t14 = np.where(np.signbit(vx), np.negative(_t13), _t13)
+    _b_spin = np.where(np.mod(_t12, 2) == 1, np.negative(_t14), _t14)
+    _fr_x = vx + 0.21515 * omega
+    _t15 = np.sqrt(_fr_x * _fr_x + _t0)
+    _t16 = np.where(np.signbit(_fr_x), np.negative(2.0), 2.0)
+    _t17 = _fl_y / (np.maximum(_t15, 1e-20) + np.abs(_fr_x))
+    _t18 = np.where(_t15 < 1e-20, fr_steer, _t16 * np.arctan(_t17))
+    _t19 = np.rint(0.31830988617 * (_t18 - fr_steer))
+    _t20 = _t15 * 13.333333333333334
+    _t21 = np.where(np.signbit(_fr_x), np.negative(_t20), _t20)
+    _fr_spin = np.where(np.mod(_t19, 2) == 1, np.negative(_t21), _t21)
     return _shaped(
         [vx, vy, omega, fl_steer, b_steer, fr_steer],
         {
-            "fl.spin": _t10,
-            "fl.steer": _t6 + (-3.141592653589793) * _t7,
-            "b.spin": _t19,
-            "b.steer": _t15 + (-3.141592653589793) * _t16,
-            "fr.spin": _t28,
-            "fr.steer": _t24 + (-3.141592653589793) * _t25,
+            "fl.spin": _fl_spin,
+            "fl.steer": _t4 + (-3.141592653589793) * _t5,
+            "b.spin": _b_spin,
+            "b.steer": _t11 + (-3.141592653589793) * _t12,
+            "fr.spin": _fr_spin,
+            "fr.steer": _t18 + (-3.141592653589793) * _t19,
             "slip": 0.0,
         },
     )
@@ -112,33 +112,33 @@ def forward(fl_spin, fl_steer, b_spin, b_steer, fr_spin, fr_steer):
     b_steer = np.asarray(b_steer, dtype=np.float64)
     fr_spin = np.asarray(fr_spin, dtype=np.float64)
     fr_steer = np.asarray(fr_steer, dtype=np.float64)
-    _t0 = fl_spin * np.cos(fl_steer)
-    _t1 = fl_spin * np.sin(fl_steer)
-    _t2 = b_spin * np.cos(b_steer)
-    _t3 = b_spin * np.sin(b_steer)
-    _t4 = fr_spin * np.cos(fr_steer)
-    _t5 = fr_spin * np.sin(fr_steer)
-    _t6 = 0.025 * (_t4 + (_t0 + _t2))
-    _t7 = _t1 + _t5
-    _t8 = 0.025 * (_t3 + _t7)
-    _t9 = 0.08714633347252516 * (_t4 - _t0) - 0.10063042104538299 * _t3
-    _t10 = 0.05031521052269149 * _t7 + _t9
-    _t11 = (-0.21515) * _t10
-    _t12 = 0.075 * _t0 - _t6 - _t11
-    _t13 = _t8 + 0.12422 * _t10
-    _t14 = 0.075 * _t1 - _t13
-    _t15 = 0.075 * _t2 - _t6
-    _t16 = 0.24844 * _t10 + (0.075 * _t3 - _t8)
-    _t17 = _t16 * _t16 + (_t15 * _t15 + (_t12 * _t12 + _t14 * _t14))
-    _t18 = 0.075 * _t4 + (_t11 - _t6)
-    _t19 = 0.075 * _t5 - _t13
+    _fl_roll_x = fl_spin * np.cos(fl_steer)
+    _fl_roll_y = fl_spin * np.sin(fl_steer)
+    _b_roll_x = b_spin * np.cos(b_steer)
+    _b_roll_y = b_spin * np.sin(b_steer)
+    _fr_roll_x = fr_spin * np.cos(fr_steer)
+    _fr_roll_y = fr_spin * np.sin(fr_steer)
+    _vx_fit = 0.025 * (_fr_roll_x + (_fl_roll_x + _b_roll_x))
+    _t0 = _fl_roll_y + _fr_roll_y
+    _vy_fit = 0.025 * (_b_roll_y + _t0)
+    _t1 = 0.08714633347252516 * (_fr_roll_x - _fl_roll_x)
+    _omega_fit = 0.05031521052269149 * _t0 + (_t1 - 0.10063042104538299 * _b_roll_y)
+    _t2 = (-0.21515) * _omega_fit
+    _t3 = 0.075 * _fl_roll_x - _vx_fit - _t2
+    _t4 = _vy_fit + 0.12422 * _omega_fit
+    _t5 = 0.075 * _fl_roll_y - _t4
+    _t6 = 0.075 * _b_roll_x - _vx_fit
+    _t7 = 0.24844 * _omega_fit + (0.075 * _b_roll_y - _vy_fit)
+    _t8 = _t7 * _t7 + (_t6 * _t6 + (_t3 * _t3 + _t5 * _t5))
+    _t9 = 0.075 * _fr_roll_x + (_t2 - _vx_fit)
+    _t10 = 0.075 * _fr_roll_y - _t4
     return _shaped(
         [fl_spin, fl_steer, b_spin, b_steer, fr_spin, fr_steer],
         {
-            "vx": _t6,
-            "vy": _t8,
-            "omega": _t10,
-            "slip": np.sqrt(_t19 * _t19 + (_t18 * _t18 + _t17)),
+            "vx": _vx_fit,
+            "vy": _vy_fit,
+            "omega": _omega_fit,
+            "slip": np.sqrt(_t10 * _t10 + (_t9 * _t9 + _t8)),
         },
     )
 
@@ -167,21 +167,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -218,19 +218,21 @@ def dynamics(x, y, theta, fl_steer, b_steer, eta1, fl_steer_rate, b_steer_rate):
     _t1 = np.cos(fl_steer)
     _t2 = np.sin(fl_steer)
     _t3 = _t0 * _t2
-    _t4 = _t1 * _t0 + 0.5773359094080395 * _t3
-    _t5 = np.cos(theta)
-    _t6 = np.sin(b_steer)
-    _t7 = _t6 * (eta1 * _t1)
-    _t8 = 0.5773646293283755 * _t7 + (_t6 * (eta1 * _t2) + 1.154729258656751 * _t3)
-    _t9 = 0.5773359094080395 * _t8
-    _t10 = np.sin(theta)
+    _vx_body = _t1 * _t0 + 0.5773359094080395 * _t3
+    _velocity_cos = np.cos(theta)
+    _t4 = np.sin(b_steer)
+    _t5 = _t4 * (eta1 * _t1)
+    _t6 = 0.5773646293283755 * _t5 + (_t4 * (eta1 * _t2) + 1.154729258656751 * _t3)
+    _vy_body = 0.5773359094080395 * _t6
+    _velocity_sin = np.sin(theta)
+    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _shaped(
         [x, y, theta, fl_steer, b_steer, eta1, fl_steer_rate, b_steer_rate],
         {
-            "x_rate": _t4 * _t5 - _t9 * _t10,
-            "y_rate": _t4 * _t10 + _t5 * _t9,
-            "theta_rate": 2.683411152256749 * (_t3 - _t7),
+            "x_rate": _t7,
+            "y_rate": _t8,
+            "theta_rate": 2.683411152256749 * (_t3 - _t5),
             "fl.steer_rate": fl_steer_rate,
             "b.steer_rate": b_steer_rate,
         },

@@ -79,24 +79,25 @@ def forward(front_left_spin, front_right_spin, rear_left_spin, rear_right_spin):
     rear_right_spin = np.asarray(rear_right_spin, dtype=np.float64)
     _t0 = front_right_spin + rear_right_spin
     _t1 = front_left_spin + rear_left_spin
-    _t2 = 0.041275 * (_t0 + _t1)
-    _t3 = _t0 - _t1
-    _t4 = 0.08035380737991718 * _t3
-    _t5 = 0.022298181547927017 * _t3
-    _t6 = _t2 - _t5
-    _t7 = 0.1651 * front_left_spin - _t6
-    _t8 = _t2 + _t5
-    _t9 = 0.1651 * front_right_spin - _t8
-    _t10 = 0.1651 * rear_left_spin - _t6
-    _t11 = 0.1651 * rear_right_spin - _t8
-    _t12 = _t11 * _t11 + (_t10 * _t10 + (_t7 * _t7 + _t9 * _t9))
+    _vx_fit = 0.041275 * (_t0 + _t1)
+    _t2 = _t0 - _t1
+    _omega_fit = 0.08035380737991718 * _t2
+    _t3 = 0.022298181547927017 * _t2
+    _t4 = _vx_fit - _t3
+    _t5 = 0.1651 * front_left_spin - _t4
+    _t6 = _vx_fit + _t3
+    _t7 = 0.1651 * front_right_spin - _t6
+    _t8 = 0.1651 * rear_left_spin - _t4
+    _t9 = 0.1651 * rear_right_spin - _t6
+    _t10 = _t9 * _t9 + (_t8 * _t8 + (_t5 * _t5 + _t7 * _t7))
+    _t11 = np.sqrt(0.262144 * (_omega_fit * _omega_fit) + _t10)
     return _shaped(
         [front_left_spin, front_right_spin, rear_left_spin, rear_right_spin],
         {
-            "vx": _t2,
+            "vx": _vx_fit,
             "vy": 0.0,
-            "omega": _t4,
-            "slip": np.sqrt(0.262144 * (_t4 * _t4) + _t12),
+            "omega": _omega_fit,
+            "slip": _t11,
         },
     )
 
@@ -125,21 +126,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )

@@ -39,21 +39,22 @@ def inverse(vx, vy, omega, front_steer):
     vy = np.asarray(vy, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
     front_steer = np.asarray(front_steer, dtype=np.float64)
-    _t0 = 0.3302 * omega
-    _t1 = np.where(np.abs(vx) < 1e-20, np.copysign(1e-20, vx), vx)
-    _t2 = np.clip(_t0 / _t1, -0.44522868530853615, 0.44522868530853615)
-    _t3 = 1.0 / np.sqrt(_t2 * _t2 + 1.0)
-    _t4 = np.clip(front_steer, -0.4188790204786391, 0.4188790204786391)
-    _t5 = np.where(np.abs(vx) + np.abs(_t0) < 2e-20, _t4, np.arctan(_t2))
-    _t6 = _t3 * (_t0 - vx * _t2)
-    _t7 = np.abs(vy - 0.17145 * omega)
+    _front_q = 0.3302 * omega
+    _t0 = np.where(np.abs(vx) < 1e-20, np.copysign(1e-20, vx), vx)
+    _front_t = np.clip(_front_q / _t0, -0.44522868530853615, 0.44522868530853615)
+    _front_scale = 1.0 / np.sqrt(_front_t * _front_t + 1.0)
+    _t1 = 20.0 * ((vx + _front_q * _front_t) * _front_scale)
+    _t2 = np.clip(front_steer, -0.4188790204786391, 0.4188790204786391)
+    _t3 = np.where(np.abs(vx) + np.abs(_front_q) < 2e-20, _t2, np.arctan(_front_t))
+    _t4 = _front_scale * (_front_q - vx * _front_t)
+    _t5 = np.abs(vy - 0.17145 * omega)
     return _shaped(
         [vx, vy, omega, front_steer],
         {
-            "front.spin": 20.0 * ((vx + _t0 * _t2) * _t3),
-            "front.steer": _t5,
+            "front.spin": _t1,
+            "front.steer": _t3,
             "rear.spin": 20.0 * vx,
-            "slip": np.sqrt(_t7 * _t7 + _t6 * _t6),
+            "slip": np.sqrt(_t5 * _t5 + _t4 * _t4),
         },
     )
 
@@ -73,53 +74,54 @@ def forward(front_steer, rear_spin):
     front_steer = np.asarray(front_steer, dtype=np.float64)
     rear_spin = np.asarray(rear_spin, dtype=np.float64)
     _t0 = np.sin(front_steer)
-    _t1 = _t0 * _t0 + 1.0
-    _t2 = np.cos(front_steer)
+    _n00 = _t0 * _t0 + 1.0
+    _front_ry = np.cos(front_steer)
+    _t1 = _front_ry * _front_ry
+    _n11 = _t1 + 1.0
+    _t2 = _t0 * _front_ry
     _t3 = _t2 * _t2
-    _t4 = _t3 + 1.0
-    _t5 = _t0 * _t2
-    _t6 = _t5 * _t5
-    _t7 = _t1 * _t4 - _t6
-    _t8 = 0.0252015625 * _t3 + 0.0293951025
-    _t9 = 0.15875 * _t3 - 0.17145
-    _t10 = _t4 * _t8 - _t9 * _t9
-    _t11 = _t10 + (_t1 * _t8 - 0.0252015625 * _t6)
-    _t12 = 1.0 / np.maximum(1e-12, _t7 + _t11)
-    _t13 = _t10 * rear_spin
-    _t14 = _t1 + _t4
-    _t15 = _t14 + _t8
-    _t16 = 0.05 * rear_spin
-    _t17 = _t15 * (0.05 * (rear_spin - _t13 * _t12)) - _t1 * _t16
-    _t18 = _t7 + 36.63227415081123 * _t11
-    _t19 = _t14 + 36.63227415081123 * _t8
-    _t20 = 2.72983325e-08 * (_t19 * _t18)
-    _t21 = _t9 * _t5
-    _t22 = 0.15875 * (_t4 * _t5) - _t21
-    _t23 = _t8 * _t5 - 0.15875 * _t21
-    _t24 = _t1 * _t10 + _t5 * ((-0.15875) * _t22 - _t23)
-    _t25 = 0.05 * (1.0 / np.maximum(_t24, 1e-12))
-    _t26 = np.where(_t20 < _t24, _t13 * _t25, _t12 * _t17)
-    _t27 = 1e-06 * (_t19 * _t19)
-    _t28 = np.where(_t27 < _t18, _t26, _t16 * (1.0 / np.maximum(1e-12, _t15)))
-    _t29 = _t23 * rear_spin
-    _t30 = _t5 * rear_spin
-    _t31 = np.where(_t20 < _t24, _t25 * _t29, _t12 * (0.05 * (_t30 - _t15 * (_t12 * _t29))))
-    _t32 = np.where(_t27 < _t18, _t31, 0.0)
-    _t33 = _t22 * rear_spin
-    _t34 = 0.05 * (0.15875 * _t30 - _t15 * (_t12 * _t33))
-    _t35 = np.where(_t20 < _t24, _t25 * _t33, _t12 * _t34)
-    _t36 = np.where(_t27 < _t18, _t35, 0.0)
-    _t37 = _t0 * _t28 + _t2 * ((-0.15875) * _t36 - _t32)
-    _t38 = 0.17145 * _t36 - _t32
-    _t39 = _t16 - _t28
-    _t40 = np.sqrt(_t37 * _t37 + (_t39 * _t39 + _t38 * _t38))
+    _adj22 = _n00 * _n11 - _t3
+    _n22 = 0.0252015625 * _t1 + 0.0293951025
+    _n12 = 0.15875 * _t1 - 0.17145
+    _adj00 = _n11 * _n22 - _n12 * _n12
+    _t4 = _adj00 + (_n00 * _n22 - 0.0252015625 * _t3)
+    _over_c2 = 1.0 / np.maximum(1e-12, _adj22 + _t4)
+    _t5 = _adj00 * rear_spin
+    _t6 = _n00 + _n11
+    _c1 = _t6 + _n22
+    _t7 = 0.05 * rear_spin
+    _t8 = _c1 * (0.05 * (rear_spin - _t5 * _over_c2)) - _n00 * _t7
+    _size2 = _adj22 + 36.63227415081123 * _t4
+    _size1 = _t6 + 36.63227415081123 * _n22
+    _edge3 = 2.72983325e-08 * (_size1 * _size2)
+    _t9 = _n12 * _t2
+    _adj02 = 0.15875 * (_n11 * _t2) - _t9
+    _adj01 = _n22 * _t2 - 0.15875 * _t9
+    _det = _n00 * _adj00 + _t2 * ((-0.15875) * _adj02 - _adj01)
+    _t10 = 0.05 * (1.0 / np.maximum(_det, 1e-12))
+    _t11 = np.where(_edge3 < _det, _t5 * _t10, _over_c2 * _t8)
+    _edge2 = 1e-06 * (_size1 * _size1)
+    _vx_fit = np.where(_edge2 < _size2, _t11, _t7 * (1.0 / np.maximum(1e-12, _c1)))
+    _t12 = _adj01 * rear_spin
+    _t13 = _t2 * rear_spin
+    _t14 = np.where(_edge3 < _det, _t10 * _t12, _over_c2 * (0.05 * (_t13 - _c1 * (_over_c2 * _t12))))
+    _vy_fit = np.where(_edge2 < _size2, _t14, 0.0)
+    _t15 = _adj02 * rear_spin
+    _t16 = 0.05 * (0.15875 * _t13 - _c1 * (_over_c2 * _t15))
+    _t17 = np.where(_edge3 < _det, _t10 * _t15, _over_c2 * _t16)
+    _omega_fit = np.where(_edge2 < _size2, _t17, 0.0)
+    _t18 = _front_ry * ((-0.15875) * _omega_fit - _vy_fit)
+    _error_2 = _t0 * _vx_fit + _t18
+    _error_1 = 0.17145 * _omega_fit - _vy_fit
+    _error_0 = _t7 - _vx_fit
+    _t19 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
     return _shaped(
         [front_steer, rear_spin],
         {
-            "vx": _t28,
-            "vy": _t32,
-            "omega": _t36,
-            "slip": _t40,
+            "vx": _vx_fit,
+            "vy": _vy_fit,
+            "omega": _omega_fit,
+            "slip": np.sqrt(_t19),
         },
     )
 
@@ -148,21 +150,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -190,17 +192,19 @@ def dynamics(x, y, theta, front_steer, eta1, front_steer_rate):
     front_steer = np.asarray(front_steer, dtype=np.float64)
     eta1 = np.asarray(eta1, dtype=np.float64)
     front_steer_rate = np.asarray(front_steer_rate, dtype=np.float64)
-    _t0 = eta1 * np.cos(front_steer)
-    _t1 = np.cos(theta)
-    _t2 = eta1 * np.sin(front_steer)
-    _t3 = 0.5192307692307693 * _t2
-    _t4 = np.sin(theta)
+    _vx_body = eta1 * np.cos(front_steer)
+    _velocity_cos = np.cos(theta)
+    _t0 = eta1 * np.sin(front_steer)
+    _t1 = 0.5192307692307693 * _t0
+    _velocity_sin = np.sin(theta)
+    _t2 = _vx_body * _velocity_cos - _velocity_sin * _t1
+    _t3 = _vx_body * _velocity_sin + _velocity_cos * _t1
     return _shaped(
         [x, y, theta, front_steer, eta1, front_steer_rate],
         {
-            "x_rate": _t0 * _t1 - _t4 * _t3,
-            "y_rate": _t0 * _t4 + _t1 * _t3,
-            "theta_rate": 3.0284675953967293 * _t2,
+            "x_rate": _t2,
+            "y_rate": _t3,
+            "theta_rate": 3.0284675953967293 * _t0,
             "front.steer_rate": front_steer_rate,
         },
     )
@@ -222,13 +226,13 @@ def limit_twist(vx, vy, omega):
     vy = np.asarray(vy, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
     _t0 = np.maximum(0.05 * np.abs(vy), np.maximum(0.05 * np.abs(vx), 1.0))
-    _t1 = 1.0 / np.maximum(0.1 * np.abs(omega), _t0)
+    _scale = 1.0 / np.maximum(0.1 * np.abs(omega), _t0)
     return _shaped(
         [vx, vy, omega],
         {
-            "vx": np.clip(vx * _t1, -20.0, 20.0),
-            "vy": np.clip(vy * _t1, -20.0, 20.0),
-            "omega": np.clip(omega * _t1, -10.0, 10.0),
+            "vx": np.clip(vx * _scale, -20.0, 20.0),
+            "vy": np.clip(vy * _scale, -20.0, 20.0),
+            "omega": np.clip(omega * _scale, -10.0, 10.0),
         },
     )
 
@@ -256,20 +260,20 @@ def limit_acceleration(vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt):
     vy_wanted = np.asarray(vy_wanted, dtype=np.float64)
     omega_wanted = np.asarray(omega_wanted, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
-    _t0 = vx_wanted - vx
-    _t1 = vy_wanted - vy
-    _t2 = np.maximum(0.10515247108307045 * np.abs(_t0), 0.10515247108307045 * np.abs(_t1))
-    _t3 = np.maximum(dt, 0.0)
-    _t4 = 0.9999995231628418 * (_t3 / np.maximum(_t2, 1e-20))
-    _t5 = np.where(_t3 < _t2, vx + _t0 * _t4, vx_wanted)
-    _t6 = np.where(_t3 < _t2, vy + _t1 * _t4, vy_wanted)
-    _t7 = np.where(_t3 < _t2, omega + _t4 * (omega_wanted - omega), omega_wanted)
+    _vx_change = vx_wanted - vx
+    _vy_change = vy_wanted - vy
+    _time = np.maximum(0.10515247108307045 * np.abs(_vx_change), 0.10515247108307045 * np.abs(_vy_change))
+    _step = np.maximum(dt, 0.0)
+    _t0 = 0.9999995231628418 * (_step / np.maximum(_time, 1e-20))
+    _t1 = np.where(_step < _time, vx + _vx_change * _t0, vx_wanted)
+    _t2 = np.where(_step < _time, vy + _vy_change * _t0, vy_wanted)
+    _t3 = np.where(_step < _time, omega + _t0 * (omega_wanted - omega), omega_wanted)
     return _shaped(
         [vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt],
         {
-            "vx": _t5,
-            "vy": _t6,
-            "omega": _t7,
+            "vx": _t1,
+            "vy": _t2,
+            "omega": _t3,
         },
     )
 

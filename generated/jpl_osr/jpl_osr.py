@@ -57,61 +57,61 @@ def inverse(vx, vy, omega, left_front_steer, right_front_steer, left_back_steer,
     left_back_steer = np.asarray(left_back_steer, dtype=np.float64)
     right_back_steer = np.asarray(right_back_steer, dtype=np.float64)
     _t0 = 0.177 * omega
-    _t1 = vx - _t0
-    _t2 = 0.274 * omega
+    _left_front_x = vx - _t0
+    _t1 = 0.274 * omega
+    _t2 = _left_front_x * _left_front_x
     _t3 = _t1 * _t1
-    _t4 = _t2 * _t2
-    _t5 = np.sqrt(_t3 + _t4)
-    _t6 = np.where(np.signbit(_t1), np.negative(2.0), 2.0)
-    _t7 = np.abs(_t1)
-    _t8 = np.arctan(_t2 / (np.maximum(_t5, 1e-20) + _t7))
-    _t9 = np.where(_t5 < 1e-20, left_front_steer, _t6 * _t8)
-    _t10 = np.rint(0.31830988617 * (_t9 - left_front_steer))
-    _t11 = _t5 * 13.333333333333334
-    _t12 = np.where(np.signbit(_t1), np.negative(_t11), _t11)
-    _t13 = np.where(np.mod(_t10, 2) == 1, np.negative(_t12), _t12)
-    _t14 = vx + _t0
-    _t15 = _t14 * _t14
-    _t16 = np.sqrt(_t15 + _t4)
-    _t17 = np.where(np.signbit(_t14), np.negative(2.0), 2.0)
-    _t18 = np.abs(_t14)
-    _t19 = np.arctan(_t2 / (np.maximum(_t16, 1e-20) + _t18))
-    _t20 = np.where(_t16 < 1e-20, right_front_steer, _t17 * _t19)
-    _t21 = np.rint(0.31830988617 * (_t20 - right_front_steer))
-    _t22 = _t16 * 13.333333333333334
-    _t23 = np.where(np.signbit(_t14), np.negative(_t22), _t22)
-    _t24 = np.where(np.mod(_t21, 2) == 1, np.negative(_t23), _t23)
-    _t25 = (-0.31) * omega
-    _t26 = _t25 * _t25
-    _t27 = np.sqrt(_t3 + _t26)
-    _t28 = np.arctan(_t25 / (np.maximum(_t27, 1e-20) + _t7))
-    _t29 = np.where(_t27 < 1e-20, left_back_steer, _t6 * _t28)
-    _t30 = np.rint(0.31830988617 * (_t29 - left_back_steer))
-    _t31 = _t27 * 13.333333333333334
-    _t32 = np.where(np.signbit(_t1), np.negative(_t31), _t31)
-    _t33 = np.where(np.mod(_t30, 2) == 1, np.negative(_t32), _t32)
-    _t34 = np.sqrt(_t15 + _t26)
-    _t35 = np.arctan(_t25 / (np.maximum(_t34, 1e-20) + _t18))
-    _t36 = np.where(_t34 < 1e-20, right_back_steer, _t17 * _t35)
-    _t37 = np.rint(0.31830988617 * (_t36 - right_back_steer))
-    _t38 = _t34 * 13.333333333333334
-    _t39 = np.where(np.signbit(_t14), np.negative(_t38), _t38)
-    _t40 = np.where(np.mod(_t37, 2) == 1, np.negative(_t39), _t39)
-    _t41 = 13.333333333333334 * vx
-    _t42 = 3.3733333333333335 * omega
+    _t4 = np.sqrt(_t2 + _t3)
+    _t5 = np.where(np.signbit(_left_front_x), np.negative(2.0), 2.0)
+    _t6 = np.abs(_left_front_x)
+    _t7 = np.arctan(_t1 / (np.maximum(_t4, 1e-20) + _t6))
+    _t8 = np.where(_t4 < 1e-20, left_front_steer, _t5 * _t7)
+    _t9 = np.rint(0.31830988617 * (_t8 - left_front_steer))
+    _t10 = _t4 * 13.333333333333334
+    _t11 = np.where(np.signbit(_left_front_x), np.negative(_t10), _t10)
+    _left_front_spin = np.where(np.mod(_t9, 2) == 1, np.negative(_t11), _t11)
+    _right_front_x = vx + _t0
+    _t12 = _right_front_x * _right_front_x
+    _t13 = np.sqrt(_t12 + _t3)
+    _t14 = np.where(np.signbit(_right_front_x), np.negative(2.0), 2.0)
+    _t15 = np.abs(_right_front_x)
+    _t16 = np.arctan(_t1 / (np.maximum(_t13, 1e-20) + _t15))
+    _t17 = np.where(_t13 < 1e-20, right_front_steer, _t14 * _t16)
+    _t18 = np.rint(0.31830988617 * (_t17 - right_front_steer))
+    _t19 = _t13 * 13.333333333333334
+    _t20 = np.where(np.signbit(_right_front_x), np.negative(_t19), _t19)
+    _right_front_spin = np.where(np.mod(_t18, 2) == 1, np.negative(_t20), _t20)
+    _t21 = (-0.31) * omega
+    _t22 = _t21 * _t21
+    _t23 = np.sqrt(_t2 + _t22)
+    _t24 = np.arctan(_t21 / (np.maximum(_t23, 1e-20) + _t6))
+    _t25 = np.where(_t23 < 1e-20, left_back_steer, _t5 * _t24)
+    _t26 = np.rint(0.31830988617 * (_t25 - left_back_steer))
+    _t27 = _t23 * 13.333333333333334
+    _t28 = np.where(np.signbit(_left_front_x), np.negative(_t27), _t27)
+    _left_back_spin = np.where(np.mod(_t26, 2) == 1, np.negative(_t28), _t28)
+    _t29 = np.sqrt(_t12 + _t22)
+    _t30 = np.arctan(_t21 / (np.maximum(_t29, 1e-20) + _t15))
+    _t31 = np.where(_t29 < 1e-20, right_back_steer, _t14 * _t30)
+    _t32 = np.rint(0.31830988617 * (_t31 - right_back_steer))
+    _t33 = _t29 * 13.333333333333334
+    _t34 = np.where(np.signbit(_right_front_x), np.negative(_t33), _t33)
+    _right_back_spin = np.where(np.mod(_t32, 2) == 1, np.negative(_t34), _t34)
+    _t35 = 13.333333333333334 * vx
+    _t36 = 3.3733333333333335 * omega
     return _shaped(
         [vx, vy, omega, left_front_steer, right_front_steer, left_back_steer, right_back_steer],
         {
-            "left_front.spin": _t13,
-            "left_front.steer": _t9 + (-3.141592653589793) * _t10,
-            "right_front.spin": _t24,
-            "right_front.steer": _t20 + (-3.141592653589793) * _t21,
-            "left_back.spin": _t33,
-            "left_back.steer": _t29 + (-3.141592653589793) * _t30,
-            "right_back.spin": _t40,
-            "right_back.steer": _t36 + (-3.141592653589793) * _t37,
-            "left_middle.spin": _t41 - _t42,
-            "right_middle.spin": _t42 + _t41,
+            "left_front.spin": _left_front_spin,
+            "left_front.steer": _t8 + (-3.141592653589793) * _t9,
+            "right_front.spin": _right_front_spin,
+            "right_front.steer": _t17 + (-3.141592653589793) * _t18,
+            "left_back.spin": _left_back_spin,
+            "left_back.steer": _t25 + (-3.141592653589793) * _t26,
+            "right_back.spin": _right_back_spin,
+            "right_back.steer": _t31 + (-3.141592653589793) * _t32,
+            "left_middle.spin": _t35 - _t36,
+            "right_middle.spin": _t36 + _t35,
             "slip": np.abs(vy),
         },
     )
@@ -147,51 +147,51 @@ def forward(left_front_spin, left_front_steer, right_front_spin, right_front_ste
     right_back_steer = np.asarray(right_back_steer, dtype=np.float64)
     left_middle_spin = np.asarray(left_middle_spin, dtype=np.float64)
     right_middle_spin = np.asarray(right_middle_spin, dtype=np.float64)
-    _t0 = right_front_spin * np.cos(right_front_steer)
-    _t1 = right_front_spin * np.sin(right_front_steer)
-    _t2 = right_back_spin * np.cos(right_back_steer)
-    _t3 = right_back_spin * np.sin(right_back_steer)
-    _t4 = _t0 + _t2
-    _t5 = left_front_spin * np.cos(left_front_steer)
-    _t6 = left_front_spin * np.sin(left_front_steer)
-    _t7 = left_back_spin * np.cos(left_back_steer)
-    _t8 = left_back_spin * np.sin(left_back_steer)
-    _t9 = _t5 + _t7
-    _t10 = _t4 + (_t9 + (left_middle_spin + right_middle_spin))
-    _t11 = 0.0125 * _t10
-    _t12 = _t8 + _t3
-    _t13 = _t6 + _t1
-    _t14 = 0.01204910880902186 * _t12 + 0.012932734498723989 * _t13
-    _t15 = 0.6996047430830039 * (_t9 - _t4) + (left_middle_spin - right_middle_spin)
-    _t16 = _t14 - 0.0003828035950250663 * _t15
-    _t17 = 0.036061208226999 * _t13 - 0.03757426591484511 * _t12
-    _t18 = _t17 - 0.0319002995854222 * _t15
-    _t19 = _t16 + 0.274 * _t18
-    _t20 = 0.075 * _t1 - _t19
-    _t21 = 0.075 * _t6 - _t19
-    _t22 = 0.177 * _t18
-    _t23 = _t11 - _t22
-    _t24 = 0.075 * _t5 - _t23
-    _t25 = _t11 + _t22
-    _t26 = 0.075 * _t0 - _t25
-    _t27 = _t20 * _t20 + (_t26 * _t26 + (_t24 * _t24 + _t21 * _t21))
-    _t28 = 0.075 * _t7 - _t23
-    _t29 = _t16 - 0.31 * _t18
-    _t30 = 0.075 * _t8 - _t29
-    _t31 = 0.075 * _t2 - _t25
-    _t32 = _t31 * _t31 + (_t30 * _t30 + (_t28 * _t28 + _t27))
-    _t33 = 0.075 * _t3 - _t29
-    _t34 = (-0.253) * _t18
-    _t35 = 0.075 * left_middle_spin - _t11 - _t34
-    _t36 = 0.075 * right_middle_spin + (_t34 - _t11)
-    _t37 = _t36 * _t36 + (_t35 * _t35 + (_t33 * _t33 + _t32))
+    _right_front_roll_x = right_front_spin * np.cos(right_front_steer)
+    _right_front_roll_y = right_front_spin * np.sin(right_front_steer)
+    _right_back_roll_x = right_back_spin * np.cos(right_back_steer)
+    _right_back_roll_y = right_back_spin * np.sin(right_back_steer)
+    _t0 = _right_front_roll_x + _right_back_roll_x
+    _left_front_roll_x = left_front_spin * np.cos(left_front_steer)
+    _left_front_roll_y = left_front_spin * np.sin(left_front_steer)
+    _left_back_roll_x = left_back_spin * np.cos(left_back_steer)
+    _left_back_roll_y = left_back_spin * np.sin(left_back_steer)
+    _t1 = _left_front_roll_x + _left_back_roll_x
+    _t2 = _t0 + (_t1 + (left_middle_spin + right_middle_spin))
+    _vx_fit = 0.0125 * _t2
+    _t3 = _left_back_roll_y + _right_back_roll_y
+    _t4 = _left_front_roll_y + _right_front_roll_y
+    _t5 = 0.01204910880902186 * _t3 + 0.012932734498723989 * _t4
+    _t6 = 0.6996047430830039 * (_t1 - _t0) + (left_middle_spin - right_middle_spin)
+    _vy_fit = _t5 - 0.0003828035950250663 * _t6
+    _t7 = 0.036061208226999 * _t4 - 0.03757426591484511 * _t3
+    _omega_fit = _t7 - 0.0319002995854222 * _t6
+    _t8 = _vy_fit + 0.274 * _omega_fit
+    _t9 = 0.075 * _right_front_roll_y - _t8
+    _t10 = 0.075 * _left_front_roll_y - _t8
+    _t11 = 0.177 * _omega_fit
+    _t12 = _vx_fit - _t11
+    _t13 = 0.075 * _left_front_roll_x - _t12
+    _t14 = _vx_fit + _t11
+    _t15 = 0.075 * _right_front_roll_x - _t14
+    _t16 = _t9 * _t9 + (_t15 * _t15 + (_t13 * _t13 + _t10 * _t10))
+    _t17 = 0.075 * _left_back_roll_x - _t12
+    _t18 = _vy_fit - 0.31 * _omega_fit
+    _t19 = 0.075 * _left_back_roll_y - _t18
+    _t20 = 0.075 * _right_back_roll_x - _t14
+    _t21 = _t20 * _t20 + (_t19 * _t19 + (_t17 * _t17 + _t16))
+    _t22 = 0.075 * _right_back_roll_y - _t18
+    _t23 = (-0.253) * _omega_fit
+    _t24 = 0.075 * left_middle_spin - _vx_fit - _t23
+    _t25 = 0.075 * right_middle_spin + (_t23 - _vx_fit)
+    _t26 = _t25 * _t25 + (_t24 * _t24 + (_t22 * _t22 + _t21))
     return _shaped(
         [left_front_spin, left_front_steer, right_front_spin, right_front_steer, left_back_spin, left_back_steer, right_back_spin, right_back_steer, left_middle_spin, right_middle_spin],
         {
-            "vx": _t11,
-            "vy": _t16,
-            "omega": _t18,
-            "slip": np.sqrt(2.0 * (_t16 * _t16) + _t37),
+            "vx": _vx_fit,
+            "vy": _vy_fit,
+            "omega": _omega_fit,
+            "slip": np.sqrt(2.0 * (_vy_fit * _vy_fit) + _t26),
         },
     )
 
@@ -220,21 +220,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -263,12 +263,12 @@ def dynamics(x, y, theta, left_back_steer, eta1, left_back_steer_rate):
     eta1 = np.asarray(eta1, dtype=np.float64)
     left_back_steer_rate = np.asarray(left_back_steer_rate, dtype=np.float64)
     _t0 = eta1 * np.sin(left_back_steer)
-    _t1 = eta1 * np.cos(left_back_steer) - 0.5709677419354838 * _t0
+    _vx_body = eta1 * np.cos(left_back_steer) - 0.5709677419354838 * _t0
     return _shaped(
         [x, y, theta, left_back_steer, eta1, left_back_steer_rate],
         {
-            "x_rate": _t1 * np.cos(theta),
-            "y_rate": _t1 * np.sin(theta),
+            "x_rate": _vx_body * np.cos(theta),
+            "y_rate": _vx_body * np.sin(theta),
             "theta_rate": (-3.225806451612903) * _t0,
             "left_back.steer_rate": left_back_steer_rate,
         },

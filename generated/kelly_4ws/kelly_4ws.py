@@ -52,54 +52,54 @@ def inverse(vx, vy, omega, w1_steer, w2_steer, w3_steer, w4_steer):
     w2_steer = np.asarray(w2_steer, dtype=np.float64)
     w3_steer = np.asarray(w3_steer, dtype=np.float64)
     w4_steer = np.asarray(w4_steer, dtype=np.float64)
-    _t0 = vx + (-0.3) * omega
-    _t1 = vy + 0.5 * omega
-    _t2 = _t0 * _t0
-    _t3 = _t1 * _t1
-    _t4 = np.sqrt(_t2 + _t3)
-    _t5 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
-    _t6 = np.abs(_t0)
-    _t7 = np.arctan(_t1 / (np.maximum(_t4, 1e-20) + _t6))
-    _t8 = np.where(_t4 < 1e-20, w1_steer, _t5 * _t7)
-    _t9 = np.rint(0.31830988617 * (_t8 - w1_steer))
-    _t10 = np.where(np.signbit(_t0), np.negative(_t4), _t4)
-    _t11 = np.where(np.mod(_t9, 2) == 1, np.negative(_t10), _t10)
-    _t12 = 0.7 * omega
-    _t13 = vx + 0.3 * omega
-    _t14 = _t13 * _t13
-    _t15 = np.sqrt(_t14 + _t3)
-    _t16 = np.where(np.signbit(_t13), np.negative(2.0), 2.0)
-    _t17 = np.abs(_t13)
-    _t18 = np.arctan(_t1 / (np.maximum(_t15, 1e-20) + _t17))
-    _t19 = np.where(_t15 < 1e-20, w2_steer, _t16 * _t18)
-    _t20 = np.rint(0.31830988617 * (_t19 - w2_steer))
-    _t21 = np.where(np.signbit(_t13), np.negative(_t15), _t15)
-    _t22 = np.where(np.mod(_t20, 2) == 1, np.negative(_t21), _t21)
-    _t23 = vy + (-0.5) * omega
-    _t24 = _t23 * _t23
-    _t25 = np.sqrt(_t2 + _t24)
-    _t26 = np.arctan(_t23 / (np.maximum(_t25, 1e-20) + _t6))
-    _t27 = np.where(_t25 < 1e-20, w3_steer, _t5 * _t26)
-    _t28 = np.rint(0.31830988617 * (_t27 - w3_steer))
-    _t29 = np.where(np.signbit(_t0), np.negative(_t25), _t25)
-    _t30 = np.where(np.mod(_t28, 2) == 1, np.negative(_t29), _t29)
-    _t31 = np.sqrt(_t14 + _t24)
-    _t32 = np.arctan(_t23 / (np.maximum(_t31, 1e-20) + _t17))
-    _t33 = np.where(_t31 < 1e-20, w4_steer, _t16 * _t32)
-    _t34 = np.rint(0.31830988617 * (_t33 - w4_steer))
-    _t35 = np.where(np.signbit(_t13), np.negative(_t31), _t31)
-    _t36 = np.where(np.mod(_t34, 2) == 1, np.negative(_t35), _t35)
+    _w1_x = vx + (-0.3) * omega
+    _w1_y = vy + 0.5 * omega
+    _t0 = _w1_x * _w1_x
+    _t1 = _w1_y * _w1_y
+    _t2 = np.sqrt(_t0 + _t1)
+    _t3 = np.where(np.signbit(_w1_x), np.negative(2.0), 2.0)
+    _t4 = np.abs(_w1_x)
+    _t5 = np.arctan(_w1_y / (np.maximum(_t2, 1e-20) + _t4))
+    _t6 = np.where(_t2 < 1e-20, w1_steer, _t3 * _t5)
+    _t7 = np.rint(0.31830988617 * (_t6 - w1_steer))
+    _t8 = np.where(np.signbit(_w1_x), np.negative(_t2), _t2)
+    _w1_rim = np.where(np.mod(_t7, 2) == 1, np.negative(_t8), _t8)
+    _t9 = 0.7 * omega
+    _w2_x = vx + 0.3 * omega
+    _t10 = _w2_x * _w2_x
+    _t11 = np.sqrt(_t10 + _t1)
+    _t12 = np.where(np.signbit(_w2_x), np.negative(2.0), 2.0)
+    _t13 = np.abs(_w2_x)
+    _t14 = np.arctan(_w1_y / (np.maximum(_t11, 1e-20) + _t13))
+    _t15 = np.where(_t11 < 1e-20, w2_steer, _t12 * _t14)
+    _t16 = np.rint(0.31830988617 * (_t15 - w2_steer))
+    _t17 = np.where(np.signbit(_w2_x), np.negative(_t11), _t11)
+    _w2_rim = np.where(np.mod(_t16, 2) == 1, np.negative(_t17), _t17)
+    _w3_y = vy + (-0.5) * omega
+    _t18 = _w3_y * _w3_y
+    _t19 = np.sqrt(_t0 + _t18)
+    _t20 = np.arctan(_w3_y / (np.maximum(_t19, 1e-20) + _t4))
+    _t21 = np.where(_t19 < 1e-20, w3_steer, _t3 * _t20)
+    _t22 = np.rint(0.31830988617 * (_t21 - w3_steer))
+    _t23 = np.where(np.signbit(_w1_x), np.negative(_t19), _t19)
+    _w3_rim = np.where(np.mod(_t22, 2) == 1, np.negative(_t23), _t23)
+    _t24 = np.sqrt(_t10 + _t18)
+    _t25 = np.arctan(_w3_y / (np.maximum(_t24, 1e-20) + _t13))
+    _t26 = np.where(_t24 < 1e-20, w4_steer, _t12 * _t25)
+    _t27 = np.rint(0.31830988617 * (_t26 - w4_steer))
+    _t28 = np.where(np.signbit(_w2_x), np.negative(_t24), _t24)
+    _w4_rim = np.where(np.mod(_t27, 2) == 1, np.negative(_t28), _t28)
     return _shaped(
         [vx, vy, omega, w1_steer, w2_steer, w3_steer, w4_steer],
         {
-            "w1.spin": 10.0 * _t11 - _t12,
-            "w1.steer": _t8 + (-3.141592653589793) * _t9,
-            "w2.spin": _t12 + 10.0 * _t22,
-            "w2.steer": _t19 + (-3.141592653589793) * _t20,
-            "w3.spin": 10.0 * _t30 - _t12,
-            "w3.steer": _t27 + (-3.141592653589793) * _t28,
-            "w4.spin": _t12 + 10.0 * _t36,
-            "w4.steer": _t33 + (-3.141592653589793) * _t34,
+            "w1.spin": 10.0 * _w1_rim - _t9,
+            "w1.steer": _t6 + (-3.141592653589793) * _t7,
+            "w2.spin": _t9 + 10.0 * _w2_rim,
+            "w2.steer": _t15 + (-3.141592653589793) * _t16,
+            "w3.spin": 10.0 * _w3_rim - _t9,
+            "w3.steer": _t21 + (-3.141592653589793) * _t22,
+            "w4.spin": _t9 + 10.0 * _w4_rim,
+            "w4.steer": _t26 + (-3.141592653589793) * _t27,
             "slip": 0.0,
         },
     )
@@ -141,69 +141,71 @@ def forward(w1_spin, w1_steer, w1_steer_rate, w2_spin, w2_steer, w2_steer_rate, 
     w4_steer_rate = np.asarray(w4_steer_rate, dtype=np.float64)
     _t0 = 0.07 * w1_steer_rate + 0.1 * w1_spin
     _t1 = np.sin(w1_steer)
-    _t2 = _t0 * _t1
-    _t3 = 0.1 * w2_spin - 0.07 * w2_steer_rate
-    _t4 = np.sin(w2_steer)
-    _t5 = _t3 * _t4
-    _t6 = _t2 + _t5
-    _t7 = 0.07 * w3_steer_rate + 0.1 * w3_spin
-    _t8 = np.sin(w3_steer)
-    _t9 = _t7 * _t8
-    _t10 = 0.1 * w4_spin - 0.07 * w4_steer_rate
-    _t11 = np.sin(w4_steer)
-    _t12 = _t10 * _t11
-    _t13 = _t9 + _t12
-    _t14 = np.cos(w2_steer)
-    _t15 = _t14 * _t3
-    _t16 = np.cos(w4_steer)
-    _t17 = _t16 * _t10
-    _t18 = _t15 + _t17
-    _t19 = np.cos(w1_steer)
-    _t20 = _t19 * _t0
-    _t21 = np.cos(w3_steer)
-    _t22 = _t21 * _t7
-    _t23 = _t20 + _t22
-    _t24 = 0.028 * (w4_spin + (w2_spin - w1_spin - w3_spin))
-    _t25 = w3_steer_rate + (w1_steer_rate + w2_steer_rate)
-    _t26 = 1.2 * (_t18 - _t23) + (_t24 - 0.0196 * (w4_steer_rate + _t25))
-    _t27 = _t13 + _t6
-    _t28 = _t8 - _t11
-    _t29 = _t1 - _t4
-    _t30 = (-0.07) * (_t28 + _t29)
-    _t31 = _t18 + _t23
-    _t32 = _t19 + _t21
-    _t33 = _t14 + _t16
-    _t34 = 0.07 * (_t32 - _t33)
-    _t35 = _t31 * _t34 + (2.0 * (_t6 - _t13) + _t26 - _t30 * _t27)
-    _t36 = 0.168 * (_t33 + _t32) + (0.28 * (_t28 - _t29) + 5.5184)
-    _t37 = _t35 / (_t36 - _t30 * _t30 - _t34 * _t34)
-    _t38 = 0.25 * (_t31 + _t34 * _t37)
-    _t39 = 0.25 * (_t27 - _t30 * _t37)
-    _t40 = 0.3 * _t37
-    _t41 = _t40 - _t38
-    _t42 = 0.07 * _t37
-    _t43 = _t19 * _t42 + (_t20 + _t41)
-    _t44 = (-0.5) * _t37
-    _t45 = _t44 - _t39
-    _t46 = _t1 * _t42 + (_t2 + _t45)
-    _t47 = _t38 + _t40
-    _t48 = (-0.07) * _t37
-    _t49 = _t14 * _t48 + (_t15 - _t47)
-    _t50 = _t4 * _t48 + (_t5 + _t45)
-    _t51 = _t50 * _t50 + (_t49 * _t49 + (_t43 * _t43 + _t46 * _t46))
-    _t52 = _t21 * _t42 + (_t22 + _t41)
-    _t53 = _t39 + _t44
-    _t54 = _t8 * _t42 + (_t9 - _t53)
-    _t55 = _t16 * _t48 + (_t17 - _t47)
-    _t56 = _t55 * _t55 + (_t54 * _t54 + (_t52 * _t52 + _t51))
-    _t57 = _t11 * _t48 + (_t12 - _t53)
+    _w1_wy = _t0 * _t1
+    _t2 = 0.1 * w2_spin - 0.07 * w2_steer_rate
+    _t3 = np.sin(w2_steer)
+    _w2_wy = _t2 * _t3
+    _t4 = _w1_wy + _w2_wy
+    _t5 = 0.07 * w3_steer_rate + 0.1 * w3_spin
+    _t6 = np.sin(w3_steer)
+    _w3_wy = _t5 * _t6
+    _t7 = 0.1 * w4_spin - 0.07 * w4_steer_rate
+    _t8 = np.sin(w4_steer)
+    _w4_wy = _t7 * _t8
+    _t9 = _w3_wy + _w4_wy
+    _t10 = np.cos(w2_steer)
+    _w2_wx = _t10 * _t2
+    _t11 = np.cos(w4_steer)
+    _w4_wx = _t11 * _t7
+    _t12 = _w2_wx + _w4_wx
+    _t13 = np.cos(w1_steer)
+    _w1_wx = _t13 * _t0
+    _t14 = np.cos(w3_steer)
+    _w3_wx = _t14 * _t5
+    _t15 = _w1_wx + _w3_wx
+    _t16 = 0.028 * (w4_spin + (w2_spin - w1_spin - w3_spin))
+    _t17 = w3_steer_rate + (w1_steer_rate + w2_steer_rate)
+    _t18 = 1.2 * (_t12 - _t15) + (_t16 - 0.0196 * (w4_steer_rate + _t17))
+    _sum_wy = _t9 + _t4
+    _t19 = _t6 - _t8
+    _t20 = _t1 - _t3
+    _sum_fx = (-0.07) * (_t19 + _t20)
+    _sum_wx = _t12 + _t15
+    _t21 = _t13 + _t14
+    _t22 = _t10 + _t11
+    _sum_fy = 0.07 * (_t21 - _t22)
+    _t23 = _sum_wx * _sum_fy + (2.0 * (_t4 - _t9) + _t18 - _sum_fx * _sum_wy)
+    _inertia = 0.168 * (_t22 + _t21) + (0.28 * (_t19 - _t20) + 5.5184)
+    _t24 = _inertia - _sum_fx * _sum_fx - _sum_fy * _sum_fy
+    _omega_fit = _t23 / _t24
+    _t25 = 0.25 * (_sum_wx + _sum_fy * _omega_fit)
+    _t26 = 0.25 * (_sum_wy - _sum_fx * _omega_fit)
+    _t27 = 0.3 * _omega_fit
+    _t28 = _t27 - _t25
+    _t29 = 0.07 * _omega_fit
+    _error_0 = _t13 * _t29 + (_w1_wx + _t28)
+    _t30 = (-0.5) * _omega_fit
+    _t31 = _t30 - _t26
+    _error_1 = _t1 * _t29 + (_w1_wy + _t31)
+    _t32 = _t25 + _t27
+    _t33 = (-0.07) * _omega_fit
+    _error_2 = _t10 * _t33 + (_w2_wx - _t32)
+    _t34 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
+    _error_3 = _t3 * _t33 + (_w2_wy + _t31)
+    _error_4 = _t14 * _t29 + (_w3_wx + _t28)
+    _t35 = _error_4 * _error_4 + (_error_3 * _error_3 + _t34)
+    _t36 = _t26 + _t30
+    _error_5 = _t6 * _t29 + (_w3_wy - _t36)
+    _error_6 = _t11 * _t33 + (_w4_wx - _t32)
+    _t37 = _error_6 * _error_6 + (_error_5 * _error_5 + _t35)
+    _error_7 = _t8 * _t33 + (_w4_wy - _t36)
     return _shaped(
         [w1_spin, w1_steer, w1_steer_rate, w2_spin, w2_steer, w2_steer_rate, w3_spin, w3_steer, w3_steer_rate, w4_spin, w4_steer, w4_steer_rate],
         {
-            "vx": _t38,
-            "vy": _t39,
-            "omega": _t37,
-            "slip": np.sqrt(_t57 * _t57 + _t56),
+            "vx": _t25,
+            "vy": _t26,
+            "omega": _omega_fit,
+            "slip": np.sqrt(_error_7 * _error_7 + _t37),
         },
     )
 
@@ -232,21 +234,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -286,15 +288,17 @@ def dynamics(x, y, theta, w1_steer, w4_steer, eta1, w1_steer_rate, w4_steer_rate
     _t4 = np.sin(w1_steer)
     _t5 = _t4 * (eta1 * _t3)
     _t6 = _t2 + _t5
-    _t7 = _t3 * _t0 + 0.3 * _t6
-    _t8 = np.cos(theta)
-    _t9 = 0.5 * _t6 + 0.6 * (_t4 * (eta1 * _t1))
-    _t10 = np.sin(theta)
+    _vx_body = _t3 * _t0 + 0.3 * _t6
+    _velocity_cos = np.cos(theta)
+    _vy_body = 0.5 * _t6 + 0.6 * (_t4 * (eta1 * _t1))
+    _velocity_sin = np.sin(theta)
+    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _shaped(
         [x, y, theta, w1_steer, w4_steer, eta1, w1_steer_rate, w4_steer_rate],
         {
-            "x_rate": _t7 * _t8 - _t9 * _t10,
-            "y_rate": _t7 * _t10 + _t8 * _t9,
+            "x_rate": _t7,
+            "y_rate": _t8,
             "theta_rate": _t5 - _t2,
             "w1.steer_rate": w1_steer_rate,
             "w4.steer_rate": w4_steer_rate,

@@ -125,21 +125,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -166,13 +166,13 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
     eta1 = np.asarray(eta1, dtype=np.float64)
     eta2 = np.asarray(eta2, dtype=np.float64)
     eta3 = np.asarray(eta3, dtype=np.float64)
-    _t0 = np.cos(theta)
-    _t1 = np.sin(theta)
+    _velocity_cos = np.cos(theta)
+    _velocity_sin = np.sin(theta)
     return _shaped(
         [x, y, theta, eta1, eta2, eta3],
         {
-            "x_rate": eta1 * _t0 - eta2 * _t1,
-            "y_rate": eta1 * _t1 + _t0 * eta2,
+            "x_rate": eta1 * _velocity_cos - eta2 * _velocity_sin,
+            "y_rate": eta1 * _velocity_sin + _velocity_cos * eta2,
             "theta_rate": eta3,
         },
     )
@@ -194,14 +194,14 @@ def limit_twist(vx, vy, omega):
     vy = np.asarray(vy, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
     _t0 = np.maximum(1.25 * np.abs(vy), np.maximum(1.25 * np.abs(vx), 1.0))
-    _t1 = np.maximum(0.8333333333333334 * np.abs(omega), _t0)
-    _t2 = 1.0 / _t1
+    _load = np.maximum(0.8333333333333334 * np.abs(omega), _t0)
+    _scale = 1.0 / _load
     return _shaped(
         [vx, vy, omega],
         {
-            "vx": np.clip(vx * _t2, -0.8, 0.8),
-            "vy": np.clip(vy * _t2, -0.8, 0.8),
-            "omega": np.clip(omega * _t2, -1.2, 1.2),
+            "vx": np.clip(vx * _scale, -0.8, 0.8),
+            "vy": np.clip(vy * _scale, -0.8, 0.8),
+            "omega": np.clip(omega * _scale, -1.2, 1.2),
         },
     )
 
@@ -229,22 +229,22 @@ def limit_acceleration(vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt):
     vy_wanted = np.asarray(vy_wanted, dtype=np.float64)
     omega_wanted = np.asarray(omega_wanted, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
-    _t0 = vx_wanted - vx
-    _t1 = vy_wanted - vy
-    _t2 = np.maximum(1.25 * np.abs(_t0), 1.25 * np.abs(_t1))
-    _t3 = omega_wanted - omega
-    _t4 = np.maximum(0.4166666666666667 * np.abs(_t3), _t2)
-    _t5 = np.maximum(dt, 0.0)
-    _t6 = 0.9999995231628418 * (_t5 / np.maximum(_t4, 1e-20))
-    _t7 = np.where(_t5 < _t4, vx + _t0 * _t6, vx_wanted)
-    _t8 = np.where(_t5 < _t4, vy + _t1 * _t6, vy_wanted)
-    _t9 = np.where(_t5 < _t4, omega + _t3 * _t6, omega_wanted)
+    _vx_change = vx_wanted - vx
+    _vy_change = vy_wanted - vy
+    _t0 = np.maximum(1.25 * np.abs(_vx_change), 1.25 * np.abs(_vy_change))
+    _omega_change = omega_wanted - omega
+    _time = np.maximum(0.4166666666666667 * np.abs(_omega_change), _t0)
+    _step = np.maximum(dt, 0.0)
+    _t1 = 0.9999995231628418 * (_step / np.maximum(_time, 1e-20))
+    _t2 = np.where(_step < _time, vx + _vx_change * _t1, vx_wanted)
+    _t3 = np.where(_step < _time, vy + _vy_change * _t1, vy_wanted)
+    _t4 = np.where(_step < _time, omega + _omega_change * _t1, omega_wanted)
     return _shaped(
         [vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt],
         {
-            "vx": _t7,
-            "vy": _t8,
-            "omega": _t9,
+            "vx": _t2,
+            "vy": _t3,
+            "omega": _t4,
         },
     )
 
@@ -269,16 +269,16 @@ def desaturate(fl_spin, fr_spin, bl_spin, br_spin):
     bl_spin = np.asarray(bl_spin, dtype=np.float64)
     br_spin = np.asarray(br_spin, dtype=np.float64)
     _t0 = np.maximum(0.0625 * np.abs(fr_spin), np.maximum(0.0625 * np.abs(fl_spin), 1.0))
-    _t1 = np.maximum(0.0625 * np.abs(br_spin), np.maximum(0.0625 * np.abs(bl_spin), _t0))
-    _t2 = 1.0 / _t1
+    _load = np.maximum(0.0625 * np.abs(br_spin), np.maximum(0.0625 * np.abs(bl_spin), _t0))
+    _scale = 1.0 / _load
     return _shaped(
         [fl_spin, fr_spin, bl_spin, br_spin],
         {
-            "fl.spin": np.clip(fl_spin * _t2, -16.0, 16.0),
-            "fr.spin": np.clip(fr_spin * _t2, -16.0, 16.0),
-            "bl.spin": np.clip(bl_spin * _t2, -16.0, 16.0),
-            "br.spin": np.clip(br_spin * _t2, -16.0, 16.0),
-            "scale": _t2,
+            "fl.spin": np.clip(fl_spin * _scale, -16.0, 16.0),
+            "fr.spin": np.clip(fr_spin * _scale, -16.0, 16.0),
+            "bl.spin": np.clip(bl_spin * _scale, -16.0, 16.0),
+            "br.spin": np.clip(br_spin * _scale, -16.0, 16.0),
+            "scale": _scale,
         },
     )
 
@@ -331,14 +331,14 @@ def limits(x, u, p=NOMINAL):
     shape = _vectors(x=x, u=u, p=p)
     _t0 = np.where(np.abs(p[..., 0]) < 1e-12, np.copysign(1e-12, p[..., 0]), p[..., 0])
     _t1 = u[..., 0] - u[..., 2]
-    _t2 = (u[..., 1] - u[..., 2]) * (1.2953367875647668 * p[..., 0])
-    _t3 = (u[..., 1] + _t1) * (p[..., 0] * (1.0 / _t0))
+    _omega = (u[..., 1] - u[..., 2]) * (1.2953367875647668 * p[..., 0])
+    _t2 = (u[..., 1] + _t1) * (p[..., 0] * (1.0 / _t0))
     return np.stack(
         [
             np.broadcast_to((u[..., 0] + u[..., 1]) * (0.5 * p[..., 0]), shape),
             np.broadcast_to(_t1 * ((-0.5) * p[..., 0]), shape),
+            np.broadcast_to(_omega, shape),
             np.broadcast_to(_t2, shape),
-            np.broadcast_to(_t3, shape),
         ],
         -1,
     )

@@ -61,35 +61,35 @@ def inverse(vx, vy, omega, fl_caster_steer, fr_caster_steer, bl_caster_steer, br
     _t1 = 3.561664 * omega
     _t2 = 5.31413612565445 * omega
     _t3 = (-26.17801047120419) * vx
-    _t4 = _t2 + _t3
-    _t5 = 0.6112 * _t4
-    _t6 = np.cos(fl_caster_steer)
-    _t7 = np.sin(fl_caster_steer)
-    _t8 = 5.461536 * omega
-    _t9 = 8.935759162303665 * omega
-    _t10 = _t3 - _t2
-    _t11 = 0.6112 * _t10
-    _t12 = np.cos(fr_caster_steer)
-    _t13 = np.sin(fr_caster_steer)
-    _t14 = np.sin(bl_caster_steer)
-    _t15 = 4.322464 * omega
-    _t16 = np.cos(bl_caster_steer)
-    _t17 = 7.072094240837696 * omega
-    _t18 = np.sin(br_caster_steer)
-    _t19 = np.cos(br_caster_steer)
+    _fl_caster_a = _t2 + _t3
+    _t4 = 0.6112 * _fl_caster_a
+    _t5 = np.cos(fl_caster_steer)
+    _t6 = np.sin(fl_caster_steer)
+    _t7 = 5.461536 * omega
+    _t8 = 8.935759162303665 * omega
+    _fr_caster_a = _t3 - _t2
+    _t9 = 0.6112 * _fr_caster_a
+    _t10 = np.cos(fr_caster_steer)
+    _t11 = np.sin(fr_caster_steer)
+    _t12 = np.sin(bl_caster_steer)
+    _t13 = 4.322464 * omega
+    _t14 = np.cos(bl_caster_steer)
+    _t15 = 7.072094240837696 * omega
+    _t16 = np.sin(br_caster_steer)
+    _t17 = np.cos(br_caster_steer)
     return _shaped(
         [vx, vy, omega, fl_caster_steer, fr_caster_steer, bl_caster_steer, br_caster_steer],
         {
             "left.spin": _t0 - _t1,
             "right.spin": _t1 + _t0,
-            "fl_caster.spin": _t6 * _t5 - _t7 * _t8,
-            "fl_caster.steer_rate": _t6 * _t9 + (_t4 * _t7 - omega),
-            "fr_caster.spin": _t12 * _t11 - _t8 * _t13,
-            "fr_caster.steer_rate": _t9 * _t12 + (_t10 * _t13 - omega),
-            "bl_caster.spin": _t14 * _t15 + _t5 * _t16,
-            "bl_caster.steer_rate": _t4 * _t14 - omega - _t16 * _t17,
-            "br_caster.spin": _t15 * _t18 + _t11 * _t19,
-            "br_caster.steer_rate": _t10 * _t18 - omega - _t17 * _t19,
+            "fl_caster.spin": _t5 * _t4 - _t6 * _t7,
+            "fl_caster.steer_rate": _t5 * _t8 + (_fl_caster_a * _t6 - omega),
+            "fr_caster.spin": _t10 * _t9 - _t7 * _t11,
+            "fr_caster.steer_rate": _t8 * _t10 + (_fr_caster_a * _t11 - omega),
+            "bl_caster.spin": _t12 * _t13 + _t4 * _t14,
+            "bl_caster.steer_rate": _fl_caster_a * _t12 - omega - _t14 * _t15,
+            "br_caster.spin": _t13 * _t16 + _t9 * _t17,
+            "br_caster.steer_rate": _fr_caster_a * _t16 - omega - _t15 * _t17,
             "slip": np.abs(vy),
         },
     )
@@ -145,21 +145,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )

@@ -61,35 +61,39 @@ def inverse(vx, vy, omega, castor_front_left_steer, castor_back_left_steer, cast
     _t1 = 13.071895424836601 * vx
     _t2 = 7.75 * omega
     _t3 = (-50.0) * vx
-    _t4 = _t2 + _t3
-    _t5 = 0.5263157894736842 * _t4
-    _t6 = np.cos(castor_front_left_steer)
-    _t7 = np.sin(castor_front_left_steer)
-    _t8 = 4.342105263157895 * omega
-    _t9 = 8.25 * omega
+    _castor_front_left_a = _t2 + _t3
+    _t4 = 0.5263157894736842 * _castor_front_left_a
+    _t5 = np.cos(castor_front_left_steer)
+    _t6 = np.sin(castor_front_left_steer)
+    _t7 = 4.342105263157895 * omega
+    _t8 = 8.25 * omega
+    _t9 = _t5 * _t8 + (_castor_front_left_a * _t6 - omega)
     _t10 = np.sin(castor_back_left_steer)
     _t11 = 5.7894736842105265 * omega
     _t12 = np.cos(castor_back_left_steer)
     _t13 = 11.0 * omega
-    _t14 = _t3 - _t2
-    _t15 = 0.5263157894736842 * _t14
+    _t14 = _castor_front_left_a * _t10 - omega - _t12 * _t13
+    _castor_front_right_a = _t3 - _t2
+    _t15 = 0.5263157894736842 * _castor_front_right_a
     _t16 = np.cos(castor_front_right_steer)
     _t17 = np.sin(castor_front_right_steer)
-    _t18 = np.sin(castor_back_right_steer)
-    _t19 = np.cos(castor_back_right_steer)
+    _t18 = _t8 * _t16 + (_castor_front_right_a * _t17 - omega)
+    _t19 = np.sin(castor_back_right_steer)
+    _t20 = np.cos(castor_back_right_steer)
+    _t21 = _castor_front_right_a * _t19 - omega - _t13 * _t20
     return _shaped(
         [vx, vy, omega, castor_front_left_steer, castor_back_left_steer, castor_front_right_steer, castor_back_right_steer],
         {
             "right.spin": _t0 + _t1,
             "left.spin": _t1 - _t0,
-            "castor_front_left.spin": _t6 * _t5 - _t7 * _t8,
-            "castor_front_left.steer_rate": _t6 * _t9 + (_t4 * _t7 - omega),
-            "castor_back_left.spin": _t10 * _t11 + _t5 * _t12,
-            "castor_back_left.steer_rate": _t4 * _t10 - omega - _t12 * _t13,
-            "castor_front_right.spin": _t16 * _t15 - _t8 * _t17,
-            "castor_front_right.steer_rate": _t9 * _t16 + (_t14 * _t17 - omega),
-            "castor_back_right.spin": _t11 * _t18 + _t15 * _t19,
-            "castor_back_right.steer_rate": _t14 * _t18 - omega - _t13 * _t19,
+            "castor_front_left.spin": _t5 * _t4 - _t6 * _t7,
+            "castor_front_left.steer_rate": _t9,
+            "castor_back_left.spin": _t10 * _t11 + _t4 * _t12,
+            "castor_back_left.steer_rate": _t14,
+            "castor_front_right.spin": _t16 * _t15 - _t7 * _t17,
+            "castor_front_right.steer_rate": _t18,
+            "castor_back_right.spin": _t11 * _t19 + _t15 * _t20,
+            "castor_back_right.steer_rate": _t21,
             "slip": np.abs(vy),
         },
     )
@@ -145,21 +149,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )

@@ -52,54 +52,54 @@ def inverse(vx, vy, omega, front_left_steer, back_left_steer, back_right_steer, 
     back_left_steer = np.asarray(back_left_steer, dtype=np.float64)
     back_right_steer = np.asarray(back_right_steer, dtype=np.float64)
     front_right_steer = np.asarray(front_right_steer, dtype=np.float64)
-    _t0 = vx + (-0.19) * omega
-    _t1 = vy + 0.24 * omega
-    _t2 = _t0 * _t0
-    _t3 = _t1 * _t1
-    _t4 = np.sqrt(_t2 + _t3)
-    _t5 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
-    _t6 = np.abs(_t0)
-    _t7 = np.arctan(_t1 / (np.maximum(_t4, 1e-20) + _t6))
-    _t8 = np.where(_t4 < 1e-20, front_left_steer, _t5 * _t7)
-    _t9 = np.rint(0.31830988617 * (_t8 - front_left_steer))
-    _t10 = np.where(np.signbit(_t0), np.negative(_t4), _t4)
-    _t11 = np.where(np.mod(_t9, 2) == 1, np.negative(_t10), _t10)
-    _t12 = 0.5 * omega
-    _t13 = vy + (-0.24) * omega
-    _t14 = _t13 * _t13
-    _t15 = np.sqrt(_t2 + _t14)
-    _t16 = np.arctan(_t13 / (np.maximum(_t15, 1e-20) + _t6))
-    _t17 = np.where(_t15 < 1e-20, back_left_steer, _t5 * _t16)
-    _t18 = np.rint(0.31830988617 * (_t17 - back_left_steer))
-    _t19 = np.where(np.signbit(_t0), np.negative(_t15), _t15)
-    _t20 = np.where(np.mod(_t18, 2) == 1, np.negative(_t19), _t19)
-    _t21 = vx + 0.19 * omega
-    _t22 = _t21 * _t21
-    _t23 = np.sqrt(_t22 + _t14)
-    _t24 = np.where(np.signbit(_t21), np.negative(2.0), 2.0)
-    _t25 = np.abs(_t21)
-    _t26 = np.arctan(_t13 / (np.maximum(_t23, 1e-20) + _t25))
-    _t27 = np.where(_t23 < 1e-20, back_right_steer, _t24 * _t26)
-    _t28 = np.rint(0.31830988617 * (_t27 - back_right_steer))
-    _t29 = np.where(np.signbit(_t21), np.negative(_t23), _t23)
-    _t30 = np.where(np.mod(_t28, 2) == 1, np.negative(_t29), _t29)
-    _t31 = np.sqrt(_t22 + _t3)
-    _t32 = np.arctan(_t1 / (np.maximum(_t31, 1e-20) + _t25))
-    _t33 = np.where(_t31 < 1e-20, front_right_steer, _t24 * _t32)
-    _t34 = np.rint(0.31830988617 * (_t33 - front_right_steer))
-    _t35 = np.where(np.signbit(_t21), np.negative(_t31), _t31)
-    _t36 = np.where(np.mod(_t34, 2) == 1, np.negative(_t35), _t35)
+    _front_left_x = vx + (-0.19) * omega
+    _front_left_y = vy + 0.24 * omega
+    _t0 = _front_left_x * _front_left_x
+    _t1 = _front_left_y * _front_left_y
+    _t2 = np.sqrt(_t0 + _t1)
+    _t3 = np.where(np.signbit(_front_left_x), np.negative(2.0), 2.0)
+    _t4 = np.abs(_front_left_x)
+    _t5 = _front_left_y / (np.maximum(_t2, 1e-20) + _t4)
+    _t6 = np.where(_t2 < 1e-20, front_left_steer, _t3 * np.arctan(_t5))
+    _t7 = np.rint(0.31830988617 * (_t6 - front_left_steer))
+    _t8 = np.where(np.signbit(_front_left_x), np.negative(_t2), _t2)
+    _front_left_rim = np.where(np.mod(_t7, 2) == 1, np.negative(_t8), _t8)
+    _t9 = 0.5 * omega
+    _back_left_y = vy + (-0.24) * omega
+    _t10 = _back_left_y * _back_left_y
+    _t11 = np.sqrt(_t0 + _t10)
+    _t12 = _back_left_y / (np.maximum(_t11, 1e-20) + _t4)
+    _t13 = np.where(_t11 < 1e-20, back_left_steer, _t3 * np.arctan(_t12))
+    _t14 = np.rint(0.31830988617 * (_t13 - back_left_steer))
+    _t15 = np.where(np.signbit(_front_left_x), np.negative(_t11), _t11)
+    _back_left_rim = np.where(np.mod(_t14, 2) == 1, np.negative(_t15), _t15)
+    _back_right_x = vx + 0.19 * omega
+    _t16 = _back_right_x * _back_right_x
+    _t17 = np.sqrt(_t16 + _t10)
+    _t18 = np.where(np.signbit(_back_right_x), np.negative(2.0), 2.0)
+    _t19 = np.abs(_back_right_x)
+    _t20 = _back_left_y / (np.maximum(_t17, 1e-20) + _t19)
+    _t21 = np.where(_t17 < 1e-20, back_right_steer, _t18 * np.arctan(_t20))
+    _t22 = np.rint(0.31830988617 * (_t21 - back_right_steer))
+    _t23 = np.where(np.signbit(_back_right_x), np.negative(_t17), _t17)
+    _back_right_rim = np.where(np.mod(_t22, 2) == 1, np.negative(_t23), _t23)
+    _t24 = np.sqrt(_t16 + _t1)
+    _t25 = _front_left_y / (np.maximum(_t24, 1e-20) + _t19)
+    _t26 = np.where(_t24 < 1e-20, front_right_steer, _t18 * np.arctan(_t25))
+    _t27 = np.rint(0.31830988617 * (_t26 - front_right_steer))
+    _t28 = np.where(np.signbit(_back_right_x), np.negative(_t24), _t24)
+    _front_right_rim = np.where(np.mod(_t27, 2) == 1, np.negative(_t28), _t28)
     return _shaped(
         [vx, vy, omega, front_left_steer, back_left_steer, back_right_steer, front_right_steer],
         {
-            "front_left.spin": 11.11111111111111 * _t11 - _t12,
-            "front_left.steer": _t8 + (-3.141592653589793) * _t9,
-            "back_left.spin": 11.11111111111111 * _t20 - _t12,
-            "back_left.steer": _t17 + (-3.141592653589793) * _t18,
-            "back_right.spin": _t12 + 11.11111111111111 * _t30,
-            "back_right.steer": _t27 + (-3.141592653589793) * _t28,
-            "front_right.spin": _t12 + 11.11111111111111 * _t36,
-            "front_right.steer": _t33 + (-3.141592653589793) * _t34,
+            "front_left.spin": 11.11111111111111 * _front_left_rim - _t9,
+            "front_left.steer": _t6 + (-3.141592653589793) * _t7,
+            "back_left.spin": 11.11111111111111 * _back_left_rim - _t9,
+            "back_left.steer": _t13 + (-3.141592653589793) * _t14,
+            "back_right.spin": _t9 + 11.11111111111111 * _back_right_rim,
+            "back_right.steer": _t21 + (-3.141592653589793) * _t22,
+            "front_right.spin": _t9 + 11.11111111111111 * _front_right_rim,
+            "front_right.steer": _t26 + (-3.141592653589793) * _t27,
             "slip": 0.0,
         },
     )
@@ -141,69 +141,72 @@ def forward(front_left_spin, front_left_steer, front_left_steer_rate, back_left_
     front_right_steer_rate = np.asarray(front_right_steer_rate, dtype=np.float64)
     _t0 = 0.045 * front_left_steer_rate + 0.09 * front_left_spin
     _t1 = np.sin(front_left_steer)
-    _t2 = _t0 * _t1
-    _t3 = 0.09 * front_right_spin - 0.045 * front_right_steer_rate
-    _t4 = np.sin(front_right_steer)
-    _t5 = _t3 * _t4
-    _t6 = _t2 + _t5
-    _t7 = 0.045 * back_left_steer_rate + 0.09 * back_left_spin
-    _t8 = np.sin(back_left_steer)
-    _t9 = _t7 * _t8
-    _t10 = 0.09 * back_right_spin - 0.045 * back_right_steer_rate
-    _t11 = np.sin(back_right_steer)
-    _t12 = _t10 * _t11
-    _t13 = _t9 + _t12
-    _t14 = np.cos(back_right_steer)
-    _t15 = _t14 * _t10
-    _t16 = np.cos(front_right_steer)
-    _t17 = _t16 * _t3
-    _t18 = _t15 + _t17
-    _t19 = np.cos(front_left_steer)
-    _t20 = _t19 * _t0
-    _t21 = np.cos(back_left_steer)
-    _t22 = _t21 * _t7
-    _t23 = _t20 + _t22
-    _t24 = back_right_spin - front_left_spin - back_left_spin
-    _t25 = back_right_steer_rate + (front_left_steer_rate + back_left_steer_rate)
-    _t26 = 0.0162 * (front_right_spin + _t24) - 0.0081 * (front_right_steer_rate + _t25)
-    _t27 = 0.96 * (_t6 - _t13) + (0.76 * (_t18 - _t23) + _t26)
-    _t28 = _t13 + _t6
-    _t29 = _t8 - _t11
-    _t30 = _t1 - _t4
-    _t31 = (-0.045) * (_t29 + _t30)
-    _t32 = _t18 + _t23
-    _t33 = _t19 + _t21
-    _t34 = _t14 + _t16
-    _t35 = 0.045 * (_t33 - _t34)
-    _t36 = 0.0684 * (_t34 + _t33) + (0.0864 * (_t29 - _t30) + 1.5316)
-    _t37 = (_t32 * _t35 + (_t27 - _t31 * _t28)) / (_t36 - _t31 * _t31 - _t35 * _t35)
-    _t38 = 0.25 * (_t32 + _t35 * _t37)
-    _t39 = 0.25 * (_t28 - _t31 * _t37)
-    _t40 = 0.19 * _t37
-    _t41 = _t40 - _t38
-    _t42 = 0.045 * _t37
-    _t43 = _t19 * _t42 + (_t20 + _t41)
-    _t44 = (-0.24) * _t37
-    _t45 = _t44 - _t39
-    _t46 = _t1 * _t42 + (_t2 + _t45)
-    _t47 = _t21 * _t42 + (_t22 + _t41)
-    _t48 = _t39 + _t44
-    _t49 = _t8 * _t42 + (_t9 - _t48)
-    _t50 = _t49 * _t49 + (_t47 * _t47 + (_t43 * _t43 + _t46 * _t46))
-    _t51 = _t38 + _t40
-    _t52 = (-0.045) * _t37
-    _t53 = _t14 * _t52 + (_t15 - _t51)
-    _t54 = _t11 * _t52 + (_t12 - _t48)
-    _t55 = _t16 * _t52 + (_t17 - _t51)
-    _t56 = _t55 * _t55 + (_t54 * _t54 + (_t53 * _t53 + _t50))
-    _t57 = _t4 * _t52 + (_t5 + _t45)
+    _front_left_wy = _t0 * _t1
+    _t2 = 0.09 * front_right_spin - 0.045 * front_right_steer_rate
+    _t3 = np.sin(front_right_steer)
+    _front_right_wy = _t2 * _t3
+    _t4 = _front_left_wy + _front_right_wy
+    _t5 = 0.045 * back_left_steer_rate + 0.09 * back_left_spin
+    _t6 = np.sin(back_left_steer)
+    _back_left_wy = _t5 * _t6
+    _t7 = 0.09 * back_right_spin - 0.045 * back_right_steer_rate
+    _t8 = np.sin(back_right_steer)
+    _back_right_wy = _t7 * _t8
+    _t9 = _back_left_wy + _back_right_wy
+    _t10 = np.cos(back_right_steer)
+    _back_right_wx = _t10 * _t7
+    _t11 = np.cos(front_right_steer)
+    _front_right_wx = _t11 * _t2
+    _t12 = _back_right_wx + _front_right_wx
+    _t13 = np.cos(front_left_steer)
+    _front_left_wx = _t13 * _t0
+    _t14 = np.cos(back_left_steer)
+    _back_left_wx = _t14 * _t5
+    _t15 = _front_left_wx + _back_left_wx
+    _t16 = back_right_spin - front_left_spin - back_left_spin
+    _t17 = back_right_steer_rate + (front_left_steer_rate + back_left_steer_rate)
+    _t18 = 0.0162 * (front_right_spin + _t16) - 0.0081 * (front_right_steer_rate + _t17)
+    _moment = 0.96 * (_t4 - _t9) + (0.76 * (_t12 - _t15) + _t18)
+    _sum_wy = _t9 + _t4
+    _t19 = _t6 - _t8
+    _t20 = _t1 - _t3
+    _sum_fx = (-0.045) * (_t19 + _t20)
+    _sum_wx = _t12 + _t15
+    _t21 = _t13 + _t14
+    _t22 = _t10 + _t11
+    _sum_fy = 0.045 * (_t21 - _t22)
+    _t23 = _sum_wx * _sum_fy + (_moment - _sum_fx * _sum_wy)
+    _inertia = 0.0684 * (_t22 + _t21) + (0.0864 * (_t19 - _t20) + 1.5316)
+    _t24 = _inertia - _sum_fx * _sum_fx - _sum_fy * _sum_fy
+    _omega_fit = _t23 / _t24
+    _t25 = 0.25 * (_sum_wx + _sum_fy * _omega_fit)
+    _t26 = 0.25 * (_sum_wy - _sum_fx * _omega_fit)
+    _t27 = 0.19 * _omega_fit
+    _t28 = _t27 - _t25
+    _t29 = 0.045 * _omega_fit
+    _error_0 = _t13 * _t29 + (_front_left_wx + _t28)
+    _t30 = (-0.24) * _omega_fit
+    _t31 = _t30 - _t26
+    _error_1 = _t1 * _t29 + (_front_left_wy + _t31)
+    _error_2 = _t14 * _t29 + (_back_left_wx + _t28)
+    _t32 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
+    _t33 = _t26 + _t30
+    _error_3 = _t6 * _t29 + (_back_left_wy - _t33)
+    _t34 = _t25 + _t27
+    _t35 = (-0.045) * _omega_fit
+    _error_4 = _t10 * _t35 + (_back_right_wx - _t34)
+    _t36 = _error_4 * _error_4 + (_error_3 * _error_3 + _t32)
+    _error_5 = _t8 * _t35 + (_back_right_wy - _t33)
+    _error_6 = _t11 * _t35 + (_front_right_wx - _t34)
+    _t37 = _error_6 * _error_6 + (_error_5 * _error_5 + _t36)
+    _error_7 = _t3 * _t35 + (_front_right_wy + _t31)
     return _shaped(
         [front_left_spin, front_left_steer, front_left_steer_rate, back_left_spin, back_left_steer, back_left_steer_rate, back_right_spin, back_right_steer, back_right_steer_rate, front_right_spin, front_right_steer, front_right_steer_rate],
         {
-            "vx": _t38,
-            "vy": _t39,
-            "omega": _t37,
-            "slip": np.sqrt(_t57 * _t57 + _t56),
+            "vx": _t25,
+            "vy": _t26,
+            "omega": _omega_fit,
+            "slip": np.sqrt(_error_7 * _error_7 + _t37),
         },
     )
 
@@ -232,21 +235,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -286,15 +289,17 @@ def dynamics(x, y, theta, front_left_steer, back_right_steer, eta1, front_left_s
     _t4 = np.sin(front_left_steer)
     _t5 = _t3 * _t4
     _t6 = _t2 + _t5
-    _t7 = _t0 * _t3 + 0.3958333333333333 * _t6
-    _t8 = np.cos(theta)
-    _t9 = 0.5 * _t6 + 0.7916666666666666 * (_t4 * (eta1 * _t1))
-    _t10 = np.sin(theta)
+    _vx_body = _t0 * _t3 + 0.3958333333333333 * _t6
+    _velocity_cos = np.cos(theta)
+    _vy_body = 0.5 * _t6 + 0.7916666666666666 * (_t4 * (eta1 * _t1))
+    _velocity_sin = np.sin(theta)
+    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _shaped(
         [x, y, theta, front_left_steer, back_right_steer, eta1, front_left_steer_rate, back_right_steer_rate],
         {
-            "x_rate": _t7 * _t8 - _t9 * _t10,
-            "y_rate": _t7 * _t10 + _t8 * _t9,
+            "x_rate": _t7,
+            "y_rate": _t8,
             "theta_rate": 2.0833333333333335 * (_t5 - _t2),
             "front_left.steer_rate": front_left_steer_rate,
             "back_right.steer_rate": back_right_steer_rate,

@@ -116,21 +116,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -157,13 +157,13 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
     eta1 = np.asarray(eta1, dtype=np.float64)
     eta2 = np.asarray(eta2, dtype=np.float64)
     eta3 = np.asarray(eta3, dtype=np.float64)
-    _t0 = np.cos(theta)
-    _t1 = np.sin(theta)
+    _velocity_cos = np.cos(theta)
+    _velocity_sin = np.sin(theta)
     return _shaped(
         [x, y, theta, eta1, eta2, eta3],
         {
-            "x_rate": eta1 * _t0 - eta2 * _t1,
-            "y_rate": eta1 * _t1 + _t0 * eta2,
+            "x_rate": eta1 * _velocity_cos - eta2 * _velocity_sin,
+            "y_rate": eta1 * _velocity_sin + _velocity_cos * eta2,
             "theta_rate": eta3,
         },
     )

@@ -55,34 +55,35 @@ def inverse(vx, vy, omega, castor1_steer, castor2_steer, castor3_steer, castor4_
     castor4_steer = np.asarray(castor4_steer, dtype=np.float64)
     _t0 = 10.0 * omega
     _t1 = (-50.0) * vx
-    _t2 = _t0 + _t1
-    _t3 = np.cos(castor1_steer)
-    _t4 = (-50.0) * vy
-    _t5 = _t4 - _t0
-    _t6 = np.sin(castor1_steer)
-    _t7 = (-0.36363636363636365) * (_t2 * _t3 + _t5 * _t6)
-    _t8 = _t1 - _t0
-    _t9 = np.cos(castor2_steer)
-    _t10 = np.sin(castor2_steer)
-    _t11 = (-0.36363636363636365) * (_t8 * _t9 + _t5 * _t10)
-    _t12 = np.cos(castor3_steer)
-    _t13 = _t0 + _t4
-    _t14 = np.sin(castor3_steer)
-    _t15 = (-0.36363636363636365) * (_t2 * _t12 + _t13 * _t14)
-    _t16 = np.cos(castor4_steer)
-    _t17 = np.sin(castor4_steer)
-    _t18 = (-0.36363636363636365) * (_t8 * _t16 + _t13 * _t17)
+    _castor1_a = _t0 + _t1
+    _t2 = np.cos(castor1_steer)
+    _t3 = (-50.0) * vy
+    _castor1_b = _t3 - _t0
+    _t4 = np.sin(castor1_steer)
+    _t5 = (-0.36363636363636365) * (_castor1_a * _t2 + _castor1_b * _t4)
+    _castor2_a = _t1 - _t0
+    _t6 = np.cos(castor2_steer)
+    _t7 = np.sin(castor2_steer)
+    _t8 = (-0.36363636363636365) * (_castor2_a * _t6 + _castor1_b * _t7)
+    _t9 = np.cos(castor3_steer)
+    _castor3_b = _t0 + _t3
+    _t10 = np.sin(castor3_steer)
+    _t11 = (-0.36363636363636365) * (_castor1_a * _t9 + _castor3_b * _t10)
+    _t12 = np.cos(castor4_steer)
+    _t13 = np.sin(castor4_steer)
+    _t14 = (-0.36363636363636365) * (_castor2_a * _t12 + _castor3_b * _t13)
+    _t15 = _castor2_a * _t13 - omega - _castor3_b * _t12
     return _shaped(
         [vx, vy, omega, castor1_steer, castor2_steer, castor3_steer, castor4_steer],
         {
-            "castor1.spin": _t7,
-            "castor1.steer_rate": _t2 * _t6 - omega - _t3 * _t5,
-            "castor2.spin": _t11,
-            "castor2.steer_rate": _t8 * _t10 - omega - _t5 * _t9,
-            "castor3.spin": _t15,
-            "castor3.steer_rate": _t2 * _t14 - omega - _t12 * _t13,
-            "castor4.spin": _t18,
-            "castor4.steer_rate": _t8 * _t17 - omega - _t13 * _t16,
+            "castor1.spin": _t5,
+            "castor1.steer_rate": _castor1_a * _t4 - omega - _t2 * _castor1_b,
+            "castor2.spin": _t8,
+            "castor2.steer_rate": _castor2_a * _t7 - omega - _castor1_b * _t6,
+            "castor3.spin": _t11,
+            "castor3.steer_rate": _castor1_a * _t10 - omega - _t9 * _castor3_b,
+            "castor4.spin": _t14,
+            "castor4.steer_rate": _t15,
             "slip": 0.0,
         },
     )
@@ -125,63 +126,64 @@ def forward(castor1_spin, castor1_steer, castor1_steer_rate, castor2_spin, casto
     _t0 = np.cos(castor2_steer)
     _t1 = 2.75 * castor2_spin
     _t2 = np.sin(castor2_steer)
-    _t3 = _t0 * _t1 - castor2_steer_rate * _t2
-    _t4 = np.cos(castor4_steer)
-    _t5 = 2.75 * castor4_spin
-    _t6 = np.sin(castor4_steer)
-    _t7 = _t4 * _t5 - castor4_steer_rate * _t6
-    _t8 = _t3 + _t7
-    _t9 = np.cos(castor1_steer)
-    _t10 = 2.75 * castor1_spin
-    _t11 = np.sin(castor1_steer)
-    _t12 = _t9 * _t10 - castor1_steer_rate * _t11
-    _t13 = np.cos(castor3_steer)
-    _t14 = 2.75 * castor3_spin
-    _t15 = np.sin(castor3_steer)
-    _t16 = _t13 * _t14 - castor3_steer_rate * _t15
-    _t17 = _t12 + _t16
-    _t18 = _t9 * castor1_steer_rate + _t11 * _t10
-    _t19 = _t0 * castor2_steer_rate + _t2 * _t1
-    _t20 = _t18 + _t19
-    _t21 = _t13 * castor3_steer_rate + _t15 * _t14
-    _t22 = _t4 * castor4_steer_rate + _t6 * _t5
-    _t23 = _t21 + _t22
-    _t24 = castor3_steer_rate + (castor1_steer_rate + castor2_steer_rate)
-    _t25 = 40.0 * (_t20 + (_t8 - _t17) - _t23) - 4.0 * (castor4_steer_rate + _t24)
-    _t26 = _t23 + _t20
-    _t27 = _t13 + _t4
-    _t28 = _t9 + _t0
-    _t29 = _t27 + _t28
-    _t30 = _t8 + _t17
-    _t31 = _t2 + _t6
-    _t32 = _t11 + _t15
-    _t33 = _t31 + _t32
-    _t34 = 80.0 * (_t27 + (_t31 - _t28 - _t32)) + 3216.0
-    _t35 = (_t25 + _t29 * _t26 - _t30 * _t33) / (_t34 - _t29 * _t29 - _t33 * _t33)
-    _t36 = 0.005 * (_t30 - _t33 * _t35)
-    _t37 = 0.005 * (_t26 + _t29 * _t35)
-    _t38 = 0.2 * _t35
-    _t39 = _t38 - _t36
-    _t40 = _t39 + 0.02 * (_t12 - _t11 * _t35)
-    _t41 = _t37 + _t38
-    _t42 = 0.02 * (_t18 + _t9 * _t35) - _t41
-    _t43 = _t36 + _t38
-    _t44 = 0.02 * (_t3 - _t2 * _t35) - _t43
-    _t45 = 0.02 * (_t19 + _t0 * _t35) - _t41
-    _t46 = _t45 * _t45 + (_t44 * _t44 + (_t40 * _t40 + _t42 * _t42))
-    _t47 = _t39 + 0.02 * (_t16 - _t15 * _t35)
-    _t48 = _t38 - _t37
-    _t49 = _t48 + 0.02 * (_t21 + _t13 * _t35)
-    _t50 = 0.02 * (_t7 - _t6 * _t35) - _t43
-    _t51 = _t50 * _t50 + (_t49 * _t49 + (_t47 * _t47 + _t46))
-    _t52 = _t48 + 0.02 * (_t22 + _t4 * _t35)
+    _castor2_wx = _t0 * _t1 - castor2_steer_rate * _t2
+    _t3 = np.cos(castor4_steer)
+    _t4 = 2.75 * castor4_spin
+    _t5 = np.sin(castor4_steer)
+    _castor4_wx = _t3 * _t4 - castor4_steer_rate * _t5
+    _t6 = _castor2_wx + _castor4_wx
+    _t7 = np.cos(castor1_steer)
+    _t8 = 2.75 * castor1_spin
+    _t9 = np.sin(castor1_steer)
+    _castor1_wx = _t7 * _t8 - castor1_steer_rate * _t9
+    _t10 = np.cos(castor3_steer)
+    _t11 = 2.75 * castor3_spin
+    _t12 = np.sin(castor3_steer)
+    _castor3_wx = _t10 * _t11 - castor3_steer_rate * _t12
+    _t13 = _castor1_wx + _castor3_wx
+    _castor1_wy = _t7 * castor1_steer_rate + _t9 * _t8
+    _castor2_wy = _t0 * castor2_steer_rate + _t2 * _t1
+    _t14 = _castor1_wy + _castor2_wy
+    _castor3_wy = _t10 * castor3_steer_rate + _t12 * _t11
+    _castor4_wy = _t3 * castor4_steer_rate + _t5 * _t4
+    _t15 = _castor3_wy + _castor4_wy
+    _t16 = castor3_steer_rate + (castor1_steer_rate + castor2_steer_rate)
+    _moment = 40.0 * (_t14 + (_t6 - _t13) - _t15) - 4.0 * (castor4_steer_rate + _t16)
+    _sum_wy = _t15 + _t14
+    _t17 = _t10 + _t3
+    _t18 = _t7 + _t0
+    _t19 = _t17 + _t18
+    _sum_wx = _t6 + _t13
+    _t20 = _t2 + _t5
+    _t21 = _t9 + _t12
+    _t22 = _t20 + _t21
+    _inertia = 80.0 * (_t17 + (_t20 - _t18 - _t21)) + 3216.0
+    _omega_fit = (_moment + _t19 * _sum_wy - _sum_wx * _t22) / (_inertia - _t19 * _t19 - _t22 * _t22)
+    _t23 = 0.005 * (_sum_wx - _t22 * _omega_fit)
+    _t24 = 0.005 * (_sum_wy + _t19 * _omega_fit)
+    _t25 = 0.2 * _omega_fit
+    _t26 = _t25 - _t23
+    _error_0 = _t26 + 0.02 * (_castor1_wx - _t9 * _omega_fit)
+    _t27 = _t24 + _t25
+    _error_1 = 0.02 * (_castor1_wy + _t7 * _omega_fit) - _t27
+    _t28 = _t23 + _t25
+    _error_2 = 0.02 * (_castor2_wx - _t2 * _omega_fit) - _t28
+    _t29 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
+    _error_3 = 0.02 * (_castor2_wy + _t0 * _omega_fit) - _t27
+    _error_4 = _t26 + 0.02 * (_castor3_wx - _t12 * _omega_fit)
+    _t30 = _error_4 * _error_4 + (_error_3 * _error_3 + _t29)
+    _t31 = _t25 - _t24
+    _error_5 = _t31 + 0.02 * (_castor3_wy + _t10 * _omega_fit)
+    _error_6 = 0.02 * (_castor4_wx - _t5 * _omega_fit) - _t28
+    _t32 = _error_6 * _error_6 + (_error_5 * _error_5 + _t30)
+    _error_7 = _t31 + 0.02 * (_castor4_wy + _t3 * _omega_fit)
     return _shaped(
         [castor1_spin, castor1_steer, castor1_steer_rate, castor2_spin, castor2_steer, castor2_steer_rate, castor3_spin, castor3_steer, castor3_steer_rate, castor4_spin, castor4_steer, castor4_steer_rate],
         {
-            "vx": _t36,
-            "vy": _t37,
-            "omega": _t35,
-            "slip": np.sqrt(_t52 * _t52 + _t51),
+            "vx": _t23,
+            "vy": _t24,
+            "omega": _omega_fit,
+            "slip": np.sqrt(_error_7 * _error_7 + _t32),
         },
     )
 
@@ -210,21 +212,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -251,13 +253,13 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
     eta1 = np.asarray(eta1, dtype=np.float64)
     eta2 = np.asarray(eta2, dtype=np.float64)
     eta3 = np.asarray(eta3, dtype=np.float64)
-    _t0 = np.cos(theta)
-    _t1 = np.sin(theta)
+    _velocity_cos = np.cos(theta)
+    _velocity_sin = np.sin(theta)
     return _shaped(
         [x, y, theta, eta1, eta2, eta3],
         {
-            "x_rate": eta1 * _t0 - eta2 * _t1,
-            "y_rate": eta1 * _t1 + _t0 * eta2,
+            "x_rate": eta1 * _velocity_cos - eta2 * _velocity_sin,
+            "y_rate": eta1 * _velocity_sin + _velocity_cos * eta2,
             "theta_rate": eta3,
         },
     )

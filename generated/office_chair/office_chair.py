@@ -60,50 +60,50 @@ def inverse(vx, vy, omega, c1_steer, c2_steer, c3_steer, c4_steer, c5_steer):
     c5_steer = np.asarray(c5_steer, dtype=np.float64)
     _t0 = np.cos(c1_steer)
     _t1 = (-11.2) * omega
-    _t2 = _t1 - 40.0 * vy
-    _t3 = np.sin(c1_steer)
-    _t4 = 33.333333333333336 * (vx * _t0) - 0.8333333333333334 * (_t2 * _t3)
-    _t5 = (-12.360679774997896) * vx
-    _t6 = 38.042260651806146 * vy
-    _t7 = _t5 - _t6
-    _t8 = np.cos(c2_steer)
-    _t9 = _t1 - 12.360679774997896 * vy
-    _t10 = 38.042260651806146 * vx
-    _t11 = _t9 + _t10
-    _t12 = np.sin(c2_steer)
-    _t13 = (-0.8333333333333334) * (_t7 * _t8 + _t11 * _t12)
-    _t14 = 32.3606797749979 * vx
-    _t15 = 23.511410091698924 * vy
-    _t16 = _t14 - _t15
-    _t17 = np.cos(c3_steer)
-    _t18 = _t1 + 32.3606797749979 * vy
-    _t19 = 23.511410091698924 * vx
-    _t20 = _t18 + _t19
-    _t21 = np.sin(c3_steer)
-    _t22 = (-0.8333333333333334) * (_t16 * _t17 + _t20 * _t21)
-    _t23 = _t15 + _t14
-    _t24 = np.cos(c4_steer)
-    _t25 = _t18 - _t19
-    _t26 = np.sin(c4_steer)
-    _t27 = (-0.8333333333333334) * (_t23 * _t24 + _t25 * _t26)
-    _t28 = _t6 + _t5
-    _t29 = np.cos(c5_steer)
-    _t30 = _t9 - _t10
-    _t31 = np.sin(c5_steer)
-    _t32 = (-0.8333333333333334) * (_t28 * _t29 + _t30 * _t31)
+    _c1_b = _t1 - 40.0 * vy
+    _t2 = np.sin(c1_steer)
+    _t3 = 33.333333333333336 * (vx * _t0) - 0.8333333333333334 * (_c1_b * _t2)
+    _t4 = (-12.360679774997896) * vx
+    _t5 = 38.042260651806146 * vy
+    _c2_a = _t4 - _t5
+    _t6 = np.cos(c2_steer)
+    _t7 = _t1 - 12.360679774997896 * vy
+    _t8 = 38.042260651806146 * vx
+    _c2_b = _t7 + _t8
+    _t9 = np.sin(c2_steer)
+    _t10 = (-0.8333333333333334) * (_c2_a * _t6 + _c2_b * _t9)
+    _t11 = 32.3606797749979 * vx
+    _t12 = 23.511410091698924 * vy
+    _c3_a = _t11 - _t12
+    _t13 = np.cos(c3_steer)
+    _t14 = _t1 + 32.3606797749979 * vy
+    _t15 = 23.511410091698924 * vx
+    _c3_b = _t14 + _t15
+    _t16 = np.sin(c3_steer)
+    _t17 = (-0.8333333333333334) * (_c3_a * _t13 + _c3_b * _t16)
+    _c4_a = _t12 + _t11
+    _t18 = np.cos(c4_steer)
+    _c4_b = _t14 - _t15
+    _t19 = np.sin(c4_steer)
+    _t20 = (-0.8333333333333334) * (_c4_a * _t18 + _c4_b * _t19)
+    _c5_a = _t5 + _t4
+    _t21 = np.cos(c5_steer)
+    _c5_b = _t7 - _t8
+    _t22 = np.sin(c5_steer)
+    _t23 = (-0.8333333333333334) * (_c5_a * _t21 + _c5_b * _t22)
     return _shaped(
         [vx, vy, omega, c1_steer, c2_steer, c3_steer, c4_steer, c5_steer],
         {
-            "c1.spin": _t4,
-            "c1.steer_rate": (-40.0) * (vx * _t3) - omega - _t0 * _t2,
-            "c2.spin": _t13,
-            "c2.steer_rate": _t7 * _t12 - omega - _t8 * _t11,
-            "c3.spin": _t22,
-            "c3.steer_rate": _t16 * _t21 - omega - _t17 * _t20,
-            "c4.spin": _t27,
-            "c4.steer_rate": _t23 * _t26 - omega - _t24 * _t25,
-            "c5.spin": _t32,
-            "c5.steer_rate": _t28 * _t31 - omega - _t29 * _t30,
+            "c1.spin": _t3,
+            "c1.steer_rate": (-40.0) * (vx * _t2) - omega - _t0 * _c1_b,
+            "c2.spin": _t10,
+            "c2.steer_rate": _c2_a * _t9 - omega - _t6 * _c2_b,
+            "c3.spin": _t17,
+            "c3.steer_rate": _c3_a * _t16 - omega - _t13 * _c3_b,
+            "c4.spin": _t20,
+            "c4.steer_rate": _c4_a * _t19 - omega - _t18 * _c4_b,
+            "c5.spin": _t23,
+            "c5.steer_rate": _c5_a * _t22 - omega - _t21 * _c5_b,
             "slip": 0.0,
         },
     )
@@ -153,21 +153,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -194,13 +194,13 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
     eta1 = np.asarray(eta1, dtype=np.float64)
     eta2 = np.asarray(eta2, dtype=np.float64)
     eta3 = np.asarray(eta3, dtype=np.float64)
-    _t0 = np.cos(theta)
-    _t1 = np.sin(theta)
+    _velocity_cos = np.cos(theta)
+    _velocity_sin = np.sin(theta)
     return _shaped(
         [x, y, theta, eta1, eta2, eta3],
         {
-            "x_rate": eta1 * _t0 - eta2 * _t1,
-            "y_rate": eta1 * _t1 + _t0 * eta2,
+            "x_rate": eta1 * _velocity_cos - eta2 * _velocity_sin,
+            "y_rate": eta1 * _velocity_sin + _velocity_cos * eta2,
             "theta_rate": eta3,
         },
     )

@@ -120,21 +120,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -287,50 +287,53 @@ def odometry_covariance(x, y, theta, xx, xy, xtheta, yy, ytheta, thetatheta, vx,
     omegaomega = np.asarray(omegaomega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
-    _t11 = (vx * _t3 - vy * _t4) * _t10
-    _t12 = _t10 * (vx * _t4 + _t3 * vy)
-    _t13 = _t3 * _t10
-    _t14 = _t4 * _t10
-    _t15 = vxomega * _t13 - vyomega * _t14
-    _t16 = 0.5 * dt
-    _t17 = xtheta + _t15 * _t16
-    _t18 = dt * omegaomega
-    _t19 = dt * _t18
-    _t20 = thetatheta + 0.25 * _t19
-    _t21 = _t17 - _t12 * _t20
-    _t22 = _t14 * vxvy
-    _t23 = _t13 * vxvx - _t22
-    _t24 = _t13 * vxvy
-    _t25 = _t24 - _t14 * vyvy
-    _t26 = _t13 * _t23 + (xx - _t12 * (_t17 + _t21)) - _t14 * _t25
-    _t27 = vxomega * _t14 + _t13 * vyomega
-    _t28 = ytheta + _t16 * _t27
-    _t29 = _t14 * _t23 + (_t11 * _t21 + (xy - _t12 * _t28))
-    _t30 = 0.5 * _t18
-    _t31 = _t28 + _t11 * _t20
-    _t32 = _t14 * (_t24 + _t14 * vxvx) + (yy + _t11 * (_t28 + _t31))
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
+    _x_step = (vx * _t1 - vy * _t2) * _chord
+    _y_step = _chord * (vx * _t2 + _t1 * vy)
+    _chord_x = _t1 * _chord
+    _chord_y = _t2 * _chord
+    _by_omega_x = vxomega * _chord_x - vyomega * _chord_y
+    _t7 = 0.5 * dt
+    _x_heading = xtheta + _by_omega_x * _t7
+    _t8 = dt * omegaomega
+    _t9 = dt * _t8
+    _heading_variance = thetatheta + 0.25 * _t9
+    _x_turned = _x_heading - _y_step * _heading_variance
+    _t10 = _chord_y * vxvy
+    _by_vx_x = _chord_x * vxvx - _t10
+    _t11 = _chord_x * _by_vx_x + (xx - _y_step * (_x_heading + _x_turned))
+    _t12 = _chord_x * vxvy
+    _by_vy_x = _t12 - _chord_y * vyvy
+    _by_omega_y = vxomega * _chord_y + _chord_x * vyomega
+    _y_heading = ytheta + _t7 * _by_omega_y
+    _t13 = _x_step * _x_turned + (xy - _y_step * _y_heading)
+    _t14 = _chord_x * _by_vy_x + (_chord_y * _by_vx_x + _t13)
+    _t15 = 0.5 * _t8
+    _t16 = _x_turned + _t7 * (_by_omega_x - _y_step * _t15)
+    _y_turned = _y_heading + _x_step * _heading_variance
+    _t17 = _chord_y * (_t12 + _chord_y * vxvx) + (yy + _x_step * (_y_heading + _y_turned))
+    _t18 = _y_turned + _t7 * (_by_omega_y + _x_step * _t15)
     return _shaped(
         [x, y, theta, xx, xy, xtheta, yy, ytheta, thetatheta, vx, vy, omega, vxvx, vxvy, vxomega, vyvy, vyomega, omegaomega, dt],
         {
-            "x": x + _t11,
-            "y": y + _t12,
+            "x": x + _x_step,
+            "y": y + _y_step,
             "theta": theta + _t0,
-            "xx": _t26,
-            "xy": _t13 * _t25 + _t29,
-            "xtheta": _t21 + _t16 * (_t15 - _t12 * _t30),
-            "yy": _t13 * (_t22 + _t13 * vyvy) + _t32,
-            "ytheta": _t31 + _t16 * (_t27 + _t11 * _t30),
-            "thetatheta": thetatheta + _t19,
+            "xx": _t11 - _chord_y * _by_vy_x,
+            "xy": _t14,
+            "xtheta": _t16,
+            "yy": _chord_x * (_t10 + _chord_x * vyvy) + _t17,
+            "ytheta": _t18,
+            "thetatheta": thetatheta + _t9,
         },
     )
 
@@ -360,21 +363,21 @@ def odometry_from_angles(x, y, theta, left_spin_step, right_spin_step, half_trac
     radius = np.asarray(radius, dtype=np.float64)
     _t0 = np.where(np.abs(half_track) < 1e-12, np.copysign(1e-12, half_track), half_track)
     _t1 = radius * (1.0 / _t0)
-    _t2 = (left_spin_step + right_spin_step) * (0.5 * radius)
-    _t3 = left_spin_step - right_spin_step
-    _t4 = _t3 * ((-0.25) * _t1)
-    _t5 = theta + _t4
-    _t6 = np.abs(_t4)
-    _t7 = _t4 * _t4
-    _t8 = (-0.0001984126984126984) * _t7 + 0.008333333333333333
-    _t9 = np.maximum(_t6, 0.046875)
-    _t10 = np.where(_t6 < 0.046875, 1.0 - _t7 * (0.16666666666666666 - _t7 * _t8), np.sin(_t9) / _t9)
+    _vx_step = (left_spin_step + right_spin_step) * (0.5 * radius)
+    _t2 = left_spin_step - right_spin_step
+    _half_turn = _t2 * ((-0.25) * _t1)
+    _middle = theta + _half_turn
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
     return _shaped(
         [x, y, theta, left_spin_step, right_spin_step, half_track, radius],
         {
-            "x": x + _t2 * np.cos(_t5) * _t10,
-            "y": y + _t10 * (_t2 * np.sin(_t5)),
-            "theta": theta - _t3 * (0.5 * _t1),
+            "x": x + _vx_step * np.cos(_middle) * _sinc,
+            "y": y + _sinc * (_vx_step * np.sin(_middle)),
+            "theta": theta - _t2 * (0.5 * _t1),
         },
     )
 
@@ -395,15 +398,15 @@ def limit_twist(vx, vy, omega):
     vy = np.asarray(vy, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
     _t0 = np.maximum(0.8333333333333334 * np.abs(vx), 1.0)
-    _t1 = np.maximum(0.1909859317102744 * np.abs(omega), _t0)
-    _t2 = 1.0 / _t1
-    _t3 = np.clip(omega * _t2, -5.235987755982989, 5.235987755982989)
+    _load = np.maximum(0.1909859317102744 * np.abs(omega), _t0)
+    _scale = 1.0 / _load
+    _t1 = np.clip(omega * _scale, -5.235987755982989, 5.235987755982989)
     return _shaped(
         [vx, vy, omega],
         {
-            "vx": np.clip(vx * _t2, -1.2, 1.2),
+            "vx": np.clip(vx * _scale, -1.2, 1.2),
             "vy": 0.0,
-            "omega": _t3,
+            "omega": _t1,
         },
     )
 
@@ -431,19 +434,19 @@ def limit_acceleration(vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt):
     vy_wanted = np.asarray(vy_wanted, dtype=np.float64)
     omega_wanted = np.asarray(omega_wanted, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
-    _t0 = omega_wanted - omega
-    _t1 = vx_wanted - vx
-    _t2 = np.maximum(0.2864788975654116 * np.abs(_t0), 1.6666666666666667 * np.abs(_t1))
-    _t3 = np.maximum(dt, 0.0)
-    _t4 = 0.9999995231628418 * (_t3 / np.maximum(_t2, 1e-20))
-    _t5 = np.where(_t3 < _t2, vx + _t1 * _t4, vx_wanted)
-    _t6 = np.where(_t3 < _t2, omega + _t0 * _t4, omega_wanted)
+    _omega_change = omega_wanted - omega
+    _vx_change = vx_wanted - vx
+    _time = np.maximum(0.2864788975654116 * np.abs(_omega_change), 1.6666666666666667 * np.abs(_vx_change))
+    _step = np.maximum(dt, 0.0)
+    _t0 = 0.9999995231628418 * (_step / np.maximum(_time, 1e-20))
+    _t1 = np.where(_step < _time, vx + _vx_change * _t0, vx_wanted)
+    _t2 = np.where(_step < _time, omega + _omega_change * _t0, omega_wanted)
     return _shaped(
         [vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt],
         {
-            "vx": _t5,
+            "vx": _t1,
             "vy": 0.0,
-            "omega": _t6,
+            "omega": _t2,
         },
     )
 
@@ -468,16 +471,16 @@ def desaturate(left_spin, right_spin, tail_spin, tail_steer_rate):
     tail_spin = np.asarray(tail_spin, dtype=np.float64)
     tail_steer_rate = np.asarray(tail_steer_rate, dtype=np.float64)
     _t0 = np.maximum(0.08130081300813008 * np.abs(left_spin), 1.0)
-    _t1 = np.maximum(0.08130081300813008 * np.abs(right_spin), _t0)
-    _t2 = 1.0 / _t1
+    _load = np.maximum(0.08130081300813008 * np.abs(right_spin), _t0)
+    _scale = 1.0 / _load
     return _shaped(
         [left_spin, right_spin, tail_spin, tail_steer_rate],
         {
-            "left.spin": np.clip(left_spin * _t2, -12.3, 12.3),
-            "right.spin": np.clip(right_spin * _t2, -12.3, 12.3),
-            "tail.spin": _t2 * tail_spin,
-            "tail.steer_rate": _t2 * tail_steer_rate,
-            "scale": _t2,
+            "left.spin": np.clip(left_spin * _scale, -12.3, 12.3),
+            "right.spin": np.clip(right_spin * _scale, -12.3, 12.3),
+            "tail.spin": _scale * tail_spin,
+            "tail.steer_rate": _scale * tail_steer_rate,
+            "scale": _scale,
         },
     )
 

@@ -73,71 +73,71 @@ def inverse(vx, vy, omega, fl_l_steer, fl_r_steer, fr_l_steer, fr_r_steer, bl_l_
     br_l_steer = np.asarray(br_l_steer, dtype=np.float64)
     br_r_steer = np.asarray(br_r_steer, dtype=np.float64)
     _t0 = (-0.2246) * omega
-    _t1 = vx + _t0
-    _t2 = 0.2246 * omega
-    _t3 = vy + _t2
-    _t4 = _t1 * _t1
-    _t5 = _t3 * _t3
-    _t6 = np.sqrt(_t4 + _t5)
-    _t7 = np.where(np.signbit(_t1), np.negative(2.0), 2.0)
-    _t8 = np.abs(_t1)
-    _t9 = np.arctan(_t3 / (np.maximum(_t6, 1e-20) + _t8))
-    _t10 = np.where(_t6 < 1e-20, fl_l_steer, _t7 * _t9)
-    _t11 = np.rint(0.31830988617 * (_t10 - fl_l_steer))
-    _t12 = np.where(np.signbit(_t1), np.negative(_t6), _t6)
-    _t13 = np.where(np.mod(_t11, 2) == 1, np.negative(_t12), _t12)
-    _t14 = _t10 + (-3.141592653589793) * _t11
-    _t15 = 13.37041394801583 * _t13
-    _t16 = 0.6551502834527757 * omega
-    _t17 = vx + _t2
-    _t18 = _t17 * _t17
-    _t19 = np.sqrt(_t18 + _t5)
-    _t20 = np.where(np.signbit(_t17), np.negative(2.0), 2.0)
-    _t21 = np.abs(_t17)
-    _t22 = np.arctan(_t3 / (np.maximum(_t19, 1e-20) + _t21))
-    _t23 = np.where(_t19 < 1e-20, fr_l_steer, _t20 * _t22)
-    _t24 = np.rint(0.31830988617 * (_t23 - fr_l_steer))
-    _t25 = np.where(np.signbit(_t17), np.negative(_t19), _t19)
-    _t26 = np.where(np.mod(_t24, 2) == 1, np.negative(_t25), _t25)
-    _t27 = _t23 + (-3.141592653589793) * _t24
-    _t28 = 13.37041394801583 * _t26
-    _t29 = vy + _t0
-    _t30 = _t29 * _t29
-    _t31 = np.sqrt(_t4 + _t30)
-    _t32 = np.arctan(_t29 / (np.maximum(_t31, 1e-20) + _t8))
-    _t33 = np.where(_t31 < 1e-20, bl_l_steer, _t7 * _t32)
-    _t34 = np.rint(0.31830988617 * (_t33 - bl_l_steer))
-    _t35 = np.where(np.signbit(_t1), np.negative(_t31), _t31)
-    _t36 = np.where(np.mod(_t34, 2) == 1, np.negative(_t35), _t35)
-    _t37 = _t33 + (-3.141592653589793) * _t34
-    _t38 = 13.37041394801583 * _t36
-    _t39 = np.sqrt(_t18 + _t30)
-    _t40 = np.arctan(_t29 / (np.maximum(_t39, 1e-20) + _t21))
-    _t41 = np.where(_t39 < 1e-20, br_l_steer, _t20 * _t40)
-    _t42 = np.rint(0.31830988617 * (_t41 - br_l_steer))
-    _t43 = np.where(np.signbit(_t17), np.negative(_t39), _t39)
-    _t44 = np.where(np.mod(_t42, 2) == 1, np.negative(_t43), _t43)
-    _t45 = _t41 + (-3.141592653589793) * _t42
-    _t46 = 13.37041394801583 * _t44
+    _fl_l_x = vx + _t0
+    _t1 = 0.2246 * omega
+    _fl_l_y = vy + _t1
+    _t2 = _fl_l_x * _fl_l_x
+    _t3 = _fl_l_y * _fl_l_y
+    _t4 = np.sqrt(_t2 + _t3)
+    _t5 = np.where(np.signbit(_fl_l_x), np.negative(2.0), 2.0)
+    _t6 = np.abs(_fl_l_x)
+    _t7 = np.arctan(_fl_l_y / (np.maximum(_t4, 1e-20) + _t6))
+    _t8 = np.where(_t4 < 1e-20, fl_l_steer, _t5 * _t7)
+    _t9 = np.rint(0.31830988617 * (_t8 - fl_l_steer))
+    _t10 = np.where(np.signbit(_fl_l_x), np.negative(_t4), _t4)
+    _fl_l_rim = np.where(np.mod(_t9, 2) == 1, np.negative(_t10), _t10)
+    _fl_l_nearest = _t8 + (-3.141592653589793) * _t9
+    _t11 = 13.37041394801583 * _fl_l_rim
+    _t12 = 0.6551502834527757 * omega
+    _fr_l_x = vx + _t1
+    _t13 = _fr_l_x * _fr_l_x
+    _t14 = np.sqrt(_t13 + _t3)
+    _t15 = np.where(np.signbit(_fr_l_x), np.negative(2.0), 2.0)
+    _t16 = np.abs(_fr_l_x)
+    _t17 = np.arctan(_fl_l_y / (np.maximum(_t14, 1e-20) + _t16))
+    _t18 = np.where(_t14 < 1e-20, fr_l_steer, _t15 * _t17)
+    _t19 = np.rint(0.31830988617 * (_t18 - fr_l_steer))
+    _t20 = np.where(np.signbit(_fr_l_x), np.negative(_t14), _t14)
+    _fr_l_rim = np.where(np.mod(_t19, 2) == 1, np.negative(_t20), _t20)
+    _fr_l_nearest = _t18 + (-3.141592653589793) * _t19
+    _t21 = 13.37041394801583 * _fr_l_rim
+    _bl_l_y = vy + _t0
+    _t22 = _bl_l_y * _bl_l_y
+    _t23 = np.sqrt(_t2 + _t22)
+    _t24 = np.arctan(_bl_l_y / (np.maximum(_t23, 1e-20) + _t6))
+    _t25 = np.where(_t23 < 1e-20, bl_l_steer, _t5 * _t24)
+    _t26 = np.rint(0.31830988617 * (_t25 - bl_l_steer))
+    _t27 = np.where(np.signbit(_fl_l_x), np.negative(_t23), _t23)
+    _bl_l_rim = np.where(np.mod(_t26, 2) == 1, np.negative(_t27), _t27)
+    _bl_l_nearest = _t25 + (-3.141592653589793) * _t26
+    _t28 = 13.37041394801583 * _bl_l_rim
+    _t29 = np.sqrt(_t13 + _t22)
+    _t30 = np.arctan(_bl_l_y / (np.maximum(_t29, 1e-20) + _t16))
+    _t31 = np.where(_t29 < 1e-20, br_l_steer, _t15 * _t30)
+    _t32 = np.rint(0.31830988617 * (_t31 - br_l_steer))
+    _t33 = np.where(np.signbit(_fr_l_x), np.negative(_t29), _t29)
+    _br_l_rim = np.where(np.mod(_t32, 2) == 1, np.negative(_t33), _t33)
+    _br_l_nearest = _t31 + (-3.141592653589793) * _t32
+    _t34 = 13.37041394801583 * _br_l_rim
     return _shaped(
         [vx, vy, omega, fl_l_steer, fl_r_steer, fr_l_steer, fr_r_steer, bl_l_steer, bl_r_steer, br_l_steer, br_r_steer],
         {
-            "fl_l.spin": _t15 - _t16,
-            "fl_l.steer": _t14,
-            "fl_r.spin": _t15 + _t16,
-            "fl_r.steer": _t14,
-            "fr_l.spin": _t28 - _t16,
-            "fr_l.steer": _t27,
-            "fr_r.spin": _t16 + _t28,
-            "fr_r.steer": _t27,
-            "bl_l.spin": _t38 - _t16,
-            "bl_l.steer": _t37,
-            "bl_r.spin": _t16 + _t38,
-            "bl_r.steer": _t37,
-            "br_l.spin": _t46 - _t16,
-            "br_l.steer": _t45,
-            "br_r.spin": _t16 + _t46,
-            "br_r.steer": _t45,
+            "fl_l.spin": _t11 - _t12,
+            "fl_l.steer": _fl_l_nearest,
+            "fl_r.spin": _t11 + _t12,
+            "fl_r.steer": _fl_l_nearest,
+            "fr_l.spin": _t21 - _t12,
+            "fr_l.steer": _fr_l_nearest,
+            "fr_r.spin": _t12 + _t21,
+            "fr_r.steer": _fr_l_nearest,
+            "bl_l.spin": _t28 - _t12,
+            "bl_l.steer": _bl_l_nearest,
+            "bl_r.spin": _t12 + _t28,
+            "bl_r.steer": _bl_l_nearest,
+            "br_l.spin": _t34 - _t12,
+            "br_l.steer": _br_l_nearest,
+            "br_r.spin": _t12 + _t34,
+            "br_r.steer": _br_l_nearest,
             "slip": 0.0,
         },
     )
@@ -203,101 +203,105 @@ def forward(fl_l_spin, fl_l_steer, fl_l_steer_rate, fl_r_spin, fl_r_steer, fl_r_
     br_r_steer_rate = np.asarray(br_r_steer_rate, dtype=np.float64)
     _t0 = 0.049 * fr_l_steer_rate + 0.074792 * fr_l_spin
     _t1 = np.cos(fr_l_steer)
-    _t2 = _t1 * _t0
-    _t3 = 0.074792 * fr_r_spin - 0.049 * fr_r_steer_rate
-    _t4 = np.cos(fr_r_steer)
-    _t5 = _t4 * _t3
-    _t6 = 0.049 * br_l_steer_rate + 0.074792 * br_l_spin
-    _t7 = np.cos(br_l_steer)
-    _t8 = _t7 * _t6
-    _t9 = 0.074792 * br_r_spin - 0.049 * br_r_steer_rate
-    _t10 = np.cos(br_r_steer)
-    _t11 = _t10 * _t9
-    _t12 = _t11 + (_t8 + (_t2 + _t5))
-    _t13 = 0.049 * fl_l_steer_rate + 0.074792 * fl_l_spin
-    _t14 = np.cos(fl_l_steer)
-    _t15 = _t14 * _t13
-    _t16 = 0.074792 * fl_r_spin - 0.049 * fl_r_steer_rate
-    _t17 = np.cos(fl_r_steer)
-    _t18 = _t17 * _t16
-    _t19 = 0.049 * bl_l_steer_rate + 0.074792 * bl_l_spin
-    _t20 = np.cos(bl_l_steer)
-    _t21 = _t20 * _t19
-    _t22 = 0.074792 * bl_r_spin - 0.049 * bl_r_steer_rate
-    _t23 = np.cos(bl_r_steer)
-    _t24 = _t23 * _t22
-    _t25 = _t24 + (_t21 + (_t15 + _t18))
-    _t26 = _t12 + _t25
-    _t27 = _t7 - _t10 + (_t1 - _t4)
-    _t28 = _t20 - _t23 + (_t14 - _t17)
-    _t29 = 0.049 * (_t27 + _t28)
-    _t30 = np.sin(br_l_steer)
-    _t31 = np.sin(br_r_steer)
-    _t32 = np.sin(bl_l_steer)
-    _t33 = np.sin(bl_r_steer)
-    _t34 = _t30 - _t31 + (_t32 - _t33)
-    _t35 = np.sin(fr_l_steer)
-    _t36 = np.sin(fr_r_steer)
-    _t37 = np.sin(fl_l_steer)
-    _t38 = np.sin(fl_r_steer)
-    _t39 = _t35 - _t36 + (_t37 - _t38)
-    _t40 = (-0.049) * (_t34 + _t39)
-    _t41 = _t19 * _t32
-    _t42 = _t22 * _t33
-    _t43 = _t6 * _t30
-    _t44 = _t9 * _t31
-    _t45 = _t44 + (_t43 + (_t41 + _t42))
-    _t46 = _t13 * _t37
-    _t47 = _t16 * _t38
-    _t48 = _t0 * _t35
-    _t49 = _t3 * _t36
-    _t50 = _t49 + (_t48 + (_t46 + _t47))
-    _t51 = _t45 + _t50
-    _t52 = fr_r_spin + (fl_r_spin - fl_l_spin - fr_l_spin)
-    _t53 = br_r_spin + (bl_r_spin + (_t52 - bl_l_spin) - br_l_spin)
-    _t54 = fr_l_steer_rate + (fl_l_steer_rate + fl_r_steer_rate)
-    _t55 = bl_r_steer_rate + (bl_l_steer_rate + (fr_r_steer_rate + _t54))
-    _t56 = 0.019208 * (br_r_steer_rate + (br_l_steer_rate + _t55))
-    _t57 = 1.7968 * (_t50 + (_t12 - _t25) - _t45) + (0.029318464 * _t53 - _t56)
-    _t58 = 0.1760864 * (_t34 + (_t28 - _t27 - _t39)) + 6.61064448
-    _t59 = (_t26 * _t29 + (_t57 - _t40 * _t51)) / (_t58 - _t40 * _t40 - _t29 * _t29)
-    _t60 = 0.125 * (_t26 + _t29 * _t59)
-    _t61 = 0.125 * (_t51 - _t40 * _t59)
-    _t62 = 0.2246 * _t59
-    _t63 = _t62 - _t60
-    _t64 = 0.049 * _t59
-    _t65 = _t63 + (_t15 + _t14 * _t64)
-    _t66 = _t61 + _t62
-    _t67 = _t46 + _t37 * _t64 - _t66
-    _t68 = (-0.049) * _t59
-    _t69 = _t63 + (_t18 + _t17 * _t68)
-    _t70 = _t47 + _t38 * _t68 - _t66
-    _t71 = _t70 * _t70 + (_t69 * _t69 + (_t65 * _t65 + _t67 * _t67))
-    _t72 = _t60 + _t62
-    _t73 = _t2 + _t1 * _t64 - _t72
-    _t74 = _t48 + _t35 * _t64 - _t66
-    _t75 = _t5 + _t4 * _t68 - _t72
-    _t76 = _t75 * _t75 + (_t74 * _t74 + (_t73 * _t73 + _t71))
-    _t77 = _t49 + _t36 * _t68 - _t66
-    _t78 = _t63 + (_t21 + _t20 * _t64)
-    _t79 = _t62 - _t61
-    _t80 = _t79 + (_t41 + _t32 * _t64)
-    _t81 = _t80 * _t80 + (_t78 * _t78 + (_t77 * _t77 + _t76))
-    _t82 = _t63 + (_t24 + _t23 * _t68)
-    _t83 = _t79 + (_t42 + _t33 * _t68)
-    _t84 = _t8 + _t7 * _t64 - _t72
-    _t85 = _t84 * _t84 + (_t83 * _t83 + (_t82 * _t82 + _t81))
-    _t86 = _t79 + (_t43 + _t30 * _t64)
-    _t87 = _t11 + _t10 * _t68 - _t72
-    _t88 = _t79 + (_t44 + _t31 * _t68)
-    _t89 = _t88 * _t88 + (_t87 * _t87 + (_t86 * _t86 + _t85))
+    _fr_l_wx = _t1 * _t0
+    _t2 = 0.074792 * fr_r_spin - 0.049 * fr_r_steer_rate
+    _t3 = np.cos(fr_r_steer)
+    _fr_r_wx = _t3 * _t2
+    _t4 = 0.049 * br_l_steer_rate + 0.074792 * br_l_spin
+    _t5 = np.cos(br_l_steer)
+    _br_l_wx = _t5 * _t4
+    _t6 = 0.074792 * br_r_spin - 0.049 * br_r_steer_rate
+    _t7 = np.cos(br_r_steer)
+    _br_r_wx = _t7 * _t6
+    _t8 = _br_r_wx + (_br_l_wx + (_fr_l_wx + _fr_r_wx))
+    _t9 = 0.049 * fl_l_steer_rate + 0.074792 * fl_l_spin
+    _t10 = np.cos(fl_l_steer)
+    _fl_l_wx = _t10 * _t9
+    _t11 = 0.074792 * fl_r_spin - 0.049 * fl_r_steer_rate
+    _t12 = np.cos(fl_r_steer)
+    _fl_r_wx = _t12 * _t11
+    _t13 = 0.049 * bl_l_steer_rate + 0.074792 * bl_l_spin
+    _t14 = np.cos(bl_l_steer)
+    _bl_l_wx = _t14 * _t13
+    _t15 = 0.074792 * bl_r_spin - 0.049 * bl_r_steer_rate
+    _t16 = np.cos(bl_r_steer)
+    _bl_r_wx = _t16 * _t15
+    _t17 = _bl_r_wx + (_bl_l_wx + (_fl_l_wx + _fl_r_wx))
+    _sum_wx = _t8 + _t17
+    _t18 = _t5 - _t7 + (_t1 - _t3)
+    _t19 = _t14 - _t16 + (_t10 - _t12)
+    _sum_fy = 0.049 * (_t18 + _t19)
+    _t20 = np.sin(br_l_steer)
+    _t21 = np.sin(br_r_steer)
+    _t22 = np.sin(bl_l_steer)
+    _t23 = np.sin(bl_r_steer)
+    _t24 = _t20 - _t21 + (_t22 - _t23)
+    _t25 = np.sin(fr_l_steer)
+    _t26 = np.sin(fr_r_steer)
+    _t27 = np.sin(fl_l_steer)
+    _t28 = np.sin(fl_r_steer)
+    _t29 = _t25 - _t26 + (_t27 - _t28)
+    _sum_fx = (-0.049) * (_t24 + _t29)
+    _bl_l_wy = _t13 * _t22
+    _bl_r_wy = _t15 * _t23
+    _br_l_wy = _t4 * _t20
+    _br_r_wy = _t6 * _t21
+    _t30 = _br_r_wy + (_br_l_wy + (_bl_l_wy + _bl_r_wy))
+    _fl_l_wy = _t9 * _t27
+    _fl_r_wy = _t11 * _t28
+    _fr_l_wy = _t0 * _t25
+    _fr_r_wy = _t2 * _t26
+    _t31 = _fr_r_wy + (_fr_l_wy + (_fl_l_wy + _fl_r_wy))
+    _sum_wy = _t30 + _t31
+    _t32 = fr_r_spin + (fl_r_spin - fl_l_spin - fr_l_spin)
+    _t33 = br_r_spin + (bl_r_spin + (_t32 - bl_l_spin) - br_l_spin)
+    _t34 = fr_l_steer_rate + (fl_l_steer_rate + fl_r_steer_rate)
+    _t35 = bl_r_steer_rate + (bl_l_steer_rate + (fr_r_steer_rate + _t34))
+    _t36 = 0.019208 * (br_r_steer_rate + (br_l_steer_rate + _t35))
+    _moment = 1.7968 * (_t31 + (_t8 - _t17) - _t30) + (0.029318464 * _t33 - _t36)
+    _t37 = _sum_wx * _sum_fy + (_moment - _sum_fx * _sum_wy)
+    _inertia = 0.1760864 * (_t24 + (_t19 - _t18 - _t29)) + 6.61064448
+    _t38 = _inertia - _sum_fx * _sum_fx - _sum_fy * _sum_fy
+    _omega_fit = _t37 / _t38
+    _t39 = 0.125 * (_sum_wx + _sum_fy * _omega_fit)
+    _t40 = 0.125 * (_sum_wy - _sum_fx * _omega_fit)
+    _t41 = 0.2246 * _omega_fit
+    _t42 = _t41 - _t39
+    _t43 = 0.049 * _omega_fit
+    _error_0 = _t42 + (_fl_l_wx + _t10 * _t43)
+    _t44 = _t40 + _t41
+    _error_1 = _fl_l_wy + _t27 * _t43 - _t44
+    _t45 = (-0.049) * _omega_fit
+    _error_2 = _t42 + (_fl_r_wx + _t12 * _t45)
+    _t46 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
+    _error_3 = _fl_r_wy + _t28 * _t45 - _t44
+    _t47 = _t39 + _t41
+    _error_4 = _fr_l_wx + _t1 * _t43 - _t47
+    _t48 = _error_4 * _error_4 + (_error_3 * _error_3 + _t46)
+    _error_5 = _fr_l_wy + _t25 * _t43 - _t44
+    _error_6 = _fr_r_wx + _t3 * _t45 - _t47
+    _t49 = _error_6 * _error_6 + (_error_5 * _error_5 + _t48)
+    _error_7 = _fr_r_wy + _t26 * _t45 - _t44
+    _error_8 = _t42 + (_bl_l_wx + _t14 * _t43)
+    _t50 = _error_8 * _error_8 + (_error_7 * _error_7 + _t49)
+    _t51 = _t41 - _t40
+    _error_9 = _t51 + (_bl_l_wy + _t22 * _t43)
+    _error_10 = _t42 + (_bl_r_wx + _t16 * _t45)
+    _t52 = _error_10 * _error_10 + (_error_9 * _error_9 + _t50)
+    _error_11 = _t51 + (_bl_r_wy + _t23 * _t45)
+    _error_12 = _br_l_wx + _t5 * _t43 - _t47
+    _t53 = _error_12 * _error_12 + (_error_11 * _error_11 + _t52)
+    _error_13 = _t51 + (_br_l_wy + _t20 * _t43)
+    _error_14 = _br_r_wx + _t7 * _t45 - _t47
+    _t54 = _error_14 * _error_14 + (_error_13 * _error_13 + _t53)
+    _error_15 = _t51 + (_br_r_wy + _t21 * _t45)
     return _shaped(
         [fl_l_spin, fl_l_steer, fl_l_steer_rate, fl_r_spin, fl_r_steer, fl_r_steer_rate, fr_l_spin, fr_l_steer, fr_l_steer_rate, fr_r_spin, fr_r_steer, fr_r_steer_rate, bl_l_spin, bl_l_steer, bl_l_steer_rate, bl_r_spin, bl_r_steer, bl_r_steer_rate, br_l_spin, br_l_steer, br_l_steer_rate, br_r_spin, br_r_steer, br_r_steer_rate],
         {
-            "vx": _t60,
-            "vy": _t61,
-            "omega": _t59,
-            "slip": np.sqrt(_t89),
+            "vx": _t39,
+            "vy": _t40,
+            "omega": _omega_fit,
+            "slip": np.sqrt(_error_15 * _error_15 + _t54),
         },
     )
 
@@ -326,21 +330,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -380,15 +384,17 @@ def dynamics(x, y, theta, fl_l_steer, br_l_steer, eta1, fl_l_steer_rate, br_l_st
     _t4 = np.sin(fl_l_steer)
     _t5 = _t3 * _t4
     _t6 = 0.5 * (_t2 + _t5)
-    _t7 = _t0 * _t3 + _t6
-    _t8 = np.cos(theta)
-    _t9 = _t6 + _t4 * (eta1 * _t1)
-    _t10 = np.sin(theta)
+    _vx_body = _t0 * _t3 + _t6
+    _velocity_cos = np.cos(theta)
+    _vy_body = _t6 + _t4 * (eta1 * _t1)
+    _velocity_sin = np.sin(theta)
+    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _shaped(
         [x, y, theta, fl_l_steer, br_l_steer, eta1, fl_l_steer_rate, br_l_steer_rate],
         {
-            "x_rate": _t7 * _t8 - _t9 * _t10,
-            "y_rate": _t7 * _t10 + _t8 * _t9,
+            "x_rate": _t7,
+            "y_rate": _t8,
             "theta_rate": 2.226179875333927 * (_t5 - _t2),
             "fl_l.steer_rate": fl_l_steer_rate,
             "br_l.steer_rate": br_l_steer_rate,

@@ -53,18 +53,18 @@ def inverse(vx, vy, omega, w1_steer, w2_steer, w3_steer):
     _t3 = np.where(_t0 < 1e-20, w1_steer, _t1 * _t2)
     _t4 = np.rint(0.31830988617 * (_t3 - w1_steer))
     _t5 = np.where(np.signbit(vx), np.negative(_t0), _t0)
-    _t6 = np.where(np.mod(_t4, 2) == 1, np.negative(_t5), _t5)
-    _t7 = _t3 + (-3.141592653589793) * _t4
-    _t8 = 10.0 * _t6
+    _w1_rim = np.where(np.mod(_t4, 2) == 1, np.negative(_t5), _t5)
+    _w1_nearest = _t3 + (-3.141592653589793) * _t4
+    _t6 = 10.0 * _w1_rim
     return _shaped(
         [vx, vy, omega, w1_steer, w2_steer, w3_steer],
         {
-            "w1.spin": _t8,
-            "w1.steer": _t7,
-            "w2.spin": _t8,
-            "w2.steer": _t7,
-            "w3.spin": _t8,
-            "w3.steer": _t7,
+            "w1.spin": _t6,
+            "w1.steer": _w1_nearest,
+            "w2.spin": _t6,
+            "w2.steer": _w1_nearest,
+            "w3.spin": _t6,
+            "w3.steer": _w1_nearest,
             "slip": np.abs(0.3 * omega),
         },
     )
@@ -92,33 +92,33 @@ def forward(w1_spin, w1_steer, w2_spin, w2_steer, w3_spin, w3_steer):
     w2_steer = np.asarray(w2_steer, dtype=np.float64)
     w3_spin = np.asarray(w3_spin, dtype=np.float64)
     w3_steer = np.asarray(w3_steer, dtype=np.float64)
-    _t0 = w1_spin * np.cos(w1_steer)
-    _t1 = w1_spin * np.sin(w1_steer)
-    _t2 = w2_spin * np.cos(w2_steer)
-    _t3 = w2_spin * np.sin(w2_steer)
-    _t4 = w3_spin * np.cos(w3_steer)
-    _t5 = w3_spin * np.sin(w3_steer)
-    _t6 = 0.03333333333333333 * (_t4 + (_t0 + _t2))
-    _t7 = _t3 + _t5
-    _t8 = 0.03333333333333333 * (_t1 + _t7)
-    _t9 = 0.1111111111111111 * _t1 + 0.09622504486493763 * (_t4 - _t2)
-    _t10 = _t9 - 0.05555555555555555 * _t7
-    _t11 = (-0.25980762113533157) * _t10
-    _t12 = 0.1 * _t2 - _t6 - _t11
-    _t13 = 0.1 * _t1 - _t8 - 0.3 * _t10
-    _t14 = 0.1 * _t0 - _t6
-    _t15 = _t8 - 0.15 * _t10
-    _t16 = 0.1 * _t3 - _t15
-    _t17 = _t16 * _t16 + (_t12 * _t12 + (_t14 * _t14 + _t13 * _t13))
-    _t18 = 0.1 * _t4 + (_t11 - _t6)
-    _t19 = 0.1 * _t5 - _t15
+    _w1_roll_x = w1_spin * np.cos(w1_steer)
+    _w1_roll_y = w1_spin * np.sin(w1_steer)
+    _w2_roll_x = w2_spin * np.cos(w2_steer)
+    _w2_roll_y = w2_spin * np.sin(w2_steer)
+    _w3_roll_x = w3_spin * np.cos(w3_steer)
+    _w3_roll_y = w3_spin * np.sin(w3_steer)
+    _vx_fit = 0.03333333333333333 * (_w3_roll_x + (_w1_roll_x + _w2_roll_x))
+    _t0 = _w2_roll_y + _w3_roll_y
+    _vy_fit = 0.03333333333333333 * (_w1_roll_y + _t0)
+    _t1 = 0.09622504486493763 * (_w3_roll_x - _w2_roll_x)
+    _omega_fit = 0.1111111111111111 * _w1_roll_y + _t1 - 0.05555555555555555 * _t0
+    _t2 = (-0.25980762113533157) * _omega_fit
+    _t3 = 0.1 * _w2_roll_x - _vx_fit - _t2
+    _t4 = 0.1 * _w1_roll_y - _vy_fit - 0.3 * _omega_fit
+    _t5 = 0.1 * _w1_roll_x - _vx_fit
+    _t6 = _vy_fit - 0.15 * _omega_fit
+    _t7 = 0.1 * _w2_roll_y - _t6
+    _t8 = _t7 * _t7 + (_t3 * _t3 + (_t5 * _t5 + _t4 * _t4))
+    _t9 = 0.1 * _w3_roll_x + (_t2 - _vx_fit)
+    _t10 = 0.1 * _w3_roll_y - _t6
     return _shaped(
         [w1_spin, w1_steer, w2_spin, w2_steer, w3_spin, w3_steer],
         {
-            "vx": _t6,
-            "vy": _t8,
-            "omega": _t10,
-            "slip": np.sqrt(_t19 * _t19 + (_t18 * _t18 + _t17)),
+            "vx": _vx_fit,
+            "vy": _vy_fit,
+            "omega": _omega_fit,
+            "slip": np.sqrt(_t10 * _t10 + (_t9 * _t9 + _t8)),
         },
     )
 
@@ -147,21 +147,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -189,15 +189,17 @@ def dynamics(x, y, theta, w1_steer, eta1, w1_steer_rate):
     w1_steer = np.asarray(w1_steer, dtype=np.float64)
     eta1 = np.asarray(eta1, dtype=np.float64)
     w1_steer_rate = np.asarray(w1_steer_rate, dtype=np.float64)
-    _t0 = eta1 * np.cos(w1_steer)
-    _t1 = np.cos(theta)
-    _t2 = eta1 * np.sin(w1_steer)
-    _t3 = np.sin(theta)
+    _vx_body = eta1 * np.cos(w1_steer)
+    _velocity_cos = np.cos(theta)
+    _vy_body = eta1 * np.sin(w1_steer)
+    _velocity_sin = np.sin(theta)
+    _t0 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _t1 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _shaped(
         [x, y, theta, w1_steer, eta1, w1_steer_rate],
         {
-            "x_rate": _t0 * _t1 - _t2 * _t3,
-            "y_rate": _t0 * _t3 + _t1 * _t2,
+            "x_rate": _t0,
+            "y_rate": _t1,
             "theta_rate": 0.0,
             "w1.steer_rate": w1_steer_rate,
         },

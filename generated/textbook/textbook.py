@@ -550,17 +550,17 @@ def inverse_2x2(j11, j12, j21, j22):
     j12 = np.asarray(j12, dtype=np.float64)
     j21 = np.asarray(j21, dtype=np.float64)
     j22 = np.asarray(j22, dtype=np.float64)
-    _t0 = j22 * j11 - j12 * j21
-    _t1 = np.where(np.abs(_t0) < 1e-12, np.copysign(1e-12, _t0), _t0)
-    _t2 = np.where(1e-12 < np.abs(_t0), 1.0 / _t1, 0.0)
+    _determinant = j22 * j11 - j12 * j21
+    _factor_divisor = np.where(np.abs(_determinant) < 1e-12, np.copysign(1e-12, _determinant), _determinant)
+    _factor = np.where(1e-12 < np.abs(_determinant), 1.0 / _factor_divisor, 0.0)
     return _shaped(
         [j11, j12, j21, j22],
         {
-            "p11": j22 * _t2,
-            "p12": -(j12 * _t2),
-            "p21": -(j21 * _t2),
-            "p22": j11 * _t2,
-            "det": _t0,
+            "p11": j22 * _factor,
+            "p12": -(j12 * _factor),
+            "p21": -(j21 * _factor),
+            "p22": j11 * _factor,
+            "det": _determinant,
         },
     )
 
@@ -599,25 +599,25 @@ def inverse_3x3(j11, j12, j13, j21, j22, j23, j31, j32, j33):
     j31 = np.asarray(j31, dtype=np.float64)
     j32 = np.asarray(j32, dtype=np.float64)
     j33 = np.asarray(j33, dtype=np.float64)
-    _t0 = j22 * j33 - j23 * j32
-    _t1 = j23 * j31 - j33 * j21
-    _t2 = j32 * j21 - j22 * j31
-    _t3 = j13 * _t2 + (_t0 * j11 + j12 * _t1)
-    _t4 = np.where(np.abs(_t3) < 1e-12, np.copysign(1e-12, _t3), _t3)
-    _t5 = np.where(1e-12 < np.abs(_t3), 1.0 / _t4, 0.0)
+    _c00 = j22 * j33 - j23 * j32
+    _c10 = j23 * j31 - j33 * j21
+    _c20 = j32 * j21 - j22 * j31
+    _determinant = j13 * _c20 + (_c00 * j11 + j12 * _c10)
+    _factor_divisor = np.where(np.abs(_determinant) < 1e-12, np.copysign(1e-12, _determinant), _determinant)
+    _factor = np.where(1e-12 < np.abs(_determinant), 1.0 / _factor_divisor, 0.0)
     return _shaped(
         [j11, j12, j13, j21, j22, j23, j31, j32, j33],
         {
-            "p11": _t0 * _t5,
-            "p12": _t5 * (j32 * j13 - j33 * j12),
-            "p13": _t5 * (j23 * j12 - j22 * j13),
-            "p21": _t1 * _t5,
-            "p22": _t5 * (j33 * j11 - j31 * j13),
-            "p23": _t5 * (j21 * j13 - j23 * j11),
-            "p31": _t2 * _t5,
-            "p32": _t5 * (j12 * j31 - j32 * j11),
-            "p33": _t5 * (j22 * j11 - j12 * j21),
-            "det": _t3,
+            "p11": _c00 * _factor,
+            "p12": _factor * (j32 * j13 - j33 * j12),
+            "p13": _factor * (j23 * j12 - j22 * j13),
+            "p21": _c10 * _factor,
+            "p22": _factor * (j33 * j11 - j31 * j13),
+            "p23": _factor * (j21 * j13 - j23 * j11),
+            "p31": _c20 * _factor,
+            "p32": _factor * (j12 * j31 - j32 * j11),
+            "p33": _factor * (j22 * j11 - j12 * j21),
+            "det": _determinant,
         },
     )
 
@@ -647,24 +647,24 @@ def inverse_3x2(j11, j12, j21, j22, j31, j32):
     j22 = np.asarray(j22, dtype=np.float64)
     j31 = np.asarray(j31, dtype=np.float64)
     j32 = np.asarray(j32, dtype=np.float64)
-    _t0 = j31 * j32 + (j11 * j12 + j21 * j22)
-    _t1 = _t0 * _t0
-    _t2 = j31 * j31 + (j11 * j11 + j21 * j21)
-    _t3 = j32 * j32 + (j12 * j12 + j22 * j22)
-    _t4 = _t2 * _t3
-    _t5 = _t4 - _t1
-    _t6 = np.where(np.abs(_t5) < 1e-12, np.copysign(1e-12, _t5), _t5)
-    _t7 = np.where(1e-12 < np.abs(_t1 - _t4), 1.0 / _t6, 0.0)
+    _g01 = j31 * j32 + (j11 * j12 + j21 * j22)
+    _t0 = _g01 * _g01
+    _g00 = j31 * j31 + (j11 * j11 + j21 * j21)
+    _g11 = j32 * j32 + (j12 * j12 + j22 * j22)
+    _t1 = _g00 * _g11
+    _determinant = _t1 - _t0
+    _factor_divisor = np.where(np.abs(_determinant) < 1e-12, np.copysign(1e-12, _determinant), _determinant)
+    _factor = np.where(1e-12 < np.abs(_t0 - _t1), 1.0 / _factor_divisor, 0.0)
     return _shaped(
         [j11, j12, j21, j22, j31, j32],
         {
-            "p11": _t7 * (j11 * _t3 - j12 * _t0),
-            "p12": _t7 * (j21 * _t3 - j22 * _t0),
-            "p13": _t7 * (j31 * _t3 - j32 * _t0),
-            "p21": _t7 * (j12 * _t2 - j11 * _t0),
-            "p22": _t7 * (j22 * _t2 - j21 * _t0),
-            "p23": _t7 * (j32 * _t2 - j31 * _t0),
-            "det": _t5,
+            "p11": _factor * (j11 * _g11 - j12 * _g01),
+            "p12": _factor * (j21 * _g11 - j22 * _g01),
+            "p13": _factor * (j31 * _g11 - j32 * _g01),
+            "p21": _factor * (j12 * _g00 - j11 * _g01),
+            "p22": _factor * (j22 * _g00 - j21 * _g01),
+            "p23": _factor * (j32 * _g00 - j31 * _g01),
+            "det": _determinant,
         },
     )
 
@@ -700,26 +700,26 @@ def inverse_4x2(j11, j12, j21, j22, j31, j32, j41, j42):
     j32 = np.asarray(j32, dtype=np.float64)
     j41 = np.asarray(j41, dtype=np.float64)
     j42 = np.asarray(j42, dtype=np.float64)
-    _t0 = j41 * j42 + (j31 * j32 + (j11 * j12 + j21 * j22))
-    _t1 = _t0 * _t0
-    _t2 = j41 * j41 + (j31 * j31 + (j11 * j11 + j21 * j21))
-    _t3 = j42 * j42 + (j32 * j32 + (j12 * j12 + j22 * j22))
-    _t4 = _t2 * _t3
-    _t5 = _t4 - _t1
-    _t6 = np.where(np.abs(_t5) < 1e-12, np.copysign(1e-12, _t5), _t5)
-    _t7 = np.where(1e-12 < np.abs(_t1 - _t4), 1.0 / _t6, 0.0)
+    _g01 = j41 * j42 + (j31 * j32 + (j11 * j12 + j21 * j22))
+    _t0 = _g01 * _g01
+    _g00 = j41 * j41 + (j31 * j31 + (j11 * j11 + j21 * j21))
+    _g11 = j42 * j42 + (j32 * j32 + (j12 * j12 + j22 * j22))
+    _t1 = _g00 * _g11
+    _determinant = _t1 - _t0
+    _factor_divisor = np.where(np.abs(_determinant) < 1e-12, np.copysign(1e-12, _determinant), _determinant)
+    _factor = np.where(1e-12 < np.abs(_t0 - _t1), 1.0 / _factor_divisor, 0.0)
     return _shaped(
         [j11, j12, j21, j22, j31, j32, j41, j42],
         {
-            "p11": _t7 * (j11 * _t3 - j12 * _t0),
-            "p12": _t7 * (j21 * _t3 - j22 * _t0),
-            "p13": _t7 * (j31 * _t3 - j32 * _t0),
-            "p14": _t7 * (j41 * _t3 - j42 * _t0),
-            "p21": _t7 * (j12 * _t2 - j11 * _t0),
-            "p22": _t7 * (j22 * _t2 - j21 * _t0),
-            "p23": _t7 * (j32 * _t2 - j31 * _t0),
-            "p24": _t7 * (j42 * _t2 - j41 * _t0),
-            "det": _t5,
+            "p11": _factor * (j11 * _g11 - j12 * _g01),
+            "p12": _factor * (j21 * _g11 - j22 * _g01),
+            "p13": _factor * (j31 * _g11 - j32 * _g01),
+            "p14": _factor * (j41 * _g11 - j42 * _g01),
+            "p21": _factor * (j12 * _g00 - j11 * _g01),
+            "p22": _factor * (j22 * _g00 - j21 * _g01),
+            "p23": _factor * (j32 * _g00 - j31 * _g01),
+            "p24": _factor * (j42 * _g00 - j41 * _g01),
+            "det": _determinant,
         },
     )
 
@@ -767,53 +767,57 @@ def inverse_4x3(j11, j12, j13, j21, j22, j23, j31, j32, j33, j41, j42, j43):
     j41 = np.asarray(j41, dtype=np.float64)
     j42 = np.asarray(j42, dtype=np.float64)
     j43 = np.asarray(j43, dtype=np.float64)
-    _t0 = j42 * j42 + (j32 * j32 + (j12 * j12 + j22 * j22))
-    _t1 = j43 * j43 + (j33 * j33 + (j13 * j13 + j23 * j23))
-    _t2 = j42 * j43 + (j32 * j33 + (j12 * j13 + j22 * j23))
-    _t3 = _t0 * _t1 - _t2 * _t2
-    _t4 = j41 * j41 + (j31 * j31 + (j11 * j11 + j21 * j21))
-    _t5 = j43 * j41 + (j33 * j31 + (j11 * j13 + j23 * j21))
-    _t6 = j42 * j41 + (j32 * j31 + (j11 * j12 + j22 * j21))
-    _t7 = _t2 * _t5 - _t1 * _t6
-    _t8 = _t2 * _t6 - _t0 * _t5
-    _t9 = _t5 * _t8 + (_t3 * _t4 + _t6 * _t7)
-    _t10 = np.where(np.abs(_t9) < 1e-12, np.copysign(1e-12, _t9), _t9)
-    _t11 = np.where(1e-12 < np.abs(_t9), 1.0 / _t10, 0.0)
-    _t12 = j12 * _t11
-    _t13 = _t1 * _t4 - _t5 * _t5
-    _t14 = j13 * _t11
-    _t15 = _t5 * _t6 - _t2 * _t4
-    _t16 = _t15 * _t14 + (_t11 * (j11 * _t7) + _t13 * _t12)
-    _t17 = j22 * _t11
-    _t18 = j23 * _t11
-    _t19 = _t15 * _t18 + (_t11 * (j21 * _t7) + _t13 * _t17)
-    _t20 = j32 * _t11
-    _t21 = j33 * _t11
-    _t22 = _t15 * _t21 + (_t11 * (j31 * _t7) + _t13 * _t20)
-    _t23 = j42 * _t11
-    _t24 = j43 * _t11
-    _t25 = _t15 * _t24 + (_t11 * (j41 * _t7) + _t13 * _t23)
-    _t26 = _t0 * _t4 - _t6 * _t6
-    _t27 = _t14 * _t26 + (_t11 * (j11 * _t8) + _t12 * _t15)
-    _t28 = _t18 * _t26 + (_t11 * (j21 * _t8) + _t15 * _t17)
-    _t29 = _t21 * _t26 + (_t11 * (j31 * _t8) + _t15 * _t20)
-    _t30 = _t24 * _t26 + (_t11 * (j41 * _t8) + _t15 * _t23)
+    _g11 = j42 * j42 + (j32 * j32 + (j12 * j12 + j22 * j22))
+    _g22 = j43 * j43 + (j33 * j33 + (j13 * j13 + j23 * j23))
+    _g12 = j42 * j43 + (j32 * j33 + (j12 * j13 + j22 * j23))
+    _c00 = _g11 * _g22 - _g12 * _g12
+    _g00 = j41 * j41 + (j31 * j31 + (j11 * j11 + j21 * j21))
+    _g02 = j43 * j41 + (j33 * j31 + (j11 * j13 + j23 * j21))
+    _g01 = j42 * j41 + (j32 * j31 + (j11 * j12 + j22 * j21))
+    _c01 = _g12 * _g02 - _g22 * _g01
+    _c02 = _g12 * _g01 - _g11 * _g02
+    _determinant = _g02 * _c02 + (_c00 * _g00 + _g01 * _c01)
+    _factor_divisor = np.where(np.abs(_determinant) < 1e-12, np.copysign(1e-12, _determinant), _determinant)
+    _factor = np.where(1e-12 < np.abs(_determinant), 1.0 / _factor_divisor, 0.0)
+    _t0 = _factor * (j13 * _c02 + (j11 * _c00 + j12 * _c01))
+    _t1 = _factor * (j23 * _c02 + (_c00 * j21 + j22 * _c01))
+    _t2 = _factor * (j33 * _c02 + (_c00 * j31 + j32 * _c01))
+    _t3 = _factor * (j43 * _c02 + (_c00 * j41 + j42 * _c01))
+    _t4 = j12 * _factor
+    _c11 = _g22 * _g00 - _g02 * _g02
+    _t5 = j13 * _factor
+    _c12 = _g02 * _g01 - _g12 * _g00
+    _t6 = _c12 * _t5 + (_factor * (j11 * _c01) + _c11 * _t4)
+    _t7 = j22 * _factor
+    _t8 = j23 * _factor
+    _t9 = _c12 * _t8 + (_factor * (j21 * _c01) + _c11 * _t7)
+    _t10 = j32 * _factor
+    _t11 = j33 * _factor
+    _t12 = _c12 * _t11 + (_factor * (j31 * _c01) + _c11 * _t10)
+    _t13 = j42 * _factor
+    _t14 = j43 * _factor
+    _t15 = _c12 * _t14 + (_factor * (j41 * _c01) + _c11 * _t13)
+    _c22 = _g11 * _g00 - _g01 * _g01
+    _t16 = _t5 * _c22 + (_factor * (j11 * _c02) + _t4 * _c12)
+    _t17 = _t8 * _c22 + (_factor * (j21 * _c02) + _c12 * _t7)
+    _t18 = _t11 * _c22 + (_factor * (j31 * _c02) + _c12 * _t10)
+    _t19 = _t14 * _c22 + (_factor * (j41 * _c02) + _c12 * _t13)
     return _shaped(
         [j11, j12, j13, j21, j22, j23, j31, j32, j33, j41, j42, j43],
         {
-            "p11": _t11 * (j13 * _t8 + (j11 * _t3 + j12 * _t7)),
-            "p12": _t11 * (j23 * _t8 + (_t3 * j21 + j22 * _t7)),
-            "p13": _t11 * (j33 * _t8 + (_t3 * j31 + j32 * _t7)),
-            "p14": _t11 * (j43 * _t8 + (_t3 * j41 + j42 * _t7)),
-            "p21": _t16,
-            "p22": _t19,
-            "p23": _t22,
-            "p24": _t25,
-            "p31": _t27,
-            "p32": _t28,
-            "p33": _t29,
-            "p34": _t30,
-            "det": _t9,
+            "p11": _t0,
+            "p12": _t1,
+            "p13": _t2,
+            "p14": _t3,
+            "p21": _t6,
+            "p22": _t9,
+            "p23": _t12,
+            "p24": _t15,
+            "p31": _t16,
+            "p32": _t17,
+            "p33": _t18,
+            "p34": _t19,
+            "det": _determinant,
         },
     )
 
@@ -843,24 +847,24 @@ def inverse_2x3(j11, j12, j13, j21, j22, j23):
     j21 = np.asarray(j21, dtype=np.float64)
     j22 = np.asarray(j22, dtype=np.float64)
     j23 = np.asarray(j23, dtype=np.float64)
-    _t0 = j13 * j23 + (j11 * j21 + j12 * j22)
-    _t1 = _t0 * _t0
-    _t2 = j13 * j13 + (j11 * j11 + j12 * j12)
-    _t3 = j23 * j23 + (j21 * j21 + j22 * j22)
-    _t4 = _t2 * _t3
-    _t5 = _t4 - _t1
-    _t6 = np.where(np.abs(_t5) < 1e-12, np.copysign(1e-12, _t5), _t5)
-    _t7 = np.where(1e-12 < np.abs(_t1 - _t4), 1.0 / _t6, 0.0)
+    _g01 = j13 * j23 + (j11 * j21 + j12 * j22)
+    _t0 = _g01 * _g01
+    _g00 = j13 * j13 + (j11 * j11 + j12 * j12)
+    _g11 = j23 * j23 + (j21 * j21 + j22 * j22)
+    _t1 = _g00 * _g11
+    _determinant = _t1 - _t0
+    _factor_divisor = np.where(np.abs(_determinant) < 1e-12, np.copysign(1e-12, _determinant), _determinant)
+    _factor = np.where(1e-12 < np.abs(_t0 - _t1), 1.0 / _factor_divisor, 0.0)
     return _shaped(
         [j11, j12, j13, j21, j22, j23],
         {
-            "p11": _t7 * (j11 * _t3 - j21 * _t0),
-            "p12": _t7 * (j21 * _t2 - j11 * _t0),
-            "p21": _t7 * (j12 * _t3 - j22 * _t0),
-            "p22": _t7 * (j22 * _t2 - j12 * _t0),
-            "p31": _t7 * (j13 * _t3 - j23 * _t0),
-            "p32": _t7 * (j23 * _t2 - j13 * _t0),
-            "det": _t5,
+            "p11": _factor * (j11 * _g11 - j21 * _g01),
+            "p12": _factor * (j21 * _g00 - j11 * _g01),
+            "p21": _factor * (j12 * _g11 - j22 * _g01),
+            "p22": _factor * (j22 * _g00 - j12 * _g01),
+            "p31": _factor * (j13 * _g11 - j23 * _g01),
+            "p32": _factor * (j23 * _g00 - j13 * _g01),
+            "det": _determinant,
         },
     )
 
@@ -896,26 +900,26 @@ def inverse_2x4(j11, j12, j13, j14, j21, j22, j23, j24):
     j22 = np.asarray(j22, dtype=np.float64)
     j23 = np.asarray(j23, dtype=np.float64)
     j24 = np.asarray(j24, dtype=np.float64)
-    _t0 = j14 * j24 + (j13 * j23 + (j11 * j21 + j12 * j22))
-    _t1 = _t0 * _t0
-    _t2 = j14 * j14 + (j13 * j13 + (j11 * j11 + j12 * j12))
-    _t3 = j24 * j24 + (j23 * j23 + (j21 * j21 + j22 * j22))
-    _t4 = _t2 * _t3
-    _t5 = _t4 - _t1
-    _t6 = np.where(np.abs(_t5) < 1e-12, np.copysign(1e-12, _t5), _t5)
-    _t7 = np.where(1e-12 < np.abs(_t1 - _t4), 1.0 / _t6, 0.0)
+    _g01 = j14 * j24 + (j13 * j23 + (j11 * j21 + j12 * j22))
+    _t0 = _g01 * _g01
+    _g00 = j14 * j14 + (j13 * j13 + (j11 * j11 + j12 * j12))
+    _g11 = j24 * j24 + (j23 * j23 + (j21 * j21 + j22 * j22))
+    _t1 = _g00 * _g11
+    _determinant = _t1 - _t0
+    _factor_divisor = np.where(np.abs(_determinant) < 1e-12, np.copysign(1e-12, _determinant), _determinant)
+    _factor = np.where(1e-12 < np.abs(_t0 - _t1), 1.0 / _factor_divisor, 0.0)
     return _shaped(
         [j11, j12, j13, j14, j21, j22, j23, j24],
         {
-            "p11": _t7 * (j11 * _t3 - j21 * _t0),
-            "p12": _t7 * (j21 * _t2 - j11 * _t0),
-            "p21": _t7 * (j12 * _t3 - j22 * _t0),
-            "p22": _t7 * (j22 * _t2 - j12 * _t0),
-            "p31": _t7 * (j13 * _t3 - j23 * _t0),
-            "p32": _t7 * (j23 * _t2 - j13 * _t0),
-            "p41": _t7 * (j14 * _t3 - j24 * _t0),
-            "p42": _t7 * (j24 * _t2 - j14 * _t0),
-            "det": _t5,
+            "p11": _factor * (j11 * _g11 - j21 * _g01),
+            "p12": _factor * (j21 * _g00 - j11 * _g01),
+            "p21": _factor * (j12 * _g11 - j22 * _g01),
+            "p22": _factor * (j22 * _g00 - j12 * _g01),
+            "p31": _factor * (j13 * _g11 - j23 * _g01),
+            "p32": _factor * (j23 * _g00 - j13 * _g01),
+            "p41": _factor * (j14 * _g11 - j24 * _g01),
+            "p42": _factor * (j24 * _g00 - j14 * _g01),
+            "det": _determinant,
         },
     )
 
@@ -963,53 +967,57 @@ def inverse_3x4(j11, j12, j13, j14, j21, j22, j23, j24, j31, j32, j33, j34):
     j32 = np.asarray(j32, dtype=np.float64)
     j33 = np.asarray(j33, dtype=np.float64)
     j34 = np.asarray(j34, dtype=np.float64)
-    _t0 = j24 * j24 + (j23 * j23 + (j21 * j21 + j22 * j22))
-    _t1 = j34 * j34 + (j33 * j33 + (j31 * j31 + j32 * j32))
-    _t2 = j24 * j34 + (j23 * j33 + (j21 * j31 + j22 * j32))
-    _t3 = _t0 * _t1 - _t2 * _t2
-    _t4 = j14 * j14 + (j13 * j13 + (j11 * j11 + j12 * j12))
-    _t5 = j34 * j14 + (j33 * j13 + (j11 * j31 + j32 * j12))
-    _t6 = j24 * j14 + (j23 * j13 + (j11 * j21 + j22 * j12))
-    _t7 = _t2 * _t5 - _t1 * _t6
-    _t8 = _t2 * _t6 - _t0 * _t5
-    _t9 = _t5 * _t8 + (_t3 * _t4 + _t6 * _t7)
-    _t10 = np.where(np.abs(_t9) < 1e-12, np.copysign(1e-12, _t9), _t9)
-    _t11 = np.where(1e-12 < np.abs(_t9), 1.0 / _t10, 0.0)
-    _t12 = j21 * _t11
-    _t13 = _t1 * _t4 - _t5 * _t5
-    _t14 = j31 * _t11
-    _t15 = _t5 * _t6 - _t2 * _t4
-    _t16 = _t15 * _t14 + (_t11 * (j11 * _t7) + _t13 * _t12)
-    _t17 = _t0 * _t4 - _t6 * _t6
-    _t18 = _t14 * _t17 + (_t11 * (j11 * _t8) + _t12 * _t15)
-    _t19 = j22 * _t11
-    _t20 = j32 * _t11
-    _t21 = _t15 * _t20 + (_t11 * (j12 * _t7) + _t13 * _t19)
-    _t22 = _t17 * _t20 + (_t11 * (j12 * _t8) + _t15 * _t19)
-    _t23 = j23 * _t11
-    _t24 = j33 * _t11
-    _t25 = _t15 * _t24 + (_t11 * (j13 * _t7) + _t13 * _t23)
-    _t26 = _t17 * _t24 + (_t11 * (j13 * _t8) + _t15 * _t23)
-    _t27 = j24 * _t11
-    _t28 = j34 * _t11
-    _t29 = _t15 * _t28 + (_t11 * (j14 * _t7) + _t13 * _t27)
-    _t30 = _t17 * _t28 + (_t11 * (j14 * _t8) + _t15 * _t27)
+    _g11 = j24 * j24 + (j23 * j23 + (j21 * j21 + j22 * j22))
+    _g22 = j34 * j34 + (j33 * j33 + (j31 * j31 + j32 * j32))
+    _g12 = j24 * j34 + (j23 * j33 + (j21 * j31 + j22 * j32))
+    _c00 = _g11 * _g22 - _g12 * _g12
+    _g00 = j14 * j14 + (j13 * j13 + (j11 * j11 + j12 * j12))
+    _g02 = j34 * j14 + (j33 * j13 + (j11 * j31 + j32 * j12))
+    _g01 = j24 * j14 + (j23 * j13 + (j11 * j21 + j22 * j12))
+    _c01 = _g12 * _g02 - _g22 * _g01
+    _c02 = _g12 * _g01 - _g11 * _g02
+    _determinant = _g02 * _c02 + (_c00 * _g00 + _g01 * _c01)
+    _factor_divisor = np.where(np.abs(_determinant) < 1e-12, np.copysign(1e-12, _determinant), _determinant)
+    _factor = np.where(1e-12 < np.abs(_determinant), 1.0 / _factor_divisor, 0.0)
+    _t0 = _factor * (j31 * _c02 + (j11 * _c00 + j21 * _c01))
+    _t1 = j21 * _factor
+    _c11 = _g22 * _g00 - _g02 * _g02
+    _t2 = j31 * _factor
+    _c12 = _g02 * _g01 - _g12 * _g00
+    _t3 = _c12 * _t2 + (_factor * (j11 * _c01) + _c11 * _t1)
+    _c22 = _g11 * _g00 - _g01 * _g01
+    _t4 = _t2 * _c22 + (_factor * (j11 * _c02) + _t1 * _c12)
+    _t5 = _factor * (j32 * _c02 + (_c00 * j12 + j22 * _c01))
+    _t6 = j22 * _factor
+    _t7 = j32 * _factor
+    _t8 = _c12 * _t7 + (_factor * (j12 * _c01) + _c11 * _t6)
+    _t9 = _c22 * _t7 + (_factor * (j12 * _c02) + _c12 * _t6)
+    _t10 = _factor * (j33 * _c02 + (_c00 * j13 + j23 * _c01))
+    _t11 = j23 * _factor
+    _t12 = j33 * _factor
+    _t13 = _c12 * _t12 + (_factor * (j13 * _c01) + _c11 * _t11)
+    _t14 = _c22 * _t12 + (_factor * (j13 * _c02) + _c12 * _t11)
+    _t15 = _factor * (j34 * _c02 + (_c00 * j14 + j24 * _c01))
+    _t16 = j24 * _factor
+    _t17 = j34 * _factor
+    _t18 = _c12 * _t17 + (_factor * (j14 * _c01) + _c11 * _t16)
+    _t19 = _c22 * _t17 + (_factor * (j14 * _c02) + _c12 * _t16)
     return _shaped(
         [j11, j12, j13, j14, j21, j22, j23, j24, j31, j32, j33, j34],
         {
-            "p11": _t11 * (j31 * _t8 + (j11 * _t3 + j21 * _t7)),
-            "p12": _t16,
-            "p13": _t18,
-            "p21": _t11 * (j32 * _t8 + (_t3 * j12 + j22 * _t7)),
-            "p22": _t21,
-            "p23": _t22,
-            "p31": _t11 * (j33 * _t8 + (_t3 * j13 + j23 * _t7)),
-            "p32": _t25,
-            "p33": _t26,
-            "p41": _t11 * (j34 * _t8 + (_t3 * j14 + j24 * _t7)),
-            "p42": _t29,
-            "p43": _t30,
-            "det": _t9,
+            "p11": _t0,
+            "p12": _t3,
+            "p13": _t4,
+            "p21": _t5,
+            "p22": _t8,
+            "p23": _t9,
+            "p31": _t10,
+            "p32": _t13,
+            "p33": _t14,
+            "p41": _t15,
+            "p42": _t18,
+            "p43": _t19,
+            "det": _determinant,
         },
     )
 
@@ -2012,19 +2020,19 @@ def wheel_contributions(r, l, right_spin, left_spin):
     left_spin = np.asarray(left_spin, dtype=np.float64)
     _t0 = r * right_spin
     _t1 = 2.0 * l
-    _t2 = np.where(np.abs(_t1) < 1e-12, np.copysign(1e-12, _t1), _t1)
-    _t3 = 1.0 / _t2
-    _t4 = np.abs(_t1)
-    _t5 = np.where(1e-12 < _t4, _t0 * _t3, 0.0)
-    _t6 = r * left_spin
-    _t7 = np.where(1e-12 < _t4, -(_t3 * _t6), 0.0)
+    _turn_right_divisor = np.where(np.abs(_t1) < 1e-12, np.copysign(1e-12, _t1), _t1)
+    _t2 = 1.0 / _turn_right_divisor
+    _t3 = np.abs(_t1)
+    _turn_right = np.where(1e-12 < _t3, _t0 * _t2, 0.0)
+    _t4 = r * left_spin
+    _turn_left = np.where(1e-12 < _t3, -(_t2 * _t4), 0.0)
     return _shaped(
         [r, l, right_spin, left_spin],
         {
-            "right.omega": _t5,
-            "left.omega": _t7,
-            "vx": 0.5 * (_t0 + _t6),
-            "omega": _t5 + _t7,
+            "right.omega": _turn_right,
+            "left.omega": _turn_left,
+            "vx": 0.5 * (_t0 + _t4),
+            "omega": _turn_right + _turn_left,
         },
     )
 
@@ -2056,21 +2064,22 @@ def swedish_wheel(vx, vy, omega, l, alpha, beta, gamma, r, r_sw):
     r = np.asarray(r, dtype=np.float64)
     r_sw = np.asarray(r_sw, dtype=np.float64)
     _t0 = l * omega
-    _t1 = gamma + beta
-    _t2 = _t1 + alpha
-    _t3 = np.sin(_t2)
-    _t4 = np.cos(_t2)
-    _t5 = r * np.cos(gamma)
-    _t6 = np.where(np.abs(_t5) < 1e-12, np.copysign(1e-12, _t5), _t5)
-    _t7 = np.where(1e-12 < np.abs(_t5), (vx * _t3 - _t0 * np.cos(_t1) - vy * _t4) / _t6, 0.0)
-    _t8 = _t3 * vy + (np.sin(gamma) * (r * _t7) + vx * _t4)
-    _t9 = np.where(np.abs(r_sw) < 1e-12, np.copysign(1e-12, r_sw), r_sw)
-    _t10 = np.where(1e-12 < np.abs(r_sw), (_t0 * np.sin(_t1) + _t8) / _t9, 0.0)
+    _lever = gamma + beta
+    _direction = _lever + alpha
+    _t1 = np.sin(_direction)
+    _t2 = np.cos(_direction)
+    _t3 = r * np.cos(gamma)
+    _spin_divisor = np.where(np.abs(_t3) < 1e-12, np.copysign(1e-12, _t3), _t3)
+    _t4 = (vx * _t1 - _t0 * np.cos(_lever) - vy * _t2) / _spin_divisor
+    _spin = np.where(1e-12 < np.abs(_t3), _t4, 0.0)
+    _t5 = _t1 * vy + (np.sin(gamma) * (r * _spin) + vx * _t2)
+    _roller_divisor = np.where(np.abs(r_sw) < 1e-12, np.copysign(1e-12, r_sw), r_sw)
+    _roller = np.where(1e-12 < np.abs(r_sw), (_t0 * np.sin(_lever) + _t5) / _roller_divisor, 0.0)
     return _shaped(
         [vx, vy, omega, l, alpha, beta, gamma, r, r_sw],
         {
-            "spin": _t7,
-            "roller": _t10,
+            "spin": _spin,
+            "roller": _roller,
         },
     )
 
@@ -2148,25 +2157,25 @@ def mecanum_wheel_inverse(radius, r_sw, alpha, phi, dx, dy, vx, vy, omega):
     vx = np.asarray(vx, dtype=np.float64)
     vy = np.asarray(vy, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
-    _t0 = vx - dy * omega
-    _t1 = alpha + phi
-    _t2 = omega * dx + vy
-    _t3 = np.sin(alpha)
-    _t4 = radius * _t3
-    _t5 = -_t4
-    _t6 = np.where(np.abs(_t5) < 1e-12, np.copysign(1e-12, _t5), _t5)
-    _t7 = (_t0 * np.cos(_t1) + _t2 * np.sin(_t1)) / _t6
-    _t8 = np.where(1e-12 < np.abs(_t4), -_t7, 0.0)
-    _t9 = _t3 * r_sw
-    _t10 = -_t9
-    _t11 = np.where(np.abs(_t10) < 1e-12, np.copysign(1e-12, _t10), _t10)
-    _t12 = (_t0 * np.cos(phi) + _t2 * np.sin(phi)) / _t11
-    _t13 = np.where(1e-12 < np.abs(_t9), -_t12, 0.0)
+    _a = vx - dy * omega
+    _t0 = alpha + phi
+    _b = omega * dx + vy
+    _t1 = np.sin(alpha)
+    _t2 = radius * _t1
+    _t3 = -_t2
+    _wheel_divisor = np.where(np.abs(_t3) < 1e-12, np.copysign(1e-12, _t3), _t3)
+    _t4 = (_a * np.cos(_t0) + _b * np.sin(_t0)) / _wheel_divisor
+    _wheel = np.where(1e-12 < np.abs(_t2), -_t4, 0.0)
+    _t5 = _t1 * r_sw
+    _t6 = -_t5
+    _rolling_divisor = np.where(np.abs(_t6) < 1e-12, np.copysign(1e-12, _t6), _t6)
+    _t7 = (_a * np.cos(phi) + _b * np.sin(phi)) / _rolling_divisor
+    _rolling = np.where(1e-12 < np.abs(_t5), -_t7, 0.0)
     return _shaped(
         [radius, r_sw, alpha, phi, dx, dy, vx, vy, omega],
         {
-            "spin": _t8,
-            "roller": _t13,
+            "spin": _wheel,
+            "roller": _rolling,
             "turn": omega,
         },
     )
@@ -2187,18 +2196,18 @@ def mecanum_roller(radius, count, angle):
     radius = np.asarray(radius, dtype=np.float64)
     count = np.asarray(count, dtype=np.float64)
     angle = np.asarray(angle, dtype=np.float64)
-    _t0 = np.where(np.abs(count) < 1e-12, np.copysign(1e-12, count), count)
-    _t1 = np.where(1e-12 < np.abs(count), 3.141592653589793 * (1.0 / _t0), 0.0)
-    _t2 = radius * np.sin(_t1)
-    _t3 = np.sin(angle)
-    _t4 = np.where(np.abs(_t3) < 1e-12, np.copysign(1e-12, _t3), _t3)
-    _t5 = np.where(1e-12 < np.abs(_t3), 2.0 * (_t2 / _t4), 0.0)
+    _step_divisor = np.where(np.abs(count) < 1e-12, np.copysign(1e-12, count), count)
+    _step = np.where(1e-12 < np.abs(count), 3.141592653589793 * (1.0 / _step_divisor), 0.0)
+    _half = radius * np.sin(_step)
+    _t0 = np.sin(angle)
+    _length_divisor = np.where(np.abs(_t0) < 1e-12, np.copysign(1e-12, _t0), _t0)
+    _length = np.where(1e-12 < np.abs(_t0), 2.0 * (_half / _length_divisor), 0.0)
     return _shaped(
         [radius, count, angle],
         {
-            "length": _t5,
-            "width": _t5 * np.cos(angle),
-            "half_chord": _t2,
+            "length": _length,
+            "width": _length * np.cos(angle),
+            "half_chord": _half,
         },
     )
 
@@ -2219,16 +2228,16 @@ def omni_wheel(v, beta, gamma):
     beta = np.asarray(beta, dtype=np.float64)
     gamma = np.asarray(gamma, dtype=np.float64)
     _t0 = beta - gamma
-    _t1 = np.cos(_t0)
-    _t2 = np.abs(_t1)
-    _t3 = np.where(np.abs(_t2) < 1e-12, np.copysign(1e-12, _t2), _t2)
-    _t4 = np.where(1e-12 < _t2, 1.0 / _t3, 0.0)
+    _c = np.cos(_t0)
+    _t1 = np.abs(_c)
+    _factor_divisor = np.where(np.abs(_t1) < 1e-12, np.copysign(1e-12, _t1), _t1)
+    _factor = np.where(1e-12 < _t1, 1.0 / _factor_divisor, 0.0)
     return _shaped(
         [v, beta, gamma],
         {
-            "drive": v * _t1,
+            "drive": v * _c,
             "roller": np.abs(v * np.sin(_t0)),
-            "vaf": _t4,
+            "vaf": _factor,
         },
     )
 
@@ -2252,35 +2261,36 @@ def castor_swivel(beta, alpha, d, vx, vy, t):
     vx = np.asarray(vx, dtype=np.float64)
     vy = np.asarray(vy, dtype=np.float64)
     t = np.asarray(t, dtype=np.float64)
-    _t0 = np.where(np.abs(d) < 1e-12, np.copysign(1e-12, d), d)
-    _t1 = np.where(1e-12 < np.abs(d), -(t * np.sqrt(vx * vx + vy * vy) / _t0), 0.0)
-    _t2 = np.clip(_t1, -40.0, 40.0)
-    _t3 = 0.0011160714285714285 * (_t2 * (0.0010416666666666667 * _t2 + 1.0))
-    _t4 = 0.001201923076923077 * (_t2 * (_t3 + 1.0)) + 1.0
-    _t5 = _t2 * (0.0013020833333333333 * (_t2 * _t4) + 1.0)
-    _t6 = 0.0015625 * (_t2 * (0.0014204545454545455 * _t5 + 1.0))
-    _t7 = 0.001736111111111111 * (_t2 * (_t6 + 1.0)) + 1.0
-    _t8 = 0.002232142857142857 * (_t2 * (0.001953125 * (_t2 * _t7) + 1.0))
-    _t9 = 0.0026041666666666665 * (_t2 * (_t8 + 1.0)) + 1.0
-    _t10 = 0.00390625 * (_t2 * (0.003125 * (_t2 * _t9) + 1.0))
-    _t11 = 0.005208333333333333 * (_t2 * (_t10 + 1.0)) + 1.0
-    _t12 = 0.015625 * (_t2 * (0.0078125 * (_t2 * _t11) + 1.0))
-    _t13 = np.sqrt(_t12 + 1.0)
-    _t14 = _t13 * _t13
-    _t15 = _t14 * _t14
-    _t16 = _t15 * _t15
-    _t17 = _t16 * _t16
-    _t18 = _t17 * _t17
-    _t19 = _t18 * _t18
-    _t20 = _t19 * _t19
-    _t21 = 0.5 * (alpha + beta - np.arctan2(vy, vx)) + 0.7853981633974483
-    _t22 = np.cos(_t21)
-    _t23 = np.sin(_t21)
-    _t24 = np.arctan2(_t23 * ((_t20 - 1.0) * _t22), _t22 * _t22 + _t20 * (_t23 * _t23))
+    _exponent_divisor = np.where(np.abs(d) < 1e-12, np.copysign(1e-12, d), d)
+    _t0 = t * np.sqrt(vx * vx + vy * vy) / _exponent_divisor
+    _exponent = np.where(1e-12 < np.abs(d), -_t0, 0.0)
+    _t1 = np.clip(_exponent, -40.0, 40.0)
+    _t2 = 0.0011160714285714285 * (_t1 * (0.0010416666666666667 * _t1 + 1.0))
+    _t3 = 0.001201923076923077 * (_t1 * (_t2 + 1.0)) + 1.0
+    _t4 = _t1 * (0.0013020833333333333 * (_t1 * _t3) + 1.0)
+    _t5 = 0.0015625 * (_t1 * (0.0014204545454545455 * _t4 + 1.0))
+    _t6 = 0.001736111111111111 * (_t1 * (_t5 + 1.0)) + 1.0
+    _t7 = 0.002232142857142857 * (_t1 * (0.001953125 * (_t1 * _t6) + 1.0))
+    _t8 = 0.0026041666666666665 * (_t1 * (_t7 + 1.0)) + 1.0
+    _t9 = 0.00390625 * (_t1 * (0.003125 * (_t1 * _t8) + 1.0))
+    _t10 = 0.005208333333333333 * (_t1 * (_t9 + 1.0)) + 1.0
+    _t11 = 0.015625 * (_t1 * (0.0078125 * (_t1 * _t10) + 1.0))
+    _growth_exp_root = np.sqrt(_t11 + 1.0)
+    _growth_exp_0 = _growth_exp_root * _growth_exp_root
+    _growth_exp_1 = _growth_exp_0 * _growth_exp_0
+    _growth_exp_2 = _growth_exp_1 * _growth_exp_1
+    _growth_exp_3 = _growth_exp_2 * _growth_exp_2
+    _growth_exp_4 = _growth_exp_3 * _growth_exp_3
+    _growth_exp_5 = _growth_exp_4 * _growth_exp_4
+    _growth_exp = _growth_exp_5 * _growth_exp_5
+    _quarter = 0.5 * (alpha + beta - np.arctan2(vy, vx)) + 0.7853981633974483
+    _c = np.cos(_quarter)
+    _s = np.sin(_quarter)
+    _t12 = np.arctan2(_s * ((_growth_exp - 1.0) * _c), _c * _c + _growth_exp * (_s * _s))
     return _shaped(
         [beta, alpha, d, vx, vy, t],
         {
-            "beta": beta + 2.0 * _t24,
+            "beta": beta + 2.0 * _t12,
         },
     )
 
@@ -2305,23 +2315,23 @@ def castor_alignment(alpha, d, r, vx, vy):
     r = np.asarray(r, dtype=np.float64)
     vx = np.asarray(vx, dtype=np.float64)
     vy = np.asarray(vy, dtype=np.float64)
-    _t0 = np.where(0.0 < d, 1.0, (-1.0))
-    _t1 = np.arctan2(vy, vx) - alpha
-    _t2 = _t0 * np.cos(_t1)
-    _t3 = _t0 * np.sin(_t1)
-    _t4 = np.sqrt(vx * vx + vy * vy)
-    _t5 = np.abs(d)
-    _t6 = np.where(np.abs(_t5) < 1e-12, np.copysign(1e-12, _t5), _t5)
-    _t7 = np.where(1e-12 < _t5, _t4 / _t6, 0.0)
-    _t8 = np.where(np.abs(r) < 1e-12, np.copysign(1e-12, r), r)
-    _t9 = np.where(1e-12 < np.abs(r), _t4 / _t8, 0.0)
+    _side = np.where(0.0 < d, 1.0, (-1.0))
+    _ahead = np.arctan2(vy, vx) - alpha
+    _way_x = _side * np.cos(_ahead)
+    _way_y = _side * np.sin(_ahead)
+    _speed = np.sqrt(vx * vx + vy * vy)
+    _t0 = np.abs(d)
+    _fall_divisor = np.where(np.abs(_t0) < 1e-12, np.copysign(1e-12, _t0), _t0)
+    _fall = np.where(1e-12 < _t0, _speed / _fall_divisor, 0.0)
+    _turning_divisor = np.where(np.abs(r) < 1e-12, np.copysign(1e-12, r), r)
+    _turning = np.where(1e-12 < np.abs(r), _speed / _turning_divisor, 0.0)
     return _shaped(
         [alpha, d, r, vx, vy],
         {
-            "beta_stable": np.arctan2(-_t2, _t3),
-            "beta_unstable": np.arctan2(_t2, -_t3),
-            "rate": -_t7,
-            "spin": -(_t0 * _t9),
+            "beta_stable": np.arctan2(-_way_x, _way_y),
+            "beta_unstable": np.arctan2(_way_x, -_way_y),
+            "rate": -_fall,
+            "spin": -(_side * _turning),
         },
     )
 
@@ -2549,15 +2559,15 @@ def unicycle_to_chain(x, y, theta, v, omega):
     omega = np.asarray(omega, dtype=np.float64)
     _t0 = np.cos(theta)
     _t1 = np.sin(theta)
-    _t2 = x * _t1 - _t0 * y
+    _z3_value = x * _t1 - _t0 * y
     return _shaped(
         [x, y, theta, v, omega],
         {
             "z1": theta,
             "z2": x * _t0 + y * _t1,
-            "z3": _t2,
+            "z3": _z3_value,
             "u1": omega,
-            "u2": v - _t2 * omega,
+            "u2": v - _z3_value * omega,
         },
     )
 
@@ -2627,15 +2637,15 @@ def polar_coordinates(x, y, theta):
     x = np.asarray(x, dtype=np.float64)
     y = np.asarray(y, dtype=np.float64)
     theta = np.asarray(theta, dtype=np.float64)
-    _t0 = np.sin(theta)
-    _t1 = np.cos(theta)
-    _t2 = np.arctan2(x * _t0 - y * _t1, -(x * _t1 + y * _t0))
+    _s = np.sin(theta)
+    _c = np.cos(theta)
+    _alpha_value = np.arctan2(x * _s - y * _c, -(x * _c + y * _s))
     return _shaped(
         [x, y, theta],
         {
             "rho": np.sqrt(x * x + y * y),
-            "alpha": _t2,
-            "beta": -(theta + _t2),
+            "alpha": _alpha_value,
+            "beta": -(theta + _alpha_value),
         },
     )
 
@@ -2684,14 +2694,14 @@ def polar_rates(rho, alpha, beta, v, omega):
     beta = np.asarray(beta, dtype=np.float64)
     v = np.asarray(v, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
-    _t0 = np.where(np.abs(rho) < 1e-12, np.copysign(1e-12, rho), rho)
-    _t1 = np.where(1e-12 < np.abs(rho), v * np.sin(alpha) / _t0, 0.0)
+    _turn_divisor = np.where(np.abs(rho) < 1e-12, np.copysign(1e-12, rho), rho)
+    _turn = np.where(1e-12 < np.abs(rho), v * np.sin(alpha) / _turn_divisor, 0.0)
     return _shaped(
         [rho, alpha, beta, v, omega],
         {
             "rho_rate": -(v * np.cos(alpha)),
-            "alpha_rate": _t1 - omega,
-            "beta_rate": -_t1,
+            "alpha_rate": _turn - omega,
+            "beta_rate": -_turn,
         },
     )
 
@@ -2715,14 +2725,14 @@ def polar_rates_reverse(rho, alpha, beta, v, omega):
     beta = np.asarray(beta, dtype=np.float64)
     v = np.asarray(v, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
-    _t0 = np.where(np.abs(rho) < 1e-12, np.copysign(1e-12, rho), rho)
-    _t1 = np.where(1e-12 < np.abs(rho), v * np.sin(alpha) / _t0, 0.0)
+    _turn_divisor = np.where(np.abs(rho) < 1e-12, np.copysign(1e-12, rho), rho)
+    _turn = np.where(1e-12 < np.abs(rho), v * np.sin(alpha) / _turn_divisor, 0.0)
     return _shaped(
         [rho, alpha, beta, v, omega],
         {
             "rho_rate": v * np.cos(alpha),
-            "alpha_rate": -(omega + _t1),
-            "beta_rate": _t1,
+            "alpha_rate": -(omega + _turn),
+            "beta_rate": _turn,
         },
     )
 
@@ -2751,16 +2761,16 @@ def polar_closed_loop(rho, alpha, beta, k_rho, k_alpha, k_beta):
     k_alpha = np.asarray(k_alpha, dtype=np.float64)
     k_beta = np.asarray(k_beta, dtype=np.float64)
     _t0 = k_rho * rho
-    _t1 = alpha * k_alpha + beta * k_beta
-    _t2 = k_rho * np.sin(alpha)
+    _steer = alpha * k_alpha + beta * k_beta
+    _swing = k_rho * np.sin(alpha)
     return _shaped(
         [rho, alpha, beta, k_rho, k_alpha, k_beta],
         {
             "rho_rate": -(np.cos(alpha) * _t0),
-            "alpha_rate": _t2 - _t1,
-            "beta_rate": -_t2,
+            "alpha_rate": _swing - _steer,
+            "beta_rate": -_swing,
             "v": _t0,
-            "omega": _t1,
+            "omega": _steer,
         },
     )
 
@@ -2825,16 +2835,16 @@ def polar_gains(k_rho, k_alpha, k_beta):
     k_rho = np.asarray(k_rho, dtype=np.float64)
     k_alpha = np.asarray(k_alpha, dtype=np.float64)
     k_beta = np.asarray(k_beta, dtype=np.float64)
-    _t0 = np.minimum(k_rho, -k_beta)
-    _t1 = np.minimum(_t0, k_alpha - k_rho)
-    _t2 = k_alpha - 0.6366197723675814 * k_rho
-    _t3 = np.minimum(_t0, _t2 + 1.6666666666666667 * k_beta)
+    _signs = np.minimum(k_rho, -k_beta)
+    _hurwitz = np.minimum(_signs, k_alpha - k_rho)
+    _t0 = k_alpha - 0.6366197723675814 * k_rho
+    _t1 = np.minimum(_signs, _t0 + 1.6666666666666667 * k_beta)
     return _shaped(
         [k_rho, k_alpha, k_beta],
         {
-            "stable": _t1,
-            "strong_3_65": _t3,
-            "strong_all_beta": np.minimum(_t1, _t2 + 2.0 * k_beta),
+            "stable": _hurwitz,
+            "strong_3_65": _t1,
+            "strong_all_beta": np.minimum(_hurwitz, _t0 + 2.0 * k_beta),
         },
     )
 
@@ -2853,15 +2863,15 @@ def turning_radius(wheelbase, psi):
     psi = np.asarray(psi, dtype=np.float64)
     _t0 = wheelbase * np.cos(psi)
     _t1 = np.sin(psi)
-    _t2 = np.where(np.abs(_t1) < 1e-12, np.copysign(1e-12, _t1), _t1)
-    _t3 = np.where(1e-12 < np.abs(_t1), _t0 / _t2, 0.0)
-    _t4 = np.where(np.abs(_t0) < 1e-12, np.copysign(1e-12, _t0), _t0)
-    _t5 = np.where(1e-12 < np.abs(_t0), _t1 / _t4, 0.0)
+    _r_divisor = np.where(np.abs(_t1) < 1e-12, np.copysign(1e-12, _t1), _t1)
+    _r = np.where(1e-12 < np.abs(_t1), _t0 / _r_divisor, 0.0)
+    _k_divisor = np.where(np.abs(_t0) < 1e-12, np.copysign(1e-12, _t0), _t0)
+    _k = np.where(1e-12 < np.abs(_t0), _t1 / _k_divisor, 0.0)
     return _shaped(
         [wheelbase, psi],
         {
-            "radius": _t3,
-            "curvature": _t5,
+            "radius": _r,
+            "curvature": _k,
         },
     )
 
@@ -2883,25 +2893,24 @@ def pursuit(wheelbase, distance, epsilon):
     wheelbase = np.asarray(wheelbase, dtype=np.float64)
     distance = np.asarray(distance, dtype=np.float64)
     epsilon = np.asarray(epsilon, dtype=np.float64)
-    _t0 = np.sin(epsilon)
-    _t1 = np.arctan2(2.0 * (wheelbase * _t0), distance)
-    _t2 = np.where(np.abs(distance) < 1e-12, np.copysign(1e-12, distance), distance)
-    _t3 = np.where(1e-12 < np.abs(distance), 2.0 * (_t0 / _t2), 0.0)
-    _t4 = distance * distance
-    _t5 = np.where(np.abs(_t4) < 1e-12, np.copysign(1e-12, _t4), _t4)
-    _t6 = np.where(1e-12 < np.abs(_t4), 2.0 * (1.0 / _t5), 0.0)
-    _t7 = np.where(np.abs(_t0) < 1e-12, np.copysign(1e-12, _t0), _t0)
-    _t8 = np.abs(_t0)
-    _t9 = np.where(1e-12 < _t8, epsilon / _t7, 0.0)
-    _t10 = np.where(1e-12 < _t8, _t9, 1.0)
+    _s = np.sin(epsilon)
+    _k_divisor = np.where(np.abs(distance) < 1e-12, np.copysign(1e-12, distance), distance)
+    _k = np.where(1e-12 < np.abs(distance), 2.0 * (_s / _k_divisor), 0.0)
+    _t0 = distance * distance
+    _g_divisor = np.where(np.abs(_t0) < 1e-12, np.copysign(1e-12, _t0), _t0)
+    _g = np.where(1e-12 < np.abs(_t0), 2.0 * (1.0 / _g_divisor), 0.0)
+    _ratio_divisor = np.where(np.abs(_s) < 1e-12, np.copysign(1e-12, _s), _s)
+    _straight = np.abs(_s)
+    _ratio = np.where(1e-12 < _straight, epsilon / _ratio_divisor, 0.0)
+    _longer = np.where(1e-12 < _straight, _ratio, 1.0)
     return _shaped(
         [wheelbase, distance, epsilon],
         {
-            "psi": _t1,
-            "curvature": _t3,
-            "offset": _t0 * distance,
-            "gain": _t6,
-            "arc": distance * _t10,
+            "psi": np.arctan2(2.0 * (wheelbase * _s), distance),
+            "curvature": _k,
+            "offset": _s * distance,
+            "gain": _g,
+            "arc": distance * _longer,
         },
     )
 
@@ -2920,13 +2929,13 @@ def car_reduction(u1, xi, wheelbase):
     u1 = np.asarray(u1, dtype=np.float64)
     xi = np.asarray(xi, dtype=np.float64)
     wheelbase = np.asarray(wheelbase, dtype=np.float64)
-    _t0 = np.where(np.abs(wheelbase) < 1e-12, np.copysign(1e-12, wheelbase), wheelbase)
-    _t1 = np.where(1e-12 < np.abs(wheelbase), u1 * np.sin(xi) / _t0, 0.0)
+    _turn_divisor = np.where(np.abs(wheelbase) < 1e-12, np.copysign(1e-12, wheelbase), wheelbase)
+    _turn = np.where(1e-12 < np.abs(wheelbase), u1 * np.sin(xi) / _turn_divisor, 0.0)
     return _shaped(
         [u1, xi, wheelbase],
         {
             "v": u1 * np.cos(xi),
-            "omega": _t1,
+            "omega": _turn,
         },
     )
 
@@ -2950,23 +2959,23 @@ def car_bounds(u1_max, zeta_max, v, wheelbase):
     zeta_max = np.asarray(zeta_max, dtype=np.float64)
     v = np.asarray(v, dtype=np.float64)
     wheelbase = np.asarray(wheelbase, dtype=np.float64)
-    _t0 = np.cos(zeta_max)
-    _t1 = u1_max * _t0
-    _t2 = np.where(np.abs(_t0) < 1e-12, np.copysign(1e-12, _t0), _t0)
-    _t3 = np.where(1e-12 < np.abs(_t0), np.sin(zeta_max) / _t2, 0.0)
-    _t4 = np.where(np.abs(wheelbase) < 1e-12, np.copysign(1e-12, wheelbase), wheelbase)
-    _t5 = 1.0 / _t4
-    _t6 = np.abs(wheelbase)
-    _t7 = np.where(1e-12 < _t6, np.abs(v) * _t3 * _t5, 0.0)
-    _t8 = np.sqrt(np.maximum(0.0, u1_max * u1_max - v * v))
-    _t9 = np.where(1e-12 < _t6, _t5 * _t8, 0.0)
+    _slope_cos = np.cos(zeta_max)
+    _fastest = u1_max * _slope_cos
+    _slope_divisor = np.where(np.abs(_slope_cos) < 1e-12, np.copysign(1e-12, _slope_cos), _slope_cos)
+    _slope = np.where(1e-12 < np.abs(_slope_cos), np.sin(zeta_max) / _slope_divisor, 0.0)
+    _turn_inner_divisor = np.where(np.abs(wheelbase) < 1e-12, np.copysign(1e-12, wheelbase), wheelbase)
+    _t0 = 1.0 / _turn_inner_divisor
+    _t1 = np.abs(wheelbase)
+    _turn_inner = np.where(1e-12 < _t1, np.abs(v) * _slope * _t0, 0.0)
+    _rest = np.sqrt(np.maximum(0.0, u1_max * u1_max - v * v))
+    _turn_outer = np.where(1e-12 < _t1, _t0 * _rest, 0.0)
     return _shaped(
         [u1_max, zeta_max, v, wheelbase],
         {
-            "v_max": _t1,
-            "omega_max": _t7,
-            "omega_max_exact": np.minimum(_t7, _t9),
-            "reeds_shepp": _t1,
-            "dubins": _t1,
+            "v_max": _fastest,
+            "omega_max": _turn_inner,
+            "omega_max_exact": np.minimum(_turn_inner, _turn_outer),
+            "reeds_shepp": _fastest,
+            "dubins": _fastest,
         },
     )

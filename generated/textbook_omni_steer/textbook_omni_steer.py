@@ -39,20 +39,20 @@ def inverse(vx, vy, omega, front_steer):
     vy = np.asarray(vy, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
     front_steer = np.asarray(front_steer, dtype=np.float64)
-    _t0 = vy + 0.3 * omega
-    _t1 = np.sqrt(vx * vx + _t0 * _t0)
-    _t2 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
-    _t3 = np.arctan(_t0 / (np.maximum(_t1, 1e-20) + np.abs(vx)))
-    _t4 = np.where(_t1 < 1e-20, front_steer, _t2 * _t3)
-    _t5 = np.rint(0.31830988617 * (_t4 - front_steer))
-    _t6 = _t1 * 10.0
-    _t7 = np.where(np.signbit(vx), np.negative(_t6), _t6)
-    _t8 = np.where(np.mod(_t5, 2) == 1, np.negative(_t7), _t7)
+    _front_y = vy + 0.3 * omega
+    _t0 = np.sqrt(vx * vx + _front_y * _front_y)
+    _t1 = np.where(np.signbit(vx), np.negative(2.0), 2.0)
+    _t2 = _front_y / (np.maximum(_t0, 1e-20) + np.abs(vx))
+    _t3 = np.where(_t0 < 1e-20, front_steer, _t1 * np.arctan(_t2))
+    _t4 = np.rint(0.31830988617 * (_t3 - front_steer))
+    _t5 = _t0 * 10.0
+    _t6 = np.where(np.signbit(vx), np.negative(_t5), _t5)
+    _front_spin = np.where(np.mod(_t4, 2) == 1, np.negative(_t6), _t6)
     return _shaped(
         [vx, vy, omega, front_steer],
         {
-            "front.spin": _t8,
-            "front.steer": _t4 + (-3.141592653589793) * _t5,
+            "front.spin": _front_spin,
+            "front.steer": _t3 + (-3.141592653589793) * _t4,
             "slip": 0.0,
         },
     )
@@ -72,13 +72,13 @@ def forward(front_spin, front_steer):
     """
     front_spin = np.asarray(front_spin, dtype=np.float64)
     front_steer = np.asarray(front_steer, dtype=np.float64)
-    _t0 = front_spin * np.sin(front_steer)
+    _front_roll_y = front_spin * np.sin(front_steer)
     return _shaped(
         [front_spin, front_steer],
         {
             "vx": 0.1 * (front_spin * np.cos(front_steer)),
-            "vy": 0.09174311926605505 * _t0,
-            "omega": 0.027522935779816515 * _t0,
+            "vy": 0.09174311926605505 * _front_roll_y,
+            "omega": 0.027522935779816515 * _front_roll_y,
             "slip": 0.0,
         },
     )
@@ -108,21 +108,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -155,15 +155,17 @@ def dynamics(x, y, theta, front_steer, eta1, eta2, front_steer_rate):
     _t0 = np.sin(front_steer)
     _t1 = 0.3 * eta2
     _t2 = np.cos(front_steer)
-    _t3 = eta1 * _t0 - _t1 * (_t2 * _t2)
-    _t4 = np.sin(theta)
-    _t5 = _t2 * (eta1 + _t0 * _t1)
-    _t6 = np.cos(theta)
+    _vy_body = eta1 * _t0 - _t1 * (_t2 * _t2)
+    _velocity_sin = np.sin(theta)
+    _vx_body = _t2 * (eta1 + _t0 * _t1)
+    _velocity_cos = np.cos(theta)
+    _t3 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _t4 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _shaped(
         [x, y, theta, front_steer, eta1, eta2, front_steer_rate],
         {
-            "x_rate": _t5 * _t6 - _t3 * _t4,
-            "y_rate": _t5 * _t4 + _t6 * _t3,
+            "x_rate": _t3,
+            "y_rate": _t4,
             "theta_rate": eta2,
             "front.steer_rate": front_steer_rate,
         },
@@ -186,18 +188,18 @@ def contacts(vx, vy, omega):
     vx = np.asarray(vx, dtype=np.float64)
     vy = np.asarray(vy, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
-    _t0 = vy - 0.15 * omega
-    _t1 = 0.25980762113533157 * omega
-    _t2 = vx - _t1
-    _t3 = _t0 * _t0
-    _t4 = vx + _t1
+    _left_y = vy - 0.15 * omega
+    _t0 = 0.25980762113533157 * omega
+    _left_x = vx - _t0
+    _t1 = _left_y * _left_y
+    _right_x = vx + _t0
     return _shaped(
         [vx, vy, omega],
         {
-            "left.direction": np.arctan2(_t0, _t2),
-            "left.roll": 20.0 * np.sqrt(_t2 * _t2 + _t3),
-            "right.direction": np.arctan2(_t0, _t4),
-            "right.roll": 20.0 * np.sqrt(_t3 + _t4 * _t4),
+            "left.direction": np.arctan2(_left_y, _left_x),
+            "left.roll": 20.0 * np.sqrt(_left_x * _left_x + _t1),
+            "right.direction": np.arctan2(_left_y, _right_x),
+            "right.roll": 20.0 * np.sqrt(_t1 + _right_x * _right_x),
         },
     )
 

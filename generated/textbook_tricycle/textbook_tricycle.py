@@ -51,22 +51,23 @@ def inverse(vx, vy, omega, front_steer):
     _t7 = np.where(_t4 < 1e-20, _t3, _t5 * _t6)
     _t8 = np.rint(0.31830988617 * (_t7 - _t3))
     _t9 = np.where(np.signbit(vx), np.negative(_t4), _t4)
-    _t10 = np.where(np.mod(_t8, 2) == 1, np.negative(_t9), _t9)
-    _t11 = _t7 + (-3.141592653589793) * _t8
-    _t12 = np.where(1.614429558094755 < _t11, _t11 - 3.141592653589793, _t11)
-    _t13 = np.where(_t11 < (-1.614429558094755), _t11 + 3.141592653589793, _t12)
-    _t14 = np.clip(_t13, -1.3089969389957472, 1.3089969389957472)
-    _t15 = _t14 - _t11
-    _t16 = _t10 * np.sin(_t15)
-    _t17 = np.abs(vy)
+    _front_rim = np.where(np.mod(_t8, 2) == 1, np.negative(_t9), _t9)
+    _front_nearest = _t7 + (-3.141592653589793) * _t8
+    _t10 = np.where(1.614429558094755 < _front_nearest, _front_nearest - 3.141592653589793, _front_nearest)
+    _t11 = np.where(_front_nearest < (-1.614429558094755), _front_nearest + 3.141592653589793, _t10)
+    _front_target = np.clip(_t11, -1.3089969389957472, 1.3089969389957472)
+    _front_excess = _front_target - _front_nearest
+    _t12 = 9.090909090909092 * (_front_rim * np.cos(_front_excess))
+    _t13 = _front_rim * np.sin(_front_excess)
+    _t14 = np.abs(vy)
     return _shaped(
         [vx, vy, omega, front_steer],
         {
             "rear_left.spin": _t0 - _t1,
             "rear_right.spin": _t1 + _t0,
-            "front.spin": 9.090909090909092 * (_t10 * np.cos(_t15)),
-            "front.steer": _t14,
-            "slip": np.sqrt(_t17 * _t17 + _t16 * _t16),
+            "front.spin": _t12,
+            "front.steer": _front_target,
+            "slip": np.sqrt(_t14 * _t14 + _t13 * _t13),
         },
     )
 
@@ -89,25 +90,26 @@ def forward(rear_left_spin, rear_right_spin, front_spin, front_steer):
     rear_right_spin = np.asarray(rear_right_spin, dtype=np.float64)
     front_spin = np.asarray(front_spin, dtype=np.float64)
     front_steer = np.asarray(front_steer, dtype=np.float64)
-    _t0 = front_spin * np.cos(front_steer)
-    _t1 = front_spin * np.sin(front_steer)
-    _t2 = 0.03666666666666667 * (_t0 + (rear_left_spin + rear_right_spin))
-    _t3 = rear_left_spin - rear_right_spin
-    _t4 = 0.012622950819672131 * (_t3 + 0.5714285714285714 * _t1)
-    _t5 = 2.3333333333333335 * _t1 - _t3
-    _t6 = (-0.010819672131147541) * _t5
-    _t7 = 0.11 * rear_left_spin - _t2 - _t6
-    _t8 = 0.11 * rear_right_spin + (_t6 - _t2)
-    _t9 = 0.11 * _t0 - _t2
-    _t10 = 0.11 * _t1 - _t4 - 0.037868852459016396 * _t5
-    _t11 = _t10 * _t10 + (_t9 * _t9 + (_t7 * _t7 + _t8 * _t8))
+    _front_roll_x = front_spin * np.cos(front_steer)
+    _front_roll_y = front_spin * np.sin(front_steer)
+    _t0 = _front_roll_x + (rear_left_spin + rear_right_spin)
+    _vx_fit = 0.03666666666666667 * _t0
+    _t1 = rear_left_spin - rear_right_spin
+    _vy_fit = 0.012622950819672131 * (_t1 + 0.5714285714285714 * _front_roll_y)
+    _t2 = 2.3333333333333335 * _front_roll_y - _t1
+    _t3 = (-0.010819672131147541) * _t2
+    _t4 = 0.11 * rear_left_spin - _vx_fit - _t3
+    _t5 = 0.11 * rear_right_spin + (_t3 - _vx_fit)
+    _t6 = 0.11 * _front_roll_x - _vx_fit
+    _t7 = 0.11 * _front_roll_y - _vy_fit - 0.037868852459016396 * _t2
+    _t8 = _t7 * _t7 + (_t6 * _t6 + (_t4 * _t4 + _t5 * _t5))
     return _shaped(
         [rear_left_spin, rear_right_spin, front_spin, front_steer],
         {
-            "vx": _t2,
-            "vy": _t4,
-            "omega": 0.027049180327868853 * _t5,
-            "slip": np.sqrt(2.0 * (_t4 * _t4) + _t11),
+            "vx": _vx_fit,
+            "vy": _vy_fit,
+            "omega": 0.027049180327868853 * _t2,
+            "slip": np.sqrt(2.0 * (_vy_fit * _vy_fit) + _t8),
         },
     )
 
@@ -136,21 +138,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -178,14 +180,14 @@ def dynamics(x, y, theta, front_steer, eta1, front_steer_rate):
     front_steer = np.asarray(front_steer, dtype=np.float64)
     eta1 = np.asarray(eta1, dtype=np.float64)
     front_steer_rate = np.asarray(front_steer_rate, dtype=np.float64)
-    _t0 = eta1 * np.cos(front_steer)
-    _t1 = 0.7142857142857143 * (eta1 * np.sin(front_steer))
+    _vx_body = eta1 * np.cos(front_steer)
+    _omega_body = 0.7142857142857143 * (eta1 * np.sin(front_steer))
     return _shaped(
         [x, y, theta, front_steer, eta1, front_steer_rate],
         {
-            "x_rate": _t0 * np.cos(theta),
-            "y_rate": _t0 * np.sin(theta),
-            "theta_rate": _t1,
+            "x_rate": _vx_body * np.cos(theta),
+            "y_rate": _vx_body * np.sin(theta),
+            "theta_rate": _omega_body,
             "front.steer_rate": front_steer_rate,
         },
     )

@@ -43,33 +43,33 @@ def inverse(vx, vy, omega, front_steer, rear_steer):
     omega = np.asarray(omega, dtype=np.float64)
     front_steer = np.asarray(front_steer, dtype=np.float64)
     rear_steer = np.asarray(rear_steer, dtype=np.float64)
-    _t0 = vx + (-0.1) * omega
-    _t1 = vy + 0.3 * omega
-    _t2 = _t0 * _t0
-    _t3 = np.sqrt(_t2 + _t1 * _t1)
-    _t4 = np.where(np.signbit(_t0), np.negative(2.0), 2.0)
-    _t5 = np.abs(_t0)
-    _t6 = np.arctan(_t1 / (np.maximum(_t3, 1e-20) + _t5))
-    _t7 = np.where(_t3 < 1e-20, front_steer, _t4 * _t6)
-    _t8 = np.rint(0.31830988617 * (_t7 - front_steer))
-    _t9 = _t3 * 10.0
-    _t10 = np.where(np.signbit(_t0), np.negative(_t9), _t9)
-    _t11 = np.where(np.mod(_t8, 2) == 1, np.negative(_t10), _t10)
-    _t12 = vy + (-0.3) * omega
-    _t13 = np.sqrt(_t2 + _t12 * _t12)
-    _t14 = np.arctan(_t12 / (np.maximum(_t13, 1e-20) + _t5))
-    _t15 = np.where(_t13 < 1e-20, rear_steer, _t4 * _t14)
-    _t16 = np.rint(0.31830988617 * (_t15 - rear_steer))
-    _t17 = _t13 * 10.0
-    _t18 = np.where(np.signbit(_t0), np.negative(_t17), _t17)
-    _t19 = np.where(np.mod(_t16, 2) == 1, np.negative(_t18), _t18)
+    _front_x = vx + (-0.1) * omega
+    _front_y = vy + 0.3 * omega
+    _t0 = _front_x * _front_x
+    _t1 = np.sqrt(_t0 + _front_y * _front_y)
+    _t2 = np.where(np.signbit(_front_x), np.negative(2.0), 2.0)
+    _t3 = np.abs(_front_x)
+    _t4 = np.arctan(_front_y / (np.maximum(_t1, 1e-20) + _t3))
+    _t5 = np.where(_t1 < 1e-20, front_steer, _t2 * _t4)
+    _t6 = np.rint(0.31830988617 * (_t5 - front_steer))
+    _t7 = _t1 * 10.0
+    _t8 = np.where(np.signbit(_front_x), np.negative(_t7), _t7)
+    _front_spin = np.where(np.mod(_t6, 2) == 1, np.negative(_t8), _t8)
+    _rear_y = vy + (-0.3) * omega
+    _t9 = np.sqrt(_t0 + _rear_y * _rear_y)
+    _t10 = np.arctan(_rear_y / (np.maximum(_t9, 1e-20) + _t3))
+    _t11 = np.where(_t9 < 1e-20, rear_steer, _t2 * _t10)
+    _t12 = np.rint(0.31830988617 * (_t11 - rear_steer))
+    _t13 = _t9 * 10.0
+    _t14 = np.where(np.signbit(_front_x), np.negative(_t13), _t13)
+    _rear_spin = np.where(np.mod(_t12, 2) == 1, np.negative(_t14), _t14)
     return _shaped(
         [vx, vy, omega, front_steer, rear_steer],
         {
-            "front.spin": _t11,
-            "front.steer": _t7 + (-3.141592653589793) * _t8,
-            "rear.spin": _t19,
-            "rear.steer": _t15 + (-3.141592653589793) * _t16,
+            "front.spin": _front_spin,
+            "front.steer": _t5 + (-3.141592653589793) * _t6,
+            "rear.spin": _rear_spin,
+            "rear.steer": _t11 + (-3.141592653589793) * _t12,
             "slip": 0.0,
         },
     )
@@ -93,19 +93,20 @@ def forward(front_spin, front_steer, rear_spin, rear_steer):
     front_steer = np.asarray(front_steer, dtype=np.float64)
     rear_spin = np.asarray(rear_spin, dtype=np.float64)
     rear_steer = np.asarray(rear_steer, dtype=np.float64)
-    _t0 = front_spin * np.cos(front_steer)
-    _t1 = front_spin * np.sin(front_steer)
-    _t2 = rear_spin * np.cos(rear_steer)
-    _t3 = rear_spin * np.sin(rear_steer)
-    _t4 = _t1 - _t3
-    _t5 = 0.016666666666666666 * _t4 + 0.05 * (_t0 + _t2)
+    _front_roll_x = front_spin * np.cos(front_steer)
+    _front_roll_y = front_spin * np.sin(front_steer)
+    _rear_roll_x = rear_spin * np.cos(rear_steer)
+    _rear_roll_y = rear_spin * np.sin(rear_steer)
+    _t0 = _front_roll_y - _rear_roll_y
+    _t1 = 0.016666666666666666 * _t0 + 0.05 * (_front_roll_x + _rear_roll_x)
+    _t2 = 0.07071067811865475 * (_front_roll_x - _rear_roll_x)
     return _shaped(
         [front_spin, front_steer, rear_spin, rear_steer],
         {
-            "vx": _t5,
-            "vy": 0.05 * (_t1 + _t3),
-            "omega": 0.16666666666666666 * _t4,
-            "slip": np.abs(0.07071067811865475 * (_t0 - _t2)),
+            "vx": _t1,
+            "vy": 0.05 * (_front_roll_y + _rear_roll_y),
+            "omega": 0.16666666666666666 * _t0,
+            "slip": np.abs(_t2),
         },
     )
 
@@ -134,21 +135,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -186,15 +187,17 @@ def dynamics(x, y, theta, front_steer, rear_steer, eta1, front_steer_rate, rear_
     _t2 = np.cos(rear_steer)
     _t3 = np.sin(front_steer) * (eta1 * _t2)
     _t4 = _t1 - _t3
-    _t5 = _t2 * _t0 - 0.16666666666666666 * _t4
-    _t6 = np.cos(theta)
-    _t7 = 0.5 * (_t1 + _t3)
-    _t8 = np.sin(theta)
+    _vx_body = _t2 * _t0 - 0.16666666666666666 * _t4
+    _velocity_cos = np.cos(theta)
+    _vy_body = 0.5 * (_t1 + _t3)
+    _velocity_sin = np.sin(theta)
+    _t5 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _t6 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _shaped(
         [x, y, theta, front_steer, rear_steer, eta1, front_steer_rate, rear_steer_rate],
         {
-            "x_rate": _t5 * _t6 - _t7 * _t8,
-            "y_rate": _t5 * _t8 + _t6 * _t7,
+            "x_rate": _t5,
+            "y_rate": _t6,
             "theta_rate": (-1.6666666666666667) * _t4,
             "front.steer_rate": front_steer_rate,
             "rear.steer_rate": rear_steer_rate,
@@ -216,12 +219,12 @@ def contacts(vx, vy, omega):
     vx = np.asarray(vx, dtype=np.float64)
     vy = np.asarray(vy, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
-    _t0 = vx + 0.3 * omega
+    _ball_x = vx + 0.3 * omega
     return _shaped(
         [vx, vy, omega],
         {
-            "ball.direction": np.arctan2(vy, _t0),
-            "ball.roll": 20.0 * np.sqrt(_t0 * _t0 + vy * vy),
+            "ball.direction": np.arctan2(vy, _ball_x),
+            "ball.roll": 20.0 * np.sqrt(_ball_x * _ball_x + vy * vy),
         },
     )
 

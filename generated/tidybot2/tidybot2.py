@@ -55,39 +55,39 @@ def inverse(vx, vy, omega, caster_1_steer, caster_2_steer, caster_3_steer, caste
     caster_4_steer = np.asarray(caster_4_steer, dtype=np.float64)
     _t0 = (-71.3877784123358) * vx
     _t1 = 12.146630496858938 * omega
-    _t2 = _t0 - _t1
-    _t3 = np.cos(caster_1_steer)
-    _t4 = (-71.3877784123358) * vy
-    _t5 = 13.574386065105655 * omega
-    _t6 = _t4 - _t5
-    _t7 = np.sin(caster_1_steer)
-    _t8 = (-0.275748031496063) * (_t2 * _t3 + _t6 * _t7)
-    _t9 = _t2 * _t7 - _t3 * _t6
-    _t10 = _t1 + _t0
-    _t11 = np.cos(caster_2_steer)
-    _t12 = np.sin(caster_2_steer)
-    _t13 = (-0.275748031496063) * (_t10 * _t11 + _t6 * _t12)
-    _t14 = _t10 * _t12 - _t6 * _t11
-    _t15 = np.cos(caster_3_steer)
-    _t16 = _t4 + _t5
-    _t17 = np.sin(caster_3_steer)
-    _t18 = (-0.275748031496063) * (_t10 * _t15 + _t16 * _t17)
-    _t19 = _t10 * _t17 - _t15 * _t16
-    _t20 = np.cos(caster_4_steer)
-    _t21 = np.sin(caster_4_steer)
-    _t22 = (-0.275748031496063) * (_t2 * _t20 + _t16 * _t21)
-    _t23 = _t2 * _t21 - _t16 * _t20
+    _caster_1_a = _t0 - _t1
+    _t2 = np.cos(caster_1_steer)
+    _t3 = (-71.3877784123358) * vy
+    _t4 = 13.574386065105655 * omega
+    _caster_1_b = _t3 - _t4
+    _t5 = np.sin(caster_1_steer)
+    _t6 = (-0.275748031496063) * (_caster_1_a * _t2 + _caster_1_b * _t5)
+    _t7 = _caster_1_a * _t5 - _t2 * _caster_1_b
+    _caster_2_a = _t1 + _t0
+    _t8 = np.cos(caster_2_steer)
+    _t9 = np.sin(caster_2_steer)
+    _t10 = (-0.275748031496063) * (_caster_2_a * _t8 + _caster_1_b * _t9)
+    _t11 = _caster_2_a * _t9 - _caster_1_b * _t8
+    _t12 = np.cos(caster_3_steer)
+    _caster_3_b = _t3 + _t4
+    _t13 = np.sin(caster_3_steer)
+    _t14 = (-0.275748031496063) * (_caster_2_a * _t12 + _caster_3_b * _t13)
+    _t15 = _caster_2_a * _t13 - _t12 * _caster_3_b
+    _t16 = np.cos(caster_4_steer)
+    _t17 = np.sin(caster_4_steer)
+    _t18 = (-0.275748031496063) * (_caster_1_a * _t16 + _caster_3_b * _t17)
+    _t19 = _caster_1_a * _t17 - _caster_3_b * _t16
     return _shaped(
         [vx, vy, omega, caster_1_steer, caster_2_steer, caster_3_steer, caster_4_steer],
         {
-            "caster_1.spin": _t8 + 0.07387795275590552 * _t9,
-            "caster_1.steer_rate": _t9 - omega,
-            "caster_2.spin": _t13 + 0.07387795275590552 * _t14,
-            "caster_2.steer_rate": _t14 - omega,
-            "caster_3.spin": _t18 + 0.07387795275590552 * _t19,
-            "caster_3.steer_rate": _t19 - omega,
-            "caster_4.spin": _t22 + 0.07387795275590552 * _t23,
-            "caster_4.steer_rate": _t23 - omega,
+            "caster_1.spin": _t6 + 0.07387795275590552 * _t7,
+            "caster_1.steer_rate": _t7 - omega,
+            "caster_2.spin": _t10 + 0.07387795275590552 * _t11,
+            "caster_2.steer_rate": _t11 - omega,
+            "caster_3.spin": _t14 + 0.07387795275590552 * _t15,
+            "caster_3.steer_rate": _t15 - omega,
+            "caster_4.spin": _t18 + 0.07387795275590552 * _t19,
+            "caster_4.steer_rate": _t19 - omega,
             "slip": 0.0,
         },
     )
@@ -132,81 +132,83 @@ def forward(caster_1_spin, caster_1_steer, caster_1_steer_rate, caster_2_spin, c
     _t2 = np.sin(caster_1_steer)
     _t3 = caster_1_steer_rate * _t2
     _t4 = 3.626499143346659 * caster_1_spin
-    _t5 = _t2 * _t4 + (_t1 - 0.26791833238149626 * _t3)
-    _t6 = np.cos(caster_2_steer)
-    _t7 = _t6 * caster_2_steer_rate
-    _t8 = np.sin(caster_2_steer)
-    _t9 = caster_2_steer_rate * _t8
-    _t10 = 3.626499143346659 * caster_2_spin
-    _t11 = _t8 * _t10 + (_t7 - 0.26791833238149626 * _t9)
-    _t12 = _t5 + _t11
-    _t13 = np.cos(caster_3_steer)
-    _t14 = _t13 * caster_3_steer_rate
-    _t15 = np.sin(caster_3_steer)
-    _t16 = caster_3_steer_rate * _t15
-    _t17 = 3.626499143346659 * caster_3_spin
-    _t18 = _t15 * _t17 + (_t14 - 0.26791833238149626 * _t16)
-    _t19 = np.cos(caster_4_steer)
-    _t20 = _t19 * caster_4_steer_rate
-    _t21 = np.sin(caster_4_steer)
-    _t22 = caster_4_steer_rate * _t21
-    _t23 = 3.626499143346659 * caster_4_spin
-    _t24 = _t21 * _t23 + (_t20 - 0.26791833238149626 * _t22)
-    _t25 = _t18 + _t24
-    _t26 = _t0 * _t4 - _t3 - 0.26791833238149626 * _t1
-    _t27 = _t19 * _t23 - _t22 - 0.26791833238149626 * _t20
-    _t28 = _t26 + _t27
-    _t29 = _t6 * _t10 - _t9 - 0.26791833238149626 * _t7
-    _t30 = _t13 * _t17 - _t16 - 0.26791833238149626 * _t14
-    _t31 = _t29 + _t30
-    _t32 = caster_3_spin + (caster_1_spin + caster_2_spin)
-    _t33 = caster_3_steer_rate + (caster_1_steer_rate + caster_2_steer_rate)
-    _t34 = 4.287120931304328 * (caster_4_steer_rate + _t33)
-    _t35 = 3.886422411473447 * (caster_4_spin + _t32) - _t34
-    _t36 = 54.29754426042262 * (_t12 - _t25) + (48.58652198743575 * (_t28 - _t31) + _t35)
-    _t37 = _t25 + _t12
-    _t38 = _t15 + _t21 + (_t2 + _t8)
-    _t39 = _t13 + _t19 + (_t0 + _t6)
-    _t40 = 0.26791833238149626 * _t38 - _t39
-    _t41 = _t31 + _t28
-    _t42 = (-0.26791833238149626) * _t39 - _t38
-    _t43 = 82.56064862666385 * (_t13 - _t0) + 5326.021915273348
-    _t44 = 134.6295284150266 * (_t19 - _t6) + (126.26765899619733 * (_t2 - _t15) + _t43)
-    _t45 = 68.07842895354568 * (_t21 - _t8) + _t44 - _t40 * _t40
-    _t46 = (_t41 * _t42 + (_t36 - _t40 * _t37)) / (_t45 - _t42 * _t42)
-    _t47 = 0.003502 * (_t41 + _t42 * _t46)
-    _t48 = 0.003502 * (_t37 - _t40 * _t46)
-    _t49 = (-0.17015) * _t46
-    _t50 = _t49 - _t47
-    _t51 = _t2 * _t46
-    _t52 = _t0 * _t46
-    _t53 = 0.014008 * (_t26 - _t51) + _t50 - 0.003753 * _t52
-    _t54 = (-0.19015) * _t46
-    _t55 = _t54 - _t48
-    _t56 = 0.014008 * (_t5 + _t52) + _t55 - 0.003753 * _t51
-    _t57 = _t47 + _t49
-    _t58 = _t8 * _t46
-    _t59 = _t6 * _t46
-    _t60 = 0.014008 * (_t29 - _t58) - _t57 - 0.003753 * _t59
-    _t61 = _t55 + 0.014008 * (_t11 + _t59) - 0.003753 * _t58
-    _t62 = _t61 * _t61 + (_t60 * _t60 + (_t53 * _t53 + _t56 * _t56))
-    _t63 = _t15 * _t46
-    _t64 = _t13 * _t46
-    _t65 = 0.014008 * (_t30 - _t63) - _t57 - 0.003753 * _t64
-    _t66 = _t48 + _t54
-    _t67 = 0.014008 * (_t18 + _t64) - _t66 - 0.003753 * _t63
-    _t68 = _t21 * _t46
-    _t69 = _t19 * _t46
-    _t70 = _t50 + 0.014008 * (_t27 - _t68) - 0.003753 * _t69
-    _t71 = _t70 * _t70 + (_t67 * _t67 + (_t65 * _t65 + _t62))
-    _t72 = 0.014008 * (_t24 + _t69) - _t66 - 0.003753 * _t68
+    _caster_1_wy = _t2 * _t4 + (_t1 - 0.26791833238149626 * _t3)
+    _t5 = np.cos(caster_2_steer)
+    _t6 = _t5 * caster_2_steer_rate
+    _t7 = np.sin(caster_2_steer)
+    _t8 = caster_2_steer_rate * _t7
+    _t9 = 3.626499143346659 * caster_2_spin
+    _caster_2_wy = _t7 * _t9 + (_t6 - 0.26791833238149626 * _t8)
+    _t10 = _caster_1_wy + _caster_2_wy
+    _t11 = np.cos(caster_3_steer)
+    _t12 = _t11 * caster_3_steer_rate
+    _t13 = np.sin(caster_3_steer)
+    _t14 = caster_3_steer_rate * _t13
+    _t15 = 3.626499143346659 * caster_3_spin
+    _caster_3_wy = _t13 * _t15 + (_t12 - 0.26791833238149626 * _t14)
+    _t16 = np.cos(caster_4_steer)
+    _t17 = _t16 * caster_4_steer_rate
+    _t18 = np.sin(caster_4_steer)
+    _t19 = caster_4_steer_rate * _t18
+    _t20 = 3.626499143346659 * caster_4_spin
+    _caster_4_wy = _t18 * _t20 + (_t17 - 0.26791833238149626 * _t19)
+    _t21 = _caster_3_wy + _caster_4_wy
+    _caster_1_wx = _t0 * _t4 - _t3 - 0.26791833238149626 * _t1
+    _caster_4_wx = _t16 * _t20 - _t19 - 0.26791833238149626 * _t17
+    _t22 = _caster_1_wx + _caster_4_wx
+    _caster_2_wx = _t5 * _t9 - _t8 - 0.26791833238149626 * _t6
+    _caster_3_wx = _t11 * _t15 - _t14 - 0.26791833238149626 * _t12
+    _t23 = _caster_2_wx + _caster_3_wx
+    _t24 = caster_3_spin + (caster_1_spin + caster_2_spin)
+    _t25 = caster_3_steer_rate + (caster_1_steer_rate + caster_2_steer_rate)
+    _t26 = 4.287120931304328 * (caster_4_steer_rate + _t25)
+    _t27 = 3.886422411473447 * (caster_4_spin + _t24) - _t26
+    _moment = 54.29754426042262 * (_t10 - _t21) + (48.58652198743575 * (_t22 - _t23) + _t27)
+    _sum_wy = _t21 + _t10
+    _t28 = _t13 + _t18 + (_t2 + _t7)
+    _t29 = _t11 + _t16 + (_t0 + _t5)
+    _sum_fx = 0.26791833238149626 * _t28 - _t29
+    _sum_wx = _t23 + _t22
+    _sum_fy = (-0.26791833238149626) * _t29 - _t28
+    _t30 = _sum_wx * _sum_fy + (_moment - _sum_fx * _sum_wy)
+    _t31 = 82.56064862666385 * (_t11 - _t0) + 5326.021915273348
+    _t32 = 134.6295284150266 * (_t16 - _t5) + (126.26765899619733 * (_t2 - _t13) + _t31)
+    _t33 = 68.07842895354568 * (_t18 - _t7) + _t32 - _sum_fx * _sum_fx
+    _omega_fit = _t30 / (_t33 - _sum_fy * _sum_fy)
+    _t34 = 0.003502 * (_sum_wx + _sum_fy * _omega_fit)
+    _t35 = 0.003502 * (_sum_wy - _sum_fx * _omega_fit)
+    _t36 = (-0.17015) * _omega_fit
+    _t37 = _t36 - _t34
+    _t38 = _t2 * _omega_fit
+    _t39 = _t0 * _omega_fit
+    _error_0 = 0.014008 * (_caster_1_wx - _t38) + _t37 - 0.003753 * _t39
+    _t40 = (-0.19015) * _omega_fit
+    _t41 = _t40 - _t35
+    _error_1 = 0.014008 * (_caster_1_wy + _t39) + _t41 - 0.003753 * _t38
+    _t42 = _t34 + _t36
+    _t43 = _t7 * _omega_fit
+    _t44 = _t5 * _omega_fit
+    _error_2 = 0.014008 * (_caster_2_wx - _t43) - _t42 - 0.003753 * _t44
+    _t45 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
+    _error_3 = _t41 + 0.014008 * (_caster_2_wy + _t44) - 0.003753 * _t43
+    _t46 = _t13 * _omega_fit
+    _t47 = _t11 * _omega_fit
+    _error_4 = 0.014008 * (_caster_3_wx - _t46) - _t42 - 0.003753 * _t47
+    _t48 = _error_4 * _error_4 + (_error_3 * _error_3 + _t45)
+    _t49 = _t35 + _t40
+    _error_5 = 0.014008 * (_caster_3_wy + _t47) - _t49 - 0.003753 * _t46
+    _t50 = _t18 * _omega_fit
+    _t51 = _t16 * _omega_fit
+    _error_6 = _t37 + 0.014008 * (_caster_4_wx - _t50) - 0.003753 * _t51
+    _t52 = _error_6 * _error_6 + (_error_5 * _error_5 + _t48)
+    _error_7 = 0.014008 * (_caster_4_wy + _t51) - _t49 - 0.003753 * _t50
     return _shaped(
         [caster_1_spin, caster_1_steer, caster_1_steer_rate, caster_2_spin, caster_2_steer, caster_2_steer_rate, caster_3_spin, caster_3_steer, caster_3_steer_rate, caster_4_spin, caster_4_steer, caster_4_steer_rate],
         {
-            "vx": _t47,
-            "vy": _t48,
-            "omega": _t46,
-            "slip": np.sqrt(_t72 * _t72 + _t71),
+            "vx": _t34,
+            "vy": _t35,
+            "omega": _omega_fit,
+            "slip": np.sqrt(_error_7 * _error_7 + _t52),
         },
     )
 
@@ -235,21 +237,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -276,13 +278,13 @@ def dynamics(x, y, theta, eta1, eta2, eta3):
     eta1 = np.asarray(eta1, dtype=np.float64)
     eta2 = np.asarray(eta2, dtype=np.float64)
     eta3 = np.asarray(eta3, dtype=np.float64)
-    _t0 = np.cos(theta)
-    _t1 = np.sin(theta)
+    _velocity_cos = np.cos(theta)
+    _velocity_sin = np.sin(theta)
     return _shaped(
         [x, y, theta, eta1, eta2, eta3],
         {
-            "x_rate": eta1 * _t0 - eta2 * _t1,
-            "y_rate": eta1 * _t1 + _t0 * eta2,
+            "x_rate": eta1 * _velocity_cos - eta2 * _velocity_sin,
+            "y_rate": eta1 * _velocity_sin + _velocity_cos * eta2,
             "theta_rate": eta3,
         },
     )

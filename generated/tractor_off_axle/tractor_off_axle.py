@@ -109,21 +109,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -181,19 +181,21 @@ def trailer(x, y, theta, cart_theta, left_spin, right_spin):
     cart_theta = np.asarray(cart_theta, dtype=np.float64)
     left_spin = np.asarray(left_spin, dtype=np.float64)
     right_spin = np.asarray(right_spin, dtype=np.float64)
-    _t0 = 0.055 * (left_spin + right_spin)
-    _t1 = 0.2037037037037037 * (right_spin - left_spin)
-    _t2 = cart_theta - theta
-    _t3 = np.sin(_t2)
-    _t4 = np.cos(_t2)
+    _body_x = 0.055 * (left_spin + right_spin)
+    _body_z = 0.2037037037037037 * (right_spin - left_spin)
+    _t0 = cart_theta - theta
+    _t1 = np.sin(_t0)
+    _cart_pull_cos = np.cos(_t0)
+    _cart_turn = (-1.25) * (_body_x * _t1) - 0.3125 * (_body_z * _cart_pull_cos)
+    _cart_speed = _body_x * _cart_pull_cos - 0.25 * (_body_z * _t1)
     return _shaped(
         [x, y, theta, cart_theta, left_spin, right_spin],
         {
-            "x_rate": _t0 * np.cos(theta),
-            "y_rate": _t0 * np.sin(theta),
-            "theta_rate": _t1,
-            "cart.theta_rate": (-1.25) * (_t0 * _t3) - 0.3125 * (_t1 * _t4),
-            "cart.speed": _t0 * _t4 - 0.25 * (_t1 * _t3),
+            "x_rate": _body_x * np.cos(theta),
+            "y_rate": _body_x * np.sin(theta),
+            "theta_rate": _body_z,
+            "cart.theta_rate": _cart_turn,
+            "cart.speed": _cart_speed,
         },
     )
 

@@ -53,58 +53,58 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer, back_left_steer,
     back_left_steer = np.asarray(back_left_steer, dtype=np.float64)
     back_right_steer = np.asarray(back_right_steer, dtype=np.float64)
     _t0 = (-0.381) * omega
-    _t1 = vx + _t0
-    _t2 = 0.381 * omega
-    _t3 = vy + _t2
-    _t4 = _t1 * _t1
-    _t5 = _t3 * _t3
-    _t6 = np.sqrt(_t4 + _t5)
-    _t7 = np.where(np.signbit(_t1), np.negative(2.0), 2.0)
-    _t8 = np.abs(_t1)
-    _t9 = np.arctan(_t3 / (np.maximum(_t6, 1e-20) + _t8))
-    _t10 = np.where(_t6 < 1e-20, front_left_steer, _t7 * _t9)
-    _t11 = np.rint(0.31830988617 * (_t10 - front_left_steer))
-    _t12 = _t6 * 19.68503937007874
-    _t13 = np.where(np.signbit(_t1), np.negative(_t12), _t12)
-    _t14 = np.where(np.mod(_t11, 2) == 1, np.negative(_t13), _t13)
-    _t15 = vx + _t2
-    _t16 = _t15 * _t15
-    _t17 = np.sqrt(_t16 + _t5)
-    _t18 = np.where(np.signbit(_t15), np.negative(2.0), 2.0)
-    _t19 = np.abs(_t15)
-    _t20 = np.arctan(_t3 / (np.maximum(_t17, 1e-20) + _t19))
-    _t21 = np.where(_t17 < 1e-20, front_right_steer, _t18 * _t20)
-    _t22 = np.rint(0.31830988617 * (_t21 - front_right_steer))
-    _t23 = _t17 * 19.68503937007874
-    _t24 = np.where(np.signbit(_t15), np.negative(_t23), _t23)
-    _t25 = np.where(np.mod(_t22, 2) == 1, np.negative(_t24), _t24)
-    _t26 = vy + _t0
-    _t27 = _t26 * _t26
-    _t28 = np.sqrt(_t4 + _t27)
-    _t29 = np.arctan(_t26 / (np.maximum(_t28, 1e-20) + _t8))
-    _t30 = np.where(_t28 < 1e-20, back_left_steer, _t7 * _t29)
-    _t31 = np.rint(0.31830988617 * (_t30 - back_left_steer))
+    _front_left_x = vx + _t0
+    _t1 = 0.381 * omega
+    _front_left_y = vy + _t1
+    _t2 = _front_left_x * _front_left_x
+    _t3 = _front_left_y * _front_left_y
+    _t4 = np.sqrt(_t2 + _t3)
+    _t5 = np.where(np.signbit(_front_left_x), np.negative(2.0), 2.0)
+    _t6 = np.abs(_front_left_x)
+    _t7 = _front_left_y / (np.maximum(_t4, 1e-20) + _t6)
+    _t8 = np.where(_t4 < 1e-20, front_left_steer, _t5 * np.arctan(_t7))
+    _t9 = np.rint(0.31830988617 * (_t8 - front_left_steer))
+    _t10 = _t4 * 19.68503937007874
+    _t11 = np.where(np.signbit(_front_left_x), np.negative(_t10), _t10)
+    _front_left_spin = np.where(np.mod(_t9, 2) == 1, np.negative(_t11), _t11)
+    _front_right_x = vx + _t1
+    _t12 = _front_right_x * _front_right_x
+    _t13 = np.sqrt(_t12 + _t3)
+    _t14 = np.where(np.signbit(_front_right_x), np.negative(2.0), 2.0)
+    _t15 = np.abs(_front_right_x)
+    _t16 = _front_left_y / (np.maximum(_t13, 1e-20) + _t15)
+    _t17 = np.where(_t13 < 1e-20, front_right_steer, _t14 * np.arctan(_t16))
+    _t18 = np.rint(0.31830988617 * (_t17 - front_right_steer))
+    _t19 = _t13 * 19.68503937007874
+    _t20 = np.where(np.signbit(_front_right_x), np.negative(_t19), _t19)
+    _front_right_spin = np.where(np.mod(_t18, 2) == 1, np.negative(_t20), _t20)
+    _back_left_y = vy + _t0
+    _t21 = _back_left_y * _back_left_y
+    _t22 = np.sqrt(_t2 + _t21)
+    _t23 = _back_left_y / (np.maximum(_t22, 1e-20) + _t6)
+    _t24 = np.where(_t22 < 1e-20, back_left_steer, _t5 * np.arctan(_t23))
+    _t25 = np.rint(0.31830988617 * (_t24 - back_left_steer))
+    _t26 = _t22 * 19.68503937007874
+    _t27 = np.where(np.signbit(_front_left_x), np.negative(_t26), _t26)
+    _back_left_spin = np.where(np.mod(_t25, 2) == 1, np.negative(_t27), _t27)
+    _t28 = np.sqrt(_t12 + _t21)
+    _t29 = _back_left_y / (np.maximum(_t28, 1e-20) + _t15)
+    _t30 = np.where(_t28 < 1e-20, back_right_steer, _t14 * np.arctan(_t29))
+    _t31 = np.rint(0.31830988617 * (_t30 - back_right_steer))
     _t32 = _t28 * 19.68503937007874
-    _t33 = np.where(np.signbit(_t1), np.negative(_t32), _t32)
-    _t34 = np.where(np.mod(_t31, 2) == 1, np.negative(_t33), _t33)
-    _t35 = np.sqrt(_t16 + _t27)
-    _t36 = np.arctan(_t26 / (np.maximum(_t35, 1e-20) + _t19))
-    _t37 = np.where(_t35 < 1e-20, back_right_steer, _t18 * _t36)
-    _t38 = np.rint(0.31830988617 * (_t37 - back_right_steer))
-    _t39 = _t35 * 19.68503937007874
-    _t40 = np.where(np.signbit(_t15), np.negative(_t39), _t39)
-    _t41 = np.where(np.mod(_t38, 2) == 1, np.negative(_t40), _t40)
+    _t33 = np.where(np.signbit(_front_right_x), np.negative(_t32), _t32)
+    _back_right_spin = np.where(np.mod(_t31, 2) == 1, np.negative(_t33), _t33)
     return _shaped(
         [vx, vy, omega, front_left_steer, front_right_steer, back_left_steer, back_right_steer],
         {
-            "front_left.spin": _t14,
-            "front_left.steer": _t10 + (-3.141592653589793) * _t11,
-            "front_right.spin": _t25,
-            "front_right.steer": _t21 + (-3.141592653589793) * _t22,
-            "back_left.spin": _t34,
-            "back_left.steer": _t30 + (-3.141592653589793) * _t31,
-            "back_right.spin": _t41,
-            "back_right.steer": _t37 + (-3.141592653589793) * _t38,
+            "front_left.spin": _front_left_spin,
+            "front_left.steer": _t8 + (-3.141592653589793) * _t9,
+            "front_right.spin": _front_right_spin,
+            "front_right.steer": _t17 + (-3.141592653589793) * _t18,
+            "back_left.spin": _back_left_spin,
+            "back_left.steer": _t24 + (-3.141592653589793) * _t25,
+            "back_right.spin": _back_right_spin,
+            "back_right.steer": _t30 + (-3.141592653589793) * _t31,
             "slip": 0.0,
         },
     )
@@ -136,43 +136,43 @@ def forward(front_left_spin, front_left_steer, front_right_spin, front_right_ste
     back_left_steer = np.asarray(back_left_steer, dtype=np.float64)
     back_right_spin = np.asarray(back_right_spin, dtype=np.float64)
     back_right_steer = np.asarray(back_right_steer, dtype=np.float64)
-    _t0 = front_right_spin * np.cos(front_right_steer)
-    _t1 = front_right_spin * np.sin(front_right_steer)
-    _t2 = back_right_spin * np.cos(back_right_steer)
-    _t3 = back_right_spin * np.sin(back_right_steer)
-    _t4 = _t0 + _t2
-    _t5 = front_left_spin * np.cos(front_left_steer)
-    _t6 = front_left_spin * np.sin(front_left_steer)
-    _t7 = back_left_spin * np.cos(back_left_steer)
-    _t8 = back_left_spin * np.sin(back_left_steer)
-    _t9 = _t5 + _t7
-    _t10 = 0.0127 * (_t4 + _t9)
-    _t11 = _t8 + _t3
-    _t12 = _t6 + _t1
-    _t13 = 0.0127 * (_t11 + _t12)
-    _t14 = _t12 + (_t4 - _t9) - _t11
-    _t15 = 0.00635 * _t14
-    _t16 = _t10 - _t15
-    _t17 = 0.0508 * _t5 - _t16
-    _t18 = _t13 + _t15
-    _t19 = 0.0508 * _t6 - _t18
-    _t20 = _t10 + _t15
-    _t21 = 0.0508 * _t0 - _t20
-    _t22 = 0.0508 * _t1 - _t18
-    _t23 = _t22 * _t22 + (_t21 * _t21 + (_t17 * _t17 + _t19 * _t19))
-    _t24 = 0.0508 * _t7 - _t16
-    _t25 = _t13 - _t15
-    _t26 = 0.0508 * _t8 - _t25
-    _t27 = 0.0508 * _t2 - _t20
-    _t28 = _t27 * _t27 + (_t26 * _t26 + (_t24 * _t24 + _t23))
-    _t29 = 0.0508 * _t3 - _t25
+    _front_right_roll_x = front_right_spin * np.cos(front_right_steer)
+    _front_right_roll_y = front_right_spin * np.sin(front_right_steer)
+    _back_right_roll_x = back_right_spin * np.cos(back_right_steer)
+    _back_right_roll_y = back_right_spin * np.sin(back_right_steer)
+    _t0 = _front_right_roll_x + _back_right_roll_x
+    _front_left_roll_x = front_left_spin * np.cos(front_left_steer)
+    _front_left_roll_y = front_left_spin * np.sin(front_left_steer)
+    _back_left_roll_x = back_left_spin * np.cos(back_left_steer)
+    _back_left_roll_y = back_left_spin * np.sin(back_left_steer)
+    _t1 = _front_left_roll_x + _back_left_roll_x
+    _vx_fit = 0.0127 * (_t0 + _t1)
+    _t2 = _back_left_roll_y + _back_right_roll_y
+    _t3 = _front_left_roll_y + _front_right_roll_y
+    _vy_fit = 0.0127 * (_t2 + _t3)
+    _t4 = _t3 + (_t0 - _t1) - _t2
+    _t5 = 0.00635 * _t4
+    _t6 = _vx_fit - _t5
+    _t7 = 0.0508 * _front_left_roll_x - _t6
+    _t8 = _vy_fit + _t5
+    _t9 = 0.0508 * _front_left_roll_y - _t8
+    _t10 = _vx_fit + _t5
+    _t11 = 0.0508 * _front_right_roll_x - _t10
+    _t12 = 0.0508 * _front_right_roll_y - _t8
+    _t13 = _t12 * _t12 + (_t11 * _t11 + (_t7 * _t7 + _t9 * _t9))
+    _t14 = 0.0508 * _back_left_roll_x - _t6
+    _t15 = _vy_fit - _t5
+    _t16 = 0.0508 * _back_left_roll_y - _t15
+    _t17 = 0.0508 * _back_right_roll_x - _t10
+    _t18 = _t17 * _t17 + (_t16 * _t16 + (_t14 * _t14 + _t13))
+    _t19 = 0.0508 * _back_right_roll_y - _t15
     return _shaped(
         [front_left_spin, front_left_steer, front_right_spin, front_right_steer, back_left_spin, back_left_steer, back_right_spin, back_right_steer],
         {
-            "vx": _t10,
-            "vy": _t13,
-            "omega": 0.016666666666666666 * _t14,
-            "slip": np.sqrt(_t29 * _t29 + _t28),
+            "vx": _vx_fit,
+            "vy": _vy_fit,
+            "omega": 0.016666666666666666 * _t4,
+            "slip": np.sqrt(_t19 * _t19 + _t18),
         },
     )
 
@@ -201,21 +201,21 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     omega = np.asarray(omega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t3 - vy * _t4) * _t10,
-            "y": y + _t10 * (vx * _t4 + _t3 * vy),
+            "x": x + (vx * _t1 - vy * _t2) * _chord,
+            "y": y + _chord * (vx * _t2 + _t1 * vy),
             "theta": theta + _t0,
         },
     )
@@ -255,15 +255,17 @@ def dynamics(x, y, theta, front_left_steer, back_right_steer, eta1, front_left_s
     _t4 = np.sin(front_left_steer)
     _t5 = _t3 * _t4
     _t6 = 0.5 * (_t2 + _t5)
-    _t7 = _t0 * _t3 + _t6
-    _t8 = np.cos(theta)
-    _t9 = _t6 + _t4 * (eta1 * _t1)
-    _t10 = np.sin(theta)
+    _vx_body = _t0 * _t3 + _t6
+    _velocity_cos = np.cos(theta)
+    _vy_body = _t6 + _t4 * (eta1 * _t1)
+    _velocity_sin = np.sin(theta)
+    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _shaped(
         [x, y, theta, front_left_steer, back_right_steer, eta1, front_left_steer_rate, back_right_steer_rate],
         {
-            "x_rate": _t7 * _t8 - _t9 * _t10,
-            "y_rate": _t7 * _t10 + _t8 * _t9,
+            "x_rate": _t7,
+            "y_rate": _t8,
             "theta_rate": 1.3123359580052494 * (_t5 - _t2),
             "front_left.steer_rate": front_left_steer_rate,
             "back_right.steer_rate": back_right_steer_rate,
@@ -356,61 +358,65 @@ def forward_covariance(front_left_spin, front_left_steer, front_right_spin, fron
     _t0 = np.cos(front_right_steer)
     _t1 = _t0 * _t0
     _t2 = front_right_spin * front_right_spin
-    _t3 = 0.0001 * _t2 + 0.0025
-    _t4 = 0.00258064 * (_t1 * _t3) - 1.9652697454959292e-07 * (_t1 * _t2)
+    _front_right_spin_variance = 0.0001 * _t2 + 0.0025
+    _t3 = 0.00258064 * (_t1 * _front_right_spin_variance)
+    _t4 = _t3 - 1.9652697454959292e-07 * (_t1 * _t2)
     _t5 = 1.9652697454959292e-07 * _t2
     _t6 = np.cos(back_right_steer)
     _t7 = _t6 * _t6
     _t8 = back_right_spin * back_right_spin
-    _t9 = 0.0001 * _t8 + 0.0025
-    _t10 = 0.00258064 * (_t7 * _t9) - 1.9652697454959292e-07 * (_t7 * _t8)
+    _back_right_spin_variance = 0.0001 * _t8 + 0.0025
+    _t9 = 0.00258064 * (_t7 * _back_right_spin_variance)
+    _t10 = _t9 - 1.9652697454959292e-07 * (_t7 * _t8)
     _t11 = 1.9652697454959292e-07 * _t8
     _t12 = _t4 + _t5 + (_t10 + _t11)
     _t13 = np.cos(front_left_steer)
     _t14 = _t13 * _t13
     _t15 = front_left_spin * front_left_spin
-    _t16 = 0.0001 * _t15 + 0.0025
-    _t17 = 0.00258064 * (_t14 * _t16) - 1.9652697454959292e-07 * (_t14 * _t15)
+    _front_left_spin_variance = 0.0001 * _t15 + 0.0025
+    _t16 = 0.00258064 * (_t14 * _front_left_spin_variance)
+    _t17 = _t16 - 1.9652697454959292e-07 * (_t14 * _t15)
     _t18 = 1.9652697454959292e-07 * _t15
     _t19 = np.cos(back_left_steer)
     _t20 = _t19 * _t19
     _t21 = back_left_spin * back_left_spin
-    _t22 = 0.0001 * _t21 + 0.0025
-    _t23 = 0.00258064 * (_t20 * _t22) - 1.9652697454959292e-07 * (_t20 * _t21)
+    _back_left_spin_variance = 0.0001 * _t21 + 0.0025
+    _t22 = 0.00258064 * (_t20 * _back_left_spin_variance)
+    _t23 = _t22 - 1.9652697454959292e-07 * (_t20 * _t21)
     _t24 = 1.9652697454959292e-07 * _t21
     _t25 = _t17 + _t18 + (_t23 + _t24)
     _t26 = _t12 + _t25
-    _t27 = 0.00258064 * _t22
-    _t28 = 0.00258064 * _t9
+    _t27 = 0.00258064 * _back_left_spin_variance
+    _t28 = 0.00258064 * _back_right_spin_variance
     _t29 = _t27 - _t23 + (_t28 - _t10)
-    _t30 = 0.00258064 * _t16
-    _t31 = 0.00258064 * _t3
+    _t30 = 0.00258064 * _front_left_spin_variance
+    _t31 = 0.00258064 * _front_right_spin_variance
     _t32 = _t30 - _t17 + (_t31 - _t4)
     _t33 = _t29 + _t32
     _t34 = _t26 + _t33
-    _t35 = _t13 * (np.sin(front_left_steer) * (_t30 - _t18))
-    _t36 = _t0 * (np.sin(front_right_steer) * (_t31 - _t5))
+    _front_left_c01 = _t13 * (np.sin(front_left_steer) * (_t30 - _t18))
+    _front_right_c01 = _t0 * (np.sin(front_right_steer) * (_t31 - _t5))
+    _t35 = _front_left_c01 - _front_right_c01
+    _back_left_c01 = _t19 * (np.sin(back_left_steer) * (_t27 - _t24))
+    _back_right_c01 = _t6 * (np.sin(back_right_steer) * (_t28 - _t11))
+    _t36 = _back_left_c01 - _back_right_c01
     _t37 = _t35 - _t36
-    _t38 = _t19 * (np.sin(back_left_steer) * (_t27 - _t24))
-    _t39 = _t6 * (np.sin(back_right_steer) * (_t28 - _t11))
-    _t40 = _t38 - _t39
-    _t41 = _t37 - _t40
-    _t42 = np.maximum(slip * slip - 0.25 * _t41 - 0.625 * _t34, 0.0)
-    _t43 = 0.05 * _t42
-    _t44 = _t38 + _t39
-    _t45 = _t35 + _t36
-    _t46 = 0.08202099737532809 * (_t45 + (_t12 - _t25) - _t44)
-    _t47 = 0.08202099737532809 * (_t32 - _t29 - _t37 - _t40)
-    _t48 = 0.10763910416709722 * _t34 - 0.21527820833419445 * _t41
+    _t38 = np.maximum(slip * slip - 0.25 * _t37 - 0.625 * _t34, 0.0)
+    _t39 = 0.05 * _t38
+    _t40 = _back_left_c01 + _back_right_c01
+    _t41 = _front_left_c01 + _front_right_c01
+    _t42 = 0.08202099737532809 * (_t41 + (_t12 - _t25) - _t40)
+    _t43 = 0.08202099737532809 * (_t32 - _t29 - _t35 - _t36)
+    _t44 = 0.10763910416709722 * _t34 - 0.21527820833419445 * _t37
     return _shaped(
         [front_left_spin, front_left_steer, front_right_spin, front_right_steer, back_left_spin, back_left_steer, back_right_spin, back_right_steer, slip],
         {
-            "vxvx": 0.0625 * _t26 + _t43,
-            "vxvy": 0.0625 * (_t44 + _t45),
-            "vxomega": _t46,
-            "vyvy": _t43 + 0.0625 * _t33,
-            "vyomega": _t47,
-            "omegaomega": _t48 + 0.17222256666735555 * _t42,
+            "vxvx": 0.0625 * _t26 + _t39,
+            "vxvy": 0.0625 * (_t40 + _t41),
+            "vxomega": _t42,
+            "vyvy": _t39 + 0.0625 * _t33,
+            "vyomega": _t43,
+            "omegaomega": _t44 + 0.17222256666735555 * _t38,
         },
     )
 
@@ -469,50 +475,53 @@ def odometry_covariance(x, y, theta, xx, xy, xtheta, yy, ytheta, thetatheta, vx,
     omegaomega = np.asarray(omegaomega, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
     _t0 = dt * omega
-    _t1 = 0.5 * _t0
-    _t2 = theta + _t1
-    _t3 = np.cos(_t2)
-    _t4 = np.sin(_t2)
-    _t5 = np.abs(_t1)
-    _t6 = _t1 * _t1
-    _t7 = (-0.0001984126984126984) * _t6 + 0.008333333333333333
-    _t8 = np.maximum(_t5, 0.046875)
-    _t9 = np.where(_t5 < 0.046875, 1.0 - _t6 * (0.16666666666666666 - _t6 * _t7), np.sin(_t8) / _t8)
-    _t10 = dt * _t9
-    _t11 = (vx * _t3 - vy * _t4) * _t10
-    _t12 = _t10 * (vx * _t4 + _t3 * vy)
-    _t13 = _t3 * _t10
-    _t14 = _t4 * _t10
-    _t15 = vxomega * _t13 - vyomega * _t14
-    _t16 = 0.5 * dt
-    _t17 = xtheta + _t15 * _t16
-    _t18 = dt * omegaomega
-    _t19 = dt * _t18
-    _t20 = thetatheta + 0.25 * _t19
-    _t21 = _t17 - _t12 * _t20
-    _t22 = _t14 * vxvy
-    _t23 = _t13 * vxvx - _t22
-    _t24 = _t13 * vxvy
-    _t25 = _t24 - _t14 * vyvy
-    _t26 = _t13 * _t23 + (xx - _t12 * (_t17 + _t21)) - _t14 * _t25
-    _t27 = vxomega * _t14 + _t13 * vyomega
-    _t28 = ytheta + _t16 * _t27
-    _t29 = _t14 * _t23 + (_t11 * _t21 + (xy - _t12 * _t28))
-    _t30 = 0.5 * _t18
-    _t31 = _t28 + _t11 * _t20
-    _t32 = _t14 * (_t24 + _t14 * vxvx) + (yy + _t11 * (_t28 + _t31))
+    _half_turn = 0.5 * _t0
+    _middle = theta + _half_turn
+    _t1 = np.cos(_middle)
+    _t2 = np.sin(_middle)
+    _t3 = np.abs(_half_turn)
+    _t4 = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
+    _t6 = np.maximum(_t3, 0.046875)
+    _sinc = np.where(_t3 < 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), np.sin(_t6) / _t6)
+    _chord = dt * _sinc
+    _x_step = (vx * _t1 - vy * _t2) * _chord
+    _y_step = _chord * (vx * _t2 + _t1 * vy)
+    _chord_x = _t1 * _chord
+    _chord_y = _t2 * _chord
+    _by_omega_x = vxomega * _chord_x - vyomega * _chord_y
+    _t7 = 0.5 * dt
+    _x_heading = xtheta + _by_omega_x * _t7
+    _t8 = dt * omegaomega
+    _t9 = dt * _t8
+    _heading_variance = thetatheta + 0.25 * _t9
+    _x_turned = _x_heading - _y_step * _heading_variance
+    _t10 = _chord_y * vxvy
+    _by_vx_x = _chord_x * vxvx - _t10
+    _t11 = _chord_x * _by_vx_x + (xx - _y_step * (_x_heading + _x_turned))
+    _t12 = _chord_x * vxvy
+    _by_vy_x = _t12 - _chord_y * vyvy
+    _by_omega_y = vxomega * _chord_y + _chord_x * vyomega
+    _y_heading = ytheta + _t7 * _by_omega_y
+    _t13 = _x_step * _x_turned + (xy - _y_step * _y_heading)
+    _t14 = _chord_x * _by_vy_x + (_chord_y * _by_vx_x + _t13)
+    _t15 = 0.5 * _t8
+    _t16 = _x_turned + _t7 * (_by_omega_x - _y_step * _t15)
+    _y_turned = _y_heading + _x_step * _heading_variance
+    _t17 = _chord_y * (_t12 + _chord_y * vxvx) + (yy + _x_step * (_y_heading + _y_turned))
+    _t18 = _y_turned + _t7 * (_by_omega_y + _x_step * _t15)
     return _shaped(
         [x, y, theta, xx, xy, xtheta, yy, ytheta, thetatheta, vx, vy, omega, vxvx, vxvy, vxomega, vyvy, vyomega, omegaomega, dt],
         {
-            "x": x + _t11,
-            "y": y + _t12,
+            "x": x + _x_step,
+            "y": y + _y_step,
             "theta": theta + _t0,
-            "xx": _t26,
-            "xy": _t13 * _t25 + _t29,
-            "xtheta": _t21 + _t16 * (_t15 - _t12 * _t30),
-            "yy": _t13 * (_t22 + _t13 * vyvy) + _t32,
-            "ytheta": _t31 + _t16 * (_t27 + _t11 * _t30),
-            "thetatheta": thetatheta + _t19,
+            "xx": _t11 - _chord_y * _by_vy_x,
+            "xy": _t14,
+            "xtheta": _t16,
+            "yy": _chord_x * (_t10 + _chord_x * vyvy) + _t17,
+            "ytheta": _t18,
+            "thetatheta": thetatheta + _t9,
         },
     )
 
@@ -548,36 +557,36 @@ def odometry_from_angles(x, y, theta, front_left_spin_step, front_left_steer, fr
     back_left_steer = np.asarray(back_left_steer, dtype=np.float64)
     back_right_spin_step = np.asarray(back_right_spin_step, dtype=np.float64)
     back_right_steer = np.asarray(back_right_steer, dtype=np.float64)
-    _t0 = front_right_spin_step * np.cos(front_right_steer)
-    _t1 = front_right_spin_step * np.sin(front_right_steer)
-    _t2 = back_right_spin_step * np.cos(back_right_steer)
-    _t3 = back_right_spin_step * np.sin(back_right_steer)
-    _t4 = _t0 + _t2
-    _t5 = front_left_spin_step * np.cos(front_left_steer)
-    _t6 = front_left_spin_step * np.sin(front_left_steer)
-    _t7 = back_left_spin_step * np.cos(back_left_steer)
-    _t8 = back_left_spin_step * np.sin(back_left_steer)
-    _t9 = _t5 + _t7
-    _t10 = 0.0127 * (_t4 + _t9)
-    _t11 = _t6 + _t1
-    _t12 = _t8 + _t3
-    _t13 = _t11 + (_t4 - _t9) - _t12
-    _t14 = 0.008333333333333333 * _t13
-    _t15 = theta + _t14
-    _t16 = np.cos(_t15)
-    _t17 = 0.0127 * (_t12 + _t11)
-    _t18 = np.sin(_t15)
-    _t19 = np.abs(_t14)
-    _t20 = _t14 * _t14
-    _t21 = (-0.0001984126984126984) * _t20 + 0.008333333333333333
-    _t22 = np.maximum(_t19, 0.046875)
-    _t23 = np.where(_t19 < 0.046875, 1.0 - _t20 * (0.16666666666666666 - _t20 * _t21), np.sin(_t22) / _t22)
+    _front_right_roll_x = front_right_spin_step * np.cos(front_right_steer)
+    _front_right_roll_y = front_right_spin_step * np.sin(front_right_steer)
+    _back_right_roll_x = back_right_spin_step * np.cos(back_right_steer)
+    _back_right_roll_y = back_right_spin_step * np.sin(back_right_steer)
+    _t0 = _front_right_roll_x + _back_right_roll_x
+    _front_left_roll_x = front_left_spin_step * np.cos(front_left_steer)
+    _front_left_roll_y = front_left_spin_step * np.sin(front_left_steer)
+    _back_left_roll_x = back_left_spin_step * np.cos(back_left_steer)
+    _back_left_roll_y = back_left_spin_step * np.sin(back_left_steer)
+    _t1 = _front_left_roll_x + _back_left_roll_x
+    _vx_fit = 0.0127 * (_t0 + _t1)
+    _t2 = _front_left_roll_y + _front_right_roll_y
+    _t3 = _back_left_roll_y + _back_right_roll_y
+    _t4 = _t2 + (_t0 - _t1) - _t3
+    _half_turn = 0.008333333333333333 * _t4
+    _middle = theta + _half_turn
+    _t5 = np.cos(_middle)
+    _vy_fit = 0.0127 * (_t3 + _t2)
+    _t6 = np.sin(_middle)
+    _t7 = np.abs(_half_turn)
+    _t8 = _half_turn * _half_turn
+    _t9 = (-0.0001984126984126984) * _t8 + 0.008333333333333333
+    _t10 = np.maximum(_t7, 0.046875)
+    _sinc = np.where(_t7 < 0.046875, 1.0 - _t8 * (0.16666666666666666 - _t8 * _t9), np.sin(_t10) / _t10)
     return _shaped(
         [x, y, theta, front_left_spin_step, front_left_steer, front_right_spin_step, front_right_steer, back_left_spin_step, back_left_steer, back_right_spin_step, back_right_steer],
         {
-            "x": x + (_t10 * _t16 - _t17 * _t18) * _t23,
-            "y": y + _t23 * (_t10 * _t18 + _t16 * _t17),
-            "theta": theta + 0.016666666666666666 * _t13,
+            "x": x + (_vx_fit * _t5 - _vy_fit * _t6) * _sinc,
+            "y": y + _sinc * (_vx_fit * _t6 + _t5 * _vy_fit),
+            "theta": theta + 0.016666666666666666 * _t4,
         },
     )
 
@@ -598,15 +607,15 @@ def limit_twist(vx, vy, omega):
     vy = np.asarray(vy, dtype=np.float64)
     omega = np.asarray(omega, dtype=np.float64)
     _t0 = np.maximum(0.3333333333333333 * np.abs(vx), 0.3333333333333333 * np.abs(vy))
-    _t1 = np.maximum(0.3183098861837907 * np.abs(omega), _t0)
-    _t2 = np.where(_t1 < 0.02, 0.0, 1.0 / np.maximum(_t1, 1.0))
-    _t3 = np.clip(omega * _t2, -3.141592653589793, 3.141592653589793)
+    _load = np.maximum(0.3183098861837907 * np.abs(omega), _t0)
+    _scale = np.where(_load < 0.02, 0.0, 1.0 / np.maximum(_load, 1.0))
+    _t1 = np.clip(omega * _scale, -3.141592653589793, 3.141592653589793)
     return _shaped(
         [vx, vy, omega],
         {
-            "vx": np.clip(vx * _t2, -3.0, 3.0),
-            "vy": np.clip(vy * _t2, -3.0, 3.0),
-            "omega": _t3,
+            "vx": np.clip(vx * _scale, -3.0, 3.0),
+            "vy": np.clip(vy * _scale, -3.0, 3.0),
+            "omega": _t1,
         },
     )
 
@@ -634,22 +643,22 @@ def limit_acceleration(vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt):
     vy_wanted = np.asarray(vy_wanted, dtype=np.float64)
     omega_wanted = np.asarray(omega_wanted, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
-    _t0 = vx_wanted - vx
-    _t1 = vy_wanted - vy
-    _t2 = np.maximum(0.1111111111111111 * np.abs(_t0), 0.1111111111111111 * np.abs(_t1))
-    _t3 = omega_wanted - omega
-    _t4 = np.maximum(0.1061032953945969 * np.abs(_t3), _t2)
-    _t5 = np.maximum(dt, 0.0)
-    _t6 = 0.9999995231628418 * (_t5 / np.maximum(_t4, 1e-20))
-    _t7 = np.where(_t5 < _t4, vx + _t0 * _t6, vx_wanted)
-    _t8 = np.where(_t5 < _t4, vy + _t1 * _t6, vy_wanted)
-    _t9 = np.where(_t5 < _t4, omega + _t3 * _t6, omega_wanted)
+    _vx_change = vx_wanted - vx
+    _vy_change = vy_wanted - vy
+    _t0 = np.maximum(0.1111111111111111 * np.abs(_vx_change), 0.1111111111111111 * np.abs(_vy_change))
+    _omega_change = omega_wanted - omega
+    _time = np.maximum(0.1061032953945969 * np.abs(_omega_change), _t0)
+    _step = np.maximum(dt, 0.0)
+    _t1 = 0.9999995231628418 * (_step / np.maximum(_time, 1e-20))
+    _t2 = np.where(_step < _time, vx + _vx_change * _t1, vx_wanted)
+    _t3 = np.where(_step < _time, vy + _vy_change * _t1, vy_wanted)
+    _t4 = np.where(_step < _time, omega + _omega_change * _t1, omega_wanted)
     return _shaped(
         [vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt],
         {
-            "vx": _t7,
-            "vy": _t8,
-            "omega": _t9,
+            "vx": _t2,
+            "vy": _t3,
+            "omega": _t4,
         },
     )
 
@@ -727,19 +736,19 @@ def desaturate(front_left_spin, front_right_spin, back_left_spin, back_right_spi
     _t2 = 0.016933333333333335 * np.abs(back_left_spin)
     _t3 = np.maximum(_t2, np.maximum(_t0, np.maximum(_t1, 1.0)))
     _t4 = 0.016933333333333335 * np.abs(back_right_spin)
-    _t5 = 1.0 / np.maximum(_t4, _t3)
-    _t6 = np.clip(front_left_spin * _t5, -59.05511811023622, 59.05511811023622)
-    _t7 = np.clip(front_right_spin * _t5, -59.05511811023622, 59.05511811023622)
-    _t8 = np.clip(back_left_spin * _t5, -59.05511811023622, 59.05511811023622)
-    _t9 = np.clip(back_right_spin * _t5, -59.05511811023622, 59.05511811023622)
+    _scale = 1.0 / np.maximum(_t4, _t3)
+    _t5 = np.clip(front_left_spin * _scale, -59.05511811023622, 59.05511811023622)
+    _t6 = np.clip(front_right_spin * _scale, -59.05511811023622, 59.05511811023622)
+    _t7 = np.clip(back_left_spin * _scale, -59.05511811023622, 59.05511811023622)
+    _t8 = np.clip(back_right_spin * _scale, -59.05511811023622, 59.05511811023622)
     return _shaped(
         [front_left_spin, front_right_spin, back_left_spin, back_right_spin],
         {
-            "front_left.spin": _t6,
-            "front_right.spin": _t7,
-            "back_left.spin": _t8,
-            "back_right.spin": _t9,
-            "scale": _t5,
+            "front_left.spin": _t5,
+            "front_right.spin": _t6,
+            "back_left.spin": _t7,
+            "back_right.spin": _t8,
+            "scale": _scale,
         },
     )
 

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from tests.robots import of_gallery
+from wmrgen.backends import javascript, numpy, rust
 from wmrgen.backends.c99.emit import sources
 from wmrgen.backends.c99.places import places_in
-from wmrgen.ir.calls import by_name, with_places
+from wmrgen.backends.registry import Facts
+from wmrgen.ir.calls import by_name, inlined_calls, with_places
 from wmrgen.ir.interpret import FLOAT64, evaluate, evaluate_nodes
 from wmrgen.ir.kernels import with_kernels
 from wmrgen.ir.kernels.choice import DEFAULT
@@ -79,3 +81,13 @@ def test_limited_angles_are_called_so() -> None:
     source = sources(of_gallery("agilex_ranger").c_module)[1]
     targets = re.findall(r"const float (\w+_target) = (\w+)\(", source)
     assert targets and {kernel for _, kernel in targets} == {"wmrgen_clamp"}
+
+
+def test_other_languages_have_the_names() -> None:
+    """Those of wheels for what a kernel gives, those of formulas behind an underscore where ports may have them."""
+    module = of_gallery("wpilib_swervebot").c_module
+    crate = next(t for n, t in rust.emit(module, Facts()).items() if n.endswith("lib.rs")).decode()
+    assert "let front_left_x: f32 = " in crate and "let front_left: Wheel = wmrgen_steer_along(" in crate
+    plain = inlined_calls(module)
+    assert "_front_left_x = " in numpy.emit(plain, Facts())["wpilib_swervebot.py"].decode()
+    assert "const _front_left_x = " in javascript.text(plain, Facts())

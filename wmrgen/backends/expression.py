@@ -32,6 +32,7 @@ class Style(NamedTuple):
     over the arguments by position; a `Conditional` always gets a statement of its own.
     ``declare`` is the statement that names value ``{0}`` to be ``{1}``, ``temporary`` that name. ``grouped``: no
     reader has to know which operator binds tighter (MISRA C:2012 rule 12.1). ``declare`` has the type as ``{2}``.
+    ``named``: what an intermediate result of the formula is called.
     """
 
     literal: Callable[[Exact], str]
@@ -40,6 +41,7 @@ class Style(NamedTuple):
     temporary: str
     grouped: bool = False
     scalar: str = ""
+    named: Callable[[str], str] = str
 
 
 def variables(function: Function, keeps: Callable[[str], bool]) -> dict[str, str]:
@@ -206,24 +208,44 @@ class _Printer(NamedTuple):
         return next(name for name in names if name not in self.reserved)
 
 
+def _names(function: Function, style: Style, reserved: Collection[str]) -> dict[int, str]:
+    """What nodes are called: as the formula calls them; what a kernel gives for a wheel, as the wheel."""
+    nodes, names, used = function.nodes, dict[int, str](), set(reserved)
+
+    def call(k: int, name: str) -> None:
+        name = style.named(name)
+        if k not in names and name not in used:
+            names[k] = name
+            used.add(name)
+
+    for each in function.named:
+        call(each.node, each.name)
+    several = {node.args[0] for node in nodes if node.op is Op.RESULT}
+    for k, node in enumerate(nodes):
+        joints = (nodes[a].name or "" for a in node.args) if k in several else ()
+        for wheel, dot, _ in (joint.partition(".") for joint in joints):
+            if dot:
+                call(k, wheel)
+                call(k, f"{wheel}_{node.name}")
+    return names
+
+
 def body(
     function: Function,
     access: Callable[[str], str],
     style: Style,
     notes: Mapping[int, str] | None = None,
     kernels: Mapping[str, Results] | None = None,
-    names: Mapping[int, str] | None = None,
     apart: Collection[int] = (),
     reserved: Collection[str] = (),
 ) -> Body:
     """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name.
 
     ``notes``: node -> finished comment, printed behind the statement that names the node, or above it. ``kernels``:
-    what may be called, by name. ``names``: what a node is called where it gets a statement, each name once.
-    ``apart``: nodes that have a statement of their own, also where they are needed once. ``reserved``: names that no
-    temporary may have.
+    what may be called, by name. ``apart``: nodes that have a statement of their own, also where they are needed once.
+    ``reserved``: names that none of its own may have.
     """
-    names = names or {}
+    names = _names(function, style, reserved)
     reserved = {*names.values(), *reserved}
     return _Printer(
         function, access, style, notes or {}, kernels or {}, names, apart, reserved, counting(), [], []

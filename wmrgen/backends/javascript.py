@@ -48,7 +48,8 @@ def _form(op: Op) -> str:
     return op.javascript or (Conditional(text) if isinstance(op.c, Conditional) else f"Math.{text}")
 
 
-_STYLE = Style(_literal, _form, "const {0} = {1};", "_t{0}")  # no port or parameter begins with an underscore
+# No port or parameter begins with an underscore.
+_STYLE = Style(_literal, _form, "const {0} = {1};", "_t{0}", named="_{}".format)
 
 
 def _plain(text: str) -> str:

@@ -36,6 +36,7 @@ _STYLE = Style(
     form=lambda op: op.numpy,
     declare="{0} = {1}",
     temporary="_t{0}",  # no port or parameter begins with an underscore
+    named="_{}".format,
 )
 
 

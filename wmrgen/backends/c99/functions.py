@@ -158,12 +158,9 @@ def _step(
     notes = {k: ", ".join(texts) for k, texts in quantities.items()}
     notes = {k: f"/* {note} */" for k, note in notes.items() if len(note) <= _NOTE}
     parameters_of = {p.name for p in parameters}
-    names = _names(function, set(parameters_of))
 
     def printed(access: Mapping[str, str]) -> Body:
-        return body(
-            function, access.__getitem__, _style(scalar), notes, kernels, names, reserved=parameters_of
-        )
+        return body(function, access.__getitem__, _style(scalar), notes, kernels, reserved=parameters_of)
 
     code = printed(reads)
     early = _overwritten(parameters, code.results, [port.name for port in function.outputs])
@@ -222,30 +219,6 @@ def _sentence(text: str) -> str:
     return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
 
 
-def _names(function: Function, used: set[str]) -> dict[int, str]:
-    """What nodes are called: as the formula calls them; what a kernel gives for a wheel, as the wheel.
-
-    ``used``: names of parameters.
-    """
-    nodes, names = function.nodes, dict[int, str]()
-
-    def call(k: int, name: str) -> None:
-        if k not in names and name not in used:
-            names[k] = name
-            used.add(name)
-
-    for each in function.named:
-        call(each.node, each.name)
-    several = {node.args[0] for node in nodes if node.op is Op.RESULT}
-    for k, node in enumerate(nodes):
-        joints = (nodes[a].name or "" for a in node.args) if k in several else ()
-        for wheel, dot, _ in (joint.partition(".") for joint in joints):
-            if dot:
-                call(k, wheel)
-                call(k, f"{wheel}_{node.name}")
-    return names
-
-
 # ---- kernels
 
 
@@ -262,11 +235,8 @@ def printed_kernels(module: Module, scalar: str) -> tuple[Kernel, ...]:
 
 
 def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results], once: bool) -> Kernel:
-    used = {"result", *(port.name for port in kernel.inputs)}
-    names = {each.node: each.name for each in reversed(kernel.named) if each.name not in used}
-    if len(set(names.values())) < len(names):
-        names = {}
-    code = body(kernel, str, _style(scalar), kernels=results, names=names, apart=_shared(kernel))
+    reserved = {"result", *(port.name for port in kernel.inputs)}
+    code = body(kernel, str, _style(scalar), kernels=results, apart=_shared(kernel), reserved=reserved)
     own = results[kernel.name]
     lines = [*code.statements, *([""] if code.statements else [])]
     several = None

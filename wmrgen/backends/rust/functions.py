@@ -100,7 +100,8 @@ def _style(scalar: str) -> Style:
         text = op.rust or op.c
         return type(text)(text.replace("{f}", suffix))
 
-    return Style(partial(literal, scalar=scalar), form, "let {0}: {2} = {1};", "t{0}", scalar=scalar)
+    literals = partial(literal, scalar=scalar)
+    return Style(literals, form, "let {0}: {2} = {1};", "t{0}", scalar=scalar, named=identifier)
 
 
 def _hard(function: Function) -> Function:

@@ -16,6 +16,7 @@ import pytest
 
 from tests.conftest import ROOT, Outcome
 from tests.pages.chromium import seen
+from wmrgen.cli import view
 
 Cli = Callable[..., Outcome]
 
@@ -32,6 +33,27 @@ def test_json_says_where_the_page_is(wmrgen_cli: Cli, robot_file: Path, tmp_path
     robot_file.write_text("wmrgen: 1\n")
     failed = wmrgen_cli("view", robot_file, "--json")
     assert (failed.code, json.loads(failed.out)["exit_code"]) == (2, 2)
+
+
+def test_every_change_is_shown_once(
+    robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever stands before what in the alphabet; files that are the same have one version."""
+    texts = ["b", "b", "a", "c", "", None, "b", "b"]
+    shown: list[str] = []
+
+    def waits(seconds: float) -> None:
+        if not texts:
+            raise KeyboardInterrupt
+        text = texts.pop(0)
+        robot_file.unlink(missing_ok=True) if text is None else robot_file.write_text(text)
+
+    waits(0)
+    monkeypatch.setattr(view.time, "sleep", waits)
+    monkeypatch.setattr(view, "_show", lambda robots, folder, version: shown.append(version))
+    with pytest.raises(KeyboardInterrupt):
+        view._watch([robot_file], tmp_path, no_open=True)
+    assert [shown.index(version) for version in shown] == [0, 1, 2, 3, 4, 0]
 
 
 @pytest.fixture

@@ -81,8 +81,8 @@ def _limits(subject: Subject) -> Iterator[tuple[str, Limit]]:
     "a limit or a lag that no robot has",
     """A steering limit of more than a turn, a body or a steering joint that turns ten times a second, a speed of more
     than 100 m/s, at the rim of a wheel too, a lag of more than 10 s: without a unit they are in radians, metres and
-    seconds, and degrees, turns a minute, millimetres or milliseconds were likely meant. With a limit of 0 of a joint or
-    of an acceleration nothing moves.""",
+    seconds, and degrees, turns a minute, millimetres or milliseconds were likely meant. A joint with a limit of 0
+    stands still, and a speed whose acceleration has one never changes.""",
     """
 wheels:
   - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
@@ -109,7 +109,8 @@ def limits(subject: Subject) -> Iterator[Finding]:
                 f"Did you mean {meant}? Write the unit.",
             )
         elif not value and limit.name not in TWIST_NAMES:
-            what = f"{name}: a limit {limit.name} of 0, with which nothing moves"
+            stays = limit.name.removesuffix("_rate")
+            what = f"{name}: a limit {limit.name} of 0, with which {stays} never changes"
             yield Finding(limit.mark, what, "Write the largest value, or delete the key.")
     lags = [("the robot", lag) for lag in subject.spec.lag]
     lags += [(w.name, lag) for w in subject.spec.wheels for lag in w.lag]

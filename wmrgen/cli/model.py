@@ -103,7 +103,11 @@ def _step(
             f"the {discrete} step of {span:g} s does not converge. Write a smaller --dt, or --discrete rk4."
         ) from None
     if not all(isfinite(v) for part in (after, a, b, c) for row in part for v in row):
-        where = f"{form} does not hold where {'; '.join(space.singular)}" if space.singular else "numbers overflow"
+        where = (
+            f"{form} does not hold where {'; '.join(space.singular)}"
+            if space.singular
+            else "numbers overflow"
+        )
         raise UsageError(f"{where}. Write other values, or another --form.")
     x, u = ([p.name for p in ports] for ports in (space.state, space.inputs))
     xnext, affine = ([row[0] for row in column] for column in (after, c))

@@ -9,7 +9,9 @@ import numpy as np
 from wmrgen.constraints import nominal_view, rolling_row
 from wmrgen.exact.number import ZERO
 from wmrgen.layout.measured import SLIP
+from wmrgen.layout.records import Robot
 from wmrgen.layout.skid import no_track, parallel
+from wmrgen.layout.tolerance import Near
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.mobility.ranks import to_array
 from wmrgen.mobility.records import Singularity
@@ -73,7 +75,8 @@ def stuck(subject: Subject) -> Iterator[Finding]:
 def skids(subject: Subject) -> Iterator[Finding]:
     if subject.robot.effective_track is not None:
         return
-    if subject.mobility.skids and not list(narrow(subject)):
+    apart = any(not near.moves for near in _near(subject.robot))
+    if subject.mobility.skids and not apart and not list(_doubtful_rank(subject)):
         fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]
         names = listed([w.name for w in fixed])
         what = f"{names} stand on parallel axles: the robot turns only by skidding (skid-steer)"
@@ -186,14 +189,22 @@ wheels:
     PAIR,
 )
 def narrow(subject: Subject) -> Iterator[Finding]:
-    robot = subject.robot
-    near = [n for n in robot.near if n.tolerance < SLIP * robot.tolerance.size]
+    robot, near = subject.robot, _near(subject.robot)
     for one in near:
         if not (one.moves and robot.tolerance.written):
             mark = subject.mark(robot.wheel(one.wheel))
             yield Finding(mark, plain(one.sentence(robot.tolerance)), one.remedies)
-    if any(not one.moves for one in near):
-        return
+    if all(one.moves for one in near):
+        yield from _doubtful_rank(subject)
+
+
+def _near(robot: Robot) -> list[Near]:
+    """What nearly is on one line or at one heading."""
+    return [near for near in robot.near if near.tolerance < SLIP * robot.tolerance.size]
+
+
+def _doubtful_rank(subject: Subject) -> Iterator[Finding]:
+    robot = subject.robot
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     for name, rank in (("C1f", subject.mobility.rank_C1f), ("C1", subject.mobility.rank_C1)):
         if not rank.value:

@@ -230,3 +230,21 @@ def test_common_factors_are_looked_for_where_numbers_are_rational(heading: str, 
     """Among roots it took a minute; the rule stands alone there."""
     d = of_text(ROOTS.replace("7*pi/12", heading).replace("-pi/6", "0" if factored else "-pi/6"))
     assert (r"\omega &=" in "\n".join(closed_forward(d))) == factored
+
+
+@pytest.mark.parametrize(
+    ("half", "radius", "shown"),
+    [
+        ("0.3", "0.1", r"\frac{1}{6} \approx 0.166667"),
+        ("0.2", "0.1", None),  # 1/4 needs no other form
+        ("half: 0.22256", "0.0625", r"\mathit{half}} \approx 0.140412"),  # 3125/22256 is long
+        ("half: 0.2", "0.1", r"\mathit{half}} = 0.25"),
+    ],
+)
+def test_a_rounded_number_is_not_said_to_be_equal(half: str, radius: str, shown: str | None) -> None:
+    name, _, value = half.rpartition(": ")
+    robot = f"wmrgen: 1\nname: pair\n{f'parameters: {{{half}}}' if name else ''}\nwheels:\n"
+    for wheel, y in (("left", name or value), ("right", f"-{name or value}")):
+        robot += f"  - {{name: {wheel}, type: fixed, x: 0, y: {y}, heading: 0, r: {radius}}}\n"
+    page = page_written(robot).partition("**An example**")[0]
+    assert shown in page if shown else r"\frac{1}{4}" not in page

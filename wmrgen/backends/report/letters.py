@@ -221,15 +221,15 @@ def heads(d: Derivation, sums: Sequence[tuple[str, Sequence[Term]]]) -> list[str
 
 
 def _worth(value: Exact, head: str) -> str:
-    """``= 125/4954 = 0.0252321``, the fraction where it is short and is not what stands there."""
-    above, below, is_sum = notation.magnitude(value)
+    """``= 0.25``, or ``= 125/4954 = 0.0252321``, the fraction where it is short and is not what stands there."""
+    above, below, _ = notation.magnitude(value)
+    fraction = rf"\frac{{{above or 1}}}{{{below}}}" if below else ""
+    exact = notation.terminating(value.parts[0]) if value.is_rational else None
+    if exact:
+        return f"= {exact}" if head not in (exact, fraction) else ""
+    equal = f"= {fraction} " if value.is_rational and fraction not in ("", head) else ""
     decimal = notation.decimal(float(value))
-    fraction = rf"\frac{{{above or 1}}}{{{below}}}" if below else above
-    if not value.is_rational or is_sum or (below and fraction == head):
-        return rf"\approx {decimal}" if decimal != head else ""
-    if not below:
-        return f"= {fraction}" if fraction != head else ""
-    return rf"= {fraction} \approx {decimal}"
+    return rf"{equal}\approx {decimal}" if decimal != head else ""
 
 
 def regular(d: Derivation) -> list[str]:

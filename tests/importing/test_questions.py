@@ -321,6 +321,8 @@ def test_steering_that_mimics(read: Import) -> None:
     driven = control("a_joint", "a_turn", "left_joint")
     said = read(robot(arms, driven))
     assert said["asked"] == [] and "  - {equal: [a.steer, b.steer]}   # mimic" in said["text"]
+    third = arm("c", 0.4, '<mimic joint="b_turn"/>')
+    assert read(robot(arms, third, driven))["wheels"]["c"]["actuated"] == ["steer"]
     half = read(robot(arm("a", 0.2) + arm("b", -0.2, '<mimic joint="a_turn" multiplier="0.5"/>'), driven))
     assert "0.5 times 'a_turn'" in half["notes"] and "leave steer out of actuated of b" in half["notes"]
     assert "couplings:" not in half["text"]

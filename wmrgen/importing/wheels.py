@@ -209,7 +209,10 @@ def _actuated(robot: Robot, c: Candidate) -> tuple[str, ...] | None:
         rigid = (*ancestors(c.joint.child, robot.above), *robot.under(c.joint.child, rigid=True))
         spins |= {joint.name for joint in rigid if not joint.moves}
     joints = (("spin", spins), ("steer", {c.steer.name} if c.steer else set()))
-    return tuple(key for key, names in joints if driven & (names | {leads.get(n, "") for n in names}))
+    for _, names in joints:  # those that lead them, and those that lead these
+        while more := {leads[name] for name in names if name in leads} - names:
+            names |= more
+    return tuple(key for key, names in joints if driven & names)
 
 
 def _type(

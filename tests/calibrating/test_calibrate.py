@@ -502,6 +502,16 @@ def test_ends_of_drives_that_turn_by_more_than_half_a_turn(
     assert note in outcomes[0].err and note.endswith("; add drives, or poses between start and end")
 
 
+def test_one_drive_of_two_poses_leaves_nothing_to_compare_with(tmp_path: Path) -> None:
+    """Of which no part can be left out: nothing is certain."""
+    layout = LAYOUTS["differential"]
+    robot, paths = derivation_of(tmp_path, layout), written(tmp_path, layout)[:1]
+    _truths(paths, lambda rows: rows[[0, -1]])
+    result = calibrate(robot, paths, [])
+    assert result.held_out is None
+    assert all(np.isinf(estimate.sigma) for estimate in result.parameters.values())
+
+
 def test_the_solver_halts_where_readings_are_rough(tmp_path: Path) -> None:
     """Quantised angles make the cost rough in the clock: 13 evaluations do, where going on to no gradient takes 27."""
     layout = LAYOUTS["differential"]

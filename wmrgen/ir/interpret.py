@@ -87,7 +87,7 @@ def evaluate_nodes(function: Function, inputs: Mapping[str, Number], arithmetic:
             values.append(enter(value))
         else:
             try:
-                values.append(of(node.op)(*(values[arg] for arg in node.args)))
+                values.append(of(node.op)(*[values[arg] for arg in node.args]))
             except (ZeroDivisionError, ValueError) as error:
                 raise type(error)(f"{function.name}, node {i}: {error}") from None
     return values

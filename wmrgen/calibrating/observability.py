@@ -92,8 +92,9 @@ def settled(best: Fit, each: Each) -> Fit:
         if not untold.size:
             break
         if rows:
-            joints = replace(paths, untold=Untold(untold, best.unknowns[: len(untold)]))
-            unknowns = _moved(matrix, best.unknowns, _agreeing(joints, best.unknowns, untold, each))
+            unknowns = _moved(matrix, best.unknowns, -untold @ untold.T @ best.unknowns[: len(untold)])
+            joints = replace(paths, untold=Untold(untold, unknowns[: len(untold)]))
+            unknowns = _moved(matrix, unknowns, _agreeing(joints, unknowns, untold, each))
             slides = 1.5 * float(np.median(each(joints, unknowns, _sliding)))
             problem = replace(best.problem, untold=joints.untold, slides=max(slides, FINEST))
             best = fit_at(problem, nearest(problem, unknowns, each), each)

@@ -164,12 +164,19 @@ def _split(drive: Drive, count: int, offset: float = 0.0) -> list[Drive]:
     return parts if len(parts) == count else [drive]
 
 
-def _fitted(problem: Problem, each: Each) -> Fit:
-    """The fit, of drives as they were read; of large logs from that of a coarser problem on."""
+def _fitted(problem: Problem, each: Each, best: Fit | None = None) -> Fit:
+    """The fit, of drives as they were read, or of parts of those of the ``best`` one, from its parameters on; of large
+    logs from that of a coarser problem on."""
     ready = laid(problem)
     coarse = _coarser(ready)
-    start = near(coarse, each)
-    return fit(ready, each, start if coarse is ready else solved(coarse, each, start)[1])
+    if best is None:
+        start = near(coarse, each)
+    else:
+        shared = len(ready.units)
+        start = np.concatenate([best.unknowns[:shared], start_of(ready)[shared:]])
+    if coarse is ready:
+        return fit(ready, each, start)
+    return certainty.fit_at(*solved(ready, each, solved(coarse, each, start)[1], rounds=2), each)
 
 
 def _coarser(problem: Problem) -> Problem:
@@ -216,7 +223,7 @@ def _mean(parts: Iterable[tuple[Reals, Reals]]) -> Errors:
 def _without_jumps(best: Fit, moving: Sequence[Sequence[Drift]], each: Each) -> Fit:
     """The fit where each drive whose clock jumps is two, with a clock each."""
     jumps = [[drift for drift in of_drive if drift.at_once] for of_drive in moving]
-    return _again(best, without(best, jumps), each) if any(jumps) else best
+    return _fitted(without(best, jumps), each, best) if any(jumps) else best
 
 
 def _without_slips(best: Fit, each: Each) -> tuple[Fit, list[Outlier]]:
@@ -227,21 +234,14 @@ def _without_slips(best: Fit, each: Each) -> tuple[Fit, list[Outlier]]:
         if not any(unusual):
             break
         slips += [slip for of_drive in unusual for slip in of_drive]
-        best = _again(best, without(best, unusual), each)
+        best = _fitted(without(best, unusual), each, best)
     return best, sorted(slips, key=lambda slip: (slip.drive, slip.start))
 
 
 def _in_parts(best: Fit, each: Each) -> Fit:
     """The fit of `_FOLDS` parts of one drive, each with a start of its own."""
     parts = tuple(_split(best.problem.drives[0], _FOLDS, best.offsets[0]))
-    return _again(best, replace(best.problem, drives=parts), each) if len(parts) > 1 else best
-
-
-def _again(best: Fit, problem: Problem, each: Each) -> Fit:
-    """The fit of parts of the drives, from that of the whole on."""
-    ready = laid(problem)
-    shared = len(ready.units)
-    return fit(ready, each, np.concatenate([best.unknowns[:shared], start_of(ready)[shared:]]))
+    return _fitted(replace(best.problem, drives=parts), each, best) if len(parts) > 1 else best
 
 
 def _folds(problem: Problem) -> list[list[int]]:

@@ -202,10 +202,11 @@ def serial(problem: Problem, unknowns: Reals, task: Task[Result]) -> list[Result
     return [task(problem, unknowns, index) for index in range(len(problem.drives))]
 
 
-def solved(problem: Problem, each: Each, unknowns: Reals) -> tuple[Problem, Reals]:
+def solved(problem: Problem, each: Each, unknowns: Reals, rounds: int = 3) -> tuple[Problem, Reals]:
     """The unknowns of the least robust cost, by scipy's dogleg method: from a scale at which the ``unknowns`` are good,
-    in two steps to one that the residuals show; and the problem with that scale."""
-    for most in (np.inf, problem.scale, problem.scale):
+    in two steps to one that the residuals show; and the problem with that scale. The last two ``rounds`` do from
+    unknowns on that are near."""
+    for most in (np.inf, problem.scale, problem.scale)[-rounds:]:
         problem = replace(problem, drives=_during(problem, unknowns))
         typical = float(np.median(each(problem, unknowns, _typical)))
         problem = replace(problem, scale=float(np.clip(1.5 * typical, FINEST, most)))

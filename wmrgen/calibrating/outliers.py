@@ -207,9 +207,9 @@ def _differences(values: Reals) -> Reals:
 
 def _disagreement(best: Fit, drive: Drive) -> tuple[Reals, Reals]:
     """Times, and what the joints disagree by [m] in each `_STEP` from them on; none where they cannot."""
-    slip = best.problem.increments.slip(drive.columns, best.values)
-    if not slip.any():
+    if best.problem.increments.rows is None:
         return np.empty(0), np.empty(0)
+    slip = best.problem.increments.slip(drive.columns, best.values)
     starts = np.flatnonzero(np.diff(np.floor((drive.t[:-1] - drive.t[0]) / _STEP), prepend=-1.0))
     return drive.t[starts], np.add.reduceat(slip, starts)
 

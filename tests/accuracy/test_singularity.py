@@ -74,7 +74,7 @@ def test_sums_from_whose_ratio_a_direction_is_taken_are_compensated(
     velocity: tuple[Poly, Poly], compensated: tuple[bool, bool]
 ) -> None:
     names = Locals()
-    results = components(velocity, names, "a", "b")
+    results = components(velocity, names, ("a", ""), ("b", ""))
     values = dict(names.items)
     assert tuple(isinstance(values.get(r), Compensated) for r in results) == compensated
     for result, form in zip(results, velocity, strict=True):

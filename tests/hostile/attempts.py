@@ -41,13 +41,23 @@ class Attempt:
 
 
 def slow(attempt: Attempt) -> bool:
-    """Whether it took longer than `SECONDS`, on a processor that is slower right now than `_STEP` as much more."""
+    """Whether it took longer than `SECONDS`; where a processor is slower than `_STEP` now, as much longer.
+
+    Its speed is that of its slowest of several moments: an attempt takes longer than each of them.
+    """
+
+    def step() -> float:
+        start, total, count = time.process_time(), 0, 300_000
+        for k in range(count):
+            total += k * k
+        return (time.process_time() - start) / count
+
     if attempt.seconds < SECONDS:
         return False
-    start, total, count = time.process_time(), 0, 1_000_000
-    for k in range(count):
-        total += k * k
-    return attempt.seconds >= SECONDS * max(1.0, (time.process_time() - start) / count / _STEP)
+    slower = max(step() for _ in range(10)) / _STEP
+    return attempt.seconds >= SECONDS * (
+        2 * slower if slower > 1.1 else 1.0
+    )  # memory is slower than loops, too
 
 
 class Server:

@@ -60,11 +60,12 @@ def test_refused_or_right(compiler: str, option: str, tmp_path: Path) -> None:
     assert outcome(tmp_path, compiler, option) == ("refused" if option in REFUSED[compiler] else [])
 
 
-@pytest.fixture(scope="module", params=["float", "double"])
+@pytest.fixture(scope="module", params=[("float", NAMES), ("double", FEW)], ids=["float", "double"])
 def gallery(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The C of all robots, and their self-tests as an object that knows no option, and so tells a NaN."""
+    """The C of robots, and their self-tests as an object that knows no option, and so tells a NaN."""
     folder = tmp_path_factory.mktemp("options")
-    write(folder, NAMES, request.param)
+    scalar, robots = request.param
+    write(folder, robots, scalar)
     compile_program(folder, [TESTS], COMPILERS[0], (*PLAIN, "-c")).rename(folder / OBJECT)
     return folder
 

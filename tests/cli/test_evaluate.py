@@ -195,8 +195,8 @@ def test_eval_refuses_cases(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, t
 
 def test_a_missing_cases_file(wmrgen_cli: Cli, robot_file: Path) -> None:
     done = wmrgen_cli("eval", robot_file, "inverse", "--cases", "nowhere.json")
-    assert done.code == 4
-    assert "nowhere.json" in done.err
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith("error[WMR110]: nowhere.json: no such file")
 
 
 def test_no_compiler(wmrgen_cli: Cli, robot_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,7 @@ from wmrgen.layout.expressions import evaluate
 from wmrgen.ports import Port
 from wmrgen.spec.expressions import read_quantity
 from wmrgen.spec.numbers import Kind, Scope
-from wmrgen.spec.text import Scalar, quoted, read_at_most, read_stream, suggestion
+from wmrgen.spec.text import Scalar, bytes_of, quoted, read_stream, suggestion
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
@@ -90,19 +90,15 @@ def from_file(file: str, ports: Sequence[Port]) -> list[Case]:
 
 def _content(file: str, name: str) -> bytes:
     """The bytes of a file of cases, ``-`` for stdin; ``name`` in messages."""
-    try:
-        if file != "-":
-            data = read_at_most(file, MAX_BYTES + 1)
-        elif sys.stdin is None:
-            raise EnvironmentFailure(f"cannot read {name}: it is closed")
-        else:
+    if file != "-":
+        data = bytes_of(file, MAX_BYTES + 1)
+    elif sys.stdin is None:
+        raise EnvironmentFailure(f"cannot read {name}: it is closed")
+    else:
+        try:
             data = read_stream(sys.stdin.buffer, MAX_BYTES + 1)
-    except OSError as error:
-        raise EnvironmentFailure(f"cannot read {name}: {error.strerror}") from error
-    except ValueError as error:
-        raise UsageError(
-            f"cannot read {name}: {error}. Write the cases to a file, or pipe them to -."
-        ) from error
+        except OSError as error:
+            raise EnvironmentFailure(f"cannot read {name}: {error.strerror}") from error
     if len(data) > MAX_BYTES:
         raise UsageError(
             f"{name} is larger than {MAX_BYTES >> 20} MiB. Split it: each case is computed by itself."

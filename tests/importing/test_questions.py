@@ -77,6 +77,33 @@ def test_a_wheel_beside_the_corner_that_three_others_leave_is_asked_about(
     assert said["asked"] == asked and ("-0.3 at the corner" in said["text"]) is ("rr" in moved)
 
 
+def modules(places: dict[str, str], **radii: str) -> str:
+    """Steered wheels at the corners; ``places``: where a wheel stands in the frame of its swivel."""
+    parts = ""
+    for n, (x, y) in CORNERS.items():
+        parts += link(f"{n}_s") + joint(f"{n}_s", "base_link", f"{n}_s", f"{x} {y} 0.1", axis="0 0 1")
+        parts += wheel(n, places.get(n, "0 0 0"), cylinder(radii.get(n, "0.1")), f"{n}_s")
+    return parts + control(*(f"{n}_{part}" for n in CORNERS for part in ("s", "joint")))
+
+
+@pytest.mark.parametrize(
+    ("places", "radii", "asked"),
+    [
+        ({"fl": "0.03 0.01 0"}, {}, [("fl", "type"), ("fl", "offset_y")]),
+        ({"rr": "0 -0.02 0"}, {}, [("rr", "offset_y")]),
+        ({"fl": "0 0.03 0", "rl": "0 0.03 0", "fr": "0 -0.03 0", "rr": "0 -0.03 0"}, {}, []),  # outward
+        (dict.fromkeys(CORNERS, "-0.03 0 0"), {}, []),  # powered castors
+        ({"fl": "-0.03 0 0", "fr": "-0.03 0 0"}, {}, []),
+        ({}, {"fr": "0.105"}, [("fr", "r")]),
+        ({}, {"fl": "0.12", "fr": "0.12"}, []),
+    ],
+)  # fmt: skip
+def test_one_wheel_that_differs_from_all_others_of_its_kind_is_asked_about(
+    read: Import, places: dict[str, str], radii: dict[str, str], asked: list[tuple[str, str]]
+) -> None:
+    assert read(robot(modules(places, **radii)))["asked"] == asked
+
+
 def test_what_moves_the_body_names_no_motors(read: Import) -> None:
     moves = '<gazebo><plugin filename="libgazebo_ros_planar_move.so"/></gazebo>'
     said = read(robot(four(), moves))
@@ -436,6 +463,50 @@ def test_an_articulated_body_looks_like_steering(read: Import) -> None:
     assert said["asked"] == [("a", "type"), ("b", "type")]
     twin = wheels.replace("0 0.4 0", "0 0.05 0").replace("0 -0.4 0", "0 -0.05 0")
     assert read(robot(pair(), front, twin, control("left_joint", "a_joint")))["asked"] == []
+
+
+def test_a_body_that_turns_above_the_steering_is_asked_about(read: Import) -> None:
+    """Two wheels that steer on a part of the robot that turns, too."""
+    waist = link("front") + joint("waist", "base_link", "front", "0.5 0 0.1", axis="0 0 1")
+    steered = ""
+    for n, y in (("a", 0.4), ("b", -0.4)):
+        steered += link(f"{n}_s") + joint(f"{n}_s", "front", f"{n}_s", f"0 {y} 0", axis="0 0 1")
+        steered += wheel(n, "0 0 0", parent=f"{n}_s")
+    driven = control("left_joint", "right_joint", "a_s", "b_s")
+    said = read(robot(pair(), waist, steered, driven))
+    assert said["asked"] == [("a", "type"), ("b", "type")] and "'waist'" in said["text"]
+    rocker = waist.replace("0 0 1", "1 0 0")
+    assert read(robot(pair(), rocker, steered, driven))["asked"] == []
+
+
+def test_wheels_on_upright_axes_are_no_robot_and_nothing_else_is_taken_for_them(
+    wmrgen_cli: Cli, tmp_path: Path
+) -> None:
+    """A body as CAD exports it, its z across: what else turns is a gripper's, or stands still."""
+    lying = "".join(wheel(f"{n}_wheel", f"{x} 0 {y}", axis="0 0 1") for n, (x, y) in CORNERS.items())
+    pads = wheel("pad_a_wheel", "0.4 0.1 0") + wheel("pad_b_wheel", "0.4 -0.1 0")
+    (tmp_path / "probe.urdf").write_text(
+        robot(lying, pads, control(*(f"{n}_wheel_joint" for n in CORNERS))), "utf-8"
+    )
+    done = wmrgen_cli("import", tmp_path / "probe.urdf")
+    assert done.code == 2 and "0 joints are wheels" in done.err
+    assert "joint 'fl_wheel_joint' is not taken for a wheel: its axis is upright" in done.err
+
+
+def test_a_driven_wheel_on_an_upright_axis_is_noted(read: Import) -> None:
+    lying = wheel("wheel5", "0 0 0.1", axis="0 0 1")
+    said = read(robot(four(), lying, control("fl_joint", "wheel5_joint")))
+    assert "joint 'wheel5_joint' is not taken for a wheel: its axis is upright" in said["notes"]
+    assert list(said["wheels"]) == list(CORNERS)
+
+
+def test_wheels_that_steer_and_stand_across_at_zero_keep_the_front_that_their_names_say(
+    read: Import,
+) -> None:
+    across = modules({}).replace('<axis xyz="0 1 0"/>', '<axis xyz="1 0 0"/>').replace("1.57 0 0", "0 1.57 0")
+    said = read(robot(across))
+    assert said["asked"] == [("fl", "heading")] and "--forward" in said["text"]
+    assert "as it seems to be" not in said["text"]
 
 
 @pytest.mark.parametrize(("mirrored", "type_"), [(("fl", "rr"), "swedish"), (("fl", "rl"), "fixed")])

@@ -404,3 +404,13 @@ def test_a_world_has_its_first_robot_read(read: Import, tmp_path: Path) -> None:
     said = read(world, "--package", f"bot={tmp_path / 'bot'}")
     assert said["wheels"]["left_joint"]["x"] == 0.05 and "only the model 'blue'" in said["notes"]
     assert "Frame: that of the model, x forward." in (tmp_path / "probe.yaml").read_text(encoding="utf-8")
+
+
+def test_of_a_world_that_model_is_read_in_which_something_turns(read: Import, tmp_path: Path) -> None:
+    """A scene of models comes first."""
+    post = '<model name="post"><link name="l"/></model>'
+    held = '<joint name="j" type="fixed"><parent>world</parent><child>post::l</child></joint>'
+    scene = f'<model name="scene">{post}{held}</model>'
+    world = f'<sdf version="1.7"><world name="w">{scene}<model name="bot">{PAIR}</model></world></sdf>'
+    said = read(world)
+    assert list(said["wheels"]) == ["left_joint", "right_joint"] and "not 'scene'" in said["notes"]

@@ -15,6 +15,7 @@ from fractions import Fraction
 
 from wmrgen.importing.frames import dot, plus, transposed, turned, unit
 from wmrgen.importing.passed import (
+    LIES,
     UNTOLD,
     Passed,
     called_wheel,
@@ -46,11 +47,17 @@ def candidates(robot: Robot) -> tuple[list[Candidate], list[Passed]]:
     spins = [c for c in turning if all(c.joint is not each.joint for each in passed)]
     wheels = _mirrored(_on_ground(robot, spins), spins)
     wheels += [c for joint in joints if (c := _limited(robot, joint)) and any(_mirrors(c, w) for w in wheels)]
+    known = {c.joint.name for c in wheels}
+    upright = [j for j in joints if j.name not in known and _stands_upright(robot, j)]
+    driven = [j for j in upright if j.name in (robot.description.driven or ())]
+    passed += [Passed(j, LIES) for j in driven]
+    if len(driven) > max(1, len(wheels)):  # the z of the frame is across
+        return [], passed
     if len(wheels) < 2:
         bodies = _bodies(robot, spins + _all_fixed(robot))
         wheels, spins = _on_ground(robot, bodies), [c for c in spins if any(c is body for body in bodies)]
         passed += [Passed(j, UNTOLD) for j in joints if not j.moves and nothing_told(robot, j, wheels)]
-        passed += [Passed(j, "its axis is upright") for j in joints if _stands_upright(robot, j)]
+        passed += [Passed(j, LIES) for j in upright if j not in driven]
     else:
         wheels += [c for c in rigid_wheels(robot, wheels) if _alike(c, wheels)]
     passed += [

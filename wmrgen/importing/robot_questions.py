@@ -25,6 +25,7 @@ _CAD, _EVENLY = (
     Fraction(5, 1000),
     Fraction(1, 1000),
 )  # [m] by which one place differs from others; as they do among them
+_EITHER = ("as in the file", "as the others")
 _LOW = Fraction(15, 1000)  # [m] above the ground, what still carries
 
 
@@ -56,7 +57,9 @@ def front_doubted(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidat
     if headings and all(abs(math.sin(h)) > _ALONG for h in headings):
         why = "the wheels roll along y"
         side = "y" if sum(map(math.sin, headings)) > 0 else "-y"
-        best = best if best in ("y", "-y") and misses[best] < misses["x"] else side
+        sideways = misses["x"] if best in ("y", "-y") else 0
+        told = misses[side] if all(w.steer_joint for w in wheels) else sideways
+        best = best if misses[best] < told else side
     elif misses["x"]:
         why = "the names of wheels say front, rear, left or right where they do not stand so"
     elif _any_way(wheels) and not _CHASSIS.search(robot.base) and robot.base != MODEL:
@@ -98,18 +101,55 @@ def _corner(three: Sequence[Wheel]) -> tuple[Fraction, Fraction] | None:
     return corner[0], corner[1]
 
 
-def articulated(wheels: Sequence[Wheel]) -> list[Question]:
-    """A joint that steers wheels far from it: it may turn a part of the body."""
-    text = "its steering axis carries several wheels far from it: is the robot articulated there?"
-    hints = (
-        "keep it if it steers",
-        "a robot file has no articulated bodies; what is towed stands under trailers:",
-    )
-    return [
-        Question(w.name, "type", text, hints)
-        for w in wheels
-        if _companions(w, wheels) and math.hypot(w.d or 0, w.offset_y or 0) > 2 * (w.r or UNSEEN)
-    ]
+def articulated(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
+    """A joint that steers wheels far from it, or turns about an upright axis above one that steers: it may turn a part
+    of the body."""
+    none = "a robot file has no articulated bodies; what is towed stands under trailers:"
+    questions = []
+    for w, c in zip(wheels, seen, strict=True):
+        if above := next((j for j in c.via if robot.upright(j)), None):
+            text = f"joint {quoted(above.name)} turns its steering axis, too, and is taken at zero"
+            hints = ("keep it if that joint never turns", none)
+        elif _companions(w, wheels) and math.hypot(w.d or 0, w.offset_y or 0) > 2 * (w.r or UNSEEN):
+            text, hints = (
+                "its steering axis carries several wheels far from it",
+                ("keep it if it steers", none),
+            )
+        else:
+            continue
+        questions.append(Question(w.name, "type", f"{text}: is the robot articulated there?", hints))
+    return questions
+
+
+def odd_one_asked(wheels: Sequence[Wheel]) -> list[Question]:
+    """One of four or more wheels that are driven alike differs from all others, which are alike: in its radius, or how
+    far its contact lies off the steering axis."""
+    questions = []
+    for w in wheels:
+        others = [other for other in wheels if other is not w and _driven_alike(w, other)]
+        for key in ("d", "offset_y", "r") if len(others) > 2 else ():
+            own, *rest = (abs(getattr(each, key) or Fraction(0)) for each in (w, *others))
+            least = own / 50 if key == "r" else _CAD
+            known = key != "r" or all(each.r for each in (w, *others))
+            if known and max(rest) - min(rest) < _EVENLY and min(abs(own - other) for other in rest) > least:
+                text = f"its {key} is {float(own):.6g}, that of the {len(rest)} others {float(rest[0]):.6g}"
+                asked = "type" if key == "d" else key
+                hints = tuple(
+                    f"{_shown(each, key)} {said}" for each, said in zip((w, others[0]), _EITHER, strict=True)
+                )
+                questions.append(Question(w.name, asked, f"{text}: does this wheel stand so?", hints))
+    return questions
+
+
+def _driven_alike(w: Wheel, other: Wheel) -> bool:
+    steers = [each.steer_joint is not None for each in (w, other)]
+    return w.actuated == other.actuated and (all(steers) or (not any(steers) and w.type == other.type))
+
+
+def _shown(w: Wheel, key: str) -> str:
+    if key == "d":
+        return f"castor, with d: {float(w.d or 0):.6g}," if w.type == CASTOR.name else "steered, without d,"
+    return f"{float(getattr(w, key) or 0):.6g}"
 
 
 def _companions(wheel: Wheel, wheels: Sequence[Wheel]) -> bool:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable
+from dataclasses import replace
 from xml.etree.ElementTree import Element
 
 from wmrgen.errors import RobotFileError
@@ -34,7 +35,8 @@ _MOST_MODELS = 64
 
 
 def describe(root: Element, file: str, include: Include) -> Description:
-    """What the first model says that has joints, itself or included. RobotFileError where none has."""
+    """What the first model says in which a joint turns without end, else the first that has joints, itself or included.
+    RobotFileError where none has."""
     version, lost = root.get("version", ""), list[str]()
     worlds = children(root, "world")
     models = [
@@ -54,12 +56,15 @@ def describe(root: Element, file: str, include: Include) -> Description:
         why = " ".join(f"Note: {note}." for note in lost[:3])
         hint = "Give the file that describes the robot."
         raise refuse(f"{file}: no model of it has a joint", why, hint, mark_of(root))
-    reader = _Reader(include)
-    reader.model(robots[0][0], "", MODEL, robots[0][1])
-    first, *others = (quoted(model.get("name", "")) for model, _ in robots)
-    if others:
-        reader.notes.append(f"only the model {first} is read, the first; not {', '.join(others)}")
-    return reader.description(robots[0][0].get("name", ""))
+    descriptions = (_Reader(include).whole(model, said) for model, said in robots)
+    turning = (each for each in descriptions if any(joint.spins for joint in each.joints))
+    described = next(turning, None) or _Reader(include).whole(*robots[0])
+    if len(robots) < 2:
+        return described
+    names = [model.get("name", "") for model, _ in robots]
+    others = ", ".join(quoted(name) for name in names if name != described.name)
+    note = f"only the model {quoted(described.name)} is read, the first in which a joint turns without end"
+    return replace(described, notes=(*described.notes, f"{note}; not {others}"))
 
 
 def unread(uri: str) -> str:
@@ -78,6 +83,11 @@ class _Reader:
         self.words: list[str] = []
         self.notes: list[str] = []
         self.models = 0
+
+    def whole(self, element: Element, version: str) -> Description:
+        """A model that stands in no other."""
+        self.model(element, "", MODEL, version)
+        return self.description(element.get("name", ""))
 
     def model(self, element: Element, prefix: str, own: str, version: str) -> str:
         """Take a model in whose frame is ``own``; the link that carries it."""

@@ -37,6 +37,7 @@ from wmrgen.importing.robot_questions import (
     corner_asked,
     front_doubted,
     motors_unknown,
+    odd_one_asked,
     support_asked,
 )
 from wmrgen.importing.rollers import UNSAID, angle, gamma_said, heading, rollers_said
@@ -77,8 +78,9 @@ def import_wheels(description: Description, base: str | None, forward: str | Non
     questions = [
         *(question for _, asked in read for question in asked),
         *motors_unknown(result),
-        *articulated(result),
+        *articulated(robot, result, wheels),
         *corner_asked(result),
+        *odd_one_asked(result),
         *([] if forward else front_doubted(robot, result, wheels)),
         *doubts,
     ]

@@ -47,6 +47,20 @@ def test_a_table_with_codes_places_and_motion(wmrgen_cli: Cli, urdf: Path, param
     assert motion == ["  straight: drives 16.7 % too slow", "  turn:     yaw rate 16.7 % low"]
 
 
+def test_parameters_of_no_wheel_controller_are_told_from_a_robot_file(
+    wmrgen_cli: Cli, urdf: Path, tmp_path: Path
+) -> None:
+    other = tmp_path / "groups.yaml"
+    other.write_text(
+        "drive:\n  type: velocity_controllers/JointGroupVelocityController\n  joints: [left_joint]\n"
+    )
+    done = wmrgen_cli("compare", urdf, other)
+    assert (done.code, done.out) == (2, "")
+    assert "groups.yaml: neither a robot file nor parameters of a wheel controller" in done.err
+    other.write_text("name: bot\nwheels:\n  - {name: left, type: fixed, x: 0, y: 0.1, r: 0.1}\n")
+    assert "the robot file has no wmrgen" in wmrgen_cli("compare", urdf, other).err
+
+
 def test_json_is_one_object(wmrgen_cli: Cli, urdf: Path, parameters: Path) -> None:
     done = wmrgen_cli("compare", parameters, urdf, "--json")  # the robot is the file that has wheels
     told = json.loads(done.out)

@@ -137,7 +137,7 @@ four:
   type: "four_wheel_steering_controller/FourWheelSteeringController"
   front_wheel: [fl_wheel, fr_wheel]
   front_steering: [fl_steering_joint, fr_steering_joint]
-  track: 1.2
+  wheel_separation_w: 1.2
   wheel_steering_y_offset: 0.05
   wheel_base: 2.0
   wheel_radius: 0.3
@@ -401,6 +401,9 @@ def test_plugins() -> None:
         (("flwheel",), "front left"),
         (("wheelBR",), "rear right"),
         (("aft_left",), "rear left"),
+        (("fr_left_joint",), "front left"),  # fr is the front, as re is the rear
+        (("right_rl",), "rear right"),
+        (("Body-FRdrive",), "front right"),
         (("bright",), ""),
         (("leftover",), ""),
         (("wheel1",), ""),

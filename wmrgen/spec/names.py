@@ -18,6 +18,8 @@ _WHY_SO_LONG = (
 _ENDS = {"front": "front", "fore": "front", "fwd": "front", "middle": "middle", "center": "middle"}
 _ENDS |= dict.fromkeys(("rear", "back", "hind", "aft"), "rear")
 _SIDES = {"left": "left", "right": "right"}
+_WHOLE = {**_ENDS, **_SIDES}
+_WORDS = re.compile(r"(?<![A-Z])(?:[FMRB][LR]|[LR][FMB])(?=[a-z]{2})|[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 _LETTERS = {"f": "front", "m": "middle", "r": "rear", "b": "rear"}, {"l": "left", "r": "right"}
 _INITIALS = re.compile(  # f_l, R_F
     r"(?i)(?<=(?<![a-z])[fmrb])_(?=[lr](?![a-z]))|(?<=(?<![a-z])[lr])_(?=[fmrb](?![a-z]))"
@@ -150,11 +152,13 @@ class Names:
 
 
 def role(*texts: str) -> str:
-    """What names say of a wheel's place: "front left"; of several texts the first that says it counts."""
+    """What names say of a wheel's place: "front left"; of several texts the first that says it counts, in a text whole
+    words before letters: fr beside left is the front."""
     told: dict[str, str] = {}
     for text in texts:
         joined = _INITIALS.sub("", text)
-        words = [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", joined)]
+        words = [word.lower() for word in _WORDS.findall(joined)]
+        words.sort(key=lambda word: word not in _WHOLE)
         for side in (side for word in words for side in _sides(word)):
             told.setdefault("y" if side in _SIDES else "x", side)
         if "r" in words and "x" in told:  # beside an end it is no rear
@@ -166,8 +170,8 @@ def _sides(word: str) -> list[str]:
     """The sides that a word in lower case names: rear, lf, frontleft, lfront, flwheel; l, which is no end as r is."""
     word = word.removeprefix("wheel").removesuffix("wheel")
     ends, sides = _LETTERS
-    if word in {**_ENDS, **_SIDES}:
-        return [{**_ENDS, **_SIDES}[word]]
+    if word in _WHOLE:
+        return [_WHOLE[word]]
     for k in range(1, len(word)):
         for end, side in ((word[:k], word[k:]), (word[k:], word[:k])):
             if end in _ENDS and side in {**_SIDES, **sides}:

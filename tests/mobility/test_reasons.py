@@ -164,6 +164,7 @@ EXACT = "exactly enough"
 ONE, TWO, THREE = (
     f"{n} beyond need: {n} relation{'s' if n > 1 else ''} must hold between the rates" for n in (1, 2, 3)
 )
+ANGLES = ONE.replace("rates", "angles")
 
 
 @pytest.mark.parametrize(
@@ -201,7 +202,7 @@ ONE, TWO, THREE = (
             STEERED, [],
             [
                 f"driving: 3 actuated joints for 1 degree of freedom, {TWO}",
-                f"steering: 3 actuated joints for 2 degrees of freedom, {ONE}",
+                f"steering: 3 actuated joints for 2 degrees of freedom, {ANGLES}",
             ],
         ),
         (
@@ -212,7 +213,7 @@ ONE, TWO, THREE = (
         (
             [AHEAD, BEHIND, wheel("f", "steered", 0.1, 0.5)], [],
             [f"driving: 3 actuated joints for 1 degree of freedom, {TWO}",
-             f"steering: 1 actuated joint for 0 degrees of freedom, {ONE}"],
+             f"steering: 1 actuated joint for 0 degrees of freedom, {ANGLES}"],
         ),
     ],
 )  # fmt: skip

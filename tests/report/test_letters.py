@@ -9,7 +9,7 @@ from math import atan2, cos, pi, sin
 import numpy as np
 import pytest
 
-from tests.report.common import numerics_of, page_of, page_written
+from tests.report.common import between, numerics_of, page_of, page_written
 from tests.report.reading import formulas, read
 from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen import notation
@@ -25,11 +25,17 @@ def test_the_yaw_rate_of_a_mecanum_base() -> None:
 
 
 @pytest.mark.parametrize(
-    ("r", "spin"), [("0.0331", r"\frac{v_x-0.2\;\omega}{0.0331}"), ("0.125", r"8\;v_x-1.6\;\omega")]
+    ("r", "kind", "spin"),
+    [
+        ("0.0331", "fixed", r"\frac{v_x-0.2\;\omega}{0.0331}"),
+        ("0.125", "fixed", r"\frac{v_x-0.2\;\omega}{0.125}"),
+        ("0.12", "swedish, gamma: 45 deg", r"\frac{v_x+v_y-0.2\;\omega}{0.12}"),
+    ],
 )
-def test_a_radius_whose_inverse_has_many_digits_divides(r: str, spin: str) -> None:
+def test_a_radius_that_is_a_number_divides(r: str, kind: str, spin: str) -> None:
+    """Above the line stands what the layout table has, also of wheels with rollers."""
     wheels = (
-        f"{{name: {n}, type: fixed, x: 0, y: {y}, heading: 0, r: {r}}}" for n, y in (("a", 0.2), ("b", -0.2))
+        f"{{name: {n}, type: {kind}, x: 0, y: {y}, heading: 0, r: {r}}}" for n, y in (("a", 0.2), ("b", -0.2))
     )
     lines = closed_inverse(of_text(f"wmrgen: 1\nname: two\nwheels: [{', '.join(wheels)}]\n"))
     assert f"&= {spin} " in "\n".join(lines)
@@ -248,3 +254,74 @@ def test_a_rounded_number_is_not_said_to_be_equal(half: str, radius: str, shown:
         robot += f"  - {{name: {wheel}, type: fixed, x: 0, y: {y}, heading: 0, r: {radius}}}\n"
     page = page_written(robot).partition("**An example**")[0]
     assert shown in page if shown else r"\frac{1}{4}" not in page
+
+
+TRICYCLE = """wmrgen: 1
+name: trike
+parameters: {ahead: 1.05, behind: 0.3, half_track: 0.42}
+wheels:
+  - {name: front, type: steered, x: ahead, y: 0, heading: 0, r: 0.2}
+  - {name: left, type: fixed, x: -behind, y: half_track, heading: 0, r: 0.18, actuated: []}
+  - {name: right, type: fixed, x: -behind, y: -half_track, heading: 0, r: 0.18, actuated: [], sensed: [spin]}
+trailers: [{name: cart, length: 1.3, hitch: 0.25}]
+"""
+
+
+def test_sums_of_lengths_stay_sums() -> None:
+    """The wheelbase of a tricycle with P between its axles is ahead + behind, in det(HᵀH) and in the twist."""
+    page = page_written(TRICYCLE)
+    wheelbase = r"{\left(\mathit{ahead}+\mathit{behind}\right)}^{2}"
+    assert rf"\det(H^T H) = 3\,{{\mathit{{half\_track}}}}^{{2}}+4\,{wheelbase}" in page
+    shown = dict(formulas(between(page, "Forward", "An example")))
+    d = of_text(TRICYCLE)
+    rates = {"front.spin": 3.0, "front.steer": 0.5, "right.spin": -2.0}
+    values = {notation.port(n): v for n, v in rates.items()}
+    values |= {notation.parameter(p.name): float(p.nominal) for p in d.robot.parameters}
+    # Rows of the front wheel (turned into the robot's axes) and of both rear wheels.
+    h = [[1, 0, 0], [0, 1, 1.05], [1, 0, 0.42], [0, 1, -0.3], [0, 1, -0.3]]
+    twist = np.linalg.lstsq(np.array(h), np.array([0.6 * cos(0.5), 0.6 * sin(0.5), -0.36, 0, 0]), rcond=None)[
+        0
+    ]
+    for name, value in zip(("vx", "vy", "omega"), twist, strict=True):
+        text = shown[notation.port(name)]
+        assert read(text, values) == pytest.approx(value) and r"\mathit{ahead}\,\mathit{behind}" not in text
+
+
+def test_a_length_that_is_a_number_divides_the_turn_of_its_trailer() -> None:
+    """Tzafestas (2.70): the velocity of the hitch across the trailer over its length."""
+    page = page_written(TRICYCLE)
+    shown = re.search(r"\\dot\{\\theta\}_\{\\mathrm\{cart\}\} &= (.*)", page)
+    values = {
+        r"\theta_{\mathrm{cart}}": 0.3,
+        r"\theta": 0.9,
+        "v_x": 0.7,
+        "v_y": 0.1,
+        r"\omega": 0.2,
+        r"\mathit{behind}": 0.3,
+    }
+    pulled = 0.7 * sin(0.6) + (0.1 - 0.55 * 0.2) * cos(0.6)
+    assert shown and read(shown[1], values) == pytest.approx(pulled / 1.3)
+    assert shown[1].startswith(r"\frac{\sin") and shown[1].endswith("}{1.3}")
+
+
+def test_what_is_divided_by_a_sum_of_lengths_has_their_size() -> None:
+    """1 - 100 ahead / 11 is ahead - 0.11."""
+    text = """wmrgen: 1
+name: two
+parameters: {ahead: 0.62, behind: 0.35}
+wheels:
+  - {name: front, type: steered, x: ahead, y: 0.05, heading: 0, r: 0.09}
+  - {name: rear, type: steered, x: -behind, y: -0.03, heading: 0, r: 0.08}
+  - {name: mid, type: fixed, x: 0.11, y: 0.2, heading: 0, r: 0.08}
+"""
+    page = page_written(text)
+    model = page.partition("In the speeds of driven wheels")[2].partition("where the")[0]
+    sides = dict(formulas(model))
+    own = {r"\psi_{\mathrm{front}}": 0.4, r"\dot{\varphi}_{\mathrm{front}}": 2.0, r"\mathit{ahead}": 0.62}
+    omega = 0.18 * sin(0.4) / (0.62 - 0.11)  # of the front wheel across the axle of the fixed one
+    assert read(sides[r"\dot{\theta}"], own) == pytest.approx(omega)
+    assert read(sides["v_x"], own) == pytest.approx(0.18 * cos(0.4) + 0.05 * omega)
+    assert read(sides["v_y"], own) == pytest.approx(-0.11 * omega)
+    assert model.count(r"}{\mathit{ahead}-0.11}") == 3
+    compatible = page.partition("of compatibility")[2].partition("## 6")[0]
+    assert not re.search(r"\d{3}", re.sub(r"\d*\.\d+", "", compatible)), "no integers for lengths"

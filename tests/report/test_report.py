@@ -17,7 +17,7 @@ FENCE = re.compile(r"^```math\n(.*?)\n```$", re.MULTILINE | re.DOTALL)
 MACROS = set(
     "alpha beta gamma psi varphi omega theta xi eta delta Delta pi dot hat bar frac sqrt sum det dim qquad ldots cdots "
     "vdots cdot times pm ge le left right Bigl Bigr begin end mathrm mathit cos sin tan arctan min max rho quad chi "
-    "sigma circ approx cot ne".split()
+    "sigma circ approx cot ne overline perp varepsilon".split()
 )
 NUMBERS = {
     "fixed": ("(3.12)", "(3.13)"),

@@ -107,7 +107,8 @@ class Balance(NamedTuple):
         if self.lacking:
             return f"{head}, short by {self.lacking}"
         if self.surplus:
-            return f"{head}, {self.surplus} beyond need: {self.surplus} relation{relations} must hold between the rates"
+            of = "angles" if self.joint == "steer" else "rates"
+            return f"{head}, {self.surplus} beyond need: {self.surplus} relation{relations} must hold between the {of}"
         return f"{head}, exactly enough"
 
 

@@ -10,10 +10,9 @@ from wmrgen.backends.registry import Facts
 from wmrgen.backends.report import numerics, wiring
 from wmrgen.backends.report.forward import forward
 from wmrgen.backends.report.inverse import inverse
-from wmrgen.backends.report.letters import regular
 from wmrgen.backends.report.markdown import foot, page
 from wmrgen.backends.report.mobility import analysis, singular, skid
-from wmrgen.backends.report.motion import motion
+from wmrgen.backends.report.motion import motion, regular
 from wmrgen.backends.report.overview import layout, opening
 from wmrgen.backends.report.result import result
 from wmrgen.backends.report.rows import matrices, null_space, wheel_rows

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
 from math import atan2, pi
 
 from wmrgen import notation
@@ -119,6 +120,13 @@ def equation(p: Poly) -> Poly:
     size = abs(numbers[0]) if all(abs(c) == abs(numbers[0]) for c in numbers) else Exact(1)
     negative = sum(c.sign for c in numbers) < 0 or (numbers[0].sign < 0 and sum(c.sign for c in numbers) == 0)
     return p.scale((-size if negative else size).inverse())
+
+
+def short(p: Poly) -> Poly:
+    """The left-hand side of ``p = 0`` in which 900 a - 4500 b is 0.9 a - 4.5 b: integers of three digits and more are
+    lengths without their point."""
+    digits = len(str(int(max(abs(float(c)) for c in p.terms.values())))) - 1
+    return p.scale(Exact(Fraction(1, 10**digits))) if digits > 1 else p
 
 
 def roots(p: Poly) -> str:

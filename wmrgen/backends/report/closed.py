@@ -92,25 +92,14 @@ def _over(above: str, below: str) -> str:
 
 
 def spin_rate(w: Wheel, twist: Row) -> str:
+    """The rim's speed over the radius, which a number leaves below the line."""
     g = working_view(w)
-    rim, radius = dot(driving_row(w, g), twist), g.rolling_radius
-    above = latex(rim)
-    if (
-        len(rim.terms) > 1
-        and radius.constant
-        and radius == g.r
-        and width(above) <= WIDE
-        and not _short(radius)
-    ):
-        spin = _over(above, latex(radius))
-    else:
-        spin = broken(rim * radius.inverse())
+    rim = dot(driving_row(w, g), twist) * (g.r * g.rolling_radius.inverse())
+    above, radius = latex(rim), g.r.constant
+    below = notation.terminating(radius.parts[0]) if radius and radius.is_rational else None
+    one_line = len(rim.terms) > 1 and width(above) <= WIDE
+    spin = _over(above, below) if below and one_line else broken(rim * g.r.inverse())
     return f"{notation.port(f'{w.name}.spin')} &= {spin}"
-
-
-def _short(radius: Poly) -> bool:
-    """Whether 1 / radius is a number of few digits."""
-    return all(notation.terminating(c.parts[0]) for c in radius.inverse().terms.values())
 
 
 def swivel_rate(w: Wheel, twist: Row) -> str:

@@ -5,21 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from wmrgen import notation
-from wmrgen.backends.report.closed import driven_twist, pivot_velocity, projected, spin_rate, swivel_rate
-from wmrgen.backends.report.latex import latex, width
-from wmrgen.backends.report.letters import multiples, squares
-from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, math, minus, some
+from wmrgen.backends.report.closed import driven_twist, projected, spin_rate, swivel_rate
+from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, minus, some
+from wmrgen.backends.report.slip import alike, forms_of, further_parts, narrow_wheels, partners, slip
 from wmrgen.backends.report.texts import turning_circle
-from wmrgen.constraints import XI, seen, symbolic_view
-from wmrgen.exact.evaluate import sqrt_poly
-from wmrgen.exact.poly import Gen, Poly, Row
+from wmrgen.constraints import XI, driving_row, seen, symbolic_view, working_view
+from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
-from wmrgen.kinematics.steer import NARROW, turning_points
+from wmrgen.kinematics.steer import turning_points
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.robot import Derivation
 
-_ROOT = 120  # glyphs under a root
 _WORDS = {"vx": "v<sub>x</sub>", "vy": "v<sub>y</sub>", "omega": "ω"}
 
 
@@ -29,7 +26,8 @@ def inverse(d: Derivation) -> list[str]:
     projection = project(robot, d.mobility)
     twist = driven_twist(projection)
     wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
-    blocks = ["## 6 Inverse kinematics", *_projection(projection)]
+    more = further_parts(robot, twist)
+    blocks = ["## 6 Inverse kinematics", *_projection(projection, not more)]
     if not wheels:
         return [*blocks, "There is no joint to command."]
     passive = [w for w in wheels if w.kind.swivels and not w.actuated]
@@ -45,11 +43,11 @@ def inverse(d: Derivation) -> list[str]:
         blocks += aligned([spin_rate(passive[0], twist), swivel_rate(passive[0], twist)])
     if steered:
         blocks += [*turning_circle(d.robot), *_steering(robot, steered, twist)]
-    return [*blocks, *_coupled(robot, twist), *_slip(robot, projection, twist)]
+    return [*blocks, *_coupled(robot, twist), *slip(projection, bool(steered), more)]
 
 
-def _projection(projection: Projection) -> list[str]:
-    """The nearest admissible twist, where it is not the commanded one."""
+def _projection(projection: Projection, alone: bool) -> list[str]:
+    """The nearest admissible twist, where it is not the commanded one; slip, where that is what makes it ``alone``."""
     if projection.twist == XI:
         return []
     away = [n for n, p, q in zip(TWIST_NAMES, projection.twist, XI, strict=True) if p != q]
@@ -58,7 +56,8 @@ def _projection(projection: Projection) -> list[str]:
         names = notation.listed([_WORDS[n] for n in zero])
         slip = "; `slip` is |v<sub>y</sub>|, the speed [m/s] at which they would slide"
         return [
-            f"The wheels forbid {names}, which is taken away first{slip * (_forms(projection) == [XI[1]])}."
+            f"The wheels forbid {names}, which is taken away first"
+            f"{slip * (alone and forms_of(projection) == [XI[1]])}."
         ]
     return [
         "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the rest is driven:",
@@ -70,8 +69,8 @@ def _steering(robot: Robot, wheels: list[Wheel], twist: Row) -> list[str]:
     """How a steered wheel chooses among the headings that roll, and what limits change."""
     shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
     limited = [w for w in wheels if robot.limit(w, "steer")]
-    shared = [w for w in limited if not _alike(_partners(robot, w), twist)]
-    narrow = _narrow_wheels(robot, wheels, twist)
+    shared = [w for w in limited if not alike(partners(robot, w), twist)]
+    narrow = narrow_wheels(robot, wheels, twist)
     wide = [w for w in limited if w not in shared and w not in narrow]
     return [
         *(_nearer(shift) if len(narrow) < len(wheels) else []),
@@ -80,12 +79,6 @@ def _steering(robot: Robot, wheels: list[Wheel], twist: Row) -> list[str]:
         *([f"Steering is limited: {_turning(robot, shared)}. A common angle is kept up to there, "
            "cut at the limit; beyond, the opposite one is taken."] if shared else []),
     ]  # fmt: skip
-
-
-def _narrow_wheels(robot: Robot, wheels: list[Wheel], twist: Row) -> list[Wheel]:
-    """Wheels whose limits leave one heading at most."""
-    limits = [(w, robot.limit(w, "steer")) for w in wheels if _alike(_partners(robot, w), twist)]
-    return [w for w, limit in limits if limit and limit.high - limit.low <= NARROW]
 
 
 def _nearer(shift: str) -> list[str]:
@@ -106,22 +99,11 @@ def _nearer(shift: str) -> list[str]:
     ]  # fmt: skip
 
 
-def _partners(robot: Robot, w: Wheel) -> list[Wheel]:
-    """The wheels that turn with it, itself among them."""
-    group = robot.steer_group
-    return [v for v in robot.wheels if group[v.index] == group[w.index]]
-
-
-def _alike(wheels: list[Wheel], twist: Row) -> bool:
-    """One velocity and one zero heading: each single solution is the common one."""
-    return len({(*pivot_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
-
-
 def _wide(ranges: str) -> list[str]:
     return [
         f"Steering is limited: {ranges}. Up to there ψ⁺ is kept, cut at the limit, so that noise at a stop does not "
         "swing the wheel to the other one and back; beyond, the opposite heading ψ⁺ ± π is taken, cut likewise. A "
-        "wheel ends at most 5° further from its line than it must. The rate then is that of the pivot's "
+        "wheel ends at most 5° further from the heading that rolls than it must. The rate then is that of the pivot's "
         "velocity along the wheel so turned, u cos Δ + w sin Δ with Δ = ψ⁺ − ψ, in place of the root."
     ]
 
@@ -180,11 +162,11 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
             share = "they share the least-squares rate Σ r·(r φ̇) / Σ r²"
             if ratios:
                 share = "each takes its part k of it times the least-squares rate Σ k r·(r φ̇) / Σ (k r)²"
-            blocks += [
-                f"{listed(members)} {minus(notation.turning(ratios))}: {share} of the "
-                f"single solutions above.{_way(robot, wheels)}"
-            ]
-        elif _alike(wheels, twist):
+            how = f": {share} of their single solutions" * (len(_rates(robot, wheels, twist)) > 1)
+            way = _way(robot, wheels)
+            if how or way:  # section 1 has the coupling itself
+                blocks += [f"{listed(members)} {minus(notation.turning(ratios))}{how}.{way}"]
+        elif alike(wheels, twist):
             same.append(listed(members))
         else:
             blocks += [
@@ -198,6 +180,15 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
     return blocks
 
 
+def _rates(robot: Robot, wheels: list[Wheel], twist: Row) -> set[tuple[str, Poly]]:
+    """The different speeds per share that coupled wheels would have by themselves; one that turns has its own."""
+    return {
+        (w.name if w.turns else "", dot(driving_row(w, g), twist) * (g.rolling_radius * share).inverse())
+        for w in wheels
+        for g, share in [(working_view(w), Poly.of(robot.spin_ratios[w.index]))]
+    }
+
+
 def _way(robot: Robot, wheels: list[Wheel]) -> str:
     """How a steered wheel among wheels with one speed picks its heading."""
     steered = [w.name for w in wheels if w.kind.steers]
@@ -207,97 +198,3 @@ def _way(robot: Robot, wheels: list[Wheel]) -> str:
         ("its", "takes the one that rolls") if len(steered) == 1 else ("their", "take those that roll")
     )
     return f" Of {whose} two headings {listed(steered)} {take} the way the others do."
-
-
-def _may_be_cut(robot: Robot, w: Wheel) -> bool:
-    limits = robot.limit(w, "steer")
-    return limits is not None and turning_points(limits) != limits
-
-
-def _slip(robot: Robot, projection: Projection, twist: Row) -> list[str]:
-    unlike = _unlike(robot, twist)
-    steered = [w for w in robot.wheels if w.kind.steers]
-    # Wheels whose command may differ from the heading that rolls.
-    held = [w.name for w in steered if _may_be_cut(robot, w) or not _alike(_partners(robot, w), twist)]
-    cut = {w.name for w in _narrow_wheels(robot, steered, twist)}
-    ways = ((not cut.issuperset(held), "w cos Δ − u sin Δ with Δ = ψ⁺ − ψ"), (cut, "(q − p t) / √(1 + t²)"))
-    sideways = " or ".join(text for there, text in ways if there)
-    blocks = _forbidden(projection, bool(unlike), bool(steered), bool(held))
-    if unlike:
-        blocks += [
-            f"A common rate need not suit all wheels of a coupling. Of {'; of '.join(map(listed, unlike))} the mean "
-            "square of what it leaves over, r φ̇ against the rim speed of each wheel, or d ψ̇ against its sideways "
-            "speed, is added to the square of `slip`."
-        ]
-    if held:
-        blocks += [
-            f"A steered wheel that a limit or a coupling keeps from its heading slides as well, at {sideways}. "
-            f"The mean square of these speeds over {listed(held)} is added to the square of `slip`."
-        ]
-    return blocks
-
-
-def _unlike(robot: Robot, twist: Row) -> list[list[str]]:
-    """Coupled wheels whose common spin or swivel rate may leave something to sliding (see `turned_unlike`)."""
-    castors = robot.together("steer", (w for w in robot.wheels if w.kind.swivels))
-    spun = [
-        wheels
-        for wheels in robot.together("spin", (w for w in robot.wheels if w.has_spin))
-        if any(w.turns for w in wheels)
-        and not (all(w in _partners(robot, wheels[0]) for w in wheels) and _alike(wheels, twist))
-    ]
-    return [[w.name for w in wheels] for wheels in (*castors, *spun) if len(wheels) > 1]
-
-
-def _admissible(steered: bool, held: bool) -> str:
-    """No fixed axle forbids a twist."""
-    if not steered:
-        return "Every twist is admissible, so `slip`, the distance to the nearest admissible twist, is 0."
-    unless = ", unless a limit or a coupling keeps a wheel from its angle" if held else ""
-    return (
-        "At given steering angles not every twist is admissible, but for every twist there are angles at which it is. "
-        f"`inverse` asks for these, so `slip`, the distance to the nearest admissible twist, is 0{unless}."
-    )
-
-
-def _rootless(p: Poly) -> Poly:
-    """The form, whose sign does not matter, with n x for the root of n² x² where it is one term."""
-    return p if len(p.terms) > 1 else p.substitute(_root_of_square)
-
-
-def _root_of_square(g: Gen) -> Poly | None:
-    if g.kind != "sqrt" or len(g.args[0].terms) > 1:
-        return None
-    ((square, number),) = g.args[0].terms.items()
-    root = sqrt_poly(Poly.of(number)).constant
-    if root is None or any(e % 2 for _, e in square):
-        return None
-    return Poly({tuple((h, e // 2) for h, e in square): root})
-
-
-def _forms(projection: Projection) -> list[Poly]:
-    return [_rootless(p) for p in projection.residuals if p]
-
-
-def _forbidden(projection: Projection, coupled: bool, steered: bool, held: bool) -> list[str]:
-    """What the admissible twist leaves of the commanded one."""
-    forms = _forms(projection)
-    if not forms and coupled:
-        return []
-    if not forms:
-        return [_admissible(steered, held)]
-    if forms == [XI[1]] and projection.twist != XI:
-        return []  # said where it is taken away
-    words = "`slip` is the sideways speed [m/s] that the commanded twist would force on the contact points"
-    follow = "Nothing is taken away from the twist here: the wheels follow as well as they can. "
-    words = f"{follow * (projection.twist == XI)}{words}"
-    if len(forms) == 1:
-        return [f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]
-    counts = squares(forms)
-    each = min(counts.values()) if len(set(counts.values())) == 1 else 1
-    parts = multiples(counts, each)
-    shown = [text for k, text in enumerate(parts) if not k or width("".join(parts[: k + 1])) < _ROOT]
-    mean = " + ".join([*shown, *([r"\cdots"] if len(parts) > len(shown) else [])])
-    if projection.weight * each != 1:
-        mean = rf"{latex(Poly.of(projection.weight * each))}\left[ {mean} \right]"
-    return [f"{words}, root mean square over the wheels:", *math(rf"\mathrm{{slip}} = \sqrt{{{mean}}}")]

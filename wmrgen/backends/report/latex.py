@@ -16,7 +16,7 @@ import sympy
 from wmrgen import notation
 from wmrgen.backends.report.terms import Factor, Term, merged
 from wmrgen.exact.number import ONE, Exact
-from wmrgen.exact.poly import Gen, Poly
+from wmrgen.exact.poly import Gen, Monomial, Poly
 from wmrgen.lower import number_of
 from wmrgen.symbolic import Expr, Parameter, expression
 
@@ -59,7 +59,7 @@ def width(text: str) -> int:
 def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
     """The summands of a polynomial, or of a formula whose symbols have these contract names."""
     if isinstance(value, Poly):
-        return [Term(c, tuple(_generator(g, e) for g, e in m)) for m, c in value.terms.items()]
+        return [_term(c, m) for m, c in value.terms.items()]
     summed: list[Term] = []
     for arg in sympy.Add.make_args(value):
         number, factors, inner = ONE, [], None
@@ -76,6 +76,25 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
         else:
             summed += [Term(t.number * number, merged((*t.factors, *factors))) for t in terms(inner, ports)]
     return [t for t in summed if t.number]
+
+
+def _term(number: Exact, monomial: Monomial) -> Term:
+    """A summand of a polynomial; a divisor such as 1 - 100 a / 11 as a - 0.11, its number before the fraction."""
+    factors = []
+    for g, power in monomial:
+        if g.kind == "inv":
+            scale = _leading(g.args[0]).inverse()
+            number *= scale**power
+            g = Gen("inv", "", (g.args[0].scale(scale),))
+        factors.append(_generator(g, power))
+    return Term(number, tuple(factors))
+
+
+def _leading(p: Poly) -> Exact:
+    """The least number before the products of most lengths; 1 where there are no lengths."""
+    lengths = {m: sum(e for g, e in m if g.kind == "param") for m in p.terms}
+    most = max(lengths.values())
+    return min((c for m, c in p.terms.items() if lengths[m] == most), key=abs) if most > 0 else ONE
 
 
 def _factors(expr: Expr) -> list[Expr]:
@@ -275,8 +294,8 @@ def _product(number: Exact, factors: Iterable[Factor], inner: str = "", style: n
     if inner and not leads and not _FUNCTION.search(inner):  # (a + b) cos psi
         last = [f.shown() for f in ordered if f.power > 0 and f.rank == 1]
         above, after = above[: len(above) - len(last)], _times(last)
-    if inner and bottom and not (above or leads or head):
-        return rf"{sign}\frac{{{inner}}}{{{_times(bottom)}}}{after}"
+    if inner and bottom and not (above or head):
+        return rf"{sign}\frac{{{inner}}}{{{_times(bottom)}}}{after}{leads}"
     leads += rf"\left({inner}\right){after}" if inner else ""
     if is_sum and (above if bottom else above or leads or sign == "-"):
         head = rf"\left({head}\right)"

@@ -9,7 +9,7 @@ from dataclasses import replace
 from itertools import combinations
 
 from wmrgen import notation
-from wmrgen.backends.report.angles import gathered, with_tangents
+from wmrgen.backends.report.angles import with_tangents
 from wmrgen.backends.report.latex import (
     Ports,
     latex,
@@ -21,23 +21,21 @@ from wmrgen.backends.report.latex import (
     width,
     wrapped,
 )  # fmt: skip
-from wmrgen.backends.report.markdown import aligned, code, listed, math, sentence
-from wmrgen.backends.report.terms import Term
+from wmrgen.backends.report.markdown import aligned, listed, math
+from wmrgen.backends.report.terms import Factor, Term
 from wmrgen.constraints import XI
 from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.linalg import adjugate, determinant
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Poly, dot, has_angles
+from wmrgen.exact.poly import Gen, Poly, dot, has_angles
 from wmrgen.functions.models.sheet import latex as equations
-from wmrgen.functions.models.sheet import sheet_of, tidy
-from wmrgen.functions.models.state_space import ROLLING_ALONE, forms, rolls_alone
-from wmrgen.functions.system import System
+from wmrgen.functions.models.sheet import sheet_of
 from wmrgen.kinematics.forward import normal_equations
 from wmrgen.kinematics.records import Formula
 from wmrgen.kinematics.sensing import Measured
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
-from wmrgen.printing import size, symbol_names
+from wmrgen.printing import symbol_names
 from wmrgen.robot import Derivation
 
 _ENTRY = 12  # terms of an entry of H^T H and H^T z
@@ -48,18 +46,45 @@ _WIDEST = 900  # glyphs of what is printed in place of numbers
 _SHORT = 300  # glyphs of what is printed beside the rule
 _DIGITS = 10**6  # of numerators and denominators
 _LINE = 112  # glyphs of a line of a model
-_CONDITION = 200  # operations and symbols of an expression that vanishes
-_INPUTS = {
-    "posture": "the rates of driven joints",
-    "twist": "components of the twist",
-    "eta": "the coordinates η",
-}
 _MODELS = ("posture", "configuration", "zeta", "trailer")  # functions that `wmrgen model` writes
 
 
 def factored(p: Poly) -> str:
     """A determinant in factors, where its numbers are short: of long ones common divisors are no help to a reader."""
-    return latex(reduced(p, Poly.of(1)) if _short([p]) else p)
+    if not _short([p]):
+        return latex(p)
+    (own,), added = with_sums([p])
+    return total(_named(terms(reduced(own, Poly.of(1))), added))
+
+
+def with_sums(polys: Sequence[Poly]) -> tuple[list[Poly], dict[str, Poly]]:
+    """The polynomials in sums and differences of named lengths, where those save two terms; and what these are:
+    4 s^2 + 3 h^2 for 4 a^2 + 8 a b + 4 b^2 + 3 h^2, s being a + b."""
+    own, added = list(polys), dict[str, Poly]()
+    names = sorted({g.name for p in polys for g in p.generators if g.kind == "param"})
+    for a, b in combinations(names, 2):
+        for sign in (1, -1):
+            total_length = Poly.gen("param", f"~{len(added)}")
+            rest = total_length - Poly.gen("param", b).scale(sign)
+            tried = [p.substitute({Gen("param", a): rest}.get) for p in own]
+            if sum(len(p.terms) for p in tried) < sum(len(p.terms) for p in own) - 1:
+                own = tried
+                added[f"~{len(added)}"] = Poly.gen("param", a) + Poly.gen("param", b).scale(sign)
+    return own, added
+
+
+def _named(summed: Sequence[Term], added: Mapping[str, Poly]) -> list[Term]:
+    """The terms with the sums of lengths written out, those below the line too."""
+    sums = {notation.parameter(name): latex(p) for name, p in added.items()}
+
+    def written(f: Factor) -> Factor:
+        if f.base in sums:
+            return replace(f, base=sums[f.base], order=(2, ""), compound=True)
+        for mark, text in sums.items():
+            f = replace(f, base=f.base.replace(mark, rf"\left({text}\right)"))
+        return f
+
+    return [replace(t, factors=tuple(map(written, t.factors))) for t in summed]
 
 
 def _short(polys: Sequence[Poly]) -> bool:
@@ -181,10 +206,11 @@ def _one_root(below: Poly) -> bool:
 
 def _quotients(above: Sequence[Poly], below: Poly, ports: Ports) -> list[list[Term]]:
     """above / below as sums."""
-    if len(below.terms) == 1:
+    (*above, below), added = with_sums([*above, below])
+    if len(below.terms) == 1 and not added:
         order = {notation.port(name): (3 + k, "") for k, name in enumerate(ports.values())}
         return [with_tangents(_in_order(terms(p * below.inverse()), order)) for p in above]
-    return [with_tangents(terms(reduced(p, below), ports)) for p in above]
+    return [with_tangents(_named(terms(reduced(p, below), ports), added)) for p in above]
 
 
 def _in_order(summed: Sequence[Term], order: Mapping[str, tuple[int, str]]) -> list[Term]:
@@ -230,62 +256,6 @@ def _worth(value: Exact, head: str) -> str:
     equal = f"= {fraction} " if value.is_rational and fraction not in ("", head) else ""
     decimal = notation.decimal(float(value))
     return rf"{equal}\approx {decimal}" if decimal != head else ""
-
-
-def regular(d: Derivation) -> list[str]:
-    """The forms of the model, which one is the state space, and which holds where."""
-    space = d.default_state_space
-    if space is None:
-        return []
-    systems = forms(d.robot, d.mobility)
-    sliding = [form for form in systems if rolls_alone(form, d.driven.mobility)]
-    always = [form for form, system in systems.items() if form not in sliding and not system.domain]
-    files = f"{code(f'{d.robot.name}_ode.casadi')}, {code('ode')} in {code(f'{d.robot.name}.py')}"
-    eta = systems.get("eta")
-    same = [form for form, s in systems.items() if eta and form != "eta" and s.inputs == eta.inputs]
-    words = {form: f"{_INPUTS[form]} ({code(form)})" for form in systems if form not in same}
-    if same:
-        words["eta"] = (
-            f"{_INPUTS['eta']} ({listed(['eta', *same])}: too few joints are driven for their rates to do)"
-        )
-    intro = (
-        "`wmrgen model` prints the model q̇ = G(q) u, whose inputs u are "
-        f"{notation.listed([*words.values()], 'or')}. {code(space.form)} is the state space ({files})."
-    )
-    if always:
-        intro += f" {listed(always)} hold{'s' * (len(always) == 1)} in every motion."
-    if sliding:
-        intro += f" {listed(sliding)} do{'es' * (len(sliding) == 1)} not hold where {ROLLING_ALONE}."
-    if space.limits:
-        limits = (
-            f"{code(f'{d.robot.name}_limits.casadi')} and {code('limits')} in {code(f'{d.robot.name}.py')}"
-        )
-        one = len(space.limits) == 1
-        intro += (
-            f" The robot file limits {listed([p.name for p in space.limits])}, too, which "
-            f"{'is neither a state nor an input' if one else 'are neither states nor inputs'} of {code(space.form)}: "
-            f"{limits} give {'it' if one else 'them'} as a function of both, and {code('model.json')} has the bounds."
-        )
-    if space.limited.absent:
-        intro += f" For the limits of {listed(space.limited.absent)} {code(space.form)} has no variable."
-    return [intro, *(block for form, system in systems.items() for block in _exceptions(form, system))]
-
-
-def _exceptions(form: str, system: System) -> list[str]:
-    """Where a form does not hold, and why."""
-    names = symbol_names((*system.state, *system.inputs, *system.geometry))
-    blocks = []
-    for domain in system.domain:
-        why = sentence(domain.text.replace(": ", ", for ", 1))
-        if form == "eta":
-            blocks += [f"{code(form)} does not hold where {why}. Section 9 has the condition."]
-            continue
-        if size(domain.expression) > _CONDITION:
-            blocks += [f"{code(form)} does not hold where a long expression vanishes: {why}."]
-            continue
-        parts = summands(gathered(terms(tidy(domain.expression), names)))
-        blocks += [f"{code(form)} does not hold where {why}:", *aligned([f"0 &= {wrapped(parts)}"])]
-    return blocks
 
 
 def model(d: Derivation, f: Formula) -> list[str]:

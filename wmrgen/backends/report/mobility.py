@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wmrgen.backends.report.angles import equation, gathered, roots
+from wmrgen.backends.report.angles import equation, gathered, roots, short
 from wmrgen.backends.report.latex import latex, summands, terms, width, wrapped
 from wmrgen.backends.report.markdown import (
     aligned,
@@ -111,7 +111,7 @@ def _verdicts(d: Derivation) -> list[str]:
         f"{said} (DDOF = {m.ddof}), and poses of dimension {m.dof} can be reached "
         f"(DOF = {m.dof}). Holonomic means DDOF = DOF, omnidirectional DDOF = 3: the robot is {_called(m)}. "
         f"The growth vector ({', '.join(map(str, vector))}) counts the dimensions that the inputs span, then "
-        f"those with their brackets, one order at a time{states}: the degree of nonholonomy is {len(vector)}."
+        f"those with their Lie brackets, one order at a time{states}: the degree of nonholonomy is {len(vector)}."
     ]
 
 
@@ -132,7 +132,7 @@ def _actuation(d: Derivation) -> list[str]:
         Poly.sum(p * q for p, q in zip(_with_one_angle(row, d.robot), spins, strict=True))
         for row in relations(d.robot, d.mobility, symbolic_view)
     ]
-    lines = [f"0 &= {wrapped(summands(gathered(terms(p))))}" for p in whole(sums)]
+    lines = [f"0 &= {wrapped(summands(gathered(terms(short(p)))))}" for p in whole(sums)]
     if not lines or max(map(width, lines)) > _RELATION or len(lines) > _RELATIONS:
         return blocks
     held = ", the steering held," if any(g.kind in ("cos", "sin") for p in sums for g in p.generators) else ""
@@ -242,11 +242,16 @@ def singular(d: Derivation) -> list[str]:
 def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
     """Steered wheels whose pivot is the ICR."""
     wheels = [d.robot.wheel(s.wheels[0]) for s in pivots]
-    still = "" if any(_turns_about(w, d.mobility) for w in wheels) else " The robot then stands still, too."
+    turns = any(_turns_about(w, d.mobility) for w in wheels)
+    when = (
+        "where it is the ICR or the robot stands still"
+        if turns
+        else "only where the whole robot stands still"
+    )
     return [
-        f"A steered wheel whose pivot (x, y) is the ICR stands still ({some(wheels)}): v<sub>x</sub> − y ω = 0 and "
-        f"v<sub>y</sub> + x ω = 0.{still} The wheel's heading is undefined there (section 6); close by, a "
-        "small change of the twist asks for a large change of the angle."
+        f"The heading of a steered wheel ({some(wheels)}) is undefined where its pivot (x, y) stands still, "
+        f"v<sub>x</sub> − y ω = 0 and v<sub>y</sub> + x ω = 0: {when}. Close by, a small change of the twist asks for "
+        "a large change of the angle (section 6)."
     ]
 
 

@@ -1,26 +1,37 @@
-"""Section 8: odometry along an arc, and the posture model."""
+"""Section 8: odometry along an arc, the posture model, and its forms."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from wmrgen import notation
 from wmrgen.backends.report.angles import gathered, with_tangents
-from wmrgen.backends.report.latex import broken, pieces, summands, terms, total, width, wrapped
-from wmrgen.backends.report.markdown import aligned, code, listed
+from wmrgen.backends.report.latex import latex, pieces, summands, terms, total, width, wrapped
+from wmrgen.backends.report.markdown import aligned, code, listed, sentence
 from wmrgen.errors import NotDerivableError
+from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.models.inputs import posture_motion
 from wmrgen.functions.models.sheet import LONGEST, tidy
+from wmrgen.functions.models.state_space import ROLLING_ALONE, forms, rolls_alone
+from wmrgen.functions.system import System
 from wmrgen.functions.trailers.trailer import state_ports, turns
 from wmrgen.layout.records import Robot
 from wmrgen.ports import TWIST_NAMES
-from wmrgen.printing import size
+from wmrgen.printing import size, symbol_names
 from wmrgen.robot import Derivation
 from wmrgen.symbolic import Expr, signal
 
 _WIDEST = 90  # glyphs of a line of the model in wheel speeds
 _SHORT = 45  # glyphs of v_x that is written twice
+
+_INPUTS = {
+    "posture": "the rates of driven joints",
+    "twist": "components of the twist",
+    "eta": "the coordinates η",
+}
+_CONDITION = 200  # operations and symbols of an expression that vanishes
 
 
 def motion(d: Derivation) -> list[str]:
@@ -67,6 +78,8 @@ def _posture(d: Derivation) -> list[str]:
             for n, p in zip(TWIST_NAMES, rates, strict=True)
         ),
     ]
+    if rates == etas:
+        in_eta = ["As N = I, these are the twist itself, η = ξ."]
     driven = _in_driven_speeds(d)
     return [*general, *(driven or [*in_eta, *_angles(d.robot, d.mobility.basis_wheels)])]
 
@@ -156,5 +169,66 @@ def _trailers(robot: Robot, towed: Sequence[Expr]) -> list[str]:
     last = {theta: signal(name) for theta, name in headings.items()}
     towed = [turn.xreplace(last) for turn in towed]
     ports = {name: p.name for name, p in zip(headings.values(), state_ports(robot.trailers), strict=True)}
-    names = (rf"\dot{{\theta}}_{{{notation.wheel(t.name)}}}" for t in robot.trailers)
-    return [f"{name} &= {broken(tidy(turn), ports)}" for name, turn in zip(names, towed, strict=True)]
+    lines = []
+    for trailer, turn in zip(robot.trailers, towed, strict=True):
+        length = trailer.length.symbolic.constant or ONE  # a name is a divisor already
+        pulled = total([replace(t, number=t.number * length) for t in terms(tidy(turn), ports)])
+        over = pulled if length == ONE else rf"\frac{{{pulled}}}{{{latex(Poly.of(length))}}}"
+        lines.append(rf"\dot{{\theta}}_{{{notation.wheel(trailer.name)}}} &= {over}")
+    return lines
+
+
+def regular(d: Derivation) -> list[str]:
+    """The forms of the model, which one is the state space, and which holds where."""
+    space = d.default_state_space
+    if space is None:
+        return []
+    systems = forms(d.robot, d.mobility)
+    sliding = [form for form in systems if rolls_alone(form, d.driven.mobility)]
+    always = [form for form, system in systems.items() if form not in sliding and not system.domain]
+    files = f"{code(f'{d.robot.name}_ode.casadi')}, {code('ode')} in {code(f'{d.robot.name}.py')}"
+    eta = systems.get("eta")
+    same = [form for form, s in systems.items() if eta and form != "eta" and s.inputs == eta.inputs]
+    words = {form: f"{_INPUTS[form]} ({code(form)})" for form in systems if form not in same}
+    if same:
+        words["eta"] = (
+            f"{_INPUTS['eta']} ({listed(['eta', *same])}: too few joints are driven for their rates to do)"
+        )
+    intro = (
+        "`wmrgen model` prints the model q̇ = G(q) u, whose inputs u are "
+        f"{notation.listed([*words.values()], 'or')}. {code(space.form)} is the state space ({files})."
+    )
+    if always:
+        intro += f" {listed(always)} hold{'s' * (len(always) == 1)} in every motion."
+    if sliding:
+        intro += f" {listed(sliding)} do{'es' * (len(sliding) == 1)} not hold where {ROLLING_ALONE}."
+    if space.limits:
+        limits = (
+            f"{code(f'{d.robot.name}_limits.casadi')} and {code('limits')} in {code(f'{d.robot.name}.py')}"
+        )
+        one = len(space.limits) == 1
+        intro += (
+            f" The robot file limits {listed([p.name for p in space.limits])}, too, which "
+            f"{'is neither a state nor an input' if one else 'are neither states nor inputs'} of {code(space.form)}: "
+            f"{limits} give {'it' if one else 'them'} in states and inputs, and {code('model.json')} has the bounds."
+        )
+    if space.limited.absent:
+        intro += f" For the limits of {listed(space.limited.absent)} {code(space.form)} has no variable."
+    return [intro, *(block for form, system in systems.items() for block in _exceptions(form, system))]
+
+
+def _exceptions(form: str, system: System) -> list[str]:
+    """Where a form does not hold, and why."""
+    names = symbol_names((*system.state, *system.inputs, *system.geometry))
+    blocks = []
+    for domain in system.domain:
+        why = sentence(domain.text.replace(": ", ", for ", 1))
+        if form == "eta":
+            blocks += [f"{code(form)} does not hold where {why}. Section 9 has the condition."]
+            continue
+        if size(domain.expression) > _CONDITION:
+            blocks += [f"{code(form)} does not hold where a long expression vanishes: {why}."]
+            continue
+        parts = summands(gathered(terms(tidy(domain.expression), names)))
+        blocks += [f"{code(form)} does not hold where {why}:", *aligned([f"0 &= {wrapped(parts)}"])]
+    return blocks

@@ -53,7 +53,8 @@ def kind_of_robot(d: Derivation) -> str:
     when = "at any instant" if m.robot_type else "without slip"  # a skid-steer robot turns, but slips
     wheels = Counter(w.kind.noun for w in robot.wheels)
     adds = _word(m.degree_of_steerability) if m.degree_of_steerability else "none"
-    moves = f"moves with {_count(m.degree_of_mobility, 'degree')} of freedom, and steering adds {adds}"
+    adds = f", and steering adds {adds}" * any(w.kind.steers for w in robot.wheels)
+    moves = f"moves with {_count(m.degree_of_mobility, 'degree')} of freedom{adds}"
     return (
         f"This robot has {notation.listed([_count(n, noun) for noun, n in wheels.items()])}. It is {kind} "
         f"({m.degree_of_mobility}, {m.degree_of_steerability}): {when} it "
@@ -101,7 +102,7 @@ def layout(d: Derivation) -> list[str]:
     blocks += _virtual(robot)
     if robot.trailers:
         rows = [[code(t.name), plain(t.length.nominal), plain(t.hitch.nominal)] for t in robot.trailers]
-        head = ["trailer", "length from coupling to axle", "coupling behind the axle in front"]
+        head = ["trailer", "length from hitch to axle", "hitch behind the axle in front"]
         blocks += ["It tows, from the robot backwards:", *table(head, rows, "lr")]
     notes = [*map(capitalised, robot.notes), *_remarks(robot)]
     return [*blocks, *items(notes)]

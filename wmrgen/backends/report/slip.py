@@ -1,0 +1,151 @@
+"""What ``slip`` of ``inverse`` is made of: what wheels forbid, what limits and couplings leave to sliding."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from wmrgen.backends.report.closed import pivot_velocity
+from wmrgen.backends.report.latex import latex, width
+from wmrgen.backends.report.letters import multiples, squares
+from wmrgen.backends.report.markdown import code, listed, math
+from wmrgen.constraints import XI
+from wmrgen.exact.evaluate import sqrt_poly
+from wmrgen.exact.poly import Gen, Poly, Row
+from wmrgen.kinematics.least_squares import Projection
+from wmrgen.kinematics.steer import NARROW, turning_points
+from wmrgen.layout.records import Robot, Wheel
+
+_ROOT = 120  # glyphs under a root
+
+
+def partners(robot: Robot, w: Wheel) -> list[Wheel]:
+    """The wheels that turn with it, itself among them."""
+    group = robot.steer_group
+    return [v for v in robot.wheels if group[v.index] == group[w.index]]
+
+
+def alike(wheels: list[Wheel], twist: Row) -> bool:
+    """One velocity and one zero heading: each single solution is the common one."""
+    return len({(*pivot_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
+
+
+def narrow_wheels(robot: Robot, wheels: list[Wheel], twist: Row) -> list[Wheel]:
+    """Wheels whose limits leave one heading at most."""
+    limits = [(w, robot.limit(w, "steer")) for w in wheels if alike(partners(robot, w), twist)]
+    return [w for w, limit in limits if limit and limit.high - limit.low <= NARROW]
+
+
+def _may_be_cut(robot: Robot, w: Wheel) -> bool:
+    limits = robot.limit(w, "steer")
+    return limits is not None and turning_points(limits) != limits
+
+
+def further_parts(robot: Robot, twist: Row) -> dict[str, str]:
+    """Squares that add to slip², and what they are of: what couplings and limits leave to sliding."""
+    more = {}
+    if unlike := _unlike(robot, twist):
+        castors = any(robot.wheel(n).kind.swivels for names in unlike for n in names)
+        swivels = ", or between d ψ̇ and its sideways speed" * castors
+        several = len(unlike) > 1
+        more[r"\sum " * several + r"\overline{\varepsilon^2}"] = (
+            f"ε, what a common rate leaves between r φ̇ and the rim speed of a coupled wheel{swivels}, a bar being the "
+            f"mean over {' and that over '.join(map(listed, unlike))}"
+        )
+    steered = [w for w in robot.wheels if w.kind.steers]
+    limited = [w for w in steered if _may_be_cut(robot, w)]
+    shared = [w for w in steered if not alike(partners(robot, w), twist)]
+    held = [w.name for w in steered if w in limited or w in shared]
+    if held:
+        cut = {w.name for w in narrow_wheels(robot, steered, twist)}
+        ways = (
+            (not cut.issuperset(held), "w cos Δ − u sin Δ with Δ = ψ⁺ − ψ"),
+            (cut, "(q − p t) / √(1 + t²)"),
+        )
+        speed = " or ".join(text for there, text in ways if there)
+        why = " or ".join(text for there, text in ((limited, "a limit"), (shared, "a coupling")) if there)
+        which = code(held[0]) if len(held) == 1 else "a steered wheel"
+        mean = f", a bar being the mean over {listed(held)}" * (len(held) > 1)
+        more[r"\overline{v_\perp^2}" if mean else r"v_\perp^2"] = (
+            f"v<sub>⊥</sub> = {speed}, the speed across {which} where {why} keeps it from the heading that rolls{mean}"
+        )
+    return more
+
+
+def slip(projection: Projection, steered: bool, more: Mapping[str, str]) -> list[str]:
+    """What `slip` is made of."""
+    forms = forms_of(projection)
+    forced = "the sideways speed that the commanded twist would force on the contact points"
+    follow = ["Nothing is taken away from the twist here: the wheels follow as well as they can."]
+    blocks = follow if forms and projection.twist == XI else []
+    if not forms and not any("varepsilon" in term for term in more):
+        blocks = [_admissible(steered, bool(more))]
+    if more:
+        then = "Then " if blocks and not forms else ""
+        parts = {_mean_square(projection): forced} | dict(more) if forms else more
+        return [
+            *blocks,
+            f"{then}`slip` [m/s] is made of {', and of '.join(parts.values())}:",
+            *math(rf"\mathrm{{slip}} = \sqrt{{{' + '.join(parts)}}}"),
+        ]
+    if not forms or (forms == [XI[1]] and projection.twist != XI):  # said where it is taken away
+        return blocks
+    words = f"`slip` is {forced.replace('speed', 'speed [m/s]')}"
+    if len(forms) == 1:
+        return [*blocks, f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]
+    root = rf"\mathrm{{slip}} = \sqrt{{{_mean_square(projection)}}}"
+    return [*blocks, f"{words}, root mean square over the wheels:", *math(root)]
+
+
+def _mean_square(projection: Projection) -> str:
+    """What the admissible twist leaves of the commanded one."""
+    forms = forms_of(projection)
+    counts = squares(forms)
+    each = min(counts.values()) if len(set(counts.values())) == 1 else 1
+    parts = multiples(counts, each)
+    shown = [text for k, text in enumerate(parts) if not k or width("".join(parts[: k + 1])) < _ROOT]
+    mean = " + ".join([*shown, *([r"\cdots"] if len(parts) > len(shown) else [])])
+    if len(forms) == 1 or projection.weight * each == 1:
+        return mean
+    return rf"{latex(Poly.of(projection.weight * each))}\left[ {mean} \right]"
+
+
+def _unlike(robot: Robot, twist: Row) -> list[list[str]]:
+    """Coupled wheels whose common spin or swivel rate may leave something to sliding (see `turned_unlike`)."""
+    castors = robot.together("steer", (w for w in robot.wheels if w.kind.swivels))
+    spun = [
+        wheels
+        for wheels in robot.together("spin", (w for w in robot.wheels if w.has_spin))
+        if any(w.turns for w in wheels)
+        and not (all(w in partners(robot, wheels[0]) for w in wheels) and alike(wheels, twist))
+    ]
+    return [[w.name for w in wheels] for wheels in (*castors, *spun) if len(wheels) > 1]
+
+
+def _admissible(steered: bool, held: bool) -> str:
+    """No fixed axle forbids a twist."""
+    if not steered:
+        return "Every twist is admissible, so `slip`, the distance to the nearest admissible twist, is 0."
+    unless = ", unless a limit or a coupling keeps a wheel from its angle" if held else ""
+    return (
+        "At given steering angles not every twist is admissible, but for every twist there are angles at which it is. "
+        f"`inverse` asks for these, so `slip`, the distance to the nearest admissible twist, is 0{unless}."
+    )
+
+
+def _rootless(p: Poly) -> Poly:
+    """The form, whose sign does not matter, with n x for the root of n² x² where it is one term."""
+    return p if len(p.terms) > 1 else p.substitute(_root_of_square)
+
+
+def _root_of_square(g: Gen) -> Poly | None:
+    if g.kind != "sqrt" or len(g.args[0].terms) > 1:
+        return None
+    ((square, number),) = g.args[0].terms.items()
+    root = sqrt_poly(Poly.of(number)).constant
+    if root is None or any(e % 2 for _, e in square):
+        return None
+    return Poly({tuple((h, e // 2) for h, e in square): root})
+
+
+def forms_of(projection: Projection) -> list[Poly]:
+    return [_rootless(p) for p in projection.residuals if p]

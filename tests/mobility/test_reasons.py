@@ -141,6 +141,24 @@ def test_every_reason(case: str) -> None:
     assert mobility(wheels, couplings).reasons == reasons
 
 
+@pytest.mark.parametrize(
+    ("radius", "joints", "said"),
+    [
+        (0.1, ["spin"], "The coupled spins admit a plane of twists only."),
+        (0.2, ["spin"], "The coupled spins admit a cone of twists only."),
+        (
+            0.1,
+            ["spin", "steer"],
+            "With equal steering the axles stay parallel: only translation remains, omega = 0.",
+        ),
+    ],
+)
+def test_what_is_coupled_is_what_admits(radius: float, joints: list[str], said: str) -> None:
+    """Wheels in line that turn at one speed have their ICR midway, or on a circle where their radii differ."""
+    pair = [wheel("a", "steered", 0.5, 0.0), wheel("b", "steered", -0.5, 0.0, r=radius)]
+    assert said in mobility(pair, [(joint, ["a", "b"]) for joint in joints]).reasons
+
+
 def test_lists_in_words() -> None:
     assert [listed(list("abc"[:n])) for n in (1, 2, 3)] == ["a", "a and b", "a, b and c"]
 

@@ -187,7 +187,20 @@ def test_a_track_is_between_wheels_that_roll_forward(name: str) -> None:
         if a.type == b.type and abs(a.pivot - b.pivot.conjugate()) < 1e-12 and abs(a.pivot.imag) > 1e-12
     ]
     ahead = any(abs(math.sin(a.heading)) < 1e-9 and abs(math.sin(b.heading)) < 1e-9 for a, b in pairs)
-    assert ("(the track)" in page_of(name)) == ahead
+    assert (re.search(r"\(the tracks?\)", page_of(name)) is not None) == ahead
+
+
+def test_each_track_is_said() -> None:
+    """A figure has the widest one, so that the text must not call another one the track."""
+    wheels = "".join(
+        f"  - {{name: w{k}, type: swedish, x: {x}, y: {y}, heading: 0, gamma: {'-' * (x * y > 0)}45 deg, r: 0.1}}\n"
+        for k, (x, y) in enumerate(((0.3, 0.21), (0.3, -0.21), (-0.2, 0.25), (-0.2, -0.25)))
+    )
+    page = page_written(f"wmrgen: 1\nname: sample\nwheels:\n{wheels}")
+    assert (
+        "`w0` and `w1` stand 0.42 m and `w2` and `w3` stand 0.5 m apart (the tracks); their y is the half-track"
+        in page
+    )
 
 
 @pytest.mark.parametrize("name", ROBOTS)

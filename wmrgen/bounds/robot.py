@@ -285,5 +285,5 @@ def rounded_up(value: float) -> str:
     text = f"{value:.1e}"
     if float(text) < value:
         mantissa, exponent = text.split("e")
-        text = f"{float(mantissa) + 0.1:.1f}e{exponent}"
+        text = f"{float(f'{float(mantissa) + 0.1:.1f}e{exponent}'):.1e}"
     return text

@@ -126,16 +126,20 @@ def _couplings(at: Configuration) -> list[str]:
 def _coupled(at: Configuration) -> list[str]:
     """What couplings leave of the motion."""
     sentences = []
-    normal = at.admissible.normal
+    normal, joints = at.admissible.normal, {joint for joint, _ in at.robot.couplings}
+    admit = {"steer": "The coupled steering admits", "spin": "The coupled spins admit"}
+    who = admit[min(joints)] if len(joints) == 1 else "The couplings admit"
     if normal is not None:
-        if not normal[0] and not normal[1]:
+        if normal[0] or normal[1]:
+            sentences.append(f"{who} a plane of twists only.")
+        elif "steer" in joints:
             sentences.append(
                 "With equal steering the axles stay parallel: only translation remains, omega = 0."
             )
         else:
-            sentences.append("The coupled steering admits a plane of twists only.")
+            sentences.append(f"{who} translation only, omega = 0.")
     elif not at.admissible.linear:
-        sentences.append("The coupled steering admits a cone of twists only.")
+        sentences.append(f"{who} a cone of twists only.")
     if coupled_sets(at.robot) and len(at.constant) > at.rank_fixed.value:
         sentences.append("Eliminating the coupled joint rates leaves a further constraint on the body.")
     return sentences

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_fcf0332c4fab0167)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_dc69ef08e6a6d300)
 #error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -206,11 +206,10 @@ def _in_code(p: Parameter) -> str:
 def _remarks(robot: Robot) -> list[str]:
     """The three things that are most often confused: half-track, rollers on top, X and O."""
     remarks = []
-    pair = _pair(robot)
-    if pair:
+    if pairs := _pairs(robot):
+        apart = [f"{code(a.name)} and {code(b.name)} stand {track} m" for track, (a, b) in pairs.items()]
         remarks.append(
-            f"{code(pair[0].name)} and {code(pair[1].name)} stand {rounded(2 * abs(float(pair[0].nominal.y)))} m "
-            "apart (the track); their y is the half-track."
+            f"{notation.listed(apart)} apart (the track{'s' * (len(pairs) > 1)}); their y is the half-track."
         )
     swedish = [w for w in robot.wheels if w.kind.rollers]
     if any(w.nominal.sg for w in swedish):
@@ -223,14 +222,15 @@ def _remarks(robot: Robot) -> list[str]:
     return remarks
 
 
-def _pair(robot: Robot) -> tuple[Wheel, Wheel] | None:
-    """Two wheels that roll forward and mirror each other beside P."""
+def _pairs(robot: Robot) -> dict[str, tuple[Wheel, Wheel]]:
+    """Wheels that roll forward and mirror each other beside P, the first of each distance [m]."""
+    pairs: dict[str, tuple[Wheel, Wheel]] = {}
     wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
     for a, b in combinations(wheels, 2):
         opposite = a.nominal.x == b.nominal.x and a.nominal.y == -b.nominal.y
         if a.type == b.type and opposite and a.nominal.y and not (a.nominal.sh or b.nominal.sh):
-            return a, b
-    return None
+            pairs.setdefault(rounded(2 * abs(float(a.nominal.y))), (a, b))
+    return pairs
 
 
 def _pattern(wheels: list[Wheel]) -> str:

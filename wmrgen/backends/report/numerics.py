@@ -115,8 +115,8 @@ def _ranges(bounds: Bounds) -> list[str]:
         title,
         "Proved for all inputs within the limits of the robot file: no NaN, no infinity, no division by zero, and",
         *table(head, rows, "llrrlr"),
-        f"The limits are {listed(bounds.declared)}. Inputs that have none are taken to be in {listed(bounds.assumed)}. The error is "
-        "that against the exact formula, comparisons decided as the code decides them "
+        f"The limits are {listed(bounds.declared)}. Inputs that have none are taken to be in {listed(bounds.assumed)}. "
+        "The error is that against the exact formula, comparisons decided as the code decides them "
         f"({described(bounds.library)}). There, speed is that of the steered wheel's pivot [m/s], where it is "
         "defined at all." + (f" {TIES}" if bounds.steers else ""),
     ]

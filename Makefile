@@ -43,6 +43,7 @@ generate: setup
 	$(BIN)/wmrgen gallery -o generated
 	$(BIN)/wmrgen textbook -o generated
 	$(BIN)/wmrgen schema --markdown > docs/robot_file.md
+	$(BIN)/wmrgen schema > robots/robot.schema.json
 
 # docs/, README and the reports as a site, build/docs/docs/index.html.
 docs: $(VENV)/.docs

@@ -133,9 +133,21 @@ def test_a_track_is_that_of_wheels_side_by_side_that_roll_forward() -> None:
     ]
 
 
-def test_p_between_its_axles_has_two_dimensions() -> None:
-    off = PAIR.replace("x: 0,", "x: -0.2,") + FRONT.format(0)
-    assert sorted(sizes(robot(off))) == ["0.2 m", "0.5 m", "track 0.4 m"]
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize(
+    ("axles", "said"),
+    [
+        ((-0.2, 0.5), ["0.2 m", "0.5 m"]), ((-0.3, 0.3), ["0.6 m"]), ((-0.3, 0.1, 0.3), ["0.2 m", "0.4 m"]),
+        ((-0.1, 0.2, 0.6, 0.9), ["0.3 m", "0.3 m", "0.4 m"]), ((-0.4, -0.2, 0.0, 0.2, 0.4), ["0.8 m"]),
+    ],
+)  # fmt: skip
+def test_each_distance_of_axles_is_told_once(axles: tuple[float, ...], said: list[str], way: int) -> None:
+    """However many wheels stand on one; and that of P from both of two axles, where it lies nearer to one."""
+    wheels = "".join(
+        PAIR.replace("type: fixed, x: 0,", f"type: steered, x: {way * x},").replace("name: ", f"name: w{k}")
+        for k, x in enumerate(axles)
+    )
+    assert sorted(sizes(robot(wheels))) == [*said, "track 0.4 m"]
 
 
 def test_trailers_stand_behind_each_other() -> None:

@@ -5,15 +5,17 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 from fractions import Fraction
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.ir.defined import RULES, Fact
 from wmrgen.exact.number import ZERO, Exact
+from wmrgen.ir import interval as iv
 from wmrgen.ir.interpret import EXACT
 from wmrgen.ir.ops import OPERATIONS, Op
-from wmrgen.ir.ops.analysis import Bounded
+from wmrgen.ir.ops.analysis import Bounded, from_slopes
 
 Array = np.ndarray
 COUNT, MOVES = 400, 40
@@ -199,6 +201,30 @@ def test_the_rounding_of_the_result_counts(op: Op) -> None:
     times = {Op.SIN: 4.0, Op.COS: 4.0, Op.ATAN: 12.0, Op.ATAN2: 12.0, Op.COMPENSATED: 2.0}.get(op, 1.0)
     finite = np.isfinite(plain.error).all(axis=0)
     assert rounds[:, finite] == pytest.approx(np.broadcast_to(times * size, (2, COUNT))[:, finite], rel=1e-6)
+
+
+ONES = (np.ones(1), np.ones(1))
+SLOPES = {  # of what does not round, rounds, and is a library's
+    Op.NEG: lambda a: ((-ONES[0], -ONES[1]),),
+    Op.SUB: lambda a, b: (ONES, (-ONES[0], -ONES[1])),
+    Op.MUL: lambda a, b: (b, a),
+    Op.SIN: lambda a: ((-ONES[0], ONES[1]),),
+    Op.ATAN: lambda a: (((1 + iv.magnitude(a) ** 2) ** -1, ONES[1]),),
+}
+
+
+@pytest.mark.parametrize("op", SLOPES, ids=str)
+def test_what_follows_from_derivatives_holds_as_well(op: Op) -> None:
+    """It is what an operation from outside has that says no more. The rounding of the result counts in it."""
+    rule = from_slopes(SimpleNamespace(many=op.many, slopes=SLOPES[op], ulps=op.ulps, rounds=op.rounds))
+    values, errors = arguments(op, 1e-3)
+    args = [Bounded(v, np.stack([e, e])) for v, e in zip(values, errors, strict=True)]
+    plain, result = rule(NO_UNIT, *args), rule(SINGLE, *args)
+    for at in moved(op, values, errors):
+        assert (np.abs(compute(op, *at) - result.value) <= plain.error[0] * (1 + 1e-9) + 1e-14).all()
+    rounding, size = (2 * op.ulps or op.rounds) * SINGLE, np.abs(result.value)
+    assert (result.error >= plain.error + rounding * size * (1 - 1e-9)).all()
+    assert (result.error <= (plain.error + rounding * (size + plain.error)) * (1 + 1e-9)).all()
 
 
 # ---- facts

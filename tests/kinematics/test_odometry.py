@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from fractions import Fraction
 from typing import Any
@@ -9,13 +10,20 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.laws.common import NAMES, gallery, law
 from tests.laws.layouts import twists
 from tests.oracle import oracle
+from wmrgen.ir.interpret import FLOAT64, evaluate
+from wmrgen.ir.nodes import Port, Role
 from wmrgen.kinematics.pose import SWITCH, WORST_ERROR
+from wmrgen.kinematics.records import Locals
+from wmrgen.lower import lower
+from wmrgen.ports import output
+from wmrgen.symbolic import signal
 
 TURNS = [0.0, 1e-300, 1e-12, 1e-8, 1e-5, 1e-3, 0.02, 0.0999999, 0.1, 0.1000001, 0.5, 1.0, 3.14159, 7.0]
 
@@ -31,6 +39,17 @@ def step(twist: Any, pose: Any = (0.0, 0.0, 0.0), dt: float = 1.0) -> np.ndarray
 def test_exponential_through_zero(omega: float) -> None:
     twist = np.array([0.8, -0.3, omega])
     np.testing.assert_allclose(step(twist), oracle.step(np.zeros(3), twist, 1.0), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("vector", [(2, 0), (0, 3), (2, 3), (0, 0)])
+def test_vectors_are_turned(vector: tuple[int, int]) -> None:
+    """Also those along an axis, of which formulas are shorter."""
+    names = Locals()
+    x, y = names.turned("v", (sympy.Integer(vector[0]), sympy.Integer(vector[1])), signal("theta"))
+    ports = (output("x", "", ""), x), (output("y", "", ""), y)
+    angle = Port("theta", Role.COMMAND, "rad", "an angle")
+    turned = evaluate(lower(names.formula("turned", [angle], ports, "")), {"theta": 0.7}, FLOAT64)
+    assert complex(turned["x"], turned["y"]) == pytest.approx(complex(*vector) * cmath.rect(1, 0.7))
 
 
 @law(200)

@@ -278,6 +278,17 @@ def test_steering_to_a_centre_meets_there(name: str) -> None:
             close(centre, [x, y], 1e-6)
 
 
+@pytest.mark.parametrize("name", HAVING["axles"])
+def test_a_wheel_that_is_half_turned_has_the_same_axle(name: str) -> None:
+    """A wheel that drives backward needs the same turn; the errors of the others stay, too."""
+    steer = inputs(name, "axles", 0.5)
+    result = call(name, "axles", steer)
+    for port in steer:
+        turned = call(name, "axles", steer | {port: steer[port] + math.pi})
+        for k in ("mismatch", *(k for k in result if k.endswith(".error"))):
+            close(turned[k], result[k], 1e-6)
+
+
 def test_axles_do_not_depend_on_the_origin() -> None:
     """The same wheels seen from another origin: same mismatch and errors, the ICR shifted."""
     shift = (0.7, -1.3)

@@ -24,7 +24,7 @@ class Conditional(str):
     __slots__ = ()
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Op:
     """A scalar operation.
 

@@ -33,7 +33,8 @@ from wmrgen.spec.text import (
 
 LENGTHS = {  # what a parameter gives: the words by which it is known
     "track": "wheel_separation wheel_separation_y wheel_separation_w wheels_separation wheels.separation"
-    " wheel_seperation track wheel_track wheels_track track_width axle_track axle_width base_width wheel_distance chassis_width",
+    " wheel_seperation track wheel_track wheels_track track_width axle_track axle_width base_width wheel_distance"
+    " chassis_width",
     "front_track": "front_wheel_track steering_track_width kingpin_width",
     "rear_track": "rear_wheel_track traction_track_width",
     "wheelbase": "wheelbase wheel_base axis_separation wheel_separation_x wheel_separation_h chassis_length",

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_f56d8f8144c04e46)
+#if !defined(ACKERMANN_CAR_PAIR_40ae3ea8b05d65fe)
 #error "ackermann_car.c and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -262,10 +262,11 @@ void ackermann_car_forward(const ackermann_car_wheels *wheels, ackermann_car_twi
     (void)slip;
 #else
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
-    /* row of H of front_right, omega */
+    /* omega in the row of H of front_right */
     const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y));
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
-    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* row of H of front_left, omega */
+    /* omega in the row of H of front_left */
+    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x);
     /* HtH[2][2] */
     const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f));
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
@@ -298,10 +299,11 @@ void ackermann_car_forward_slip(
     float *slip)
 {
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
-    /* row of H of front_right, omega */
+    /* omega in the row of H of front_right */
     const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y));
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
-    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* row of H of front_left, omega */
+    /* omega in the row of H of front_left */
+    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x);
     /* HtH[2][2] */
     const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f));
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
@@ -343,9 +345,9 @@ void ackermann_car_forward_slip(
 void ackermann_car_odometry(ackermann_car_pose *pose, const ackermann_car_twist *twist, float dt)
 {
     const float t0 = dt * twist->omega;
-    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
-    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float chord = dt * wmrgen_sinc(half_turn);
     const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
     const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 

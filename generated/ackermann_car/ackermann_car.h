@@ -30,7 +30,7 @@
 
 #define ACKERMANN_CAR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define ACKERMANN_CAR_MODEL_HASH "eb341e17855b1420cc6ca418307addae" /**< digest of the model */
-#define ACKERMANN_CAR_PAIR_f56d8f8144c04e46 1 /**< header and source that were written together have the same */
+#define ACKERMANN_CAR_PAIR_40ae3ea8b05d65fe 1 /**< header and source that were written together have the same */
 #define ACKERMANN_CAR_WHEELS 4 /**< how many wheels the robot has */
 #define ACKERMANN_CAR_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define ACKERMANN_CAR_REAR_LEFT_Y 0.75f /**< [m] pivot, to the left of P */
@@ -90,7 +90,7 @@ enum ackermann_car_joint {
     ACKERMANN_CAR_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum ackermann_car_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum ackermann_car_joint, for loops over all; to the first for other numbers. */
 float *ackermann_car_joint(ackermann_car_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -156,13 +156,13 @@ void ackermann_car_odometry(ackermann_car_pose *pose, const ackermann_car_twist 
  * 105.001, |x| <= 100, |y| <= 100, |theta| <= 12.5664, 0 <= dt <= 0.1: no division by zero, no NaN,
  * no infinity; results in the ranges below; and off the exact formula, by rounding, at most as
  * stated (its own sines within 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the
- * last place). h is the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle
- * is not defined. Where two headings are equally near, or a wheel at its stop is about to turn
- * back, rounding decides which is taken: either is right, and the error is that of the one taken.
+ * last place). speed is that of the pivot of a steered wheel [m/s]; where it is 0, the angle is not
+ * defined. Where two headings are equally near, or a wheel at its stop is about to turn back,
+ * rounding decides which is taken: either is right, and the error is that of the one taken.
  *   inverse: rear_left.spin, rear_right.spin in [-105.001, 105.001] rad/s, off by 9.7e-06
  *   inverse: front_left.steer, front_right.steer in [-0.698132, 0.698132] rad, off by 1.4e-07 +
- *   9.4e-07/h where h >= 6.5e-05
- *   inverse_slip: slip in [0, 43.4506] m/s, off by 2.4e-05 where h >= 6.5e-05
+ *   9.4e-07/speed where speed >= 6.5e-05
+ *   inverse_slip: slip in [0, 43.4506] m/s, off by 2.4e-05 where speed >= 6.5e-05
  *   forward: vx in [-50.105, 50.105] m/s, off by 2.5e-04
  *   forward: vy in [-14.5432, 14.5432] m/s, off by 9.8e-05
  *   forward: omega in [-21.8657, 21.8657] rad/s, off by 9.2e-05

@@ -21,7 +21,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_f56d8f8144c04e46)
+#if !defined(ACKERMANN_CAR_PAIR_40ae3ea8b05d65fe)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

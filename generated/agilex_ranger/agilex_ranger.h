@@ -30,7 +30,7 @@
 
 #define AGILEX_RANGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define AGILEX_RANGER_MODEL_HASH "1cc967953353cbc07b77f77a5a26ce44" /**< digest of the model */
-#define AGILEX_RANGER_PAIR_9061cc083a2c0213 1 /**< header and source that were written together have the same */
+#define AGILEX_RANGER_PAIR_9c6ed7897e97eddc 1 /**< header and source that were written together have the same */
 #define AGILEX_RANGER_WHEELS 4 /**< how many wheels the robot has */
 #define AGILEX_RANGER_FRONT_LEFT_X 0.45f /**< [m] pivot, forward of P */
 #define AGILEX_RANGER_FRONT_LEFT_Y 0.28f /**< [m] pivot, to the left of P */
@@ -112,7 +112,7 @@ enum agilex_ranger_joint {
     AGILEX_RANGER_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum agilex_ranger_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum agilex_ranger_joint, for loops over all; to the first for other numbers. */
 float *agilex_ranger_joint(agilex_ranger_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -179,15 +179,15 @@ void agilex_ranger_odometry(agilex_ranger_pose *pose, const agilex_ranger_twist 
  * |front_left.spin, front_right.spin, rear_left.spin, rear_right.spin| <= 35.2067, |x| <= 100, |y|
  * <= 100, |theta| <= 12.5664, 0 <= dt <= 0.1: no division by zero, no NaN, no infinity; results in
  * the ranges below; and off the exact formula, by rounding, at most as stated (its own sines within
- * 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the last place). h is the speed
- * [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined. Where two
- * headings are equally near, or a wheel at its stop is about to turn back, rounding decides which
- * is taken: either is right, and the error is that of the one taken.
+ * 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the last place). speed is that of
+ * the pivot of a steered wheel [m/s]; where it is 0, the angle is not defined. Where two headings
+ * are equally near, or a wheel at its stop is about to turn back, rounding decides which is taken:
+ * either is right, and the error is that of the one taken.
  *   inverse: front_left.spin, front_right.spin, rear_left.spin, rear_right.spin in [-35.2067,
- *   35.2067] rad/s, off by 1.4e-04 where h >= 2.4e-05
+ *   35.2067] rad/s, off by 1.4e-04 where speed >= 2.4e-05
  *   inverse: front_left.steer, front_right.steer, rear_left.steer, rear_right.steer in [-1.57001,
- *   1.57001] rad, off by 8.0e-07 + 4.0e-06/h where h >= 2.4e-05
- *   inverse_slip: slip in [0, 4.2248] m/s, off by 1.7e-05 where h >= 2.4e-05
+ *   1.57001] rad, off by 8.0e-07 + 4.0e-06/speed where speed >= 2.4e-05
+ *   inverse_slip: slip in [0, 4.2248] m/s, off by 1.7e-05 where speed >= 2.4e-05
  *   forward: vx in [-4.22481, 4.22481] m/s, off by 1.7e-06
  *   forward: vy in [-4.22481, 4.22481] m/s, off by 1.7e-06
  *   forward: omega in [-7.97142, 7.97142] rad/s, off by 4.4e-06

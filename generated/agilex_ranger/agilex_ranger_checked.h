@@ -21,7 +21,7 @@
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_9061cc083a2c0213)
+#if !defined(AGILEX_RANGER_PAIR_9c6ed7897e97eddc)
 #error "agilex_ranger_checked.h and agilex_ranger.h were not generated together: copy both"
 #endif
 

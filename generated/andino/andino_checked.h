@@ -21,7 +21,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_b31d944c926bbfb7)
+#if !defined(ANDINO_PAIR_86563d80bac3cd6c)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

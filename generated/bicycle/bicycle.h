@@ -28,7 +28,7 @@
 
 #define BICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define BICYCLE_MODEL_HASH "00ce97b9fe339a18cd2e3102598225a0" /**< digest of the model */
-#define BICYCLE_PAIR_0a948b3525827263 1 /**< header and source that were written together have the same */
+#define BICYCLE_PAIR_83b51e9ff4a2474a 1 /**< header and source that were written together have the same */
 #define BICYCLE_WHEELS 2 /**< how many wheels the robot has */
 #define BICYCLE_REAR_X 0.0f /**< [m] pivot, forward of P */
 #define BICYCLE_REAR_Y 0.0f /**< [m] pivot, to the left of P */
@@ -76,7 +76,7 @@ enum bicycle_joint {
     BICYCLE_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum bicycle_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum bicycle_joint, for loops over all; to the first for other numbers. */
 float *bicycle_joint(bicycle_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -134,13 +134,14 @@ void bicycle_odometry(bicycle_pose *pose, const bicycle_twist *twist, float dt);
  * have no limits: |vy| <= 8, |rear.spin| <= 23.5295, |x| <= 100, |y| <= 100, |theta| <= 12.5664, 0
  * <= dt <= 0.1: no division by zero, no NaN, no infinity; results in the ranges below; and off the
  * exact formula, by rounding, at most as stated (its own sines within 2.36 * 2**-24 up to 100 rad,
- * arctangents within 1.19 units in the last place). h is the speed [m/s] of the pivot of a steered
- * wheel; where it vanishes, the angle is not defined. Where two headings are equally near, or a
- * wheel at its stop is about to turn back, rounding decides which is taken: either is right, and
- * the error is that of the one taken.
+ * arctangents within 1.19 units in the last place). speed is that of the pivot of a steered wheel
+ * [m/s]; where it is 0, the angle is not defined. Where two headings are equally near, or a wheel
+ * at its stop is about to turn back, rounding decides which is taken: either is right, and the
+ * error is that of the one taken.
  *   inverse: rear.spin in [-23.5295, 23.5295] rad/s, off by 1.5e-06
- *   inverse: front.steer in [-1.0472, 1.0472] rad, off by 8.5e-07 + 6.3e-06/h where h >= 2.2e-05
- *   inverse_slip: slip in [0, 12.1392] m/s, off by 3.1e-05 where h >= 2.2e-05
+ *   inverse: front.steer in [-1.0472, 1.0472] rad, off by 8.5e-07 + 6.3e-06/speed where speed >=
+ *   2.2e-05
+ *   inverse_slip: slip in [0, 12.1392] m/s, off by 3.1e-05 where speed >= 2.2e-05
  *   forward: vx in [-9.15171, 9.15171] m/s, off by 2.4e-05
  *   forward: vy in [0, 0] m/s, off by 0
  *   forward: omega in [-14.3441, 14.3441] rad/s, off by 5.6e-05

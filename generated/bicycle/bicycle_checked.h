@@ -21,7 +21,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_0a948b3525827263)
+#if !defined(BICYCLE_PAIR_83b51e9ff4a2474a)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_54a613ba51982ae7)
+#if !defined(CAR_WITH_TRAILERS_PAIR_056ec3fc7ffb8821)
 #error "car_with_trailers.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -258,10 +258,11 @@ void car_with_trailers_forward(
     (void)slip;
 #else
     const wmrgen_vector front_right = wmrgen_vector_at(1.0f, wheels->front_right.steer);
-    /* row of H of front_right, omega */
+    /* omega in the row of H of front_right */
     const float front_right_rw = fmaf(1.4f, front_right.x, -(0.4f * front_right.y));
     const wmrgen_vector front_left = wmrgen_vector_at(1.0f, wheels->front_left.steer);
-    const float front_left_rw = fmaf(0.4f, front_left.y, 1.4f * front_left.x); /* row of H of front_left, omega */
+    /* omega in the row of H of front_left */
+    const float front_left_rw = fmaf(0.4f, front_left.y, 1.4f * front_left.x);
     /* HtH[2][2] */
     const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 0.32f));
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
@@ -294,10 +295,11 @@ void car_with_trailers_forward_slip(
     float *slip)
 {
     const wmrgen_vector front_right = wmrgen_vector_at(1.0f, wheels->front_right.steer);
-    /* row of H of front_right, omega */
+    /* omega in the row of H of front_right */
     const float front_right_rw = fmaf(1.4f, front_right.x, -(0.4f * front_right.y));
     const wmrgen_vector front_left = wmrgen_vector_at(1.0f, wheels->front_left.steer);
-    const float front_left_rw = fmaf(0.4f, front_left.y, 1.4f * front_left.x); /* row of H of front_left, omega */
+    /* omega in the row of H of front_left */
+    const float front_left_rw = fmaf(0.4f, front_left.y, 1.4f * front_left.x);
     /* HtH[2][2] */
     const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 0.32f));
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
@@ -342,9 +344,9 @@ void car_with_trailers_odometry(
     float dt)
 {
     const float t0 = dt * twist->omega;
-    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
-    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float chord = dt * wmrgen_sinc(half_turn);
     const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
     const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 

@@ -30,7 +30,7 @@
 
 #define CAR_WITH_TRAILERS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CAR_WITH_TRAILERS_MODEL_HASH "514fceca77c136231e62d89367bd4e18" /**< digest of the model */
-#define CAR_WITH_TRAILERS_PAIR_54a613ba51982ae7 1 /**< header and source that were written together have the same */
+#define CAR_WITH_TRAILERS_PAIR_056ec3fc7ffb8821 1 /**< header and source that were written together have the same */
 #define CAR_WITH_TRAILERS_WHEELS 4 /**< how many wheels the robot has */
 #define CAR_WITH_TRAILERS_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define CAR_WITH_TRAILERS_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */
@@ -141,7 +141,7 @@ enum car_with_trailers_joint {
     CAR_WITH_TRAILERS_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum car_with_trailers_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum car_with_trailers_joint, for loops over all; to the first for other numbers. */
 float *car_with_trailers_joint(car_with_trailers_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -229,14 +229,14 @@ void car_with_trailers_trailer(
  * 21.8182, |x| <= 100, |y| <= 100, |theta, trailer1.theta, trailer2.theta| <= 12.5664, 0 <= dt <=
  * 0.1, |front.steer| <= 12.5664, |rear.speed| <= 2: no division by zero, no NaN, no infinity;
  * results in the ranges below; and off the exact formula, by rounding, at most as stated (its own
- * sines within 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the last place). h is
- * the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined.
- * Where two headings are equally near, or a wheel at its stop is about to turn back, rounding
- * decides which is taken: either is right, and the error is that of the one taken.
+ * sines within 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the last place). speed
+ * is that of the pivot of a steered wheel [m/s]; where it is 0, the angle is not defined. Where two
+ * headings are equally near, or a wheel at its stop is about to turn back, rounding decides which
+ * is taken: either is right, and the error is that of the one taken.
  *   inverse: rear_left.spin, rear_right.spin in [-21.8182, 21.8182] rad/s, off by 2.5e-06
  *   inverse: front_left.steer, front_right.steer in [-0.698132, 0.698132] rad, off by 1.6e-07 +
- *   1.3e-07/h where h >= 9.0e-06
- *   inverse_slip: slip in [0, 3.95656] m/s, off by 2.6e-06 where h >= 9.0e-06
+ *   1.3e-07/speed where speed >= 9.0e-06
+ *   inverse_slip: slip in [0, 3.95656] m/s, off by 2.6e-06 where speed >= 9.0e-06
  *   forward: vx in [-3.83178, 3.83178] m/s, off by 2.0e-05
  *   forward: vy in [-1.08418, 1.08418] m/s, off by 7.6e-06
  *   forward: omega in [-2.99006, 2.99006] rad/s, off by 1.3e-05

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_54a613ba51982ae7)
+#if !defined(CAR_WITH_TRAILERS_PAIR_056ec3fc7ffb8821)
 #error "car_with_trailers_checked.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -36,7 +36,7 @@
 
 #define CLEARPATH_R100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_R100_MODEL_HASH "deec2372809346c365996ee8244d4a09" /**< digest of the model */
-#define CLEARPATH_R100_PAIR_e8953584f5cb4c05 1 /**< header and source that were written together have the same */
+#define CLEARPATH_R100_PAIR_46e2179dccbaba2a 1 /**< header and source that were written together have the same */
 #define CLEARPATH_R100_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_R100_FRONT_LEFT_X 0.319f /**< [m] pivot, forward of P */
 #define CLEARPATH_R100_FRONT_LEFT_Y 0.2755f /**< [m] pivot, to the left of P */
@@ -91,11 +91,11 @@ typedef struct {
 
 /** What clearpath_r100_prepare() works out once from the parameters; the steps only read it. */
 typedef struct {
-    float k0; /**< of the parameters alone */
-    float k1; /**< of the parameters alone */
-    float k2; /**< of the parameters alone */
-    float k3; /**< of the parameters alone */
-    float k4; /**< of the parameters alone */
+    float k0; /**< 1 / radius */
+    float k1; /**< 0.5945 / radius */
+    float k2; /**< 0.25 * radius */
+    float k3; /**< -0.420521 * radius */
+    float k4; /**< 0.353553 * radius */
 } clearpath_r100_prepared;
 
 /** Joints in the order of clearpath_r100_wheels. */
@@ -107,7 +107,7 @@ enum clearpath_r100_joint {
     CLEARPATH_R100_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum clearpath_r100_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum clearpath_r100_joint, for loops over all; to the first for other numbers. */
 float *clearpath_r100_joint(clearpath_r100_wheels *wheels, int joint);
 
 /** Sets the parameters to the nominal values of the robot file. */
@@ -125,8 +125,7 @@ void clearpath_r100_inverse(
     const clearpath_r100_twist *twist,
     clearpath_r100_wheels *out);
 
-/** Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
+/** Sliding that the ground must give when this twist is driven. */
 void clearpath_r100_inverse_slip(
     const clearpath_r100_prepared *prepared,
     const clearpath_r100_twist *twist,

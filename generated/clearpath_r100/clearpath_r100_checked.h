@@ -26,7 +26,7 @@
 
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_e8953584f5cb4c05)
+#if !defined(CLEARPATH_R100_PAIR_46e2179dccbaba2a)
 #error "clearpath_r100_checked.h and clearpath_r100.h were not generated together: copy both"
 #endif
 

@@ -28,7 +28,7 @@
 
 #define F1TENTH_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define F1TENTH_MODEL_HASH "3f32f4ec59f3144446e8c0bcd8fd3e33" /**< digest of the model */
-#define F1TENTH_PAIR_0dd9e916e473e671 1 /**< header and source that were written together have the same */
+#define F1TENTH_PAIR_33b7f30c44c3a09b 1 /**< header and source that were written together have the same */
 #define F1TENTH_WHEELS 2 /**< how many wheels the robot has */
 #define F1TENTH_FRONT_X 0.15875f /**< [m] pivot, forward of P */
 #define F1TENTH_FRONT_Y 0.0f /**< [m] pivot, to the left of P */
@@ -78,7 +78,7 @@ enum f1tenth_joint {
     F1TENTH_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum f1tenth_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum f1tenth_joint, for loops over all; to the first for other numbers. */
 float *f1tenth_joint(f1tenth_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -153,13 +153,14 @@ void f1tenth_steer_toward(
  * |y| <= 100, |theta| <= 12.5664, 0 <= dt <= 0.1, |vx_wanted| <= 20, |vy_wanted| <= 20,
  * |omega_wanted| <= 10, |front.steer_wanted| <= 0.41888: no division by zero, no NaN, no infinity;
  * results in the ranges below; and off the exact formula, by rounding, at most as stated (its own
- * sines within 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the last place). h is
- * the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined.
- * Where two headings are equally near, or a wheel at its stop is about to turn back, rounding
- * decides which is taken: either is right, and the error is that of the one taken.
- *   inverse: front.steer in [-0.41888, 0.41888] rad, off by 7.1e-08 + 1.3e-07/h where h >= 5.9e-11
+ * sines within 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the last place). speed
+ * is that of the pivot of a steered wheel [m/s]; where it is 0, the angle is not defined. Where two
+ * headings are equally near, or a wheel at its stop is about to turn back, rounding decides which
+ * is taken: either is right, and the error is that of the one taken.
+ *   inverse: front.steer in [-0.41888, 0.41888] rad, off by 7.1e-08 + 1.3e-07/speed where speed >=
+ *   5.9e-11
  *   inverse: rear.spin in [-400.001, 400.001] rad/s, off by 1.6e-05
- *   inverse_slip: slip in [0, 24.9103] m/s, off by 7.2e-06 where h >= 5.9e-11
+ *   inverse_slip: slip in [0, 24.9103] m/s, off by 7.2e-06 where speed >= 5.9e-11
  *   forward: vx in [-20.2408, 20.2408] m/s, off by 1.4e-05
  *   forward: vy in [-4.67574, 4.67574] m/s, off by 1.1e-05
  *   forward: omega in [-27.2764, 27.2764] rad/s, off by 6.2e-05

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_e688a811f2ef2120)
+#if !defined(FESTO_ROBOTINO_PAIR_9a8fd87455ee196b)
 #error "festo_robotino_checked.c and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

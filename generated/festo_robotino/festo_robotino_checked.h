@@ -21,7 +21,7 @@
 
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_e688a811f2ef2120)
+#if !defined(FESTO_ROBOTINO_PAIR_9a8fd87455ee196b)
 #error "festo_robotino_checked.h and festo_robotino.h were not generated together: copy both"
 #endif
 

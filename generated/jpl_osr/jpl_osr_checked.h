@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_8cef57b173af717b)
+#if !defined(JPL_OSR_PAIR_accee10b823afb27)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 

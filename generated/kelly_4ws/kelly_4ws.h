@@ -30,7 +30,7 @@
 
 #define KELLY_4WS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KELLY_4WS_MODEL_HASH "b1fc9d5996d9038f1412f2205b2f7f8f" /**< digest of the model */
-#define KELLY_4WS_PAIR_8f37c7735cb9ff8d 1 /**< header and source that were written together have the same */
+#define KELLY_4WS_PAIR_65102e40360c61de 1 /**< header and source that were written together have the same */
 #define KELLY_4WS_WHEELS 4 /**< how many wheels the robot has */
 #define KELLY_4WS_W1_X 0.5f /**< [m] pivot, forward of P */
 #define KELLY_4WS_W1_Y 0.3f /**< [m] pivot, to the left of P */
@@ -107,7 +107,7 @@ enum kelly_4ws_joint {
     KELLY_4WS_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum kelly_4ws_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum kelly_4ws_joint, for loops over all; to the first for other numbers. */
 float *kelly_4ws_joint(kelly_4ws_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -119,8 +119,7 @@ void kelly_4ws_inverse(
     const kelly_4ws_wheels *now,
     kelly_4ws_wheels *out);
 
-/** Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
+/** Sliding that the ground must give when this twist is driven. */
 void kelly_4ws_inverse_slip(
     const kelly_4ws_twist *twist,
     const kelly_4ws_wheels *wheels,

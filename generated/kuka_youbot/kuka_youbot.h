@@ -36,7 +36,7 @@
 
 #define KUKA_YOUBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KUKA_YOUBOT_MODEL_HASH "40d272302b23a783ddd9e524ed2d1b7f" /**< digest of the model */
-#define KUKA_YOUBOT_PAIR_31be1ad002724f82 1 /**< header and source that were written together have the same */
+#define KUKA_YOUBOT_PAIR_26198d03583d7623 1 /**< header and source that were written together have the same */
 #define KUKA_YOUBOT_WHEELS 4 /**< how many wheels the robot has */
 #define KUKA_YOUBOT_FL_X 0.228f /**< [m] pivot, forward of P */
 #define KUKA_YOUBOT_FL_Y 0.158f /**< [m] pivot, to the left of P */
@@ -99,11 +99,11 @@ typedef struct {
 
 /** What kuka_youbot_prepare() works out once from the parameters; the steps only read it. */
 typedef struct {
-    float k0; /**< of the parameters alone */
-    float k1; /**< of the parameters alone */
-    float k2; /**< of the parameters alone */
-    float k3; /**< of the parameters alone */
-    float k4; /**< of the parameters alone */
+    float k0; /**< 1 / radius */
+    float k1; /**< 0.386 / radius */
+    float k2; /**< 0.25 * radius */
+    float k3; /**< -0.647668 * radius */
+    float k4; /**< 0.353553 * radius */
 } kuka_youbot_prepared;
 
 /** Joints in the order of kuka_youbot_wheels. */
@@ -115,7 +115,7 @@ enum kuka_youbot_joint {
     KUKA_YOUBOT_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum kuka_youbot_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum kuka_youbot_joint, for loops over all; to the first for other numbers. */
 float *kuka_youbot_joint(kuka_youbot_wheels *wheels, int joint);
 
 /** Sets the parameters to the nominal values of the robot file. */
@@ -133,8 +133,7 @@ void kuka_youbot_inverse(
     const kuka_youbot_twist *twist,
     kuka_youbot_wheels *out);
 
-/** Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
+/** Sliding that the ground must give when this twist is driven. */
 void kuka_youbot_inverse_slip(
     const kuka_youbot_prepared *prepared,
     const kuka_youbot_twist *twist,

@@ -30,7 +30,7 @@
 
 #define LEKIWI_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define LEKIWI_MODEL_HASH "030ed73b3dd53aaaf9ffb44c1aeeef14" /**< digest of the model */
-#define LEKIWI_PAIR_859ae10d1cebd0f0 1 /**< header and source that were written together have the same */
+#define LEKIWI_PAIR_7d2974660ec1edb2 1 /**< header and source that were written together have the same */
 #define LEKIWI_WHEELS 3 /**< how many wheels the robot has */
 #define LEKIWI_LEFT_WHEEL_X 0.0625f /**< [m] pivot, forward of P */
 #define LEKIWI_LEFT_WHEEL_Y 0.10825317f /**< [m] pivot, to the left of P */
@@ -82,15 +82,14 @@ enum lekiwi_joint {
     LEKIWI_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum lekiwi_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum lekiwi_joint, for loops over all; to the first for other numbers. */
 float *lekiwi_joint(lekiwi_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.
  * Operations of the formula: 4 additions, 4 multiplications. */
 void lekiwi_inverse(const lekiwi_twist *twist, lekiwi_wheels *out);
 
-/** Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
+/** Sliding that the ground must give when this twist is driven. */
 void lekiwi_inverse_slip(const lekiwi_twist *twist, float *slip);
 
 /** Sensed joint rates to the twist of P in the robot frame, least squares.

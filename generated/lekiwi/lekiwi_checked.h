@@ -21,7 +21,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_859ae10d1cebd0f0)
+#if !defined(LEKIWI_PAIR_7d2974660ec1edb2)
 #error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
 #endif
 

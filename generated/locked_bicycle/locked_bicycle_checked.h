@@ -21,7 +21,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_1d3b31dc20f5603d)
+#if !defined(LOCKED_BICYCLE_PAIR_e2e288a810b8c4bb)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(MIR_100_PAIR_2c8d1008b1d368f4)
+#if !defined(MIR_100_PAIR_8aa52f4d27f8d0f9)
 #error "mir_100_checked.c and mir_100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_2c8d1008b1d368f4)
+#if !defined(MIR_100_PAIR_8aa52f4d27f8d0f9)
 #error "mir_100_checked.h and mir_100.h were not generated together: copy both"
 #endif
 

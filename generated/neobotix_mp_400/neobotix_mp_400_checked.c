@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_3924e7b2aa57bace)
+#if !defined(NEOBOTIX_MP_400_PAIR_cbd486dbde7cbbe3)
 #error "neobotix_mp_400_checked.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

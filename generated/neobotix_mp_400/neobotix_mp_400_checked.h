@@ -21,7 +21,7 @@
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_3924e7b2aa57bace)
+#if !defined(NEOBOTIX_MP_400_PAIR_cbd486dbde7cbbe3)
 #error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

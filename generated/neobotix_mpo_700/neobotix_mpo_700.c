@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_0f4c9289876a3976)
+#if !defined(NEOBOTIX_MPO_700_PAIR_5fd9428d5c29e84c)
 #error "neobotix_mpo_700.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -385,9 +385,9 @@ void neobotix_mpo_700_odometry(
     float dt)
 {
     const float t0 = dt * twist->omega;
-    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
-    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float chord = dt * wmrgen_sinc(half_turn);
     const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
     const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 

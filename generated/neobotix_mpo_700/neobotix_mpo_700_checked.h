@@ -21,7 +21,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_0f4c9289876a3976)
+#if !defined(NEOBOTIX_MPO_700_PAIR_5fd9428d5c29e84c)
 #error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

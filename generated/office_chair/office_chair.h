@@ -30,7 +30,7 @@
 
 #define OFFICE_CHAIR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define OFFICE_CHAIR_MODEL_HASH "4463a58bff7a6950e1cc6049822d266d" /**< digest of the model */
-#define OFFICE_CHAIR_PAIR_8d9dbf88c03cb745 1 /**< header and source that were written together have the same */
+#define OFFICE_CHAIR_PAIR_5ca68367f05f03e7 1 /**< header and source that were written together have the same */
 #define OFFICE_CHAIR_WHEELS 5 /**< how many wheels the robot has */
 #define OFFICE_CHAIR_C1_X 0.28f /**< [m] pivot, forward of P */
 #define OFFICE_CHAIR_C1_Y 0.0f /**< [m] pivot, to the left of P */
@@ -66,16 +66,13 @@ typedef struct {
     float omega; /**< [rad/s] yaw rate, counter-clockwise */
 } office_chair_twist;
 
-/** Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
+/** Sliding that the ground must give when this twist is driven. */
 void office_chair_inverse_slip(const office_chair_twist *twist, float *slip);
 
-/** Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: none. */
+/** Sensed joint rates to the twist of P in the robot frame, least squares. */
 void office_chair_forward(office_chair_twist *twist);
 
-/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: none. */
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual. */
 void office_chair_forward_slip(office_chair_twist *twist, float *slip);
 
 /** Pose after driving a constant twist for dt.

@@ -21,7 +21,7 @@
 
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_8d9dbf88c03cb745)
+#if !defined(OFFICE_CHAIR_PAIR_5ca68367f05f03e7)
 #error "office_chair_checked.h and office_chair.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PIONEER3DX_PAIR_453038ee583f8439)
+#if !defined(PIONEER3DX_PAIR_f60847fc72f823b5)
 #error "pioneer3dx.c and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -265,9 +265,9 @@ void pioneer3dx_forward_slip(
 void pioneer3dx_odometry(pioneer3dx_pose *pose, const pioneer3dx_twist *twist, float dt)
 {
     const float t0 = dt * twist->omega;
-    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
-    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float chord = dt * wmrgen_sinc(half_turn);
     const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
     const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
@@ -312,9 +312,9 @@ void pioneer3dx_odometry_covariance(
     float dt)
 {
     const float t0 = dt * twist->omega;
-    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
-    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float chord = dt * wmrgen_sinc(half_turn);
     const float x_step = fmaf(twist->vx, t1.x, -(twist->vy * t1.y)) * chord;
     const float y_step = chord * fmaf(twist->vx, t1.y, t1.x * twist->vy);
     const float chord_x = t1.x * chord;
@@ -364,9 +364,9 @@ void pioneer3dx_odometry_from_angles(
 {
     const float vx_step = (step->left.spin + step->right.spin) * prepared->k2;
     const float t0 = step->left.spin - step->right.spin;
-    const float half_turn = t0 * prepared->k8; /* h */
+    const float half_turn = t0 * prepared->k8; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
-    const float sinc = wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float sinc = wmrgen_sinc(half_turn);
 
     pose->x = fmaf(vx_step * t1.x, sinc, pose->x);
     pose->y = fmaf(sinc, vx_step * t1.y, pose->y);

@@ -36,7 +36,7 @@
 
 #define PIONEER3DX_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PIONEER3DX_MODEL_HASH "4eb29b3e498165baa7aaf221d84107cf" /**< digest of the model */
-#define PIONEER3DX_PAIR_453038ee583f8439 1 /**< header and source that were written together have the same */
+#define PIONEER3DX_PAIR_f60847fc72f823b5 1 /**< header and source that were written together have the same */
 #define PIONEER3DX_WHEELS 3 /**< how many wheels the robot has */
 #define PIONEER3DX_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define PIONEER3DX_LEFT_Y 0.1655f /**< [m] pivot, to the left of P */
@@ -109,15 +109,15 @@ typedef struct {
 
 /** What pioneer3dx_prepare() works out once from the parameters; the steps only read it. */
 typedef struct {
-    float k0; /**< of the parameters alone */
-    float k1; /**< of the parameters alone */
-    float k2; /**< of the parameters alone */
-    float k3; /**< of the parameters alone */
-    float k4; /**< of the parameters alone */
-    float k5; /**< of the parameters alone */
-    float k6; /**< of the parameters alone */
-    float k7; /**< of the parameters alone */
-    float k8; /**< of the parameters alone */
+    float k0; /**< 1 / radius */
+    float k1; /**< half_track / radius */
+    float k2; /**< 0.5 * radius */
+    float k3; /**< 0.5 * (radius / half_track) */
+    float k4; /**< 0.0002 * (radius * radius) */
+    float k5; /**< 1 / (half_track * half_track) */
+    float k6; /**< 0.0001 * (radius * radius) */
+    float k7; /**< 0.0001 * (radius * radius / half_track) */
+    float k8; /**< -0.25 * (radius / half_track) */
 } pioneer3dx_prepared;
 
 /** Input of pioneer3dx_joints_from_counts().
@@ -142,7 +142,7 @@ enum pioneer3dx_joint {
     PIONEER3DX_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum pioneer3dx_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum pioneer3dx_joint, for loops over all; to the first for other numbers. */
 float *pioneer3dx_joint(pioneer3dx_wheels *wheels, int joint);
 
 /** Sets the parameters to the nominal values of the robot file. */

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_4358d9003564ee41)
+#if !defined(PR2_PAIR_c2f89f3738e33072)
 #error "pr2.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -421,9 +421,9 @@ void pr2_forward_slip(const pr2_wheels *wheels, pr2_twist *twist, float *slip)
 void pr2_odometry(pr2_pose *pose, const pr2_twist *twist, float dt)
 {
     const float t0 = dt * twist->omega;
-    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
-    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float chord = dt * wmrgen_sinc(half_turn);
     const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
     const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 

@@ -34,7 +34,7 @@
 
 #define PR2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PR2_MODEL_HASH "862e31713ba1ef798eb10dbf0b57ce06" /**< digest of the model */
-#define PR2_PAIR_4358d9003564ee41 1 /**< header and source that were written together have the same */
+#define PR2_PAIR_c2f89f3738e33072 1 /**< header and source that were written together have the same */
 #define PR2_WHEELS 8 /**< how many wheels the robot has */
 #define PR2_FL_L_X 0.2246f /**< [m] pivot, forward of P */
 #define PR2_FL_L_Y 0.2246f /**< [m] pivot, to the left of P */
@@ -155,7 +155,7 @@ enum pr2_joint {
     PR2_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum pr2_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum pr2_joint, for loops over all; to the first for other numbers. */
 float *pr2_joint(pr2_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -164,8 +164,7 @@ float *pr2_joint(pr2_wheels *wheels, int joint);
  * arctangents, 8 comparisons, 12 sign operations, 4 roundings. */
 void pr2_inverse(const pr2_twist *twist, const pr2_wheels *now, pr2_wheels *out);
 
-/** Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
+/** Sliding that the ground must give when this twist is driven. */
 void pr2_inverse_slip(const pr2_twist *twist, const pr2_wheels *wheels, float *slip);
 
 /** Sensed joint rates to the twist of P in the robot frame, least squares.

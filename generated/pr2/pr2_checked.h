@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_4358d9003564ee41)
+#if !defined(PR2_PAIR_c2f89f3738e33072)
 #error "pr2_checked.h and pr2.h were not generated together: copy both"
 #endif
 

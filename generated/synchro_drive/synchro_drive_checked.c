@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_fdfcd09f2df2a30e)
+#if !defined(SYNCHRO_DRIVE_PAIR_0b52255301ff0a04)
 #error "synchro_drive_checked.c and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_fdfcd09f2df2a30e)
+#if !defined(SYNCHRO_DRIVE_PAIR_0b52255301ff0a04)
 #error "synchro_drive_checked.h and synchro_drive.h were not generated together: copy both"
 #endif
 

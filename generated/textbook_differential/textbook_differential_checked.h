@@ -21,7 +21,7 @@
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_f216697663f93937)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_58ed0bd7ee771a4a)
 #error "textbook_differential_checked.h and textbook_differential.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_70a8f86ef3890682)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_8cb9279bafd4a417)
 #error "textbook_omni_steer_checked.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_70a8f86ef3890682)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_8cb9279bafd4a417)
 #error "textbook_omni_steer_checked.h and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_e304b39db8600ed5)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_b917f5ab7f539c74)
 #error "textbook_omnidirectional_checked.h and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

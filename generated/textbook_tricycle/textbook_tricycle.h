@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_TRICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TRICYCLE_MODEL_HASH "e18d34e68b76b0fe2d4a32acae82d872" /**< digest of the model */
-#define TEXTBOOK_TRICYCLE_PAIR_dc69ef08e6a6d300 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_TRICYCLE_PAIR_301ec82c6c480ece 1 /**< header and source that were written together have the same */
 #define TEXTBOOK_TRICYCLE_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */
@@ -88,7 +88,7 @@ enum textbook_tricycle_joint {
     TEXTBOOK_TRICYCLE_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum textbook_tricycle_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum textbook_tricycle_joint, for loops over all; to the first for other numbers. */
 float *textbook_tricycle_joint(textbook_tricycle_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -158,14 +158,15 @@ void textbook_tricycle_odometry(
  * 25.4546, |front.spin| <= 31.2812, |x| <= 100, |y| <= 100, |theta| <= 12.5664, 0 <= dt <= 0.1: no
  * division by zero, no NaN, no infinity; results in the ranges below; and off the exact formula, by
  * rounding, at most as stated (its own sines within 2.36 * 2**-24 up to 100 rad, arctangents within
- * 1.19 units in the last place). h is the speed [m/s] of the pivot of a steered wheel; where it
- * vanishes, the angle is not defined. Where two headings are equally near, or a wheel at its stop
- * is about to turn back, rounding decides which is taken: either is right, and the error is that of
- * the one taken.
+ * 1.19 units in the last place). speed is that of the pivot of a steered wheel [m/s]; where it is
+ * 0, the angle is not defined. Where two headings are equally near, or a wheel at its stop is about
+ * to turn back, rounding decides which is taken: either is right, and the error is that of the one
+ * taken.
  *   inverse: rear_left.spin, rear_right.spin in [-25.4546, 25.4546] rad/s, off by 2.6e-06
- *   inverse: front.spin in [-31.2812, 31.2812] rad/s, off by 1.0e-04 where h >= 1.1e-05
- *   inverse: front.steer in [-1.309, 1.309] rad, off by 8.4e-07 + 2.2e-06/h where h >= 1.1e-05
- *   inverse_slip: slip in [0, 3.97996] m/s, off by 1.2e-05 where h >= 1.1e-05
+ *   inverse: front.spin in [-31.2812, 31.2812] rad/s, off by 1.0e-04 where speed >= 1.1e-05
+ *   inverse: front.steer in [-1.309, 1.309] rad, off by 8.4e-07 + 2.2e-06/speed where speed >=
+ *   1.1e-05
+ *   inverse_slip: slip in [0, 3.97996] m/s, off by 1.2e-05 where speed >= 1.1e-05
  *   forward: vx in [-3.01365, 3.01365] m/s, off by 6.5e-07
  *   forward: vy in [-0.860572, 0.860572] m/s, off by 1.8e-07
  *   forward: omega in [-3.28409, 3.28409] rad/s, off by 8.1e-07

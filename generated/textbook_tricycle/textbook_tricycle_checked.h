@@ -21,7 +21,7 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_dc69ef08e6a6d300)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_301ec82c6c480ece)
 #error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_1f429020fb45a03a)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_1f16d8a12e328e02)
 #error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_fe1f4b394d5fe38f)
+#if !defined(TIDYBOT2_PAIR_14f2d42e5422e542)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_6a81f14d524104e0)
+#if !defined(TURTLEBOT3_BURGER_PAIR_4311782f1dd5d2fe)
 #error "turtlebot3_burger.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -201,9 +201,9 @@ void turtlebot3_burger_odometry(
     float dt)
 {
     const float t0 = dt * twist->omega;
-    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
-    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float chord = dt * wmrgen_sinc(half_turn);
     const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
     const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_6a81f14d524104e0)
+#if !defined(TURTLEBOT3_BURGER_PAIR_4311782f1dd5d2fe)
 #error "turtlebot3_burger_checked.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

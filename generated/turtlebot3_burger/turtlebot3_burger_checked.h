@@ -21,7 +21,7 @@
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_6a81f14d524104e0)
+#if !defined(TURTLEBOT3_BURGER_PAIR_4311782f1dd5d2fe)
 #error "turtlebot3_burger_checked.h and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(UNICYCLE_PAIR_c6795d51b3b00b86)
+#if !defined(UNICYCLE_PAIR_3832c81fe5b55b32)
 #error "unicycle.c and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -183,9 +183,9 @@ void unicycle_forward_slip(const unicycle_wheels *wheels, unicycle_twist *twist,
 void unicycle_odometry(unicycle_pose *pose, const unicycle_twist *twist, float dt)
 {
     const float t0 = dt * twist->omega;
-    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
-    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float chord = dt * wmrgen_sinc(half_turn);
     const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
     const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 

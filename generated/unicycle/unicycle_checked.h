@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_c6795d51b3b00b86)
+#if !defined(UNICYCLE_PAIR_3832c81fe5b55b32)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_ce60421f63124210)
+#if !defined(WPILIB_SWERVEBOT_PAIR_f3c2d4dd106c9395)
 #error "wpilib_swervebot.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -330,9 +330,9 @@ void wpilib_swervebot_odometry(
     float dt)
 {
     const float t0 = dt * twist->omega;
-    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
-    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float chord = dt * wmrgen_sinc(half_turn);
     const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
     const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
@@ -428,9 +428,9 @@ void wpilib_swervebot_odometry_covariance(
     float dt)
 {
     const float t0 = dt * twist->omega;
-    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
-    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float chord = dt * wmrgen_sinc(half_turn);
     const float x_step = fmaf(twist->vx, t1.x, -(twist->vy * t1.y)) * chord;
     const float y_step = chord * fmaf(twist->vx, t1.y, t1.x * twist->vy);
     const float chord_x = t1.x * chord;
@@ -488,10 +488,10 @@ void wpilib_swervebot_odometry_from_angles(
     const float t2 = front_right.x + back_right.x;
     const float t3 = front_left.x + back_left.x;
     const float t4 = t1 + (t2 - t3) - t0;
-    const float half_turn = 0.008333334f * t4; /* h */
+    const float half_turn = 0.008333334f * t4; /* sigma */
     const wmrgen_vector t5 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
     const float vx_fit = 0.0127f * (t2 + t3);
-    const float sinc = wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float sinc = wmrgen_sinc(half_turn);
     const float t6 = fmaf(fmaf(vx_fit, t5.x, -(vy_fit * t5.y)), sinc, pose->x);
     const float t7 = fmaf(sinc, fmaf(vx_fit, t5.y, t5.x * vy_fit), pose->y);
 

@@ -32,7 +32,7 @@
 
 #define WPILIB_SWERVEBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define WPILIB_SWERVEBOT_MODEL_HASH "0c1b0ac77bb03104efde90fa889954de" /**< digest of the model */
-#define WPILIB_SWERVEBOT_PAIR_ce60421f63124210 1 /**< header and source that were written together have the same */
+#define WPILIB_SWERVEBOT_PAIR_f3c2d4dd106c9395 1 /**< header and source that were written together have the same */
 #define WPILIB_SWERVEBOT_WHEELS 4 /**< how many wheels the robot has */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_X 0.381f /**< [m] pivot, forward of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_Y 0.381f /**< [m] pivot, to the left of P */
@@ -179,7 +179,7 @@ enum wpilib_swervebot_joint {
     WPILIB_SWERVEBOT_JOINTS /**< how many they are */
 };
 
-/** The place of a joint of enum wpilib_swervebot_joint, for loops over all; of the first where there is none. */
+/** Points to a joint by its number in enum wpilib_swervebot_joint, for loops over all; to the first for other numbers. */
 float *wpilib_swervebot_joint(wpilib_swervebot_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -191,8 +191,7 @@ void wpilib_swervebot_inverse(
     const wpilib_swervebot_wheels *now,
     wpilib_swervebot_wheels *out);
 
-/** Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
+/** Sliding that the ground must give when this twist is driven. */
 void wpilib_swervebot_inverse_slip(
     const wpilib_swervebot_twist *twist,
     const wpilib_swervebot_wheels *wheels,
@@ -313,14 +312,14 @@ void wpilib_swervebot_joints_from_counters(
  * |vy_wanted| <= 3, |omega_wanted| <= 3.14159, |front_left.steer_now, front_right.steer_now,
  * back_left.steer_now, back_right.steer_now| <= 12.5664: no division by zero, no NaN, no infinity;
  * results in the ranges below; and off the exact formula, by rounding, at most as stated (its own
- * sines within 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the last place). h is
- * the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined.
- * Where two headings are equally near, or a wheel at its stop is about to turn back, rounding
- * decides which is taken: either is right, and the error is that of the one taken.
+ * sines within 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the last place). speed
+ * is that of the pivot of a steered wheel [m/s]; where it is 0, the angle is not defined. Where two
+ * headings are equally near, or a wheel at its stop is about to turn back, rounding decides which
+ * is taken: either is right, and the error is that of the one taken.
  *   inverse: front_left.spin, front_right.spin, back_left.spin, back_right.spin in [-116.839,
  *   116.839] rad/s, off by 3.3e-05
  *   inverse: front_left.steer, front_right.steer, back_left.steer, back_right.steer in [-14.2725,
- *   14.2725] rad, off by 2.4e-06 + 7.1e-06/h where h >= 5.3e-05
+ *   14.2725] rad, off by 2.4e-06 + 7.1e-06/speed where speed >= 5.3e-05
  *   inverse_slip: slip in [0, 0] m/s, off by 0
  *   forward: vx in [-3.00001, 3.00001] m/s, off by 8.7e-07
  *   forward: vy in [-3.00001, 3.00001] m/s, off by 8.7e-07

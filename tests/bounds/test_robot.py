@@ -72,9 +72,9 @@ def test_two_digits_not_below(value: float, shown: str) -> None:
 
 def test_errors_of_directions_name_the_length() -> None:
     assert error(OUTPUT) == "1.3e-07"
-    assert error(OUTPUT._replace(from_length=0.01)) == "1.3e-07 where h >= 1.0e-02"
+    assert error(OUTPUT._replace(from_length=0.01)) == "1.3e-07 where speed >= 1.0e-02"
     both = OUTPUT._replace(from_length=0.01, per_length=2e-8)
-    assert error(both) == "1.3e-07 + 2.0e-08/h where h >= 1.0e-02"
+    assert error(both) == "1.3e-07 + 2.0e-08/speed where speed >= 1.0e-02"
     assert bound(OUTPUT) == "in [-2, 3] rad/s, off by 1.3e-07"
     assert bound(OUTPUT._replace(unit="")) == "in [-2, 3] 1, off by 1.3e-07"
     assert bound(OUTPUT._replace(singular=True)) == f"has no bound: {SINGULAR}"
@@ -108,7 +108,7 @@ def test_what_counts_as_proved(
 def test_the_header_of_the_c() -> None:
     assert header_lines(BOUNDS._replace(missing=("vx",))) == ()
     under, line = header_lines(BOUNDS)
-    assert under.startswith("Proved for |vx| <= 1: no division by zero") and "h is the speed" not in under
+    assert under.startswith("Proved for |vx| <= 1: no division by zero") and "speed is that" not in under
     assert TIES not in under
     assert line == "  inverse: left.spin in [-2, 3] rad/s, off by 1.3e-07"
     twin = OUTPUT._replace(name="right.spin")
@@ -117,10 +117,10 @@ def test_the_header_of_the_c() -> None:
     assumed = BOUNDS._replace(functions=(full, ALARMED, UNKNOWN), assumed={"omega": (-3.0, 3.0)})
     under, *lines = header_lines(assumed)
     assert "and with these ranges of inputs that have no limits: |omega| <= 3: no division" in under
-    assert under.endswith(f"where it vanishes, the angle is not defined. {TIES}")
+    assert under.endswith(f"where it is 0, the angle is not defined. {TIES}")
     assert lines == [
         "  inverse: left.spin, right.spin in [-2, 3] rad/s, off by 1.3e-07",
-        "  inverse: front.steer in [-2, 3] rad, off by 1.3e-07 where h >= 1.0e-02",
+        "  inverse: front.steer in [-2, 3] rad, off by 1.3e-07 where speed >= 1.0e-02",
         f"  inverse: slip has no bound: {SINGULAR}",
         "  forward: not proved (div: by zero)",
         "  odometry: nothing, for no range is known of dt",

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.robots import of_gallery
+from tests.robots import of_gallery, of_text
 from wmrgen.backends import javascript, numpy, rust
 from wmrgen.backends.c99.emit import sources
 from wmrgen.backends.c99.places import places_in
@@ -66,7 +66,9 @@ def test_comments_and_lines() -> None:
     source = sources(of_gallery("wpilib_swervebot").c_module)[1]
     note = r"    /\* v_Ax of front_left, v_Ax of back_left \*/"
     assert re.search(rf"^{note}\n    const float front_left_x = .*;$", source, flags=re.M)
-    assert re.search(r"^    const float chord = .*; /\* dt sinc\(h\) \*/$", source, flags=re.M)
+    assert re.search(
+        r"^    const float half_turn = .*; /\* sigma \*/$", source, flags=re.M
+    )  # as the report has it
     lines = source.splitlines()
     inverse = {p.function: p for p in places_in("wpilib_swervebot.c", source)}["wpilib_swervebot_inverse"]
     assert lines[inverse.line - 1].startswith("void wpilib_swervebot_inverse(")
@@ -91,3 +93,33 @@ def test_other_languages_have_the_names() -> None:
     plain = inlined_calls(module)
     assert "_front_left_x = " in numpy.emit(plain, Facts())["wpilib_swervebot.py"].decode()
     assert "const _front_left_x = " in javascript.text(plain, Facts())
+
+
+CALIBRATED = """wmrgen: 1
+name: sample
+parameters:
+  half_track: {value: 0.21, tunable: true}
+  radius: {value: 0.05, tunable: true}
+  turned: {value: 0.1, tunable: true}
+wheels:
+  - {name: a, type: swedish, x: 0.3, y: half_track, heading: turned, gamma: -45 deg, r: radius}
+  - {name: b, type: swedish, x: 0.3, y: -half_track, heading: 0, gamma: 45 deg, r: radius}
+  - {name: c, type: swedish, x: -0.3, y: half_track, heading: 0, gamma: 45 deg, r: radius}
+  - {name: e, type: swedish, x: -0.3, y: -half_track, heading: 0, gamma: -45 deg, r: radius}
+"""
+
+
+@pytest.mark.parametrize("text", ["pioneer3dx", "kuka_youbot", CALIBRATED])
+def test_what_is_said_of_prepared_numbers_is_true(text: str) -> None:
+    """The formulas in the header, at calibrated parameters; of long ones and of sines nothing is said."""
+    d = of_text(text) if "\n" in text else of_gallery(text)
+    header, prepare = sources(d.c_module)[0], d.c_module.prepare
+    said = re.findall(r"float (k\d+); +/\*\*< (.*?) \*/", header)
+    formulas = [(name, formula) for name, formula in said if formula != "of the parameters alone"]
+    assert prepare and len(formulas) >= 2 and len(said) == len(prepare.outputs)
+    for share in (1.0, 0.9):
+        values = {p.name: share * float(p.default or 0) for p in prepare.inputs}
+        results = evaluate(prepare, values, FLOAT64)
+        for name, formula in formulas:
+            assert not re.search(r"[^\w .*/+()-]", formula)
+            assert eval(formula, {}, values) == pytest.approx(results[name], rel=1e-5)  # of a header of ours

@@ -120,6 +120,36 @@ def _uses(function: Function, style: Style) -> list[int]:
     return uses
 
 
+def written_out(function: Function, longest: int) -> tuple[str, ...]:
+    """Each result as one sum or product of the inputs, for readers: without what keeps divisors off zero. "" for what
+    is longer and for what is none."""
+    style = Style(lambda value: f"{float(value):.6g}", lambda _: "", "", "")
+    texts: list[_Text | None] = []
+    for node in function.nodes:
+        args = [text for a in node.args if (text := texts[a])]
+        if node.value is not None or node.op is Op.INPUT:
+            text = _Text(style.literal(node.value) if node.value is not None else node.name or "", _ATOM)
+        elif len(args) < len(node.args) or not (node.op.infix or node.op is Op.AT_LEAST):
+            texts.append(None)
+            continue
+        else:
+            text = (
+                args[0] if node.op is Op.AT_LEAST else _quotient(node, args) or _expression(node, args, style)
+            )
+        texts.append(text if len(text.text) <= longest else None)
+    return tuple(text.text if (text := texts[r]) else "" for r in function.results)
+
+
+def _quotient(node: Node, args: list[_Text]) -> _Text | None:
+    """a / b for a * (1 / b)."""
+    if node.op is not Op.MUL:
+        return None
+    for one, other in (args[::-1], args):
+        if one.text.startswith("1 / "):
+            return _Text(f"{other.within(_PRODUCT)} / {one.text.removeprefix('1 / ')}", _PRODUCT)
+    return None
+
+
 def _infix(op: Op, left: _Text, right: _Text, grouped: bool) -> _Text:
     sign, binding = op.infix, _BINDING[op.infix]
     if grouped and left.binding != binding:

@@ -206,7 +206,9 @@ def header_lines(bounds: Bounds) -> tuple[str, ...]:
         f"rounding, at most as stated ({described(library)})."
     )
     if bounds.steers:
-        under += " h is the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined."
+        under += (
+            " speed is that of the pivot of a steered wheel [m/s]; where it is 0, the angle is not defined."
+        )
         under += f" {TIES}"
     lines = [under]
     for f in bounds.functions:
@@ -268,14 +270,14 @@ def bound(o: OutputBound) -> str:
     return f"in [{o.low:.6g}, {o.high:.6g}] {o.unit or '1'}, off by {error(o)}"
 
 
-def error(o: OutputBound, length: str = "h") -> str:
-    """The bound of the error, rounded up to two digits; ``length``: what the length on which it depends is called."""
+def error(o: OutputBound) -> str:
+    """The bound of the error, rounded up to two digits; speed is what it depends on."""
     if not o.from_length:
         return rounded_up(o.error)
-    where = f"{length} >= {rounded_up(o.from_length)}"
+    where = f"speed >= {rounded_up(o.from_length)}"
     if not o.per_length:
         return f"{rounded_up(o.error)} where {where}"
-    return f"{rounded_up(o.error)} + {rounded_up(o.per_length)}/{length} where {where}"
+    return f"{rounded_up(o.error)} + {rounded_up(o.per_length)}/speed where {where}"
 
 
 def rounded_up(value: float) -> str:

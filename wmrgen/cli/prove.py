@@ -147,5 +147,5 @@ def _function(f: FunctionBound, bounds: Bounds) -> None:
 
 def _error(o: OutputBound) -> str:
     if o.per_length:
-        return f"{o.error:.2g} + {o.per_length:.2g}/h, pivot's speed h >= {o.from_length:.2g} m/s"
+        return f"{o.error:.2g} + {o.per_length:.2g}/speed, speed of its pivot >= {o.from_length:.2g} m/s"
     return f"{o.error:.2g}" + (f", pivot's speed >= {o.from_length:.2g} m/s" if o.from_length else "")

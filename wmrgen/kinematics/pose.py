@@ -101,10 +101,10 @@ SINC = _sinc()
 def increments(names: Locals) -> tuple[Expr, Expr, Expr]:
     """What a step of dt at the twist adds to x, y and theta."""
     theta, vx, vy, omega, dt = (signal(n) for n in ("theta", "vx", "vy", "omega", "dt"))
-    h = names.define("half_turn", omega * dt / 2, "h")
+    h = names.define("half_turn", omega * dt / 2, "sigma")
     (sinc,) = names.call(SINC, {"h": h})
-    chord = names.define("chord", dt * sinc, "dt sinc(h)")
-    middle = names.define("middle", add(theta, h), "theta + h")
+    chord = names.define("chord", dt * sinc)
+    middle = names.define("middle", add(theta, h), "theta + sigma")
     c, s = sympy.cos(middle), sympy.sin(middle)
     return chord * subtract(vx * c, vy * s), chord * add(vx * s, vy * c), omega * dt
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ACKERMANN_CAR_PAIR_f56d8f8144c04e46)
+#if !defined(ACKERMANN_CAR_PAIR_40ae3ea8b05d65fe)
 #error "ackermann_car_selftest.c and ackermann_car.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ANDINO_PAIR_b31d944c926bbfb7)
+#if !defined(ANDINO_PAIR_86563d80bac3cd6c)
 #error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 

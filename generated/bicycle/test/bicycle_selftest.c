@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(BICYCLE_PAIR_0a948b3525827263)
+#if !defined(BICYCLE_PAIR_83b51e9ff4a2474a)
 #error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_A200_PAIR_c5c887ce807268d0)
+#if !defined(CLEARPATH_A200_PAIR_dc69ca703b3f6381)
 #error "clearpath_a200_selftest.c and clearpath_a200.h were not generated together: copy both"
 #endif
 

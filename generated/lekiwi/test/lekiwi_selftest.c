@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LEKIWI_PAIR_859ae10d1cebd0f0)
+#if !defined(LEKIWI_PAIR_7d2974660ec1edb2)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

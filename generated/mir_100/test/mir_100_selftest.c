@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(MIR_100_PAIR_2c8d1008b1d368f4)
+#if !defined(MIR_100_PAIR_8aa52f4d27f8d0f9)
 #error "mir_100_selftest.c and mir_100.h were not generated together: copy both"
 #endif
 

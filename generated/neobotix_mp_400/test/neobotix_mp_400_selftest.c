@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEOBOTIX_MP_400_PAIR_3924e7b2aa57bace)
+#if !defined(NEOBOTIX_MP_400_PAIR_cbd486dbde7cbbe3)
 #error "neobotix_mp_400_selftest.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_0f4c9289876a3976)
+#if !defined(NEOBOTIX_MPO_700_PAIR_5fd9428d5c29e84c)
 #error "neobotix_mpo_700_selftest.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

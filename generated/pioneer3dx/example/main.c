@@ -25,8 +25,9 @@ static pioneer3dx_twist driven;
 static pioneer3dx_wheels commands;
 static float scale;
 static pioneer3dx_params params;
-static pioneer3dx_wheels rest; /* [counts] parts of counts */
+static pioneer3dx_wheels rest; /* [counts] what is left of turns beside whole counts */
 
+/* The whole counts; what is left of them stays in part for the next step. */
 static int32_t counted(const float counts, float *part)
 {
     const float whole = counts + *part;

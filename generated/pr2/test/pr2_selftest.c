@@ -23,7 +23,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PR2_PAIR_4358d9003564ee41)
+#if !defined(PR2_PAIR_c2f89f3738e33072)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SYNCHRO_DRIVE_PAIR_fdfcd09f2df2a30e)
+#if !defined(SYNCHRO_DRIVE_PAIR_0b52255301ff0a04)
 #error "synchro_drive_selftest.c and synchro_drive.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_f216697663f93937)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_58ed0bd7ee771a4a)
 #error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_70a8f86ef3890682)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_8cb9279bafd4a417)
 #error "textbook_omni_steer_selftest.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

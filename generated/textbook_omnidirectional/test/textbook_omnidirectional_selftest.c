@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_e304b39db8600ed5)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_b917f5ab7f539c74)
 #error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

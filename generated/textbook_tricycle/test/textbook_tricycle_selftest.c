@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_dc69ef08e6a6d300)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_301ec82c6c480ece)
 #error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 

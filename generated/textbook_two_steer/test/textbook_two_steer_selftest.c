@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_1f429020fb45a03a)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_1f16d8a12e328e02)
 #error "textbook_two_steer_selftest.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 

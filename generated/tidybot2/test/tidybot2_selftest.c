@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TIDYBOT2_PAIR_fe1f4b394d5fe38f)
+#if !defined(TIDYBOT2_PAIR_14f2d42e5422e542)
 #error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_60917290cb4f2a12)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_77b215a4cec00140)
 #error "tractor_off_axle_selftest.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 

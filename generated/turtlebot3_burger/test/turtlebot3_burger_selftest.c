@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_6a81f14d524104e0)
+#if !defined(TURTLEBOT3_BURGER_PAIR_4311782f1dd5d2fe)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(UNICYCLE_PAIR_c6795d51b3b00b86)
+#if !defined(UNICYCLE_PAIR_3832c81fe5b55b32)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

@@ -24,8 +24,9 @@ static wpilib_swervebot_pose_covariance pose_covariance;
 static wpilib_swervebot_twist driven;
 static wpilib_swervebot_wheels commands;
 static float scale;
-static wpilib_swervebot_wheels rest; /* [counts] parts of counts */
+static wpilib_swervebot_wheels rest; /* [counts] what is left of turns beside whole counts */
 
+/* The whole counts; what is left of them stays in part for the next step. */
 static int32_t counted(const float counts, float *part)
 {
     const float whole = counts + *part;

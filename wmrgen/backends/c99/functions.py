@@ -10,13 +10,14 @@ from functools import cache, partial
 
 from wmrgen.backends.c99.records import Kernel, Parameter, Step
 from wmrgen.backends.c99.text import Struct, block_comment, literal, prototype, struct
-from wmrgen.backends.expression import Body, Results, Style, body, results_of
+from wmrgen.backends.expression import Body, Results, Style, body, results_of, written_out
 from wmrgen.interface import IN, OUT, Argument, arguments, members
 from wmrgen.ir.calls import called
 from wmrgen.ir.nodes import Cost, Function, Module, Op, Role, pruned
 
 _SHORT = 12  # statements: so few are repeated, not called
 _NOTE = 60  # characters of a comment behind a statement
+_FORMULA = 60  # characters of what a prepared number is
 _PLACE = re.compile(r"[\w.]+(?:->[\w.]+)*")  # a variable or a member
 
 
@@ -31,7 +32,8 @@ def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tu
         advice += f" {robot}_prepare_checked() refuses parameters that are far from nominal."
     prepare = replace(prepare, text=f"{_sentence(prepare.text)} {advice}" if prepare.text else advice)
     note = f"What {robot}_prepare() works out once from the parameters; the steps only read it."
-    outputs = tuple(replace(p, text=p.text or "of the parameters alone") for p in prepare.outputs)
+    formulas = zip(prepare.outputs, written_out(prepare, _FORMULA), strict=True)
+    outputs = tuple(replace(p, text=p.text or text or "of the parameters alone") for p, text in formulas)
     prepared = struct(f"{robot}_prepared", outputs, scalar, note)
     if not prepare.inputs:
         return (
@@ -175,7 +177,8 @@ def _step(
     lines += [
         f"{writes[port.name]} = {text};" for port, text in zip(function.outputs, code.results, strict=True)
     ]
-    comment = block_comment([_sentence(function.text), f"Operations of the formula: {cost}."], doxygen=True)
+    spent = [f"Operations of the formula: {cost}."] if str(cost) != "none" else []
+    comment = block_comment([_sentence(function.text), *spent], doxygen=True)
     return Step(name, tuple(own), tuple(comment), tuple(lines), tuple(parameters), code.ops)
 
 

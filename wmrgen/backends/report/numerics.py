@@ -103,7 +103,7 @@ def _ranges(bounds: Bounds) -> list[str]:
             minus(f"{o.low:.6g}"),
             minus(f"{o.high:.6g}"),
             o.unit or "1",
-            error(o, "speed"),
+            error(o),
         ]
         for f in bounds.functions
         if f.proved

@@ -262,8 +262,9 @@ def facts_of(expr: Expr, has_unit: bool, scope: Scope, node: Scalar, angle: bool
     RobotFileError when its exact value would be too large to handle, or when it takes the cosine of what may be
     degrees or radians.
     """
-    declared = {name: value for name, value in scope.facts.items() if value is not None}
-    if not parameters_in(expr) <= declared.keys():
+    used = parameters_in(expr)
+    declared = {name: value for name in used if (value := scope.facts.get(name)) is not None}
+    if len(declared) < len(used):
         raise node.error("a parameter that cannot be read is used here", code=Code.CONSEQUENCE)
     facts = _facts(expr, declared)
     if facts.bits > MAX_BITS or facts.terms > MAX_TERMS:

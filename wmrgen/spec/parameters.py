@@ -10,7 +10,7 @@ from wmrgen.spec.expressions import parse_value
 from wmrgen.spec.fields import Mapped
 from wmrgen.spec.keys import PARAMETER, ROBOT
 from wmrgen.spec.names import Names, parameter_name
-from wmrgen.spec.numbers import Kind, Scope, facts_of, parameters_in
+from wmrgen.spec.numbers import Facts, Kind, Scope, facts_of, parameters_in
 from wmrgen.spec.records import ParameterSpec, Quantity
 from wmrgen.spec.tables import mapping_of, severed, table_of
 from wmrgen.spec.text import MappingNode, Node, Scalar, quoted, scalar_of
@@ -28,7 +28,8 @@ def read_parameters(
     if len(mapping.entries) > value.most:
         what = f"{len(mapping.entries)} parameters"
         several.add(mapping.error(what, f"At most {value.most} are read."))
-    scope = replace(scope, facts=dict.fromkeys(key.text for key, _ in mapping.entries))
+    facts: dict[str, Facts | None] = dict.fromkeys(key.text for key, _ in mapping.entries)
+    scope = replace(scope, facts=facts)
     nodes: dict[str, Scalar] = {}
     trees = {}
     tunable = {}
@@ -38,7 +39,7 @@ def read_parameters(
         if rest:
             several.add(key.error(f"{quoted(name)} stands where a key is expected", *rest))
         if rest or behind:  # half of a value is not judged
-            scope = replace(scope, facts={**scope.facts, name: None})
+            facts[name] = None
             continue
         with several:
             names.add(parameter_name(key), "a parameter", key)
@@ -52,8 +53,7 @@ def read_parameters(
     for name in order:
         with several:
             expr, has_unit = trees[name]
-            facts = facts_of(expr, has_unit, scope, nodes[name])
-            scope = replace(scope, facts={**scope.facts, name: facts})
+            facts[name] = facts_of(expr, has_unit, scope, nodes[name])
             quantity = Quantity(expr, nodes[name].text.strip(), nodes[name].mark)
             parameters.append(ParameterSpec(name, quantity, tunable[name]))
     return tuple(parameters), scope

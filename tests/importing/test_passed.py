@@ -104,6 +104,8 @@ _BOX = link("BODY", '<box size=".01 .01 .2"/>', xyz="0 0 -0.1")
         ((), _BOX, 1, "body reaches 0.1 m to one side"),
         ((), _HEAVY.format("0"), 5, "5 joints turn between it and 'base_link'"),
         ((), _HEAVY.format("0"), 4, ""),
+        ((), link("BODY", cylinder("0.02")), 4, "4 joints turn between it and 'base_link'"),  # motors of ankles
+        ((), link("BODY", cylinder("0.02")), 3, ""),
     ],
 )  # fmt: skip
 def test_limbs_and_blades_are_no_wheels_and_wheels_on_legs_are(
@@ -115,6 +117,12 @@ def test_limbs_and_blades_are_no_wheels_and_wheels_on_legs_are(
     assert ("is not taken for a wheel" in said["notes"]) is bool(why) and why in said["notes"]
     beside = read(robot(pair(), legs(body, above)))
     assert beside["names"][:2] == ["left", "right"] and (len(beside["names"]) == 2 or not why)
+
+
+def test_a_wheel_that_is_drawn_and_called_one_stands_on_a_leg_of_any_length(read: Import) -> None:
+    ankles = legs(link("BODY", cylinder("0.02")), 6)
+    assert read(robot(ankles))["code"] == 2
+    assert len(read(robot(ankles.replace("_joint", "_wheel_joint")))["names"]) == 4
 
 
 @pytest.mark.parametrize("named", ["left_joint", "left_link"])

@@ -104,6 +104,15 @@ def test_one_wheel_that_differs_from_all_others_of_its_kind_is_asked_about(
     assert read(robot(modules(places, **radii)))["asked"] == asked
 
 
+def test_one_wheel_that_does_not_steer_as_all_others_do_is_asked_about(read: Import) -> None:
+    """Its joint above turns about a level axis: a slip of the pen. A rocker above each of two wheels is none."""
+    said = read(robot(modules({}).replace('<axis xyz="0 0 1"/>', '<axis xyz="1 0 0"/>', 1)))
+    assert (
+        said["asked"] == [("fl", "type")] and "joint 'fl_s' above it turns about a level axis" in said["text"]
+    )
+    assert read(robot(modules({}).replace('<axis xyz="0 0 1"/>', '<axis xyz="1 0 0"/>', 2)))["asked"] == []
+
+
 def test_what_moves_the_body_names_no_motors(read: Import) -> None:
     moves = '<gazebo><plugin filename="libgazebo_ros_planar_move.so"/></gazebo>'
     said = read(robot(four(), moves))

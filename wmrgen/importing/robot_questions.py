@@ -141,6 +141,18 @@ def odd_one_asked(wheels: Sequence[Wheel]) -> list[Question]:
     return questions
 
 
+def steering_missed(wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
+    """One wheel does not steer, all others do, and a joint above it turns about an axis that is not upright."""
+    plain = [(w, c) for w, c in zip(wheels, seen, strict=True) if not w.steer_joint]
+    if len(plain) != 1 or len(wheels) < 4:
+        return []
+    (w, c), *_ = plain
+    above = (j for j in c.via if j.turns)
+    text = "all other wheels steer, and joint {} above it turns about a level axis: does it steer, too?"
+    hints = ("steered, where it does", f"{w.type}, where it does not")
+    return [Question(w.name, "type", text.format(quoted(j.name)), hints) for j in above][:1]
+
+
 def _driven_alike(w: Wheel, other: Wheel) -> bool:
     steers = [each.steer_joint is not None for each in (w, other)]
     return w.actuated == other.actuated and (all(steers) or (not any(steers) and w.type == other.type))

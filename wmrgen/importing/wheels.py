@@ -38,6 +38,7 @@ from wmrgen.importing.robot_questions import (
     front_doubted,
     motors_unknown,
     odd_one_asked,
+    steering_missed,
     support_asked,
 )
 from wmrgen.importing.rollers import UNSAID, angle, gamma_said, heading, rollers_said
@@ -81,6 +82,7 @@ def import_wheels(description: Description, base: str | None, forward: str | Non
         *articulated(robot, result, wheels),
         *corner_asked(result),
         *odd_one_asked(result),
+        *steering_missed(result, wheels),
         *([] if forward else front_doubted(robot, result, wheels)),
         *doubts,
     ]

@@ -130,7 +130,7 @@ def _limb(robot: Robot, c: Candidate) -> str:
     if off > UNSEEN:
         return f"its centre of mass lies {off:.3g} m off the axle, as that of a limb does"
     above = [j for j in robot.moving_above(c.joint) if j.turns and j is not c.steer]
-    few = _CHAIN if c.joint.moves else _CHAIN // 2
+    few: float = _CHAIN if c.joint.moves else _CHAIN // 2
     if c.shape and c.joint.moves:  # a cylinder is drawn of a wheel on a leg, and of a leg's motors
         few = math.inf if called_wheel(c.joint) else _CHAIN - 1
     if len(above) > few:

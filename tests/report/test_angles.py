@@ -99,6 +99,7 @@ def test_columns_without_fractions() -> None:
     length, one = Poly.gen("param", "half"), Poly.of(1)
     assert upright((Poly.of(50) * length, one, Poly.of(-50))) == (-length, Poly.of(Fraction(-1, 50)), one)
     assert upright((length, one, Poly.of(2))) == (length, one, Poly.of(2))
+    assert upright((one, length, -trig("sin", "a"))) == (-one, -length, trig("sin", "a"))
     turning = Poly.of(2) - sqrt_poly(Poly.of(3))
     assert upright((turning, half * turning, -turning)) == (Poly.of(-1), -half, one)
 

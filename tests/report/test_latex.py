@@ -157,6 +157,10 @@ def test_formulas_of_symbols_have_their_value() -> None:
         (cos_sin(A)[0] * COS * B, r"\mathit{half\_track}\,\cos\psi_{\mathrm{front}}\,\cos\left(a\right)"),
         (sqrt_poly(A + B) * R, r"r_{1}\,\sqrt{a+\mathit{half\_track}}"),
         (PI * A, r"\pi\,a"),
+        # lengths before one sine, divisors of their own size
+        (A * COS - COS.scale(Fraction(11, 100)) + B * SIN,
+         r"\left(a-0.11\right)\cos\psi_{\mathrm{front}}+\mathit{half\_track}\,\sin\psi_{\mathrm{front}}"),
+        (VX * (Poly.of(1) - A.scale(Fraction(100, 11))).inverse(), r"-\frac{0.11}{a-0.11}\;v_x"),
         # one style of numbers in a sum: decimals, fractions, a root that all have before it
         (VX.scale(Fraction(1, 2)) + VY.scale(Fraction(3, 10)), r"0.5\;v_x+0.3\;v_y"),
         (VX.scale(Fraction(1, 3)) - VY.scale(Fraction(3, 10)), r"0.333333\;v_x-0.3\;v_y"),

@@ -51,7 +51,7 @@ def speeds(name: str) -> str:
 # Robots whose driven wheels command every freedom, in a formula that is short.
 DRIVEN = (
     "ackermann_car", "andino", "bicycle", "clearpath_a200", "clearpath_do100", "clearpath_r100", "f1tenth",
-    "festo_robotino", "kuka_youbot", "lekiwi", "locked_bicycle", "mir_100", "neobotix_mp_400", "nexus_4wd",
+    "festo_robotino", "jpl_osr", "kuka_youbot", "lekiwi", "locked_bicycle", "mir_100", "neobotix_mp_400", "nexus_4wd",
     "pioneer3dx", "ssl_parsian", "synchro_drive", "textbook_differential", "textbook_omnidirectional",
     "textbook_tricycle", "tractor_off_axle", "turtlebot3_burger",
 )  # fmt: skip

@@ -20,7 +20,7 @@ def upright(column: Row) -> Row:
     turn = column[2]
     sizes = {abs(c) for c in turn.terms.values()}
     if len(sizes) == 1:
-        rate = turn.constant or sizes.pop()
+        rate = next(iter(turn.terms.values())) if len(turn.terms) == 1 else sizes.pop()
         once = each(column, lambda p: p.scale(rate.inverse()))
         if not _halves_a_length(once):
             return once

@@ -198,8 +198,26 @@ def pieces(terms: Sequence[Term]) -> list[str]:
         one = inside[0] if len(inside) == 1 else rf"+\left({total(rest)}\right)"
         signed.append(f"{one}{lead}" if one.endswith(")") else f"{one}{_SPACE}{lead}")
     two_joints = len(signed) == 2 and not any(lead in _TWIST for lead in groups)
+    if not any(groups):
+        signed = _by_angles(terms)
     if two_joints or not any(groups):
         return sorted(signed, key=lambda piece: piece.startswith("-"))
+    return signed
+
+
+def _by_angles(terms: Sequence[Term]) -> list[str]:
+    """Summands without velocities; lengths before the same sines and cosines together, (a - 0.11) cos psi."""
+    groups: dict[tuple[Factor, ...], list[Term]] = {}
+    for t in sorted(terms, key=_key):
+        groups.setdefault(tuple(f for f in t.factors if f.rank == 1), []).append(t)
+    signed: list[str] = []
+    for angles, members in groups.items():
+        if not angles or len(members) == 1:
+            signed += [_product(t.number, t.factors, style=t.style) for t in members]
+            continue
+        rest = [replace(t, factors=tuple(f for f in t.factors if f.rank != 1)) for t in members]
+        number, common, inner = pulled_out(rest)
+        signed.append(_product(number, (*common, *angles), total(inner), members[0].style))
     return signed
 
 

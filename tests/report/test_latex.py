@@ -12,7 +12,8 @@ import sympy
 
 from tests.report.reading import read
 from wmrgen import notation
-from wmrgen.backends.report.latex import WIDE, broken, latex, width
+from wmrgen.backends.report.latex import broken, latex
+from wmrgen.backends.report.lines import WIDE, width
 from wmrgen.backends.report.markdown import matrix
 from wmrgen.exact.evaluate import cos_sin, sqrt_poly
 from wmrgen.exact.number import Exact
@@ -159,7 +160,7 @@ def test_formulas_of_symbols_have_their_value() -> None:
         (PI * A, r"\pi\,a"),
         # lengths before one sine, divisors of their own size
         (A * COS - COS.scale(Fraction(11, 100)) + B * SIN,
-         r"\left(a-0.11\right)\cos\psi_{\mathrm{front}}+\mathit{half\_track}\,\sin\psi_{\mathrm{front}}"),
+         r"\mathit{half\_track}\,\sin\psi_{\mathrm{front}}+\left(a-0.11\right)\cos\psi_{\mathrm{front}}"),
         (VX * (Poly.of(1) - A.scale(Fraction(100, 11))).inverse(), r"-\frac{0.11}{a-0.11}\;v_x"),
         # one style of numbers in a sum: decimals, fractions, a root that all have before it
         (VX.scale(Fraction(1, 2)) + VY.scale(Fraction(3, 10)), r"0.5\;v_x+0.3\;v_y"),

@@ -14,13 +14,13 @@ from math import lcm
 import sympy
 
 from wmrgen import notation
+from wmrgen.backends.report.lines import WIDE, width, wrapped
 from wmrgen.backends.report.terms import Factor, Term, merged
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Monomial, Poly
 from wmrgen.lower import number_of
 from wmrgen.symbolic import Expr, Parameter, expression
 
-WIDE = 80  # characters of a line before a sum is broken
 _COMMON = 12  # the largest denominator written once for a sum
 Ports = Mapping[str, str]  # name of a symbol -> contract name
 _LEADS = {"vx": 0, "vy": 1, "omega": 2, "vx_driven": 0, "vy_driven": 1, "omega_driven": 2}
@@ -37,20 +37,6 @@ def latex(value: Poly | Expr, ports: Ports | None = None) -> str:
 def broken(value: Poly | Expr, ports: Ports | None = None) -> str:
     """A polynomial or a formula, on several lines where it is long."""
     return wrapped(summands(terms(value, ports)))
-
-
-def width(text: str) -> int:
-    """Roughly how many characters a reader sees."""
-    count, skip = 0, False
-    for i, ch in enumerate(text):
-        if ch == "\\":
-            skip = True
-            count += text[i + 1 : i + 2].isalpha()
-        elif skip and not ch.isalpha():
-            skip = False
-        if not skip and ch not in "{}^_ \\,":
-            count += 1
-    return count
 
 
 # From polynomials and formulas to terms.
@@ -161,20 +147,6 @@ def _factor(expr: Expr, ports: Ports) -> Factor:
 def total(terms: Sequence[Term]) -> str:
     """The sum of terms."""
     return "".join(pieces(terms)).removeprefix("+").strip() or "0"
-
-
-def wrapped(parts: Sequence[str], limit: int = WIDE) -> str:
-    """Signed summands on one line, or on several inside ``aligned``: each further line begins with a sign."""
-    texts, used = [""], 0
-    for part in parts:
-        size = width(part)
-        if used and used + size > limit:
-            texts.append("")
-            used = 0
-        texts[-1] += part
-        used += size
-    texts[0] = texts[0].removeprefix("+")
-    return "\\\\\n&\\qquad ".join(texts) or "0"
 
 
 def pieces(terms: Sequence[Term]) -> list[str]:

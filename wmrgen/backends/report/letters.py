@@ -10,17 +10,8 @@ from itertools import combinations
 
 from wmrgen import notation
 from wmrgen.backends.report.angles import with_tangents
-from wmrgen.backends.report.latex import (
-    Ports,
-    latex,
-    pulled_out,
-    reduced,
-    summands,
-    terms,
-    total,
-    width,
-    wrapped,
-)  # fmt: skip
+from wmrgen.backends.report.latex import Ports, latex, pulled_out, reduced, summands, terms, total
+from wmrgen.backends.report.lines import width, wrapped
 from wmrgen.backends.report.markdown import aligned, listed, math
 from wmrgen.backends.report.terms import Factor, Term
 from wmrgen.constraints import XI

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from wmrgen.backends.report.angles import equation, gathered, roots, short
-from wmrgen.backends.report.latex import latex, summands, terms, width, wrapped
+from wmrgen.backends.report.latex import latex, summands, terms
+from wmrgen.backends.report.lines import width, wrapped
 from wmrgen.backends.report.markdown import (
     aligned,
     capitalised,

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from wmrgen import notation
 from wmrgen.backends.report.angles import gathered, over, readable, upright
-from wmrgen.backends.report.latex import WIDE, alike, broken, latex, pieces, terms, total, width, wrapped
+from wmrgen.backends.report.latex import alike, broken, latex, pieces, terms, total
+from wmrgen.backends.report.lines import WIDE, width, wrapped
 from wmrgen.backends.report.markdown import aligned, code, math, matrix, some
 from wmrgen.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.exact.poly import Poly, Row, dot, each

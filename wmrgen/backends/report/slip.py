@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from wmrgen.backends.report.closed import pivot_velocity
-from wmrgen.backends.report.latex import latex, width
+from wmrgen.backends.report.latex import latex
 from wmrgen.backends.report.letters import multiples, squares
+from wmrgen.backends.report.lines import width
 from wmrgen.backends.report.markdown import code, listed, math
 from wmrgen.constraints import XI
 from wmrgen.exact.evaluate import sqrt_poly

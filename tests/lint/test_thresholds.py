@@ -153,6 +153,23 @@ def test_names_and_places(names: tuple[str, ...], expected: int, tmp_path: Path)
     assert codes(tmp_path / "robot.yaml", wheels(*entries)) == ["WMR011"] * expected
 
 
+def test_a_name_that_is_wrong_in_both_ways_is_told_of_both(tmp_path: Path) -> None:
+    places = {
+        "front_left": (0.3, 0.2),
+        "front_right": (0.3, -0.2),
+        "back_right": (-0.3, -0.2),
+        "back_left": (0.3, -0.4),
+    }
+    entries = (f"name: {n}, type: fixed, x: {x}, y: {y}, heading: 0, r: 0.1" for n, (x, y) in places.items())
+    path = tmp_path / "robot.yaml"
+    path.write_text(HEAD + wheels(*entries), encoding="utf-8")
+    said = [finding.what for finding in linted(path) if finding.code == "WMR011"]
+    middle = "the middle of the wheels"
+    assert said == [
+        f"back_left stands at (0.3, -0.4), in front of {middle} and right of {middle}: neither rear nor left"
+    ]
+
+
 @pytest.mark.parametrize(
     ("left", "couplings", "expected"), [(0.05, True, 0), (-0.05, True, 1), (0.05, False, 1)]
 )

@@ -82,11 +82,11 @@ def labels(subject: Subject) -> Iterator[Finding]:
             own = {"its pivot": w.contact(w.zero_heading) - w.pivot}
             wrong = [(s, whence) for s, whence in wrong if _contradicted(s, own)]
         if wrong:
-            side, whence = wrong[0]
-            where = f"({w.pivot.real:.4g}, {w.pivot.imag:.4g}), {_OPPOSITE[side]} {whence}"
+            where = " and ".join(f"{_OPPOSITE[side]} {whence}" for side, whence in wrong)
+            sides = f"{'neither' if len(wrong) > 1 else 'not'} {' nor '.join(side for side, _ in wrong)}"
             yield Finding(
                 subject.mark(w),
-                f"{w.name} stands at {where}: not {side}",
+                f"{w.name} stands at ({w.pivot.real:.4g}, {w.pivot.imag:.4g}), {where}: {sides}",
                 "x points forward, y to the left. Change the sign or the name.",
             )
 

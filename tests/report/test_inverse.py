@@ -65,3 +65,17 @@ def test_a_wheel_that_does_not_steer_is_one_of_the_others(names: str, fixed: str
 def test_a_chain_of_wheels_that_do_not_steer_chooses_nothing() -> None:
     text = section("da", "d.spin, a.spin", fixed="da")
     assert "turn at one speed" in text and CHOOSES not in text
+
+
+def test_wheels_that_turn_and_roll_alike_share_nothing_that_differs() -> None:
+    """A synchro drive: on one motor and one chain each wheel's own speed is the common one."""
+    shared = "the least-squares rate"
+    text = """wmrgen: 1
+name: sample
+wheels:
+  - {name: a, type: steered, x: 0.3, y: 0, heading: 0, r: 0.1}
+  - {name: b, type: steered, x: -0.3, y: 0.2, heading: 0, r: RADIUS}
+couplings: [{equal: [a.steer, b.steer]}, {equal: [a.spin, b.spin]}]
+"""
+    assert shared not in "\n".join(inverse(of_text(text.replace("RADIUS", "0.1"))))
+    assert shared in "\n".join(inverse(of_text(text.replace("RADIUS", "0.12"))))

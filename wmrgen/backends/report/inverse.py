@@ -181,12 +181,16 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
 
 
 def _rates(robot: Robot, wheels: list[Wheel], twist: Row) -> set[tuple[str, Poly]]:
-    """The different speeds per share that coupled wheels would have by themselves; one that turns has its own."""
-    return {
-        (w.name if w.turns else "", dot(driving_row(w, g), twist) * (g.rolling_radius * share).inverse())
-        for w in wheels
-        for g, share in [(working_view(w), Poly.of(robot.spin_ratios[w.index]))]
-    }
+    """The different speeds per share that coupled wheels would have by themselves. One that turns has its own, but for
+    those that turn with it and move as it does."""
+    rates = set()
+    for w in wheels:
+        g, share = working_view(w), Poly.of(robot.spin_ratios[w.index])
+        together = partners(robot, w)
+        turns = together[0].name if alike(together, twist) else w.name
+        rim = Poly.of(1) if w.turns else dot(driving_row(w, g), twist)
+        rates.add((turns if w.turns else "", rim * (g.rolling_radius * share).inverse()))
+    return rates
 
 
 def _way(robot: Robot, wheels: list[Wheel]) -> str:

@@ -64,12 +64,28 @@ NOT_LINEAR: dict[str, Callable[[Builder, int, int, int], int]] = {
     "a choice by a rate": lambda b, x, a, c: b.select(x, b.sin(a), x, b.mul(x, b.cos(a))),
     "a quotient by a rate": lambda b, x, a, c: b.div(b.sin(a), b.max(b.abs(x), b.const(1))),
     "a limited rate": lambda b, x, a, c: b.mul(b.min(x, b.const(1)), b.sin(a)),
+    "a choice of a rate or -1": lambda b, x, a, c: b.select(b.sin(a), c, b.mul(x, b.cos(a)), b.const(-1)),
+    "a choice of 1 or a rate": lambda b, x, a, c: b.select(b.sin(a), c, b.const(1), b.mul(x, b.cos(a))),
+}
+LINEAR: dict[str, Callable[[Builder, int, int, int], int]] = {
+    "a product": lambda b, x, a, c: b.mul(x, b.sin(a)),
+    "an opposite": lambda b, x, a, c: b.neg(b.mul(x, b.sin(a))),
+    "a difference": lambda b, x, a, c: b.sub(b.mul(x, b.sin(a)), b.mul(x, c)),
+    "a quotient": lambda b, x, a, c: b.div(b.mul(x, b.sin(a)), b.add(c, b.const(2))),
+    "a choice of rates": lambda b, x, a, c: b.select(b.sin(a), c, b.mul(x, b.cos(a)), x),
+    "a choice of a rate or 0": lambda b, x, a, c: b.select(b.sin(a), c, b.mul(x, b.cos(a)), b.const(0)),
+    "a choice of 0 or a rate": lambda b, x, a, c: b.select(b.sin(a), c, b.const(0), b.mul(x, b.cos(a))),
 }
 
 
 @pytest.mark.parametrize("what", NOT_LINEAR)
 def test_what_is_not_linear_is_left_alone(what: str) -> None:
     assert not _known(NOT_LINEAR[what])
+
+
+@pytest.mark.parametrize("what", LINEAR)
+def test_what_is_linear_is_known(what: str) -> None:
+    assert _known(LINEAR[what])
 
 
 def test_roundings_of_a_sum_are_those_of_its_parts() -> None:

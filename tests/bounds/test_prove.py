@@ -9,7 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 import wmrgen
-from tests.robots import of_gallery
+from tests.robots import of_gallery, of_text
+from wmrgen.cli.prove import eva
 from wmrgen.cli.verbs import app
 from wmrgen.emit import artifacts
 from wmrgen.ir.kernels.choice import choice
@@ -49,6 +50,25 @@ def test_json_is_what_model_json_has() -> None:
     spin = printed["functions"]["inverse"]["outputs"]["left.spin"]
     assert spin["range"][0] < 0 < spin["range"][1]
     assert 0 < spin["error"] < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("printed", "alarms"),
+    [
+        ("[eva] done for function main\n", []),
+        ("[eva:alarm] a.c:3: division by zero\n[eva] done for function main\n", ["a.c:3: division by zero"]),
+        ("[eva] Failure\n", ["the analysis did not come to its end: [eva] Failure"]),
+    ],
+)
+def test_what_eva_says_is_told(printed: str, alarms: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Here a tool that says the same of whatever it is given."""
+    monkeypatch.setattr("wmrgen.compiler.find_tool", lambda name: name)
+    monkeypatch.setattr("wmrgen.compiler.run_tool", lambda command, files: printed)
+    wheel = "{name: disk, type: fixed, x: 0, y: 0, heading: 0, r: 0.3}"
+    text = f"wmrgen: 1\nname: disk\nlimits: {{vx: 1, omega: 2}}\nwheels: [{wheel}]\n"
+    derivation = of_text(text, ["inverse"])
+    verdict = eva(derivation, derivation.bounds)
+    assert verdict["run"] is True and set(verdict["alarms"]) == set(alarms)
 
 
 def test_says_which_limits_are_needed(tmp_path: Path) -> None:

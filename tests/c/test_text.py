@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import re
+from decimal import Decimal
 from fractions import Fraction
 
 import pytest
@@ -73,6 +74,18 @@ def test_rounding_goes_once() -> None:
     assert literal(SQRT2, "float") == "1.4142135f"
     assert literal(Exact(3), "float") == "3.0f"
     assert literal(Exact(Fraction(1, 10**12)), "double") == "1e-12"
+
+
+@pytest.mark.parametrize("digits", ["2", "25", "1234567", "123456789"])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_numbers_of_up_to_ten_characters_have_no_exponent(digits: str, sign: int) -> None:
+    for power in range(-14, 14):
+        value = sign * Fraction(digits) * Fraction(10) ** power
+        plain = format(Decimal(digits).scaleb(power), "f")
+        text = literal(Exact(value), "double").strip("(-)")
+        assert text.removesuffix(".0") == (
+            plain if len(plain) <= 10 else repr(float(plain)).removesuffix(".0")
+        )
 
 
 @pytest.mark.parametrize("value", [Fraction(10) ** 40, Fraction(1, 10**60)])

@@ -11,6 +11,7 @@ import math
 import re
 import sys
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -430,6 +431,22 @@ def test_a_base_link_upside_down_in_the_frame_of_the_ground_is_no_base(
     said = read(robot(foot, wheel("left", "0 -0.2 0"), wheel("right", "0 0.2 0")))
     side = -1 if base == "base_link" else 1
     assert said["base"] == base and said["wheels"]["left"]["y"] == side * 0.2
+
+
+@pytest.mark.parametrize("count", [0, 2])
+@pytest.mark.parametrize(("root", "base"), [("odom", "odom"), ("cad", "base_link")])
+def test_links_between_ground_and_base_change_no_frame(
+    read: Import, root: str, base: str, count: int
+) -> None:
+    """It is the root of all, not the link next to it, that says what is up; whichever joint turns it over."""
+    names = [root, *(f"mount{k}" for k in range(count)), "base_link"]
+    over = "3.14159265 0 0"
+    for turned in range(len(names) - 1):
+        chain = "".join(
+            link(above) + joint(f"j{k}", above, below, "0 0 0", "fixed", rpy=over if k == turned else "0 0 0")
+            for k, (above, below) in enumerate(pairwise(names))
+        )
+        assert read(robot(chain, wheel("left", "0 -0.2 0"), wheel("right", "0 0.2 0")))["base"] == base
 
 
 def test_the_frame_of_a_robot_that_moves_in_its_world_is_its_base_link(read: Import) -> None:

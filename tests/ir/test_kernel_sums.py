@@ -14,6 +14,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.interpret import EXACT, FLOAT32, evaluate
 from wmrgen.ir.kernels import expand
+from wmrgen.ir.kernels.choice import TARGETS
 from wmrgen.ir.kernels.sums import fuse
 from wmrgen.ir.nodes import Function, Module, Op, pruned
 from wmrgen.ir.rounding import nearest_float32
@@ -136,6 +137,25 @@ def test_a_sum_that_cancels_keeps_its_digits(factor: Exact | str | None, target:
         out = evaluate(code, {"x": x, "y": y, "c": c}, FLOAT32)["out"]
         off = abs(Fraction(out) - wanted)
         assert off <= abs(wanted) * Fraction(3, 2**24) + abs(exact * Fraction(y)) * Fraction(1, 2**47)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("factor", [Exact(Fraction(1, 3)), Exact(-3), None, "negative"], ids=str)
+def test_only_where_sums_are_fused_is_one_compensated_so(factor: Exact | str | None, target: str) -> None:
+    """In place of the parts that others form, of which there are more."""
+
+    def body(b: Builder, at: dict[str, int]) -> dict[str, int]:
+        product = b.mul(b.const(factor) if isinstance(factor, Exact) else at["c"], at["y"])
+        return {
+            "out": b.apply(Op.COMPENSATED, (at["x"], b.neg(product) if factor == "negative" else product))
+        }
+
+    f = build(("x", "y", "c"), body)
+    code = pruned(expand(Module("m", (f,)), "float", "inline", target).function("f"))
+    operations = Counter(n.op for n in code.nodes)
+    assert (
+        (Op.FMA in operations) == (target == "m4f") == (Op.ADD not in operations and Op.SUB not in operations)
+    )
 
 
 def test_a_plain_sum_does_not() -> None:

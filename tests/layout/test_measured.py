@@ -18,6 +18,7 @@ from tests.laws.common import NAMES, derived, gallery
 from tests.lint.test_rules import codes
 from tests.robots import of_text
 from wmrgen.errors import RobotFileError
+from wmrgen.layout.skid import driven
 from wmrgen.layout.tolerance import Tolerance
 from wmrgen.robot import Derivation
 
@@ -290,3 +291,17 @@ def test_a_tolerance_is_said_in_millimetres() -> None:
 def test_bad_tolerances(value: str, why: str) -> None:
     with pytest.raises(RobotFileError, match=why):
         pair(0, head=f"tolerance: {value}\nparameters: {{t: {{value: 0.001, tunable: true}}}}\n")
+
+
+@pytest.mark.parametrize("given", ["0.5", "2.5*half", "track", "2*track - half"])
+def test_the_drive_in_the_place_of_a_skidding_robot_keeps_the_names_of_lengths(given: str) -> None:
+    """Its wheels stand an effective track apart in every view: by its names, by what is tunable, and in numbers."""
+    head = f"parameters:\n  half: 0.2\n  track: {{value: 0.5, tunable: true}}\neffective_track: {given}\n"
+    wheels = (wheel(f"w{x}{side}", x, y) for x in (1, 0) for side, y in (("l", "half"), ("r", "-half")))
+    skid = robot(*wheels, head=head).robot
+    drive, track = driven(skid), skid.effective_track
+    assert track is not None and drive.effective_track is None
+    for left, right in zip(drive.wheels[::2], drive.wheels[1::2], strict=True):
+        assert left.symbolic.y - right.symbolic.y == track.symbolic
+        assert left.working.y - right.working.y == track.working
+        assert left.nominal.y - right.nominal.y == track.nominal

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import atan2, degrees
+import cmath
+from math import atan2, degrees, radians
 from pathlib import Path
 
 import pytest
@@ -205,6 +206,19 @@ def test_omni_wheels_along_x_that_turn_oppositely_do(tmp_path: Path) -> None:
     ]
     side = ["name: aside, type: swedish, x: 0.4, y: 0, heading: pi/2, gamma: 0, r: 0.05"]
     assert codes(tmp_path / "robot.yaml", wheels(*entries, *side)) == ["WMR012"] * 2
+
+
+@pytest.mark.parametrize("turn", [0, 90, 180, -90])
+@pytest.mark.parametrize("half", [0.1, 0.2, 0.5])
+def test_wheels_against_each_other_do_not_depend_on_the_frame(half: float, turn: int, tmp_path: Path) -> None:
+    """Of a row of omni wheels on each side, the one or the other rolls backward."""
+    rows = ((0.3, half, 0), (-0.3, half, 0), (-0.3, -half, 180), (0.3, -half, 180))
+    places = [(complex(x, y) * cmath.rect(1, radians(turn)), h + turn) for x, y, h in rows]
+    entries = [
+        f"name: w{k}, type: swedish, x: {p.real:.9f}, y: {p.imag:.9f}, heading: {h} deg, gamma: 0, r: 0.05"
+        for k, (p, h) in enumerate(places)
+    ]
+    assert codes(tmp_path / "robot.yaml", wheels(*entries)).count("WMR012") == 2
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.kernels.choice import TARGETS
 from wmrgen.ir.rounding import to_float32, to_float64
+from wmrgen.selftest import vectors
 from wmrgen.selftest.vectors import tables
 
 LARGEST = 50_000  # bytes for each four tables, of eight steered wheels; half of the robots stay below 27 kB
@@ -98,6 +99,20 @@ def wrong_numbers(robot: str, scalar: str, every: int) -> list[str]:
 @pytest.mark.parametrize("robot", ["turtlebot3_burger", "wpilib_swervebot"])
 def test_numbers_are_the_exact_ones(robot: str) -> None:
     assert wrong_numbers(robot, "float", 3) == []
+
+
+def test_a_short_table_has_rows_of_the_whole_at_even_distances(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the first on, in order: no more than are allowed, and more than half as many."""
+    module = of_gallery("unicycle").c_module
+    whole = [[v.inputs for v in table.vectors] for table in tables(module, "float")]
+    for most in (8, 13, 20):
+        monkeypatch.setattr(vectors, "_NUMBERS", 0)
+        monkeypatch.setattr(vectors, "_LEAST", most)
+        for table, every in zip(tables(module, "float"), whole, strict=True):
+            rows = [v.inputs for v in table.vectors]
+            step = -(-len(every) // len(rows))
+            assert table.law or len(rows) <= most
+            assert rows == every[::step] and 2 * len(rows) > min(most, len(every))
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tests.conftest import Outcome
 from tests.depth import BACKENDS
 from tests.functions.common import CASES, PAIR, ROBOTS, call, derived, write
+from tests.robots import of_text
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.space.stability import polygon
 
@@ -158,6 +159,22 @@ def test_twin_wheels_take_turns_at_the_corners(tmp_path: Path) -> None:
     result = call(path, "stability", {"fz": 9.81} | {f"{w.name}.steer": 0.3 for w in base.wheels})
     for w in base.wheels:
         assert (result[f"{w.name}.margin"] < 3.14) == (w.name in names)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_corners_are_the_places_that_others_do_not_span(seed: int) -> None:
+    """Each place once, counter-clockwise: also where wheels stand in one place or in the middle of an edge."""
+    places = np.random.default_rng(seed).integers(0, 3, (9, 2))
+    names = [f"w{k}" for k in range(len(places))]
+    wheels = "".join(
+        f"  - {{name: {n}, type: spherical, x: {x}, y: {y}}}\n"
+        for n, (x, y) in zip(names, places, strict=True)
+    )
+    corners = polygon(of_text(f"wmrgen: 1\nname: balls\nwheels:\n{wheels}").robot, {})
+    at = [complex(*places[names.index(n)]) for n in corners]
+    for a, b, c in zip(at, at[1:] + at[:1], at[2:] + at[:2], strict=True):
+        assert ((b - a).conjugate() * (c - b)).imag > 0
+        assert all(((b - a).conjugate() * (complex(*p) - a)).imag >= 0 for p in places)
 
 
 LINE = PAIR + "  - {name: middle, type: spherical, x: 0, y: 0}\n"

@@ -113,6 +113,25 @@ def test_one_wheel_that_does_not_steer_as_all_others_do_is_asked_about(read: Imp
     assert read(robot(modules({}).replace('<axis xyz="0 0 1"/>', '<axis xyz="1 0 0"/>', 2)))["asked"] == []
 
 
+@pytest.mark.parametrize(
+    ("front", "rear", "names"),
+    [
+        ("joint_from_the_module_to_the_wheel_{}_front", "joint_from_the_module_to_the_wheel_{}_rear",
+         ["left_front", "right_front", "left_rear", "right_rear"]),
+        ("{}_rocker_of_the_chassis_to_front_{}", "{}_rocker_of_the_chassis_to_rear_{}",
+         ["of_the_chassis_to_front_left", "the_chassis_to_front_right", "of_the_chassis_to_rear_left",
+          "of_the_chassis_to_rear_right"]),
+        ("{}_front", "{}_rear", ["left_front", "right_front", "left_rear", "right_rear"]),
+    ],
+)  # fmt: skip
+def test_long_names_keep_what_tells_wheels_apart(
+    read: Import, front: str, rear: str, names: list[str]
+) -> None:
+    corners = {"fl": (front, "left"), "fr": (front, "right"), "rl": (rear, "left"), "rr": (rear, "right")}
+    said = read(robot(four({n: form.replace("{}", side) for n, (form, side) in corners.items()})))
+    assert list(said["wheels"]) == names
+
+
 def test_what_moves_the_body_names_no_motors(read: Import) -> None:
     moves = '<gazebo><plugin filename="libgazebo_ros_planar_move.so"/></gazebo>'
     said = read(robot(four(), moves))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 import textwrap
@@ -163,15 +164,29 @@ def near_robot_name(name: str) -> str:
 
 
 def near_wheel_names(joints: Sequence[str]) -> list[str]:
-    """Names of wheels, without what says that a joint is one; none twice in any case of letters."""
+    """Names of wheels, without what says that a joint is one; none twice in any case of letters. Where some are too
+    long, without the first words of all; of one that still is, the last words."""
+    plain = [_KINDS_OF_JOINT.sub("", _plain(joint)) for joint in joints]
+    if any(len(name) > _MOST for name in plain):
+        words = [name.split("_") for name in plain]
+        columns = zip(*(each[:-1] for each in words), strict=False)
+        shared = len(list(itertools.takewhile(lambda column: len({*column}) == 1, columns)))
+        while shared and not all(each[shared][:1].isalpha() for each in words):
+            shared -= 1
+        plain = ["_".join(each[shared:]) for each in words]
     names: list[str] = []
-    for number, joint in enumerate(joints, 1):
-        near = _KINDS_OF_JOINT.sub("", _plain(joint))[:_MOST].strip("_")
+    for number, near in enumerate(map(_last_words, plain), 1):
         tries = (near, near.lower(), f"{near.lower()}_{number}", f"wheel_{number}")
         name = _first(tries, wheel_name) or f"wheel_{number}"
         clashes = name.lower() in (other.lower() for other in names)
         names.append(f"{name[: _MOST - 2]}_{number}" if clashes else name)
     return names
+
+
+def _last_words(name: str) -> str:
+    while len(name) > _MOST and "_" in name:
+        name = name.partition("_")[2]
+    return name[:_MOST]
 
 
 def _plain(name: str) -> str:

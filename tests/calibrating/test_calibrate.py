@@ -20,7 +20,14 @@ import yaml
 import wmrgen
 from tests.calibrating.simulated import LAYOUTS, Encoders, Layout, Tracker, csv, drive
 from tests.conftest import Outcome
-from wmrgen.calibrating.calibrate import Calibration, Estimate, _held_out, _names, calibrate, problem_of
+from wmrgen.calibrating.calibrate import (
+    Calibration,
+    Estimate,
+    _held_out,
+    _names,
+    calibrate,
+    problem_of,
+)
 from wmrgen.calibrating.certainty import fit
 from wmrgen.calibrating.fit import Problem, serial, start_of, sums, unit_of
 from wmrgen.calibrating.logs import read
@@ -193,6 +200,30 @@ def test_a_step_goes_along_its_arc_and_by_omega_as_far(omega: float) -> None:
     by = sum(k * c * omega ** (k - 1) for k, c in enumerate(terms) if k)
     assert path.position_by[0, 1].real == pytest.approx(by.real, rel=1e-6, abs=1e-16)
     assert path.position_by[0, 1].imag == pytest.approx(by.imag, rel=1e-6)
+
+
+@pytest.mark.parametrize(("omega", "off"), [(0.0, 1e-12), (0.1, 1e-4), (-0.4, 2e-3)])
+def test_between_two_readings_the_robot_goes_along_an_arc(omega: float, off: float) -> None:
+    """Of a metre and a turn; pace and derivatives are those of the way there."""
+    turn, share = np.array([omega]), np.array([[0.0], [0.3], [0.7], [1.0], [1.5]])
+    step = Reckoning(np.ones(1) + 0j, turn, np.ones((1, 1)) + 0.1j, np.full((1, 1), 0.2))
+    ends = reckoned(step).at(np.array([[0], [1]]))
+    for over in share:
+        there, whole = ends.within(over), reckoned(step).position[1]
+        part = Reckoning(over * step.position, over * turn, over * step.position_by, over * step.heading_by)
+        true = reckoned(part).position[1] if over <= 1 else over * whole
+        assert there.position == pytest.approx(true, abs=off)
+        assert there.heading == pytest.approx(over * turn)
+        later, before = (ends.within(over + s).position for s in (1e-6, -1e-6))
+        if 0 < over < 1:
+            assert ends.pace(over)[0] == pytest.approx((later - before) / 2e-6, abs=1e-9)
+        more, less = (
+            reckoned(replace(step, position=step.position + h * (1 + 0.1j), heading=turn + 0.2 * h))
+            .at(np.array([[0], [1]]))
+            .within(over)
+            for h in (1e-6, -1e-6)
+        )
+        assert there.position_by[0] == pytest.approx((more.position - less.position) / 2e-6, abs=1e-8)
 
 
 def test_what_only_appears_as_a_sum_is_named(tmp_path: Path) -> None:

@@ -85,16 +85,22 @@ class Slope:
 
 
 def least(slope: Callable[[Reals], Slope], start: Reals, near: float, most_steps: int) -> Reals:
-    """The unknowns of least cost from ``start`` on, to where Newton's step is below ``near`` standard deviations. A
-    step of the dogleg method lies in the plane of the gradient and of Newton's step (Powell, 1970), so scipy takes it
-    among two unknowns, however many drives there are; the trust region goes on from step to step as scipy has it."""
+    """The unknowns of least cost from ``start`` on, to where no step gains more than Newton's does that is ``near``
+    standard deviations long in what each drive has of its own. Where readings are rough, the cost has edges, at which
+    Newton's step stays long: then what the trust region leaves to gain tells the end. A step of the dogleg method lies
+    in the plane of the gradient and of Newton's step (Powell, 1970), so scipy takes it among two unknowns, however many
+    drives there are; the trust region goes on from step to step as scipy has it."""
     unknowns, here, radius, steps = start, slope(start), 1.0, 0
+    enough = 0.5 * near**2 * len(here.matrix.own)
     while steps < most_steps:
-        newton = here.matrix.solve(here.gradient)
-        if steps and here.gradient @ newton < near**2:
+        newton, steep = here.matrix.solve(here.gradient), float(np.linalg.norm(here.gradient))
+        if steps and min(0.5 * float(here.gradient @ newton), steep * radius) < enough:
             break
+        # Each step that does not do makes the region a quarter as wide.
+        gained = steep * min(radius, float(np.linalg.norm(newton)))
+        tries = min(most_steps - steps, 1 + int(np.log(max(1.0, gained / enough)) / np.log(4)))
         plane = np.linalg.qr(np.array([here.gradient, newton]).T)[0]
-        step, there, tried = _step(slope, unknowns, here, plane, radius, most_steps - steps)
+        step, there, tried = _step(slope, unknowns, here, plane, radius, tries)
         if there is here:
             break
         bent = 0.5 * step @ (here.matrix @ step)

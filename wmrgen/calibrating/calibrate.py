@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from wmrgen.calibrating import certainty
-from wmrgen.calibrating.certainty import Fit, fit
+from wmrgen.calibrating.certainty import Fit
 from wmrgen.calibrating.drawn import drawn
-from wmrgen.calibrating.fit import Each, Problem, serial, solved, start_of, unit_of
+from wmrgen.calibrating.fit import Each, Problem, during, nearest, serial, solved, start_of, unit_of
 from wmrgen.calibrating.logs import Drive, pairs, read
 from wmrgen.calibrating.mistakes import refuse_strangers
 from wmrgen.calibrating.observability import settled, unobservable
@@ -122,14 +122,14 @@ def calibrate(
     )
     large = sum(path.stat().st_size for pair in files for path in pair if path.is_file()) > _LARGE
     drives = _parts(stored(every) if large else tuple(every))
-    first = _fitted(replace(problem, drives=drives), each)
+    first = _about(replace(problem, drives=drives), each)
     moving = drifts(_coarser(first.problem), first.unknowns, each)
     best, slips = _without_slips(_without_jumps(first, moving, each), each)
-    refuse_strangers(best, drives, lambda others: _fitted(replace(problem, drives=tuple(others)), each))
-    best = settled(certainty.agreeing(best, each), each)
+    refuse_strangers(best, drives, lambda others: _about(replace(problem, drives=tuple(others)), each))
+    best = settled(_agreeing(best, each), each)
     if best.problem.untold is not None:  # joints that disagree less show more slips
         best, more = _without_slips(best, each)
-        slips += more
+        best, slips = _finely(best.problem, best.unknowns, each) if more else best, slips + more
     parts = best if len(drives) > 1 else _in_parts(best, each)
     others = _without_each(parts, each)
     weak = _unobservable(derivation.robot, best)
@@ -164,9 +164,9 @@ def _split(drive: Drive, count: int, offset: float = 0.0) -> list[Drive]:
     return parts if len(parts) == count else [drive]
 
 
-def _fitted(problem: Problem, each: Each, best: Fit | None = None) -> Fit:
-    """The fit, of drives as they were read, or of parts of those of the ``best`` one, from its parameters on; of large
-    logs from that of a coarser problem on."""
+def _about(problem: Problem, each: Each, best: Fit | None = None) -> Fit:
+    """The fit of drives as they were read, or of parts of those of the ``best`` one, from its parameters on; of large
+    logs about, as a coarser problem has it."""
     ready = laid(problem)
     coarse = _coarser(ready)
     if best is None:
@@ -174,9 +174,23 @@ def _fitted(problem: Problem, each: Each, best: Fit | None = None) -> Fit:
     else:
         shared = len(ready.units)
         start = np.concatenate([best.unknowns[:shared], start_of(ready)[shared:]])
-    if coarse is ready:
-        return fit(ready, each, start)
-    return certainty.fit_at(*solved(ready, each, solved(coarse, each, start)[1], rounds=2), each)
+    solution, unknowns = solved(coarse, each, start)
+    if coarse is not ready:
+        solution = replace(ready, drives=during(ready, unknowns), scale=solution.scale)
+    return certainty.fit_at(solution, unknowns, each)
+
+
+def _finely(problem: Problem, unknowns: Reals, each: Each) -> Fit:
+    """The fit of large logs by all their readings, from ``unknowns`` on that a coarser problem has."""
+    if _coarser(problem) is not problem:
+        problem, unknowns = solved(problem, each, unknowns, rounds=2)
+    return certainty.fit_at(problem, unknowns, each)
+
+
+def _agreeing(best: Fit, each: Each) -> Fit:
+    """The fit in which clocks agree as far as they do."""
+    problem = certainty.agreeing(best)
+    return _finely(problem, nearest(_coarser(problem), best.unknowns, each), each)
 
 
 def _coarser(problem: Problem) -> Problem:
@@ -223,25 +237,25 @@ def _mean(parts: Iterable[tuple[Reals, Reals]]) -> Errors:
 def _without_jumps(best: Fit, moving: Sequence[Sequence[Drift]], each: Each) -> Fit:
     """The fit where each drive whose clock jumps is two, with a clock each."""
     jumps = [[drift for drift in of_drive if drift.at_once] for of_drive in moving]
-    return _fitted(without(best, jumps), each, best) if any(jumps) else best
+    return _about(without(best, jumps), each, best) if any(jumps) else best
 
 
 def _without_slips(best: Fit, each: Each) -> tuple[Fit, list[Outlier]]:
     """The fit without what is unusual in the drives; large slips hide smaller ones."""
     slips: list[Outlier] = []
     for _ in range(_PASSES):
-        unusual = outliers(best)
+        unusual = outliers(best, _coarser(best.problem))
         if not any(unusual):
             break
         slips += [slip for of_drive in unusual for slip in of_drive]
-        best = _fitted(without(best, unusual), each, best)
+        best = _about(without(best, unusual), each, best)
     return best, sorted(slips, key=lambda slip: (slip.drive, slip.start))
 
 
 def _in_parts(best: Fit, each: Each) -> Fit:
     """The fit of `_FOLDS` parts of one drive, each with a start of its own."""
     parts = tuple(_split(best.problem.drives[0], _FOLDS, best.offsets[0]))
-    return _fitted(replace(best.problem, drives=parts), each, best) if len(parts) > 1 else best
+    return _about(replace(best.problem, drives=parts), each, best) if len(parts) > 1 else best
 
 
 def _folds(problem: Problem) -> list[list[int]]:

@@ -90,12 +90,12 @@ def without(best: Fit, drives: Sequence[int], each: Each) -> Fit:
     return fit_at(rest, nearest(rest, np.concatenate([best.unknowns[:shared], own.ravel()]), each), each)
 
 
-def agreeing(best: Fit, each: Each) -> Fit:
-    """The fit in which clocks agree as far as those of ``best``, where each drive tells its own alone, show that they
-    do: what is no more than slips and noise make of an offset is taken from it, and little where they truly differ."""
+def agreeing(best: Fit) -> Problem:
+    """The problem in which clocks agree as far as those of ``best``, where each drive tells its own alone, show that
+    they do: what is no more than slips and noise make of an offset is taken from it, and little where they truly
+    differ."""
     own = best.unknowns[len(best.problem.units) :].reshape(len(best.problem.drives), -1)
-    problem = replace(best.problem, clocks=shown(own[:, -1], *best.spread))
-    return fit_at(problem, nearest(problem, best.unknowns, each), each)
+    return replace(best.problem, clocks=shown(own[:, -1], *best.spread))
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from wmrgen.calibrating.certainty import Fit
 from wmrgen.calibrating.fit import Problem, place_at
-from wmrgen.calibrating.path import Complexes, Reals, between, passed
+from wmrgen.calibrating.path import Complexes, Reals, passed
 from wmrgen.robot import Derivation
 
 _PARTS = 10  # of a drive
@@ -40,10 +40,9 @@ def drawn(problem: Problem, shared: Reals, offset: float, index: int) -> Drawn:
     measured = np.isfinite(true) & np.isfinite(true_heading)
     t, true, true_heading = drive.truth.t[measured] + offset, true[measured], true_heading[measured]
     step, _, share = place_at(drive.t, t)
-    path = passed(problem.increments, drive.columns, shared[:count], step)
-    heading = between(path.heading, share)
-    place = between(path.position, share) + np.exp(1j * heading) * complex(shared[count], shared[count + 1])
-    heading = heading + shared[count + 2]
+    path = passed(problem.increments, drive.columns, shared[:count], step).within(share)
+    place = path.position + np.exp(1j * path.heading) * complex(shared[count], shared[count + 1])
+    heading = path.heading + shared[count + 2]
     turn = true_heading[:1] - heading[:1]
     origin = true[:1] - np.exp(1j * turn) * place[:1]
     return Drawn(t, origin + np.exp(1j * turn) * place, heading + turn, true, true_heading)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from wmrgen.calibrating.arrow import Arrow, Slope, Sums, least, robust
 from wmrgen.calibrating.clocks import ALONE, Clocks
 from wmrgen.calibrating.logs import Drive
-from wmrgen.calibrating.path import Complexes, Increments, Reals, Samples, between, passed
+from wmrgen.calibrating.path import Complexes, Increments, Reals, passed
 from wmrgen.calibrating.stored import changed
 
 Result = TypeVar("Result")
@@ -111,22 +111,17 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     mount, mount_heading = complex(shared[count], shared[count + 1]), shared[count + 2]
     at = drive.truth.t + own[3]
     step, length, share = place_at(drive.t, at)
-    path = passed(increments, drive.columns, shared[:count], step)
+    steps = passed(increments, drive.columns, shared[:count], step)
+    path, pace = steps.within(share), steps.pace(share)
     moving = (at >= drive.t[0] - BEYOND) & (at <= drive.t[-1] + BEYOND)
-
-    def there(samples: Samples) -> Samples:
-        return between(samples, share)
-
-    heading = there(path.heading)
     start = np.exp(1j * own[2])
-    turned = start * np.exp(1j * heading)
-    reached = start * there(path.position) + turned * mount  # from the start
-    turn_by = there(path.heading_by)
-    place_by = start * there(path.position_by) + 1j * turned * mount * turn_by
-    speed, turn = (np.diff(poses, axis=0)[0] / length * moving for poses in (path.position, path.heading))
+    turned = start * np.exp(1j * path.heading)
+    reached = start * path.position + turned * mount  # from the start
+    place_by = start * path.position_by + 1j * turned * mount * path.heading_by
+    speed, turn = (poses / length * moving for poses in pace)
     ones, angle = np.ones_like(at), np.zeros((count + _MOUNT + _OWN, len(at)))
     place = angle.astype(complex)
-    place[:count], angle[:count] = place_by, turn_by
+    place[:count], angle[:count] = place_by, path.heading_by
     place[count], place[count + 1], angle[count + 2] = turned, 1j * turned, ones
     place[count + 3], place[count + 4], place[count + 5] = ones, 1j * ones, 1j * reached
     angle[count + 5] = ones
@@ -134,12 +129,12 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     for by in (place, angle):
         by[:-_OWN], by[-_OWN:] = problem.by_unknowns.T @ by[:-_OWN], UNIT_OWN[:, None] * by[-_OWN:]
     off = complex(own[0], own[1]) + reached
-    heading_error = heading + own[2] + mount_heading - drive.truth.theta
+    heading_error = path.heading + own[2] + mount_heading - drive.truth.theta
     values = np.array([off.real - drive.truth.x, off.imag - drive.truth.y, LEVER * heading_error])
     measured = np.isfinite(values)
     return Residuals(
         np.where(measured, values, 0.0), np.array([place.real.T, place.imag.T, LEVER * angle.T]),
-        measured * _weights(drive.truth.t), off, heading + own[2],
+        measured * _weights(drive.truth.t), off, path.heading + own[2],
     )  # fmt: skip
 
 
@@ -207,23 +202,23 @@ def solved(problem: Problem, each: Each, unknowns: Reals, rounds: int = 3) -> tu
     in two steps to one that the residuals show; and the problem with that scale. The last two ``rounds`` do from
     unknowns on that are near."""
     for most in (np.inf, problem.scale, problem.scale)[-rounds:]:
-        problem = replace(problem, drives=_during(problem, unknowns))
+        problem = replace(problem, drives=during(problem, unknowns))
         typical = float(np.median(each(problem, unknowns, _typical)))
         problem = replace(problem, scale=float(np.clip(1.5 * typical, FINEST, most)))
         unknowns = nearest(problem, unknowns, each)
     return problem, unknowns
 
 
-def _during(problem: Problem, unknowns: Reals) -> Sequence[Drive]:
+def during(problem: Problem, unknowns: Reals) -> Sequence[Drive]:
     """The drives, where enough is left, without what the truth says of times before the first and after the last
     reading, by the clocks as they are known; where a robot stands then, it stays."""
 
-    def during(index: int, drive: Drive) -> list[Drive]:
+    def inside(index: int, drive: Drive) -> list[Drive]:
         at = drive.truth.t + problem.own(unknowns, index)[3]
-        inside = ((at >= drive.t[0]) | drive.stands(0)) & ((at <= drive.t[-1]) | drive.stands(-1))
-        return [drive.seen(inside) if _FEW <= inside.sum() < len(at) else drive]
+        seen = ((at >= drive.t[0]) | drive.stands(0)) & ((at <= drive.t[-1]) | drive.stands(-1))
+        return [drive.seen(seen) if _FEW <= seen.sum() < len(at) else drive]
 
-    return changed(problem.drives, during)
+    return changed(problem.drives, inside)
 
 
 def _typical(problem: Problem, unknowns: Reals, index: int) -> float:

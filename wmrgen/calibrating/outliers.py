@@ -137,9 +137,9 @@ def _regression(columns: Sequence[Reals | NDArray[np.bool_]], values: Reals) -> 
     return float(np.sum((matrix @ counts - values) ** 2)), float(counts[0])
 
 
-def outliers(best: Fit) -> list[list[Outlier]]:
+def outliers(best: Fit, coarser: Problem) -> list[list[Outlier]]:
     """What is unusual in each drive, in the order of time: what joints tell, and where they tell nothing, what the path
-    tells."""
+    tells, for which a ``coarser`` problem of the same drives does."""
     drives = best.problem.drives
     slides = [_disagreement(best, drive) for drive in drives]
     sliding = _wide([size for _, size in slides], _FAR, min(_LARGE * best.problem.scale, _NOTED))
@@ -147,11 +147,14 @@ def outliers(best: Fit) -> list[list[Outlier]]:
         [(at[k], at[k] + _STEP, nan, nan) for k in np.flatnonzero(size > sliding)] for at, size in slides
     ]
     if not any(spans):
-        paths = [_steps(best, index) for index in range(len(drives))]
+        paths = [_steps(coarser, best.unknowns, index) for index in range(len(drives))]
         wide = [_wide([step[i] for _, step in paths], _SEEN, bound) for i, bound in enumerate(_PATH)]
         peaks = [_peaks(np.maximum(moved / wide[0], turned / wide[1])) for _, (moved, turned) in paths]
         spans = [
-            [(t[k], t[k] + _BETWEEN * _STEP, moved[k], turned[k]) for k in _no_clock(best, index, there)]
+            [
+                (t[k], t[k] + _BETWEEN * _STEP, moved[k], turned[k])
+                for k in _no_clock(coarser, best.unknowns, index, there)
+            ]
             for index, (there, (t, (moved, turned))) in enumerate(zip(peaks, paths, strict=True))
         ]
     merged = [_merged(drive.name, of_drive) for drive, of_drive in zip(drives, spans, strict=True)]
@@ -161,7 +164,7 @@ def outliers(best: Fit) -> list[list[Outlier]]:
     return [slips if so else [] for slips, so in zip(merged, likely, strict=True)]
 
 
-def _no_clock(best: Fit, index: int, peaks: NDArray[np.bool_]) -> NDArray[np.intp]:
+def _no_clock(problem: Problem, unknowns: Reals, index: int, peaks: NDArray[np.bool_]) -> NDArray[np.intp]:
     """The ``peaks`` that are not much smaller with another clock: where a robot stops or turns, one that is off makes
     steps, too."""
     at = np.flatnonzero(peaks)
@@ -169,15 +172,18 @@ def _no_clock(best: Fit, index: int, peaks: NDArray[np.bool_]) -> NDArray[np.int
         return at
     late = [0.0, *np.arange(-_LATE, _LATE + _STEP, _STEP)]
     sizes = [
-        np.hypot(moved, LEVER * turned)[at] for _, (moved, turned) in (_steps(best, index, s) for s in late)
+        np.hypot(moved, LEVER * turned)[at]
+        for _, (moved, turned) in (_steps(problem, unknowns, index, seconds) for seconds in late)
     ]
     return np.asarray(at[np.min(sizes, axis=0) > _CLOCK * sizes[0]])
 
 
-def _steps(best: Fit, index: int, late: float = 0.0) -> tuple[Reals, tuple[Reals, Reals]]:
-    """The `_steps_of` a drive, if the truth's clock is ``late`` [s] besides."""
-    rows = residuals(best.problem, later(best.problem, best.unknowns, index, late), index)
-    return _steps_of(rows, best.problem.drives[index].truth.t + best.offsets[index])
+def _steps(
+    problem: Problem, unknowns: Reals, index: int, seconds: float = 0.0
+) -> tuple[Reals, tuple[Reals, Reals]]:
+    """The `_steps_of` a drive, if the truth's clock is off by so many seconds more."""
+    rows = residuals(problem, later(problem, unknowns, index, seconds), index)
+    return _steps_of(rows, problem.drives[index].truth.t + problem.own(unknowns, index)[-1])
 
 
 def _steps_of(rows: Residuals, t: Reals) -> tuple[Reals, tuple[Reals, Reals]]:

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,6 @@ from wmrgen.ir.nodes import Function
 
 Reals = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
-Samples = TypeVar("Samples", Reals, Complexes)
 _BLOCK = 4096  # steps that are reckoned at a time
 
 
@@ -39,6 +39,43 @@ class Reckoning:
             self.position[..., which], self.heading[..., which],
             self.position_by[..., which], self.heading_by[..., which],
         )  # fmt: skip
+
+    def within(self, share: Reals) -> Reckoning:
+        """Of samples (..., 2, n) of where steps begin and end the poses (..., n) a ``share`` of a step behind its
+        start, along an arc: beside the chord by its length, i omega / 2 and the shares that are over and left, right to
+        the square of omega. Outside the step it goes on as the chord."""
+        start, step = self._ends()[0], self._steps()
+        bulge = share - 0.5j * np.maximum(share * (1 - share), 0.0) * step.heading
+        bent = -0.5j * np.maximum(share * (1 - share), 0.0) * step.position
+        return Reckoning(
+            start.position + bulge * step.position,
+            start.heading + share * step.heading,
+            start.position_by + bulge * step.position_by + bent * step.heading_by,
+            start.heading_by + share * step.heading_by,
+        )
+
+    def pace(self, share: Reals) -> tuple[Complexes, Reals]:
+        """How fast place and heading go there, by steps."""
+        step, inside = self._steps(), (share > 0) & (share < 1)
+        return step.position * (1 - 0.5j * step.heading * np.where(inside, 1 - 2 * share, 0.0)), step.heading
+
+    def _steps(self) -> Reckoning:
+        """What lies between where steps begin and end."""
+        start, end = self._ends()
+        return Reckoning(
+            end.position - start.position, end.heading - start.heading,
+            end.position_by - start.position_by, end.heading_by - start.heading_by,
+        )  # fmt: skip
+
+    def _ends(self) -> tuple[Reckoning, Reckoning]:
+        start, end = (
+            Reckoning(
+                self.position[..., i, :], self.heading[..., i, :],
+                self.position_by[..., i, :], self.heading_by[..., i, :],
+            )
+            for i in (0, 1)
+        )  # fmt: skip
+        return start, end
 
 
 _ORIGIN = Reckoning(np.zeros((), complex), np.zeros(()), np.zeros((), complex), np.zeros(()))
@@ -98,10 +135,17 @@ class Increments:
 
     def _of(self, function: OfColumns, inputs: Reals, values: Reals | Sequence[float]) -> Reals:
         """A function, linear in joints that are no angles, of columns of all joints (joints, N)."""
-        columns = inputs if any(name.endswith(".steer") for name in self.joints) else np.eye(len(inputs))
-        constant = np.repeat(np.asarray(values, dtype=float)[:, None], columns.shape[1], axis=1)
-        rows = function(np.vstack([columns, constant]))
-        return rows if columns is inputs else rows @ inputs
+        if not any(name.endswith(".steer") for name in self.joints):
+            return _linear(function, len(inputs), tuple(map(float, values))) @ inputs
+        constant = np.repeat(np.asarray(values, dtype=float)[:, None], inputs.shape[1], axis=1)
+        return function(np.vstack([inputs, constant]))
+
+
+@lru_cache(maxsize=16)  # blocks and drives of one evaluation have the same values
+def _linear(function: OfColumns, joints: int, values: tuple[float, ...]) -> Reals:
+    """The matrix of a function that is linear in joints."""
+    constant = np.repeat(np.array(values)[:, None], joints, axis=1)
+    return function(np.vstack([np.eye(joints), constant]))
 
 
 def reckoned(step: Reckoning, start: Reckoning = _ORIGIN) -> Reckoning:
@@ -140,11 +184,6 @@ def passed(
         parts.append(path.at(step[inside] - first + [[0], [1]]))
     every = ((p.position, p.heading, p.position_by, p.heading_by) for p in parts)
     return Reckoning(*(np.concatenate(of_all, axis=-1) for of_all in zip(*every, strict=True)))
-
-
-def between(samples: Samples, share: Reals) -> Samples:
-    """What samples (..., 2, n) of where steps begin and end are, a ``share`` of a step behind its start."""
-    return samples[..., 0, :] * (1 - share) + samples[..., 1, :] * share
 
 
 def _sums(start: Any, steps: Any) -> Any:

@@ -26,7 +26,7 @@ from wmrgen.calibrating.fit import (
     start_of,
 )
 from wmrgen.calibrating.logs import Drive
-from wmrgen.calibrating.path import Complexes, Reals, between, passed
+from wmrgen.calibrating.path import Complexes, Reals, passed
 from wmrgen.calibrating.stored import changed
 
 _WAY = 1.0  # [s] a short way: nominal odometry is right about it, and a pose's noise is small beside it
@@ -90,9 +90,8 @@ def _pieces(drive: Drive, count: int, seconds: float) -> list[Drive]:
 def nominal_at(problem: Problem, drive: Drive) -> tuple[Complexes, Reals]:
     """Nominal odometry's places and headings at the truth's times."""
     step, _, share = place_at(drive.t, drive.truth.t)
-    path = passed(problem.increments, drive.columns, problem.nominal, step)
-    inside = np.clip(share, 0.0, 1.0)
-    return between(path.position, inside), between(path.heading, inside)
+    path = passed(problem.increments, drive.columns, problem.nominal, step).within(np.clip(share, 0.0, 1.0))
+    return path.position, path.heading
 
 
 def _inside(drive: Drive) -> Drive:

@@ -553,6 +553,20 @@ def test_names_of_the_file_stay_in_their_comments(read: Import, tmp_path: Path) 
     assert "\nevil" not in text and "\u202e" not in text and "\nname: a_b\n" in text
 
 
+@pytest.mark.parametrize("before", ["\n", "  \n\n", "<!-- a licence -->\n"])
+def test_what_stands_before_the_declaration_is_read_over_and_places_stay(
+    read: Import, wmrgen_cli: Cli, tmp_path: Path, before: str
+) -> None:
+    text = before + robot(pair())
+    assert list(read(text)["wheels"]) == ["left", "right"]
+    (tmp_path / "probe.urdf").write_text(
+        text.replace("0.05 0.25 0.1", "0.05, 0.25, 0.1", 1), encoding="utf-8"
+    )
+    done = wmrgen_cli("import", tmp_path / "probe.urdf")
+    assert done.code == 2 and f"probe.urdf:{1 + before.count(chr(10))}:" in done.err
+    assert "'0.05,' is not a number" in done.err and "separated by spaces" in done.err
+
+
 @pytest.mark.parametrize(
     ("joints", "names"),
     [

@@ -102,7 +102,8 @@ class _Builder(TreeBuilder):
 
 def parse(text: bytes, file: str, most: int = MAX_BYTES, strict: bool = False) -> Element:
     """The root of `Placed` elements of a ``file``, a path. RobotFileError for what is no XML, has a document type or is
-    too large. Unless ``strict``, -- in comments and prefixes that are not declared are read, as simulators do."""
+    too large. Unless ``strict``, -- in comments, prefixes that are not declared and what stands before the declaration
+    of XML are read, as simulators do."""
     try:
         from defusedxml.common import DefusedXmlException
     except ImportError:
@@ -116,6 +117,7 @@ def parse(text: bytes, file: str, most: int = MAX_BYTES, strict: bool = False) -
             root = _elements(text, source)
         except ParseError as error:
             plain = re.sub(rb"<!--.*?-->", _blank, text, flags=re.DOTALL)
+            plain = re.sub(rb"\A\s+<\?xml[^>]*>", _blank, plain)
             if strict or (plain == text and _UNBOUND not in str(error)):
                 raise
             root = _elements(_bound(plain), source)
@@ -145,9 +147,9 @@ def _elements(data: bytes, text: Text) -> Element:
     return root
 
 
-def _blank(comment: re.Match[bytes]) -> bytes:
-    """Blanks in the place of a comment, so that places stay."""
-    return re.sub(rb"[^\n]", b" ", comment[0])
+def _blank(part: re.Match[bytes]) -> bytes:
+    """Blanks in the place of a comment or declaration, so that places stay."""
+    return re.sub(rb"[^\n]", b" ", part[0])
 
 
 def _bound(text: bytes) -> bytes:
@@ -192,7 +194,8 @@ def below(element: Element, name: str) -> Iterator[Element]:
 def number(text: str, what: str) -> Fraction:
     match = _NUMBER.fullmatch(text.strip())
     if not match:
-        hint = f"xacro reads ${quoted(text)[1:-1]}." if text.strip().startswith("{") else ""
+        comma = "Numbers are separated by spaces, and have a decimal point." if "," in text else ""
+        hint = f"xacro reads ${quoted(text)[1:-1]}." if text.strip().startswith("{") else comma
         raise refuse(f"{what}: {quoted(text)} is not a number", "", hint)
     sign, digits, exponent = match.groups()
     power = int(exponent or 0)

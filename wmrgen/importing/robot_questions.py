@@ -34,7 +34,7 @@ def motors_unknown(wheels: Sequence[Wheel]) -> list[Question]:
     steering = [w for w in wheels if w.type == STEERED.name]
     fixed = [w for w in wheels if w.type == FIXED.name]
     if all(w.actuated == () for w in wheels):
-        text = "the file moves the body as a whole, and no joint: which have motors?"
+        text = "the file drives no joint of a wheel, or moves the body as a whole: which have motors?"
         return [Question(w.name, "actuated", text, ("[spin]", "[]")) for w in wheels if w.type != CASTOR.name]
     if any(w.actuated is not None for w in wheels) or not fixed:
         return []

@@ -177,11 +177,11 @@ TRAILER = Section(
         Field(
             "length",
             _LENGTH,
-            "from its coupling to its axle",
+            "from its hitch to its axle",
             required=True,
             aliases=dict.fromkeys(("l", "wheelbase", "drawbar"), ""),
         ),
-        Field("hitch", _LENGTH, "from the axle in front back to the coupling", default="0"),
+        Field("hitch", _LENGTH, "how far its hitch lies behind the axle in front", default="0"),
     ),
 )
 

@@ -142,8 +142,8 @@ class Coupling(NamedTuple):
 
 
 class TrailerSpec(NamedTuple):
-    """One entry of ``trailers``. ``length``: from its coupling to its axle; ``hitch``: from the axle in front
-    back to the coupling."""
+    """One entry of ``trailers``. ``length``: from its hitch to its axle; ``hitch``: from the axle in front
+    back to its hitch."""
 
     name: str
     length: Quantity

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_9c6ed7897e97eddc)
+#if !defined(AGILEX_RANGER_PAIR_21e1543140a588a6)
 #error "agilex_ranger.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -240,38 +240,38 @@ void agilex_ranger_inverse(
     const float front_left_x = fmaf(1.1920929e-09f, twist->omega, fmaf((-0.28f), twist->omega, twist->vx));
     /* v_Ay of front_left, v_Ay of front_right */
     const float front_left_y = fmaf(1.1920929e-08f, twist->omega, fmaf(0.45f, twist->omega, twist->vy));
-    const wmrgen_wheel t0 = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_clamp(now->front_left.steer, 1.57f), 1.0f);
-    const float t1 = (1.6572665f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
-    const float t2 = (t0.steer < (-1.6572665f)) ? (t0.steer + 3.1415927f) : t1;
-    const float front_left_target = wmrgen_clamp(t2, 1.57f);
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, front_left_target - t0.steer);
+    const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_clamp(now->front_left.steer, 1.57f), 1.0f);
+    const float t0 = (1.6572665f < front_left.steer) ? (front_left.steer - 3.1415927f) : front_left.steer;
+    const float t1 = (front_left.steer < (-1.6572665f)) ? (front_left.steer + 3.1415927f) : t0;
+    const float front_left_target = wmrgen_clamp(t1, 1.57f);
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, front_left_target - front_left.steer);
     /* v_Ax of front_right, v_Ax of rear_right */
     const float front_right_x = fmaf((-1.1920929e-09f), twist->omega, fmaf(0.28f, twist->omega, twist->vx));
-    const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_clamp(now->front_right.steer, 1.57f), 1.0f);
-    const float t5 = (1.6572665f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
-    const float t6 = (t4.steer < (-1.6572665f)) ? (t4.steer + 3.1415927f) : t5;
-    const float front_right_target = wmrgen_clamp(t6, 1.57f);
-    const wmrgen_vector t7 = wmrgen_vector_at(1.0f, front_right_target - t4.steer);
+    const wmrgen_wheel front_right = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_clamp(now->front_right.steer, 1.57f), 1.0f);
+    const float t3 = (1.6572665f < front_right.steer) ? (front_right.steer - 3.1415927f) : front_right.steer;
+    const float t4 = (front_right.steer < (-1.6572665f)) ? (front_right.steer + 3.1415927f) : t3;
+    const float front_right_target = wmrgen_clamp(t4, 1.57f);
+    const wmrgen_vector t5 = wmrgen_vector_at(1.0f, front_right_target - front_right.steer);
     /* v_Ay of rear_left, v_Ay of rear_right */
     const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy));
-    const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(now->rear_left.steer, 1.57f), 1.0f);
-    const float t9 = (1.6572665f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
-    const float t10 = (t8.steer < (-1.6572665f)) ? (t8.steer + 3.1415927f) : t9;
-    const float rear_left_target = wmrgen_clamp(t10, 1.57f);
-    const wmrgen_vector t11 = wmrgen_vector_at(1.0f, rear_left_target - t8.steer);
-    const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_clamp(now->rear_right.steer, 1.57f), 1.0f);
-    const float t13 = (1.6572665f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
-    const float t14 = (t12.steer < (-1.6572665f)) ? (t12.steer + 3.1415927f) : t13;
-    const float rear_right_target = wmrgen_clamp(t14, 1.57f);
-    const wmrgen_vector t15 = wmrgen_vector_at(1.0f, rear_right_target - t12.steer);
+    const wmrgen_wheel rear_left = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(now->rear_left.steer, 1.57f), 1.0f);
+    const float t6 = (1.6572665f < rear_left.steer) ? (rear_left.steer - 3.1415927f) : rear_left.steer;
+    const float t7 = (rear_left.steer < (-1.6572665f)) ? (rear_left.steer + 3.1415927f) : t6;
+    const float rear_left_target = wmrgen_clamp(t7, 1.57f);
+    const wmrgen_vector t8 = wmrgen_vector_at(1.0f, rear_left_target - rear_left.steer);
+    const wmrgen_wheel rear_right = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_clamp(now->rear_right.steer, 1.57f), 1.0f);
+    const float t9 = (1.6572665f < rear_right.steer) ? (rear_right.steer - 3.1415927f) : rear_right.steer;
+    const float t10 = (rear_right.steer < (-1.6572665f)) ? (rear_right.steer + 3.1415927f) : t9;
+    const float rear_right_target = wmrgen_clamp(t10, 1.57f);
+    const wmrgen_vector t11 = wmrgen_vector_at(1.0f, rear_right_target - rear_right.steer);
 
-    out->front_left.spin = 8.333333f * (t0.spin * t3.x);
+    out->front_left.spin = 8.333333f * (front_left.spin * t2.x);
     out->front_left.steer = front_left_target;
-    out->front_right.spin = 8.333333f * (t4.spin * t7.x);
+    out->front_right.spin = 8.333333f * (front_right.spin * t5.x);
     out->front_right.steer = front_right_target;
-    out->rear_left.spin = 8.333333f * (t8.spin * t11.x);
+    out->rear_left.spin = 8.333333f * (rear_left.spin * t8.x);
     out->rear_left.steer = rear_left_target;
-    out->rear_right.spin = 8.333333f * (t12.spin * t15.x);
+    out->rear_right.spin = 8.333333f * (rear_right.spin * t11.x);
     out->rear_right.steer = rear_right_target;
 }
 
@@ -285,35 +285,35 @@ void agilex_ranger_inverse_slip(
     /* v_Ay of front_left, v_Ay of front_right */
     const float front_left_y = fmaf(1.1920929e-08f, twist->omega, fmaf(0.45f, twist->omega, twist->vy));
     const float t0 = wmrgen_clamp(wheels->front_left.steer, 1.57f);
-    const wmrgen_wheel t1 = wmrgen_steer_along(front_left_x, front_left_y, t0, 1.0f);
-    const float t2 = (1.6572665f < t1.steer) ? (t1.steer - 3.1415927f) : t1.steer;
-    const float t3 = (t1.steer < (-1.6572665f)) ? (t1.steer + 3.1415927f) : t2;
-    const wmrgen_vector t4 = wmrgen_vector_at(1.0f, wmrgen_clamp(t3, 1.57f) - t1.steer);
-    const float t5 = t1.spin * t4.y;
+    const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, t0, 1.0f);
+    const float t1 = (1.6572665f < front_left.steer) ? (front_left.steer - 3.1415927f) : front_left.steer;
+    const float t2 = (front_left.steer < (-1.6572665f)) ? (front_left.steer + 3.1415927f) : t1;
+    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, wmrgen_clamp(t2, 1.57f) - front_left.steer);
+    const float t4 = front_left.spin * t3.y;
     /* v_Ax of front_right, v_Ax of rear_right */
     const float front_right_x = fmaf((-1.1920929e-09f), twist->omega, fmaf(0.28f, twist->omega, twist->vx));
-    const float t6 = wmrgen_clamp(wheels->front_right.steer, 1.57f);
-    const wmrgen_wheel t7 = wmrgen_steer_along(front_right_x, front_left_y, t6, 1.0f);
-    const float t8 = (1.6572665f < t7.steer) ? (t7.steer - 3.1415927f) : t7.steer;
-    const float t9 = (t7.steer < (-1.6572665f)) ? (t7.steer + 3.1415927f) : t8;
-    const wmrgen_vector t10 = wmrgen_vector_at(1.0f, wmrgen_clamp(t9, 1.57f) - t7.steer);
-    const float t11 = t7.spin * t10.y;
+    const float t5 = wmrgen_clamp(wheels->front_right.steer, 1.57f);
+    const wmrgen_wheel front_right = wmrgen_steer_along(front_right_x, front_left_y, t5, 1.0f);
+    const float t6 = (1.6572665f < front_right.steer) ? (front_right.steer - 3.1415927f) : front_right.steer;
+    const float t7 = (front_right.steer < (-1.6572665f)) ? (front_right.steer + 3.1415927f) : t6;
+    const wmrgen_vector t8 = wmrgen_vector_at(1.0f, wmrgen_clamp(t7, 1.57f) - front_right.steer);
+    const float t9 = front_right.spin * t8.y;
     /* v_Ay of rear_left, v_Ay of rear_right */
     const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy));
-    const wmrgen_wheel t12 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(wheels->rear_left.steer, 1.57f), 1.0f);
-    const float t13 = (1.6572665f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
-    const float t14 = (t12.steer < (-1.6572665f)) ? (t12.steer + 3.1415927f) : t13;
-    const wmrgen_vector t15 = wmrgen_vector_at(1.0f, wmrgen_clamp(t14, 1.57f) - t12.steer);
-    const float t16 = t12.spin * t15.y;
-    const float t17 = wmrgen_clamp(wheels->rear_right.steer, 1.57f);
-    const wmrgen_wheel t18 = wmrgen_steer_along(front_right_x, rear_left_y, t17, 1.0f);
-    const float t19 = (1.6572665f < t18.steer) ? (t18.steer - 3.1415927f) : t18.steer;
-    const float t20 = (t18.steer < (-1.6572665f)) ? (t18.steer + 3.1415927f) : t19;
-    const wmrgen_vector t21 = wmrgen_vector_at(1.0f, wmrgen_clamp(t20, 1.57f) - t18.steer);
-    const float t22 = t18.spin * t21.y;
-    const float t23 = fmaf(t22, t22, fmaf(t16, t16, fmaf(t5, t5, t11 * t11)));
+    const wmrgen_wheel rear_left = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(wheels->rear_left.steer, 1.57f), 1.0f);
+    const float t10 = (1.6572665f < rear_left.steer) ? (rear_left.steer - 3.1415927f) : rear_left.steer;
+    const float t11 = (rear_left.steer < (-1.6572665f)) ? (rear_left.steer + 3.1415927f) : t10;
+    const wmrgen_vector t12 = wmrgen_vector_at(1.0f, wmrgen_clamp(t11, 1.57f) - rear_left.steer);
+    const float t13 = rear_left.spin * t12.y;
+    const float t14 = wmrgen_clamp(wheels->rear_right.steer, 1.57f);
+    const wmrgen_wheel rear_right = wmrgen_steer_along(front_right_x, rear_left_y, t14, 1.0f);
+    const float t15 = (1.6572665f < rear_right.steer) ? (rear_right.steer - 3.1415927f) : rear_right.steer;
+    const float t16 = (rear_right.steer < (-1.6572665f)) ? (rear_right.steer + 3.1415927f) : t15;
+    const wmrgen_vector t17 = wmrgen_vector_at(1.0f, wmrgen_clamp(t16, 1.57f) - rear_right.steer);
+    const float t18 = rear_right.spin * t17.y;
+    const float t19 = fmaf(t18, t18, fmaf(t13, t13, fmaf(t4, t4, t9 * t9)));
 
-    *slip = sqrtf(0.25f * t23);
+    *slip = sqrtf(0.25f * t19);
 }
 
 void agilex_ranger_forward(const agilex_ranger_wheels *wheels, agilex_ranger_twist *twist)

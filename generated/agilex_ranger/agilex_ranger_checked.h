@@ -21,7 +21,7 @@
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_9c6ed7897e97eddc)
+#if !defined(AGILEX_RANGER_PAIR_21e1543140a588a6)
 #error "agilex_ranger_checked.h and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_83b51e9ff4a2474a)
+#if !defined(BICYCLE_PAIR_be3dec09e1d9bc44)
 #error "bicycle.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -239,25 +239,25 @@ float *bicycle_joint(bicycle_wheels *wheels, int joint)
 
 void bicycle_inverse(const bicycle_twist *twist, const bicycle_wheels *now, bicycle_wheels *out)
 {
-    const wmrgen_wheel t0 = wmrgen_steer_along(twist->vx, 1.1f * twist->omega, wmrgen_clamp(now->front.steer, 1.0471976f), 1.0f);
-    const float t1 = (1.6144296f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
-    const float t2 = (t0.steer < (-1.6144296f)) ? (t0.steer + 3.1415927f) : t1;
+    const wmrgen_wheel front = wmrgen_steer_along(twist->vx, 1.1f * twist->omega, wmrgen_clamp(now->front.steer, 1.0471976f), 1.0f);
+    const float t0 = (1.6144296f < front.steer) ? (front.steer - 3.1415927f) : front.steer;
+    const float t1 = (front.steer < (-1.6144296f)) ? (front.steer + 3.1415927f) : t0;
 
     out->rear.spin = 2.9411764f * twist->vx;
-    out->front.steer = wmrgen_clamp(t2, 1.0471976f);
+    out->front.steer = wmrgen_clamp(t1, 1.0471976f);
 }
 
 void bicycle_inverse_slip(const bicycle_twist *twist, const bicycle_wheels *wheels, float *slip)
 {
     const float t0 = wmrgen_clamp(wheels->front.steer, 1.0471976f);
-    const wmrgen_wheel t1 = wmrgen_steer_along(twist->vx, 1.1f * twist->omega, t0, 1.0f);
-    const float t2 = (1.6144296f < t1.steer) ? (t1.steer - 3.1415927f) : t1.steer;
-    const float t3 = (t1.steer < (-1.6144296f)) ? (t1.steer + 3.1415927f) : t2;
-    const wmrgen_vector t4 = wmrgen_direction(wmrgen_clamp(t3, 1.0471976f) - t1.steer);
-    const float t5 = t1.spin * t4.y;
-    const float t6 = fabsf(twist->vy);
+    const wmrgen_wheel front = wmrgen_steer_along(twist->vx, 1.1f * twist->omega, t0, 1.0f);
+    const float t1 = (1.6144296f < front.steer) ? (front.steer - 3.1415927f) : front.steer;
+    const float t2 = (front.steer < (-1.6144296f)) ? (front.steer + 3.1415927f) : t1;
+    const wmrgen_vector t3 = wmrgen_direction(wmrgen_clamp(t2, 1.0471976f) - front.steer);
+    const float t4 = front.spin * t3.y;
+    const float t5 = fabsf(twist->vy);
 
-    *slip = sqrtf(fmaf(t6, t6, t5 * t5));
+    *slip = sqrtf(fmaf(t5, t5, t4 * t4));
 }
 
 void bicycle_forward(const bicycle_wheels *wheels, bicycle_twist *twist)

@@ -21,7 +21,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_83b51e9ff4a2474a)
+#if !defined(BICYCLE_PAIR_be3dec09e1d9bc44)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

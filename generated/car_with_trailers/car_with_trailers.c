@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_056ec3fc7ffb8821)
+#if !defined(CAR_WITH_TRAILERS_PAIR_5a2876018bb7c974)
 #error "car_with_trailers.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -266,7 +266,8 @@ void car_with_trailers_forward(
     /* HtH[2][2] */
     const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 0.32f));
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
-    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
+    /* HtH[1][1] */
+    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f));
     const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
     const float t0 = fmaf(front_left.x, front_left.y, front_right.x * front_right.y);
     const float t1 = fmaf(front_left.y, front_left_rw, front_right.y * front_right_rw);
@@ -276,7 +277,8 @@ void car_with_trailers_forward(
     const float t3 = wheels->rear_left.spin + wheels->rear_right.spin;
     const float b0 = 0.11f * t3; /* Htz[0] */
     const float adj01 = fmaf(n22, t0, -(n12 * t1)); /* adj(HtH)[0][1] */
-    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f)); /* HtH[0][0] */
+    /* HtH[0][0] */
+    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f));
     const float det = fmaf(-t1, adj02, fmaf(adj00, n00, -(t0 * adj01))); /* det(HtH) */
     const float t4 = (det < 0.64f) ? 0.64f : det;
     const float t5 = 1.0f / t4;
@@ -303,7 +305,8 @@ void car_with_trailers_forward_slip(
     /* HtH[2][2] */
     const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 0.32f));
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
-    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
+    /* HtH[1][1] */
+    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f));
     const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
     const float t0 = fmaf(front_left.x, front_left.y, front_right.x * front_right.y);
     const float t1 = fmaf(front_left.y, front_left_rw, front_right.y * front_right_rw);
@@ -313,7 +316,8 @@ void car_with_trailers_forward_slip(
     const float t3 = wheels->rear_left.spin + wheels->rear_right.spin;
     const float b0 = 0.11f * t3; /* Htz[0] */
     const float adj01 = fmaf(n22, t0, -(n12 * t1)); /* adj(HtH)[0][1] */
-    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f)); /* HtH[0][0] */
+    /* HtH[0][0] */
+    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f));
     const float det = fmaf(-t1, adj02, fmaf(adj00, n00, -(t0 * adj01))); /* det(HtH) */
     const float t4 = (det < 0.64f) ? 0.64f : det;
     const float t5 = 1.0f / t4;
@@ -363,11 +367,11 @@ void car_with_trailers_posture(
     const wmrgen_vector rear = wmrgen_vector_at(in->rear.speed, pose->theta);
     const wmrgen_vector front = wmrgen_vector_at(1.0f, in->front.steer);
     const float over1 = (fabsf(front.x) < 1e-09f) ? 0.0f : (1.0f / wmrgen_at_least(front.x, 1e-09f));
-    const float body_z = 0.71428573f * (in->rear.speed * (over1 * front.y));
+    const float body_omega = 0.71428573f * (in->rear.speed * (over1 * front.y));
 
     out->x_rate = rear.x;
     out->y_rate = rear.y;
-    out->theta_rate = body_z;
+    out->theta_rate = body_omega;
     out->front.steer_rate = in->front.steer_rate;
 }
 
@@ -379,16 +383,16 @@ void car_with_trailers_trailer(
     const wmrgen_vector rear = wmrgen_vector_at(in->rear.speed, pose->theta);
     const wmrgen_vector front = wmrgen_vector_at(1.0f, in->front.steer);
     const float over1 = (fabsf(front.x) < 1e-09f) ? 0.0f : (1.0f / wmrgen_at_least(front.x, 1e-09f));
-    const float body_z = 0.71428573f * (in->rear.speed * (over1 * front.y));
-    const wmrgen_vector rear_vector_at = wmrgen_vector_at(in->rear.speed, pose->theta - in->trailer1.theta);
-    const wmrgen_vector t0 = wmrgen_vector_at(rear_vector_at.x, in->trailer1.theta - in->trailer2.theta);
+    const float body_omega = 0.71428573f * (in->rear.speed * (over1 * front.y));
+    const wmrgen_vector t0 = wmrgen_vector_at(in->rear.speed, pose->theta - in->trailer1.theta);
+    const wmrgen_vector t1 = wmrgen_vector_at(t0.x, in->trailer1.theta - in->trailer2.theta);
 
     out->x_rate = rear.x;
     out->y_rate = rear.y;
-    out->theta_rate = body_z;
+    out->theta_rate = body_omega;
     out->front.steer_rate = in->front.steer_rate;
-    out->trailer1.theta_rate = 0.90909094f * rear_vector_at.y;
-    out->trailer2.theta_rate = 1.1111112f * t0.y;
-    out->trailer1.speed = rear_vector_at.x;
-    out->trailer2.speed = t0.x;
+    out->trailer1.theta_rate = 0.90909094f * t0.y;
+    out->trailer2.theta_rate = 1.1111112f * t1.y;
+    out->trailer1.speed = t0.x;
+    out->trailer2.speed = t1.x;
 }

@@ -246,13 +246,13 @@ def posture(x, y, theta, front_steer, rear_speed, front_steer_rate):
     _t0 = np.cos(front_steer)
     _divisor1 = np.where(np.abs(_t0) < 1e-09, np.copysign(1e-09, _t0), _t0)
     _over1 = np.where(np.abs(_t0) < 1e-09, 0.0, 1.0 / _divisor1)
-    _body_z = 0.7142857142857143 * (rear_speed * (_over1 * np.sin(front_steer)))
+    _body_omega = 0.7142857142857143 * (rear_speed * (_over1 * np.sin(front_steer)))
     return _shaped(
         [x, y, theta, front_steer, rear_speed, front_steer_rate],
         {
             "x_rate": rear_speed * np.cos(theta),
             "y_rate": rear_speed * np.sin(theta),
-            "theta_rate": _body_z,
+            "theta_rate": _body_omega,
             "front.steer_rate": front_steer_rate,
         },
     )
@@ -291,7 +291,7 @@ def trailer(x, y, theta, front_steer, trailer1_theta, trailer2_theta, rear_speed
     _t0 = np.cos(front_steer)
     _divisor1 = np.where(np.abs(_t0) < 1e-09, np.copysign(1e-09, _t0), _t0)
     _over1 = np.where(np.abs(_t0) < 1e-09, 0.0, 1.0 / _divisor1)
-    _body_z = 0.7142857142857143 * (rear_speed * (_over1 * np.sin(front_steer)))
+    _body_omega = 0.7142857142857143 * (rear_speed * (_over1 * np.sin(front_steer)))
     _t1 = theta - trailer1_theta
     _trailer1_pull_x = rear_speed * np.cos(_t1)
     _trailer1_turn = 0.9090909090909091 * (rear_speed * np.sin(_t1))
@@ -302,7 +302,7 @@ def trailer(x, y, theta, front_steer, trailer1_theta, trailer2_theta, rear_speed
         {
             "x_rate": rear_speed * np.cos(theta),
             "y_rate": rear_speed * np.sin(theta),
-            "theta_rate": _body_z,
+            "theta_rate": _body_omega,
             "front.steer_rate": front_steer_rate,
             "trailer1.theta_rate": _trailer1_turn,
             "trailer2.theta_rate": _trailer2_turn,

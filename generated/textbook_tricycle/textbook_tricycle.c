@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_301ec82c6c480ece)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_d26b1648c1cd0a8e)
 #error "textbook_tricycle.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -238,15 +238,15 @@ void textbook_tricycle_inverse(
 {
     const float t0 = 9.090909f * twist->vx;
     const float t1 = 3.6363637f * twist->omega;
-    const wmrgen_wheel t2 = wmrgen_steer_along(twist->vx, 1.4f * twist->omega, wmrgen_clamp(now->front.steer, 1.3089969f), 1.0f);
-    const float t3 = (1.6144296f < t2.steer) ? (t2.steer - 3.1415927f) : t2.steer;
-    const float t4 = (t2.steer < (-1.6144296f)) ? (t2.steer + 3.1415927f) : t3;
-    const float front_target = wmrgen_clamp(t4, 1.3089969f);
-    const wmrgen_vector t5 = wmrgen_vector_at(1.0f, front_target - t2.steer);
+    const wmrgen_wheel front = wmrgen_steer_along(twist->vx, 1.4f * twist->omega, wmrgen_clamp(now->front.steer, 1.3089969f), 1.0f);
+    const float t2 = (1.6144296f < front.steer) ? (front.steer - 3.1415927f) : front.steer;
+    const float t3 = (front.steer < (-1.6144296f)) ? (front.steer + 3.1415927f) : t2;
+    const float front_target = wmrgen_clamp(t3, 1.3089969f);
+    const wmrgen_vector t4 = wmrgen_vector_at(1.0f, front_target - front.steer);
 
     out->rear_left.spin = t0 - t1;
     out->rear_right.spin = t1 + t0;
-    out->front.spin = 9.090909f * (t2.spin * t5.x);
+    out->front.spin = 9.090909f * (front.spin * t4.x);
     out->front.steer = front_target;
 }
 
@@ -256,14 +256,14 @@ void textbook_tricycle_inverse_slip(
     float *slip)
 {
     const float t0 = wmrgen_clamp(wheels->front.steer, 1.3089969f);
-    const wmrgen_wheel t1 = wmrgen_steer_along(twist->vx, 1.4f * twist->omega, t0, 1.0f);
-    const float t2 = (1.6144296f < t1.steer) ? (t1.steer - 3.1415927f) : t1.steer;
-    const float t3 = (t1.steer < (-1.6144296f)) ? (t1.steer + 3.1415927f) : t2;
-    const wmrgen_vector t4 = wmrgen_vector_at(1.0f, wmrgen_clamp(t3, 1.3089969f) - t1.steer);
-    const float t5 = t1.spin * t4.y;
-    const float t6 = fabsf(twist->vy);
+    const wmrgen_wheel front = wmrgen_steer_along(twist->vx, 1.4f * twist->omega, t0, 1.0f);
+    const float t1 = (1.6144296f < front.steer) ? (front.steer - 3.1415927f) : front.steer;
+    const float t2 = (front.steer < (-1.6144296f)) ? (front.steer + 3.1415927f) : t1;
+    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, wmrgen_clamp(t2, 1.3089969f) - front.steer);
+    const float t4 = front.spin * t3.y;
+    const float t5 = fabsf(twist->vy);
 
-    *slip = sqrtf(fmaf(t6, t6, t5 * t5));
+    *slip = sqrtf(fmaf(t5, t5, t4 * t4));
 }
 
 void textbook_tricycle_forward(

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_301ec82c6c480ece)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_d26b1648c1cd0a8e)
 #error "textbook_tricycle_checked.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

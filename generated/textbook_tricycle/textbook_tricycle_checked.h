@@ -21,7 +21,7 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_301ec82c6c480ece)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_d26b1648c1cd0a8e)
 #error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_77b215a4cec00140)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_e96004d33f120221)
 #error "tractor_off_axle.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -210,16 +210,16 @@ void tractor_off_axle_trailer(
     const tractor_off_axle_trailer_in *in,
     tractor_off_axle_trailer_out *out)
 {
-    const float body_x = 0.055f * (wheels->left.spin + wheels->right.spin);
-    const wmrgen_vector t0 = wmrgen_vector_at(body_x, pose->theta);
-    const float body_z = 0.2037037f * (wheels->right.spin - wheels->left.spin);
-    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->cart.theta - pose->theta);
-    const float cart_turn = fmaf((-1.25f), body_x * t1.y, -(0.3125f * (body_z * t1.x)));
-    const float cart_speed = fmaf(body_x, t1.x, -(0.25f * (body_z * t1.y)));
+    const float body_vx = 0.055f * (wheels->left.spin + wheels->right.spin);
+    const wmrgen_vector t0 = wmrgen_vector_at(body_vx, pose->theta);
+    const float body_omega = 0.2037037f * (wheels->right.spin - wheels->left.spin);
+    const wmrgen_vector cart = wmrgen_vector_at(1.0f, in->cart.theta - pose->theta);
+    const float cart_turn = fmaf((-1.25f), body_vx * cart.y, -(0.3125f * (body_omega * cart.x)));
+    const float cart_speed = fmaf(body_vx, cart.x, -(0.25f * (body_omega * cart.y)));
 
     out->x_rate = t0.x;
     out->y_rate = t0.y;
-    out->theta_rate = body_z;
+    out->theta_rate = body_omega;
     out->cart.theta_rate = cart_turn;
     out->cart.speed = cart_speed;
 }

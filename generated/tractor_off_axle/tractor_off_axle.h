@@ -30,7 +30,7 @@
 
 #define TRACTOR_OFF_AXLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TRACTOR_OFF_AXLE_MODEL_HASH "61d1cd223c6b8b213234efa23a92c98b" /**< digest of the model */
-#define TRACTOR_OFF_AXLE_PAIR_77b215a4cec00140 1 /**< header and source that were written together have the same */
+#define TRACTOR_OFF_AXLE_PAIR_e96004d33f120221 1 /**< header and source that were written together have the same */
 #define TRACTOR_OFF_AXLE_WHEELS 3 /**< how many wheels the robot has */
 #define TRACTOR_OFF_AXLE_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TRACTOR_OFF_AXLE_LEFT_Y 0.27f /**< [m] pivot, to the left of P */

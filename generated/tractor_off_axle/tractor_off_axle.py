@@ -181,19 +181,19 @@ def trailer(x, y, theta, cart_theta, left_spin, right_spin):
     cart_theta = np.asarray(cart_theta, dtype=np.float64)
     left_spin = np.asarray(left_spin, dtype=np.float64)
     right_spin = np.asarray(right_spin, dtype=np.float64)
-    _body_x = 0.055 * (left_spin + right_spin)
-    _body_z = 0.2037037037037037 * (right_spin - left_spin)
+    _body_vx = 0.055 * (left_spin + right_spin)
+    _body_omega = 0.2037037037037037 * (right_spin - left_spin)
     _t0 = cart_theta - theta
     _t1 = np.sin(_t0)
     _cart_pull_cos = np.cos(_t0)
-    _cart_turn = (-1.25) * (_body_x * _t1) - 0.3125 * (_body_z * _cart_pull_cos)
-    _cart_speed = _body_x * _cart_pull_cos - 0.25 * (_body_z * _t1)
+    _cart_turn = (-1.25) * (_body_vx * _t1) - 0.3125 * (_body_omega * _cart_pull_cos)
+    _cart_speed = _body_vx * _cart_pull_cos - 0.25 * (_body_omega * _t1)
     return _shaped(
         [x, y, theta, cart_theta, left_spin, right_spin],
         {
-            "x_rate": _body_x * np.cos(theta),
-            "y_rate": _body_x * np.sin(theta),
-            "theta_rate": _body_z,
+            "x_rate": _body_vx * np.cos(theta),
+            "y_rate": _body_vx * np.sin(theta),
+            "theta_rate": _body_omega,
             "cart.theta_rate": _cart_turn,
             "cart.speed": _cart_speed,
         },

@@ -21,7 +21,7 @@
 
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_77b215a4cec00140)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_e96004d33f120221)
 #error "tractor_off_axle_checked.h and tractor_off_axle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_f3c2d4dd106c9395)
+#if !defined(WPILIB_SWERVEBOT_PAIR_8cbe21ec3dab8b90)
 #error "wpilib_swervebot.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -546,18 +546,18 @@ void wpilib_swervebot_compensate_steering(
     const wpilib_swervebot_wheels *now)
 {
     const float t0 = wheels->front_left.steer - now->front_left.steer;
-    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, t0);
-    const float t2 = wheels->front_right.steer - now->front_right.steer;
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2);
-    const float t4 = wheels->back_left.steer - now->back_left.steer;
-    const wmrgen_vector t5 = wmrgen_vector_at(1.0f, t4);
-    const float t6 = wheels->back_right.steer - now->back_right.steer;
-    const wmrgen_vector t7 = wmrgen_vector_at(1.0f, t6);
+    const wmrgen_vector front_left = wmrgen_vector_at(1.0f, t0);
+    const float t1 = wheels->front_right.steer - now->front_right.steer;
+    const wmrgen_vector front_right = wmrgen_vector_at(1.0f, t1);
+    const float t2 = wheels->back_left.steer - now->back_left.steer;
+    const wmrgen_vector back_left = wmrgen_vector_at(1.0f, t2);
+    const float t3 = wheels->back_right.steer - now->back_right.steer;
+    const wmrgen_vector back_right = wmrgen_vector_at(1.0f, t3);
 
-    wheels->front_left.spin = wheels->front_left.spin * t1.x;
-    wheels->front_right.spin = wheels->front_right.spin * t3.x;
-    wheels->back_left.spin = wheels->back_left.spin * t5.x;
-    wheels->back_right.spin = wheels->back_right.spin * t7.x;
+    wheels->front_left.spin = wheels->front_left.spin * front_left.x;
+    wheels->front_right.spin = wheels->front_right.spin * front_right.x;
+    wheels->back_left.spin = wheels->back_left.spin * back_left.x;
+    wheels->back_right.spin = wheels->back_right.spin * back_right.x;
 }
 
 void wpilib_swervebot_desaturate(wpilib_swervebot_wheels *wheels, float *scale)

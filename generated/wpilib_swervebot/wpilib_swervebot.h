@@ -32,7 +32,7 @@
 
 #define WPILIB_SWERVEBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define WPILIB_SWERVEBOT_MODEL_HASH "0c1b0ac77bb03104efde90fa889954de" /**< digest of the model */
-#define WPILIB_SWERVEBOT_PAIR_f3c2d4dd106c9395 1 /**< header and source that were written together have the same */
+#define WPILIB_SWERVEBOT_PAIR_8cbe21ec3dab8b90 1 /**< header and source that were written together have the same */
 #define WPILIB_SWERVEBOT_WHEELS 4 /**< how many wheels the robot has */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_X 0.381f /**< [m] pivot, forward of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_Y 0.381f /**< [m] pivot, to the left of P */

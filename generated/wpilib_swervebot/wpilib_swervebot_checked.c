@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_f3c2d4dd106c9395)
+#if !defined(WPILIB_SWERVEBOT_PAIR_8cbe21ec3dab8b90)
 #error "wpilib_swervebot_checked.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_f3c2d4dd106c9395)
+#if !defined(WPILIB_SWERVEBOT_PAIR_8cbe21ec3dab8b90)
 #error "wpilib_swervebot_checked.h and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

@@ -78,6 +78,20 @@ def test_comments_and_lines() -> None:
         assert text in lines[number - 1] or (text in lines[number - 2] and ";" in lines[number - 1])
 
 
+def test_what_a_kernel_gives_for_one_wheel_is_called_as_the_wheel() -> None:
+    """Also where it takes the present angle kept in its limits, or a difference of two angles."""
+    limited, swinging = (
+        sources(of_gallery(name).c_module)[1] for name in ("agilex_ranger", "wpilib_swervebot")
+    )
+    steered = re.findall(
+        r"const wmrgen_wheel (\w+) = wmrgen_steer_along\(.*wmrgen_clamp\(now->(\w+)", limited
+    )
+    assert len(steered) >= 4 and all(name == wheel for name, wheel in steered)
+    body = swinging.partition("_compensate_steering(")[2].partition("\n}")[0]
+    speeds = re.findall(r"wheels->(\w+)\.spin = wheels->\w+\.spin \* (\w+)\.x;", body)
+    assert len(speeds) == 4 and all(name == wheel for wheel, name in speeds)
+
+
 def test_limited_angles_are_called_so() -> None:
     """The angle before the stop is not called that inside the limits."""
     source = sources(of_gallery("agilex_ranger").c_module)[1]

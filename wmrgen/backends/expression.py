@@ -20,7 +20,7 @@ from wmrgen.ir.ops import Conditional, Op
 
 _LONGEST = 44  # characters of an expression printed in place
 _LONGEST_ARM = 56  # the same where it is computed only if it is chosen
-_LONGEST_LINE = 110  # characters of a statement with its note; else the note stands above it
+_LONGEST_LINE = 106  # characters of a statement with its note, indented by 4; else the note stands above it
 _CHOICE, _SUM, _PRODUCT, _UNARY, _ATOM = range(5)
 _BINDING = {"+": _SUM, "-": _SUM, "*": _PRODUCT, "/": _PRODUCT}
 
@@ -239,7 +239,7 @@ class _Printer(NamedTuple):
 
 
 def _names(function: Function, style: Style, reserved: Collection[str]) -> dict[int, str]:
-    """What nodes are called: as the formula calls them; what a kernel gives for a wheel, as the wheel."""
+    """What nodes are called: as the formula calls them; what a kernel gives for one wheel, as the wheel."""
     nodes, names, used = function.nodes, dict[int, str](), set(reserved)
 
     def call(k: int, name: str) -> None:
@@ -251,12 +251,17 @@ def _names(function: Function, style: Style, reserved: Collection[str]) -> dict[
     for each in function.named:
         call(each.node, each.name)
     several = {node.args[0] for node in nodes if node.op is Op.RESULT}
-    for k, node in enumerate(nodes):
-        joints = (nodes[a].name or "" for a in node.args) if k in several else ()
-        for wheel, dot, _ in (joint.partition(".") for joint in joints):
-            if dot:
-                call(k, wheel)
-                call(k, f"{wheel}_{node.name}")
+    for k in sorted(several):
+        near = {a: nodes[a] for a in nodes[k].args}
+        near |= {
+            b: nodes[b] for node in [*near.values()] for b in node.args
+        }  # the present angle, kept in its limits
+        inputs = [(n.name or "").partition(".") for n in near.values() if n.op is Op.INPUT]
+        owners = {owner for owner, dot, _ in inputs if dot}
+        if len(owners) == 1:
+            (wheel,) = owners
+            call(k, wheel)
+            call(k, f"{wheel}_{nodes[k].name}")
     return names
 
 

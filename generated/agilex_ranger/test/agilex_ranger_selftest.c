@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(AGILEX_RANGER_PAIR_9c6ed7897e97eddc)
+#if !defined(AGILEX_RANGER_PAIR_21e1543140a588a6)
 #error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_301ec82c6c480ece)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_d26b1648c1cd0a8e)
 #error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_77b215a4cec00140)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_e96004d33f120221)
 #error "tractor_off_axle_selftest.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 

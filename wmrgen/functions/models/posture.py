@@ -43,7 +43,7 @@ from wmrgen.kinematics.records import Formula, Locals, joint_port, substituted
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.analyse import towards
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, Port, Role, output
+from wmrgen.ports import POSE, TWIST_NAMES, Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, rotated, signal, square, subtract, times
 
 _COURSE = "course"  # stands for zeta - theta
@@ -92,7 +92,11 @@ def _summed(motion: Motion, i: int, names: Locals, memo: dict[Expr, Expr]) -> Ex
         times(expression(t[i]), signal(u.name)) for t, u in zip(motion.twists, motion.inputs, strict=True)
     ]
     total = add(*terms)
-    return total if total is sympy.S.Zero else names.define(f"body_{'xyz'[i]}", guarded(total, names, memo))
+    return (
+        total
+        if total is sympy.S.Zero
+        else names.define(f"body_{TWIST_NAMES[i]}", guarded(total, names, memo))
+    )
 
 
 @system("eta")

@@ -10,7 +10,7 @@ import pytest
 
 from tests.comparing.test_corpus import mecanum, ring, side
 from tests.comparing.test_motion import differential, said
-from wmrgen.comparing.compare import compare, labelled
+from wmrgen.comparing.compare import compare, findings, labelled
 from wmrgen.comparing.differences import length
 from wmrgen.comparing.matching import matched
 from wmrgen.comparing.record import Layout, Side
@@ -129,6 +129,18 @@ def test_names_that_contradict_places() -> None:
         side(f"module_{s}", "steered", 0.2, 0.1, offset_y=o) for s, o in (("left", 0.05), ("right", -0.05))
     ]
     assert not list(labelled(Layout("f", "description", (*twins, side("rear", "fixed", -0.2, -0.1)))))
+
+
+def test_what_has_no_place_is_told_at_the_beginning_of_its_file() -> None:
+    """As of a description that xacro has written anew."""
+    a, b = (
+        Layout("a", "description", tuple(four("fl", "fr", "rl", "rr"))),
+        tuple(four("fr", "fl", "rr", "rl")),
+    )
+    other = Layout("b", "description", (*b, side("more", "fixed", 0.0, 0.3)))
+    told = [*labelled(other), *findings(compare(a, other))]
+    assert {f.code for f in told} == {"WMR011", "WMR044", "WMR048"}
+    assert {(f.mark.file, f.mark.line, f.mark.column) for f in told if f.mark} == {("b", 1, 1)}
 
 
 def test_a_name_that_fits_two_wheels_leaves_it_to_the_place_and_the_type() -> None:

@@ -23,6 +23,7 @@ from tests.drawing.common import (
     robot,
 )
 from tests.robots import ROBOTS, of_gallery
+from wmrgen.backends.drawing.reach import simplified
 from wmrgen.layout.records import Wheel
 from wmrgen.robot import Derivation
 
@@ -214,6 +215,19 @@ def test_the_set_is_what_the_limits_allow(name: str) -> None:
                 assert allowed(d, twist, 1.0) == deep, (plane, p)
                 both[deep] += 1
         assert min(both.values()) > 50
+
+
+def test_an_outline_keeps_its_corners_alone() -> None:
+    """Wherever it begins and whichever way it goes: not what stands twice, by and large, or on a line between two."""
+    corners = [(10.0, 10.0), (90.0, 20.0), (80.0, 70.0), (20.0, 90.0)]
+    outline = []
+    for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+        between = [(a[0] + k * (b[0] - a[0]) / 5, a[1] + k * (b[1] - a[1]) / 5) for k in range(5)]
+        outline += [point for at in between for point in (at, (at[0] + 0.01, at[1]), at)]
+    for k in range(0, len(outline), 3):
+        for way in (1, -1):
+            kept = [(round(x), round(y)) for x, y in simplified((outline[k:] + outline[:k])[::way])]
+            assert sorted(kept) == sorted(corners), k
 
 
 def test_no_figure_where_the_set_is_a_box_or_open() -> None:

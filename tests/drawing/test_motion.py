@@ -16,6 +16,7 @@ from tests.drawing.common import (
     SVG,
     THREE,
     many,
+    numbers,
     of_class,
     page,
     panels,
@@ -225,3 +226,25 @@ def test_the_path_is_the_arc_of_the_twist(name: str) -> None:
     assert path[0] == pytest.approx([0, 0], abs=0.02 / scale)
     length = math.hypot(vx, vy) * time
     assert path[-1] == pytest.approx(pose[:2], abs=0.006 * length + 0.02 / scale)
+
+
+@pytest.mark.parametrize("name", ["pioneer3dx", "ackermann_car", "kuka_youbot"])
+def test_the_robot_stands_at_both_ends_of_its_path(name: str) -> None:
+    """Its frame begins there, along the path that it drives, and its wheels stand in that frame where they do."""
+    root = page(name, "motion.svg")
+    path = np.array(points(next(e for e in of_class(root, "course") if e.tag == f"{SVG}polyline")))
+    _, (_, scale, _) = panels(root)
+    groups = list(root.iter(f"{SVG}g"))
+    ghost = next(k for k, g in enumerate(groups) if g.get("class") == "ghost")
+    for group, end in ((groups[ghost], path[0]), (groups[ghost + 1], path[-1])):
+        axes = [e for e in of_class(group, "frame") if e.tag == f"{SVG}line"]
+        ways = [np.array(numbers(e, "x2", "y2")) - numbers(e, "x1", "y1") for e in axes]
+        x, y = (way / np.linalg.norm(way) for way in ways)
+        assert all(numbers(e, "x1", "y1") == pytest.approx(end, abs=0.02) for e in axes)
+        assert x[0] * y[1] - x[1] * y[0] == pytest.approx(-1, abs=0.01)  # on paper y points down
+        rects = [e for e in of_class(group, "wheel") if e.tag == f"{SVG}rect"]
+        for rect, w in zip(rects, of_gallery(name).robot.wheels, strict=True):
+            left, top, width, height = numbers(rect, "x", "y", "width", "height")
+            if not w.kind.swivels:
+                at = end + scale * (w.pivot.real * x + w.pivot.imag * y)
+                assert (left + width / 2, top + height / 2) == pytest.approx(at, abs=0.5)

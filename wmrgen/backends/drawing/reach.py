@@ -220,13 +220,13 @@ def _panel(plane: Plane, points: list[Point], centre: Point, section: bool) -> G
             f"{SHOWN[b]} {number(side)} {UNITS[b]} to the left",
         ),
     ]
-    shape = polygon(_simplified([on(p) for p in points]), "reach")
+    shape = polygon(simplified([on(p) for p in points]), "reach")
     at = f' data-plane="{NAMES[a]},{NAMES[b]}" data-most="{most[0]:.6g},{most[1]:.6g}"'
     at += f' data-origin="{pair(centre)}" data-half="{num(half)}"'
     return at, [shape, *axes, *(w for w in words if w)]
 
 
-def _simplified(points: list[Point]) -> list[Point]:
+def simplified(points: list[Point]) -> list[Point]:
     """Without points on a straight line between their neighbours."""
     kept: list[Point] = []
     for p in points:

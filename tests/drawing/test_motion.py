@@ -248,3 +248,17 @@ def test_the_robot_stands_at_both_ends_of_its_path(name: str) -> None:
             if not w.kind.swivels:
                 at = end + scale * (w.pivot.real * x + w.pivot.imag * y)
                 assert (left + width / 2, top + height / 2) == pytest.approx(at, abs=0.5)
+
+
+@pytest.mark.parametrize("name", ["pioneer3dx", "ackermann_car"])
+def test_the_heading_at_the_start_is_the_angle_between_its_lines(name: str) -> None:
+    """θ: an arc about the start of the path, from the direction of the world's x to that of the robot's."""
+    root = page(name, "motion.svg")
+    path = np.array(points(next(e for e in of_class(root, "course") if e.tag == f"{SVG}polyline")))
+    lines = [e for e in of_class(root, "help") if numbers(e, "x1", "y1") == pytest.approx(path[0], abs=0.02)]
+    arcs = [re.findall(r"-?[\d.]+", e.attrib["d"]) for e in of_class(root, "angle") if e.tag == f"{SVG}path"]
+    ((x1, y1, *_, x2, y2),) = (map(float, arc) for arc in arcs)
+    for line, end, angle in zip(lines, ((x1, y1), (x2, y2)), (0.0, START), strict=True):
+        way = np.array([math.cos(angle), -math.sin(angle)])
+        assert np.array(end) - path[0] == pytest.approx(30 * way, abs=0.05)
+        assert np.array(numbers(line, "x2", "y2")) - path[0] == pytest.approx(40 * way, abs=0.05)

@@ -194,12 +194,13 @@ def side(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.parametrize("scheme", ["model://", ""])
 @pytest.mark.parametrize("merge", ["", ' merge="true"'])
-def test_included_models_stand_at_their_place(read: Import, side: Path, merge: str) -> None:
+def test_included_models_stand_at_their_place(read: Import, side: Path, merge: str, scheme: str) -> None:
     """Put down by its hub, which is the model's origin moved by 1, at x = -0.4 and turned round: the wheel is at
     y = -0.2, its axis backward."""
     include = (
-        f"<include{merge}><uri>model://side</uri><name>back</name><placement_frame>hub</placement_frame>"
+        f"<include{merge}><uri>{scheme}side</uri><name>back</name><placement_frame>hub</placement_frame>"
         "<pose>-0.4 0 0 0 0 3.14159265</pose></include>"
     )
     inner = "" if merge else "back::"

@@ -47,6 +47,23 @@ def test_a_table_with_codes_places_and_motion(wmrgen_cli: Cli, urdf: Path, param
     assert motion == ["  straight: drives 16.7 % too slow", "  turn:     yaw rate 16.7 % low"]
 
 
+def test_lint_reads_xacro_of_other_packages_with_its_arguments(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "wheels.xacro").write_text(
+        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="pair" params="y">'
+        + wheel("left", "0 -${y} 0.1") + wheel("right", "0 ${y} 0.1") + "</xacro:macro></robot>"
+    )  # fmt: skip
+    top = tmp_path / "top" / "robot.urdf.xacro"
+    top.parent.mkdir()
+    top.write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="y" default="0.1"/><link name="base_link"/>'
+        '<xacro:include filename="$(find parts)/wheels.xacro"/><xacro:pair y="$(arg y)"/></robot>'
+    )
+    done = wmrgen_cli("lint", top, "--package", f"parts={tmp_path / 'parts'}", "y:=0.2")
+    assert done.code == 1 and done.out.count("warning[WMR011]") == 2, done
+    assert "--package parts=DIR" in wmrgen_cli("lint", top, "y:=0.2").err
+
+
 def test_parameters_of_no_wheel_controller_are_told_from_a_robot_file(
     wmrgen_cli: Cli, urdf: Path, tmp_path: Path
 ) -> None:

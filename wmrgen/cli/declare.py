@@ -172,6 +172,8 @@ def robot_files(incomplete: str) -> list[str]:
 Words = list[str] | None
 Robot = Annotated[Path, argument("ROBOT.yaml", completion=robot_files)]
 Robots = Annotated[list[Path], argument("ROBOT.yaml...", "Robot files.", robot_files)]
+Base = Annotated[str | None, option("The link that is the robot's frame.", "LINK")]
+Package = Annotated[list[str] | None, option("The folder of a package that a file finds.", "NAME=DIR")]
 Out = Annotated[Path, output("DIR", "Where the robots' folders stand.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Scalar = Literal["float", "double"]

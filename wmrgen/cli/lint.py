@@ -21,15 +21,17 @@ if TYPE_CHECKING:
     from wmrgen.spec.mistakes import Mistake
 
 
-def lint(robots: Sequence[Path], as_json: bool) -> int:
+def lint(robots: Sequence[str], base: str | None, package: Sequence[str] | None, as_json: bool) -> int:
     """Print the findings of all robots, and what parameters and headers, or a description after a robot file, say
     otherwise of the robot before them. Exit code 1 where there are some, an error's where a file is bad."""
     findings: list[Finding] = []
     errors: list[WmrgenError] = []
     robot: Layout | None = None
-    for path in robots:
+    arguments = [word for word in robots if ":=" in word]
+    paths = [Path(word) for word in robots if ":=" not in word]
+    for path in paths:
         try:
-            for layout in layouts(path):
+            for layout in layouts(path, arguments, package or (), base):
                 if layout.form == ROBOT_FILE:
                     spec, built = wmrgen.read(path)
                     findings += linted(spec, wmrgen.derive(built))
@@ -59,7 +61,7 @@ def lint(robots: Sequence[Path], as_json: bool) -> int:
                 "Mend them, or write # wmrgen: ignore CODE on the line. `wmrgen explain CODE` says more."
             )
         elif not errors:
-            console.result(f"{len(robots)} robot{'s' * (len(robots) != 1)}: no findings")
+            console.result(f"{len(paths)} robot{'s' * (len(paths) != 1)}: no findings")
     return errors[0].exit_code if errors else (StaleError.exit_code if findings else 0)
 
 

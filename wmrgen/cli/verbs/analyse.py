@@ -7,7 +7,19 @@ from typing import Annotated, Literal
 
 import typer
 
-from wmrgen.cli.declare import Json, Robot, Robots, Words, argument, group, option, output, words
+from wmrgen.cli.declare import (
+    Base,
+    Json,
+    Package,
+    Robot,
+    Words,
+    argument,
+    group,
+    option,
+    output,
+    robot_files,
+    words,
+)
 
 verb = group("Analyse")
 
@@ -67,7 +79,15 @@ def functions(robot: Robot, as_json: Json = False) -> None:
 
 
 @verb("lint", "Say what is likely wrong with a robot.")
-def lint(robots: Robots, as_json: Json = False) -> None:
+def lint(
+    robots: Annotated[
+        list[str],
+        argument("ROBOT.yaml...", "Robot files, URDF, xacro, SDF; NAME:=VALUE for xacro.", robot_files),
+    ],
+    base: Base = None,
+    package: Package = None,
+    as_json: Json = False,
+) -> None:
     """Example:  wmrgen lint robots/pioneer3dx.yaml
 
     Say what is likely wrong with robots that can be derived, each finding with a code. Exit code 1 when there are
@@ -95,10 +115,8 @@ def compare(
             "Robot files, URDF, xacro, SDF, controllers' YAML, generated headers; NAME:=VALUE for xacro.",
         ),
     ],
-    base: Annotated[str | None, option("The link that is the robot's frame.", "LINK")] = None,
-    package: Annotated[
-        list[str] | None, option("The folder of a package that a file finds.", "NAME=DIR")
-    ] = None,
+    base: Base = None,
+    package: Package = None,
     as_json: Json = False,
 ) -> None:
     """Example:  wmrgen compare my_robot.urdf controllers.yaml

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from wmrgen.cli.declare import Json, Robots, Words, argument, group, option, output
+from wmrgen.cli.declare import Base, Json, Package, Robots, Words, argument, group, option, output
 
 verb = group("Robot files")
 
@@ -57,13 +57,11 @@ def import_robot(
         Path | None,
         output("ROBOT.yaml", "Write the robot file; otherwise it is printed."),
     ] = None,
-    base: Annotated[str | None, option("The link that is the robot's frame.", "LINK")] = None,
+    base: Base = None,
     forward: Annotated[
         Literal["x", "y", "-x", "-y"] | None, option("The direction of that frame that is forward.")
     ] = None,
-    package: Annotated[
-        list[str] | None, option("The folder of a package that the file finds.", "NAME=DIR")
-    ] = None,
+    package: Package = None,
     controller: Annotated[
         list[Path] | None, option("Parameters of the wheels' controller, too: YAML.", "FILE.yaml")
     ] = None,

@@ -56,7 +56,8 @@ def test_lint_reads_xacro_of_other_packages_with_its_arguments(wmrgen_cli: Cli, 
     top = tmp_path / "top" / "robot.urdf.xacro"
     top.parent.mkdir()
     top.write_text(
-        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="y" default="0.1"/><link name="base_link"/>'
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="y" default="0.1"/>'
+        '<link name="base_link"/>'
         '<xacro:include filename="$(find parts)/wheels.xacro"/><xacro:pair y="$(arg y)"/></robot>'
     )
     done = wmrgen_cli("lint", top, "--package", f"parts={tmp_path / 'parts'}", "y:=0.2")

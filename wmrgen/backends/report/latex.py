@@ -172,9 +172,8 @@ def pieces(terms: Sequence[Term]) -> list[str]:
     two_joints = len(signed) == 2 and not any(lead in _TWIST for lead in groups)
     if not any(groups):
         signed = _by_angles(terms)
-    if two_joints or not any(groups):
-        return sorted(signed, key=lambda piece: piece.startswith("-"))
-    return signed
+    last = two_joints or not any(groups)  # what is negative
+    return sorted(signed, key=lambda piece: last and piece.startswith("-"))
 
 
 def _by_angles(terms: Sequence[Term]) -> list[str]:

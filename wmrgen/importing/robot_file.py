@@ -169,7 +169,8 @@ def near_wheel_names(joints: Sequence[str]) -> list[str]:
     plain = [_KINDS_OF_JOINT.sub("", _plain(joint)) for joint in joints]
     if any(len(name) > _MOST for name in plain):
         words = [name.split("_") for name in plain]
-        columns = zip(*(each[:-1] for each in words), strict=False)
+        least = min(map(len, words)) - 1  # something is left of each
+        columns = zip(*(each[:least] for each in words), strict=True)
         shared = len(list(itertools.takewhile(lambda column: len({*column}) == 1, columns)))
         while shared and not all(each[shared][:1].isalpha() for each in words):
             shared -= 1

@@ -78,7 +78,7 @@ def test_the_fit_of_drives_is_that_of_all_unknowns_at_once() -> None:
 
     def halt(x: np.ndarray) -> None:
         _, gradient, matrix = part(x)
-        if x.any() and gradient @ np.linalg.solve(matrix, gradient) < 0.03**2 * count:
+        if x.any() and gradient @ np.linalg.solve(matrix, gradient) < 0.03**2:
             raise StopIteration
 
     whole = minimize(

@@ -86,12 +86,12 @@ class Slope:
 
 def least(slope: Callable[[Reals], Slope], start: Reals, near: float, most_steps: int) -> Reals:
     """The unknowns of least cost from ``start`` on, to where no step gains more than Newton's does that is ``near``
-    standard deviations long in what each drive has of its own. Where readings are rough, the cost has edges, at which
-    Newton's step stays long: then what the trust region leaves to gain tells the end. A step of the dogleg method lies
-    in the plane of the gradient and of Newton's step (Powell, 1970), so scipy takes it among two unknowns, however many
-    drives there are; the trust region goes on from step to step as scipy has it."""
+    standard deviations long. Where readings are rough, the cost has edges, at which Newton's step stays long: then what
+    the trust region leaves to gain tells the end. A step of the dogleg method lies in the plane of the gradient and of
+    Newton's step (Powell, 1970), so scipy takes it among two unknowns, however many drives there are; the trust region
+    goes on from step to step as scipy has it."""
     unknowns, here, radius, steps = start, slope(start), 1.0, 0
-    enough = 0.5 * near**2 * len(here.matrix.own)
+    enough = 0.5 * near**2
     while steps < most_steps:
         newton, steep = here.matrix.solve(here.gradient), float(np.linalg.norm(here.gradient))
         if steps and min(0.5 * float(here.gradient @ newton), steep * radius) < enough:

@@ -169,11 +169,9 @@ def _about(problem: Problem, each: Each, best: Fit | None = None) -> Fit:
     logs about, as a coarser problem has it."""
     ready = laid(problem)
     coarse = _coarser(ready)
-    if best is None:
-        start = near(coarse, each)
-    else:
-        shared = len(ready.units)
-        start = np.concatenate([best.unknowns[:shared], start_of(ready)[shared:]])
+    start, shared = near(coarse, each) if best is None else start_of(ready), len(ready.units)
+    if best is not None:
+        start[:shared] = best.unknowns[:shared]
     solution, unknowns = solved(coarse, each, start)
     if coarse is not ready:
         solution = replace(ready, drives=during(ready, unknowns), scale=solution.scale)
@@ -188,16 +186,14 @@ def _finely(problem: Problem, unknowns: Reals, each: Each) -> Fit:
 
 
 def _agreeing(best: Fit, each: Each) -> Fit:
-    """The fit in which clocks agree as far as they do."""
     problem = certainty.agreeing(best)
     return _finely(problem, nearest(_coarser(problem), best.unknowns, each), each)
 
 
 def _coarser(problem: Problem) -> Problem:
     """The problem with about `_ENOUGH` readings, where there are twice as many that come often enough."""
-    steps = [np.median(np.diff(drive.t)) for drive in problem.drives]
-    most = sum(len(drive.t) for drive in problem.drives) // _ENOUGH
-    times = min(most, int(_COARSE / float(np.median(steps))))
+    step = float(np.median([np.median(np.diff(drive.t)) for drive in problem.drives]))
+    times = min(sum(len(drive.t) for drive in problem.drives) // _ENOUGH, int(_COARSE / step))
     if times < 2:
         return problem
     return replace(problem, drives=tuple(drive.coarser(times, _COARSE) for drive in problem.drives))

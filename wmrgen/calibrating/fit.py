@@ -210,12 +210,13 @@ def solved(problem: Problem, each: Each, unknowns: Reals, rounds: int = 3) -> tu
 
 
 def during(problem: Problem, unknowns: Reals) -> Sequence[Drive]:
-    """The drives, where enough is left, without what the truth says of times before the first and after the last
-    reading, by the clocks as they are known; where a robot stands then, it stays."""
+    """The drives, where enough is left, without what the truth says of times more than a step before the first and
+    after the last reading, by the clocks as they are known; where a robot stands then, it stays."""
 
     def inside(index: int, drive: Drive) -> list[Drive]:
         at = drive.truth.t + problem.own(unknowns, index)[3]
-        seen = ((at >= drive.t[0]) | drive.stands(0)) & ((at <= drive.t[-1]) | drive.stands(-1))
+        first, last = 2 * drive.t[0] - drive.t[1], 2 * drive.t[-1] - drive.t[-2]
+        seen = ((at >= first) | drive.stands(0)) & ((at <= last) | drive.stands(-1))
         return [drive.seen(seen) if _FEW <= seen.sum() < len(at) else drive]
 
     return changed(problem.drives, inside)

@@ -53,6 +53,8 @@ def mistaken(text: str) -> dict[str, np.ndarray]:
     if "should be <wheel>.angle" in text:  # what is taken for a speed is multiplied by the time that it lasts
         angles = {n: np.cumsum(right[n]) * np.diff(T) for n in NAMES if n.endswith(".spin")}
         return {**right, **angles}
+    if "of each step alone" in text:
+        return {**right, **{n: np.diff(right[n], prepend=0.0) for n in NAMES if n.endswith(".spin")}}
     whose = next(names for words, names in WHAT.items() if re.match(words + r"\b", text))
     unit = re.search(rf"(?:seems? to be in |counted the )({'|'.join(IN_UNIT)})\b", text)
     assert unit, text

@@ -50,6 +50,10 @@ def readings(drive: Drive, farther: float) -> Iterator[tuple[str, Change]]:
         "angles of the wheels in columns that are called <wheel>.spin, and should be <wheel>.angle",
         lambda d: replace(d, columns={**d.columns, **{n: _turned(d, n) for n in spins}}),
     )
+    yield (
+        "angles of the wheels summed up, which seem to be those of each step alone",
+        lambda d: replace(d, columns={**d.columns, **{n: np.cumsum(d.columns[n]) for n in spins}}),
+    )
     yield "times of the truth that last as long as the log: which t is not in seconds?", _as_long
 
 

@@ -35,6 +35,14 @@ def test_json_says_where_the_page_is(wmrgen_cli: Cli, robot_file: Path, tmp_path
     assert (failed.code, json.loads(failed.out)["exit_code"]) == (2, 2)
 
 
+def test_a_file_that_is_not_there_is_not_waited_for(
+    wmrgen_cli: Cli, robot_file: Path, tmp_path: Path
+) -> None:
+    done = wmrgen_cli("view", robot_file, tmp_path / "nowhere.yaml", "--no-open", "-o", tmp_path / "out")
+    assert (done.code, done.out) == (2, "") and "no such file" in done.err
+    assert not (tmp_path / "out").exists()
+
+
 def test_every_change_is_shown_once(
     robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

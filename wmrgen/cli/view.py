@@ -25,7 +25,10 @@ _PAUSE = 0.3  # s between two looks at the robot files
 
 def view(robots: Sequence[Path], no_open: bool, out: Path | None, as_json: bool) -> int:
     """Write the page, open it, and write it again after every change, until it is interrupted; as JSON say where the
-    page is, and end."""
+    page is, and end. RobotFileError where a file is not there to begin with."""
+    for path in robots:
+        if not path.exists():
+            wmrgen.read(path)  # says so
     folder = out or Path(tempfile.mkdtemp(prefix="wmrgen-"))
     if as_json:
         _write(folder, _page(robots, ""), "")

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_fec684ce83a11691)
+#if !defined(ACKERMANN_CAR_PAIR_d779b6611cf8f1ff)
 #error "ackermann_car_checked.c and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_fec684ce83a11691)
+#if !defined(ACKERMANN_CAR_PAIR_d779b6611cf8f1ff)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_5a2876018bb7c974)
+#if !defined(CAR_WITH_TRAILERS_PAIR_16b85f2539bc2f9a)
 #error "car_with_trailers.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -258,16 +258,14 @@ void car_with_trailers_forward(
     (void)slip;
 #else
     const wmrgen_vector front_right = wmrgen_vector_at(1.0f, wheels->front_right.steer);
-    /* omega in the row of H of front_right */
+    /* omega in H, row of front_right */
     const float front_right_rw = fmaf(1.4f, front_right.x, -(0.4f * front_right.y));
     const wmrgen_vector front_left = wmrgen_vector_at(1.0f, wheels->front_left.steer);
-    /* omega in the row of H of front_left */
-    const float front_left_rw = fmaf(0.4f, front_left.y, 1.4f * front_left.x);
+    const float front_left_rw = fmaf(0.4f, front_left.y, 1.4f * front_left.x); /* omega in H, row of front_left */
     /* HtH[2][2] */
     const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 0.32f));
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
-    /* HtH[1][1] */
-    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f));
+    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
     const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
     const float t0 = fmaf(front_left.x, front_left.y, front_right.x * front_right.y);
     const float t1 = fmaf(front_left.y, front_left_rw, front_right.y * front_right_rw);
@@ -277,8 +275,7 @@ void car_with_trailers_forward(
     const float t3 = wheels->rear_left.spin + wheels->rear_right.spin;
     const float b0 = 0.11f * t3; /* Htz[0] */
     const float adj01 = fmaf(n22, t0, -(n12 * t1)); /* adj(HtH)[0][1] */
-    /* HtH[0][0] */
-    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f));
+    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f)); /* HtH[0][0] */
     const float det = fmaf(-t1, adj02, fmaf(adj00, n00, -(t0 * adj01))); /* det(HtH) */
     const float t4 = (det < 0.64f) ? 0.64f : det;
     const float t5 = 1.0f / t4;
@@ -297,16 +294,14 @@ void car_with_trailers_forward_slip(
     float *slip)
 {
     const wmrgen_vector front_right = wmrgen_vector_at(1.0f, wheels->front_right.steer);
-    /* omega in the row of H of front_right */
+    /* omega in H, row of front_right */
     const float front_right_rw = fmaf(1.4f, front_right.x, -(0.4f * front_right.y));
     const wmrgen_vector front_left = wmrgen_vector_at(1.0f, wheels->front_left.steer);
-    /* omega in the row of H of front_left */
-    const float front_left_rw = fmaf(0.4f, front_left.y, 1.4f * front_left.x);
+    const float front_left_rw = fmaf(0.4f, front_left.y, 1.4f * front_left.x); /* omega in H, row of front_left */
     /* HtH[2][2] */
     const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 0.32f));
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
-    /* HtH[1][1] */
-    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f));
+    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
     const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
     const float t0 = fmaf(front_left.x, front_left.y, front_right.x * front_right.y);
     const float t1 = fmaf(front_left.y, front_left_rw, front_right.y * front_right_rw);
@@ -316,8 +311,7 @@ void car_with_trailers_forward_slip(
     const float t3 = wheels->rear_left.spin + wheels->rear_right.spin;
     const float b0 = 0.11f * t3; /* Htz[0] */
     const float adj01 = fmaf(n22, t0, -(n12 * t1)); /* adj(HtH)[0][1] */
-    /* HtH[0][0] */
-    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f));
+    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f)); /* HtH[0][0] */
     const float det = fmaf(-t1, adj02, fmaf(adj00, n00, -(t0 * adj01))); /* det(HtH) */
     const float t4 = (det < 0.64f) ? 0.64f : det;
     const float t5 = 1.0f / t4;

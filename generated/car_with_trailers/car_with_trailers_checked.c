@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_5a2876018bb7c974)
+#if !defined(CAR_WITH_TRAILERS_PAIR_16b85f2539bc2f9a)
 #error "car_with_trailers_checked.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_5a2876018bb7c974)
+#if !defined(CAR_WITH_TRAILERS_PAIR_16b85f2539bc2f9a)
 #error "car_with_trailers_checked.h and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_0770bfeacd65c0b4)
+#if !defined(CARE_O_BOT_4_PAIR_1adff63245bbb3e9)
 #error "care_o_bot_4.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -233,8 +233,7 @@ void care_o_bot_4_inverse(
     /* v_Ay of b */
     const float b_y = fmaf((-2.565384e-09f), twist->omega, fmaf((-0.24844f), twist->omega, twist->vy));
     const wmrgen_wheel b = wmrgen_steer_along(twist->vx, b_y, now->b.steer, 13.333333f);
-    /* v_Ax of fr */
-    const float fr_x = fmaf(1.335144e-09f, twist->omega, fmaf(0.21515f, twist->omega, twist->vx));
+    const float fr_x = fmaf(1.335144e-09f, twist->omega, fmaf(0.21515f, twist->omega, twist->vx)); /* v_Ax of fr */
     const wmrgen_wheel fr = wmrgen_steer_along(fr_x, fl_y, now->fr.steer, 13.333333f);
 
     out->fl.spin = fl.spin;

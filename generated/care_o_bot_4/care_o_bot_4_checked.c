@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_0770bfeacd65c0b4)
+#if !defined(CARE_O_BOT_4_PAIR_1adff63245bbb3e9)
 #error "care_o_bot_4_checked.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "care_o_bot_4.h"
 
-#if !defined(CARE_O_BOT_4_PAIR_0770bfeacd65c0b4)
+#if !defined(CARE_O_BOT_4_PAIR_1adff63245bbb3e9)
 #error "care_o_bot_4_checked.h and care_o_bot_4.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_7a64b1e66104ad58)
+#if !defined(F1TENTH_PAIR_33b7f30c44c3a09b)
 #error "f1tenth_checked.h and f1tenth.h were not generated together: copy both"
 #endif
 

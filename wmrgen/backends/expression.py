@@ -20,7 +20,7 @@ from wmrgen.ir.ops import Conditional, Op
 
 _LONGEST = 44  # characters of an expression printed in place
 _LONGEST_ARM = 56  # the same where it is computed only if it is chosen
-_LONGEST_LINE = 106  # characters of a statement with its note, indented by 4; else the note stands above it
+_LONGEST_LINE = 110  # characters of a statement with its note; else the note stands above it
 _CHOICE, _SUM, _PRODUCT, _UNARY, _ATOM = range(5)
 _BINDING = {"+": _SUM, "-": _SUM, "*": _PRODUCT, "/": _PRODUCT}
 

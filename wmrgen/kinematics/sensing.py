@@ -214,7 +214,7 @@ def _named_rows(measured: Measurements, names: Locals) -> list[Measured]:
     rows = [row for parts, c in points for row in contact_rows(*parts, c.weight)]
     for c in measured.components:
         x, y, w = (
-            _named(names, f"{c.wheel.name}_r{k}", p, f"{column} in the row of H of {c.wheel.name}")
+            _named(names, f"{c.wheel.name}_r{k}", p, f"{column} in H, row of {c.wheel.name}")
             for k, column, p in zip("xyw", ("vx", "vy", "omega"), c.row, strict=True)
         )
         rows.append(((x, y, w), c.value, c.weight))

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ACKERMANN_CAR_PAIR_fec684ce83a11691)
+#if !defined(ACKERMANN_CAR_PAIR_d779b6611cf8f1ff)
 #error "ackermann_car_selftest.c and ackermann_car.h were not generated together: copy both"
 #endif
 

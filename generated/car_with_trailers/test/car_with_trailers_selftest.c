@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_5a2876018bb7c974)
+#if !defined(CAR_WITH_TRAILERS_PAIR_16b85f2539bc2f9a)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

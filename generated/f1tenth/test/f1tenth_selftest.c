@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_7a64b1e66104ad58)
+#if !defined(F1TENTH_PAIR_33b7f30c44c3a09b)
 #error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
 #endif
 

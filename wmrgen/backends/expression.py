@@ -253,9 +253,8 @@ def _names(function: Function, style: Style, reserved: Collection[str]) -> dict[
     several = {node.args[0] for node in nodes if node.op is Op.RESULT}
     for k in sorted(several):
         near = {a: nodes[a] for a in nodes[k].args}
-        near |= {
-            b: nodes[b] for node in [*near.values()] for b in node.args
-        }  # the present angle, kept in its limits
+        # The present angle of a wheel with limits is kept within them before.
+        near |= {b: nodes[b] for node in [*near.values()] for b in node.args}
         inputs = [(n.name or "").partition(".") for n in near.values() if n.op is Op.INPUT]
         owners = {owner for owner, dot, _ in inputs if dot}
         if len(owners) == 1:

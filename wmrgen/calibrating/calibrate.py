@@ -217,17 +217,14 @@ def _estimates(robot: Robot, best: Fit, sigma: Reals, groups: Sequence[Sequence[
 
 
 def _errors(best: Fit, shared: Reals) -> Errors:
-    every = enumerate(best.offsets)
-    return _mean(drawn(best.problem, shared, offset, index).off for index, offset in every)
+    return _mean(drawn(best.problem, shared, offset, i).off for i, offset in enumerate(best.offsets))
 
 
 def _mean(parts: Iterable[tuple[Reals, Reals]]) -> Errors:
     """Root mean squares over all drives; nan where nothing was measured."""
     sums = np.array([(position @ position, heading @ heading, len(position)) for position, heading in parts])
     position, heading, count = sums.sum(axis=0)
-    return Errors(
-        *(float(np.sqrt(square / count)) if count else float("nan") for square in (position, heading))
-    )
+    return Errors(*(float(np.sqrt(total / count)) if count else float("nan") for total in (position, heading)))
 
 
 def _without_jumps(best: Fit, moving: Sequence[Sequence[Drift]], each: Each) -> Fit:
@@ -259,9 +256,8 @@ def _folds(problem: Problem) -> list[list[int]]:
     names = list(dict.fromkeys(drive.name for drive in problem.drives))
     which = [names.index(d.name) if len(names) > 1 else i for i, d in enumerate(problem.drives)]
     count = min(len(set(which)), _FOLDS)
-    return (
-        [[i for i, k in enumerate(which) if k % _FOLDS == fold] for fold in range(count)] if count > 1 else []
-    )
+    folds = range(count if count > 1 else 0)
+    return [[i for i, k in enumerate(which) if k % _FOLDS == fold] for fold in folds]
 
 
 def _without_each(best: Fit, each: Each) -> list[Fit]:

@@ -224,7 +224,9 @@ def _mean(parts: Iterable[tuple[Reals, Reals]]) -> Errors:
     """Root mean squares over all drives; nan where nothing was measured."""
     sums = np.array([(position @ position, heading @ heading, len(position)) for position, heading in parts])
     position, heading, count = sums.sum(axis=0)
-    return Errors(*(float(np.sqrt(total / count)) if count else float("nan") for total in (position, heading)))
+    return Errors(
+        *(float(np.sqrt(total / count)) if count else float("nan") for total in (position, heading))
+    )
 
 
 def _without_jumps(best: Fit, moving: Sequence[Sequence[Drift]], each: Each) -> Fit:

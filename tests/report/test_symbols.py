@@ -150,7 +150,7 @@ def test_coupled_wheels_have_one_angle() -> None:
     assert r"\mathrm{slip} = \left|l\;\omega\right|" in page and r"\sqrt{{l}" not in page
 
 
-@pytest.mark.parametrize("name", ["jpl_osr", "kelly_4ws", "textbook_two_steer", "wpilib_swervebot"])
+@pytest.mark.parametrize("name", ["care_o_bot_4", "kelly_4ws", "textbook_two_steer", "wpilib_swervebot"])
 def test_the_twist_of_eta_is_that_of_dynamics(name: str) -> None:
     """In named lengths, with sines of sums of angles."""
     d = of_gallery(name)

@@ -75,12 +75,13 @@ def located(uri: str, file: Path, packages: Mapping[str, Path]) -> Path | None:
         return None
     else:
         path = file.parent / rest
-        if not path.exists() and package in packages:  # SDF names models so, too
-            path = packages[package] / below_it
+        with contextlib.suppress(OSError):  # a name that is too long for a file
+            if package in packages and not path.exists():  # SDF names models so, too
+                path = packages[package] / below_it
     path = path.resolve()
     roots = [file.resolve().parent, *(folder.resolve() for folder in packages.values())]
     inside = any(path.is_relative_to(root) for root in roots)
-    with contextlib.suppress(OSError):  # a name that is too long for a file
+    with contextlib.suppress(OSError):
         return path if inside and path.exists() else None
     return None
 

@@ -1,4 +1,4 @@
-"""The same bits on x86, on a Cortex-M4F and on a Cortex-M0: 100,000 inputs of the kernels and of a robot."""
+"""The same bits on x86, on a Cortex-M4F and on a Cortex-M0: 50,000 inputs of the kernels and of a robot."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from wmrgen.ir.kernels.choice import TARGETS, Choice
 from wmrgen.ir.rounding import nearest_float32
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
-TOTAL = 100_000
+TOTAL = 50_000
 
 
 def largest(function: str, name: str) -> float:

@@ -126,17 +126,16 @@ def written_out(function: Function, longest: int) -> tuple[str, ...]:
     style = Style(lambda value: f"{float(value):.6g}", lambda _: "", "", "")
     texts: list[_Text | None] = []
     for node in function.nodes:
-        args = [text for a in node.args if (text := texts[a])]
-        if node.value is not None or node.op is Op.INPUT:
-            text = _Text(style.literal(node.value) if node.value is not None else node.name or "", _ATOM)
-        elif len(args) < len(node.args) or not (node.op.infix or node.op is Op.AT_LEAST):
-            texts.append(None)
-            continue
-        else:
-            text = (
-                args[0] if node.op is Op.AT_LEAST else _quotient(node, args) or _expression(node, args, style)
-            )
-        texts.append(text if len(text.text) <= longest else None)
+        args, text = [shown for a in node.args if (shown := texts[a])], None
+        if node.value is not None:
+            text = _Text(style.literal(node.value), _ATOM)
+        elif node.op is Op.INPUT:
+            text = _Text(node.name or "", _ATOM)
+        elif len(args) == len(node.args) and node.op is Op.AT_LEAST:
+            text = args[0]
+        elif len(args) == len(node.args) and node.op.infix:
+            text = _quotient(node, args) or _expression(node, args, style)
+        texts.append(text if text and len(text.text) <= longest else None)
     return tuple(text.text if (text := texts[r]) else "" for r in function.results)
 
 

@@ -180,7 +180,7 @@ def _about(problem: Problem, each: Each, best: Fit | None = None) -> Fit:
 
 def _finely(problem: Problem, unknowns: Reals, each: Each) -> Fit:
     """The fit of large logs by all their readings, from ``unknowns`` on that a coarser problem has."""
-    if _coarser(problem) is not problem:
+    if _passed_over(problem) > 1:
         problem, unknowns = solved(problem, each, unknowns, rounds=2)
     return certainty.fit_at(problem, unknowns, each)
 
@@ -192,11 +192,15 @@ def _agreeing(best: Fit, each: Each) -> Fit:
 
 def _coarser(problem: Problem) -> Problem:
     """The problem with about `_ENOUGH` readings, where there are twice as many that come often enough."""
-    step = float(np.median([np.median(np.diff(drive.t)) for drive in problem.drives]))
-    times = min(sum(len(drive.t) for drive in problem.drives) // _ENOUGH, int(_COARSE / step))
-    if times < 2:
+    if (times := _passed_over(problem)) < 2:
         return problem
     return replace(problem, drives=tuple(drive.coarser(times, _COARSE) for drive in problem.drives))
+
+
+def _passed_over(problem: Problem) -> int:
+    """Of how many readings one tells nearly what all do, where there are more than `_ENOUGH`."""
+    step = float(np.median([np.median(np.diff(drive.t)) for drive in problem.drives]))
+    return min(sum(len(drive.t) for drive in problem.drives) // _ENOUGH, int(_COARSE / step))
 
 
 def _unobservable(robot: Robot, best: Fit) -> tuple[tuple[str, ...], ...]:
@@ -223,10 +227,8 @@ def _errors(best: Fit, shared: Reals) -> Errors:
 def _mean(parts: Iterable[tuple[Reals, Reals]]) -> Errors:
     """Root mean squares over all drives; nan where nothing was measured."""
     sums = np.array([(position @ position, heading @ heading, len(position)) for position, heading in parts])
-    position, heading, count = sums.sum(axis=0)
-    return Errors(
-        *(float(np.sqrt(total / count)) if count else float("nan") for total in (position, heading))
-    )
+    *squares, count = sums.sum(axis=0)
+    return Errors(*(float(np.sqrt(total / count)) if count else float("nan") for total in squares))
 
 
 def _without_jumps(best: Fit, moving: Sequence[Sequence[Drift]], each: Each) -> Fit:

@@ -44,7 +44,9 @@ class Reckoning:
         """Of samples (..., 2, n) of where steps begin and end the poses (..., n) a ``share`` of a step behind its
         start, along an arc: beside the chord by its length, i omega / 2 and the shares that are over and left, right to
         the square of omega. Outside the step it goes on as the chord."""
-        start, step = self._ends()[0], self._steps()
+        every: tuple[Any, ...] = self.position, self.heading, self.position_by, self.heading_by
+        start = Reckoning(*(samples[..., 0, :] for samples in every))
+        step = Reckoning(*(np.diff(samples, axis=-2)[..., 0, :] for samples in every))
         bulge = share - 0.5j * np.maximum(share * (1 - share), 0.0) * step.heading
         bent = -0.5j * np.maximum(share * (1 - share), 0.0) * step.position
         return Reckoning(
@@ -56,26 +58,10 @@ class Reckoning:
 
     def pace(self, share: Reals) -> tuple[Complexes, Reals]:
         """How fast place and heading go there, by steps."""
-        step, inside = self._steps(), (share > 0) & (share < 1)
-        return step.position * (1 - 0.5j * step.heading * np.where(inside, 1 - 2 * share, 0.0)), step.heading
-
-    def _steps(self) -> Reckoning:
-        """What lies between where steps begin and end."""
-        start, end = self._ends()
-        return Reckoning(
-            end.position - start.position, end.heading - start.heading,
-            end.position_by - start.position_by, end.heading_by - start.heading_by,
-        )  # fmt: skip
-
-    def _ends(self) -> tuple[Reckoning, Reckoning]:
-        start, end = (
-            Reckoning(
-                self.position[..., i, :], self.heading[..., i, :],
-                self.position_by[..., i, :], self.heading_by[..., i, :],
-            )
-            for i in (0, 1)
-        )  # fmt: skip
-        return start, end
+        poses: tuple[Any, Any] = self.position, self.heading
+        length, turn = (np.diff(samples, axis=-2)[..., 0, :] for samples in poses)
+        inside = (share > 0) & (share < 1)
+        return length * (1 - 0.5j * turn * np.where(inside, 1 - 2 * share, 0.0)), turn
 
 
 _ORIGIN = Reckoning(np.zeros((), complex), np.zeros(()), np.zeros((), complex), np.zeros(()))

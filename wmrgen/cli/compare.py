@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from wmrgen.cli import console
+from wmrgen.cli.loading import paths_and_arguments
 from wmrgen.comparing.compare import compare as compared
 from wmrgen.comparing.record import Comparison
 from wmrgen.comparing.sources import layouts
@@ -22,8 +22,7 @@ def compare(
 ) -> int:
     """Print what differs from the first file that has wheels, else the first controller, to each other. Exit code 1
     where something does."""
-    arguments = [word for word in files if ":=" in word]
-    paths = [Path(word) for word in files if ":=" not in word]
+    paths, arguments = paths_and_arguments(files)
     every = [layout for path in paths for layout in layouts(path, arguments, package or (), base)]
     if len(every) < 2:
         raise UsageError("there is nothing to compare: give a second file")

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import wmrgen
 from wmrgen.cli import console
-from wmrgen.cli.loading import linted
+from wmrgen.cli.loading import linted, paths_and_arguments
 from wmrgen.comparing.compare import compare, labelled
 from wmrgen.comparing.compare import findings as between
 from wmrgen.comparing.record import DESCRIPTION, ROBOT_FILE
@@ -27,8 +26,7 @@ def lint(robots: Sequence[str], base: str | None, package: Sequence[str] | None,
     findings: list[Finding] = []
     errors: list[WmrgenError] = []
     robot: Layout | None = None
-    arguments = [word for word in robots if ":=" in word]
-    paths = [Path(word) for word in robots if ":=" not in word]
+    paths, arguments = paths_and_arguments(robots)
     for path in paths:
         try:
             for layout in layouts(path, arguments, package or (), base):

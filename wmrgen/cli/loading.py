@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from wmrgen.spec.records import RobotSpec
 
 
+def paths_and_arguments(words: Sequence[str]) -> tuple[list[Path], list[str]]:
+    """The files among ``words``, and what is NAME:=VALUE, for xacro."""
+    return [Path(word) for word in words if ":=" not in word], [word for word in words if ":=" in word]
+
+
 def noted(robot: Robot, but: Container[str] = ()) -> Robot:
     """The robot, its notes told, ``but`` those that are told elsewhere."""
     for text in map(plain, robot.notes):

@@ -29,11 +29,7 @@ _TRACK = re.compile(rf"^ \*   effective track ({NUMBER}) m$", re.MULTILINE)
 _MACRO = re.compile(rf"^#define (\w+)_(X|Y|RADIUS) \(?(-?{NUMBER})f?\)?(?= |$)", re.MULTILINE)
 _KEYS = {"X": "x", "Y": "y", "RADIUS": "r"}
 _ARGUMENT = re.compile(r"\$\(arg ([^()\s]+)\)")
-_NEITHER = (
-    None,
-    "It has no wheels:, as robot files have, and no length or type of a controller, as wheel_separation.",
-    "Give the file that says them.",
-)
+_WHEELS = re.compile(r"^['\"]?wheels['\"]?\s*:", re.MULTILINE)
 _LARGEST, _MOST = 8 * 1024 * 1024, 64  # bytes; wheels
 
 
@@ -186,13 +182,13 @@ def _layouts(
             values = pairs(arguments)
             controllers = read_controllers(path, values)
             _refuse_without_values(text, values, name, bool(controllers))
-            if (
-                not controllers
-                and ":" in text
-                and not re.search(r"^['\"]?wheels['\"]?\s*:", text, re.MULTILINE)
-            ):
+            if not controllers and ":" in text and not _WHEELS.search(text):
                 raise RobotFileError(
-                    f"{name}: neither a robot file nor parameters of a wheel controller", *_NEITHER
+                    f"{name}: neither a robot file nor parameters of a wheel controller",
+                    None,
+                    "It has no wheels:, as robot files have, and no length or type of a controller, as"
+                    " wheel_separation.",
+                    "Give the file that says them.",
                 )
         if not controllers:
             yield of_robot(*wmrgen.read(path), name)

@@ -25,7 +25,6 @@ _CAD, _EVENLY = (
     Fraction(5, 1000),
     Fraction(1, 1000),
 )  # [m] by which one place differs from others; as they do among them
-_EITHER = ("as in the file", "as the others")
 _LOW = Fraction(15, 1000)  # [m] above the ground, what still carries
 
 
@@ -109,15 +108,12 @@ def articulated(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]
     for w, c in zip(wheels, seen, strict=True):
         if above := next((j for j in c.via if robot.upright(j)), None):
             text = f"joint {quoted(above.name)} turns its steering axis, too, and is taken at zero"
-            hints = ("keep it if that joint never turns", none)
+            keep = "keep it if that joint never turns"
         elif _companions(w, wheels) and math.hypot(w.d or 0, w.offset_y or 0) > 2 * (w.r or UNSEEN):
-            text, hints = (
-                "its steering axis carries several wheels far from it",
-                ("keep it if it steers", none),
-            )
+            text, keep = "its steering axis carries several wheels far from it", "keep it if it steers"
         else:
             continue
-        questions.append(Question(w.name, "type", f"{text}: is the robot articulated there?", hints))
+        questions.append(Question(w.name, "type", f"{text}: is the robot articulated there?", (keep, none)))
     return questions
 
 
@@ -135,9 +131,7 @@ def odd_one_asked(wheels: Sequence[Wheel]) -> list[Question]:
             if min(abs(own - other) for other in rest) > (own / 50 if key == "r" else _CAD):
                 text = f"its {key} is {float(own):.6g}, that of the {len(rest)} others {float(rest[0]):.6g}"
                 asked = "type" if key == "d" else key
-                hints = tuple(
-                    f"{_shown(each, key)} {said}" for each, said in zip((w, others[0]), _EITHER, strict=True)
-                )
+                hints = (f"{_shown(w, key)} as in the file", f"{_shown(others[0], key)} as the others")
                 questions.append(Question(w.name, asked, f"{text}: does this wheel stand so?", hints))
     return questions
 

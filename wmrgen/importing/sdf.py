@@ -56,9 +56,14 @@ def describe(root: Element, file: str, include: Include) -> Description:
         why = " ".join(f"Note: {note}." for note in lost[:3])
         hint = "Give the file that describes the robot."
         raise refuse(f"{file}: no model of it has a joint", why, hint, mark_of(root))
-    descriptions = (_Reader(include).whole(model, said) for model, said in robots)
-    turning = (each for each in descriptions if any(joint.spins for joint in each.joints))
-    described = next(turning, None) or _Reader(include).whole(*robots[0])
+    described: Description | None = None
+    for model, said in robots:
+        whole = _Reader(include).whole(model, said)
+        turning = any(joint.spins for joint in whole.joints)
+        described = whole if turning else described or whole
+        if turning:
+            break
+    assert described is not None
     if len(robots) < 2:
         return described
     names = [model.get("name", "") for model, _ in robots]

@@ -7,7 +7,15 @@ from collections.abc import Callable
 from wmrgen import notation
 from wmrgen.backends.report.closed import driven_twist, projected, spin_rate, swivel_rate
 from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, minus, some
-from wmrgen.backends.report.slip import alike, forms_of, further_parts, narrow_wheels, partners, slip
+from wmrgen.backends.report.slip import (
+    alike,
+    forms_of,
+    left_by_couplings,
+    left_by_steering,
+    narrow_wheels,
+    partners,
+    slip,
+)
 from wmrgen.backends.report.texts import turning_circle
 from wmrgen.constraints import XI, driving_row, seen, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
@@ -26,8 +34,8 @@ def inverse(d: Derivation) -> list[str]:
     projection = project(robot, d.mobility)
     twist = driven_twist(projection)
     wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
-    more = further_parts(robot, twist)
-    blocks = ["## 6 Inverse kinematics", *_projection(projection, not more)]
+    couplings, steering = left_by_couplings(robot, twist), left_by_steering(robot, twist)
+    blocks = ["## 6 Inverse kinematics", *_projection(projection, not (couplings or steering))]
     if not wheels:
         return [*blocks, "There is no joint to command."]
     passive = [w for w in wheels if w.kind.swivels and not w.actuated]
@@ -43,7 +51,7 @@ def inverse(d: Derivation) -> list[str]:
         blocks += aligned([spin_rate(passive[0], twist), swivel_rate(passive[0], twist)])
     if steered:
         blocks += [*turning_circle(d.robot), *_steering(robot, steered, twist)]
-    return [*blocks, *_coupled(robot, twist), *slip(projection, bool(steered), more)]
+    return [*blocks, *_coupled(robot, twist), *slip(projection, bool(steered), couplings, steering)]
 
 
 def _projection(projection: Projection, alone: bool) -> list[str]:

@@ -160,6 +160,8 @@ def pieces(terms: Sequence[Term]) -> list[str]:
     groups: dict[str, list[Term]] = {}
     for t in sorted(terms, key=_key):
         groups.setdefault(_lead(t), []).append(t)
+    if not any(groups):
+        return sorted(_by_angles(terms), key=lambda piece: piece.startswith("-"))
     signed: list[str] = []
     for lead, members in groups.items():
         if not lead or len(members) == 1:
@@ -170,10 +172,7 @@ def pieces(terms: Sequence[Term]) -> list[str]:
         one = inside[0] if len(inside) == 1 else rf"+\left({total(rest)}\right)"
         signed.append(f"{one}{lead}" if one.endswith(")") else f"{one}{_SPACE}{lead}")
     two_joints = len(signed) == 2 and not any(lead in _TWIST for lead in groups)
-    if not any(groups):
-        signed = _by_angles(terms)
-    last = two_joints or not any(groups)  # what is negative
-    return sorted(signed, key=lambda piece: last and piece.startswith("-"))
+    return sorted(signed, key=lambda piece: two_joints and piece.startswith("-"))
 
 
 def _by_angles(terms: Sequence[Term]) -> list[str]:

@@ -41,48 +41,56 @@ def _may_be_cut(robot: Robot, w: Wheel) -> bool:
     return limits is not None and turning_points(limits) != limits
 
 
-def further_parts(robot: Robot, twist: Row) -> dict[str, str]:
-    """Squares that add to slip², and what they are of: what couplings and limits leave to sliding."""
-    more = {}
-    if unlike := _unlike(robot, twist):
-        castors = any(robot.wheel(n).kind.swivels for names in unlike for n in names)
-        swivels = ", or between d ψ̇ and its sideways speed" * castors
-        several = len(unlike) > 1
-        more[r"\sum " * several + r"\overline{\varepsilon^2}"] = (
-            f"ε, what a common rate leaves between r φ̇ and the rim speed of a coupled wheel{swivels}, a bar being the "
-            f"mean over {' and that over '.join(map(listed, unlike))}"
-        )
+def left_by_couplings(robot: Robot, twist: Row) -> dict[str, str]:
+    """Squares that add to slip², and what they are of: what common rates leave to sliding."""
+    unlike = _unlike(robot, twist)
+    if not unlike:
+        return {}
+    castors = any(robot.wheel(n).kind.swivels for names in unlike for n in names)
+    swivels = ", or between d ψ̇ and its sideways speed" * castors
+    several = len(unlike) > 1
+    return {
+        r"\sum " * several
+        + r"\overline{\varepsilon^2}": "ε, what a common rate leaves between r φ̇ and the rim speed "
+        f"of a coupled wheel{swivels}, a bar being the mean over {' and that over '.join(map(listed, unlike))}"
+    }
+
+
+def left_by_steering(robot: Robot, twist: Row) -> dict[str, str]:
+    """The same of steered wheels that limits or couplings keep from their heading."""
     steered = [w for w in robot.wheels if w.kind.steers]
     limited = [w for w in steered if _may_be_cut(robot, w)]
     shared = [w for w in steered if not alike(partners(robot, w), twist)]
     held = [w.name for w in steered if w in limited or w in shared]
-    if held:
-        cut = {w.name for w in narrow_wheels(robot, steered, twist)}
-        ways = (
-            (not cut.issuperset(held), "w cos Δ − u sin Δ with Δ = ψ⁺ − ψ"),
-            (cut, "(q − p t) / √(1 + t²)"),
-        )
-        speed = " or ".join(text for there, text in ways if there)
-        why = " or ".join(text for there, text in ((limited, "a limit"), (shared, "a coupling")) if there)
-        which = code(held[0]) if len(held) == 1 else "a steered wheel"
-        mean = f", a bar being the mean over {listed(held)}" * (len(held) > 1)
-        more[r"\overline{v_\perp^2}" if mean else r"v_\perp^2"] = (
-            f"v<sub>⊥</sub> = {speed}, the speed across {which} where {why} keeps it from the heading that rolls{mean}"
-        )
-    return more
+    if not held:
+        return {}
+    cut = {w.name for w in narrow_wheels(robot, steered, twist)}
+    ways = ((not cut.issuperset(held), "w cos Δ − u sin Δ with Δ = ψ⁺ − ψ"), (cut, "(q − p t) / √(1 + t²)"))
+    speed = " or ".join(text for there, text in ways if there)
+    why = " or ".join(text for there, text in ((limited, "a limit"), (shared, "a coupling")) if there)
+    which = code(held[0]) if len(held) == 1 else "a steered wheel"
+    mean = f", a bar being the mean over {listed(held)}" * (len(held) > 1)
+    return {
+        r"\overline{v_\perp^2}"
+        if mean
+        else r"v_\perp^2": f"v<sub>⊥</sub> = {speed}, the speed across {which} where "
+        f"{why} keeps it from the heading that rolls{mean}"
+    }
 
 
-def slip(projection: Projection, steered: bool, more: Mapping[str, str]) -> list[str]:
-    """What `slip` is made of."""
-    forms = forms_of(projection)
-    forced = "the sideways speed that the commanded twist would force on the contact points"
+def slip(
+    projection: Projection, steered: bool, couplings: Mapping[str, str], steering: Mapping[str, str]
+) -> list[str]:
+    """What `slip` is made of: ``couplings`` and ``steering`` leave their parts."""
+    forms, more = forms_of(projection), {**couplings, **steering}
+    forced = "that the commanded twist would force on the contact points"
     follow = ["Nothing is taken away from the twist here: the wheels follow as well as they can."]
     blocks = follow if forms and projection.twist == XI else []
-    if not forms and not any("varepsilon" in term for term in more):
-        blocks = [_admissible(steered, bool(more))]
+    if not forms and not couplings:
+        blocks = [_admissible(steered, bool(steering))]
     if more:
         then = "Then " if blocks and not forms else ""
-        parts = {_mean_square(projection): forced} | dict(more) if forms else more
+        parts = {_mean_square(projection): f"the sideways speed {forced}"} | more if forms else more
         return [
             *blocks,
             f"{then}`slip` [m/s] is made of {', and of '.join(parts.values())}:",
@@ -90,7 +98,7 @@ def slip(projection: Projection, steered: bool, more: Mapping[str, str]) -> list
         ]
     if not forms or (forms == [XI[1]] and projection.twist != XI):  # said where it is taken away
         return blocks
-    words = f"`slip` is {forced.replace('speed', 'speed [m/s]')}"
+    words = f"`slip` is the sideways speed [m/s] {forced}"
     if len(forms) == 1:
         return [*blocks, f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]
     root = rf"\mathrm{{slip}} = \sqrt{{{_mean_square(projection)}}}"

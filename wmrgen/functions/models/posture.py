@@ -92,11 +92,9 @@ def _summed(motion: Motion, i: int, names: Locals, memo: dict[Expr, Expr]) -> Ex
         times(expression(t[i]), signal(u.name)) for t, u in zip(motion.twists, motion.inputs, strict=True)
     ]
     total = add(*terms)
-    return (
-        total
-        if total is sympy.S.Zero
-        else names.define(f"body_{TWIST_NAMES[i]}", guarded(total, names, memo))
-    )
+    if total is sympy.S.Zero:
+        return total
+    return names.define(f"body_{TWIST_NAMES[i]}", guarded(total, names, memo))
 
 
 @system("eta")

@@ -2,10 +2,28 @@
 
 from __future__ import annotations
 
+import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any
+
+
+@contextmanager
+def ends(seconds: float = 60) -> Iterator[None]:
+    """AssertionError where the body works the processor for longer: a guard against what never ends, no measurement."""
+
+    def stop(_signal: int, _frame: object) -> None:
+        raise AssertionError(f"it had not ended after {seconds} s")
+
+    before = signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.signal(signal.SIGVTALRM, before)
 
 
 def calls(function: Callable[[], object], most: int) -> int:

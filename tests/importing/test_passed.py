@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ import pytest
 
 from tests.conftest import Outcome
 from tests.importing.urdf import cylinder, joint, link, pair, robot, wheel
+from tests.work import calls
 
 Cli = Callable[..., Outcome]
 Import = Callable[..., dict[str, Any]]
@@ -235,11 +235,11 @@ def test_many_wheels_that_are_drawn_or_touch_take_no_longer(read: Import) -> Non
     parts = [
         body(f"w{k}", (("visual", "collision")[k % 2], "0 0 0", cylinder("0.1")))
         + joint(f"j{k}", "base_link", f"w{k}", f"{k * 0.31:.3f} {k * 37 % 101} 0.1")
-        for k in range(400)
+        for k in range(120)
     ]
-    start = time.process_time()
-    assert len(read(robot(*parts))["names"]) == 400
-    assert time.process_time() - start < 8  # 30 s where all were
+    said: dict[str, Any] = {}
+    calls(lambda: said.update(read(robot(*parts))), most=8_000_000)
+    assert len(said["names"]) == 120
 
 
 @pytest.mark.parametrize("ahead", ["x", "y"])

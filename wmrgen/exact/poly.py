@@ -8,35 +8,36 @@ sqrt(p)**2 = p. Exponents may be negative, so a monomial can be divided by.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import lru_cache
 from math import lcm
+from weakref import WeakValueDictionary
 
 from wmrgen.exact.number import ONE, Exact
 
 Number = Exact | Fraction | int
 
 
-@dataclass(frozen=True, order=False, slots=True)
 class Gen:
     """A generator. ``kind``: param, input, local, pi, cos or sin of a joint angle, or a function of ``args``.
 
-    Functions are sqrt, inv, atan2, tan, cosf and sinf.
+    Functions are sqrt, inv, atan2, tan, cosf and sinf. There is one object for each: equal ones are identical.
     """
 
+    __slots__ = ("__weakref__", "args", "key", "kind", "name")
+
     kind: str
-    name: str = ""
-    args: tuple[Poly, ...] = ()
-    key: str = field(init=False, compare=False, repr=False)
+    name: str
+    args: tuple[Poly, ...]
+    key: str
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "key", f"{self.kind}:{self.name}({';'.join(a.key for a in self.args)})")
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Gen) and self.key == other.key
+    def __new__(cls, kind: str, name: str = "", args: tuple[Poly, ...] = ()) -> Gen:
+        key = f"{kind}:{name}({';'.join(a.key for a in args)})"
+        known = _generators.get(key)
+        if known is None:
+            known = _generators[key] = object.__new__(cls)
+            known.kind, known.name, known.args, known.key = kind, name, args, key
+        return known
 
     def __lt__(self, other: Gen) -> bool:
         return self.key < other.key
@@ -46,6 +47,8 @@ class Gen:
         """The polynomial that is this generator."""
         return Poly({((self, 1),): ONE})
 
+
+_generators: WeakValueDictionary[str, Gen] = WeakValueDictionary()
 
 Monomial = tuple[tuple[Gen, int], ...]
 
@@ -230,13 +233,22 @@ def _merge(a: Monomial, b: Monomial) -> tuple[Monomial, Poly | None]:
     special: Poly | None = None
     for g in [g for g, e in powers.items() if e >= 2 and g.kind in ("sin", "sqrt", "sinf")]:
         half, powers[g] = divmod(powers[g], 2)
-        if g.kind == "sqrt":
-            square = g.args[0]
-        else:
-            cosine = Poly({((Gen("cos" if g.kind == "sin" else "cosf", g.name, g.args), 2),): ONE})
-            square = 1 - cosine
-        special = square**half if special is None else special * square**half
-    return tuple(sorted((g, e) for g, e in powers.items() if e)), special
+        power = _square(g) ** half
+        special = power if special is None else special * power
+    return tuple(sorted(((g, e) for g, e in powers.items() if e), key=_by_key)), special
+
+
+def _by_key(power: tuple[Gen, int]) -> str:
+    return power[0].key
+
+
+@lru_cache(maxsize=1000)
+def _square(g: Gen) -> Poly:
+    """What stands for the square of a sine or a square root."""
+    if g.kind == "sqrt":
+        return g.args[0]
+    cosine = Gen("cos" if g.kind == "sin" else "cosf", g.name, g.args).alone
+    return 1 - cosine * cosine
 
 
 Row = tuple[Poly, Poly, Poly]

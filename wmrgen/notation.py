@@ -63,8 +63,10 @@ def magnitude(value: Exact, style: Style = "") -> tuple[str, str, bool]:
     ``style``: decimals or fractions in place of the other, where both would do; exact is what is short.
     """
     short = _short(value, style) if value.is_rational or style != "decimals" else None
+    if short:
+        return short
     shown = decimal(abs(float(value)))
-    return short or ("" if shown == "1" else shown, "", False)
+    return "" if shown == "1" else shown, "", False
 
 
 def style_of(numbers: Sequence[Exact]) -> Style:
@@ -82,17 +84,16 @@ def style_of(numbers: Sequence[Exact]) -> Style:
 def _short(value: Exact, style: Style = "") -> tuple[str, str, bool] | None:
     """`magnitude` of what is exact and short, None of other numbers."""
     value = abs(value)
-    parts = [(p, root) for p, root in zip(value.parts, _ROOTS, strict=True) if p]
+    parts = [(n, root) for n, root in zip(value.num, _ROOTS, strict=True) if n]
     if len(parts) == 1:
-        p, root = parts[0]
-        if not (fraction := _fraction(abs(p), bool(root), style)):
+        n, root = parts[0]
+        if not (fraction := _fraction(Fraction(abs(n), value.den), bool(root), style)):
             return None
         above, below = fraction
         return ("" if above == "1" else above) + root, below, False
     if value.den >= 1000 or max(abs(n) for n in value.num) >= 1000:
         return None
-    pairs = zip(value.num, _ROOTS, strict=True)
-    signed = [f"{n:+}{root}" if abs(n) != 1 or not root else f"{n:+}"[0] + root for n, root in pairs if n]
+    signed = [f"{n:+}{root}" if abs(n) != 1 or not root else f"{n:+}"[0] + root for n, root in parts]
     signed.sort(key=lambda part: part.startswith("-"))
     return "".join(signed).removeprefix("+"), "" if value.den == 1 else str(value.den), True
 

@@ -14,6 +14,7 @@ from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.ir.nodes import Op
 
 Expr: TypeAlias = Any  # sympy.Expr; sympy ships no types
+_PLAIN = (sympy.Symbol, sympy.sin, sympy.cos)
 
 
 class Quantity(sympy.Symbol):  # type: ignore[misc]
@@ -167,8 +168,15 @@ def expression(poly: Poly) -> Expr:
     terms = []
     for monomial, coefficient in poly.terms.items():
         factors = [generator(g) if e == 1 else sympy.Pow(generator(g), e) for g, e in monomial]
-        terms.append(sympy.Mul(number(coefficient), *factors))
+        terms.append(_product(number(coefficient), factors))
     return add(*terms)
+
+
+def _product(value: Expr, factors: Sequence[Expr]) -> Expr:
+    """A number times factors; where sympy's own evaluation has nothing to do, which is slow, it is left out."""
+    if len(factors) == 1 and value.is_Rational and isinstance(factors[0], _PLAIN):
+        return times(value, factors[0])
+    return sympy.Mul(value, *factors)
 
 
 def matrix(rows: Sequence[Row] | Sequence[Sequence[Poly]], columns: int) -> sympy.Matrix:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -37,7 +38,8 @@ class Fault(NamedTuple):
     seen: tuple[str, ...]
 
 
-def motions(d: Derivation) -> list[Motion]:
+@lru_cache(maxsize=1)  # figure and page of a robot ask for the same
+def motions(d: Derivation) -> tuple[Motion, ...]:
     """Forward, to the left, counter-clockwise, each at a tenth of its unit; steering and castors at 0 before.
 
     A robot that drives forward and cannot turn on the spot drives a curve to the left.
@@ -50,7 +52,7 @@ def motions(d: Derivation) -> list[Motion]:
         rates = (Fraction(f"{0.1 / (k * size):.1g}") for k in (2, 5, 10))
         curves = (_motion(d, "+ω, a curve to the left", vx=_SLOW, omega=Exact(rate)) for rate in rates)
         turn = next((c for c in curves if c.joints), turn)
-    return [forward, left, turn]
+    return forward, left, turn
 
 
 def _motion(d: Derivation, title: str, **parts: Exact) -> Motion:

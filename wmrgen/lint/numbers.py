@@ -226,12 +226,12 @@ wheels:
 )
 def overlapping(subject: Subject) -> Iterator[Finding]:
     wheels = [w for w in subject.robot.wheels if w.kind.directed and not w.kind.swivels]
-    placed = [(w, w.pivot, w.zero_heading) for w in wheels]
-    for (a, p, p_heading), (b, q, q_heading) in combinations(placed, 2):
+    placed = [(w, w.pivot, w.zero_heading, float(w.nominal.r)) for w in wheels]
+    for (a, p, p_heading, p_radius), (b, q, q_heading, q_radius) in combinations(placed, 2):
         apart = p_heading.conjugate() * (q - p)
         turned = abs((p_heading.conjugate() * q_heading).imag)
         ahead, aside = abs(apart.real), abs(apart.imag) + abs(float(a.nominal.o - b.nominal.o))
-        radii = float(a.nominal.r + b.nominal.r)
+        radii = p_radius + q_radius
         if turned < 1e-3 and aside < 0.05 * radii and 0.05 * radii < ahead < radii:
             yield Finding(
                 subject.mark(b),

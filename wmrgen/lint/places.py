@@ -39,9 +39,9 @@ def _middle(wheels: tuple[Wheel, ...]) -> complex:
 def together(subject: Subject) -> Iterator[Finding]:
     robot = subject.robot
     extent, _ = subject.extent
-    places = [(w, w.pivot, w.contact(w.zero_heading)) for w in robot.wheels]
-    for (a, p, p_contact), (b, q, q_contact) in combinations(places, 2):
-        near = _NEAR * min(float(a.nominal.r + b.nominal.r), extent)
+    places = [(w, w.pivot, w.contact(w.zero_heading), float(w.nominal.r)) for w in robot.wheels]
+    for (a, p, p_contact, p_radius), (b, q, q_contact, q_radius) in combinations(places, 2):
+        near = _NEAR * min(p_radius + q_radius, extent)
         apart = robot.steer_group[a.index] != robot.steer_group[b.index]
         one = apart and abs(p - q) <= near and abs(float(a.nominal.o - b.nominal.o)) <= near
         if one or abs(p_contact - q_contact) <= near:
@@ -124,10 +124,11 @@ def against(subject: Subject) -> Iterator[Finding]:
         others = [
             a
             for a in driven
-            if abs(a.zero_heading + b.zero_heading) < _OPPOSED
+            if way < 0
+            and abs(a.zero_heading + b.zero_heading) < _OPPOSED
             and not (_tangential(a, middle) and _tangential(b, middle))
         ]
-        if way < 0 and others:
+        if others:
             yield Finding(
                 subject.mark(b),
                 f"{others[0].name} and {b.name} turn against each other when the robot drives straight",

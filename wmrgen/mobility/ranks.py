@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import copysign, hypot, log, sqrt
+from operator import mul
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -158,7 +159,7 @@ def singular_values(rows: Array) -> list[float]:
 
 
 def _product(a: Sequence[float], b: Sequence[float]) -> float:
-    return sum(x * y for x, y in zip(a, b, strict=True))
+    return float(sum(map(mul, a, b)))
 
 
 def decide(rows: Sequence[Sequence[Exact]]) -> Rank:

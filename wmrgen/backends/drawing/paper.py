@@ -215,7 +215,10 @@ class Paper:
                     continue
                 centre = _clear_of(target, half, (c, s), gap)
                 around = _box(centre, half, 1)
-                if not self._inside(around) or any(overlap(around, box) > 0 for box in near):
+                if not self._inside(around) or any(
+                    b[0] < around[2] and around[0] < b[2] and b[1] < around[3] and around[1] < b[3]
+                    for b in near
+                ):
                     continue
                 cost += self._crossed(around)
                 if round(cost, 3) < round(best[0], 3):

@@ -56,9 +56,9 @@ def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
     for w in wheels:
         turned = replace(w, name=robot.wheels[robot.steer_group[w.index]].name)
         polys = sliding_row(turned, working_view(w)).row
-        if primitive(polys) in rows:  # whichever way the wheel points
+        if (line := primitive(polys)) in rows:  # whichever way the wheel points
             continue
-        rows.append(primitive(polys))
+        rows.append(line)
         row = [expression(p) for p in polys]
         terms = (
             times(add(*map(times, row, column)), signal(port.name))

@@ -59,8 +59,13 @@ def equations(formula: Formula) -> list[str]:
 def _matrix(entries: list[tuple[Port, Expr]]) -> str:
     places = [m for port, _ in entries if (m := _ENTRY.fullmatch(port.name))]
     rows, columns = (max(int(m[k]) for m in places) for k in (2, 3))
-    matrix = sympy.Matrix(rows, columns, [value for _, value in entries])
-    return rf"{places[0][1].upper()} &= {latex(matrix)}"
+    above, below = zip(*(sympy.fraction(value) for _, value in entries), strict=True)
+    shared = set(below) - {1}
+    if len(shared) == 1 and all(b != 1 or a == 0 for a, b in zip(above, below, strict=True)):
+        factor, values = rf"\frac{{1}}{{{latex(shared.pop())}}} ", above
+    else:
+        factor, values = "", tuple(value for _, value in entries)
+    return rf"{places[0][1].upper()} &= {factor}{latex(sympy.Matrix(rows, columns, values))}"
 
 
 def _uses(formula: Formula) -> dict[Expr, int]:

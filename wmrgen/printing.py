@@ -53,6 +53,13 @@ class Latex(LatexPrinter):  # type: ignore[misc]
         del expr  # sympy's own way to print it is a method of the number, see `printmethod`
         return r"\pi" if exp is None else rf"\pi^{{{exp}}}"
 
+    def _print_Max(self, expr: Expr, exp: str | None = None) -> str:
+        text = ", ".join(self._print(a) for a in _together(expr))
+        text = rf"\{expr.func.__name__.lower()}\left({text}\right)"
+        return text if exp is None else f"{text}^{{{exp}}}"
+
+    _print_Min = _print_Max
+
     def _upright(self, name: str, expr: Expr, exponent: str | None) -> str:
         arguments = r",\, ".join(self._print(a) for a in expr.args)
         text = rf"{name}\left({arguments}\right)"
@@ -84,6 +91,17 @@ class Latex(LatexPrinter):  # type: ignore[misc]
         text = rf"\left({text}\right)" if self._needs_add_brackets(expr) else text
         return text if text.startswith("-") else f"+ {text}"
 
+    def parts(self, expr: Expr) -> list[str]:
+        """A sum, the greatest or the least of several, or anything else; between the parts a line may end."""
+        if expr.is_Add:
+            first, *rest = map(self.summand, expr.args)
+            return [first.removeprefix("+ "), *rest]
+        if not isinstance(expr, sympy.Max | sympy.Min):
+            return [str(self.doprint(expr))]
+        *before, (*last, end) = map(self.parts, _together(expr))
+        first, *rest = [text for own in before for text in (*own[:-1], f"{own[-1]},")]
+        return [rf"\{expr.func.__name__.lower()}\Bigl({first}", *rest, *last, rf"{end}\Bigr)"]
+
     def _print_Piecewise(self, expr: Expr) -> str:
         (then, condition), (otherwise, _) = expr.args
         then, condition, otherwise = (self._print(e) for e in (then, condition, otherwise))
@@ -94,6 +112,11 @@ class Latex(LatexPrinter):  # type: ignore[misc]
             return str(super()._print_Rational(expr))
         power = len(str(expr.q)) - 1
         return f"10^{{-{power}}}" if expr.q == 10**power and expr.p == 1 else notation.decimal(float(expr))
+
+
+def _together(expr: Expr) -> list[Expr]:
+    """The arguments of max and min: a, b and c of max(a, max(b, c))."""
+    return [inner for a in expr.args for inner in (_together(a) if a.func is expr.func else [a])]
 
 
 class Text(StrPrinter):  # type: ignore[misc]

@@ -30,7 +30,7 @@
 
 #define ACKERMANN_CAR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define ACKERMANN_CAR_MODEL_HASH "eb341e17855b1420cc6ca418307addae" /**< digest of the model */
-#define ACKERMANN_CAR_PAIR_d779b6611cf8f1ff 1 /**< header and source that were written together have the same */
+#define ACKERMANN_CAR_PAIR_9503395fb0a90e57 1 /**< header and source of one run have the same */
 #define ACKERMANN_CAR_WHEELS 4 /**< how many wheels the robot has */
 #define ACKERMANN_CAR_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define ACKERMANN_CAR_REAR_LEFT_Y 0.75f /**< [m] pivot, to the left of P */
@@ -90,7 +90,8 @@ enum ackermann_car_joint {
     ACKERMANN_CAR_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum ackermann_car_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum ackermann_car_joint, for loops over all;
+ * to the first for other numbers. */
 float *ackermann_car_joint(ackermann_car_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_d779b6611cf8f1ff)
-#error "ackermann_car_checked.c and ackermann_car.h were not generated together: copy both"
+#if !defined(ACKERMANN_CAR_PAIR_9503395fb0a90e57)
+#error "this file and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
@@ -68,8 +68,10 @@ ackermann_car_status ackermann_car_inverse_checked(
     if (status != ACKERMANN_CAR_OK) {
         out->rear_left.spin = 0.0f;
         out->rear_right.spin = 0.0f;
-        out->front_left.steer = ackermann_car_between(ackermann_car_held(now->front_left.steer), -0.6981317f, 0.6981317f);
-        out->front_right.steer = ackermann_car_between(ackermann_car_held(now->front_right.steer), -0.6981317f, 0.6981317f);
+        out->front_left.steer = ackermann_car_between(
+            ackermann_car_held(now->front_left.steer), -0.6981317f, 0.6981317f);
+        out->front_right.steer = ackermann_car_between(
+            ackermann_car_held(now->front_right.steer), -0.6981317f, 0.6981317f);
     }
     return status;
 }

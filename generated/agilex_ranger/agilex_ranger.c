@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_21e1543140a588a6)
-#error "agilex_ranger.c and agilex_ranger.h were not generated together: copy both"
+#if !defined(AGILEX_RANGER_PAIR_c221aa4f3639fe98)
+#error "this file and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"
@@ -240,26 +240,30 @@ void agilex_ranger_inverse(
     const float front_left_x = fmaf(1.1920929e-09f, twist->omega, fmaf((-0.28f), twist->omega, twist->vx));
     /* v_Ay of front_left, v_Ay of front_right */
     const float front_left_y = fmaf(1.1920929e-08f, twist->omega, fmaf(0.45f, twist->omega, twist->vy));
-    const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_clamp(now->front_left.steer, 1.57f), 1.0f);
+    const wmrgen_wheel front_left = wmrgen_steer_along(
+        front_left_x, front_left_y, wmrgen_clamp(now->front_left.steer, 1.57f), 1.0f);
     const float t0 = (1.6572665f < front_left.steer) ? (front_left.steer - 3.1415927f) : front_left.steer;
     const float t1 = (front_left.steer < (-1.6572665f)) ? (front_left.steer + 3.1415927f) : t0;
     const float front_left_target = wmrgen_clamp(t1, 1.57f);
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, front_left_target - front_left.steer);
     /* v_Ax of front_right, v_Ax of rear_right */
     const float front_right_x = fmaf((-1.1920929e-09f), twist->omega, fmaf(0.28f, twist->omega, twist->vx));
-    const wmrgen_wheel front_right = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_clamp(now->front_right.steer, 1.57f), 1.0f);
+    const wmrgen_wheel front_right = wmrgen_steer_along(
+        front_right_x, front_left_y, wmrgen_clamp(now->front_right.steer, 1.57f), 1.0f);
     const float t3 = (1.6572665f < front_right.steer) ? (front_right.steer - 3.1415927f) : front_right.steer;
     const float t4 = (front_right.steer < (-1.6572665f)) ? (front_right.steer + 3.1415927f) : t3;
     const float front_right_target = wmrgen_clamp(t4, 1.57f);
     const wmrgen_vector t5 = wmrgen_vector_at(1.0f, front_right_target - front_right.steer);
     /* v_Ay of rear_left, v_Ay of rear_right */
     const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy));
-    const wmrgen_wheel rear_left = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(now->rear_left.steer, 1.57f), 1.0f);
+    const wmrgen_wheel rear_left = wmrgen_steer_along(
+        front_left_x, rear_left_y, wmrgen_clamp(now->rear_left.steer, 1.57f), 1.0f);
     const float t6 = (1.6572665f < rear_left.steer) ? (rear_left.steer - 3.1415927f) : rear_left.steer;
     const float t7 = (rear_left.steer < (-1.6572665f)) ? (rear_left.steer + 3.1415927f) : t6;
     const float rear_left_target = wmrgen_clamp(t7, 1.57f);
     const wmrgen_vector t8 = wmrgen_vector_at(1.0f, rear_left_target - rear_left.steer);
-    const wmrgen_wheel rear_right = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_clamp(now->rear_right.steer, 1.57f), 1.0f);
+    const wmrgen_wheel rear_right = wmrgen_steer_along(
+        front_right_x, rear_left_y, wmrgen_clamp(now->rear_right.steer, 1.57f), 1.0f);
     const float t9 = (1.6572665f < rear_right.steer) ? (rear_right.steer - 3.1415927f) : rear_right.steer;
     const float t10 = (rear_right.steer < (-1.6572665f)) ? (rear_right.steer + 3.1415927f) : t9;
     const float rear_right_target = wmrgen_clamp(t10, 1.57f);
@@ -300,7 +304,8 @@ void agilex_ranger_inverse_slip(
     const float t9 = front_right.spin * t8.y;
     /* v_Ay of rear_left, v_Ay of rear_right */
     const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy));
-    const wmrgen_wheel rear_left = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(wheels->rear_left.steer, 1.57f), 1.0f);
+    const wmrgen_wheel rear_left = wmrgen_steer_along(
+        front_left_x, rear_left_y, wmrgen_clamp(wheels->rear_left.steer, 1.57f), 1.0f);
     const float t10 = (1.6572665f < rear_left.steer) ? (rear_left.steer - 3.1415927f) : rear_left.steer;
     const float t11 = (rear_left.steer < (-1.6572665f)) ? (rear_left.steer + 3.1415927f) : t10;
     const wmrgen_vector t12 = wmrgen_vector_at(1.0f, wmrgen_clamp(t11, 1.57f) - rear_left.steer);

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ANDINO_PAIR_86563d80bac3cd6c)
-#error "andino.c and andino.h were not generated together: copy both"
+#if !defined(ANDINO_PAIR_5ec90c92ca1d674b)
+#error "this file and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -30,7 +30,7 @@
 
 #define ANDINO_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define ANDINO_MODEL_HASH "05bdce76b142320d0a4e1f0ec80dd4cc" /**< digest of the model */
-#define ANDINO_PAIR_86563d80bac3cd6c 1 /**< header and source that were written together have the same */
+#define ANDINO_PAIR_5ec90c92ca1d674b 1 /**< header and source of one run have the same */
 #define ANDINO_WHEELS 3 /**< how many wheels the robot has */
 #define ANDINO_RIGHT_X 0.0185f /**< [m] pivot, forward of P */
 #define ANDINO_RIGHT_Y (-0.0675f) /**< [m] pivot, to the left of P */
@@ -74,7 +74,8 @@ enum andino_joint {
     ANDINO_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum andino_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum andino_joint, for loops over all;
+ * to the first for other numbers. */
 float *andino_joint(andino_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

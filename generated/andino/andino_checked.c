@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(ANDINO_PAIR_86563d80bac3cd6c)
-#error "andino_checked.c and andino.h were not generated together: copy both"
+#if !defined(ANDINO_PAIR_5ec90c92ca1d674b)
+#error "this file and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -21,8 +21,8 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_86563d80bac3cd6c)
-#error "andino_checked.h and andino.h were not generated together: copy both"
+#if !defined(ANDINO_PAIR_5ec90c92ca1d674b)
+#error "this file and andino.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

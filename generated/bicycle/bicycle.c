@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_be3dec09e1d9bc44)
-#error "bicycle.c and bicycle.h were not generated together: copy both"
+#if !defined(BICYCLE_PAIR_74b0a35be6021f68)
+#error "this file and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"
@@ -239,7 +239,8 @@ float *bicycle_joint(bicycle_wheels *wheels, int joint)
 
 void bicycle_inverse(const bicycle_twist *twist, const bicycle_wheels *now, bicycle_wheels *out)
 {
-    const wmrgen_wheel front = wmrgen_steer_along(twist->vx, 1.1f * twist->omega, wmrgen_clamp(now->front.steer, 1.0471976f), 1.0f);
+    const wmrgen_wheel front = wmrgen_steer_along(
+        twist->vx, 1.1f * twist->omega, wmrgen_clamp(now->front.steer, 1.0471976f), 1.0f);
     const float t0 = (1.6144296f < front.steer) ? (front.steer - 3.1415927f) : front.steer;
     const float t1 = (front.steer < (-1.6144296f)) ? (front.steer + 3.1415927f) : t0;
 

@@ -28,7 +28,7 @@
 
 #define BICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define BICYCLE_MODEL_HASH "00ce97b9fe339a18cd2e3102598225a0" /**< digest of the model */
-#define BICYCLE_PAIR_be3dec09e1d9bc44 1 /**< header and source that were written together have the same */
+#define BICYCLE_PAIR_74b0a35be6021f68 1 /**< header and source of one run have the same */
 #define BICYCLE_WHEELS 2 /**< how many wheels the robot has */
 #define BICYCLE_REAR_X 0.0f /**< [m] pivot, forward of P */
 #define BICYCLE_REAR_Y 0.0f /**< [m] pivot, to the left of P */
@@ -76,7 +76,8 @@ enum bicycle_joint {
     BICYCLE_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum bicycle_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum bicycle_joint, for loops over all;
+ * to the first for other numbers. */
 float *bicycle_joint(bicycle_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(BICYCLE_PAIR_be3dec09e1d9bc44)
-#error "bicycle_checked.c and bicycle.h were not generated together: copy both"
+#if !defined(BICYCLE_PAIR_74b0a35be6021f68)
+#error "this file and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

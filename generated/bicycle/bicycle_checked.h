@@ -21,8 +21,8 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_be3dec09e1d9bc44)
-#error "bicycle_checked.h and bicycle.h were not generated together: copy both"
+#if !defined(BICYCLE_PAIR_74b0a35be6021f68)
+#error "this file and bicycle.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

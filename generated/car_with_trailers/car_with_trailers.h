@@ -30,7 +30,7 @@
 
 #define CAR_WITH_TRAILERS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CAR_WITH_TRAILERS_MODEL_HASH "514fceca77c136231e62d89367bd4e18" /**< digest of the model */
-#define CAR_WITH_TRAILERS_PAIR_16b85f2539bc2f9a 1 /**< header and source that were written together have the same */
+#define CAR_WITH_TRAILERS_PAIR_8336de83fd8c7524 1 /**< header and source of one run have the same */
 #define CAR_WITH_TRAILERS_WHEELS 4 /**< how many wheels the robot has */
 #define CAR_WITH_TRAILERS_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define CAR_WITH_TRAILERS_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */
@@ -141,7 +141,8 @@ enum car_with_trailers_joint {
     CAR_WITH_TRAILERS_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum car_with_trailers_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum car_with_trailers_joint, for loops over all;
+ * to the first for other numbers. */
 float *car_with_trailers_joint(car_with_trailers_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_16b85f2539bc2f9a)
-#error "car_with_trailers_checked.c and car_with_trailers.h were not generated together: copy both"
+#if !defined(CAR_WITH_TRAILERS_PAIR_8336de83fd8c7524)
+#error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
@@ -68,8 +68,10 @@ car_with_trailers_status car_with_trailers_inverse_checked(
     if (status != CAR_WITH_TRAILERS_OK) {
         out->rear_left.spin = 0.0f;
         out->rear_right.spin = 0.0f;
-        out->front_left.steer = car_with_trailers_between(car_with_trailers_held(now->front_left.steer), -0.6981317f, 0.6981317f);
-        out->front_right.steer = car_with_trailers_between(car_with_trailers_held(now->front_right.steer), -0.6981317f, 0.6981317f);
+        out->front_left.steer = car_with_trailers_between(
+            car_with_trailers_held(now->front_left.steer), -0.6981317f, 0.6981317f);
+        out->front_right.steer = car_with_trailers_between(
+            car_with_trailers_held(now->front_right.steer), -0.6981317f, 0.6981317f);
     }
     return status;
 }

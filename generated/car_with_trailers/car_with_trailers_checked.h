@@ -21,8 +21,8 @@
 
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_16b85f2539bc2f9a)
-#error "car_with_trailers_checked.h and car_with_trailers.h were not generated together: copy both"
+#if !defined(CAR_WITH_TRAILERS_PAIR_8336de83fd8c7524)
+#error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

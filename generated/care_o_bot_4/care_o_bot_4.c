@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_1adff63245bbb3e9)
-#error "care_o_bot_4.c and care_o_bot_4.h were not generated together: copy both"
+#if !defined(CARE_O_BOT_4_PAIR_82887548992b8cac)
+#error "this file and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"
@@ -233,7 +233,8 @@ void care_o_bot_4_inverse(
     /* v_Ay of b */
     const float b_y = fmaf((-2.565384e-09f), twist->omega, fmaf((-0.24844f), twist->omega, twist->vy));
     const wmrgen_wheel b = wmrgen_steer_along(twist->vx, b_y, now->b.steer, 13.333333f);
-    const float fr_x = fmaf(1.335144e-09f, twist->omega, fmaf(0.21515f, twist->omega, twist->vx)); /* v_Ax of fr */
+    /* v_Ax of fr */
+    const float fr_x = fmaf(1.335144e-09f, twist->omega, fmaf(0.21515f, twist->omega, twist->vx));
     const wmrgen_wheel fr = wmrgen_steer_along(fr_x, fl_y, now->fr.steer, 13.333333f);
 
     out->fl.spin = fl.spin;

@@ -29,7 +29,7 @@
 
 #define CARE_O_BOT_4_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CARE_O_BOT_4_MODEL_HASH "6c0475b2a097b6eacee6948b51e5ceaf" /**< digest of the model */
-#define CARE_O_BOT_4_PAIR_1adff63245bbb3e9 1 /**< header and source that were written together have the same */
+#define CARE_O_BOT_4_PAIR_82887548992b8cac 1 /**< header and source of one run have the same */
 #define CARE_O_BOT_4_WHEELS 3 /**< how many wheels the robot has */
 #define CARE_O_BOT_4_FL_X 0.12422f /**< [m] pivot, forward of P */
 #define CARE_O_BOT_4_FL_Y 0.21515f /**< [m] pivot, to the left of P */
@@ -88,7 +88,8 @@ enum care_o_bot_4_joint {
     CARE_O_BOT_4_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum care_o_bot_4_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum care_o_bot_4_joint, for loops over all;
+ * to the first for other numbers. */
 float *care_o_bot_4_joint(care_o_bot_4_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_1adff63245bbb3e9)
-#error "care_o_bot_4_checked.c and care_o_bot_4.h were not generated together: copy both"
+#if !defined(CARE_O_BOT_4_PAIR_82887548992b8cac)
+#error "this file and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -21,8 +21,8 @@
 
 #include "care_o_bot_4.h"
 
-#if !defined(CARE_O_BOT_4_PAIR_1adff63245bbb3e9)
-#error "care_o_bot_4_checked.h and care_o_bot_4.h were not generated together: copy both"
+#if !defined(CARE_O_BOT_4_PAIR_82887548992b8cac)
+#error "this file and care_o_bot_4.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_A200_PAIR_dc69ca703b3f6381)
-#error "clearpath_a200.c and clearpath_a200.h were not generated together: copy both"
+#if !defined(CLEARPATH_A200_PAIR_7ed8a586b24cc30c)
+#error "this file and clearpath_a200.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -30,7 +30,7 @@
 
 #define CLEARPATH_A200_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_A200_MODEL_HASH "a835a864c25f272b3a3208e7368e86ab" /**< digest of the model */
-#define CLEARPATH_A200_PAIR_dc69ca703b3f6381 1 /**< header and source that were written together have the same */
+#define CLEARPATH_A200_PAIR_7ed8a586b24cc30c 1 /**< header and source of one run have the same */
 #define CLEARPATH_A200_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_A200_FRONT_LEFT_X 0.256f /**< [m] pivot, forward of P */
 #define CLEARPATH_A200_FRONT_LEFT_Y 0.2775f /**< [m] pivot, to the left of P */
@@ -85,7 +85,8 @@ enum clearpath_a200_joint {
     CLEARPATH_A200_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum clearpath_a200_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum clearpath_a200_joint, for loops over all;
+ * to the first for other numbers. */
 float *clearpath_a200_joint(clearpath_a200_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

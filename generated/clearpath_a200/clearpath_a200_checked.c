@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_A200_PAIR_dc69ca703b3f6381)
-#error "clearpath_a200_checked.c and clearpath_a200.h were not generated together: copy both"
+#if !defined(CLEARPATH_A200_PAIR_7ed8a586b24cc30c)
+#error "this file and clearpath_a200.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -21,8 +21,8 @@
 
 #include "clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_dc69ca703b3f6381)
-#error "clearpath_a200_checked.h and clearpath_a200.h were not generated together: copy both"
+#if !defined(CLEARPATH_A200_PAIR_7ed8a586b24cc30c)
+#error "this file and clearpath_a200.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_DO100_PAIR_7262b407541774e1)
-#error "clearpath_do100.c and clearpath_do100.h were not generated together: copy both"
+#if !defined(CLEARPATH_DO100_PAIR_78a351ec62b6e4fd)
+#error "this file and clearpath_do100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -32,7 +32,7 @@
 
 #define CLEARPATH_DO100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_DO100_MODEL_HASH "220c83a478e0be96d02212a0d09b085f" /**< digest of the model */
-#define CLEARPATH_DO100_PAIR_7262b407541774e1 1 /**< header and source that were written together have the same */
+#define CLEARPATH_DO100_PAIR_78a351ec62b6e4fd 1 /**< header and source of one run have the same */
 #define CLEARPATH_DO100_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_DO100_FRONT_LEFT_X 0.285f /**< [m] pivot, forward of P */
 #define CLEARPATH_DO100_FRONT_LEFT_Y 0.2104f /**< [m] pivot, to the left of P */
@@ -89,7 +89,8 @@ enum clearpath_do100_joint {
     CLEARPATH_DO100_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum clearpath_do100_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum clearpath_do100_joint, for loops over all;
+ * to the first for other numbers. */
 float *clearpath_do100_joint(clearpath_do100_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

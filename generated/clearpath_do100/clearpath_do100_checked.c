@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_DO100_PAIR_7262b407541774e1)
-#error "clearpath_do100_checked.c and clearpath_do100.h were not generated together: copy both"
+#if !defined(CLEARPATH_DO100_PAIR_78a351ec62b6e4fd)
+#error "this file and clearpath_do100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -21,8 +21,8 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_7262b407541774e1)
-#error "clearpath_do100_checked.h and clearpath_do100.h were not generated together: copy both"
+#if !defined(CLEARPATH_DO100_PAIR_78a351ec62b6e4fd)
+#error "this file and clearpath_do100.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

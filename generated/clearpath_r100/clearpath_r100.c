@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_R100_PAIR_46e2179dccbaba2a)
-#error "clearpath_r100.c and clearpath_r100.h were not generated together: copy both"
+#if !defined(CLEARPATH_R100_PAIR_d6d6b6b090f9bc74)
+#error "this file and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

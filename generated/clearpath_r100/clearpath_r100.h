@@ -36,7 +36,7 @@
 
 #define CLEARPATH_R100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_R100_MODEL_HASH "deec2372809346c365996ee8244d4a09" /**< digest of the model */
-#define CLEARPATH_R100_PAIR_46e2179dccbaba2a 1 /**< header and source that were written together have the same */
+#define CLEARPATH_R100_PAIR_d6d6b6b090f9bc74 1 /**< header and source of one run have the same */
 #define CLEARPATH_R100_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_R100_FRONT_LEFT_X 0.319f /**< [m] pivot, forward of P */
 #define CLEARPATH_R100_FRONT_LEFT_Y 0.2755f /**< [m] pivot, to the left of P */
@@ -107,7 +107,8 @@ enum clearpath_r100_joint {
     CLEARPATH_R100_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum clearpath_r100_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum clearpath_r100_joint, for loops over all;
+ * to the first for other numbers. */
 float *clearpath_r100_joint(clearpath_r100_wheels *wheels, int joint);
 
 /** Sets the parameters to the nominal values of the robot file. */

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_R100_PAIR_46e2179dccbaba2a)
-#error "clearpath_r100_checked.c and clearpath_r100.h were not generated together: copy both"
+#if !defined(CLEARPATH_R100_PAIR_d6d6b6b090f9bc74)
+#error "this file and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

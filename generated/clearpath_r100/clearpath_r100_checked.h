@@ -26,8 +26,8 @@
 
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_46e2179dccbaba2a)
-#error "clearpath_r100_checked.h and clearpath_r100.h were not generated together: copy both"
+#if !defined(CLEARPATH_R100_PAIR_d6d6b6b090f9bc74)
+#error "this file and clearpath_r100.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -28,7 +28,7 @@
 
 #define F1TENTH_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define F1TENTH_MODEL_HASH "3f32f4ec59f3144446e8c0bcd8fd3e33" /**< digest of the model */
-#define F1TENTH_PAIR_33b7f30c44c3a09b 1 /**< header and source that were written together have the same */
+#define F1TENTH_PAIR_143b2e7e0bf91653 1 /**< header and source of one run have the same */
 #define F1TENTH_WHEELS 2 /**< how many wheels the robot has */
 #define F1TENTH_FRONT_X 0.15875f /**< [m] pivot, forward of P */
 #define F1TENTH_FRONT_Y 0.0f /**< [m] pivot, to the left of P */
@@ -78,7 +78,8 @@ enum f1tenth_joint {
     F1TENTH_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum f1tenth_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum f1tenth_joint, for loops over all;
+ * to the first for other numbers. */
 float *f1tenth_joint(f1tenth_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the

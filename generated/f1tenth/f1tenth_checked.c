@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(F1TENTH_PAIR_33b7f30c44c3a09b)
-#error "f1tenth_checked.c and f1tenth.h were not generated together: copy both"
+#if !defined(F1TENTH_PAIR_143b2e7e0bf91653)
+#error "this file and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_9a8fd87455ee196b)
-#error "festo_robotino.c and festo_robotino.h were not generated together: copy both"
+#if !defined(FESTO_ROBOTINO_PAIR_615156441a4988ab)
+#error "this file and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -30,7 +30,7 @@
 
 #define FESTO_ROBOTINO_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define FESTO_ROBOTINO_MODEL_HASH "dc1c44663fd46ce4c79e09cfa991d44a" /**< digest of the model */
-#define FESTO_ROBOTINO_PAIR_9a8fd87455ee196b 1 /**< header and source that were written together have the same */
+#define FESTO_ROBOTINO_PAIR_615156441a4988ab 1 /**< header and source of one run have the same */
 #define FESTO_ROBOTINO_WHEELS 3 /**< how many wheels the robot has */
 #define FESTO_ROBOTINO_WHEEL0_X 0.065f /**< [m] pivot, forward of P */
 #define FESTO_ROBOTINO_WHEEL0_Y 0.11f /**< [m] pivot, to the left of P */
@@ -82,7 +82,8 @@ enum festo_robotino_joint {
     FESTO_ROBOTINO_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum festo_robotino_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum festo_robotino_joint, for loops over all;
+ * to the first for other numbers. */
 float *festo_robotino_joint(festo_robotino_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_9a8fd87455ee196b)
-#error "festo_robotino_checked.c and festo_robotino.h were not generated together: copy both"
+#if !defined(FESTO_ROBOTINO_PAIR_615156441a4988ab)
+#error "this file and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -21,8 +21,8 @@
 
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_9a8fd87455ee196b)
-#error "festo_robotino_checked.h and festo_robotino.h were not generated together: copy both"
+#if !defined(FESTO_ROBOTINO_PAIR_615156441a4988ab)
+#error "this file and festo_robotino.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(JPL_OSR_PAIR_accee10b823afb27)
-#error "jpl_osr_checked.c and jpl_osr.h were not generated together: copy both"
+#if !defined(JPL_OSR_PAIR_38a150cb82f7572a)
+#error "this file and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

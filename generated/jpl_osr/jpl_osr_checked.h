@@ -21,8 +21,8 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_accee10b823afb27)
-#error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
+#if !defined(JPL_OSR_PAIR_38a150cb82f7572a)
+#error "this file and jpl_osr.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

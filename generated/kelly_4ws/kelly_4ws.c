@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_65102e40360c61de)
-#error "kelly_4ws.c and kelly_4ws.h were not generated together: copy both"
+#if !defined(KELLY_4WS_PAIR_f7f90ada2cc82c0e)
+#error "this file and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

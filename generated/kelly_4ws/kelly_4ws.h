@@ -30,7 +30,7 @@
 
 #define KELLY_4WS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KELLY_4WS_MODEL_HASH "b1fc9d5996d9038f1412f2205b2f7f8f" /**< digest of the model */
-#define KELLY_4WS_PAIR_65102e40360c61de 1 /**< header and source that were written together have the same */
+#define KELLY_4WS_PAIR_f7f90ada2cc82c0e 1 /**< header and source of one run have the same */
 #define KELLY_4WS_WHEELS 4 /**< how many wheels the robot has */
 #define KELLY_4WS_W1_X 0.5f /**< [m] pivot, forward of P */
 #define KELLY_4WS_W1_Y 0.3f /**< [m] pivot, to the left of P */
@@ -107,7 +107,8 @@ enum kelly_4ws_joint {
     KELLY_4WS_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum kelly_4ws_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum kelly_4ws_joint, for loops over all;
+ * to the first for other numbers. */
 float *kelly_4ws_joint(kelly_4ws_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(KELLY_4WS_PAIR_65102e40360c61de)
-#error "kelly_4ws_checked.c and kelly_4ws.h were not generated together: copy both"
+#if !defined(KELLY_4WS_PAIR_f7f90ada2cc82c0e)
+#error "this file and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

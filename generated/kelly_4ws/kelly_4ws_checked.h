@@ -21,8 +21,8 @@
 
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_65102e40360c61de)
-#error "kelly_4ws_checked.h and kelly_4ws.h were not generated together: copy both"
+#if !defined(KELLY_4WS_PAIR_f7f90ada2cc82c0e)
+#error "this file and kelly_4ws.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_26198d03583d7623)
-#error "kuka_youbot.c and kuka_youbot.h were not generated together: copy both"
+#if !defined(KUKA_YOUBOT_PAIR_7592a4b490f08641)
+#error "this file and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

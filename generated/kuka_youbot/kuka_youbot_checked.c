@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_26198d03583d7623)
-#error "kuka_youbot_checked.c and kuka_youbot.h were not generated together: copy both"
+#if !defined(KUKA_YOUBOT_PAIR_7592a4b490f08641)
+#error "this file and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

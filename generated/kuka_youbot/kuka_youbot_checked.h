@@ -26,8 +26,8 @@
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_26198d03583d7623)
-#error "kuka_youbot_checked.h and kuka_youbot.h were not generated together: copy both"
+#if !defined(KUKA_YOUBOT_PAIR_7592a4b490f08641)
+#error "this file and kuka_youbot.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

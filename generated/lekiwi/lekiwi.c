@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LEKIWI_PAIR_7d2974660ec1edb2)
-#error "lekiwi.c and lekiwi.h were not generated together: copy both"
+#if !defined(LEKIWI_PAIR_b8d9a2915ddb0043)
+#error "this file and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -30,7 +30,7 @@
 
 #define LEKIWI_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define LEKIWI_MODEL_HASH "030ed73b3dd53aaaf9ffb44c1aeeef14" /**< digest of the model */
-#define LEKIWI_PAIR_7d2974660ec1edb2 1 /**< header and source that were written together have the same */
+#define LEKIWI_PAIR_b8d9a2915ddb0043 1 /**< header and source of one run have the same */
 #define LEKIWI_WHEELS 3 /**< how many wheels the robot has */
 #define LEKIWI_LEFT_WHEEL_X 0.0625f /**< [m] pivot, forward of P */
 #define LEKIWI_LEFT_WHEEL_Y 0.10825317f /**< [m] pivot, to the left of P */
@@ -82,7 +82,8 @@ enum lekiwi_joint {
     LEKIWI_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum lekiwi_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum lekiwi_joint, for loops over all;
+ * to the first for other numbers. */
 float *lekiwi_joint(lekiwi_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

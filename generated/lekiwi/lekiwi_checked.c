@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(LEKIWI_PAIR_7d2974660ec1edb2)
-#error "lekiwi_checked.c and lekiwi.h were not generated together: copy both"
+#if !defined(LEKIWI_PAIR_b8d9a2915ddb0043)
+#error "this file and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -21,8 +21,8 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_7d2974660ec1edb2)
-#error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
+#if !defined(LEKIWI_PAIR_b8d9a2915ddb0043)
+#error "this file and lekiwi.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LOCKED_BICYCLE_PAIR_e2e288a810b8c4bb)
-#error "locked_bicycle.c and locked_bicycle.h were not generated together: copy both"
+#if !defined(LOCKED_BICYCLE_PAIR_9669788a2d1a77d0)
+#error "this file and locked_bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -28,7 +28,7 @@
 
 #define LOCKED_BICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define LOCKED_BICYCLE_MODEL_HASH "b32e9219c37e757aeb27163825c5eafd" /**< digest of the model */
-#define LOCKED_BICYCLE_PAIR_e2e288a810b8c4bb 1 /**< header and source that were written together have the same */
+#define LOCKED_BICYCLE_PAIR_9669788a2d1a77d0 1 /**< header and source of one run have the same */
 #define LOCKED_BICYCLE_WHEELS 2 /**< how many wheels the robot has */
 #define LOCKED_BICYCLE_FRONT_X 0.6f /**< [m] pivot, forward of P */
 #define LOCKED_BICYCLE_FRONT_Y 0.0f /**< [m] pivot, to the left of P */
@@ -69,7 +69,8 @@ enum locked_bicycle_joint {
     LOCKED_BICYCLE_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum locked_bicycle_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum locked_bicycle_joint, for loops over all;
+ * to the first for other numbers. */
 float *locked_bicycle_joint(locked_bicycle_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(LOCKED_BICYCLE_PAIR_e2e288a810b8c4bb)
-#error "locked_bicycle_checked.c and locked_bicycle.h were not generated together: copy both"
+#if !defined(LOCKED_BICYCLE_PAIR_9669788a2d1a77d0)
+#error "this file and locked_bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -21,8 +21,8 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_e2e288a810b8c4bb)
-#error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
+#if !defined(LOCKED_BICYCLE_PAIR_9669788a2d1a77d0)
+#error "this file and locked_bicycle.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

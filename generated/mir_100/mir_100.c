@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(MIR_100_PAIR_8aa52f4d27f8d0f9)
-#error "mir_100.c and mir_100.h were not generated together: copy both"
+#if !defined(MIR_100_PAIR_0d999091e61a7205)
+#error "this file and mir_100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -33,7 +33,7 @@
 
 #define MIR_100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define MIR_100_MODEL_HASH "7ff84fa9c3ee1f7254feff359693530d" /**< digest of the model */
-#define MIR_100_PAIR_8aa52f4d27f8d0f9 1 /**< header and source that were written together have the same */
+#define MIR_100_PAIR_0d999091e61a7205 1 /**< header and source of one run have the same */
 #define MIR_100_WHEELS 6 /**< how many wheels the robot has */
 #define MIR_100_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define MIR_100_LEFT_Y 0.222604f /**< [m] pivot, to the left of P */
@@ -90,7 +90,8 @@ enum mir_100_joint {
     MIR_100_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum mir_100_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum mir_100_joint, for loops over all;
+ * to the first for other numbers. */
 float *mir_100_joint(mir_100_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

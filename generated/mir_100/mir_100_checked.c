@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(MIR_100_PAIR_8aa52f4d27f8d0f9)
-#error "mir_100_checked.c and mir_100.h were not generated together: copy both"
+#if !defined(MIR_100_PAIR_0d999091e61a7205)
+#error "this file and mir_100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -21,8 +21,8 @@
 
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_8aa52f4d27f8d0f9)
-#error "mir_100_checked.h and mir_100.h were not generated together: copy both"
+#if !defined(MIR_100_PAIR_0d999091e61a7205)
+#error "this file and mir_100.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_cbd486dbde7cbbe3)
-#error "neobotix_mp_400.c and neobotix_mp_400.h were not generated together: copy both"
+#if !defined(NEOBOTIX_MP_400_PAIR_f3a165e3d3019668)
+#error "this file and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

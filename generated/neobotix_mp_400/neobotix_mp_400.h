@@ -33,7 +33,7 @@
 
 #define NEOBOTIX_MP_400_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEOBOTIX_MP_400_MODEL_HASH "4b2c6c383d1f7ffb7d1a664f20f54e6f" /**< digest of the model */
-#define NEOBOTIX_MP_400_PAIR_cbd486dbde7cbbe3 1 /**< header and source that were written together have the same */
+#define NEOBOTIX_MP_400_PAIR_f3a165e3d3019668 1 /**< header and source of one run have the same */
 #define NEOBOTIX_MP_400_WHEELS 6 /**< how many wheels the robot has */
 #define NEOBOTIX_MP_400_RIGHT_X 0.0f /**< [m] pivot, forward of P */
 #define NEOBOTIX_MP_400_RIGHT_Y (-0.26f) /**< [m] pivot, to the left of P */
@@ -86,7 +86,8 @@ enum neobotix_mp_400_joint {
     NEOBOTIX_MP_400_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum neobotix_mp_400_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum neobotix_mp_400_joint, for loops over all;
+ * to the first for other numbers. */
 float *neobotix_mp_400_joint(neobotix_mp_400_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_cbd486dbde7cbbe3)
-#error "neobotix_mp_400_checked.c and neobotix_mp_400.h were not generated together: copy both"
+#if !defined(NEOBOTIX_MP_400_PAIR_f3a165e3d3019668)
+#error "this file and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

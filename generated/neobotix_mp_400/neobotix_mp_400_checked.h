@@ -21,8 +21,8 @@
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_cbd486dbde7cbbe3)
-#error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
+#if !defined(NEOBOTIX_MP_400_PAIR_f3a165e3d3019668)
+#error "this file and neobotix_mp_400.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_5fd9428d5c29e84c)
-#error "neobotix_mpo_700_checked.c and neobotix_mpo_700.h were not generated together: copy both"
+#if !defined(NEOBOTIX_MPO_700_PAIR_a469b4d53a569509)
+#error "this file and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

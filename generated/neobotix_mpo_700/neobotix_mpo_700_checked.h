@@ -21,8 +21,8 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_5fd9428d5c29e84c)
-#error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
+#if !defined(NEOBOTIX_MPO_700_PAIR_a469b4d53a569509)
+#error "this file and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEXUS_4WD_PAIR_7e332e303011f370)
-#error "nexus_4wd.c and nexus_4wd.h were not generated together: copy both"
+#if !defined(NEXUS_4WD_PAIR_9f1bcd7d9820b9dc)
+#error "this file and nexus_4wd.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

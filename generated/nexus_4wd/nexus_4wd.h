@@ -32,7 +32,7 @@
 
 #define NEXUS_4WD_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEXUS_4WD_MODEL_HASH "16a59c9a4f4e4c3d0d69c6d04809a259" /**< digest of the model */
-#define NEXUS_4WD_PAIR_7e332e303011f370 1 /**< header and source that were written together have the same */
+#define NEXUS_4WD_PAIR_9f1bcd7d9820b9dc 1 /**< header and source of one run have the same */
 #define NEXUS_4WD_WHEELS 4 /**< how many wheels the robot has */
 #define NEXUS_4WD_UPPER_LEFT_X 0.15f /**< [m] pivot, forward of P */
 #define NEXUS_4WD_UPPER_LEFT_Y 0.15f /**< [m] pivot, to the left of P */
@@ -83,7 +83,8 @@ enum nexus_4wd_joint {
     NEXUS_4WD_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum nexus_4wd_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum nexus_4wd_joint, for loops over all;
+ * to the first for other numbers. */
 float *nexus_4wd_joint(nexus_4wd_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEXUS_4WD_PAIR_7e332e303011f370)
-#error "nexus_4wd_checked.c and nexus_4wd.h were not generated together: copy both"
+#if !defined(NEXUS_4WD_PAIR_9f1bcd7d9820b9dc)
+#error "this file and nexus_4wd.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_4cfb53bc31afe444)
-#error "nomad_xr4000.c and nomad_xr4000.h were not generated together: copy both"
+#if !defined(NOMAD_XR4000_PAIR_c7c3f11d07e478ed)
+#error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NOMAD_XR4000_PAIR_4cfb53bc31afe444)
-#error "nomad_xr4000_checked.c and nomad_xr4000.h were not generated together: copy both"
+#if !defined(NOMAD_XR4000_PAIR_c7c3f11d07e478ed)
+#error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -21,8 +21,8 @@
 
 #include "nomad_xr4000.h"
 
-#if !defined(NOMAD_XR4000_PAIR_4cfb53bc31afe444)
-#error "nomad_xr4000_checked.h and nomad_xr4000.h were not generated together: copy both"
+#if !defined(NOMAD_XR4000_PAIR_c7c3f11d07e478ed)
+#error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_5ca68367f05f03e7)
-#error "office_chair.c and office_chair.h were not generated together: copy both"
+#if !defined(OFFICE_CHAIR_PAIR_d5de759651c2c5c6)
+#error "this file and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -30,7 +30,7 @@
 
 #define OFFICE_CHAIR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define OFFICE_CHAIR_MODEL_HASH "4463a58bff7a6950e1cc6049822d266d" /**< digest of the model */
-#define OFFICE_CHAIR_PAIR_5ca68367f05f03e7 1 /**< header and source that were written together have the same */
+#define OFFICE_CHAIR_PAIR_d5de759651c2c5c6 1 /**< header and source of one run have the same */
 #define OFFICE_CHAIR_WHEELS 5 /**< how many wheels the robot has */
 #define OFFICE_CHAIR_C1_X 0.28f /**< [m] pivot, forward of P */
 #define OFFICE_CHAIR_C1_Y 0.0f /**< [m] pivot, to the left of P */

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_5ca68367f05f03e7)
-#error "office_chair_checked.c and office_chair.h were not generated together: copy both"
+#if !defined(OFFICE_CHAIR_PAIR_d5de759651c2c5c6)
+#error "this file and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -21,8 +21,8 @@
 
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_5ca68367f05f03e7)
-#error "office_chair_checked.h and office_chair.h were not generated together: copy both"
+#if !defined(OFFICE_CHAIR_PAIR_d5de759651c2c5c6)
+#error "this file and office_chair.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PIONEER3DX_PAIR_f60847fc72f823b5)
-#error "pioneer3dx.c and pioneer3dx.h were not generated together: copy both"
+#if !defined(PIONEER3DX_PAIR_b8bf9b8d0bdae5be)
+#error "this file and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

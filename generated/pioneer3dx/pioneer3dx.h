@@ -36,7 +36,7 @@
 
 #define PIONEER3DX_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PIONEER3DX_MODEL_HASH "4eb29b3e498165baa7aaf221d84107cf" /**< digest of the model */
-#define PIONEER3DX_PAIR_f60847fc72f823b5 1 /**< header and source that were written together have the same */
+#define PIONEER3DX_PAIR_b8bf9b8d0bdae5be 1 /**< header and source of one run have the same */
 #define PIONEER3DX_WHEELS 3 /**< how many wheels the robot has */
 #define PIONEER3DX_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define PIONEER3DX_LEFT_Y 0.1655f /**< [m] pivot, to the left of P */
@@ -142,7 +142,8 @@ enum pioneer3dx_joint {
     PIONEER3DX_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum pioneer3dx_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum pioneer3dx_joint, for loops over all;
+ * to the first for other numbers. */
 float *pioneer3dx_joint(pioneer3dx_wheels *wheels, int joint);
 
 /** Sets the parameters to the nominal values of the robot file. */

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PIONEER3DX_PAIR_f60847fc72f823b5)
-#error "pioneer3dx_checked.c and pioneer3dx.h were not generated together: copy both"
+#if !defined(PIONEER3DX_PAIR_b8bf9b8d0bdae5be)
+#error "this file and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_c2f89f3738e33072)
-#error "pr2.c and pr2.h were not generated together: copy both"
+#if !defined(PR2_PAIR_cebf143a81faeae2)
+#error "this file and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -34,7 +34,7 @@
 
 #define PR2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PR2_MODEL_HASH "862e31713ba1ef798eb10dbf0b57ce06" /**< digest of the model */
-#define PR2_PAIR_c2f89f3738e33072 1 /**< header and source that were written together have the same */
+#define PR2_PAIR_cebf143a81faeae2 1 /**< header and source of one run have the same */
 #define PR2_WHEELS 8 /**< how many wheels the robot has */
 #define PR2_FL_L_X 0.2246f /**< [m] pivot, forward of P */
 #define PR2_FL_L_Y 0.2246f /**< [m] pivot, to the left of P */
@@ -155,7 +155,8 @@ enum pr2_joint {
     PR2_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum pr2_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum pr2_joint, for loops over all;
+ * to the first for other numbers. */
 float *pr2_joint(pr2_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the

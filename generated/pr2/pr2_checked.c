@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PR2_PAIR_c2f89f3738e33072)
-#error "pr2_checked.c and pr2.h were not generated together: copy both"
+#if !defined(PR2_PAIR_cebf143a81faeae2)
+#error "this file and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

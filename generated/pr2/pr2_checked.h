@@ -20,8 +20,8 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_c2f89f3738e33072)
-#error "pr2_checked.h and pr2.h were not generated together: copy both"
+#if !defined(PR2_PAIR_cebf143a81faeae2)
+#error "this file and pr2.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

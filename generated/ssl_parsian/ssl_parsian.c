@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SSL_PARSIAN_PAIR_9419e12ec8c38158)
-#error "ssl_parsian.c and ssl_parsian.h were not generated together: copy both"
+#if !defined(SSL_PARSIAN_PAIR_a45be7961cea2b83)
+#error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -31,7 +31,7 @@
 
 #define SSL_PARSIAN_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define SSL_PARSIAN_MODEL_HASH "d2e8622fbe3b268f579090f82b5a9e7e" /**< digest of the model */
-#define SSL_PARSIAN_PAIR_9419e12ec8c38158 1 /**< header and source that were written together have the same */
+#define SSL_PARSIAN_PAIR_a45be7961cea2b83 1 /**< header and source of one run have the same */
 #define SSL_PARSIAN_WHEELS 4 /**< how many wheels the robot has */
 #define SSL_PARSIAN_WHEEL1_X 0.045f /**< [m] pivot, forward of P */
 #define SSL_PARSIAN_WHEEL1_Y 0.07794229f /**< [m] pivot, to the left of P */
@@ -82,7 +82,8 @@ enum ssl_parsian_joint {
     SSL_PARSIAN_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum ssl_parsian_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum ssl_parsian_joint, for loops over all;
+ * to the first for other numbers. */
 float *ssl_parsian_joint(ssl_parsian_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

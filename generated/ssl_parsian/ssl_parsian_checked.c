@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SSL_PARSIAN_PAIR_9419e12ec8c38158)
-#error "ssl_parsian_checked.c and ssl_parsian.h were not generated together: copy both"
+#if !defined(SSL_PARSIAN_PAIR_a45be7961cea2b83)
+#error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

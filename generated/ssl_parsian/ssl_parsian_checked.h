@@ -21,8 +21,8 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_9419e12ec8c38158)
-#error "ssl_parsian_checked.h and ssl_parsian.h were not generated together: copy both"
+#if !defined(SSL_PARSIAN_PAIR_a45be7961cea2b83)
+#error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

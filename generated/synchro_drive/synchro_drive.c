@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_0b52255301ff0a04)
-#error "synchro_drive.c and synchro_drive.h were not generated together: copy both"
+#if !defined(SYNCHRO_DRIVE_PAIR_daae92d35f7e4e63)
+#error "this file and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -29,7 +29,7 @@
 
 #define SYNCHRO_DRIVE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define SYNCHRO_DRIVE_MODEL_HASH "ca53a49909aa89c00fc7a8eb53af7271" /**< digest of the model */
-#define SYNCHRO_DRIVE_PAIR_0b52255301ff0a04 1 /**< header and source that were written together have the same */
+#define SYNCHRO_DRIVE_PAIR_daae92d35f7e4e63 1 /**< header and source of one run have the same */
 #define SYNCHRO_DRIVE_WHEELS 3 /**< how many wheels the robot has */
 #define SYNCHRO_DRIVE_W1_X 0.3f /**< [m] pivot, forward of P */
 #define SYNCHRO_DRIVE_W1_Y 0.0f /**< [m] pivot, to the left of P */
@@ -88,7 +88,8 @@ enum synchro_drive_joint {
     SYNCHRO_DRIVE_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum synchro_drive_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum synchro_drive_joint, for loops over all;
+ * to the first for other numbers. */
 float *synchro_drive_joint(synchro_drive_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the

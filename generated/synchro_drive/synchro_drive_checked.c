@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_0b52255301ff0a04)
-#error "synchro_drive_checked.c and synchro_drive.h were not generated together: copy both"
+#if !defined(SYNCHRO_DRIVE_PAIR_daae92d35f7e4e63)
+#error "this file and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

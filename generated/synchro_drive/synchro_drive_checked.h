@@ -21,8 +21,8 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_0b52255301ff0a04)
-#error "synchro_drive_checked.h and synchro_drive.h were not generated together: copy both"
+#if !defined(SYNCHRO_DRIVE_PAIR_daae92d35f7e4e63)
+#error "this file and synchro_drive.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_PAIR_d208a58b6c3d65e4)
-#error "textbook_checked.c and textbook.h were not generated together: copy both"
+#if !defined(TEXTBOOK_PAIR_68c11b4eebb29003)
+#error "this file and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

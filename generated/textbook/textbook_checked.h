@@ -21,8 +21,8 @@
 
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_d208a58b6c3d65e4)
-#error "textbook_checked.h and textbook.h were not generated together: copy both"
+#if !defined(TEXTBOOK_PAIR_68c11b4eebb29003)
+#error "this file and textbook.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

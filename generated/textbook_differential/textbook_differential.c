@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_58ed0bd7ee771a4a)
-#error "textbook_differential.c and textbook_differential.h were not generated together: copy both"
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_0ca10712586cce5f)
+#error "this file and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"
@@ -148,7 +148,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 
 /* The members of textbook_differential_wheels lie as an array does. */
 typedef char textbook_differential_wheels_are_joints[
-    ((sizeof(textbook_differential_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_DIFFERENTIAL_JOINTS) ? 1 : -1];
+    ((sizeof(textbook_differential_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_DIFFERENTIAL_JOINTS)
+        ? 1
+        : -1];
 
 float *textbook_differential_joint(textbook_differential_wheels *wheels, int joint)
 {

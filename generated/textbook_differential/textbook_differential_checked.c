@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_58ed0bd7ee771a4a)
-#error "textbook_differential_checked.c and textbook_differential.h were not generated together: copy both"
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_0ca10712586cce5f)
+#error "this file and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

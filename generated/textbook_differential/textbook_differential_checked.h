@@ -21,8 +21,8 @@
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_58ed0bd7ee771a4a)
-#error "textbook_differential_checked.h and textbook_differential.h were not generated together: copy both"
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_0ca10712586cce5f)
+#error "this file and textbook_differential.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_8cb9279bafd4a417)
-#error "textbook_omni_steer_checked.c and textbook_omni_steer.h were not generated together: copy both"
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_a3e09c8769b65499)
+#error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -30,7 +30,7 @@
 
 #define TEXTBOOK_OMNIDIRECTIONAL_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_OMNIDIRECTIONAL_MODEL_HASH "c5600c9d2d181b5fd9fbc809a4dc86ca" /**< digest of the model */
-#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_b917f5ab7f539c74 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_0757fb3d504844ae 1 /**< header and source of one run have the same */
 #define TEXTBOOK_OMNIDIRECTIONAL_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_OMNIDIRECTIONAL_W1_X 0.175f /**< [m] pivot, forward of P */
 #define TEXTBOOK_OMNIDIRECTIONAL_W1_Y 0.3031089f /**< [m] pivot, to the left of P */
@@ -76,7 +76,8 @@ enum textbook_omnidirectional_joint {
     TEXTBOOK_OMNIDIRECTIONAL_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum textbook_omnidirectional_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum textbook_omnidirectional_joint, for loops over all;
+ * to the first for other numbers. */
 float *textbook_omnidirectional_joint(textbook_omnidirectional_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_b917f5ab7f539c74)
-#error "textbook_omnidirectional_checked.c and textbook_omnidirectional.h were not generated together: copy both"
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0757fb3d504844ae)
+#error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

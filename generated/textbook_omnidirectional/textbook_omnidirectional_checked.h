@@ -21,8 +21,8 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_b917f5ab7f539c74)
-#error "textbook_omnidirectional_checked.h and textbook_omnidirectional.h were not generated together: copy both"
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0757fb3d504844ae)
+#error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_d26b1648c1cd0a8e)
-#error "textbook_tricycle.c and textbook_tricycle.h were not generated together: copy both"
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_ea7664a55585a30f)
+#error "this file and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"
@@ -238,7 +238,8 @@ void textbook_tricycle_inverse(
 {
     const float t0 = 9.090909f * twist->vx;
     const float t1 = 3.6363637f * twist->omega;
-    const wmrgen_wheel front = wmrgen_steer_along(twist->vx, 1.4f * twist->omega, wmrgen_clamp(now->front.steer, 1.3089969f), 1.0f);
+    const wmrgen_wheel front = wmrgen_steer_along(
+        twist->vx, 1.4f * twist->omega, wmrgen_clamp(now->front.steer, 1.3089969f), 1.0f);
     const float t2 = (1.6144296f < front.steer) ? (front.steer - 3.1415927f) : front.steer;
     const float t3 = (front.steer < (-1.6144296f)) ? (front.steer + 3.1415927f) : t2;
     const float front_target = wmrgen_clamp(t3, 1.3089969f);

@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_TRICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TRICYCLE_MODEL_HASH "e18d34e68b76b0fe2d4a32acae82d872" /**< digest of the model */
-#define TEXTBOOK_TRICYCLE_PAIR_d26b1648c1cd0a8e 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_TRICYCLE_PAIR_ea7664a55585a30f 1 /**< header and source of one run have the same */
 #define TEXTBOOK_TRICYCLE_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */
@@ -88,7 +88,8 @@ enum textbook_tricycle_joint {
     TEXTBOOK_TRICYCLE_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum textbook_tricycle_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum textbook_tricycle_joint, for loops over all;
+ * to the first for other numbers. */
 float *textbook_tricycle_joint(textbook_tricycle_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the

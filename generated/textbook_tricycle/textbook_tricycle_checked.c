@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_d26b1648c1cd0a8e)
-#error "textbook_tricycle_checked.c and textbook_tricycle.h were not generated together: copy both"
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_ea7664a55585a30f)
+#error "this file and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
@@ -67,7 +67,8 @@ textbook_tricycle_status textbook_tricycle_inverse_checked(
         out->rear_left.spin = 0.0f;
         out->rear_right.spin = 0.0f;
         out->front.spin = 0.0f;
-        out->front.steer = textbook_tricycle_between(textbook_tricycle_held(now->front.steer), -1.3089969f, 1.3089969f);
+        out->front.steer = textbook_tricycle_between(
+            textbook_tricycle_held(now->front.steer), -1.3089969f, 1.3089969f);
     }
     return status;
 }

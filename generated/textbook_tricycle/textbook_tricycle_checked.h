@@ -21,8 +21,8 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_d26b1648c1cd0a8e)
-#error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_ea7664a55585a30f)
+#error "this file and textbook_tricycle.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

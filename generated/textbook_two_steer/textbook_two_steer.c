@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_1f16d8a12e328e02)
-#error "textbook_two_steer.c and textbook_two_steer.h were not generated together: copy both"
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_dfa64dc2dae3f1c0)
+#error "this file and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"
@@ -213,7 +213,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 
 /* The members of textbook_two_steer_wheels lie as an array does. */
 typedef char textbook_two_steer_wheels_are_joints[
-    ((sizeof(textbook_two_steer_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_TWO_STEER_JOINTS) ? 1 : -1];
+    ((sizeof(textbook_two_steer_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_TWO_STEER_JOINTS)
+        ? 1
+        : -1];
 
 float *textbook_two_steer_joint(textbook_two_steer_wheels *wheels, int joint)
 {

@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_TWO_STEER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TWO_STEER_MODEL_HASH "64b62df9aa7fa179f979554211b580d3" /**< digest of the model */
-#define TEXTBOOK_TWO_STEER_PAIR_1f16d8a12e328e02 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_TWO_STEER_PAIR_dfa64dc2dae3f1c0 1 /**< header and source of one run have the same */
 #define TEXTBOOK_TWO_STEER_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_TWO_STEER_FRONT_X 0.3f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TWO_STEER_FRONT_Y 0.1f /**< [m] pivot, to the left of P */
@@ -82,7 +82,8 @@ enum textbook_two_steer_joint {
     TEXTBOOK_TWO_STEER_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum textbook_two_steer_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum textbook_two_steer_joint, for loops over all;
+ * to the first for other numbers. */
 float *textbook_two_steer_joint(textbook_two_steer_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the

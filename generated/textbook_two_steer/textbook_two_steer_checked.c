@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_1f16d8a12e328e02)
-#error "textbook_two_steer_checked.c and textbook_two_steer.h were not generated together: copy both"
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_dfa64dc2dae3f1c0)
+#error "this file and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

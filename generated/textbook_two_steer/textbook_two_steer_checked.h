@@ -21,8 +21,8 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_1f16d8a12e328e02)
-#error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_dfa64dc2dae3f1c0)
+#error "this file and textbook_two_steer.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

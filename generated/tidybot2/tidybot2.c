@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_14f2d42e5422e542)
-#error "tidybot2.c and tidybot2.h were not generated together: copy both"
+#if !defined(TIDYBOT2_PAIR_b55d694a14b6d783)
+#error "this file and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TIDYBOT2_PAIR_14f2d42e5422e542)
-#error "tidybot2_checked.c and tidybot2.h were not generated together: copy both"
+#if !defined(TIDYBOT2_PAIR_b55d694a14b6d783)
+#error "this file and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

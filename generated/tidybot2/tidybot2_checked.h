@@ -21,8 +21,8 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_14f2d42e5422e542)
-#error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
+#if !defined(TIDYBOT2_PAIR_b55d694a14b6d783)
+#error "this file and tidybot2.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

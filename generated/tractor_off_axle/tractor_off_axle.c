@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_e96004d33f120221)
-#error "tractor_off_axle.c and tractor_off_axle.h were not generated together: copy both"
+#if !defined(TRACTOR_OFF_AXLE_PAIR_8bf1eddb8ac790e7)
+#error "this file and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -30,7 +30,7 @@
 
 #define TRACTOR_OFF_AXLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TRACTOR_OFF_AXLE_MODEL_HASH "61d1cd223c6b8b213234efa23a92c98b" /**< digest of the model */
-#define TRACTOR_OFF_AXLE_PAIR_e96004d33f120221 1 /**< header and source that were written together have the same */
+#define TRACTOR_OFF_AXLE_PAIR_8bf1eddb8ac790e7 1 /**< header and source of one run have the same */
 #define TRACTOR_OFF_AXLE_WHEELS 3 /**< how many wheels the robot has */
 #define TRACTOR_OFF_AXLE_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TRACTOR_OFF_AXLE_LEFT_Y 0.27f /**< [m] pivot, to the left of P */
@@ -91,7 +91,8 @@ enum tractor_off_axle_joint {
     TRACTOR_OFF_AXLE_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum tractor_off_axle_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum tractor_off_axle_joint, for loops over all;
+ * to the first for other numbers. */
 float *tractor_off_axle_joint(tractor_off_axle_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_e96004d33f120221)
-#error "tractor_off_axle_checked.c and tractor_off_axle.h were not generated together: copy both"
+#if !defined(TRACTOR_OFF_AXLE_PAIR_8bf1eddb8ac790e7)
+#error "this file and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

@@ -21,8 +21,8 @@
 
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_e96004d33f120221)
-#error "tractor_off_axle_checked.h and tractor_off_axle.h were not generated together: copy both"
+#if !defined(TRACTOR_OFF_AXLE_PAIR_8bf1eddb8ac790e7)
+#error "this file and tractor_off_axle.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_4311782f1dd5d2fe)
-#error "turtlebot3_burger.c and turtlebot3_burger.h were not generated together: copy both"
+#if !defined(TURTLEBOT3_BURGER_PAIR_6d0e4b82c85bfcf9)
+#error "this file and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

@@ -29,7 +29,7 @@
 
 #define TURTLEBOT3_BURGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TURTLEBOT3_BURGER_MODEL_HASH "4d2a4c3382a2a55ebe43cb481ad4570c" /**< digest of the model */
-#define TURTLEBOT3_BURGER_PAIR_4311782f1dd5d2fe 1 /**< header and source that were written together have the same */
+#define TURTLEBOT3_BURGER_PAIR_6d0e4b82c85bfcf9 1 /**< header and source of one run have the same */
 #define TURTLEBOT3_BURGER_WHEELS 3 /**< how many wheels the robot has */
 #define TURTLEBOT3_BURGER_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TURTLEBOT3_BURGER_LEFT_Y 0.08f /**< [m] pivot, to the left of P */
@@ -77,7 +77,8 @@ enum turtlebot3_burger_joint {
     TURTLEBOT3_BURGER_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum turtlebot3_burger_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum turtlebot3_burger_joint, for loops over all;
+ * to the first for other numbers. */
 float *turtlebot3_burger_joint(turtlebot3_burger_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_4311782f1dd5d2fe)
-#error "turtlebot3_burger_checked.c and turtlebot3_burger.h were not generated together: copy both"
+#if !defined(TURTLEBOT3_BURGER_PAIR_6d0e4b82c85bfcf9)
+#error "this file and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

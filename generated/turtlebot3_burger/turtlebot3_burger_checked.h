@@ -21,8 +21,8 @@
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_4311782f1dd5d2fe)
-#error "turtlebot3_burger_checked.h and turtlebot3_burger.h were not generated together: copy both"
+#if !defined(TURTLEBOT3_BURGER_PAIR_6d0e4b82c85bfcf9)
+#error "this file and turtlebot3_burger.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(UNICYCLE_PAIR_3832c81fe5b55b32)
-#error "unicycle.c and unicycle.h were not generated together: copy both"
+#if !defined(UNICYCLE_PAIR_2e33535215ba4d86)
+#error "this file and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"

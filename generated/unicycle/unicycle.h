@@ -27,7 +27,7 @@
 
 #define UNICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define UNICYCLE_MODEL_HASH "6d50e76a8612f313b0b61ab7a1ecf839" /**< digest of the model */
-#define UNICYCLE_PAIR_3832c81fe5b55b32 1 /**< header and source that were written together have the same */
+#define UNICYCLE_PAIR_2e33535215ba4d86 1 /**< header and source of one run have the same */
 #define UNICYCLE_WHEELS 1 /**< how many wheels the robot has */
 #define UNICYCLE_WHEEL_X 0.0f /**< [m] pivot, forward of P */
 #define UNICYCLE_WHEEL_Y 0.0f /**< [m] pivot, to the left of P */
@@ -63,7 +63,8 @@ enum unicycle_joint {
     UNICYCLE_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum unicycle_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum unicycle_joint, for loops over all;
+ * to the first for other numbers. */
 float *unicycle_joint(unicycle_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(UNICYCLE_PAIR_3832c81fe5b55b32)
-#error "unicycle_checked.c and unicycle.h were not generated together: copy both"
+#if !defined(UNICYCLE_PAIR_2e33535215ba4d86)
+#error "this file and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

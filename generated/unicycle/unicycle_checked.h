@@ -21,8 +21,8 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_3832c81fe5b55b32)
-#error "unicycle_checked.h and unicycle.h were not generated together: copy both"
+#if !defined(UNICYCLE_PAIR_2e33535215ba4d86)
+#error "this file and unicycle.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -32,7 +32,7 @@
 
 #define WPILIB_SWERVEBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define WPILIB_SWERVEBOT_MODEL_HASH "0c1b0ac77bb03104efde90fa889954de" /**< digest of the model */
-#define WPILIB_SWERVEBOT_PAIR_8cbe21ec3dab8b90 1 /**< header and source that were written together have the same */
+#define WPILIB_SWERVEBOT_PAIR_d33cfb39c292587c 1 /**< header and source of one run have the same */
 #define WPILIB_SWERVEBOT_WHEELS 4 /**< how many wheels the robot has */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_X 0.381f /**< [m] pivot, forward of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_Y 0.381f /**< [m] pivot, to the left of P */
@@ -179,7 +179,8 @@ enum wpilib_swervebot_joint {
     WPILIB_SWERVEBOT_JOINTS /**< how many they are */
 };
 
-/** Points to a joint by its number in enum wpilib_swervebot_joint, for loops over all; to the first for other numbers. */
+/** Points to a joint by its number in enum wpilib_swervebot_joint, for loops over all;
+ * to the first for other numbers. */
 float *wpilib_swervebot_joint(wpilib_swervebot_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the

@@ -10,8 +10,8 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_8cbe21ec3dab8b90)
-#error "wpilib_swervebot_checked.c and wpilib_swervebot.h were not generated together: copy both"
+#if !defined(WPILIB_SWERVEBOT_PAIR_d33cfb39c292587c)
+#error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"

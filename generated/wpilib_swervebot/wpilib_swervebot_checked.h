@@ -21,8 +21,8 @@
 
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_8cbe21ec3dab8b90)
-#error "wpilib_swervebot_checked.h and wpilib_swervebot.h were not generated together: copy both"
+#if !defined(WPILIB_SWERVEBOT_PAIR_d33cfb39c292587c)
+#error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 
 #ifdef __cplusplus

@@ -84,7 +84,7 @@ def test_what_a_kernel_gives_for_one_wheel_is_called_as_the_wheel() -> None:
         sources(of_gallery(name).c_module)[1] for name in ("agilex_ranger", "wpilib_swervebot")
     )
     steered = re.findall(
-        r"const wmrgen_wheel (\w+) = wmrgen_steer_along\(.*wmrgen_clamp\(now->(\w+)", limited
+        r"const wmrgen_wheel (\w+) = wmrgen_steer_along\([^;]*wmrgen_clamp\(now->(\w+)", limited
     )
     assert len(steered) >= 4 and all(name == wheel for name, wheel in steered)
     body = swinging.partition("_compensate_steering(")[2].partition("\n}")[0]
@@ -125,11 +125,12 @@ wheels:
 
 @pytest.mark.parametrize("text", ["pioneer3dx", "kuka_youbot", CALIBRATED])
 def test_what_is_said_of_prepared_numbers_is_true(text: str) -> None:
-    """The formulas in the header, at calibrated parameters; of long ones and of sines nothing is said."""
+    """The formulas in the header, at calibrated parameters; of long ones and of sines, their factors."""
     d = of_text(text) if "\n" in text else of_gallery(text)
     header, prepare = sources(d.c_module)[0], d.c_module.prepare
     said = re.findall(r"float (k\d+); +/\*\*< (.*?) \*/", header)
-    formulas = [(name, formula) for name, formula in said if formula != "of the parameters alone"]
+    used = re.compile(r"(?:factor of -?(\S+(?: [+-] \S+)?) )?for (.*) in (\w+)")
+    formulas = [(name, formula) for name, formula in said if not used.fullmatch(formula)]
     assert prepare and len(formulas) >= 2 and len(said) == len(prepare.outputs)
     for share in (1.0, 0.9):
         values = {p.name: share * float(p.default or 0) for p in prepare.inputs}
@@ -137,3 +138,9 @@ def test_what_is_said_of_prepared_numbers_is_true(text: str) -> None:
         for name, formula in formulas:
             assert not re.search(r"[^\w .*/+()-]", formula)
             assert eval(formula, {}, values) == pytest.approx(results[name], rel=1e-5)  # of a header of ours
+    for name, (factor, outputs, function) in ((k, m.groups()) for k, s in said if (m := used.fullmatch(s))):
+        assert factor or function == "forward_slip"
+        whole = next(f for f in d.c_module.functions if f.name == function)
+        one = {p.name: results.get(p.name, float(p.name == factor)) for p in whole.inputs}
+        for output in outputs.split(", ") if factor else ():
+            assert abs(evaluate(whole, one, FLOAT64)[output]) == pytest.approx(abs(results[name]), rel=1e-9)

@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.backends.modules import MODULES, empty, mecanum, tunable
-from tests.conftest import GALLERY
+from tests.conftest import GALLERY, ROOT
 from tests.ir.defined import findings
 from tests.robots import of_gallery
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.text import block_comment, comment_text, literal, struct
+from wmrgen.backends.c99.text import block_comment, comment_text, folded, literal, struct
 from wmrgen.backends.registry import Facts
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import SQRT2, Exact
@@ -232,3 +232,25 @@ def test_pairs_differ() -> None:
     header, source = sources(mecanum())
     assert pair(header) == pair(source)
     assert pair(header) != pair(sources(mecanum(), Choice(scalar="double"))[0])
+
+
+def test_no_line_is_longer_than_a_reader_wants() -> None:
+    """Of every robot and the textbook, with a comment on what stands before or behind it; the same text else."""
+    choice = "(fabsf(first_direction) < 2e-20f) ? wmrgen_clamp(now->front.steer, 0.69f) : wmrgen_atan(x);"
+    long = f"    const float t3 = {choice}"
+    assert folded(long).splitlines() == [
+        "    const float t3 = (fabsf(first_direction) < 2e-20f)",
+        "        ? wmrgen_clamp(now->front.steer, 0.69f)",
+        "        : wmrgen_atan(x);",
+    ]
+    noted = f"    const float t = {'a' * 60};"
+    assert folded(f"{noted} /* {'b' * 40} */") == f"    /* {'b' * 40} */\n{noted}\n"
+    assert folded(f"    {'A' * 60}, /**< {'b' * 60} */") == f"    {'A' * 60},\n        /**< {'b' * 60} */\n"
+    call = f"    f({', '.join(f'argument_{k}' for k in range(30))});"
+    sums = f"    const float a = {' + '.join(f'(in->front.spin * {k}.25f)' for k in range(9))};"
+    for statement in (long, call, sums):
+        lines = folded(statement).splitlines()
+        assert len(lines) <= 6 and max(map(len, lines)) <= 110
+        assert "".join(" ".join(lines).split()) == "".join(statement.split())
+    for path in (ROOT / "generated").glob("**/*.[ch]"):
+        assert max(map(len, path.read_text(encoding="ascii").splitlines())) <= 110, path

@@ -22,7 +22,7 @@ from tests.drawing.common import (
     points,
     robot,
 )
-from tests.robots import ROBOTS, of_gallery
+from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen.backends.drawing.reach import simplified
 from wmrgen.layout.records import Wheel
 from wmrgen.robot import Derivation
@@ -89,6 +89,12 @@ def swept_by(w: Wheel) -> set[float]:
 
 
 # ---- singular configurations
+
+
+def test_of_several_wheels_of_a_type_the_one_that_shows_most_is_drawn() -> None:
+    wheel = "{{name: {0}, type: castor, x: 0.2, y: {1}, heading: 0, d: 0.04, r: 0.05{2}}}"
+    first, second = wheel.format("plain", 0.1, ""), wheel.format("shifted", -0.1, ", offset_y: 0.02")
+    assert set(symbols(of_text(f"wmrgen: 1\nname: sample\nwheels: [{first}, {second}]\n"))) == {"shifted"}
 
 
 def test_who_has_singular_configurations_to_draw() -> None:

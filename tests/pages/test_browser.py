@@ -64,7 +64,8 @@ def test_reports_are_a_few_screens_long(
 
 
 def test_texts_formulas_and_figures(reports: list[Report], tmp_path: Path) -> None:
-    """On one page: no console error, every formula typeset, no text outside its figure, nothing wider than the page."""
+    """On one page of 900 px: no console error, every formula typeset and shown whole, no text outside its figure,
+    nothing wider than the page."""
     script = """
     for (const folded of document.querySelectorAll("details")) folded.open = true;
     const figures = [...document.querySelectorAll(".figure > svg")];
@@ -84,10 +85,12 @@ def test_texts_formulas_and_figures(reports: list[Report], tmp_path: Path) -> No
       formulas: document.querySelectorAll(".math").length,
       typeset: document.querySelectorAll(".math > .katex-display").length,
       wrong: [...document.querySelectorAll(".katex-error")].map((e) => e.title),
+      cut: [...document.querySelectorAll(".math, .wide")]
+        .filter((e) => e.scrollWidth > e.clientWidth).map((e) => e.textContent),
       overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
     };"""
-    result, console = seen(page(reports), script, tmp_path)
-    assert console == []
+    result, console = seen(page(reports), script, tmp_path, (900, 900))
+    assert console == [] and result["cut"] == []
     assert result["figures"] >= len(GALLERY) and result["outside"] == []
     assert result["formulas"] == result["typeset"] > 600 and result["wrong"] == []
     assert result["overflow"] <= 0

@@ -20,7 +20,6 @@ from wmrgen.ir.ops import Conditional, Op
 
 _LONGEST = 44  # characters of an expression printed in place
 _LONGEST_ARM = 56  # the same where it is computed only if it is chosen
-_LONGEST_LINE = 110  # characters of a statement with its note; else the note stands above it
 _CHOICE, _SUM, _PRODUCT, _UNARY, _ATOM = range(5)
 _BINDING = {"+": _SUM, "-": _SUM, "*": _PRODUCT, "/": _PRODUCT}
 
@@ -121,7 +120,7 @@ def _uses(function: Function, style: Style) -> list[int]:
 
 
 def written_out(function: Function, longest: int) -> tuple[str, ...]:
-    """Each result as one sum or product of the inputs, for readers: without what keeps divisors off zero. "" for what
+    """Each node as one sum or product of the inputs, for readers: without what keeps divisors off zero. "" for what
     is longer and for what is none."""
     style = Style(lambda value: f"{float(value):.6g}", lambda _: "", "", "")
     texts: list[_Text | None] = []
@@ -136,7 +135,7 @@ def written_out(function: Function, longest: int) -> tuple[str, ...]:
         elif len(args) == len(node.args) and node.op.infix:
             text = _quotient(node, args) or _expression(node, args, style)
         texts.append(text if text and len(text.text) <= longest else None)
-    return tuple(text.text if (text := texts[r]) else "" for r in function.results)
+    return tuple(text.text if text else "" for text in texts)
 
 
 def _quotient(node: Node, args: list[_Text]) -> _Text | None:
@@ -225,11 +224,7 @@ class _Printer(NamedTuple):
     def _named(self, index: int, text: str, kind: str) -> str:
         name, note = self.names.get(index) or self._temporary(), self.notes.get(index)
         statement = self.style.declare.format(name, text, kind)
-        if note and len(statement) + len(note) > _LONGEST_LINE:
-            self.statements.append(note)
-        elif note:
-            statement += f" {note}"
-        self.statements.append(statement)
+        self.statements.append(f"{statement} {note}" if note else statement)
         return name
 
     def _temporary(self) -> str:
@@ -274,8 +269,8 @@ def body(
 ) -> Body:
     """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name.
 
-    ``notes``: node -> finished comment, printed behind the statement that names the node, or above it. ``kernels``:
-    what may be called, by name. ``apart``: nodes that have a statement of their own, also where they are needed once.
+    ``notes``: node -> finished comment, printed behind the statement that names the node. ``kernels``: what may be
+    called, by name. ``apart``: nodes that have a statement of their own, also where they are needed once.
     ``reserved``: names that none of its own may have.
     """
     names = _names(function, style, reserved)

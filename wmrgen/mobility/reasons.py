@@ -199,7 +199,7 @@ def verdict(at: Configuration) -> str:
     elif at.rank_fixed.value > 1:
         why = "its fixed axles are not one line, which leaves a single motion"
     else:
-        why = "couplings or parallel steering leave fewer degrees of freedom than any useful robot has"
+        why = "one motion is left that no steering changes: delta_M = 1, and each of the five has 2 or 3"
     text = f"Degenerate: ({at.mobility}, {at.steerability}) is none of Campion's five types, because {why}."
     missed = (near for near in at.robot.near if not near.moves)
     misses = (f"{_sentence(near.sentence(at.robot.tolerance))} {near.remedies}" for near in missed)

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ACKERMANN_CAR_PAIR_d779b6611cf8f1ff)
-#error "ackermann_car_selftest.c and ackermann_car.h were not generated together: copy both"
+#if !defined(ACKERMANN_CAR_PAIR_9503395fb0a90e57)
+#error "this file and ackermann_car.h were not generated together: copy both"
 #endif
 
 int ackermann_car_selftest(void);

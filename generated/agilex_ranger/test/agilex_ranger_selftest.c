@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(AGILEX_RANGER_PAIR_21e1543140a588a6)
-#error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
+#if !defined(AGILEX_RANGER_PAIR_c221aa4f3639fe98)
+#error "this file and agilex_ranger.h were not generated together: copy both"
 #endif
 
 int agilex_ranger_selftest(void);

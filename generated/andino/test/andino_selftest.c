@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ANDINO_PAIR_86563d80bac3cd6c)
-#error "andino_selftest.c and andino.h were not generated together: copy both"
+#if !defined(ANDINO_PAIR_5ec90c92ca1d674b)
+#error "this file and andino.h were not generated together: copy both"
 #endif
 
 int andino_selftest(void);

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(BICYCLE_PAIR_be3dec09e1d9bc44)
-#error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
+#if !defined(BICYCLE_PAIR_74b0a35be6021f68)
+#error "this file and bicycle.h were not generated together: copy both"
 #endif
 
 int bicycle_selftest(void);

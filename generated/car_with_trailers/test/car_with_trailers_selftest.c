@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_16b85f2539bc2f9a)
-#error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
+#if !defined(CAR_WITH_TRAILERS_PAIR_8336de83fd8c7524)
+#error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 
 int car_with_trailers_selftest(void);

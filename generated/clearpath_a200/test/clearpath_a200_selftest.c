@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_A200_PAIR_dc69ca703b3f6381)
-#error "clearpath_a200_selftest.c and clearpath_a200.h were not generated together: copy both"
+#if !defined(CLEARPATH_A200_PAIR_7ed8a586b24cc30c)
+#error "this file and clearpath_a200.h were not generated together: copy both"
 #endif
 
 int clearpath_a200_selftest(void);

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_DO100_PAIR_7262b407541774e1)
-#error "clearpath_do100_selftest.c and clearpath_do100.h were not generated together: copy both"
+#if !defined(CLEARPATH_DO100_PAIR_78a351ec62b6e4fd)
+#error "this file and clearpath_do100.h were not generated together: copy both"
 #endif
 
 int clearpath_do100_selftest(void);

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_R100_PAIR_46e2179dccbaba2a)
-#error "clearpath_r100_selftest.c and clearpath_r100.h were not generated together: copy both"
+#if !defined(CLEARPATH_R100_PAIR_d6d6b6b090f9bc74)
+#error "this file and clearpath_r100.h were not generated together: copy both"
 #endif
 
 int clearpath_r100_selftest(void);

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_33b7f30c44c3a09b)
-#error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
+#if !defined(F1TENTH_PAIR_143b2e7e0bf91653)
+#error "this file and f1tenth.h were not generated together: copy both"
 #endif
 
 int f1tenth_selftest(void);

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(FESTO_ROBOTINO_PAIR_9a8fd87455ee196b)
-#error "festo_robotino_selftest.c and festo_robotino.h were not generated together: copy both"
+#if !defined(FESTO_ROBOTINO_PAIR_615156441a4988ab)
+#error "this file and festo_robotino.h were not generated together: copy both"
 #endif
 
 int festo_robotino_selftest(void);

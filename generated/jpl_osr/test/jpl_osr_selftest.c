@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(JPL_OSR_PAIR_accee10b823afb27)
-#error "jpl_osr_selftest.c and jpl_osr.h were not generated together: copy both"
+#if !defined(JPL_OSR_PAIR_38a150cb82f7572a)
+#error "this file and jpl_osr.h were not generated together: copy both"
 #endif
 
 int jpl_osr_selftest(void);

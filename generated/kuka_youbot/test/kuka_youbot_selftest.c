@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KUKA_YOUBOT_PAIR_26198d03583d7623)
-#error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
+#if !defined(KUKA_YOUBOT_PAIR_7592a4b490f08641)
+#error "this file and kuka_youbot.h were not generated together: copy both"
 #endif
 
 int kuka_youbot_selftest(void);

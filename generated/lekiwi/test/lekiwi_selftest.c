@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LEKIWI_PAIR_7d2974660ec1edb2)
-#error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
+#if !defined(LEKIWI_PAIR_b8d9a2915ddb0043)
+#error "this file and lekiwi.h were not generated together: copy both"
 #endif
 
 int lekiwi_selftest(void);

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LOCKED_BICYCLE_PAIR_e2e288a810b8c4bb)
-#error "locked_bicycle_selftest.c and locked_bicycle.h were not generated together: copy both"
+#if !defined(LOCKED_BICYCLE_PAIR_9669788a2d1a77d0)
+#error "this file and locked_bicycle.h were not generated together: copy both"
 #endif
 
 int locked_bicycle_selftest(void);

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(MIR_100_PAIR_8aa52f4d27f8d0f9)
-#error "mir_100_selftest.c and mir_100.h were not generated together: copy both"
+#if !defined(MIR_100_PAIR_0d999091e61a7205)
+#error "this file and mir_100.h were not generated together: copy both"
 #endif
 
 int mir_100_selftest(void);

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEOBOTIX_MP_400_PAIR_cbd486dbde7cbbe3)
-#error "neobotix_mp_400_selftest.c and neobotix_mp_400.h were not generated together: copy both"
+#if !defined(NEOBOTIX_MP_400_PAIR_f3a165e3d3019668)
+#error "this file and neobotix_mp_400.h were not generated together: copy both"
 #endif
 
 int neobotix_mp_400_selftest(void);

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEXUS_4WD_PAIR_7e332e303011f370)
-#error "nexus_4wd_selftest.c and nexus_4wd.h were not generated together: copy both"
+#if !defined(NEXUS_4WD_PAIR_9f1bcd7d9820b9dc)
+#error "this file and nexus_4wd.h were not generated together: copy both"
 #endif
 
 int nexus_4wd_selftest(void);

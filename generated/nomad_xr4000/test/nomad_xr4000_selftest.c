@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NOMAD_XR4000_PAIR_4cfb53bc31afe444)
-#error "nomad_xr4000_selftest.c and nomad_xr4000.h were not generated together: copy both"
+#if !defined(NOMAD_XR4000_PAIR_c7c3f11d07e478ed)
+#error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 
 int nomad_xr4000_selftest(void);

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(OFFICE_CHAIR_PAIR_5ca68367f05f03e7)
-#error "office_chair_selftest.c and office_chair.h were not generated together: copy both"
+#if !defined(OFFICE_CHAIR_PAIR_d5de759651c2c5c6)
+#error "this file and office_chair.h were not generated together: copy both"
 #endif
 
 int office_chair_selftest(void);

@@ -40,8 +40,10 @@ static int32_t counted(const float counts, float *part)
 static void hardware(void)
 {
     counters_before = counters;
-    counters.left.spin = (uint16_t)(counters.left.spin + (uint16_t)counted(dt * commands.left.spin * 12191.2686f, &rest.left.spin));
-    counters.right.spin = (uint16_t)(counters.right.spin + (uint16_t)counted(dt * commands.right.spin * 12191.2686f, &rest.right.spin));
+    counters.left.spin = (uint16_t)(
+        counters.left.spin + (uint16_t)counted(dt * commands.left.spin * 12191.2686f, &rest.left.spin));
+    counters.right.spin = (uint16_t)(
+        counters.right.spin + (uint16_t)counted(dt * commands.right.spin * 12191.2686f, &rest.right.spin));
 }
 
 static void step(void)

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PIONEER3DX_PAIR_f60847fc72f823b5)
-#error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
+#if !defined(PIONEER3DX_PAIR_b8bf9b8d0bdae5be)
+#error "this file and pioneer3dx.h were not generated together: copy both"
 #endif
 
 int pioneer3dx_selftest(void);

@@ -23,8 +23,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PR2_PAIR_c2f89f3738e33072)
-#error "pr2_selftest.c and pr2.h were not generated together: copy both"
+#if !defined(PR2_PAIR_cebf143a81faeae2)
+#error "this file and pr2.h were not generated together: copy both"
 #endif
 
 int pr2_selftest(void);

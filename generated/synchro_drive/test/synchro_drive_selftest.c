@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SYNCHRO_DRIVE_PAIR_0b52255301ff0a04)
-#error "synchro_drive_selftest.c and synchro_drive.h were not generated together: copy both"
+#if !defined(SYNCHRO_DRIVE_PAIR_daae92d35f7e4e63)
+#error "this file and synchro_drive.h were not generated together: copy both"
 #endif
 
 int synchro_drive_selftest(void);

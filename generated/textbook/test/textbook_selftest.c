@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_PAIR_d208a58b6c3d65e4)
-#error "textbook_selftest.c and textbook.h were not generated together: copy both"
+#if !defined(TEXTBOOK_PAIR_68c11b4eebb29003)
+#error "this file and textbook.h were not generated together: copy both"
 #endif
 
 int textbook_selftest(void);
@@ -7220,7 +7220,9 @@ int textbook_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < (sizeof(moving_frame_acceleration_rows) / sizeof(moving_frame_acceleration_rows[0])); ++k) {
+    for (
+        k = 0U; k < (
+        sizeof(moving_frame_acceleration_rows) / sizeof(moving_frame_acceleration_rows[0])); ++k) {
         ++number;
         fetch(row, moving_frame_acceleration_rows[k], 42U);
         if ((failed == 0) && (moving_frame_acceleration_misses(row) != 0)) {
@@ -7262,14 +7264,19 @@ int textbook_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < (sizeof(articulated_wheel_velocity_rows) / sizeof(articulated_wheel_velocity_rows[0])); ++k) {
+    for (
+        k = 0U; k < (
+        sizeof(articulated_wheel_velocity_rows) / sizeof(articulated_wheel_velocity_rows[0])); ++k) {
         ++number;
         fetch(row, articulated_wheel_velocity_rows[k], 33U);
         if ((failed == 0) && (articulated_wheel_velocity_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < (sizeof(articulated_wheel_acceleration_rows) / sizeof(articulated_wheel_acceleration_rows[0])); ++k) {
+    for (
+        k = 0U; k < (
+        sizeof(articulated_wheel_acceleration_rows)
+        / sizeof(articulated_wheel_acceleration_rows[0])); ++k) {
         ++number;
         fetch(row, articulated_wheel_acceleration_rows[k], 45U);
         if ((failed == 0) && (articulated_wheel_acceleration_misses(row) != 0)) {

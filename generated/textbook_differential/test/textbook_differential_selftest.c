@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_58ed0bd7ee771a4a)
-#error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_0ca10712586cce5f)
+#error "this file and textbook_differential.h were not generated together: copy both"
 #endif
 
 int textbook_differential_selftest(void);

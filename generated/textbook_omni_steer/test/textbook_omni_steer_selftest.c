@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_8cb9279bafd4a417)
-#error "textbook_omni_steer_selftest.c and textbook_omni_steer.h were not generated together: copy both"
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_a3e09c8769b65499)
+#error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 
 int textbook_omni_steer_selftest(void);

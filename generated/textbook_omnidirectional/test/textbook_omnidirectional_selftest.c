@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_b917f5ab7f539c74)
-#error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0757fb3d504844ae)
+#error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 
 int textbook_omnidirectional_selftest(void);

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_d26b1648c1cd0a8e)
-#error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_ea7664a55585a30f)
+#error "this file and textbook_tricycle.h were not generated together: copy both"
 #endif
 
 int textbook_tricycle_selftest(void);

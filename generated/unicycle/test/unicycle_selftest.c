@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(UNICYCLE_PAIR_3832c81fe5b55b32)
-#error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
+#if !defined(UNICYCLE_PAIR_2e33535215ba4d86)
+#error "this file and unicycle.h were not generated together: copy both"
 #endif
 
 int unicycle_selftest(void);

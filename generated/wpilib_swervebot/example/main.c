@@ -39,13 +39,21 @@ static int32_t counted(const float counts, float *part)
 static void hardware(void)
 {
     counters_before = counters;
-    counters.front_left.spin = (uint32_t)(counters.front_left.spin + (uint32_t)counted(dt * commands.front_left.spin * 651.898647f, &rest.front_left.spin));
+    counters.front_left.spin = (uint32_t)(
+        counters.front_left.spin
+        + (uint32_t)counted(dt * commands.front_left.spin * 651.898647f, &rest.front_left.spin));
     counters.front_left.steer = (uint32_t)(int32_t)(commands.front_left.steer * 651.898647f);
-    counters.front_right.spin = (uint32_t)(counters.front_right.spin + (uint32_t)counted(dt * commands.front_right.spin * 651.898647f, &rest.front_right.spin));
+    counters.front_right.spin = (uint32_t)(
+        counters.front_right.spin
+        + (uint32_t)counted(dt * commands.front_right.spin * 651.898647f, &rest.front_right.spin));
     counters.front_right.steer = (uint32_t)(int32_t)(commands.front_right.steer * 651.898647f);
-    counters.back_left.spin = (uint32_t)(counters.back_left.spin + (uint32_t)counted(dt * commands.back_left.spin * 651.898647f, &rest.back_left.spin));
+    counters.back_left.spin = (uint32_t)(
+        counters.back_left.spin
+        + (uint32_t)counted(dt * commands.back_left.spin * 651.898647f, &rest.back_left.spin));
     counters.back_left.steer = (uint32_t)(int32_t)(commands.back_left.steer * 651.898647f);
-    counters.back_right.spin = (uint32_t)(counters.back_right.spin + (uint32_t)counted(dt * commands.back_right.spin * 651.898647f, &rest.back_right.spin));
+    counters.back_right.spin = (uint32_t)(
+        counters.back_right.spin
+        + (uint32_t)counted(dt * commands.back_right.spin * 651.898647f, &rest.back_right.spin));
     counters.back_right.steer = (uint32_t)(int32_t)(commands.back_right.steer * 651.898647f);
 }
 

@@ -24,8 +24,8 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_8cbe21ec3dab8b90)
-#error "wpilib_swervebot_selftest.c and wpilib_swervebot.h were not generated together: copy both"
+#if !defined(WPILIB_SWERVEBOT_PAIR_d33cfb39c292587c)
+#error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 
 int wpilib_swervebot_selftest(void);

@@ -13,7 +13,7 @@ from wmrgen.backends.c99.example import example
 from wmrgen.backends.c99.functions import printed_kernels, shared_structs, steps_of
 from wmrgen.backends.c99.records import Unit
 from wmrgen.backends.c99.selftest import selftest
-from wmrgen.backends.c99.text import comment_lines, literal
+from wmrgen.backends.c99.text import comment_lines, folded, literal
 from wmrgen.backends.expression import expanded
 from wmrgen.backends.registry import Facts
 from wmrgen.backends.words import AVR_MACROS
@@ -57,7 +57,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     named |= {f"{TEST}/{module.name}{ending}": text for ending, text in apart.items()}
     if module.joints:
         named[EXAMPLE] = example(module, functions, common)
-    return {name: text.encode("ascii") for name, text in named.items()}
+    return {name: folded(text).encode("ascii") for name, text in named.items()}
 
 
 def sources(module: Module, choice: Choice = DEFAULT, facts: Facts = NO_FACTS) -> tuple[str, str]:
@@ -113,7 +113,7 @@ def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
     }
     # The digest of both files stands in both: any two that were not written together refuse to compile.
     common = _common(unit, facts, _NO_PAIR)
-    texts = [render(name, **common, **context) for name in ("c99/header.h.j2", "c99/source.c.j2")]
+    texts = [folded(render(name, **common, **context)) for name in ("c99/header.h.j2", "c99/source.c.j2")]
     pair = hashlib.sha256("".join(texts).replace(_NO_PAIR, "").encode()).hexdigest()[:16]
     header, source = (text.replace(_NO_PAIR, pair) for text in texts)
     return header, source, pair

@@ -13,11 +13,12 @@ from wmrgen.backends.c99.text import Struct, block_comment, literal, prototype, 
 from wmrgen.backends.expression import Body, Results, Style, body, results_of, written_out
 from wmrgen.interface import IN, OUT, Argument, arguments, members
 from wmrgen.ir.calls import called
-from wmrgen.ir.nodes import Cost, Function, Module, Op, Role, pruned
+from wmrgen.ir.nodes import Cost, Function, Module, Op, Role, places, pruned
 
 _SHORT = 12  # statements: so few are repeated, not called
 _NOTE = 60  # characters of a comment behind a statement
 _FORMULA = 60  # characters of what a prepared number is
+_MANY = 4  # outputs that are listed
 _PLACE = re.compile(r"[\w.]+(?:->[\w.]+)*")  # a variable or a member
 
 
@@ -32,8 +33,9 @@ def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tu
         advice += f" {robot}_prepare_checked() refuses parameters that are far from nominal."
     prepare = replace(prepare, text=f"{_sentence(prepare.text)} {advice}" if prepare.text else advice)
     note = f"What {robot}_prepare() works out once from the parameters; the steps only read it."
-    formulas = zip(prepare.outputs, written_out(prepare, _FORMULA), strict=True)
-    outputs = tuple(replace(p, text=p.text or text or "of the parameters alone") for p, text in formulas)
+    texts, used = written_out(prepare, _FORMULA), _used(module)
+    formulas = zip(prepare.outputs, prepare.results, strict=True)
+    outputs = tuple(replace(p, text=p.text or texts[r] or used.get(p.name, "")) for p, r in formulas)
     prepared = struct(f"{robot}_prepared", outputs, scalar, note)
     if not prepare.inputs:
         return (
@@ -53,6 +55,27 @@ def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tu
     )
     parameters = (Parameter("params", params.name, params.members, {}), _filled("prepared", prepared))
     return nominal, _step(prepare, f"{robot}_prepare", parameters, (prepared,), scalar, cost)
+
+
+def _used(module: Module) -> dict[str, str]:
+    """Of each prepared number what the first function that reads it multiplies with it, and for which outputs."""
+    used: dict[str, str] = {}
+    for function in map(pruned, module.functions):
+        nodes, texts = function.nodes, written_out(function, _FORMULA)
+        needs = [
+            (p.name, places(nodes, [r])) for p, r in zip(function.outputs, function.results, strict=True)
+        ]
+        products = [node.args[:2] for node in nodes if node.op in (Op.MUL, Op.FMA)]
+        for k, node in enumerate(nodes):
+            if node.op is Op.INPUT and node.name:
+                factors = {texts[a] for pair in products if k in pair for a in pair if a != k}
+                one = factors.pop() if len(factors) == 1 else ""
+                names = [name for name, needed in needs if k in needed]
+                for_what = (
+                    f"for {', '.join(names[:_MANY])}{', ...' * (len(names) > _MANY)} in {function.name}"
+                )
+                used.setdefault(node.name, f"factor of {one} {for_what}" if one else for_what)
+    return used
 
 
 def _filled(name: str, struct: Struct) -> Parameter:

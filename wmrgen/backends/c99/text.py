@@ -12,13 +12,15 @@ from collections.abc import Collection, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
+from itertools import accumulate, pairwise
 from typing import NamedTuple
 
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Port
 from wmrgen.ir.rounding import constant, nearest_float32, to_float32
 
-WIDTH = 100  # columns of generated C
+WIDTH = 100  # columns of comments, structs and prototypes
+STATEMENT = 110  # columns of a statement
 NO_TYPES: Mapping[str, str] = {}
 
 
@@ -94,6 +96,64 @@ def literal(value: Exact, scalar: str) -> str:
         text += ".0"
     text += "f" if scalar == "float" else ""
     return f"({text})" if text.startswith("-") else text
+
+
+_INDENT = "    "
+_SEPARATORS = ((" ? ", " : "), (", ",), (" && ", " || "), (" + ", " - "), (" * ", " / "))
+_BEHIND = {", ", " && ", " || "}  # these end a line, the others begin one
+
+
+def folded(text: str) -> str:
+    """``text`` of C with longer statements on several lines, a comment behind one above it."""
+    return "".join(f"{line}\n" for long in text.splitlines() for line in _folded(long))
+
+
+def _folded(line: str) -> list[str]:
+    bare = line.lstrip()
+    indent = line[: len(line) - len(bare)]
+    if len(line) <= STATEMENT or bare[:1] in ("#", "/", "*") or '"' in line:
+        return [line]
+    code, mark, note = line.partition(" /*")
+    if mark:
+        lines = _folded(code.rstrip())
+        # Doxygen looks for what a comment is about before it.
+        return [*lines, f"{indent}{_INDENT}/*{note}"] if note[:2] == "*<" else [f"{indent}/*{note}", *lines]
+    first, *rest = _pieces(bare, STATEMENT - len(indent))
+    return [indent + first, *(line for piece in rest for line in _folded(indent + _INDENT + piece))]
+
+
+def _pieces(code: str, room: int) -> list[str]:
+    """``code`` parted where it binds least, outside brackets: a choice at its arms, sums and arguments where a line is
+    full. Else within its longest brackets."""
+    depths = list(accumulate((char in "([") - (char in ")]") for char in code))
+    for separators in _SEPARATORS:
+        cuts = [
+            k + (len(mark) if mark in _BEHIND else 1)
+            for mark in separators
+            for k in range(len(code))
+            if not depths[k] and code.startswith(mark, k)
+        ]
+        parts = [code[a:b].strip() for a, b in pairwise([0, *sorted(cuts), len(code)])]
+        if len(parts) > 1:
+            return parts if separators[0] == " ? " else _filled_lines(parts, room)
+    opened = [k for k, char in enumerate(code) if char in "([" and depths[k] == 1]
+    ends = {k: next((j for j in range(k, len(code)) if not depths[j]), len(code)) for k in opened}
+    if not opened:
+        return [code]
+    inside = max(opened, key=lambda k: ends[k] - k) + 1
+    rest, left = code[inside:], room - len(_INDENT)
+    return [code[:inside], *([rest] if len(rest) <= left else _pieces(rest, left))]
+
+
+def _filled_lines(parts: Sequence[str], room: int) -> list[str]:
+    """As many parts on each line as it holds; further lines have their indent."""
+    lines = [parts[0]]
+    for part in parts[1:]:
+        if len(lines[-1]) + 1 + len(part) <= room - len(_INDENT) * (len(lines) > 1):
+            lines[-1] += f" {part}"
+        else:
+            lines.append(part)
+    return lines
 
 
 _Row = tuple[str, str, str]  # indent, declaration, comment

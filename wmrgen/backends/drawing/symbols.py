@@ -58,9 +58,8 @@ def drawn(file: str, alt: str, wheels: Sequence[Wheel], values: bool = True) -> 
 
 def _telling(w: Wheel) -> int:
     """How many of its quantities can be seen."""
-    return sum(
-        (w.l > 0, abs(sin(w.alpha)) > _FLAT, abs(remainder(w.beta, 2 * pi)) > _FLAT, abs(w.gamma) > _FLAT)
-    )
+    angles = abs(sin(w.alpha)), abs(remainder(w.beta, 2 * pi)), abs(w.gamma)
+    return sum((w.l > 0, *(angle > _FLAT for angle in angles), bool(w.nominal.d), bool(w.nominal.o)))
 
 
 def _values(w: Wheel) -> list[str]:

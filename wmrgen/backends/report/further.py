@@ -44,14 +44,12 @@ def _function(d: Derivation, f: Formula) -> list[str]:
     printer = Latex((p for p, _ in ports), mul_symbol=r" \, ")
 
     def shown(expr: Expr) -> str:
-        """A sum on several lines where it is long."""
+        """A sum, the greatest or the least of several on several lines where it is long."""
         expr = substituted(expr, names, memo)
-        if not expr.is_Add:
-            return str(printer.doprint(expr))
-        parts = [printer.summand(part) for part in expr.args]
-        if width("".join(parts)) > WIDE:
-            return wrapped([f"{part} " for part in parts]).strip()
-        return " ".join(parts).removeprefix("+ ")
+        text = str(printer.doprint(expr))
+        if width(text) <= WIDE:
+            return text
+        return wrapped([f"{part} " for part in printer.parts(expr)]).strip()
 
     intermediate = [f"{shown(symbol)} &= {shown(expr)}" for symbol, expr in steps]
     own = {p.name for p in f.inputs}

@@ -105,6 +105,29 @@ def test_equal_files(wmrgen_cli: Cli, tmp_path: Path) -> None:
     assert "LEFT_RADIUS" in edited.read_text().split("\n")[d["marks"][0]["line"] - 1]
 
 
+def test_what_one_file_alone_says_is_not_compared(wmrgen_cli: Cli, tmp_path: Path, parameters: Path) -> None:
+    """And another file's number stands for it: nothing is said of a motion that it would change."""
+    other, meshes, drawn = (tmp_path / name for name in ("radius.yaml", "meshes.urdf", "drawn.urdf"))
+    mesh = '<mesh filename="wheel.stl"/>'
+    other.write_text(f"{CONTROLLER}  wheel_radius: 0.12\n")
+    meshes.write_text(robot(wheel("left", "0 0.24 0.1", mesh), wheel("right", "0 -0.24 0.1", mesh)))
+    drawn.write_text(robot(wheel("left", "0 0.24 0.1"), wheel("right", "0 -0.24 0.1")))
+    source = "drive (diff_drive_controller/DiffDriveController)"
+    for files, words in (
+        ((parameters, other), f"track, which {other}: {source} does not say"),
+        ((other, parameters), f"wheel_separation 0.48 m, which {other}: {source} does not say"),
+        ((meshes, other), f"wheel_radius 0.12 m, which {meshes} does not say"),
+        ((PIONEER, other), f"track, which {other}: {source} does not say"),
+        ((drawn, meshes), f"radius of left, radius of right, which {meshes} does not say"),
+    ):
+        told = wmrgen_cli("compare", *files).out.splitlines()
+        assert told[0].endswith("equal in what both say" if PIONEER not in files else ":")
+        assert f"  not compared: {words}" in told
+        assert PIONEER in files or not any("turn:" in line for line in told)
+        (comparison,) = json.loads(wmrgen_cli("compare", *files, "--json").out)["comparisons"]
+        assert words in comparison["not_compared"]
+
+
 @pytest.mark.parametrize(
     ("files", "said"),
     [

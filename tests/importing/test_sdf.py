@@ -415,3 +415,8 @@ def test_of_a_world_that_model_is_read_in_which_something_turns(read: Import, tm
     world = f'<sdf version="1.7"><world name="w">{scene}<model name="bot">{PAIR}</model></world></sdf>'
     said = read(world)
     assert list(said["wheels"]) == ["left_joint", "right_joint"] and "not 'scene'" in said["notes"]
+    assert "the first in which a joint turns without end" in said["notes"]
+    rigid = re.sub('type="(continuous|revolute)"', 'type="fixed"', PAIR)
+    robots = "".join(f'<model name="{name}">{rigid}</model>' for name in ("bot", "other"))
+    notes = read(f'<sdf version="1.7"><world name="w">{robots}</world></sdf>')["notes"]
+    assert "only the model 'bot' is read, the first that has joints, of which none turns without end" in notes

@@ -37,13 +37,16 @@ def compare(
 
 
 def _lines(c: Comparison) -> Iterable[str]:
-    yield f"{c.a.source} -> {c.b.source}: {'' if c.differences else 'equal'}".rstrip()
+    equal = "equal in what both say" if c.unsaid else "equal"
+    yield f"{c.a.source} -> {c.b.source}: {'' if c.differences else equal}".rstrip()
     for d in c.differences:
         where = f"   {d.marks[0]}" if d.marks else ""
         yield f"  {d.code}  {d.words}{where}"
     for effect in c.effects:
         if effect.words:
             yield f"  {effect.motion + ':':<9} {effect.words}"
+    for words in c.unsaid:
+        yield f"  not compared: {words}"
     for note in c.notes:
         yield f"  note: {note}"
 
@@ -56,5 +59,6 @@ def _as_data(c: Comparison) -> dict[str, Any]:
         "equal": not differences,
         "differences": differences,
         "motion": {e.motion: {"ratio": e.ratio, "words": e.words} for e in c.effects},
+        "not_compared": list(c.unsaid),
         "notes": list(c.notes),
     }

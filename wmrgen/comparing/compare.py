@@ -10,7 +10,7 @@ from wmrgen.comparing.differences import ORDER, shown, with_layout
 from wmrgen.comparing.motion import Pairs, effects
 from wmrgen.comparing.parameters import standing, with_controller
 from wmrgen.comparing.quantities import as_driven, parts, roles
-from wmrgen.comparing.record import Comparison, Effect, Layout
+from wmrgen.comparing.record import Comparison, Effect, Layout, Silent
 from wmrgen.errors import Mark
 from wmrgen.lint.record import Finding, ignored
 from wmrgen.spec.names import role
@@ -22,14 +22,14 @@ _OPPOSITE = {"front": "rear", "rear": "front", "left": "right", "right": "left"}
 def compare(a: Layout, b: Layout) -> Comparison:
     """What differs from ``a`` to ``b``, and how a robot like ``a`` moves by commands that are computed from ``b``. A
     controller for ``a`` is a robot of its kind."""
-    a = standing(a)
+    a = standing(a, b.controller)
     if b.controller and a.effective_track:
         a = replace(a, wheels=as_driven(a.wheels, a.effective_track[0]))
     if b.controller:
-        differences, pairs, notes = with_controller(a, b.controller)
+        differences, pairs, notes, silent = with_controller(a, b.controller)
         notes += b.controller.notes
     else:
-        differences, pairs, notes = with_layout(a, b)
+        differences, pairs, notes, silent = with_layout(a, b)
         pairs = _turning(a, b, pairs)
     told = [d for d in differences if not any(d.code in ignored(mark) for mark in d.marks)]
     if len(told) < len(differences):
@@ -44,7 +44,15 @@ def compare(a: Layout, b: Layout) -> Comparison:
             notes += [f"wheels taken by number, not by name: {word}" for word in words]
     except _Unknown as why:
         notes.append(f"motion is not computed: {why}")
-    return Comparison(a, b, tuple(told), moved, tuple(notes))
+    return Comparison(a, b, tuple(told), moved, tuple(notes), _unsaid(a, b, silent))
+
+
+def _unsaid(a: Layout, b: Layout, silent: Silent) -> tuple[str, ...]:
+    """What one file alone says, in words."""
+    several = zip((a, b), silent, strict=True)
+    return tuple(
+        f"{', '.join(words)}, which {owner.source} does not say" for owner, words in several if words
+    )
 
 
 def _turning(a: Layout, b: Layout, pairs: Pairs) -> Pairs:

@@ -10,13 +10,14 @@ from dataclasses import replace
 from wmrgen.comparing.matching import matched
 from wmrgen.comparing.motion import Pairs
 from wmrgen.comparing.quantities import box, centre, forward, in_ring, lengths, parts, roles
-from wmrgen.comparing.record import JOINTS, SAME, Difference, Layout, Side, Tie
+from wmrgen.comparing.record import JOINTS, SAME, Difference, Layout, Side, Silent, Tie
 from wmrgen.errors import Mark
 from wmrgen.wheels import WHEEL_TYPES
 
 PLACE, SIGN, ROLLERS, ORDER, MISSING, KIND, OFFSET, COUPLED = (f"WMR{n:03}" for n in range(44, 52))
 CODES = {"track": "WMR040", "wheelbase": "WMR041", "radius": "WMR042", "sum": "WMR043", "ring": "WMR043"}
 CODES["offset"] = OFFSET
+_TOLD = {"r": "radius", "heading": "heading", "gamma": "gamma"}  # of wheels that a file may not say
 _TITLES = {"sum": "lx + ly", "ring": "distance from the centre", "offset": "offset along the axle"}
 
 
@@ -39,8 +40,9 @@ def length(
 # ---- another description, which has wheels
 
 
-def with_layout(a: Layout, b: Layout) -> tuple[list[Difference], Pairs, list[str]]:
-    """What two files that describe wheels say differently, the wheels that move the robot as both have them, notes."""
+def with_layout(a: Layout, b: Layout) -> tuple[list[Difference], Pairs, list[str], Silent]:
+    """What two files that describe wheels say differently, the wheels that move the robot as both have them, notes, and
+    what one of them alone says."""
     every, *alone = matched(a.wheels, b.wheels)
     notes: list[str] = []
     differences: list[Difference] = []
@@ -66,7 +68,21 @@ def with_layout(a: Layout, b: Layout) -> tuple[list[Difference], Pairs, list[str
         differences += order(
             a.wheels, [a.wheels.index(v) for v, _ in sorted(every, key=lambda p: b.wheels.index(p[1]))]
         )
-    return differences, pairs, notes
+    return differences, pairs, notes, _silent(pairs)
+
+
+def _silent(pairs: Pairs) -> Silent:
+    first, second = (
+        [
+            f"{_TOLD[key]} of {v.name}"
+            for v, w in one
+            if v.type == w.type
+            for key in _TOLD
+            if key in w.values.keys() - v.values.keys()
+        ]
+        for one in (pairs, [(w, v) for v, w in pairs])
+    )
+    return first, second
 
 
 def _marks(*wheels: Side, keys: Iterable[str] = ()) -> tuple[Mark, ...]:

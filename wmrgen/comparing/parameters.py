@@ -12,7 +12,7 @@ from wmrgen.comparing.differences import KIND, MISSING, PLACE, SIGN, length, ord
 from wmrgen.comparing.matching import bare
 from wmrgen.comparing.motion import Pairs
 from wmrgen.comparing.quantities import centre, forward, in_ring, lengths, mean, parts, roles
-from wmrgen.comparing.record import CONTROLLER, Difference, Layout, Side
+from wmrgen.comparing.record import CONTROLLER, Difference, Layout, Side, Silent
 from wmrgen.errors import Mark
 from wmrgen.importing.controllers import LENGTHS
 from wmrgen.importing.records import Controller, Named
@@ -41,16 +41,25 @@ _SHAPES: dict[str, dict[str, tuple[complex, ...]]] = {
 }
 
 
-def standing(layout: Layout) -> Layout:
-    """A controller as a robot of its kind, with its lengths."""
+def standing(layout: Layout, other: Controller | None = None) -> Layout:
+    """A controller as a robot of its kind, with its lengths, and those of the ``other`` that it does not say."""
     c = layout.controller
     if c is None:
         return layout
     kind = c.kind or ("swerve" if "wheelbase" in c.lengths else "differential")
     wheels = [_usual(kind, name, z) for name, points in _SHAPES[kind].items() for z in points]
-    moved = _moved(c, wheels, {key: worth(c, key, True) for key in c.lengths})
+    known = {**_missing(c, other), **{key: worth(c, key, True) for key in c.lengths}}
+    moved = _moved(c, wheels, known)
     wheels = [replace(w, values={**w.values, **m.values}) for w, m in zip(wheels, moved, strict=True)]
     return Layout(layout.file, CONTROLLER, tuple(wheels), controller=c, title=layout.title)
+
+
+def _missing(c: Controller, other: Controller | None) -> dict[str, float]:
+    """Lengths of another controller that one does not say: none of places where one says some and one a sum of them."""
+    said = other.lengths if other else {}
+    radii = {key for key in LENGTHS if key.endswith("radius")}
+    sums = {"sum", "ring"} & {*c.lengths, *said} if c.lengths.keys() - radii else set()
+    return {key: worth(other, key, True) for key in said if other and (not sums or key in radii)}
 
 
 def _usual(kind: str, type_: str, at: complex) -> Side:
@@ -63,17 +72,22 @@ def _usual(kind: str, type_: str, at: complex) -> Side:
     return Side((f"wheel at {at:.3g}",), type_, values)
 
 
-def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, list[str]]:
-    """What a controller says otherwise of a robot, the robot's wheels each as both have it, and notes."""
+def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, list[str], Silent]:
+    """What a controller says otherwise of a robot, the robot's wheels each as both have it, notes, and what one of them
+    alone says."""
     wheels = parts(a.wheels)
     if not wheels:
-        return [], [], []
+        return [], [], [], ([], [])
     kinds = [WHEEL_TYPES[w.type] for w in wheels]
     where, along = roles(wheels), forward(wheels)
     skids = all(k.fixed_axle for k in kinds) and any("front" in word for word in where)
     only = a.controller.lengths if a.controller else LENGTHS
     sizes = {key: value for key, value in lengths(wheels, where, along).items() if key in only}
     c = _as_meant(c, kinds, sizes.get("wheelbase", 0.0))
+    silent = (
+        [f"{s.key} {float(s.value):.6g} m" for key, s in c.lengths.items() if key not in sizes],
+        _needed(c, sizes),
+    )
     said = {key: worth(c, key, not skids) for key in c.lengths}
     differences: list[Difference] = []
     for key, value in list(said.items()):
@@ -96,7 +110,27 @@ def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, 
     if c.kind == "omni" and a.ordered:
         differences += order(wheels, [i for j in c.joints for i, w in enumerate(wheels) if _is(w, j.joint)])
     factors = [f"{f.key} {float(f.value):g}" for f in c.multipliers.values() if skids and f.value != 1]
-    return differences, pairs, [f"{factor} corrects for skidding, and does not count" for factor in factors]
+    return (
+        differences,
+        pairs,
+        [f"{factor} corrects for skidding, and does not count" for factor in factors],
+        silent,
+    )
+
+
+def _needed(c: Controller, sizes: Mapping[str, float]) -> list[str]:
+    """The lengths of a robot by which such a controller drives it, and which it does not say."""
+    track = "ring" if "ring" in sizes else "track"
+    needed = ["radius"] if c.kind in ("tricycle", "bicycle") else [track, "radius"]
+    if c.kind and c.kind not in ("differential", "omni"):
+        needed.append("wheelbase")
+    placed = {"sum", "ring"} & c.lengths.keys() or c.places
+    told = {key.rpartition("_")[2] for key in c.lengths} | (
+        {"track", "ring", "wheelbase"} if placed else set()
+    )
+    return [
+        key.replace("ring", "distance from the centre") for key in needed if key in sizes and key not in told
+    ]
 
 
 def worth(c: Controller, key: str, multiplied: bool) -> float:

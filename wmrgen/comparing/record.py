@@ -10,6 +10,7 @@ from wmrgen.importing.records import Controller
 from wmrgen.wheels import WHEEL_TYPES
 
 Value = float | str | tuple[float, float] | None
+Silent = tuple[list[str], list[str]]  # what the first file does not say, and the second, and the other does
 # Forms of files.
 ROBOT_FILE, DESCRIPTION, HEADER, CONTROLLER = "robot file", "description", "header", "controller"
 JOINTS = ("spin", "steer")  # which couplings join
@@ -107,10 +108,11 @@ class Effect:
 @dataclass(frozen=True, slots=True)
 class Comparison:
     """Without the differences that a comment says to ignore. ``effects``: of the motions that the robot can do, none
-    where too little is known."""
+    where too little is known. ``unsaid``: what one file alone says."""
 
     a: Layout
     b: Layout
     differences: tuple[Difference, ...]
     effects: tuple[Effect, ...]
     notes: tuple[str, ...]
+    unsaid: tuple[str, ...]

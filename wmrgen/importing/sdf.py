@@ -57,18 +57,19 @@ def describe(root: Element, file: str, include: Include) -> Description:
         hint = "Give the file that describes the robot."
         raise refuse(f"{file}: no model of it has a joint", why, hint, mark_of(root))
     described: Description | None = None
+    why = "the first that has joints, of which none turns without end in any"
     for model, said in robots:
         whole = _Reader(include).whole(model, said)
-        turning = any(joint.spins for joint in whole.joints)
-        described = whole if turning else described or whole
-        if turning:
+        described = described or whole
+        if any(joint.spins for joint in whole.joints):
+            described, why = whole, "the first in which a joint turns without end"
             break
     assert described is not None
     if len(robots) < 2:
         return described
     names = [model.get("name", "") for model, _ in robots]
     others = ", ".join(quoted(name) for name in names if name != described.name)
-    note = f"only the model {quoted(described.name)} is read, the first in which a joint turns without end"
+    note = f"only the model {quoted(described.name)} is read, {why}"
     return replace(described, notes=(*described.notes, f"{note}; not {others}"))
 
 

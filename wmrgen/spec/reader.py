@@ -73,7 +73,7 @@ class _Composer(Reader, Scanner, Parser):
         self._refuse(
             "'*' marks an alias",
             "Anchors and aliases are refused.",
-            "Use a parameter for a shared value; an expression cannot begin with '*'.",
+            "Write out what it stands for; a parameter says a shared value once.",
         )
 
     def fetch_tag(self) -> None:
@@ -246,11 +246,12 @@ class _Slipped(Exception):
 
 
 def _without(lines: tuple[Line, ...], mark: Mark) -> Line | None:
-    """The line of ``mark``, where an anchor or a tag stands, with blanks in its place; None where there is none."""
-    line = lines[mark.line - 1]
-    word = re.compile(r"[&!][^ ,\[\]{}]*").match(line.text, mark.column - 1) if not line.moved else None
-    blank = line.text[: word.start()] + " " * len(word[0]) + line.text[word.end() :] if word else ""
-    return line._replace(text=blank) if word else None
+    """The line of ``mark``, where an anchor or a tag stands, with blanks in its place, or an alias, as a word; None
+    where there is none."""
+    line, at = lines[mark.line - 1], mark.column - 1
+    word = re.compile(r"[&!][^ ,\[\]{}]*|\*").match(line.text, at) if not line.moved else None
+    blank = "_" if word and word[0] == "*" else " " * len(word[0]) if word else ""
+    return line._replace(text=line.text[:at] + blank + line.text[at + len(blank) :]) if word else None
 
 
 def _composed(lines: tuple[Line, ...], source: Source, several: Several, aliases: bool) -> Node | None:

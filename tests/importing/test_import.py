@@ -210,6 +210,19 @@ def test_the_middle_of_two_sides_is_the_wheels(read: Import) -> None:
     assert read(robot(one.replace(f"{plates}{own}", plates)))["wheels"]["left"]["y"] == pytest.approx(0.255)
 
 
+def test_joints_that_move_all_of_a_robot_stand_above_its_frame(read: Import) -> None:
+    """Simulators push robots about by two that slide and one that turns."""
+    slides = joint("sx", "world", "x", "0 0 0", "prismatic", "1 0 0") + joint(
+        "sy", "x", "y", "0 0 0", "prismatic"
+    )
+    turns = joint("yaw", "y", "platform", "0.3 0 0", axis="0 0 1")
+    links = "".join(map(link, ("world", "x", "y"))) + link("platform", cylinder("0.3"), rpy="0 0 0")
+    own = pair().replace("base_link", "platform")
+    said = read(f'<robot name="probe">{links}{slides}{turns}{own}</robot>')
+    assert said["base"] == "platform" and "taken at zero" not in said["notes"]
+    assert {(w["type"], w["x"]) for w in said["wheels"].values()} == {("fixed", 0.05)}
+
+
 def test_a_mesh_leaves_the_radius_open(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:
     foot = link("base_footprint") + joint("foot", "base_footprint", "base_link", "0 0 0", "fixed")
     said = read(robot(pair(geometry=MESH), foot))
@@ -352,6 +365,8 @@ def test_wheels_on_fixed_joints_are_asked_about(read: Import) -> None:
     assert {(w["x"], w["y"], w["r"]) for w in read(robot(drawn))["wheels"].values()} == {
         (0.2, y, 0.1) for y in (0.25, -0.25)
     }
+    rollers = "swedish, with gamma, where it has rollers"
+    assert said["questions"][0]["hints"] == ["fixed, where it is one", rollers]
 
 
 def test_a_fixed_joint_with_an_axis_alone_is_no_wheel(wmrgen_cli: Cli, tmp_path: Path) -> None:
@@ -376,6 +391,8 @@ def test_a_fixed_joint_with_an_axis_alone_is_no_wheel(wmrgen_cli: Cli, tmp_path:
 def test_slips_are_noted(read: Import, this: str, that: str, note: str) -> None:
     text = robot(pair(), link("tail"), joint("tail", "base_link", "tail", "-0.3 0 0.1"))
     assert text != (slip := text.replace(this, that)) and note in read(slip)["notes"]
+    right = "7.853981633974483 0 0"  # a quarter more than a turn
+    assert "more than a turn" not in read(text.replace("1.57 0 0", right))["notes"]
 
 
 def test_a_file_of_two_bytes_to_a_character_is_shown(wmrgen_cli: Cli, tmp_path: Path) -> None:

@@ -158,6 +158,14 @@ def test_macros_alone_are_no_robot(wmrgen_cli: Cli, package: Path) -> None:
     assert done.code == 2 and "only defines macros (wheels)" in done.err
 
 
+def test_macros_called_without_the_prefix_are_told(wmrgen_cli: Cli, package: Path) -> None:
+    """As xacro took them until 2014."""
+    path = write(package, *PARTS[:2], "<wheels/>")
+    path.write_text(path.read_text(encoding="utf-8").replace(link("base_link"), ""), encoding="utf-8")
+    done = wmrgen_cli("import", path, "--package", f"parts={package}")
+    assert done.code == 2 and "<wheels> has no prefix, and is passed over" in done.err
+
+
 @pytest.mark.parametrize(
     ("value", "words"),
     [

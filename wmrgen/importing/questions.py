@@ -10,7 +10,7 @@ from wmrgen.importing.frames import across, dot, plus
 from wmrgen.importing.records import Question, Vector
 from wmrgen.importing.view import Candidate, Robot
 from wmrgen.spec.text import quoted
-from wmrgen.wheels.types import CASTOR, STEERED
+from wmrgen.wheels.types import CASTOR, FIXED, STEERED
 
 CONFLICT = Fraction(1, 100)  # part of a radius by which two sources may differ
 TRAIL = Fraction(1, 1000)  # [m] what trails less is no castor
@@ -19,13 +19,15 @@ _LARGEST = 5  # [m] the radius of a wheel
 _GROUND = ("base_footprint",)
 
 
-def doubt(c: Candidate, name: str, heading: float) -> Question:
+def doubt(c: Candidate, name: str, heading: float, kind: str) -> Question:
+    """Whether it is a wheel, of a ``kind``, or where it rolls."""
     where = "if the axle lies along y where the steering angle is 0"
     if c.shape:
         where = "by the axis of its cylinder"
     elif c.joint.axis is None:
         where = "about 1 0 0"
-    hints = (f"{heading:.6g} {where}",) if c.unsure else ()
+    rollers = ("swedish, with gamma, where it has rollers",) if kind == FIXED.name else ()
+    hints = (f"{heading:.6g} {where}",) if c.unsure else (f"{kind}, where it is one", *rollers)
     text = f"joint {quoted(c.joint.name)}: {c.doubt}. Is it a wheel that stands so?"
     return Question(name, "heading" if c.unsure else "type", text, hints)
 

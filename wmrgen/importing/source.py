@@ -36,8 +36,13 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     called: list[str] = []
     if substituted:
         root, called = resolve(file, values, folders)
+    passed = dict.fromkeys(local(e) for e in root if "}" not in str(e.tag)) if substituted else {}
+    strange = [printable(tag)[:40] for tag in passed if tag and tag not in _URDF]
     if local(root) == "sdf":
         description = sdf.describe(root, name, lambda uri: _model(located(uri, file, folders)))
+    elif strange and not children(root, "link"):
+        why = f"<{strange[0]}> has no prefix, and is passed over."
+        raise refuse(f"{name}: has no link", why, "Write xacro: before the names of macros.")
     elif substituted and not children(root, "link") and (defined := macros(file)):
         raise refuse(
             f"{name}: only defines macros ({printable(', '.join(defined))[:200]}) and uses none",
@@ -47,11 +52,7 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     else:
         description = urdf.describe(root, name)
     seen = plugin_controllers(root)
-    passed = dict.fromkeys(local(e) for e in root if "}" not in str(e.tag)) if substituted else {}
-    notes = [
-        f"<{printable(tag)[:40]}> is passed over: {_PREFIX}" for tag in passed if tag and tag not in _URDF
-    ]
-    notes += description.notes
+    notes = [*(f"<{tag}> is passed over: {_PREFIX}" for tag in strange), *description.notes]
     return replace(
         description,
         words=(*description.words, *(macro for macro in dict.fromkeys(called) if "mecanum" in macro.lower())),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections import Counter
 from xml.etree.ElementTree import Element
 
@@ -36,7 +37,7 @@ from wmrgen.importing.read import (
 from wmrgen.importing.records import KINDS, Description, Frame, Friction, Joint, Shape, Vector
 from wmrgen.spec.text import quoted
 
-_TURN = 6.3  # [rad] beyond which an angle is seldom meant
+_TURN, _NEAR = 6.3, 1e-3  # [rad] beyond which an angle is seldom meant, unless so near a multiple of pi/12
 
 
 def _origin(element: Element, what: str, notes: list[str]) -> Frame:
@@ -51,7 +52,7 @@ def _origin(element: Element, what: str, notes: list[str]) -> Frame:
         notes.append(f"{what}: xyz is empty, taken as 0 0 0")
     with at(origin):
         xyz, rpy = vector(origin.get("xyz"), f"{what}: xyz"), vector(origin.get("rpy"), f"{what}: rpy")
-    if any(abs(angle) > _TURN for angle in rpy):
+    if any(abs(angle) > _TURN and abs(math.remainder(angle, math.pi / 12)) > _NEAR for angle in rpy):
         said = quoted(origin.get("rpy", ""))
         notes.append(f"{what}: rpy is {said}, in radians more than a turn; degrees were likely meant")
     return frame(xyz, rpy)

@@ -209,7 +209,7 @@ class Robot:
 
 def base_link(description: Description, wanted: str | None) -> str:
     """The link ``wanted``, else `*base_link` nearest the root, but none of an arm or a hand, nor one that lies in the
-    frame of the ground, else the root that carries most."""
+    frame of the ground, else the root that carries most, or what all hangs on that moves below it."""
     if wanted is not None:
         if wanted not in description.links:
             raise refuse(
@@ -231,7 +231,21 @@ def base_link(description: Description, wanted: str | None) -> str:
     ]
     if whole:
         return min(whole, key=lambda link: len(chains[link]))
-    return max((link for link, chain in chains.items() if not chain), key=lambda root: carried[root])
+    root = max((link for link, chain in chains.items() if not chain), key=lambda root: carried[root])
+    return _moved_whole(description, root)
+
+
+def _moved_whole(description: Description, root: str) -> str:
+    """The link below the joints that move all of a robot, as simulators have them: each alone on a link without a
+    shape."""
+    base = link = root
+    while not description.shapes.get(link):
+        below = [joint for joint in description.joints if joint.parent == link]
+        if len(below) != 1:
+            break
+        link = below[0].child
+        base = link if below[0].moves else base
+    return base
 
 
 def _stands(link: str, above: Mapping[str, Joint]) -> bool:

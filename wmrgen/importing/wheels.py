@@ -106,7 +106,7 @@ def _wheel(
     """A wheel and what is asked of it; ``powered``: steering joints of wheels that have motors, "" of those without."""
     joint, steer = c.joint, c.steer
     e = X if abs(c.axis[2]) > LEVEL else heading(c.axis)
-    questions = [] if not c.doubt else [doubt(c, name, angle(e))]
+    questions: list[Question] = []
     x, y, _ = c.centre
     d = offset = None
     where = f"joint {quoted(joint.name)}" if joint.moves else f"link {quoted(joint.child)}"
@@ -127,6 +127,8 @@ def _wheel(
     kind, why = _type(c, d, actuated, rolling if source == UNSAID and not steer else source)
     if why:
         remarks["type"] = "; ".join(filter(None, [remarks.get("type", ""), why]))
+    if c.doubt:
+        questions.append(doubt(c, name, angle(e), kind))
     if kind == SWEDISH.name:
         remarks["gamma"] = source
         if gamma is None:

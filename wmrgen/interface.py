@@ -67,7 +67,7 @@ def members(module: Module) -> dict[str, tuple[Port, ...]]:
     """The shared types that functions of ``module`` take or give, with their members; none where it is no robot's."""
     if module.joints is None:
         return {}
-    ports = (port for f in module.functions for port in _ports(f))
+    ports = (port for f in module.functions for port in (*contract(f), *f.outputs))
     used = {place.kind for place in (_place(port, module.joints) for port in ports) if place}
     types = {**TYPES, WHEELS: tuple(_joint(name) for name in module.joints)}
     return {name: own for name, own in types.items() if name in used or (name == WHEELS and own)}
@@ -75,10 +75,6 @@ def members(module: Module) -> dict[str, tuple[Port, ...]]:
 
 def _joint(name: str) -> Port:
     return replace(JOINTS[name.rpartition(".")[2]], name=name)
-
-
-def _ports(function: Function) -> Iterable[Port]:
-    return (*contract(function), *function.outputs)
 
 
 def _place(port: Port, joints: Sequence[str]) -> _Place | None:

@@ -9,8 +9,8 @@ import pytest
 
 from tests.robots import of_gallery, of_text
 from wmrgen.backends import javascript, numpy, rust
+from wmrgen.backends.c99 import places_in
 from wmrgen.backends.c99.emit import sources
-from wmrgen.backends.c99.places import places_in
 from wmrgen.backends.registry import Facts
 from wmrgen.ir.calls import by_name, inlined_calls, with_places
 from wmrgen.ir.interpret import FLOAT64, evaluate, evaluate_nodes

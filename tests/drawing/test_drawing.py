@@ -30,9 +30,9 @@ from tests.oracle.draw import robot as drawn_robot
 from tests.oracle.harness import robot_text
 from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen import derive, load
+from wmrgen.backends.drawing.instant import singular
 from wmrgen.backends.drawing.motion import motion
 from wmrgen.backends.drawing.reach import reach
-from wmrgen.backends.drawing.singular import singular
 from wmrgen.backends.drawing.symbols import wheel_symbols
 from wmrgen.backends.drawing.top import top_view
 from wmrgen.backends.drawing.wiring import wiring

@@ -21,8 +21,7 @@ from tests.tools import missing, need, tool
 from wmrgen.backends.report.markdown import escape
 from wmrgen.compiler import _BROWSERS, _TEX, print_pages
 from wmrgen.pages import live
-from wmrgen.pages.document import Report, page
-from wmrgen.pages.markdown import html
+from wmrgen.pages.document import Report, html, page
 
 Cli = Callable[..., Outcome]
 TRAILER = "trailers: [{length: 0.9, hitch: 0.1}]\n"

@@ -13,8 +13,8 @@ import sympy
 from tests.report.reading import read
 from wmrgen import notation
 from wmrgen.backends.report.latex import broken, latex
-from wmrgen.backends.report.lines import WIDE, width
 from wmrgen.backends.report.markdown import matrix
+from wmrgen.backends.report.terms import WIDE, width
 from wmrgen.exact.evaluate import cos_sin, sqrt_poly
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly

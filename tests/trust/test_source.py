@@ -44,7 +44,7 @@ HOMES = {
     "jinja2": {"render"},
     "yaml": {"spec/reader"},
     "subprocess": {"compiler"},
-    "markdown_it": {"pages/markdown"},
+    "markdown_it": {"pages/document"},
     "webbrowser": {"cli/view"},
     "rich": {"cli/console"},
     "typer": {

@@ -9,7 +9,6 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmrgen.bounds.assumptions import SINGLE, Library, Range
 from wmrgen.bounds.shapes import terms_below_root
@@ -97,15 +96,11 @@ def boxed(ranges: Mapping[str, Range], split: list[str], parts: int) -> dict[str
     for name, (lo, hi) in ranges.items():
         if name in split:
             edges = np.linspace(lo, hi, parts + 1)
-            place = _place(split.index(name), parts, boxes)
+            place = np.asarray((np.arange(boxes) // parts ** split.index(name)) % parts)
             grid[name] = edges[place], edges[place + 1]
         else:
             grid[name] = np.full(boxes, lo), np.full(boxes, hi)
     return grid
-
-
-def _place(axis: int, parts: int, boxes: int) -> NDArray[np.int64]:
-    return np.asarray((np.arange(boxes) // parts**axis) % parts)
 
 
 # ---- functions that are linear in some inputs, in spins and rates say: one such input at a time

@@ -131,7 +131,7 @@ def calibrate(
         best, more = _without_slips(best, each)
         best, slips = _finely(best.problem, best.unknowns, each) if more else best, slips + more
     parts = best if len(drives) > 1 else _in_parts(best, each)
-    others = _without_each(parts, each)
+    others = [certainty.without(parts, fold, each) for fold in _folds(parts.problem)]
     weak = _unobservable(derivation.robot, best)
     return Calibration(
         _estimates(derivation.robot, best, _deviations(best, others if len(drives) > 1 else ()), weak), weak, best,
@@ -262,11 +262,6 @@ def _folds(problem: Problem) -> list[list[int]]:
     count = min(len(set(which)), _FOLDS)
     folds = range(count if count > 1 else 0)
     return [[i for i, k in enumerate(which) if k % _FOLDS == fold] for fold in folds]
-
-
-def _without_each(best: Fit, each: Each) -> list[Fit]:
-    """The fits without each of the `_folds` in turn."""
-    return [certainty.without(best, fold, each) for fold in _folds(best.problem)]
 
 
 def _held_out(best: Fit, others: Sequence[Fit]) -> Errors | None:

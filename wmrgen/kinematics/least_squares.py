@@ -89,7 +89,7 @@ def norm(forms: Sequence[Poly], weight: Exact = ONE, weights: Sequence[Exact] | 
     """
     groups: list[tuple[Poly, Exact]] = []
     for form, own in zip(forms, weights or [ONE] * len(forms), strict=True):
-        if not form or _size(form) < NEGLIGIBLE:
+        if not form or max(abs(float(c)) for c in form.terms.values()) < NEGLIGIBLE:
             continue
         for i, (base, total) in enumerate(groups):
             ratio = _ratio(form, base)
@@ -105,10 +105,6 @@ def norm(forms: Sequence[Poly], weight: Exact = ONE, weights: Sequence[Exact] | 
         factor = fix(sqrt_poly(Poly.of(total * weight)), {})
         return absolute(expression(base * factor))
     return root(add(*(times(number(t * weight), square(expression(b))) for b, t in groups)))
-
-
-def _size(form: Poly) -> float:
-    return max(abs(float(c)) for c in form.terms.values())
 
 
 def _ratio(a: Poly, b: Poly) -> Exact | None:

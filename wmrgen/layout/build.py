@@ -11,9 +11,19 @@ from wmrgen.errors import RobotFileError, Several
 from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
-from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled, spin_ratios
 from wmrgen.layout.expressions import PI, Scope, computable, snap, to_poly
-from wmrgen.layout.joints import constant, deadband_of, encoders_of, lag_of, noise_of, weight_of
+from wmrgen.layout.joints import (
+    common_limits,
+    constant,
+    deadband_of,
+    encoders_of,
+    groups,
+    lag_of,
+    noise_of,
+    refuse_unmodelled,
+    spin_ratios,
+    weight_of,
+)
 from wmrgen.layout.measured import agreed, tolerance_of
 from wmrgen.layout.records import (
     Geometry,

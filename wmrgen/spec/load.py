@@ -15,8 +15,7 @@ from wmrgen.spec.joints import read_encoders, read_lag, read_limits, read_noise
 from wmrgen.spec.keys import ROBOT
 from wmrgen.spec.names import Names, robot_name
 from wmrgen.spec.numbers import Scope
-from wmrgen.spec.parameters import read_parameters
-from wmrgen.spec.parts import Reading, read_gains, read_point, read_trailers, read_virtual
+from wmrgen.spec.parts import Reading, read_gains, read_parameters, read_point, read_trailers, read_virtual
 from wmrgen.spec.reader import read_tree
 from wmrgen.spec.records import FunctionSpec, RobotSpec
 from wmrgen.spec.tables import Table, table_of

@@ -4,9 +4,9 @@ the arc of odometry, singular configurations, twists that the limits allow."""
 from __future__ import annotations
 
 from wmrgen.backends.drawing.figure import Figure
+from wmrgen.backends.drawing.instant import singular
 from wmrgen.backends.drawing.motion import motion
 from wmrgen.backends.drawing.reach import reach
-from wmrgen.backends.drawing.singular import singular
 from wmrgen.backends.drawing.sketch import sketch
 from wmrgen.backends.drawing.symbols import wheel_symbols
 from wmrgen.backends.drawing.top import top_view

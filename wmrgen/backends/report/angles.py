@@ -88,7 +88,7 @@ def _joined(s: Term, t: Term) -> Term | None:
         return None
     heads, angles = zip(*((f.base[:4], f.base[4:]) for f in own), strict=True)
     if angles[0] == angles[1] or {f.base for f in others} != {
-        _other(h) + a for h, a in zip(heads, angles, strict=True)
+        (r"\sin" if h == r"\cos" else r"\cos") + a for h, a in zip(heads, angles, strict=True)
     }:
         return None
     rest = tuple(f for f in s.factors if f not in own)
@@ -103,10 +103,6 @@ def _joined(s: Term, t: Term) -> Term | None:
     if s.number.sign < 0:
         return Term(-s.number, (*rest, _of_two(own[0], r"\sin", angles[::-1], "-")))
     return Term(s.number, (*rest, _of_two(own[0], r"\sin", angles, "-")))
-
-
-def _other(head: str) -> str:
-    return r"\sin" if head == r"\cos" else r"\cos"
 
 
 def _of_two(like: Factor, head: str, angles: Sequence[str], sign: str) -> Factor:

@@ -7,8 +7,8 @@ from wmrgen import notation
 from wmrgen.backends.report.forward import distinct, fits_of
 from wmrgen.backends.report.latex import alike, broken, latex, summands, terms
 from wmrgen.backends.report.letters import by_three, heads, in_letters
-from wmrgen.backends.report.lines import WIDE, width, wrapped
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, math
+from wmrgen.backends.report.terms import WIDE, width, wrapped
 from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from wmrgen import notation
 from wmrgen.backends.report.latex import alike, latex, summands, terms
 from wmrgen.backends.report.letters import factored, pair, residual, square
-from wmrgen.backends.report.lines import width, wrapped
 from wmrgen.backends.report.markdown import aligned, cut_note, math, matrix, some
+from wmrgen.backends.report.terms import width, wrapped
 from wmrgen.constraints import XI
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.poly import dot

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from wmrgen import notation
 from wmrgen.backends.report.letters import model
-from wmrgen.backends.report.lines import WIDE, width, wrapped
 from wmrgen.backends.report.markdown import aligned, capitalised, code, sentence, table
+from wmrgen.backends.report.terms import WIDE, width, wrapped
 from wmrgen.functions.models.sheet import tidy
 from wmrgen.kinematics.records import Formula, substituted
 from wmrgen.printing import Latex, by_hand, size

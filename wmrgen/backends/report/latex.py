@@ -14,8 +14,7 @@ from math import lcm
 import sympy
 
 from wmrgen import notation
-from wmrgen.backends.report.lines import WIDE, width, wrapped
-from wmrgen.backends.report.terms import Factor, Term, merged
+from wmrgen.backends.report.terms import WIDE, Factor, Term, merged, width, wrapped
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Monomial, Poly
 from wmrgen.lower import number_of

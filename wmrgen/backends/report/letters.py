@@ -11,9 +11,8 @@ from itertools import combinations
 from wmrgen import notation
 from wmrgen.backends.report.angles import with_tangents
 from wmrgen.backends.report.latex import Ports, latex, pulled_out, reduced, summands, terms, total
-from wmrgen.backends.report.lines import width, wrapped
 from wmrgen.backends.report.markdown import aligned, listed, math
-from wmrgen.backends.report.terms import Factor, Term
+from wmrgen.backends.report.terms import Factor, Term, width, wrapped
 from wmrgen.constraints import XI
 from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.linalg import adjugate, determinant

@@ -8,7 +8,6 @@ import numpy as np
 
 from wmrgen.backends.report.angles import equation, gathered, roots, short
 from wmrgen.backends.report.latex import latex, summands, terms
-from wmrgen.backends.report.lines import width, wrapped
 from wmrgen.backends.report.markdown import (
     aligned,
     capitalised,
@@ -20,6 +19,7 @@ from wmrgen.backends.report.markdown import (
     sentence,
     some,
 )
+from wmrgen.backends.report.terms import width, wrapped
 from wmrgen.constraints import XI, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix

@@ -8,8 +8,8 @@ from dataclasses import replace
 from wmrgen import notation
 from wmrgen.backends.report.angles import gathered, with_tangents
 from wmrgen.backends.report.latex import latex, pieces, summands, terms, total
-from wmrgen.backends.report.lines import width, wrapped
 from wmrgen.backends.report.markdown import aligned, code, listed, sentence
+from wmrgen.backends.report.terms import width, wrapped
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, Row

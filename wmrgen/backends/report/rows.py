@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from wmrgen import notation
 from wmrgen.backends.report.angles import gathered, over, readable, upright
 from wmrgen.backends.report.latex import alike, broken, latex, pieces, terms, total
-from wmrgen.backends.report.lines import WIDE, width, wrapped
 from wmrgen.backends.report.markdown import aligned, code, math, matrix, some
+from wmrgen.backends.report.terms import WIDE, width, wrapped
 from wmrgen.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.exact.poly import Poly, Row, dot, each
 from wmrgen.functions.models.polynomials import NEGLIGIBLE

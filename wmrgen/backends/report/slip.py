@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from wmrgen.backends.report.closed import pivot_velocity
 from wmrgen.backends.report.latex import latex
 from wmrgen.backends.report.letters import multiples, squares
-from wmrgen.backends.report.lines import width
 from wmrgen.backends.report.markdown import code, listed, math
+from wmrgen.backends.report.terms import width
 from wmrgen.constraints import XI
 from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.poly import Gen, Poly, Row

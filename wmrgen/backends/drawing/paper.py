@@ -205,7 +205,8 @@ class Paper:
         outward = unit(away, middle(target)) if distance(middle(target), away) > 2 else (1.0, 0.0)
         x, y = (2 * h + max(_GAPS) + 2 for h in half)
         zone = target[0] - x, target[1] - y, target[2] + x, target[3] + y
-        near = sorted((b for b in self.boxes if overlap(b, zone) > 0), key=lambda b: -overlap(b, zone))
+        sizes = sorted(((overlap(b, zone), b) for b in self.boxes), reverse=True)
+        near = [b for size, b in sizes if size > 0]
         best: tuple[float, Point, float] = (inf, (0.0, 0.0), 0.0)
         for gap in _GAPS:
             for k in range(_DIRECTIONS):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -50,21 +51,13 @@ def merged(factors: Iterable[Factor]) -> tuple[Factor, ...]:
 
 # ---- how wide LaTeX is, and long sums on several lines
 
+_COMMAND, _UNSEEN = re.compile(r"\\[A-Za-z]+"), re.compile(r"[{}^_ \\,]")
 WIDE = 80  # characters of a line before a sum is broken
 
 
 def width(text: str) -> int:
     """Roughly how many characters a reader sees."""
-    count, skip = 0, False
-    for i, ch in enumerate(text):
-        if ch == "\\":
-            skip = True
-            count += text[i + 1 : i + 2].isalpha()
-        elif skip and not ch.isalpha():
-            skip = False
-        if not skip and ch not in "{}^_ \\,":
-            count += 1
-    return count
+    return len(_UNSEEN.sub("", _COMMAND.sub("x", text)))
 
 
 def wrapped(parts: Sequence[str], limit: int = WIDE) -> str:

@@ -215,6 +215,6 @@ class Outcomes:
         """A number per result; equal for equal operations on equal inputs."""
         keys: list[int] = []
         for node in function.nodes:
-            key = node.op, tuple(keys[k] for k in node.args), node.value, node.name
+            key = node.op, tuple(map(keys.__getitem__, node.args)), node.value, node.name
             keys.append(self.numbers.setdefault(key, len(self.numbers)))
         return [keys[k] for k in function.results]

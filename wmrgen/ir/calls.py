@@ -70,13 +70,13 @@ def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequenc
             inner: list[int] = []
             for step in kernel.nodes:
                 name = step.name if step.op is Op.INPUT else None
-                inner.append(arguments[name] if name else put(step, tuple(inner[a] for a in step.args)))
+                inner.append(arguments[name] if name else put(step, tuple(map(inner.__getitem__, step.args))))
             results[k] = tuple(inner[r] for r in kernel.results)
             place.append(results[k][0])
         elif node.op is Op.RESULT:
             place.append(results[node.args[0]][int(node.name or 0)])
         else:
-            place.append(put(node, tuple(place[a] for a in node.args)))
+            place.append(put(node, tuple(map(place.__getitem__, node.args))))
     named = renumbered(function.named, dict(enumerate(place)))
     at = tuple(place[r] for r in function.results)
     return replace(function, nodes=tuple(nodes), results=at, named=named), place

@@ -96,10 +96,11 @@ class Scalars:
         """``form`` as one constant times one monomial; a sum becomes an atom of its own."""
         if not form:
             return ZERO, ()
-        items = sorted(form.items(), key=lambda item: (not item[0], item[0]))
-        monomial, lead = items[0]
-        if len(items) == 1:
+        if len(form) == 1:
+            ((monomial, lead),) = form.items()
             return lead, monomial
+        items = sorted(form.items(), key=lambda item: (not item[0], item[0]))
+        lead = items[0][1]
         ratio = lead.inverse()
         total = self._builder.sum(self._scaled(value * ratio, m) for m, value in items)
         return lead, ((total, 1),)

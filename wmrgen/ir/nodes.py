@@ -178,7 +178,7 @@ def _moved(nodes: Sequence[Node], place: Mapping[int, int]) -> tuple[Node, ...]:
     moved: list[Node] = []
     for i in place:
         node = nodes[i]
-        args = tuple(place[arg] for arg in node.args)
+        args = tuple(map(place.__getitem__, node.args))
         moved.append(node if args == node.args else Node(node.op, args, node.value, node.name))
     return tuple(moved)
 

@@ -41,7 +41,7 @@ def fuse(function: Function, kernel: bool = False, common: tuple[int, ...] = ())
         return opposites[a]
 
     for i, node in enumerate(nodes):
-        args = tuple(place[a] for a in node.args)
+        args = tuple(map(place.__getitem__, node.args))
         k = products.get(i)
         if k is not None:
             x, y = (place[a] for a in nodes[node.args[k]].args)

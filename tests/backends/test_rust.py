@@ -16,7 +16,7 @@ from tests.conftest import ROOT, Outcome, tree
 from tests.robots import of_gallery
 from tests.tools import need, tool
 from wmrgen.backends.registry import BACKENDS, Facts
-from wmrgen.backends.rust.driver import run
+from wmrgen.backends.rust import run
 from wmrgen.backends.rust.emit import library
 from wmrgen.backends.rust.functions import unit
 from wmrgen.errors import EnvironmentFailure

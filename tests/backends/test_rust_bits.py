@@ -20,7 +20,7 @@ from wmrgen import derive, load
 from wmrgen.backends.c99.driver import answer, calls, driver, request
 from wmrgen.backends.c99.emit import sources
 from wmrgen.backends.c99.emit import unit as c_unit
-from wmrgen.backends.rust.driver import run
+from wmrgen.backends.rust import run
 from wmrgen.compiler import compile_and_run
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import names

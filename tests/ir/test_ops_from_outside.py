@@ -19,7 +19,7 @@ from tests.ir.defined import RULES, Fact, facts, findings
 from tests.tools import need
 from wmrgen.backends import casadi, numpy
 from wmrgen.backends.registry import Facts
-from wmrgen.backends.rust.driver import run
+from wmrgen.backends.rust import run
 from wmrgen.backends.rust.emit import library
 from wmrgen.backends.rust.functions import unit
 from wmrgen.bounds.assumptions import SINGLE

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from wmrgen.cli import console
-from wmrgen.cli.writing import write_robot_file
+from wmrgen.cli.new import write_robot_file
 from wmrgen.comparing.compare import compare
 from wmrgen.comparing.sources import of_controller, of_import
 from wmrgen.errors import RobotFileError

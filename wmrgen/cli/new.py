@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.gallery import gallery, list_robots
-from wmrgen.cli.writing import write_robot_file
 from wmrgen.errors import Mark, UsageError
 from wmrgen.spec.fields import Field, ListOf, Section
 from wmrgen.spec.keys import ROBOT
@@ -26,6 +25,10 @@ from wmrgen.spec.typesetting import formatted
 
 if TYPE_CHECKING:
     from wmrgen.spec.records import RobotSpec
+
+from wmrgen.artifacts import write_file
+from wmrgen.shipped import shipped
+from wmrgen.spec.schema import SCHEMA_FILE
 
 _WIDTH = 110
 _PLAIN = re.compile(r"[\w.+*/() -]+")  # values that mean the same without quotes, anywhere in YAML
@@ -165,3 +168,18 @@ def _meaning(field: Field, value: Node) -> Iterator[str]:
 
 def _comment(words: str, indent: str = "") -> list[str]:
     return textwrap.wrap(words, _WIDTH, initial_indent=f"# {indent}", subsequent_indent=f"#   {indent}")
+
+
+# ---- writing a robot file, with the schema beside it that its first line names
+
+
+def write_robot_file(path: Path, text: str) -> list[str]:
+    """Write ``text``, and the schema for editors where none is there yet; the files written.
+
+    UsageError for a file name that cannot be, EnvironmentFailure where it cannot be written."""
+    schema = path.parent / SCHEMA_FILE
+    write_file(path, text.encode())
+    if schema.exists():
+        return [str(path)]
+    write_file(schema, (shipped("robots") / SCHEMA_FILE).read_bytes())
+    return [str(path), str(schema)]

@@ -14,8 +14,7 @@ from typing import NamedTuple
 from xml.sax.saxutils import escape
 
 from wmrgen.backends.packages import ros2
-from wmrgen.backends.packages.cpp import header
-from wmrgen.backends.packages.loop import loop
+from wmrgen.backends.packages.cpp import header, loop
 from wmrgen.backends.registry import Facts
 from wmrgen.errors import UsageError
 from wmrgen.interface import members

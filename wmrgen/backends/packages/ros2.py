@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from wmrgen.backends.packages.loop import loop
+from wmrgen.backends.packages.cpp import loop
 from wmrgen.ir.nodes import Module
 from wmrgen.ports import POSE_COVARIANCE, TWIST_COVARIANCE
 

@@ -63,11 +63,11 @@ def write_tree(
     """
     wanted = with_manifest(files, made_with)
     try:
-        directory.parent.mkdir(parents=True, exist_ok=True)
-        for path in (directory.parent, directory):
-            _refuse_link(path)
-        with _locked(directory.parent):
-            return _replace(directory, wanted)
+        with _made(directory.parent):
+            for path in (directory.parent, directory):
+                _refuse_link(path)
+            with _locked(directory.parent):
+                return _replace(directory, wanted)
     except OSError as error:
         place = error.filename if isinstance(error.filename, str) else str(directory)
         raise EnvironmentFailure(f"cannot write {directory}: {error.strerror or error} ({place})") from error
@@ -95,17 +95,17 @@ def write_file(path: Path, content: bytes) -> bool:
     except ValueError as error:
         raise UsageError(str(error)) from None
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        for place in (path.parent, path):
-            _refuse_link(place)
-        with _locked(path.parent):
-            if _holds(path, content):
-                return False
-            with tempfile.TemporaryDirectory(prefix=_STAGE, dir=path.parent) as staging:
-                _stage({Path(staging) / path.name: content})
-                (Path(staging) / path.name).replace(path)
-            _sync(path.parent)
-            return True
+        with _made(path.parent):
+            for place in (path.parent, path):
+                _refuse_link(place)
+            with _locked(path.parent):
+                if _holds(path, content):
+                    return False
+                with tempfile.TemporaryDirectory(prefix=_STAGE, dir=path.parent) as staging:
+                    _stage({Path(staging) / path.name: content})
+                    (Path(staging) / path.name).replace(path)
+                _sync(path.parent)
+                return True
     except OSError as error:
         raise EnvironmentFailure(f"cannot write {path}: {error.strerror or error}") from error
 
@@ -258,6 +258,20 @@ def _sync(path: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
+
+
+@contextlib.contextmanager
+def _made(directory: Path) -> Iterator[None]:
+    """With a folder and those above it; where what is done there fails, those that were made go again."""
+    new = [path for path in (directory, *directory.parents) if not path.exists()]
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException:
+        for path in new:
+            with contextlib.suppress(OSError):  # another run has put something there
+                path.rmdir()
+        raise
 
 
 @contextlib.contextmanager

@@ -141,3 +141,16 @@ def test_a_full_disk(server: Server, disk: Path, sets: Sets) -> None:
     (disk / "filler").unlink()
     assert server.run(disk, *derive("second"), "out").code == 0
     assert tree(out) == sets["second"]
+
+
+def test_a_disk_that_is_read_only(server: Server, disk: Path, sets: Sets) -> None:
+    """Nothing has changed; and once it can be written, the next run finds nothing in its way."""
+    out = started(disk, sets)
+    for rights, code in (("ro", 4), ("rw", 0)):
+        subprocess.run(["mount", "-o", f"remount,size=4m,{rights}", str(disk)], check=True)
+        attempts = [server.run(disk, *derive("second"), place) for place in ("out", "new")]
+        assert [attempt.code for attempt in attempts] == [code, code], attempts
+        assert code == 0 or all(a.err.count("error[WMR114]") == 1 and "Read-only" in a.err for a in attempts)
+        assert tree(out) == sets["second" if code == 0 else "first"]
+        assert (disk / "new").exists() is (code == 0)
+        assert not [p for p in disk.rglob("*") if "stage" in p.name]

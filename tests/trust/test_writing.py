@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import tree
-from wmrgen.artifacts import MANIFEST, differences, write_tree
+from wmrgen.artifacts import MANIFEST, differences, write_file, write_tree
 from wmrgen.errors import EnvironmentFailure
 
 OLD = {"a.c": b"old a", "b.h": b"old b", "c.json": b"same"}
@@ -139,6 +139,11 @@ def test_a_full_disk_leaves_the_old_files(place: Path, monkeypatch: pytest.Monke
         write_tree(place, NEW)
     assert tree(place) == before
     assert [p.name for p in place.parent.iterdir()] == ["pair"]
+    other = place.parents[1] / "new" / "out"
+    for write in (lambda: write_tree(other / "pair", NEW), lambda: write_file(other / "x.urdf", b"new")):
+        with pytest.raises(EnvironmentFailure, match="No space"):
+            write()
+        assert not other.parent.exists(), "folders that were made for it"
 
 
 KILLED = """

@@ -118,10 +118,12 @@ def mecanum(wheelbase: float, track: float, r: float) -> Layout:
     return Layout("mecanum", "description", tuple(wheels))
 
 
-def rover(rear: float) -> Layout:
-    """JPL's rover, seen from its middle axle; what its drive commands take the rear corners for."""
+def rover(rear: float, turning: bool = False) -> Layout:
+    """JPL's rover, seen from its middle axle; what its drive commands take the rear corners for, and, ``turning`` in
+    place, two that stand across."""
+    across = {"left_back": -0.274, "right_front": 0.310} if turning else {}
     wheels = [
-        side(f"{name}_{end}", kind, x, s * y)
+        side(f"{name}_{end}", kind, across.get(f"{name}_{end}", x), s * y)
         for end, kind, x, y in (
             ("front", "steered", 0.274, 0.177),
             ("back", "steered", rear, 0.177),
@@ -157,6 +159,7 @@ RECORDED = {  # of real_robots.json: what its sources contradict one another in
     ),
     "LeKiwi, driver and CAD": (ring((0.125,) * 3), ring((0.0992, 0.1192, 0.11)), {"WMR043", "WMR044"}),
     "rover, distances of the rear corners": (rover(-0.310), rover(-0.274), {"WMR041", "WMR044"}),
+    "rover, turning in place": (rover(-0.310), rover(-0.310, turning=True), {"WMR044"}),
     "F1TENTH, simulator and odometry": (bicycle(0.15875, -0.17145), bicycle(0.25, 0), {"WMR041", "WMR044"}),
 }  # fmt: skip
 

@@ -98,6 +98,32 @@ def test_too_few_motors_name_a_joint_that_has_none(tmp_path: Path, wheel: str, i
     assert told == [instead]
 
 
+@pytest.mark.parametrize(
+    ("length", "r", "unit"),
+    [(330, 97, "mm"), (11.5, 2, "cm or in"), (14.5, 3, "cm or in"), (60, 5, "mm or cm")],
+)
+def test_a_size_is_of_the_units_in_which_robots_have_it(
+    tmp_path: Path, length: float, r: float, unit: str
+) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text(
+        "wmrgen: 1\nname: bot\nwheels:\n"
+        f"  - {{name: left, type: fixed, x: 0, y: {length}, heading: 0, r: {r}}}\n"
+        f"  - {{name: right, type: fixed, x: 0, y: -{length}, heading: 0, r: {r}}}\n"
+    )
+    assert [f.instead for f in linted(path) if f.code == "WMR003"] == [
+        f"Did you mean {unit}? Write the unit."
+    ]
+
+
+def test_joints_that_drive_the_same_motion(tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    wheels = "".join(f"  - {{name: {n}, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}}\n" for n in "ab")
+    path.write_text(f"wmrgen: 1\nname: bot\nwheels:\n{wheels}")
+    (told,) = (f.instead for f in linted(path) if f.code == "WMR020")
+    assert "drive the same motion" in told
+
+
 def test_of_wheels_that_steer_the_one_that_does_not_is_named(tmp_path: Path) -> None:
     path = tmp_path / "a.yaml"
     places = ((1, 1, "[steer]"), (1, -1, "[steer]"), (-1, 1, "[steer]"), (-1, -1, "[spin]"))

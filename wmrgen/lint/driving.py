@@ -14,7 +14,7 @@ from wmrgen.layout.skid import driven
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.mobility import analyse
 from wmrgen.mobility.configure import pivot_velocity
-from wmrgen.mobility.records import Array
+from wmrgen.mobility.records import Array, Balance
 from wmrgen.notation import listed
 from wmrgen.ports import TWIST_NAMES
 
@@ -35,24 +35,23 @@ def short(subject: Subject) -> Iterator[Finding]:
     if subject.mobility.degree_of_mobility and not lost:
         for balance in subject.mobility.actuation:
             if balance.lacking:
-                yield Finding(
-                    subject.mark(subject.robot.wheels[0]), str(balance), _more(subject, balance.joint)
-                )
+                yield Finding(subject.mark(subject.robot.wheels[0]), str(balance), _more(subject, balance))
 
 
-def _more(subject: Subject, lacking: str) -> str:
-    """Which joints could be actuated besides, that drive or that steer as those that are ``lacking``."""
+def _more(subject: Subject, balance: Balance) -> str:
+    """Which joints could be actuated besides, that drive or that steer as those that are lacking."""
+    steering = balance.joint == "steer"
     idle = [
         f"{joint} to actuated of {w.name}"
         for w in subject.robot.wheels
         for joint in w.kind.joints
-        if joint not in w.actuated and (lacking == "steer") == (joint == "steer" and w.kind.steers)
+        if joint not in w.actuated and steering == (joint == "steer" and w.kind.steers)
     ]
-    return (
-        f"Add {idle[0]}, or another."
-        if idle
-        else "Every joint is driven already: it takes more driven wheels."
-    )
+    if idle:
+        return f"Add {idle[0]}, or another."
+    if balance.motors < balance.need:
+        return "Every joint is driven already: it takes more driven wheels."
+    return "Every joint is driven already, and some drive the same motion: look at places and headings."
 
 
 @rule(

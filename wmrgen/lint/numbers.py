@@ -9,6 +9,7 @@ from math import degrees, pi, tau
 
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.ports import TWIST_NAMES
+from wmrgen.spec.numbers import UNITS
 from wmrgen.spec.records import Limit, Quantity
 
 LARGEST, APART = 20.0, 100.0  # of a robot [m]; the largest of its sizes over the smallest
@@ -143,20 +144,26 @@ def huge(subject: Subject) -> Iterator[Finding]:
         yield Finding(
             subject.mark(largest),
             f"{largest.name}: a wheel of radius {r:.4g} m",
-            "Did you mean mm? Write the unit.",
+            _meant(r, 0.01, 0.5),
         )
     elif extent > LARGEST:
         yield Finding(
             subject.mark(wheel),
             f"the wheels stand up to {extent:.4g} m apart",
-            "Did you mean mm? Write the unit.",
+            _meant(extent),
         )
     elif abs((far := max(subject.robot.wheels, key=lambda w: abs(w.pivot))).pivot) > LARGEST:
         what = f"{far.name} stands {abs(far.pivot):.4g} m from the origin P"
-        yield Finding(subject.mark(far), what, "Did you mean mm? Write the unit.")
+        yield Finding(subject.mark(far), what, _meant(abs(far.pivot)))
     for words, quantity in _lengths(subject):
         if abs(size := subject.value(quantity)) > LARGEST:
-            yield Finding(quantity.mark, f"{words} of {size:.4g} m", "Did you mean mm? Write the unit.")
+            yield Finding(quantity.mark, f"{words} of {size:.4g} m", _meant(abs(size)))
+
+
+def _meant(size: float, least: float = 0.1, most: float = 3.0) -> str:
+    """The units [m] in which a size is one that robots have."""
+    units = [unit for unit in ("mm", "cm", "in") if least <= size * float(UNITS[unit].factor) <= most]
+    return f"Did you mean {' or '.join(units) or 'mm'}? Write the unit."
 
 
 def _lengths(subject: Subject) -> Iterator[tuple[str, Quantity]]:

@@ -46,10 +46,12 @@ _OPERATORS: dict[type[ast.operator], str] = {
     ast.Pow: "**",
 }
 _GRAMMAR = "Allowed are numbers, parameters, pi, + - * / ** ( ) sqrt sin cos tan atan2."
+_BOTH = "Write both ends, as [-35 deg, 35 deg]."
 _FUNCTION_ALIASES = {
     **dict.fromkeys(("atan", "arctan", "arctan2"), "Write atan2(y, x)."),
     **dict.fromkeys(("asin", "acos", "arcsin", "arccos"), "Write the angle with atan2(y, x)."),
-    **dict.fromkeys(("radians", "deg2rad"), "Write 45 deg, or a*pi/180."),
+    **dict.fromkeys(("radians", "deg2rad", "degreestoradians"), "Write 45 deg, or a*pi/180."),
+    **dict.fromkeys(("inches", "inchestometers"), "Write a number and its unit: 2 in."),
 }
 
 
@@ -107,7 +109,7 @@ class _Parser:
             "°": "Write deg after a plain number.",
             "#": "Write a space before # to begin a comment.",
             "'": "Write ft for feet.",
-            "±": "Write both ends, as [-35 deg, 35 deg].",
+            "±": _BOTH,
             "=": "Comparisons and assignments have no meaning here.",
             **dict.fromkeys("−–—", "Write the hyphen-minus '-' of the keyboard."),
             **dict.fromkeys("·×", "Write *."),
@@ -141,17 +143,25 @@ class _Parser:
         return word
 
     def _juxtaposed(self, before: str, word: str, at: int) -> RobotFileError:
-        if word in UNITS:
-            return self._error(
+        text, why = self._node.text, ""
+        rest = text[at + len(word) :].strip()
+        if word in UNITS and rest[:1].isalpha():
+            at = text.rindex(rest)
+            what = f"{quoted(rest.split()[0])} stands behind the unit {quoted(word)}"
+            instead = "Write the number and its unit alone, and what else is to be said behind #."
+        elif word in UNITS:
+            both = text.lstrip().startswith(("+-", "+/-"))
+            what, why = (
                 f"the unit {quoted(word)} stands after an expression",
                 "A unit can follow a plain number only.",
-                "Give the number its unit as a parameter, and use the parameter here.",
-                at,
             )
-        instead = "Write one decimal point; a range is [low, high]." if word[0] == "." else "Write *."
-        return self._error(
-            f"an operator is missing between {quoted(before)} and {quoted(word)}", "", instead, at
-        )
+            instead = (
+                _BOTH if both else "Give the number its unit as a parameter, and use the parameter here."
+            )
+        else:
+            what = f"an operator is missing between {quoted(before)} and {quoted(word)}"
+            instead = "Write one decimal point; a range is [low, high]." if word[0] == "." else "Write *."
+        return self._error(what, why, instead, at)
 
     def _name(self, word: str, called: bool, at: int) -> str:
         if self._node.text[at + len(word) :].startswith("."):
@@ -190,18 +200,13 @@ class _Parser:
             last = re.search(r"[-+*/]+$", self._text)
             hint = f"Write what stands after {last[0]}, or delete it." if last else ""
             hint = f"Write the missing '{')' if opened > 0 else '('}'." if opened else hint
-            raise self._error(
-                f"{quoted(self._node.text)} is not a complete expression",
-                _GRAMMAR,
-                hint,
-                self._offset(column),
-            ) from None
+            what = f"{quoted(self._node.text)} is not a complete expression"
+            raise self._error(what, _GRAMMAR, hint, self._offset(column)) from None
         except (ValueError, MemoryError, RecursionError):
             raise self._error(f"{quoted(self._node.text)} is nested too deeply") from None
         if sum(isinstance(n, ast.expr) for n in ast.walk(body)) > MAX_NODES:
-            raise self._error(
-                f"an expression of more than {MAX_NODES} parts", "", "Split it over several parameters."
-            )
+            what = f"an expression of more than {MAX_NODES} parts"
+            raise self._error(what, "", "Split it over several parameters.")
         return self._convert(body)
 
     def _offset(self, column: int) -> int:
@@ -248,12 +253,8 @@ class _Parser:
     def _call(self, node: ast.expr, name: str, args: list[ast.expr]) -> Expr:
         if len(args) != ARITY[name]:
             form = "atan2(y, x)" if name == "atan2" else f"{name}(…)"
-            raise self._error(
-                f"{name} takes {ARITY[name]} argument{'s' * (ARITY[name] > 1)}, not {len(args)}",
-                "",
-                f"Write {form}.",
-                self._offset(node.col_offset),
-            )
+            what = f"{name} takes {ARITY[name]} argument{'s' * (ARITY[name] > 1)}, not {len(args)}"
+            raise self._error(what, "", f"Write {form}.", self._offset(node.col_offset))
         return Call(name, tuple(self._convert(a) for a in args))
 
 
@@ -267,11 +268,8 @@ def parse_value(node: Scalar, names: Collection[str], kind: Kind, what: str) -> 
     if unit is None:
         return Num(value), False
     if kind not in (unit.kind, Kind.ANY):
-        raise node.error(
-            f"{what} is {_article(kind)}, and {quoted(node.text.strip())} is {_article(unit.kind)}",
-            "",
-            f"Use one of {' '.join(units_of(kind))}.",
-        )
+        wrong = f"{what} is {_article(kind)}, and {quoted(node.text.strip())} is {_article(unit.kind)}"
+        raise node.error(wrong, "", f"Use one of {' '.join(units_of(kind))}.")
     scaled = Num(value * unit.factor)
     return Binary("*", scaled, Pi()) if unit.pi else scaled, True
 

@@ -155,7 +155,7 @@ WHEEL = Section(
             ("has {keys}", "Both give the orientation: heading = alpha + beta - pi/2.", "Keep one of them."),
             ("has no beta or heading",
              "The rolling direction decides what the wheel allows; where it steers it is the zero of steer.",
-             "Write heading: 0 for a wheel that rolls forward, or beta: as in the literature."),
+             "Write heading: 0 for a wheel that rolls forward, beta: 0 for one whose axle points to the origin."),
             optional=True,  # but for the wheel types that say otherwise
         ),
     ),

@@ -121,7 +121,9 @@ def _of_this_format(table: Table, several: Several) -> bool:
                 f"Write wmrgen: {version.number}.",
             )
         )
-        return not re.fullmatch(r"[0-9.]+", node.text)
+        return not re.fullmatch(r"[0-9.]+", node.text) or bool(
+            re.fullmatch(rf"{version.number}(\.0*)?", node.text)
+        )
     return table.get("wheels") is not None or table.get("name") is not None
 
 

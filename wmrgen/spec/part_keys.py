@@ -89,7 +89,7 @@ COUNTER = Section(
         ),
         Field(
             "gear", Amount(Kind.ANY, "1"), "turns of the encoder's shaft per turn of the joint", default="1",
-            example="30", aliases=dict.fromkeys(("ratio", "gear_ratio", "reduction"), ""),
+            example="30", aliases=dict.fromkeys(("ratio", "gear_ratio", "gearing", "reduction"), ""),
         ),
         Field(
             "reversed", Word(YES, "false"), "it counts down where the joint turns in its positive direction",

@@ -200,14 +200,13 @@ def _open(end: str, instead: str) -> _Rule:
     what = f"a ',' or '{end}' is missing here"
 
     def rule(t: _Trouble) -> _Mistake:
-        if t.context is None:
-            return t.here(what, instead)
-        why = f"What is not closed begins on line {t.context.line + 1}."
-        if t.before.strip(" -"):
+        why = f"What is not closed begins on line {t.context.line + 1}." if t.context else ""
+        if not t.context or t.before.strip(" -"):
             return t.here(what, instead, why=why)
         other = t.lines[t.above]  # it is missing where the text before ends
-        column = len(other.text.rstrip())
-        meant = other.put_in(column, end) if t.context.line == t.above and "#" not in other.text else None
+        said = other.text if re.search("['\"]", other.text) else other.text.partition(" #")[0]
+        column = len(said.rstrip())
+        meant = other.put_in(column, end) if t.context.line == t.above and "#" not in said else None
         return _Mistake(what, instead, Place(t.above, column), meant, why)
 
     return rule

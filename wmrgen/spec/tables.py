@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from wmrgen.errors import Code, Mark, RobotFileError, Several
 from wmrgen.spec.expressions import read_quantity
-from wmrgen.spec.fields import Amount, Choice, Field, ListOf, Section, Word
+from wmrgen.spec.fields import Amount, Choice, Field, ListOf, OneOf, Section, Word
 from wmrgen.spec.keys import ROBOT, WHEEL
 from wmrgen.spec.numbers import Kind, Scope, plain_number
 from wmrgen.spec.records import Quantity
@@ -95,6 +95,8 @@ class Table:
         if not isinstance(node, SequenceNode):
             item = value.item.example if isinstance(value.item, Section) else ""
             example = f"and a line for each, as - {item}" if item else value.example
+            if isinstance(value.item, OneOf) and isinstance(node, Scalar) and node.text.isidentifier():
+                example = f"[{node.text}]"
             raise node.error(f"{key} must be a list, not {kind_of(node)}", "", f"Write {key}: {example}.")
         n = len(node.items)
         words = {"key": key, "n": n, "s": "s" * (n != 1), "most": value.most}
@@ -276,12 +278,17 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
         return key.error(unknown, why, "Delete the line, and write what stands below it without indentation.")
     aliases = {alias: text for f in fields for alias, text in f.hints.items()}
     instead = suggestion(key.text, [f.key for f in fields], aliases)
-    if instead.startswith("Valid"):
-        inner = [(f, sub) for f in fields if isinstance(f.value, Section) for sub in f.value.fields]
-        inside = [f"Write {f.key}: {{{s.key}: …}}." for f, s in inner if key.text in (s.key, *s.aliases)]
+    inside = () if key.text.lower() in aliases else _inside(fields, key.text)
+    if inside:
+        instead = f"Write {inside[0]}."
+    elif instead.startswith("Valid"):
         whose = [f"It is a key of {section.title}." for section in (ROBOT, WHEEL) if key.text in section.keys]
-        if inside:
-            instead = inside[0]
-        elif whose:
-            why = whose[0]
+        why = whose[0] if whose else why
     return key.error(unknown, why, instead, code=Code.UNKNOWN_KEY)
+
+
+def _inside(fields: Collection[Field], word: str) -> list[str]:
+    """Where in what stands under some of the fields a word is a key, the outermost places first."""
+    under = [(f.key, f.value.fields) for f in fields if isinstance(f.value, Section)]
+    own = [f"{key}: {{{s.key}: …}}" for key, inner in under for s in inner if word in (s.key, *s.aliases)]
+    return own + [f"{key}: {{{deeper}}}" for key, inner in under for deeper in _inside(inner, word)]

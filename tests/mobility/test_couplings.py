@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,6 +17,7 @@ from tests.laws.test_constraints import check_null_space, check_ranks
 from tests.oracle import oracle
 from tests.oracle.freedom import freedom
 from tests.oracle.harness import named, twist_of
+from tests.robots import of_text
 from wmrgen.errors import NotDerivableError
 from wmrgen.ir.interpret import EXACT, evaluate_module
 
@@ -290,3 +292,22 @@ def test_of_motions_of_equal_freedom_the_straightest_is_taken(heading: float) ->
     m = derived({"wheels": wheels, "couplings": [("steer", ["a", "b"])]}).derivation.mobility
     vx, _, omega = m.admissible.sample
     assert m.degree_of_mobility == 1 and vx > abs(omega) > 0
+
+
+def test_castors_of_one_motor_have_one_angle_in_the_null_space() -> None:
+    """Two castors beside a fixed wheel leave motion straight ahead; by themselves they leave what their angle says."""
+    castor = "{{name: {0}, type: castor, x: {1}, y: {2}, heading: 0, d: {3}, r: 0.05}}"
+    a, b = castor.format("a", 0.2, 0.2, -0.03), castor.format("b", -0.2, -0.1, -0.04)
+    fixed = ", {name: f, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}"
+    text = "wmrgen: 1\nname: sample\ncouplings: [{equal: [a.steer, b.steer]}]\nwheels: "
+    d = of_text(f"{text}[{a}, {castor.format('b', -0.2, 0.2, -0.03)}{fixed}]\n")
+    assert d.null_space == sympy.Matrix([1, 0, 0])
+    assert "swivels into any motion" not in "".join(d.mobility.reasons)
+    pair = of_text(f"{text}[{a}, {b}]\n").null_space
+    psi = 0.7
+    c, s = math.cos(psi), math.sin(psi)
+    # Either sliding row over its own d, whose difference has no swivel rate.
+    row = np.array([-s, c, 0.2 * c + 0.2 * s]) / -0.03 - np.array([-s, c, -0.2 * c - 0.1 * s]) / -0.04
+    values = dict.fromkeys(pair.free_symbols, psi)
+    assert {symbol.name for symbol in values} == {"a_steer"}
+    assert row @ np.array(pair.subs(values), dtype=float) == pytest.approx([0, 0], abs=1e-12)

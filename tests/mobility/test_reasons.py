@@ -115,7 +115,7 @@ CASES: dict[str, tuple[list[dict[str, Any]], list[tuple[str, list[str]]], tuple[
     "locked axle": ([A, B], [("spin", ["a", "b"])], (
         SHARED, PAIR, "a and b are coupled: they turn at one speed.",
         "Eliminating the coupled joint rates leaves a further constraint on the body.", degrees(1, 0),
-        degenerate(1, 0, "one motion is left that no steering changes: delta_M = 1, and each of the five has 2 or 3"),
+        degenerate(1, 0, "one motion is left, and steering chooses no other: delta_M = 1; each of the five has 2 or 3"),
     )),
     "omni": (OMNI, [], (
         "w0, w1 and w2 impose no sliding constraint: a Swedish wheel moves freely across the axes of its rollers.",

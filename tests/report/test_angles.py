@@ -6,7 +6,7 @@ from fractions import Fraction
 from math import cos, radians, sin, tan
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.report.common import page_of
@@ -83,6 +83,9 @@ def test_what_only_looks_alike_stays() -> None:
 
 
 @given(st.lists(products(), max_size=4), st.lists(products(), min_size=1, max_size=3))
+@example(
+    [trig("cos", "b").scale(-3), (trig("cos", "b") * Poly.gen("param", "l")).scale(-1)], [trig("cos", "a")]
+)
 def test_a_quotient_keeps_its_value(above: list[Poly], below: list[Poly]) -> None:
     """Whatever cancels; its sign stands before the line where all above it is one product, and only there."""
     top, bottom = Poly.sum(above), Poly.sum(below)

@@ -155,7 +155,7 @@ def test_formulas_of_symbols_have_their_value() -> None:
         (-A - B, r"-\left(a+\mathit{half\_track}\right)"),
         (SPIN - RATE, r"\dot{\varphi}_{\mathrm{left}}-\dot{\psi}_{\mathrm{front}}"),
         (RATE - SPIN, r"\dot{\psi}_{\mathrm{front}}-\dot{\varphi}_{\mathrm{left}}"),
-        (cos_sin(A)[0] * COS * B, r"\mathit{half\_track}\,\cos\psi_{\mathrm{front}}\,\cos\left(a\right)"),
+        (cos_sin(A)[0] * COS * B, r"\mathit{half\_track}\,\cos\psi_{\mathrm{front}}\,\cos a"),
         (sqrt_poly(A + B) * R, r"r_{1}\,\sqrt{a+\mathit{half\_track}}"),
         (PI * A, r"\pi\,a"),
         # lengths before one sine, divisors of their own size

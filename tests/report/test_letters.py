@@ -43,7 +43,9 @@ def test_a_radius_that_is_a_number_divides(r: str, kind: str, spin: str) -> None
 
 def speeds(name: str) -> str:
     model = re.search(
-        r"In the speeds? of (?:driven wheels|the virtual wheel)(.*?)\\end\{aligned", page_of(name), re.DOTALL
+        r"In the speeds? of (?:driven wheels|the virtual wheel|`)(.*?)\\end\{aligned",
+        page_of(name),
+        re.DOTALL,
     )
     return model[1] if model else ""
 
@@ -200,7 +202,7 @@ def test_a_model_that_cannot_be_written_leaves_the_one_in_eta(monkeypatch: pytes
     module = import_module("wmrgen.backends.report.motion")
     monkeypatch.setattr(module, "posture_motion", refuse)
     text = "\n".join(module.motion(of_gallery("pioneer3dx")))
-    assert "In the speeds" not in text and r"\eta_{1}" in text
+    assert "In the speed" not in text and r"\eta_{1}" in text
 
 
 LONG = """wmrgen: 1
@@ -315,7 +317,7 @@ wheels:
   - {name: mid, type: fixed, x: 0.11, y: 0.2, heading: 0, r: 0.08}
 """
     page = page_written(text)
-    model = page.partition("In the speeds of driven wheels")[2].partition("where the")[0]
+    model = page.partition("In the speed of `front`, with which ")[2].partition("where the")[0]
     sides = dict(formulas(model))
     own = {r"\psi_{\mathrm{front}}": 0.4, r"\dot{\varphi}_{\mathrm{front}}": 2.0, r"\mathit{ahead}": 0.62}
     omega = 0.18 * sin(0.4) / (0.62 - 0.11)  # of the front wheel across the axle of the fixed one

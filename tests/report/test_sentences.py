@@ -348,6 +348,30 @@ wheels:
   - {name: a, type: castor, x: 0.3, y: 0, d: -0.03, r: 0.05, actuated: [spin, steer]}
   - {name: b, type: castor, x: -0.3, y: 0, d: -0.03, r: 0.05, actuated: [spin, steer]}
 """
+TANK = SIDES.replace("effective_track: 0.9\n", "").partition("couplings")[0]
+DRIVEN = f"{POWERED}couplings: [{{equal: [a.steer, b.steer]}}]\n"
+APART = DRIVEN.replace("x: -0.3, y: 0, d: -0.03", "x: -0.3, y: 0, d: -0.04")
+TILTED = """wmrgen: 1
+name: sample
+parameters: {g: 25 deg}
+wheels:
+  - {name: a, type: swedish, l: 0.2, alpha: 0, beta: 0, gamma: g, r: 0.05}
+  - {name: b, type: swedish, l: 0.2, alpha: 120 deg, beta: 0, gamma: g, r: 0.05}
+  - {name: c, type: swedish, l: 0.2, alpha: -120 deg, beta: 0, gamma: g, r: 0.05}
+"""
+ROUND = """wmrgen: 1
+name: sample
+wheels:
+  - {name: a, type: steered, l: 0.35, alpha: 0, beta: 90 deg, r: 0.05}
+  - {name: b, type: steered, l: 0.35, alpha: 120 deg, beta: 90 deg, r: 0.05}
+"""
+SHIFTED = """wmrgen: 1
+name: sample
+parameters: {p: {value: 0.3, tunable: true}}
+wheels:
+  - {name: a, type: fixed, x: p - 0.3, y: 0.2, heading: 0, r: 0.1}
+  - {name: b, type: fixed, x: p - 0.3, y: -0.2, heading: 0, r: 0.1}
+"""
 
 
 # The letter e stands in sentences before the name does; C1 is a matrix, too.
@@ -411,10 +435,21 @@ wheels:
             "square of",
         ),
         (SIDES, "`a` and `b` turn at one speed; `c` and `e` turn at one speed.", "of their single"),
-        (LIMITED, "`slip` [m/s] is made of the sideways speed", "`slip` is |"),
+        (LIMITED, "`slip` [m/s] is made of the sliding speed", "`slip` is |"),
         (LIMITED, "across `front` where a limit keeps it from the heading that rolls:", "a bar being"),
         (LIMITED, r"\mathrm{slip} = \sqrt{v_y^2 + v_\perp^2}", "is added to"),
         (OMNI, "with three degrees of freedom.", "steering adds"),
+        (TILTED, r"\frac{\tan g\;v_x-v_y-0.2\;\omega}{0.05}", r"\left(g\right)"),
+        (ROUND, r"\sqrt{3}\,\cos\psi_{\mathrm{a}}-\sin\psi_{\mathrm{a}} &= 0", "are parallel,"),
+        (SHIFTED, "Column 2 is a rotation about P where the parameters are nominal.", "about P."),
+        (DRIVEN, "`a` and `b` swivel at one rate: they share the least-squares rate", "that need not suit"),
+        (APART, "the ICR that the angles of the castors give.", "steering angles choose"),
+        (TANK, "Where wheels may slide sideways, speeds of driven wheels", "\nSpeeds of driven"),
+        (
+            TANK,
+            "In the speed of `a`, with which `b.spin`, `c.spin` and `e.spin` must agree, it is",
+            "In the speeds",
+        ),
         (POWERED, "As N = I, these are the twist itself, η = ξ.", "scaled as in"),
         (REACH, "L is negative, for it steers behind P:", "front wheel"),
     ],

@@ -65,7 +65,8 @@ def deciding(rows: Sequence[BasisRow]) -> tuple[Wheel, ...]:
 def _constant(robot: Robot, row: Row, index: int | None) -> BasisRow:
     """A constant row: of the wheel ``index``, or of a coupling."""
     if index is None:
-        return BasisRow(lambda _: row)
+        led = _led(robot, row)
+        return BasisRow(lambda _: led)
     w = robot.wheels[index]
     return BasisRow(lambda view: sliding_row(w, view(w)).row)
 

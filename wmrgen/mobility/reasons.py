@@ -168,7 +168,9 @@ def _steered(at: Configuration, deciding: tuple[Wheel, ...]) -> list[str]:
 
 
 def _free_wheels(at: Configuration) -> list[str]:
-    free = [w for w in at.robot.wheels if not w.kind.constrains]
+    together = at.robot.together("steer", (w for w in at.robot.wheels if w.kind.swivels))
+    bound = [w for wheels in together if len(wheels) > 1 for w in wheels]  # castors of one motor do constrain
+    free = [w for w in at.robot.wheels if not w.kind.constrains and w not in bound]
     if not free:
         return []
     kinds = "; ".join(dict.fromkeys(w.kind.words.free for w in free))
@@ -199,7 +201,7 @@ def verdict(at: Configuration) -> str:
     elif at.rank_fixed.value > 1:
         why = "its fixed axles are not one line, which leaves a single motion"
     else:
-        why = "one motion is left that no steering changes: delta_M = 1, and each of the five has 2 or 3"
+        why = "one motion is left, and steering chooses no other: delta_M = 1; each of the five has 2 or 3"
     text = f"Degenerate: ({at.mobility}, {at.steerability}) is none of Campion's five types, because {why}."
     missed = (near for near in at.robot.near if not near.moves)
     misses = (f"{_sentence(near.sentence(at.robot.tolerance))} {near.remedies}" for near in missed)

@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import atan2, pi
 
 from wmrgen import notation
-from wmrgen.backends.report.latex import terms, total
+from wmrgen.backends.report.latex import COMMON, terms, total
 from wmrgen.backends.report.terms import Factor, Term, merged
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, Row, each, whole, without_lengths
@@ -113,7 +113,9 @@ def equation(p: Poly) -> Poly:
     """The left-hand side of ``p = 0`` without a common number or length; with the sign of most of its terms."""
     p = without_lengths(p)
     numbers = list(p.terms.values())
-    size = abs(numbers[0]) if all(abs(c) == abs(numbers[0]) for c in numbers) else Exact(1)
+    least = min(map(abs, numbers))
+    simple = all(max(map(abs, (*q.num, q.den))) <= COMMON for q in (c / least for c in numbers))
+    size = least if simple else Exact(1)
     negative = sum(c.sign for c in numbers) < 0 or (numbers[0].sign < 0 and sum(c.sign for c in numbers) == 0)
     return p.scale((-size if negative else size).inverse())
 

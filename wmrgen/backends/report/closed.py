@@ -4,8 +4,9 @@ point; the twist of measured rates."""
 from __future__ import annotations
 
 from wmrgen import notation
+from wmrgen.backends.report.angles import with_tangents
 from wmrgen.backends.report.forward import distinct, fits_of
-from wmrgen.backends.report.latex import alike, broken, latex, summands, terms
+from wmrgen.backends.report.latex import alike, broken, latex, summands, terms, total
 from wmrgen.backends.report.letters import by_three, heads, in_letters
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, math
 from wmrgen.backends.report.terms import WIDE, width, wrapped
@@ -96,10 +97,14 @@ def spin_rate(w: Wheel, twist: Row) -> str:
     """The rim's speed over the radius, which a number leaves below the line."""
     g = working_view(w)
     rim = dot(driving_row(w, g), twist) * (g.r * g.rolling_radius.inverse())
-    above, radius = latex(rim), g.r.constant
+    above, radius = total(with_tangents(terms(rim))), g.r.constant
     below = notation.terminating(radius.parts[0]) if radius and radius.is_rational else None
     one_line = len(rim.terms) > 1 and width(above) <= WIDE
-    spin = _over(above, below) if below and one_line else broken(rim * g.r.inverse())
+    spin = (
+        _over(above, below)
+        if below and one_line
+        else wrapped(summands(with_tangents(terms(rim * g.r.inverse()))))
+    )
     return f"{notation.port(f'{w.name}.spin')} &= {spin}"
 
 

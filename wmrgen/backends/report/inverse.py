@@ -174,6 +174,9 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
             way = _way(robot, wheels)
             if how or way:  # section 1 has the coupling itself
                 blocks += [f"{listed(members)} {minus(notation.turning(ratios))}{how}.{way}"]
+        elif wheels[0].kind.swivels:
+            shared = "they share the least-squares rate Σ d·(d ψ̇) / Σ d² of their single solutions"
+            blocks += [f"{listed(members)} swivel at one rate: {shared}."]
         elif alike(wheels, twist):
             same.append(listed(members))
         else:

@@ -20,7 +20,7 @@ from wmrgen.exact.poly import Gen, Monomial, Poly
 from wmrgen.lower import number_of
 from wmrgen.symbolic import Expr, Parameter, expression
 
-_COMMON = 12  # the largest denominator written once for a sum
+COMMON = 12  # the largest denominator written once for a sum
 Ports = Mapping[str, str]  # name of a symbol -> contract name
 _LEADS = {"vx": 0, "vy": 1, "omega": 2, "vx_driven": 0, "vy_driven": 1, "omega_driven": 2}
 _TWIST = {notation.port(n) for n in _LEADS}
@@ -110,6 +110,8 @@ def _generator(gen: Gen, power: int) -> Factor:
             return Factor(rf"\sqrt{{{latex(gen.args[0])}}}", power, 0, (1, gen.key))
     arguments = ", ".join(latex(a) for a in gen.args)
     head = r"\mathrm{atan2}" if gen.kind == "atan2" else "\\" + gen.kind.removesuffix("f")
+    if [g.alone for g in gen.args[0].generators] == list(gen.args):
+        return Factor(f"{head}{' ' * arguments[0].isalpha()}{arguments}", power, 1, (1, gen.key))
     return Factor(rf"{head}\left({arguments}\right)", power, 1, (1, gen.key))
 
 
@@ -253,15 +255,12 @@ def _over_common(terms: Sequence[Term]) -> Exact:
     """1/6 of halves and thirds, where each number is written as a fraction of small numbers; a root that all numbers
     have; else 1."""
     first = abs(terms[0].number)
-    if (
-        not first.is_rational
-        and not notation.magnitude(first)[2]
-        and all((t.number / first).is_rational for t in terms)
-    ):
+    alike = all((t.number / first).is_rational for t in terms)
+    if alike and not first.is_rational and not notation.magnitude(first)[2]:
         return first
     below = [notation.magnitude(t.number)[1] for t in terms]
     common = lcm(*map(int, below)) if all(below) else 1
-    return Exact(1) / Exact(common if common <= _COMMON else 1)
+    return Exact(1) / Exact(common if common <= COMMON or len(set(below)) == 1 else 1)
 
 
 def _product(number: Exact, factors: Iterable[Factor], inner: str = "", style: notation.Style = "") -> str:

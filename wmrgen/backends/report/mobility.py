@@ -40,11 +40,12 @@ def analysis(d: Derivation) -> list[str]:
     """Section 5."""
     m = d.mobility
     steered = any(w.kind.steers for w in d.robot.wheels)
+    meet = "meet in one ICR" if any(turn for _, _, turn in m.null_space_symbolic) else "are parallel"
     return [
         "## 5 Mobility",
         *items(map(sentence, m.argument), lambda k: f"{k}."),
         "So the degrees of mobility, steerability and maneuverability are"
-        + (", at steering angles for which all axles meet in one ICR," if steered else ""),
+        + (f", at steering angles for which all axles {meet}," if steered else ""),
         *_degrees(m),
         *(_remark(m) if steered else []),
         *_verdicts(d),
@@ -139,10 +140,11 @@ def _actuation(d: Derivation) -> list[str]:
     held = ", the steering held," if any(g.kind in ("cos", "sin") for p in sums for g in p.generators) else ""
     if held and not d.mobility.degree_of_steerability:  # one angle alone is admissible, where less is asked
         return blocks
+    speeds = f"peeds of driven wheels that fit each other{held}"
+    satisfy = f"Where wheels may slide sideways, s{speeds} still" if d.mobility.degenerate else f"S{speeds}"
     return [
         *blocks,
-        f"Speeds of driven wheels that fit each other{held} satisfy the condition{'s' * (len(lines) > 1)} of "
-        "compatibility",
+        f"{satisfy} satisfy the condition{'s' * (len(lines) > 1)} of compatibility",
         *aligned(lines),
     ]
 

@@ -130,15 +130,14 @@ def _in_driven_speeds(d: Derivation) -> list[str]:
     lines = [*_rates((vx, vy, omega), bool(towed)), *_trailers(d.robot, towed)]
     if max(map(width, lines)) > _WIDEST:
         return []
+    told = ("speed", "spin") if motion.followers else ("speed",)
+    drives = [owner for owner, _, joint in (p.name.rpartition(".") for p in motion.inputs) if joint in told]
+    speeds = "speeds of driven wheels"
+    if drives:
+        speeds = f"speed{'s' * (len(drives) > 1)} of {_virtual(d.robot, drives)}{listed(drives)}"
     agree = f", with which {listed(motion.followers)} must agree," if motion.followers else ""
-    drives = [
-        owner for owner, _, joint in (p.name.rpartition(".") for p in motion.inputs) if joint == "speed"
-    ]
-    speeds = (
-        f"speed{'s' * (len(drives) > 1)} of {_virtual(d.robot, drives)}{listed(drives)}" if drives else ""
-    )
     return [
-        f"In the {speeds or 'speeds of driven wheels'}{agree} it is (`wmrgen model`)",
+        f"In the {speeds}{agree} it is (`wmrgen model`)",
         *aligned(lines),
         *_angles(d.robot, [w.name for w in motion.frame.wheels]),
     ]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from itertools import accumulate
 
 from wmrgen import notation
 from wmrgen.backends.report.angles import gathered, over, readable, upright
@@ -206,11 +208,19 @@ def _entries(column: Row) -> list[str]:
 def _meaning(d: Derivation, columns: Sequence[Row]) -> list[str]:
     """Which motion each column is, by what does not vanish at nominal parameters."""
     angles, zero = generic(d.robot), Poly({})
+    general = columns
     columns = [
-        each(c, lambda p: p if abs(nominal_at(p, d.robot, angles)) > NEGLIGIBLE else zero) for c in columns
+        each(c, lambda p: p if abs(nominal_at(p, d.robot, angles)) > NEGLIGIBLE else zero) for c in general
     ]
     heads = [f"Column {i + 1}" for i in range(len(columns))] if len(columns) > 1 else ["The column"]
-    blocks = [" ".join(f"{head} {_motion(c)}" for head, c in zip(heads, columns, strict=True))]
+    castors = not any(w.kind.steers for w in d.robot.wheels)
+    which = "angles of the castors give" if castors else "steering angles choose"
+    only = [
+        "" if own == c else " where the parameters are nominal"
+        for own, c in zip(general, columns, strict=True)
+    ]
+    words = (f"{head} {_motion(c, which)}{at}." for head, c, at in zip(heads, columns, only, strict=True))
+    blocks = [" ".join(words)]
     vx, vy, w = columns[0]
     if len(columns) == 1 and w and any(p.constant is None for p in columns[0]):
         x, y = _quotient(-vy, w), _quotient(vx, w)
@@ -232,22 +242,28 @@ def _quotient(above: Poly, below: Poly) -> str:
     shown = total(top)
     sign = "-" if shown.startswith("-") else ""  # of a product: a sum begins with what is added
     shown = shown.removeprefix(sign)
-    if sign and shown.startswith(r"\left("):
+    if sign and _is_bracket(shown):
         shown = shown.removeprefix(r"\left(").removesuffix(r"\right)")
     return rf"{sign}\frac{{{shown}}}{{{total(bottom)}}}"
 
 
-def _motion(c: Row) -> str:
-    """A column in words."""
+def _is_bracket(text: str) -> bool:
+    """Whether one pair of brackets has all of it."""
+    marks = re.split(r"(?=\\left|\\right)", text)
+    depths = list(accumulate(mark.startswith(r"\left") - mark.startswith(r"\right") for mark in marks[1:]))
+    return not marks[0] and text.endswith(r"\right)") and 0 not in depths[:-1]
+
+
+def _motion(c: Row, which: str) -> str:
+    """A column in words. ``which``: what angles do."""
     vx, vy, w = c
     if not w and not vy and vx.constant is not None:
-        return "is motion straight ahead."
+        return "is motion straight ahead"
     if not w and not vx and vy.constant is not None:
-        return "is motion to the left."
-    steered = any(g.kind in ("cos", "sin") for p in c for g in p.generators)
+        return "is motion to the left"
+    turned = any(g.kind in ("cos", "sin") for p in c for g in p.generators)
     if not w:
-        way = "the direction that the steering angles choose" if steered else "a fixed direction"
-        return f"is a translation in {way}."
+        return f"is a translation in {f'the direction that the {which}' if turned else 'a fixed direction'}"
     if not vx and not vy:
-        return "is a rotation about P."
-    return f"is a rotation about {'the ICR that the steering angles choose' if steered else 'a fixed point'}."
+        return "is a rotation about P"
+    return f"is a rotation about {f'the ICR that the {which}' if turned else 'a fixed point'}"

@@ -90,7 +90,7 @@ def slip(
         blocks = [_admissible(steered, bool(steering))]
     if more:
         then = "Then " if blocks and not forms else ""
-        parts = {_mean_square(projection): f"the sideways speed {forced}"} | more if forms else more
+        parts = {_mean_square(projection): f"the sliding speed {forced}"} | more if forms else more
         return [
             *blocks,
             f"{then}`slip` [m/s] is made of {', and of '.join(parts.values())}:",
@@ -98,11 +98,14 @@ def slip(
         ]
     if not forms or (forms == [XI[1]] and projection.twist != XI):  # said where it is taken away
         return blocks
-    words = f"`slip` is the sideways speed [m/s] {forced}"
+    words = f"`slip` is the sliding speed [m/s] {forced}"
     if len(forms) == 1:
         return [*blocks, f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]
     root = rf"\mathrm{{slip}} = \sqrt{{{_mean_square(projection)}}}"
-    return [*blocks, f"{words}, root mean square over the wheels:", *math(root)]
+    over = (
+        "root mean square over the fixed wheels" if projection.weight != 1 else "root of the sum of squares"
+    )
+    return [*blocks, f"{words}, {over}:", *math(root)]
 
 
 def _mean_square(projection: Projection) -> str:

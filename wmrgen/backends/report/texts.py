@@ -42,7 +42,7 @@ def texts(d: Derivation) -> list[str]:
     lines = []
     for c in citations(d.robot):
         letters = ", ".join(f"{name} = {plain(value)}" for name, value in c.letters.items())
-        order = f"wheels in the order {listed([w.name for w in c.wheels])}" if c.wheels else ""
+        order = f"wheels in the order {listed([w.name for w in c.wheels])}" if len(c.wheels) > 1 else ""
         details = "; ".join(part for part in (letters, order) if part)
         lines.append(f"{c.equation}: {c.what}" + (f" ({details})" if details else ""))
     return ["## 10 In the textbooks", "The rows of this robot are those of", *items(lines)] if lines else []

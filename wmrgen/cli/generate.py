@@ -14,9 +14,7 @@ import wmrgen
 from wmrgen.artifacts import Difference, Written, differences, made_with, write_tree
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.cli import console
-from wmrgen.cli.gallery import differing_gallery
 from wmrgen.cli.loading import linted, noted, warn_of_gains
-from wmrgen.cli.textbook import ERRATA, FOLDER, differing_library
 from wmrgen.errors import NotDerivableError, Several, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
@@ -177,6 +175,9 @@ def check(robots: Sequence[Path] | None, out: Path, as_json: bool) -> int:
             names.add(name)
             stale += files
     if not robots and not errors:
+        from wmrgen.cli.gallery import differing_gallery
+        from wmrgen.cli.textbook import differing_library
+
         try:
             stale += differing_library(out)
         except WmrgenError as error:  # the folder is here, the library is not
@@ -244,6 +245,7 @@ def _noted_formats(
 def _strangers(out: Path, names: set[str]) -> list[Path]:
     """What stands under ``out``, or in a folder of packages there, and belongs to no robot."""
     from wmrgen.backends.packages import PACKAGES
+    from wmrgen.cli.textbook import ERRATA, FOLDER
     from wmrgen.pages.overview import PAGES
 
     packages = [kind.folder for kind in PACKAGES.values()]

@@ -29,6 +29,7 @@ from wmrgen.symbolic import Expr, absolute, add, expression, maximum, select, si
 # The largest h with h**8 / 9! <= 2**-53, rounded down to few bits: a float holds it.
 SWITCH = sympy.Rational(3, 64)
 WORST_ERROR = float(SWITCH) ** 8 / 362880
+SHORTEST = sympy.Rational(1, 10**9)  # [s] a duration below counts as this, a chord this short as none
 
 RATES = (
     Port("x_rate", Role.COMMAND, "m/s", "velocity of P along world x"),

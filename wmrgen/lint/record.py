@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from itertools import combinations
 from operator import itemgetter
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -16,9 +16,11 @@ from wmrgen.errors import Mark, UsageError, message
 from wmrgen.layout.expressions import Scope
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility import Mobility
-from wmrgen.spec.mistakes import Mistake
 from wmrgen.spec.records import Quantity, RobotSpec, WheelSpec
 from wmrgen.spec.text import quoted
+
+if TYPE_CHECKING:
+    from wmrgen.spec.mistakes import Mistake
 
 _IGNORED = re.compile(r"#\s*wmrgen:\s*ignore\s+(WMR\d+(?:[,\s]+WMR\d+)*)")
 

@@ -24,7 +24,6 @@ from wmrgen.constraints import XI, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Gen, Poly, Row, dot, whole
-from wmrgen.functions.models.growth import robot_growth
 from wmrgen.functions.motion.wheel_speeds import relations
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank
@@ -93,6 +92,8 @@ def _growth(d: Derivation) -> tuple[tuple[int, ...], str]:
     included = f", {steered} included" if steered else ""
     if not d.robot.trailers:
         return own, included
+    from wmrgen.functions.models.growth import robot_growth
+
     try:
         vector = robot_growth(d.robot, d.mobility, _PRODUCTS).vector
     except NotDerivableError:

@@ -26,10 +26,9 @@ from dataclasses import replace
 
 import sympy
 
-from wmrgen.functions.motion.paths import SHORTEST
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.pose import increments, odometry
+from wmrgen.kinematics.pose import SHORTEST, increments, odometry
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.sensing import sensed_joints
 from wmrgen.layout.records import Encoder, Robot, Wheel

@@ -29,7 +29,7 @@ from wmrgen.exact.evaluate import number as nominal_number
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.pose import odometry
+from wmrgen.kinematics.pose import SHORTEST, odometry
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.kinematics.sensing import measurements
 from wmrgen.layout.records import Robot
@@ -53,7 +53,6 @@ from wmrgen.symbolic import (
 
 FARTHEST = sympy.Integer(10**9)  # [m] a radius that counts as straight
 SLOWEST = sympy.Rational(1, 10**12)  # [rad/s] a yaw rate that counts as none, [m/s] a speed that does
-SHORTEST = sympy.Rational(1, 10**9)  # [s] a duration below counts as this, a chord this short as none
 
 
 def sign(a: Expr) -> Expr:

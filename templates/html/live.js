@@ -297,7 +297,7 @@ class Live {
 
   slider(parent, name, unit, kind) {
     const label = add(parent, "label", { class: kind });
-    add(label, "span", { class: "name", title: name }).textContent = name;
+    add(label, "span", { class: "name", title: name }).textContent = name.replace(".", ".\u200b"); // may break there
     const [min, max] = this.range(name);
     const input = add(label, "input", { type: "range", name, min, max, step: (max - min) / 400, "aria-label": name });
     const output = add(label, "output", { "data-name": name });

@@ -96,6 +96,22 @@ def test_texts_formulas_and_figures(reports: list[Report], tmp_path: Path) -> No
     assert result["overflow"] <= 0
 
 
+def test_on_a_narrow_screen_all_can_be_read(reports: list[Report], tmp_path: Path) -> None:
+    """Names of sliders are whole, figures stand one below the other, as wide as the page, and nothing sticks out."""
+    (tidybot,) = (report for report in reports if report.name == "tidybot2")
+    script = """
+    const wide = [...document.querySelectorAll("#live, #live *, main > section")];
+    return {
+      cut: [...document.querySelectorAll(".name")].filter((e) => e.scrollWidth > e.clientWidth).map((e) => e.title),
+      out: wide.filter((e) => e.clientWidth && e.scrollWidth > e.clientWidth).map((e) => e.className || e.tagName),
+      figures: [...document.querySelectorAll(".figure")].map((e) => e.clientWidth),
+      page: document.querySelector("main section").clientWidth,
+    };"""
+    result, console = seen(page([tidybot]), script, tmp_path, (500, 900))
+    assert console == [] and result["cut"] == result["out"] == []
+    assert result["figures"] and min(result["figures"]) > 0.8 * result["page"]
+
+
 def test_on_paper_nothing_is_folded_or_cut(reports: list[Report], tmp_path: Path) -> None:
     """As wide as between the margins of A4, the letters as much smaller as the page says that they become in print."""
     (swerve,) = (report for report in reports if report.name == "wpilib_swervebot")

@@ -135,3 +135,15 @@ def test_of_wheels_that_steer_the_one_that_does_not_is_named(tmp_path: Path) -> 
     (told,) = (f.what for f in linted(path) if f.code == "WMR021")
     assert told.startswith("steering: 3 actuated joints for 2 degrees of freedom, 1 beyond need: 1 relation ")
     assert told.endswith("; w3 alone of the steered wheels is not actuated")
+
+
+def test_one_wheel_of_four_without_gamma(tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    corners = {"fl": (1, 1, 0), "fr": (1, -1, 45), "bl": (-1, 1, 45), "br": (-1, -1, -45)}
+    wheels = (
+        f"  - {{name: {name}, type: swedish, x: {x}, y: {y}, heading: 0, r: 0.1, gamma: {gamma} deg}}\n"
+        for name, (x, y, gamma) in corners.items()
+    )
+    path.write_text("wmrgen: 1\nname: bot\nwheels:\n" + "".join(wheels))
+    (told,) = (f for f in linted(path) if f.code == "WMR032")
+    assert told.mark.line == 4 and "fl has gamma 0" in told.what

@@ -23,6 +23,7 @@ _MECANUM = (
     "Rollers at the ground must form an O: gamma -45 deg at the front left and rear right, 45 deg at the others. "
     "The rollers on top, which one sees, then form an X."
 )
+_LOOK = "Look at headings, gamma and places of the wheels."
 _FOUR = """\
 wheels:
   - {name: front_left,  type: fixed, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
@@ -119,6 +120,11 @@ def crossed(subject: Subject) -> Iterator[Finding]:
         return
     middle = sum(w.pivot for w in rollers) / len(rollers)
     straight = parallel([w.zero_heading for w in rollers])
+    rest = [w for w in subject.robot.wheels if w not in rollers]
+    if straight and len(rest) == 1 and rest[0].kind.rollers and len(rollers) == 3:
+        what = f"{rest[0].name} has gamma 0, as an omni wheel, and the rollers of the others stand aslant"
+        yield Finding(subject.mark(rest[0]), what, _MECANUM)
+        return
     ways = []
     for w in rollers:
         arm = w.pivot - middle
@@ -160,7 +166,7 @@ def conditioned(subject: Subject) -> Iterator[Finding]:
     wheels = [w for w in subject.robot.wheels if w.kind.rollers]
     lost = _lost(subject)
     if lost:
-        yield Finding(subject.mark(wheels[0]), plain(lost.meaning))
+        yield Finding(subject.mark(wheels[0]), plain(lost.meaning), _LOOK)
     elif len(wheels) > 2 and subject.mobility.degree_of_mobility == 3:
         rows = to_array([[p.constant or ZERO for p in rolling_row(w, nominal_view(w)).row] for w in wheels])
         places = np.array([*(w.pivot for w in wheels)])
@@ -172,7 +178,7 @@ def conditioned(subject: Subject) -> Iterator[Finding]:
         if values[2] * FLAT < values[0]:
             worse = values[0] / values[2]
             what = f"one motion hardly turns the wheels: forward multiplies errors of theirs by {worse:.3g}"
-            yield Finding(subject.mark(wheels[0]), what, "Look at headings, gamma and places of the wheels.")
+            yield Finding(subject.mark(wheels[0]), what, _LOOK)
 
 
 @rule(

@@ -98,7 +98,8 @@ WHEEL = Section(
         Field(
             "gamma", _ANGLE,
             "from the wheel plane to the roller axis at the ground: 0 omni, 45 or -45 deg mecanum",
-            greek="γ", default="0", aliases=dict.fromkeys(("roller_angle", "rollers"), ""),
+            greek="γ", default="0",
+            aliases={"roller_angle": "", "rollers": "Did you mean gamma? It is an angle: 45 deg."},
             misfit=(
                 "gamma is the roller axis at the ground against the wheel plane; only swedish wheels have rollers.",
                 f"{_NO_ROLLERS} gamma.",

@@ -95,8 +95,9 @@ class Table:
         if not isinstance(node, SequenceNode):
             item = value.item.example if isinstance(value.item, Section) else ""
             example = f"and a line for each, as - {item}" if item else value.example
-            if isinstance(value.item, OneOf) and isinstance(node, Scalar) and node.text.isidentifier():
-                example = f"[{node.text}]"
+            said = node.text if isinstance(node, Scalar) and isinstance(value.item, OneOf) else ""
+            if re.fullmatch(r"[A-Za-z][\w.]*( *, *[A-Za-z][\w.]*)*", said):
+                example = f"[{said}]"
             raise node.error(f"{key} must be a list, not {kind_of(node)}", "", f"Write {key}: {example}.")
         n = len(node.items)
         words = {"key": key, "n": n, "s": "s" * (n != 1), "most": value.most}
@@ -232,7 +233,7 @@ def _meant(word: str, fields: Collection[Field]) -> tuple[str, bool]:
         if word.lower() in f.aliases:
             return f.key, not f.aliases[word.lower()]
     keys = [f.key for f in fields]
-    word = re.split("[ :\uff1a]", word, maxsplit=1)[0]
+    word = re.split("[ :=\uff1a]", word, maxsplit=1)[0]
     return nearest(word, keys), bool(nearest(word, keys, 0.75))
 
 
@@ -268,8 +269,9 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
             lookalike(key.text) or "YAML needs one.",
             f"Write {word}: {rest.strip()}",
         )
-    if key.plain and empty and key.text.partition(" ")[0] in valid:
-        word, _, rest = key.text.partition(" ")
+    word = re.split("[ =]", key.text, maxsplit=1)[0]
+    rest = key.text[len(word) :]
+    if key.plain and empty and word in valid:
         return key.error(f"no colon in {quoted(key.text)}", "", f"Write {word}: {rest.lstrip(' =')}")
     if key.text == "<<":
         return key.error("'<<' merges mappings in YAML", "Merge keys are refused.", "Write the keys out.")

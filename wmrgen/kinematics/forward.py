@@ -85,9 +85,10 @@ def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist,
     if not rows:
         return (sympy.S.Zero,) * 3, sympy.S.Zero
     rank = nominal_rank(rows, robot)
-    if _expands(rows):
+    equations = _short_equations(rows)
+    if equations is None:
         return _step_by_step(rows, rank, names)
-    twist = _solved(*normal_equations(rows), rank)
+    twist = _solved(*equations, rank)
     if len(rows) <= FEW_ROWS:
         direct = [z - dot(r, twist) for r, z, _ in rows]
         if all(_negligible(p) for p in direct):
@@ -121,7 +122,7 @@ def _numbers(rows: list[Row], nominal: Mapping[str, Poly]) -> list[list[Exact]]:
 
 def normal_equations(rows: list[Measured]) -> tuple[Matrix, list[Poly]]:
     """H^T W H and H^T W z."""
-    normal = [[Poly.sum((r[i] * r[j]).scale(w) for r, _, w in rows) for j in range(3)] for i in range(3)]
+    normal = symmetric(lambda i, j: Poly.sum((r[i] * r[j]).scale(w) for r, _, w in rows))
     return normal, [Poly.sum((r[i] * z).scale(w) for r, z, w in rows) for i in range(3)]
 
 
@@ -137,16 +138,16 @@ def _fitted(rows: list[Measured], twist: list[Poly], names: Locals) -> tuple[Twi
     return _three(fits), norm(errors, weights=[weight for _, _, weight in rows])
 
 
-def _expands(rows: list[Measured]) -> bool:
-    """Whether cofactors of H^T H, written out in tunable parameters, have too many terms.
+def _short_equations(rows: list[Measured]) -> tuple[Matrix, list[Poly]] | None:
+    """The normal equations; None where cofactors of H^T H, written out in tunable parameters, have too many terms.
 
     With T terms in an entry of H^T H and M in one of H^T z, an entry of the twist has some T**2 M of them.
     """
-    size = sum(max(len(p.terms) for p in r) ** 2 for r, _, _ in rows)
-    if size <= MOST_TERMS:
-        normal, moment = normal_equations(rows)
-        size = max(len(p.terms) for row in normal for p in row) ** 2 * max(len(p.terms) for p in moment)
-    return size > MOST_TERMS
+    if sum(max(len(p.terms) for p in r) ** 2 for r, _, _ in rows) > MOST_TERMS:
+        return None
+    normal, moment = normal_equations(rows)
+    size = max(len(p.terms) for row in normal for p in row) ** 2 * max(len(p.terms) for p in moment)
+    return (normal, moment) if size <= MOST_TERMS else None
 
 
 def _step_by_step(rows: list[Measured], rank: NominalRank, names: Locals) -> tuple[Twist, Expr]:

@@ -11,7 +11,7 @@ from wmrgen.backends.report.letters import factored, pair, residual, square
 from wmrgen.backends.report.markdown import aligned, cut_note, math, matrix, some
 from wmrgen.backends.report.terms import width, wrapped
 from wmrgen.constraints import XI
-from wmrgen.exact.linalg import determinant
+from wmrgen.exact.linalg import Matrix, determinant
 from wmrgen.exact.poly import dot
 from wmrgen.kinematics.forward import normal_equations
 from wmrgen.kinematics.records import substituted
@@ -133,7 +133,8 @@ def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> li
     numbers = d.measured_at_nominal
     if len(rows) == 3 and d.determined:
         return square(d, rows)
-    normal = _normal(rows, numbers)
+    entries, _ = normal_equations(rows)
+    normal = _normal(entries, numbers)
     why = "The matrix does not depend on any joint angle."
     if any(c.wheel.turns for c in measured.contacts):
         why = (
@@ -151,13 +152,12 @@ def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> li
         "More rows than unknowns: the least-squares solution is",
         *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", normal),
         f"{why} It was inverted once, for this page.",
-        *_condition(rows),
+        *_condition(entries),
     ]
 
 
-def _normal(rows: list[Measured], numbers: list[Measured]) -> str:
+def _normal(normal: Matrix, numbers: list[Measured]) -> str:
     """H^T H in the named parameters where that is short, else in their values."""
-    normal, _ = normal_equations(rows)
     named = any(p.constant is None for row in normal for p in row if p)
     if named and max(len(p.terms) for row in normal for p in row) <= _ENTRY:
         entries = [[factored(p) for p in row] for row in normal]
@@ -166,10 +166,9 @@ def _normal(rows: list[Measured], numbers: list[Measured]) -> str:
     return matrix(normal_equations(numbers)[0])
 
 
-def _condition(rows: list[Measured]) -> list[str]:
+def _condition(normal: Matrix) -> list[str]:
     """The condition on the rank, and the determinant that it is about where that is short."""
     words = "The condition is that H has full column rank 3 (Tzafestas (2.8a)), det(HᵀH) ≠ 0"
-    normal, _ = normal_equations(rows)
     long = max(len(p.terms) for row in normal for p in row) > _ENTRY
     det = "" if long else factored(determinant(normal))
     if long or width(det) > _DET:

@@ -179,7 +179,7 @@ class _Lowering:
 
 def number_of(expr: Expr, other: Callable[[Expr], Exact | None] = lambda _: None) -> Exact | None:
     """A sympy number as a field element, ``other`` of a constant that the field does not hold. None with symbols."""
-    if expr.is_Symbol:
+    if isinstance(expr, sympy.Symbol):
         return None
     if isinstance(expr, sympy.Rational):
         return Exact.ratio(int(expr.p), int(expr.q))

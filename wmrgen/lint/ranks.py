@@ -98,7 +98,7 @@ def skids(subject: Subject) -> Iterator[Finding]:
     """Seen at the ground, the rollers of four mecanum wheels form an O: their lines run around the middle. Those of an
     X pass near it, so that the wheels hardly turn the robot, and not at all where wheelbase and track are equal. gamma
     is the angle at the ground; the rollers on top, which one sees, lie the other way. Of four wheels none, or all, are
-    turned so.""",
+    turned so, and none has a gamma of 0 where the others stand aslant.""",
     """
 wheels:
   - {name: fl, type: swedish, x: 0.2,  y: 0.25,  heading: 0, gamma: 45 deg,  r: 0.1}

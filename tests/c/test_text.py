@@ -246,6 +246,9 @@ def test_no_line_is_longer_than_a_reader_wants() -> None:
     noted = f"    const float t = {'a' * 60};"
     assert folded(f"{noted} /* {'b' * 40} */") == f"    /* {'b' * 40} */\n{noted}\n"
     assert folded(f"    {'A' * 60}, /**< {'b' * 60} */") == f"    {'A' * 60},\n        /**< {'b' * 60} */\n"
+    assert (
+        folded(f"#define {'A' * 60} 1.0 /**< {'b' * 60} */") == f"/** {'b' * 60} */\n#define {'A' * 60} 1.0\n"
+    )
     call = f"    f({', '.join(f'argument_{k}' for k in range(30))});"
     sums = f"    const float a = {' + '.join(f'(in->front.spin * {k}.25f)' for k in range(9))};"
     for statement in (long, call, sums):

@@ -111,9 +111,11 @@ def folded(text: str) -> str:
 def _folded(line: str) -> list[str]:
     bare = line.lstrip()
     indent = line[: len(line) - len(bare)]
-    if len(line) <= STATEMENT or bare[:1] in ("#", "/", "*") or '"' in line:
-        return [line]
     code, mark, note = line.partition(" /*")
+    if len(line) <= STATEMENT or bare[:1] in ("/", "*") or '"' in line or (bare[:1] == "#" and not mark):
+        return [line]
+    if bare[:1] == "#":
+        return [f"/*{note.replace('<', '', 1)}", code]
     if mark:
         lines = _folded(code.rstrip())
         # Doxygen looks for what a comment is about before it.

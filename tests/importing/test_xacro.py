@@ -164,6 +164,13 @@ def test_macros_called_without_the_prefix_are_told(wmrgen_cli: Cli, package: Pat
     path.write_text(path.read_text(encoding="utf-8").replace(link("base_link"), ""), encoding="utf-8")
     done = wmrgen_cli("import", path, "--package", f"parts={package}")
     assert done.code == 2 and "<wheels> has no prefix, and is passed over" in done.err
+    block = "<xacro:macro name='held' params='*where'>" + pair().replace(
+        '<origin xyz="0.05 0.25 0.1" rpy="0 0 0"/>', "<insert_block name='where'/>"
+    )
+    call = "</xacro:macro><xacro:held><origin xyz='0 0.3 0.1'/></xacro:held>"
+    done = wmrgen_cli("import", write(package, block, call))
+    assert done.code == 2 and "<insert_block> in 'left_joint' has no prefix, and is not read" in done.err
+    assert wmrgen_cli("import", write(package, block.replace("<ins", "<xacro:ins"), call)).code == 0
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element
 from wmrgen.errors import UsageError
 from wmrgen.importing import meshes, sdf, urdf
 from wmrgen.importing.controllers import plugin_controllers
-from wmrgen.importing.read import MAX_BYTES, below, children, local, parse, refuse
+from wmrgen.importing.read import MAX_BYTES, below, children, local, mark_of, parse, refuse
 from wmrgen.importing.records import Description
 from wmrgen.importing.xacro import macros, resolve
 from wmrgen.spec.text import bytes_of, printable, quoted, read_at_most
@@ -21,6 +21,7 @@ _URDF = (
     " safety_controller calibration"
 ).split()
 _PREFIX = "write xacro: before it, if it is a macro"
+_OF_XACRO = ("insert_block", "if", "unless")  # what stands in links and joints is not known without
 
 
 def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]) -> Description:
@@ -37,6 +38,13 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     if substituted:
         root, called = resolve(file, values, folders)
     passed = dict.fromkeys(local(e) for e in root if "}" not in str(e.tag)) if substituted else {}
+    for part in (*children(root, "joint"), *children(root, "link")) if substituted else ():
+        for each in part.iter():
+            if each.tag in _OF_XACRO:
+                what = (
+                    f"{name}: <{each.tag}> in {quoted(part.get('name', ''))} has no prefix, and is not read"
+                )
+                raise refuse(what, "", "Write xacro: before it.", mark_of(each))
     strange = [printable(tag)[:40] for tag in passed if tag and tag not in _URDF]
     if local(root) == "sdf":
         description = sdf.describe(root, name, lambda uri: _model(located(uri, file, folders)))

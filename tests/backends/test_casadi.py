@@ -14,7 +14,7 @@ import pytest
 from tests.backends.modules import MODULES, swerve, tunable
 from tests.backends.samples import samples
 from tests.robots import ROBOTS, of_gallery
-from wmrgen.backends.casadi import emit, functions
+from wmrgen.backends.casadi import OfColumns, emit, functions
 from wmrgen.backends.registry import Facts
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
 from wmrgen.ir.nodes import Module
@@ -88,3 +88,15 @@ def test_gallery(robot: str) -> None:
                 size = max(1.0, abs(expected[port]))
                 assert math.isclose(float(value), expected[port], abs_tol=1e-9 * size), (name, port, case)
             assert _finite(function, [case[n] for n in function.name_in()]), (name, case)
+
+
+def test_columns_are_computed_as_one_by_one() -> None:
+    """In blocks, of which the last has as many as are left."""
+    x = casadi.SX.sym("x", 2)
+    function = OfColumns(casadi.Function("f", [x], [casadi.vertcat(x[0] / x[1], casadi.sin(x[0]), x[1])]))
+    for count in (1, 5, 4096, 4099):
+        columns = np.arange(1.0, 2 * count + 1).reshape(2, count)
+        results = function(columns)
+        assert results.shape == (3, count)
+        for k in {0, count // 2, count - 1}:
+            assert np.array_equal(results[:, k], function.function(columns[:, k]).full().ravel())

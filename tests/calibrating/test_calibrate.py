@@ -89,10 +89,10 @@ def test_the_prior_is_a_tenth_of_a_parameter(nominal: float, unit: float) -> Non
 
 
 @pytest.mark.parametrize("name", ["differential", pytest.param("tricycle", marks=pytest.mark.slow)])
-def test_large_logs_begin_with_fewer_readings(
+def test_large_logs_are_fitted_by_all_readings_in_the_end_alone(
     tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And give what all readings give."""
+    """And give what all readings give; fewer tell slips, and how much parameters differ without each drive."""
     derivation = derivation_of(tmp_path, LAYOUTS[name])
     tracker = Tracker(0.04 - 0.07j, late=0.13, noise=(0.001, 0.002))
     encoders = Encoders(resolution=2 * np.pi / 1000, slip=0.003)
@@ -105,8 +105,11 @@ def test_large_logs_begin_with_fewer_readings(
         return serial(problem, unknowns, task)
 
     monkeypatch.setattr("wmrgen.calibrating.calibrate._ENOUGH", 500)
+    monkeypatch.setattr("wmrgen.calibrating.calibrate._FINER", 2)
     begun = calibrate(derivation, logs, [], each)
+    fine = [count > 0.7 * max(seen) for count in seen]
     assert min(seen) < 0.3 * max(seen)
+    assert all(fine[fine.index(True) :]) and sum(fine) < 8
     for parameter, estimate in begun.parameters.items():
         other = whole.parameters[parameter]
         assert abs(estimate.value - other.value) < 0.1 * other.sigma

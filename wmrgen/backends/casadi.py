@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import casadi as ca
@@ -23,6 +24,8 @@ from wmrgen.errors import UsageError
 from wmrgen.ir.calls import complete, defaults, self_contained
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import to_float64
+
+_BLOCK = 4096  # columns that are computed at a time
 
 
 def _apply(op: Op, args: list[ca.SX]) -> ca.SX:
@@ -74,8 +77,27 @@ class OfColumns(NamedTuple):
     function: ca.Function
 
     def __call__(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Results (outputs, N) of inputs (inputs, N)."""
-        return np.asarray(self.function(columns))
+        """Results (outputs, N) of inputs (inputs, N). CasADi reads and writes NumPy's arrays, a column after the other:
+        it takes longer to fill matrices of its own than to compute."""
+        results = np.empty((self.function.size1_out(0), columns.shape[1]))
+        for first in range(0, columns.shape[1], _BLOCK):
+            block = columns[:, first : first + _BLOCK].T
+            size = 1 << (len(block) - 1).bit_length()  # so that few sizes occur
+            inputs, outputs = np.zeros((size, len(columns))), np.empty((size, len(results)))
+            inputs[: len(block)] = block
+            memory: Any
+            memory, evaluate = _mapped(self.function, size).buffer()
+            memory.set_arg(0, inputs.data)
+            memory.set_res(0, outputs.data)
+            evaluate()
+            results[:, first : first + _BLOCK] = outputs[: len(block)].T
+        return results
+
+
+@lru_cache(maxsize=64)  # of every size that a few functions have: to make one takes as long as to call it
+def _mapped(function: ca.Function, columns: int) -> ca.Function:
+    """The function of so many columns at once."""
+    return function.map(columns)
 
 
 def sensitivity(

@@ -32,6 +32,7 @@ _FOLDS = 5  # parts that drives are left out in, one after the other
 _PASSES = 3  # in which slips are looked for
 _FEWEST = 3  # parts whose spread is a standard deviation
 _ENOUGH, _COARSE = 50_000, 0.25  # readings, and [s] between them, that tell nearly what all tell
+_FINER = 4  # times as many tell how parameters differ, too
 _PART = 200.0  # [s] of a long drive: each part has a start of its own
 _ROWS = 24  # of truth in such a part at least: twice as many numbers as it has unknowns of its own, and more
 _LARGE = 2**28  # bytes of logs and truths, above which they are read one at a time
@@ -126,12 +127,15 @@ def calibrate(
     moving = drifts(_coarser(first.problem), first.unknowns, each)
     best, slips = _without_slips(_without_jumps(first, moving, each), each)
     refuse_strangers(best, drives, lambda others: _about(replace(problem, drives=tuple(others)), each))
-    best = settled(_agreeing(best, each), each)
+    best = _settled(best, each)
     if best.problem.untold is not None:  # joints that disagree less show more slips
         best, more = _without_slips(best, each)
-        best, slips = _finely(best.problem, best.unknowns, each) if more else best, slips + more
+        slips += more
+    best = _finely(best, each, _FINER)
     parts = best if len(drives) > 1 else _in_parts(best, each)
-    others = [certainty.without(parts, fold, each) for fold in _folds(parts.problem)]
+    fewer = replace(parts, problem=_coarser(parts.problem, _FINER))
+    others = [certainty.without(fewer, fold, each) for fold in _folds(parts.problem)]
+    best = _finely(best, each, np.inf)
     weak = _unobservable(derivation.robot, best)
     return Calibration(
         _estimates(derivation.robot, best, _deviations(best, others if len(drives) > 1 else ()), weak), weak, best,
@@ -172,27 +176,28 @@ def _about(problem: Problem, each: Each, best: Fit | None = None) -> Fit:
     start, shared = near(coarse, each) if best is None else start_of(ready), len(ready.units)
     if best is not None:
         start[:shared] = best.unknowns[:shared]
-    solution, unknowns = solved(coarse, each, start)
-    if coarse is not ready:
-        solution = replace(ready, drives=during(ready, unknowns), scale=solution.scale)
-    return certainty.fit_at(solution, unknowns, each)
+    about = certainty.fit(coarse, each, start)
+    return about if coarse is ready else certainty.of_drives(about, during(ready, about.unknowns))
 
 
-def _finely(problem: Problem, unknowns: Reals, each: Each) -> Fit:
-    """The fit of large logs by all their readings, from ``unknowns`` on that a coarser problem has."""
-    if _passed_over(problem) > 1:
-        problem, unknowns = solved(problem, each, unknowns, rounds=2)
-    return certainty.fit_at(problem, unknowns, each)
+def _settled(best: Fit, each: Each) -> Fit:
+    """The fit where clocks agree as far as they do, and joints tell what the truth does not; of large logs about."""
+    coarse, drives = _coarser(certainty.agreeing(best)), best.problem.drives
+    best = settled(certainty.fit_at(coarse, nearest(coarse, best.unknowns, each), each), each)
+    return best if coarse.drives is drives else certainty.of_drives(best, drives)
 
 
-def _agreeing(best: Fit, each: Each) -> Fit:
-    problem = certainty.agreeing(best)
-    return _finely(problem, nearest(_coarser(problem), best.unknowns, each), each)
+def _finely(best: Fit, each: Each, finer: float) -> Fit:
+    """The fit of large logs by so many times more readings, from that of a coarser problem on."""
+    if _passed_over(best.problem) < 2:
+        return best
+    about = certainty.fit_at(*solved(_coarser(best.problem, finer), each, best.unknowns, rounds=1), each)
+    return certainty.of_drives(about, best.problem.drives)
 
 
-def _coarser(problem: Problem) -> Problem:
-    """The problem with about `_ENOUGH` readings, where there are twice as many that come often enough."""
-    if (times := _passed_over(problem)) < 2:
+def _coarser(problem: Problem, finer: float = 1) -> Problem:
+    """The problem with about `_ENOUGH` readings, or so many times more, where there are twice as many often enough."""
+    if (times := int(_passed_over(problem) / finer)) < 2:
         return problem
     return replace(problem, drives=tuple(drive.coarser(times, _COARSE) for drive in problem.drives))
 

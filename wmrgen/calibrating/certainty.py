@@ -32,6 +32,7 @@ from wmrgen.calibrating.fit import (
     residuals,
     solved,
 )
+from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Reals
 from wmrgen.calibrating.stored import chosen
 
@@ -79,6 +80,11 @@ def student(freedom: int) -> float:
 def fit(problem: Problem, each: Each, start: Reals) -> Fit:
     """The parameters under which paths and truth are nearest, from ``start`` on."""
     return fit_at(*solved(problem, each, start), each)
+
+
+def of_drives(about: Fit, drives: Sequence[Drive]) -> Fit:
+    """The fit of a coarser problem as that of the ``drives`` with all their readings."""
+    return replace(about, problem=replace(about.problem, drives=drives))
 
 
 def without(best: Fit, drives: Sequence[int], each: Each) -> Fit:

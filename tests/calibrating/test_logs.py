@@ -81,6 +81,7 @@ COMMAS = ": write commas between columns, and points in numbers"
 CUT = ", or the other file cut short? t is in seconds"
 CLOCK = ": they do not overlap; both need one clock, up to a second"
 WHOLE = ": readings have to be cumulative, without wrapping or restarts"
+UNREAD = " would be left unread: write the heading as theta [rad]"
 TURN = ", as what wraps at 2 pi"
 CHANGED: dict[str, tuple[Callable[[str], str], str]] = {
     "nan": (lambda s: s.replace(",-0.7\n", ",nan\n"), f"run.csv:9: right.angle is nan{MEND}"),
@@ -127,6 +128,10 @@ CHANGED: dict[str, tuple[Callable[[str], str], str]] = {
         lambda s: s.replace(",", ";").replace(".", ","),
         HEADER + f"t;left,angle;right,angle{COMMAS}",
     ),
+    "a comma too many": (
+        lambda s: s.replace("\n", ",\n"),
+        "run.csv:1: the last column has no name in t,left.angle,right.angle,: is there a comma too many?",
+    ),
     "twice": (
         lambda s: s.replace("right", "left", 1),
         "run.csv:1: a column stands twice in t,left.angle,left.angle",
@@ -148,6 +153,23 @@ REFUSED: dict[str, tuple[Mapping[str, Reals], Mapping[str, Reals], str]] = {
         "run.csv: left.counts needs counts per turn: write encoder: of left in the robot file",
     ),
     "no pose": (LOG, {"t": T, "z": T}, "true.csv: none of the columns x, y and theta is there, only t, z"),
+    "a yaw": (
+        LOG,
+        {**without(TRUTH, "theta"), "yaw": T[::5]},
+        f"true.csv:1: yaw{UNREAD}, or delete what is no heading",
+    ),
+    "a quaternion": (
+        LOG,
+        {**without(TRUTH, "theta"), **{f"orientation.{axis}": T[::5] for axis in "zw"}},
+        f"true.csv:1: orientation.z, orientation.w{UNREAD}, which is atan2(2 (w z + x y), 1 - 2 (y^2 + z^2)) of a "
+        "quaternion, or delete what is no heading",
+    ),
+    "a quaternion's letters": (
+        LOG,
+        {**without(TRUTH, "theta"), "qz": T[::5], "qw": T[::5]},
+        f"true.csv:1: qw{UNREAD}, which is atan2(2 (w z + x y), 1 - 2 (y^2 + z^2)) of a quaternion, or delete what "
+        "is no heading",
+    ),
     "one pose": (
         LOG,
         {"t": T, "x": np.where(T < 0.05, 0.0, np.nan)},
@@ -258,6 +280,12 @@ def test_what_is_refused(tmp_path: Path, case: str) -> None:
 )
 def test_what_is_not(tmp_path: Path, log: Mapping[str, Reals], truth: Mapping[str, Reals]) -> None:
     assert len(drive(tmp_path, log, truth).t) == len(log["t"])
+
+
+def test_a_text_in_other_bytes_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text(csv(LOG), encoding="utf-16")
+    with pytest.raises(UsageError, match=r"run\.csv: it is no text in UTF-8: save it as CSV in UTF-8"):
+        read(tmp_path / "run.csv", tmp_path / "true.csv", JOINTS, {})
 
 
 def test_lines_without_cells_and_empty_cells_of_a_truth(tmp_path: Path) -> None:

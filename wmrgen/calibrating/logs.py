@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import re
-import warnings
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -15,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.calibrating.path import Reals
+from wmrgen.calibrating.tables import table_of, times_of, without_other_headings
 from wmrgen.errors import UsageError
 
 _GAP = 20.0  # times the median step: during a longer one nobody knows how the robot moved
@@ -23,7 +20,6 @@ _JUMP = 3.0  # [rad] in one step, where ten times less is usual: a reading that 
 _WRAPS = 6.4  # [rad] steering angles that wrap lie within one turn
 _STANDS = (1.0, 0.02)  # [s], [rad]
 _TRUTH = ("x", "y", "theta")
-_COMMAS = ": write commas between columns, and points in numbers"
 _SECONDS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 _UNLIKE = 300.0  # times as long as the log: no truth that belongs to it is
 _SPARSE = 5.0  # [s] between readings: nobody logs a drive like that
@@ -91,10 +87,11 @@ class Drive:
 def read(log: Path, truth: Path, joints: Sequence[str], turns: Mapping[str, float]) -> Drive:
     """A log and its truth. ``joints``: the readings that the robot's `forward` takes; ``turns``: counts per turn by
     joint, of those with an encoder in the robot file. UsageError, with the line, for what is no such log."""
-    table = _table(log, empty=False)
-    t = _times(log, table)
-    poses = _table(truth, empty=True)
-    at = _times(truth, poses)
+    table = table_of(log, empty=False)
+    t = times_of(log, table)
+    poses = table_of(truth, empty=True)
+    at = times_of(truth, poses)
+    without_other_headings(truth, poses)
     if not set(_TRUTH) & set(poses):
         raise UsageError(f"{truth}: none of the columns x, y and theta is there, only {', '.join(poses)}")
     _same_clock(log, t, truth, at)
@@ -106,95 +103,6 @@ def read(log: Path, truth: Path, joints: Sequence[str], turns: Mapping[str, floa
     if result.truth.measured < 2:
         raise UsageError(f"{truth}: of x, y and theta one at least has to be measured twice")
     return result
-
-
-def _table(path: Path, empty: bool) -> dict[str, Reals]:
-    """Columns by name. ``empty``: a cell may be empty, which is nan."""
-    try:
-        with path.open(encoding="utf-8-sig") as stream:
-            header = [name.strip() for name in next(csv.reader(stream), [])]
-            _check_header(path, header)
-            numbers = np.empty((0, 0))
-            with warnings.catch_warnings(action="ignore"), suppress(ValueError):  # which are told by line
-                numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
-            if numbers.shape[1] != len(header):
-                numbers = _by_line(path, header, empty)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise UsageError(f"{path}: it cannot be read: {error}") from None
-    if len(numbers) < 2:
-        raise UsageError(f"{path}: at least two rows are needed below the header; it has {len(numbers)}")
-    bad = np.isinf(numbers) | (np.isnan(numbers) & [not empty or name == "t" for name in header])
-    if bad.any():
-        row, column = (int(i[0]) for i in np.nonzero(bad))
-        raise UsageError(
-            f"{path}:{row + 2}: {header[column]} is {numbers[row, column]}: delete or mend that row"
-        )
-    return dict(zip(header, numbers.T.copy(), strict=True))
-
-
-def _check_header(path: Path, header: Sequence[str]) -> None:
-    """Refuse a header without a column t, and one in which a name stands twice."""
-    reads = ",".join(header)[:200]
-    if "t" not in header:
-        raise UsageError(
-            f"{path}:1: the header has no column t [s]; it reads {reads or 'nothing'}{_instead(header)}"
-        )
-    if len(set(header)) < len(header):
-        raise UsageError(f"{path}:1: a column stands twice in {reads}")
-
-
-def _instead(header: Sequence[str]) -> str:
-    """What to do about a ``header`` without a column t."""
-    first = header[0] if header else ""
-    if re.match(r"#?\s*t\s*[;|\s]\s*\w", first):
-        return _COMMAS
-    if re.match(r"[-+.\d]", first):
-        return ": the first row has to name the columns"
-    return f": is {first} meant?" if re.match(r"(?i)\W*t(ime|imestamp)?\b", first) else ""
-
-
-def _by_line(path: Path, header: Sequence[str], empty: bool) -> Reals:
-    """Rows one by one, for a file with empty cells, or to find the line that is wrong."""
-    rows = []
-    with path.open(encoding="utf-8-sig", newline="") as stream:
-        reader = csv.reader(stream)
-        next(reader)
-        for cells in reader:
-            if not cells:
-                continue
-            if len(cells) != len(header):
-                hint = _COMMAS * (len(cells) == 1 or len(cells) > len(header) + 1)
-                raise UsageError(
-                    f"{path}:{reader.line_num}: the row has {len(cells)} cells, the header {len(header)}{hint}"
-                )
-            row = zip(header, cells, strict=True)
-            rows.append([_number(path, reader.line_num, name, cell, empty) for name, cell in row])
-    return np.array(rows).reshape(-1, len(header))
-
-
-def _number(path: Path, line: int, name: str, cell: str, empty: bool) -> float:
-    """A cell of the column ``name``."""
-    if empty and not cell.strip():
-        return float("nan")
-    try:
-        return float(cell)
-    except ValueError:
-        point = re.fullmatch(r"\s*[-+]?\d*,\d*\s*", cell)
-        hint = "write points in numbers" if point else "delete or mend that row"
-        raise UsageError(f"{path}:{line}: {name} is {cell!r}, which is no number: {hint}") from None
-
-
-def _times(path: Path, table: Mapping[str, Reals]) -> Reals:
-    """The column t, which has to rise, and be in seconds."""
-    t = table["t"]
-    step = np.diff(t)
-    if not np.all(step > 0):
-        row = int(np.argmin(step > 0))
-        raise UsageError(
-            f"{path}:{row + 3}: t does not rise: {t[row + 1]:.15g} after {t[row]:.15g}; sort the rows, and leave "
-            "doubles out"
-        )
-    return t
 
 
 def _increments(

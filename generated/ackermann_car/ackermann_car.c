@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_9503395fb0a90e57)
+#if !defined(ACKERMANN_CAR_PAIR_a32d2cf62686df5c)
 #error "this file and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -219,13 +219,11 @@ void ackermann_car_inverse(
     /* t of front_left */
     const float front_left_t = wmrgen_clamp(t1 / wmrgen_at_least(front_left_p, 1e-20f), 0.83909965f);
     const float t3 = ((fabsf(front_left_p) + t2) < 2e-20f)
-        ? wmrgen_clamp(now->front_left.steer, 0.6981317f)
-        : wmrgen_arctangent(front_left_t);
+        ? wmrgen_clamp(now->front_left.steer, 0.6981317f) : wmrgen_arctangent(front_left_t);
     /* t of front_right */
     const float front_right_t = wmrgen_clamp(t1 / wmrgen_at_least(front_right_p, 1e-20f), 0.83909965f);
     const float t4 = ((t2 + fabsf(front_right_p)) < 2e-20f)
-        ? wmrgen_clamp(now->front_right.steer, 0.6981317f)
-        : wmrgen_arctangent(front_right_t);
+        ? wmrgen_clamp(now->front_right.steer, 0.6981317f) : wmrgen_arctangent(front_right_t);
 
     out->rear_left.spin = 3.3333333f * front_left_p;
     out->rear_right.spin = 3.3333333f * front_right_p;
@@ -261,21 +259,16 @@ void ackermann_car_forward(const ackermann_car_wheels *wheels, ackermann_car_twi
 {
 #if defined(WMRGEN_SMALL)
     float slip;
-
     ackermann_car_forward_slip(wheels, twist, &slip);
-    (void)slip;
 #else
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
     /* omega in H, row of front_right */
     const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y));
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
-    /* omega in H, row of front_left */
-    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x);
-    /* HtH[2][2] */
-    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f));
+    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* omega in H, row of front_left */
+    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f)); /* HtH[2][2] */
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
-    /* HtH[1][1] */
-    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f));
+    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
     const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
     const float t0 = fmaf(front_left.x, front_left.y, front_right.x * front_right.y);
     const float t1 = fmaf(front_left.y, front_left_rw, front_right.y * front_right_rw);
@@ -285,8 +278,7 @@ void ackermann_car_forward(const ackermann_car_wheels *wheels, ackermann_car_twi
     const float t3 = wheels->rear_left.spin + wheels->rear_right.spin;
     const float b0 = 0.3f * t3; /* Htz[0] */
     const float adj01 = fmaf(n22, t0, -(n12 * t1)); /* adj(HtH)[0][1] */
-    /* HtH[0][0] */
-    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f));
+    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f)); /* HtH[0][0] */
     const float det = fmaf(-t1, adj02, fmaf(adj00, n00, -(t0 * adj01))); /* det(HtH) */
     const float t4 = (det < 2.25f) ? 2.25f : det;
     const float t5 = 1.0f / t4;
@@ -308,13 +300,10 @@ void ackermann_car_forward_slip(
     /* omega in H, row of front_right */
     const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y));
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
-    /* omega in H, row of front_left */
-    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x);
-    /* HtH[2][2] */
-    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f));
+    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* omega in H, row of front_left */
+    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f)); /* HtH[2][2] */
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
-    /* HtH[1][1] */
-    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f));
+    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
     const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
     const float t0 = fmaf(front_left.x, front_left.y, front_right.x * front_right.y);
     const float t1 = fmaf(front_left.y, front_left_rw, front_right.y * front_right_rw);
@@ -324,8 +313,7 @@ void ackermann_car_forward_slip(
     const float t3 = wheels->rear_left.spin + wheels->rear_right.spin;
     const float b0 = 0.3f * t3; /* Htz[0] */
     const float adj01 = fmaf(n22, t0, -(n12 * t1)); /* adj(HtH)[0][1] */
-    /* HtH[0][0] */
-    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f));
+    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f)); /* HtH[0][0] */
     const float det = fmaf(-t1, adj02, fmaf(adj00, n00, -(t0 * adj01))); /* det(HtH) */
     const float t4 = (det < 2.25f) ? 2.25f : det;
     const float t5 = 1.0f / t4;

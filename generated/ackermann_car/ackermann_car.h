@@ -30,7 +30,7 @@
 
 #define ACKERMANN_CAR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define ACKERMANN_CAR_MODEL_HASH "eb341e17855b1420cc6ca418307addae" /**< digest of the model */
-#define ACKERMANN_CAR_PAIR_9503395fb0a90e57 1 /**< header and source of one run have the same */
+#define ACKERMANN_CAR_PAIR_a32d2cf62686df5c 1 /**< header and source of one run have the same */
 #define ACKERMANN_CAR_WHEELS 4 /**< how many wheels the robot has */
 #define ACKERMANN_CAR_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define ACKERMANN_CAR_REAR_LEFT_Y 0.75f /**< [m] pivot, to the left of P */

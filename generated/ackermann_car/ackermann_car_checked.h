@@ -21,7 +21,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_9503395fb0a90e57)
+#if !defined(ACKERMANN_CAR_PAIR_a32d2cf62686df5c)
 #error "this file and ackermann_car.h were not generated together: copy both"
 #endif
 

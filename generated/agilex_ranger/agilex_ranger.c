@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_c221aa4f3639fe98)
+#if !defined(AGILEX_RANGER_PAIR_d26740bb2e5b0579)
 #error "this file and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -325,9 +325,7 @@ void agilex_ranger_forward(const agilex_ranger_wheels *wheels, agilex_ranger_twi
 {
 #if defined(WMRGEN_SMALL)
     float slip;
-
     agilex_ranger_forward_slip(wheels, twist, &slip);
-    (void)slip;
 #else
     const wmrgen_vector front_right = wmrgen_vector_at(wheels->front_right.spin, wheels->front_right.steer);
     const wmrgen_vector rear_right = wmrgen_vector_at(wheels->rear_right.spin, wheels->rear_right.steer);

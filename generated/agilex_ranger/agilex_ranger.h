@@ -30,7 +30,7 @@
 
 #define AGILEX_RANGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define AGILEX_RANGER_MODEL_HASH "1cc967953353cbc07b77f77a5a26ce44" /**< digest of the model */
-#define AGILEX_RANGER_PAIR_c221aa4f3639fe98 1 /**< header and source of one run have the same */
+#define AGILEX_RANGER_PAIR_d26740bb2e5b0579 1 /**< header and source of one run have the same */
 #define AGILEX_RANGER_WHEELS 4 /**< how many wheels the robot has */
 #define AGILEX_RANGER_FRONT_LEFT_X 0.45f /**< [m] pivot, forward of P */
 #define AGILEX_RANGER_FRONT_LEFT_Y 0.28f /**< [m] pivot, to the left of P */

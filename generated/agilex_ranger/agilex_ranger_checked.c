@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(AGILEX_RANGER_PAIR_c221aa4f3639fe98)
+#if !defined(AGILEX_RANGER_PAIR_d26740bb2e5b0579)
 #error "this file and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -71,16 +71,13 @@ agilex_ranger_status agilex_ranger_inverse_checked(
     }
     if (status != AGILEX_RANGER_OK) {
         out->front_left.spin = 0.0f;
-        out->front_left.steer = agilex_ranger_between(
-            agilex_ranger_held(now->front_left.steer), -1.57f, 1.57f);
+        out->front_left.steer = agilex_ranger_between(agilex_ranger_held(now->front_left.steer), -1.57f, 1.57f);
         out->front_right.spin = 0.0f;
-        out->front_right.steer = agilex_ranger_between(
-            agilex_ranger_held(now->front_right.steer), -1.57f, 1.57f);
+        out->front_right.steer = agilex_ranger_between(agilex_ranger_held(now->front_right.steer), -1.57f, 1.57f);
         out->rear_left.spin = 0.0f;
         out->rear_left.steer = agilex_ranger_between(agilex_ranger_held(now->rear_left.steer), -1.57f, 1.57f);
         out->rear_right.spin = 0.0f;
-        out->rear_right.steer = agilex_ranger_between(
-            agilex_ranger_held(now->rear_right.steer), -1.57f, 1.57f);
+        out->rear_right.steer = agilex_ranger_between(agilex_ranger_held(now->rear_right.steer), -1.57f, 1.57f);
     }
     return status;
 }

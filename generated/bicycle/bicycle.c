@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_74b0a35be6021f68)
+#if !defined(BICYCLE_PAIR_065d409bb6559e9b)
 #error "this file and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -265,9 +265,7 @@ void bicycle_forward(const bicycle_wheels *wheels, bicycle_twist *twist)
 {
 #if defined(WMRGEN_SMALL)
     float slip;
-
     bicycle_forward_slip(wheels, twist, &slip);
-    (void)slip;
 #else
     const wmrgen_vector front = wmrgen_direction(wheels->front.steer);
     const float t0 = front.y * front.x;

@@ -28,7 +28,7 @@
 
 #define BICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define BICYCLE_MODEL_HASH "00ce97b9fe339a18cd2e3102598225a0" /**< digest of the model */
-#define BICYCLE_PAIR_74b0a35be6021f68 1 /**< header and source of one run have the same */
+#define BICYCLE_PAIR_065d409bb6559e9b 1 /**< header and source of one run have the same */
 #define BICYCLE_WHEELS 2 /**< how many wheels the robot has */
 #define BICYCLE_REAR_X 0.0f /**< [m] pivot, forward of P */
 #define BICYCLE_REAR_Y 0.0f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_74b0a35be6021f68)
+#if !defined(BICYCLE_PAIR_065d409bb6559e9b)
 #error "this file and bicycle.h were not generated together: copy both"
 #endif
 

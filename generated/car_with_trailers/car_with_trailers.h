@@ -30,7 +30,7 @@
 
 #define CAR_WITH_TRAILERS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CAR_WITH_TRAILERS_MODEL_HASH "514fceca77c136231e62d89367bd4e18" /**< digest of the model */
-#define CAR_WITH_TRAILERS_PAIR_8336de83fd8c7524 1 /**< header and source of one run have the same */
+#define CAR_WITH_TRAILERS_PAIR_948051b4e29e6d20 1 /**< header and source of one run have the same */
 #define CAR_WITH_TRAILERS_WHEELS 4 /**< how many wheels the robot has */
 #define CAR_WITH_TRAILERS_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define CAR_WITH_TRAILERS_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_8336de83fd8c7524)
+#if !defined(CAR_WITH_TRAILERS_PAIR_948051b4e29e6d20)
 #error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_82887548992b8cac)
+#if !defined(CARE_O_BOT_4_PAIR_c570dc07c1b5c1cc)
 #error "this file and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -230,11 +230,9 @@ void care_o_bot_4_inverse(
     /* v_Ay of fl, v_Ay of fr */
     const float fl_y = fmaf(1.282692e-09f, twist->omega, fmaf(0.12422f, twist->omega, twist->vy));
     const wmrgen_wheel fl = wmrgen_steer_along(fl_x, fl_y, now->fl.steer, 13.333333f);
-    /* v_Ay of b */
-    const float b_y = fmaf((-2.565384e-09f), twist->omega, fmaf((-0.24844f), twist->omega, twist->vy));
+    const float b_y = fmaf((-2.565384e-09f), twist->omega, fmaf((-0.24844f), twist->omega, twist->vy)); /* v_Ay of b */
     const wmrgen_wheel b = wmrgen_steer_along(twist->vx, b_y, now->b.steer, 13.333333f);
-    /* v_Ax of fr */
-    const float fr_x = fmaf(1.335144e-09f, twist->omega, fmaf(0.21515f, twist->omega, twist->vx));
+    const float fr_x = fmaf(1.335144e-09f, twist->omega, fmaf(0.21515f, twist->omega, twist->vx)); /* v_Ax of fr */
     const wmrgen_wheel fr = wmrgen_steer_along(fr_x, fl_y, now->fr.steer, 13.333333f);
 
     out->fl.spin = fl.spin;

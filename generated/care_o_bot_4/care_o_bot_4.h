@@ -29,7 +29,7 @@
 
 #define CARE_O_BOT_4_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CARE_O_BOT_4_MODEL_HASH "6c0475b2a097b6eacee6948b51e5ceaf" /**< digest of the model */
-#define CARE_O_BOT_4_PAIR_82887548992b8cac 1 /**< header and source of one run have the same */
+#define CARE_O_BOT_4_PAIR_c570dc07c1b5c1cc 1 /**< header and source of one run have the same */
 #define CARE_O_BOT_4_WHEELS 3 /**< how many wheels the robot has */
 #define CARE_O_BOT_4_FL_X 0.12422f /**< [m] pivot, forward of P */
 #define CARE_O_BOT_4_FL_Y 0.21515f /**< [m] pivot, to the left of P */

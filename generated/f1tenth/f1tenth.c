@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_143b2e7e0bf91653)
+#if !defined(F1TENTH_PAIR_e4cc340f0d2965b9)
 #error "this file and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -209,11 +209,9 @@ float *f1tenth_joint(f1tenth_wheels *wheels, int joint)
 void f1tenth_inverse(const f1tenth_twist *twist, const f1tenth_wheels *now, f1tenth_wheels *out)
 {
     const float front_q = 0.3302f * twist->omega; /* q of front */
-    /* t of front */
-    const float front_t = wmrgen_clamp(front_q / wmrgen_at_least(twist->vx, 1e-20f), 0.4452287f);
+    const float front_t = wmrgen_clamp(front_q / wmrgen_at_least(twist->vx, 1e-20f), 0.4452287f); /* t of front */
     const float t0 = ((fabsf(twist->vx) + fabsf(front_q)) < 2e-20f)
-        ? wmrgen_clamp(now->front.steer, 0.41887903f)
-        : wmrgen_arctangent(front_t);
+        ? wmrgen_clamp(now->front.steer, 0.41887903f) : wmrgen_arctangent(front_t);
 
     out->front.steer = t0;
     out->rear.spin = 20.0f * twist->vx;
@@ -223,8 +221,7 @@ void f1tenth_inverse_slip(const f1tenth_twist *twist, const f1tenth_wheels *whee
 {
     (void)wheels;
     const float front_q = 0.3302f * twist->omega; /* q of front */
-    /* t of front */
-    const float front_t = wmrgen_clamp(front_q / wmrgen_at_least(twist->vx, 1e-20f), 0.4452287f);
+    const float front_t = wmrgen_clamp(front_q / wmrgen_at_least(twist->vx, 1e-20f), 0.4452287f); /* t of front */
     const float t0 = fmaf(-twist->vx, front_t, front_q) / sqrtf(fmaf(front_t, front_t, 1.0f));
     const float t1 = fabsf(fmaf((-0.17145f), twist->omega, twist->vy));
 
@@ -235,9 +232,7 @@ void f1tenth_forward(const f1tenth_wheels *wheels, f1tenth_twist *twist)
 {
 #if defined(WMRGEN_SMALL)
     float slip;
-
     f1tenth_forward_slip(wheels, twist, &slip);
-    (void)slip;
 #else
     const wmrgen_vector front = wmrgen_direction(wheels->front.steer);
     const float t0 = front.x * front.x;

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(JPL_OSR_PAIR_38a150cb82f7572a)
+#if !defined(JPL_OSR_PAIR_c4f542853c359be9)
 #error "this file and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -227,8 +227,7 @@ void jpl_osr_inverse(const jpl_osr_twist *twist, const jpl_osr_wheels *now, jpl_
     const float t1 = 0.274f * twist->omega;
     const wmrgen_wheel left_front = wmrgen_steer_along(left_front_x, t1, now->left_front.steer, 13.333333f);
     const float right_front_x = twist->vx + t0; /* v_Ax of right_front, v_Ax of right_back */
-    const wmrgen_wheel right_front = wmrgen_steer_along(
-        right_front_x, t1, now->right_front.steer, 13.333333f);
+    const wmrgen_wheel right_front = wmrgen_steer_along(right_front_x, t1, now->right_front.steer, 13.333333f);
     const float t2 = (-0.31f) * twist->omega;
     const wmrgen_wheel left_back = wmrgen_steer_along(left_front_x, t2, now->left_back.steer, 13.333333f);
     const wmrgen_wheel right_back = wmrgen_steer_along(right_front_x, t2, now->right_back.steer, 13.333333f);
@@ -258,9 +257,7 @@ void jpl_osr_forward(const jpl_osr_wheels *wheels, jpl_osr_twist *twist)
 {
 #if defined(WMRGEN_SMALL)
     float slip;
-
     jpl_osr_forward_slip(wheels, twist, &slip);
-    (void)slip;
 #else
     const wmrgen_vector right_front = wmrgen_vector_at(wheels->right_front.spin, wheels->right_front.steer);
     const wmrgen_vector right_back = wmrgen_vector_at(wheels->right_back.spin, wheels->right_back.steer);

@@ -32,7 +32,7 @@
 
 #define JPL_OSR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define JPL_OSR_MODEL_HASH "546dd5148817b2390743f7f6ea6050f2" /**< digest of the model */
-#define JPL_OSR_PAIR_38a150cb82f7572a 1 /**< header and source of one run have the same */
+#define JPL_OSR_PAIR_c4f542853c359be9 1 /**< header and source of one run have the same */
 #define JPL_OSR_WHEELS 6 /**< how many wheels the robot has */
 #define JPL_OSR_LEFT_FRONT_X 0.274f /**< [m] pivot, forward of P */
 #define JPL_OSR_LEFT_FRONT_Y 0.177f /**< [m] pivot, to the left of P */

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_f7f90ada2cc82c0e)
+#if !defined(KELLY_4WS_PAIR_aae66698ca4b1edf)
 #error "this file and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -269,9 +269,7 @@ void kelly_4ws_forward(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist)
 {
 #if defined(WMRGEN_SMALL)
     float slip;
-
     kelly_4ws_forward_slip(wheels, twist, &slip);
-    (void)slip;
 #else
     const float t0 = fmaf(0.07f, wheels->w1.steer_rate, 0.1f * wheels->w1.spin);
     const float t1 = fmaf(0.1f, wheels->w2.spin, -(0.07f * wheels->w2.steer_rate));

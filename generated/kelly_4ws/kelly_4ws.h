@@ -30,7 +30,7 @@
 
 #define KELLY_4WS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KELLY_4WS_MODEL_HASH "b1fc9d5996d9038f1412f2205b2f7f8f" /**< digest of the model */
-#define KELLY_4WS_PAIR_f7f90ada2cc82c0e 1 /**< header and source of one run have the same */
+#define KELLY_4WS_PAIR_aae66698ca4b1edf 1 /**< header and source of one run have the same */
 #define KELLY_4WS_WHEELS 4 /**< how many wheels the robot has */
 #define KELLY_4WS_W1_X 0.5f /**< [m] pivot, forward of P */
 #define KELLY_4WS_W1_Y 0.3f /**< [m] pivot, to the left of P */

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_a469b4d53a569509)
+#if !defined(NEOBOTIX_MPO_700_PAIR_f3e389c4a45b4f65)
 #error "this file and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -235,8 +235,7 @@ void neobotix_mpo_700_inverse(
     const float front_left_x = fmaf((-2.3841857e-09f), twist->omega, fmaf((-0.19f), twist->omega, twist->vx));
     /* v_Ay of front_left, v_Ay of front_right */
     const float front_left_y = fmaf(5.3644182e-09f, twist->omega, fmaf(0.24f, twist->omega, twist->vy));
-    const wmrgen_wheel front_left = wmrgen_steer_along(
-        front_left_x, front_left_y, now->front_left.steer, 1.0f);
+    const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, now->front_left.steer, 1.0f);
     const float t0 = 0.5f * twist->omega;
     const float t1 = -t0;
     /* v_Ay of back_left, v_Ay of back_right */
@@ -244,10 +243,8 @@ void neobotix_mpo_700_inverse(
     const wmrgen_wheel back_left = wmrgen_steer_along(front_left_x, back_left_y, now->back_left.steer, 1.0f);
     /* v_Ax of back_right, v_Ax of front_right */
     const float back_right_x = fmaf(2.3841857e-09f, twist->omega, fmaf(0.19f, twist->omega, twist->vx));
-    const wmrgen_wheel back_right = wmrgen_steer_along(
-        back_right_x, back_left_y, now->back_right.steer, 1.0f);
-    const wmrgen_wheel front_right = wmrgen_steer_along(
-        back_right_x, front_left_y, now->front_right.steer, 1.0f);
+    const wmrgen_wheel back_right = wmrgen_steer_along(back_right_x, back_left_y, now->back_right.steer, 1.0f);
+    const wmrgen_wheel front_right = wmrgen_steer_along(back_right_x, front_left_y, now->front_right.steer, 1.0f);
 
     out->front_left.spin = fmaf(11.111111f, front_left.spin, t1);
     out->front_left.steer = front_left.steer;
@@ -274,9 +271,7 @@ void neobotix_mpo_700_forward(const neobotix_mpo_700_wheels *wheels, neobotix_mp
 {
 #if defined(WMRGEN_SMALL)
     float slip;
-
     neobotix_mpo_700_forward_slip(wheels, twist, &slip);
-    (void)slip;
 #else
     const float t0 = fmaf(0.045f, wheels->front_left.steer_rate, 0.09f * wheels->front_left.spin);
     const float t1 = fmaf(0.09f, wheels->front_right.spin, -(0.045f * wheels->front_right.steer_rate));

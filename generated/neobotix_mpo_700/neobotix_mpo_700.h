@@ -30,7 +30,7 @@
 
 #define NEOBOTIX_MPO_700_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEOBOTIX_MPO_700_MODEL_HASH "14fee83bd1677f8be7da3569bb4afc8e" /**< digest of the model */
-#define NEOBOTIX_MPO_700_PAIR_a469b4d53a569509 1 /**< header and source of one run have the same */
+#define NEOBOTIX_MPO_700_PAIR_f3e389c4a45b4f65 1 /**< header and source of one run have the same */
 #define NEOBOTIX_MPO_700_WHEELS 4 /**< how many wheels the robot has */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_X 0.24f /**< [m] pivot, forward of P */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_Y 0.19f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_a469b4d53a569509)
+#if !defined(NEOBOTIX_MPO_700_PAIR_f3e389c4a45b4f65)
 #error "this file and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_c7c3f11d07e478ed)
+#if !defined(NOMAD_XR4000_PAIR_08548711ef44c144)
 #error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -206,9 +206,7 @@ void nomad_xr4000_forward(const nomad_xr4000_wheels *wheels, nomad_xr4000_twist 
 {
 #if defined(WMRGEN_SMALL)
     float slip;
-
     nomad_xr4000_forward_slip(wheels, twist, &slip);
-    (void)slip;
 #else
     const wmrgen_vector castor3 = wmrgen_direction(wheels->castor3.steer);
     const float t0 = 2.75f * wheels->castor3.spin;

@@ -31,7 +31,7 @@
 
 #define NOMAD_XR4000_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NOMAD_XR4000_MODEL_HASH "e6629df82322512a5508721327ea0db4" /**< digest of the model */
-#define NOMAD_XR4000_PAIR_c7c3f11d07e478ed 1 /**< header and source of one run have the same */
+#define NOMAD_XR4000_PAIR_08548711ef44c144 1 /**< header and source of one run have the same */
 #define NOMAD_XR4000_WHEELS 4 /**< how many wheels the robot has */
 #define NOMAD_XR4000_CASTOR1_X 0.2f /**< [m] pivot, forward of P */
 #define NOMAD_XR4000_CASTOR1_Y 0.2f /**< [m] pivot, to the left of P */

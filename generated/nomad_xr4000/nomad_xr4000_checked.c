@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NOMAD_XR4000_PAIR_c7c3f11d07e478ed)
+#if !defined(NOMAD_XR4000_PAIR_08548711ef44c144)
 #error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_cebf143a81faeae2)
+#if !defined(PR2_PAIR_b464f815443331d3)
 #error "this file and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -276,9 +276,7 @@ void pr2_forward(const pr2_wheels *wheels, pr2_twist *twist)
 {
 #if defined(WMRGEN_SMALL)
     float slip;
-
     pr2_forward_slip(wheels, twist, &slip);
-    (void)slip;
 #else
     const wmrgen_vector br_l = wmrgen_direction(wheels->br_l.steer);
     const wmrgen_vector br_r = wmrgen_direction(wheels->br_r.steer);

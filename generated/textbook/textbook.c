@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_PAIR_68c11b4eebb29003)
+#if !defined(TEXTBOOK_PAIR_7c40415677b00af5)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -884,8 +884,7 @@ void textbook_articulated_wheel_acceleration(
     const float t13 = 2.0f * t12;
     const float t14 = fmaf(in->omega_vehicle.z, t11 - t13, fmaf(in->omega_steer.z, t10 - t9, t8));
     const float t15 = fmaf(in->r_steer.x, in->alpha_steer.z, in->r_vehicle.x * in->alpha_vehicle.z);
-    const float t16 = fmaf(
-        -in->r_vehicle.z, in->alpha_vehicle.x, fmaf(-in->r_steer.z, in->alpha_steer.x, t15));
+    const float t16 = fmaf(-in->r_vehicle.z, in->alpha_vehicle.x, fmaf(-in->r_steer.z, in->alpha_steer.x, t15));
     const float t17 = in->a_vehicle.y + (in->a_steer.y + (in->a_o.y + t16));
     const float t18 = fmaf(-in->omega_vehicle.x, t3, fmaf(-in->omega_steer.x, t4, t17));
     const float t19 = fmaf(in->omega_steer.y, in->r_steer.z, -(in->r_steer.y * in->omega_steer.z));
@@ -895,8 +894,7 @@ void textbook_articulated_wheel_acceleration(
     const float t23 = (2.0f * t21) + t22;
     const float t24 = fmaf(in->omega_vehicle.z, t23, fmaf(in->omega_steer.z, t20, t18));
     const float t25 = fmaf(in->r_steer.y, in->alpha_steer.x, in->r_vehicle.y * in->alpha_vehicle.x);
-    const float t26 = fmaf(
-        -in->r_vehicle.x, in->alpha_vehicle.y, fmaf(-in->r_steer.x, in->alpha_steer.y, t25));
+    const float t26 = fmaf(-in->r_vehicle.x, in->alpha_vehicle.y, fmaf(-in->r_steer.x, in->alpha_steer.y, t25));
     const float t27 = in->a_vehicle.z + (in->a_steer.z + (in->a_o.z + t26));
     const float t28 = fmaf(-in->omega_steer.y, t20, fmaf(in->omega_steer.x, t9 - t10, t27));
     const float t29 = fmaf(-in->omega_vehicle.y, t23, fmaf(in->omega_vehicle.x, t13 - t11, t28));
@@ -1026,9 +1024,7 @@ void textbook_swedish_wheel(const textbook_swedish_wheel_in *in, textbook_swedis
     const float t3 = in->r * t2.x;
     const float spin = (1e-12f < fabsf(t3)) ? (along / wmrgen_at_least(t3, 1e-12f)) : 0.0f;
     const float t4 = fmaf(t1.y, in->vy, fmaf(t2.y, in->r * spin, in->vx * t1.x));
-    const float roller = (1e-12f < fabsf(in->r_sw))
-        ? ((t0.y + t4) / wmrgen_at_least(in->r_sw, 1e-12f))
-        : 0.0f;
+    const float roller = (1e-12f < fabsf(in->r_sw)) ? ((t0.y + t4) / wmrgen_at_least(in->r_sw, 1e-12f)) : 0.0f;
 
     out->spin = spin;
     out->roller = roller;
@@ -1234,8 +1230,7 @@ void textbook_polar_coordinates(
     textbook_polar_coordinates_out *out)
 {
     const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->theta);
-    const float alpha_value = wmrgen_arctangent2(
-        fmaf(in->x, t0.y, -(in->y * t0.x)), -fmaf(in->x, t0.x, in->y * t0.y));
+    const float alpha_value = wmrgen_arctangent2(fmaf(in->x, t0.y, -(in->y * t0.x)), -fmaf(in->x, t0.x, in->y * t0.y));
 
     out->rho = sqrtf(fmaf(in->x, in->x, in->y * in->y));
     out->alpha = alpha_value;
@@ -1344,9 +1339,7 @@ void textbook_pursuit(const textbook_pursuit_in *in, textbook_pursuit_out *out)
 {
     const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->epsilon);
     const float t1 = wmrgen_arctangent2(2.0f * (in->wheelbase * t0.y), in->distance);
-    const float k = (1e-12f < fabsf(in->distance))
-        ? (2.0f * (t0.y / wmrgen_at_least(in->distance, 1e-12f)))
-        : 0.0f;
+    const float k = (1e-12f < fabsf(in->distance)) ? (2.0f * (t0.y / wmrgen_at_least(in->distance, 1e-12f))) : 0.0f;
     const float t2 = in->distance * in->distance;
     const float g = (1e-12f < fabsf(t2)) ? (2.0f / wmrgen_at_least(t2, 1e-12f)) : 0.0f;
     const float straight = fabsf(t0.y);
@@ -1363,9 +1356,7 @@ void textbook_pursuit(const textbook_pursuit_in *in, textbook_pursuit_out *out)
 void textbook_car_reduction(const textbook_car_reduction_in *in, textbook_car_reduction_out *out)
 {
     const wmrgen_vector t0 = wmrgen_vector_at(in->u1, in->xi);
-    const float turn = (1e-12f < fabsf(in->wheelbase))
-        ? (t0.y / wmrgen_at_least(in->wheelbase, 1e-12f))
-        : 0.0f;
+    const float turn = (1e-12f < fabsf(in->wheelbase)) ? (t0.y / wmrgen_at_least(in->wheelbase, 1e-12f)) : 0.0f;
 
     out->v = t0.x;
     out->omega = turn;

@@ -14,7 +14,7 @@
 
 #define TEXTBOOK_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_MODEL_HASH "39a36374a6b237c4e98eab6dcb97689b" /**< digest of the model */
-#define TEXTBOOK_PAIR_68c11b4eebb29003 1 /**< header and source of one run have the same */
+#define TEXTBOOK_PAIR_7c40415677b00af5 1 /**< header and source of one run have the same */
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_68c11b4eebb29003)
+#if !defined(TEXTBOOK_PAIR_7c40415677b00af5)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 

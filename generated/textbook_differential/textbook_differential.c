@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_0ca10712586cce5f)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_8eb452bcb9e177fb)
 #error "this file and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -148,9 +148,7 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 
 /* The members of textbook_differential_wheels lie as an array does. */
 typedef char textbook_differential_wheels_are_joints[
-    ((sizeof(textbook_differential_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_DIFFERENTIAL_JOINTS)
-        ? 1
-        : -1];
+    ((sizeof(textbook_differential_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_DIFFERENTIAL_JOINTS) ? 1 : -1];
 
 float *textbook_differential_joint(textbook_differential_wheels *wheels, int joint)
 {

@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_DIFFERENTIAL_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_DIFFERENTIAL_MODEL_HASH "f7be8b9f15b85149ed4144f18a19e1af" /**< digest of the model */
-#define TEXTBOOK_DIFFERENTIAL_PAIR_0ca10712586cce5f 1 /**< header and source of one run have the same */
+#define TEXTBOOK_DIFFERENTIAL_PAIR_8eb452bcb9e177fb 1 /**< header and source of one run have the same */
 #define TEXTBOOK_DIFFERENTIAL_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_DIFFERENTIAL_RIGHT_X 0.0f /**< [m] pivot, forward of P */
 #define TEXTBOOK_DIFFERENTIAL_RIGHT_Y (-0.6f) /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_0ca10712586cce5f)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_8eb452bcb9e177fb)
 #error "this file and textbook_differential.h were not generated together: copy both"
 #endif
 

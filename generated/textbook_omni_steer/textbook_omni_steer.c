@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_a3e09c8769b65499)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_c07273940618235a)
 #error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -213,9 +213,7 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 
 /* The members of textbook_omni_steer_wheels lie as an array does. */
 typedef char textbook_omni_steer_wheels_are_joints[
-    ((sizeof(textbook_omni_steer_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_OMNI_STEER_JOINTS)
-        ? 1
-        : -1];
+    ((sizeof(textbook_omni_steer_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_OMNI_STEER_JOINTS) ? 1 : -1];
 
 float *textbook_omni_steer_joint(textbook_omni_steer_wheels *wheels, int joint)
 {

@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_OMNI_STEER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_OMNI_STEER_MODEL_HASH "30c6ad4f64152a4577f1b5e8c6b6787f" /**< digest of the model */
-#define TEXTBOOK_OMNI_STEER_PAIR_a3e09c8769b65499 1 /**< header and source of one run have the same */
+#define TEXTBOOK_OMNI_STEER_PAIR_c07273940618235a 1 /**< header and source of one run have the same */
 #define TEXTBOOK_OMNI_STEER_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_OMNI_STEER_FRONT_X 0.3f /**< [m] pivot, forward of P */
 #define TEXTBOOK_OMNI_STEER_FRONT_Y 0.0f /**< [m] pivot, to the left of P */

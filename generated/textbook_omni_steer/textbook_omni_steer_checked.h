@@ -21,7 +21,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_a3e09c8769b65499)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_c07273940618235a)
 #error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0757fb3d504844ae)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_6b158516cb5dede9)
 #error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -148,12 +148,8 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 
 /* The members of textbook_omnidirectional_wheels lie as an array does. */
 typedef char textbook_omnidirectional_wheels_are_joints[
-    (
-        (
-        sizeof(textbook_omnidirectional_wheels)
-        / sizeof(float)) == (unsigned int)TEXTBOOK_OMNIDIRECTIONAL_JOINTS)
-        ? 1
-        : -1];
+    ((sizeof(textbook_omnidirectional_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_OMNIDIRECTIONAL_JOINTS)
+        ? 1 : -1];
 
 float *textbook_omnidirectional_joint(textbook_omnidirectional_wheels *wheels, int joint)
 {

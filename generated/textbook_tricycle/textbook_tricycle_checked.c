@@ -67,8 +67,7 @@ textbook_tricycle_status textbook_tricycle_inverse_checked(
         out->rear_left.spin = 0.0f;
         out->rear_right.spin = 0.0f;
         out->front.spin = 0.0f;
-        out->front.steer = textbook_tricycle_between(
-            textbook_tricycle_held(now->front.steer), -1.3089969f, 1.3089969f);
+        out->front.steer = textbook_tricycle_between(textbook_tricycle_held(now->front.steer), -1.3089969f, 1.3089969f);
     }
     return status;
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_dfa64dc2dae3f1c0)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_fcb721bf645b3d59)
 #error "this file and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -213,9 +213,7 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 
 /* The members of textbook_two_steer_wheels lie as an array does. */
 typedef char textbook_two_steer_wheels_are_joints[
-    ((sizeof(textbook_two_steer_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_TWO_STEER_JOINTS)
-        ? 1
-        : -1];
+    ((sizeof(textbook_two_steer_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_TWO_STEER_JOINTS) ? 1 : -1];
 
 float *textbook_two_steer_joint(textbook_two_steer_wheels *wheels, int joint)
 {
@@ -232,8 +230,7 @@ void textbook_two_steer_inverse(
     /* v_Ay of front */
     const float front_y = fmaf((-1.1920929e-08f), twist->omega, fmaf(0.3f, twist->omega, twist->vy));
     const wmrgen_wheel front = wmrgen_steer_along(front_x, front_y, now->front.steer, 10.0f);
-    /* v_Ay of rear */
-    const float rear_y = fmaf(1.1920929e-08f, twist->omega, fmaf((-0.3f), twist->omega, twist->vy));
+    const float rear_y = fmaf(1.1920929e-08f, twist->omega, fmaf((-0.3f), twist->omega, twist->vy)); /* v_Ay of rear */
     const wmrgen_wheel rear = wmrgen_steer_along(front_x, rear_y, now->rear.steer, 10.0f);
 
     out->front.spin = front.spin;

@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_TWO_STEER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TWO_STEER_MODEL_HASH "64b62df9aa7fa179f979554211b580d3" /**< digest of the model */
-#define TEXTBOOK_TWO_STEER_PAIR_dfa64dc2dae3f1c0 1 /**< header and source of one run have the same */
+#define TEXTBOOK_TWO_STEER_PAIR_fcb721bf645b3d59 1 /**< header and source of one run have the same */
 #define TEXTBOOK_TWO_STEER_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_TWO_STEER_FRONT_X 0.3f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TWO_STEER_FRONT_Y 0.1f /**< [m] pivot, to the left of P */

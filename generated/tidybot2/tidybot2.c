@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_b55d694a14b6d783)
+#if !defined(TIDYBOT2_PAIR_5766398d68e2babf)
 #error "this file and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -203,9 +203,7 @@ void tidybot2_forward(const tidybot2_wheels *wheels, tidybot2_twist *twist)
 {
 #if defined(WMRGEN_SMALL)
     float slip;
-
     tidybot2_forward_slip(wheels, twist, &slip);
-    (void)slip;
 #else
     const wmrgen_vector caster_1 = wmrgen_direction(wheels->caster_1.steer);
     const float t0 = wheels->caster_1.steer_rate * caster_1.y;

@@ -35,7 +35,7 @@
 
 #define TIDYBOT2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TIDYBOT2_MODEL_HASH "0e23325556676ea395d78388385d718f" /**< digest of the model */
-#define TIDYBOT2_PAIR_b55d694a14b6d783 1 /**< header and source of one run have the same */
+#define TIDYBOT2_PAIR_5766398d68e2babf 1 /**< header and source of one run have the same */
 #define TIDYBOT2_WHEELS 4 /**< how many wheels the robot has */
 #define TIDYBOT2_CASTER_1_X 0.19015f /**< [m] pivot, forward of P */
 #define TIDYBOT2_CASTER_1_Y (-0.17015f) /**< [m] pivot, to the left of P */

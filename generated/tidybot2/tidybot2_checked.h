@@ -21,7 +21,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_b55d694a14b6d783)
+#if !defined(TIDYBOT2_PAIR_5766398d68e2babf)
 #error "this file and tidybot2.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_d33cfb39c292587c)
+#if !defined(WPILIB_SWERVEBOT_PAIR_7d16c030e320bd88)
 #error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -240,18 +240,14 @@ void wpilib_swervebot_inverse(
     const float front_left_x = fmaf(1.2159347e-08f, twist->omega, fmaf((-0.381f), twist->omega, twist->vx));
     /* v_Ay of front_left, v_Ay of front_right */
     const float front_left_y = fmaf((-1.2159347e-08f), twist->omega, fmaf(0.381f, twist->omega, twist->vy));
-    const wmrgen_wheel front_left = wmrgen_steer_along(
-        front_left_x, front_left_y, now->front_left.steer, 19.68504f);
+    const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, now->front_left.steer, 19.68504f);
     /* v_Ax of front_right, v_Ax of back_right */
     const float front_right_x = fmaf((-1.2159347e-08f), twist->omega, fmaf(0.381f, twist->omega, twist->vx));
-    const wmrgen_wheel front_right = wmrgen_steer_along(
-        front_right_x, front_left_y, now->front_right.steer, 19.68504f);
+    const wmrgen_wheel front_right = wmrgen_steer_along(front_right_x, front_left_y, now->front_right.steer, 19.68504f);
     /* v_Ay of back_left, v_Ay of back_right */
     const float back_left_y = fmaf(1.2159347e-08f, twist->omega, fmaf((-0.381f), twist->omega, twist->vy));
-    const wmrgen_wheel back_left = wmrgen_steer_along(
-        front_left_x, back_left_y, now->back_left.steer, 19.68504f);
-    const wmrgen_wheel back_right = wmrgen_steer_along(
-        front_right_x, back_left_y, now->back_right.steer, 19.68504f);
+    const wmrgen_wheel back_left = wmrgen_steer_along(front_left_x, back_left_y, now->back_left.steer, 19.68504f);
+    const wmrgen_wheel back_right = wmrgen_steer_along(front_right_x, back_left_y, now->back_right.steer, 19.68504f);
 
     out->front_left.spin = front_left.spin;
     out->front_left.steer = front_left.steer;

@@ -253,7 +253,7 @@ def test_no_line_is_longer_than_a_reader_wants() -> None:
     sums = f"    const float a = {' + '.join(f'(in->front.spin * {k}.25f)' for k in range(9))};"
     for statement in (long, call, sums):
         lines = folded(statement).splitlines()
-        assert len(lines) <= 6 and max(map(len, lines)) <= 110
+        assert len(lines) <= 6 and max(map(len, lines)) <= 120
         assert "".join(" ".join(lines).split()) == "".join(statement.split())
     for path in (ROOT / "generated").glob("**/*.[ch]"):
-        assert max(map(len, path.read_text(encoding="ascii").splitlines())) <= 110, path
+        assert max(map(len, path.read_text(encoding="ascii").splitlines())) <= 120, path

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_8336de83fd8c7524)
+#if !defined(CAR_WITH_TRAILERS_PAIR_948051b4e29e6d20)
 #error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 

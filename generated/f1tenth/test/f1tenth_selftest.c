@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_143b2e7e0bf91653)
+#if !defined(F1TENTH_PAIR_e4cc340f0d2965b9)
 #error "this file and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(JPL_OSR_PAIR_38a150cb82f7572a)
+#if !defined(JPL_OSR_PAIR_c4f542853c359be9)
 #error "this file and jpl_osr.h were not generated together: copy both"
 #endif
 

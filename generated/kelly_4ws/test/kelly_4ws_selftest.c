@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KELLY_4WS_PAIR_f7f90ada2cc82c0e)
+#if !defined(KELLY_4WS_PAIR_aae66698ca4b1edf)
 #error "this file and kelly_4ws.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NOMAD_XR4000_PAIR_c7c3f11d07e478ed)
+#if !defined(NOMAD_XR4000_PAIR_08548711ef44c144)
 #error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 

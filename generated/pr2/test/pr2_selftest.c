@@ -23,7 +23,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PR2_PAIR_cebf143a81faeae2)
+#if !defined(PR2_PAIR_b464f815443331d3)
 #error "this file and pr2.h were not generated together: copy both"
 #endif
 

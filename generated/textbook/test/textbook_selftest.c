@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_PAIR_68c11b4eebb29003)
+#if !defined(TEXTBOOK_PAIR_7c40415677b00af5)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 
@@ -7220,9 +7220,7 @@ int textbook_selftest(void)
             failed = number;
         }
     }
-    for (
-        k = 0U; k < (
-        sizeof(moving_frame_acceleration_rows) / sizeof(moving_frame_acceleration_rows[0])); ++k) {
+    for (k = 0U; k < (sizeof(moving_frame_acceleration_rows) / sizeof(moving_frame_acceleration_rows[0])); ++k) {
         ++number;
         fetch(row, moving_frame_acceleration_rows[k], 42U);
         if ((failed == 0) && (moving_frame_acceleration_misses(row) != 0)) {
@@ -7264,9 +7262,7 @@ int textbook_selftest(void)
             failed = number;
         }
     }
-    for (
-        k = 0U; k < (
-        sizeof(articulated_wheel_velocity_rows) / sizeof(articulated_wheel_velocity_rows[0])); ++k) {
+    for (k = 0U; k < (sizeof(articulated_wheel_velocity_rows) / sizeof(articulated_wheel_velocity_rows[0])); ++k) {
         ++number;
         fetch(row, articulated_wheel_velocity_rows[k], 33U);
         if ((failed == 0) && (articulated_wheel_velocity_misses(row) != 0)) {
@@ -7275,8 +7271,7 @@ int textbook_selftest(void)
     }
     for (
         k = 0U; k < (
-        sizeof(articulated_wheel_acceleration_rows)
-        / sizeof(articulated_wheel_acceleration_rows[0])); ++k) {
+        sizeof(articulated_wheel_acceleration_rows) / sizeof(articulated_wheel_acceleration_rows[0])); ++k) {
         ++number;
         fetch(row, articulated_wheel_acceleration_rows[k], 45U);
         if ((failed == 0) && (articulated_wheel_acceleration_misses(row) != 0)) {

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TIDYBOT2_PAIR_b55d694a14b6d783)
+#if !defined(TIDYBOT2_PAIR_5766398d68e2babf)
 #error "this file and tidybot2.h were not generated together: copy both"
 #endif
 

@@ -48,8 +48,7 @@ static void hardware(void)
         + (uint32_t)counted(dt * commands.front_right.spin * 651.898647f, &rest.front_right.spin));
     counters.front_right.steer = (uint32_t)(int32_t)(commands.front_right.steer * 651.898647f);
     counters.back_left.spin = (uint32_t)(
-        counters.back_left.spin
-        + (uint32_t)counted(dt * commands.back_left.spin * 651.898647f, &rest.back_left.spin));
+        counters.back_left.spin + (uint32_t)counted(dt * commands.back_left.spin * 651.898647f, &rest.back_left.spin));
     counters.back_left.steer = (uint32_t)(int32_t)(commands.back_left.steer * 651.898647f);
     counters.back_right.spin = (uint32_t)(
         counters.back_right.spin

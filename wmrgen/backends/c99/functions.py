@@ -134,12 +134,12 @@ def _computes(whole: Step, part: Step) -> bool:
 
 
 def _taken_from(whole: Step, part: Step) -> tuple[str, ...]:
-    """The statements of ``part`` that take its results from ``whole``, and leave the others."""
+    """The statements of ``part`` that take its results from ``whole``; the others are read by nobody."""
     own = {p.name for p in part.parameters}
     others = [p for p in whole.parameters if p.name not in own]
     passed = ", ".join(f"{'' if p.name in own else '&'}{p.name}" for p in whole.parameters)
     declared = (f"{p.type} {p.name};" for p in others)
-    return (*declared, "", f"{whole.name}({passed});", *(f"(void){p.name};" for p in others))
+    return (*declared, f"{whole.name}({passed});")
 
 
 def _own_struct(function: Function, name: str, kind: str, argument: Argument, scalar: str) -> Struct:

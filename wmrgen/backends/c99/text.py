@@ -20,7 +20,7 @@ from wmrgen.ir.nodes import Port
 from wmrgen.ir.rounding import constant, nearest_float32, to_float32
 
 WIDTH = 100  # columns of comments, structs and prototypes
-STATEMENT = 110  # columns of a statement
+STATEMENT = 120  # columns of a statement
 NO_TYPES: Mapping[str, str] = {}
 
 
@@ -137,7 +137,9 @@ def _pieces(code: str, room: int) -> list[str]:
         ]
         parts = [code[a:b].strip() for a, b in pairwise([0, *sorted(cuts), len(code)])]
         if len(parts) > 1:
-            return parts if separators[0] == " ? " else _filled_lines(parts, room)
+            if separators[0] == " ? ":
+                return [parts[0], *_filled_lines(parts[1:], room - len(_INDENT))]
+            return _filled_lines(parts, room)
     opened = [k for k, char in enumerate(code) if char in "([" and depths[k] == 1]
     ends = {k: next((j for j in range(k, len(code)) if not depths[j]), len(code)) for k in opened}
     if not opened:

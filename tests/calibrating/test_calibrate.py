@@ -117,22 +117,6 @@ def test_large_logs_are_fitted_by_all_readings_in_the_end_alone(
     assert begun.unobservable == whole.unobservable
 
 
-def test_the_solver_does_not_wander_among_what_joints_have_to_tell(tmp_path: Path) -> None:
-    """It took 71 steps for modules whose zeros and radii the truth hardly tells."""
-    layout, steps = LAYOUTS["swerve"], list[str]()
-    tracker = Tracker(0.03 - 0.02j, late=0.2, noise=(0.002, 0.003))
-    logs = written(tmp_path, layout, tracker=tracker, encoders=Encoders(2 * np.pi / 400, slip=0.01))
-
-    def each(problem: Problem, unknowns: Any, task: Any) -> Any:
-        steps.append(task.__name__)
-        return serial(problem, unknowns, task)
-
-    result = calibrate(derivation_of(tmp_path, layout), logs, [], each)
-    assert steps.count("sums") < 50
-    for name, estimate in result.parameters.items():
-        assert abs(estimate.value - layout.true[name]) < 3 * estimate.sigma
-
-
 def test_a_coarser_drive_goes_as_far(tmp_path: Path) -> None:
     """In as long a time, by as large angles, as often as the readings are no multiple of the steps."""
     layout = LAYOUTS["tricycle"]

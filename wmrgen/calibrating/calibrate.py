@@ -15,7 +15,7 @@ from wmrgen.calibrating.drawn import drawn
 from wmrgen.calibrating.fit import Each, Problem, during, nearest, serial, solved, start_of, unit_of
 from wmrgen.calibrating.logs import Drive, pairs, read
 from wmrgen.calibrating.mistakes import refuse_strangers
-from wmrgen.calibrating.observability import held, settled, unobservable
+from wmrgen.calibrating.observability import settled, unobservable
 from wmrgen.calibrating.outliers import Drift, Outlier, cut, drifts, outliers, without
 from wmrgen.calibrating.path import Increments, Reals
 from wmrgen.calibrating.starts import laid, near
@@ -176,7 +176,7 @@ def _about(problem: Problem, each: Each, best: Fit | None = None) -> Fit:
     start, shared = near(coarse, each) if best is None else start_of(ready), len(ready.units)
     if best is not None:
         start[:shared] = best.unknowns[:shared]
-    about = held(coarse, start, each) if best is None else certainty.fit(coarse, each, start)
+    about = certainty.fit(coarse, each, start)
     return about if coarse is ready else certainty.of_drives(about, during(ready, about.unknowns))
 
 

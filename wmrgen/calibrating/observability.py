@@ -24,7 +24,6 @@ from wmrgen.calibrating.fit import (
     nearest,
     prior_of_shared,
     serial,
-    solved,
     start_of,
     sums,
 )
@@ -82,31 +81,15 @@ def deviations(problem: Problem, told: Reals, noise: float) -> tuple[Reals, Real
     return 0.1 * np.sqrt(variances[::-1]), directions[:, ::-1]
 
 
-def held(problem: Problem, start: Reals, each: Each) -> Fit:
-    """The fit from ``start`` on in which parameters that joints have to tell, for the truth does not, stay nominal:
-    among them the solver would wander."""
-    if problem.increments.rows is None:
-        return fit(problem, each, start)
-    untold = _uncertain(problem, information(problem, each(problem, start, sums)), 1.0)
-    best = fit(replace(problem, held=untold if untold.size else None), each, start)
-    paths = replace(best.problem, held=None)
-    fewer = _uncertain(paths, information(paths, each(paths, best.unknowns, sums)), best.noise)
-    free = replace(paths, held=fewer if fewer.size else None)
-    return fit(free, each, best.unknowns) if fewer.shape[1] < untold.shape[1] else best
-
-
 def settled(best: Fit, each: Each) -> Fit:
     """The fit of paths, with what the truth does not tell as joints disagree least, and directions held in which that
     is no nearer to the truth than nominal values are: they stay nominal. What the truth tells does not follow the
-    joints' disagreement, in which wheels that all slip alike do not show. What was held before is free."""
-    paths, rows = replace(best.problem, held=None), best.problem.increments.rows is not None
-    start, best = best.problem, replace(best, problem=paths)
+    joints' disagreement, in which wheels that all slip alike do not show."""
+    paths, rows = best.problem, best.problem.increments.rows is not None
     for _ in range(_ROUNDS if rows else 1):
         before, matrix = best.values, arrow(paths, each(paths, best.unknowns, sums))
         untold = _uncertain(paths, matrix.reduced - prior_of_shared(paths), best.noise)
         if not untold.size:
-            if best.problem is paths and start.held is not None:
-                best = fit_at(*solved(paths, each, best.unknowns, rounds=1), each)
             break
         if rows:
             unknowns = _moved(matrix, best.unknowns, -untold @ untold.T @ best.unknowns[: len(untold)])
@@ -116,10 +99,10 @@ def settled(best: Fit, each: Each) -> Fit:
             problem = replace(best.problem, untold=joints.untold, slides=max(slides, FINEST))
             best = fit_at(problem, nearest(problem, unknowns, each), each)
         variances, directions = np.linalg.eigh(best.covariance[: len(untold), : len(untold)])
-        stay = directions[:, variances > _NOMINAL]
-        if stay.size:
-            way = -stay @ stay.T @ best.unknowns[: len(stay)]
-            best = fit(replace(best.problem, held=stay), each, _moved(matrix, best.unknowns, way))
+        held = directions[:, variances > _NOMINAL]
+        if held.size:
+            way = -held @ held.T @ best.unknowns[: len(held)]
+            best = fit(replace(best.problem, held=held), each, _moved(matrix, best.unknowns, way))
         if np.all(np.abs(np.subtract(best.values, before)) < _CLOSE * best.deviations):
             break
     return best
@@ -264,9 +247,11 @@ def offers(problem: Problem, derivation: Derivation) -> list[Offer]:
 
 
 def _offered(problem: Problem, drives: Mapping[Course, Drive]) -> list[Offer]:
-    single = {course: replace(problem, drives=(drive,)) for course, drive in drives.items()}
-    told = {course: serial(one, start_of(one), sums) for course, one in single.items()}
-    return [Offer(course, information(one, told[course])) for course, one in single.items()]
+    result = []
+    for course, drive in drives.items():
+        one = replace(problem, drives=(drive,))
+        result.append(Offer(course, information(one, serial(one, start_of(one), sums))))
+    return result
 
 
 def _total(problem: Problem, choices: Sequence[Offer]) -> Reals:

@@ -36,7 +36,7 @@ from wmrgen.calibrating.outliers import Drift
 from wmrgen.calibrating.path import Reckoning, passed, reckoned
 from wmrgen.calibrating.picture import _ERRORS, _PATHS, _errors, _key, _paths, _values
 from wmrgen.calibrating.starts import _finds, laid
-from wmrgen.calibrating.written import with_values
+from wmrgen.calibrating.written import told, with_values
 from wmrgen.cli.calibrate import _drifting, _notes
 from wmrgen.errors import UsageError
 
@@ -247,6 +247,19 @@ def test_what_only_appears_as_a_sum_is_named(tmp_path: Path) -> None:
     assert note == (
         "half_width and half_length scale together on these drives, so that their values hold only together: no drive "
         "tells them apart; measure one of them, and delete its tunable: true"
+    )
+    for off, kept in ((0.0, True), (29.0, True), (31.0, False), (-31.0, False)):
+        e = result.parameters["half_width"]  # 31 tenths off the fit has lost its way
+        lost = {**result.parameters, "half_width": replace(e, value=e.nominal * (1 + 0.1 * off))}
+        values = told(replace(result, parameters=lost))
+        assert {"r", *(("half_width", "half_length") if kept else ())} == values.keys() & {
+            "r",
+            "half_width",
+            "half_length",
+        }
+    (note,) = _notes(derivation, replace(result, parameters=lost))
+    assert note.startswith(
+        "these drives do not tell half_width and half_length, so that they are not written: "
     )
 
 

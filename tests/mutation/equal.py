@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.mutation.mutants import LITERAL, Mutant
+from tests.mutation.mutants import LITERAL, Mutant, unfolded
 from wmrgen.interface import arguments
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Function, Module, Role, contract
@@ -101,6 +101,7 @@ class Body:
     """The statements of one C function, computed in float32."""
 
     def __init__(self, source: str, function: str) -> None:
+        source = unfolded(source)
         text = re.search(rf"^void {function}\(.*?^}}", source, flags=re.S | re.M)
         assert text, function
         self.kernels = _kernels(source)

@@ -37,13 +37,18 @@ class Mutant:
         return f"{self.number} {self.function} [{self.kind}]: {self.before}  =>  {self.after}"
 
 
+def unfolded(source: str) -> str:
+    """The C with every statement on one line."""
+    return re.sub(r"(?<=,)\n {8,}|\n {8,}(?=[?:+*/-] )", " ", re.sub(r"(?<=\()\n {8,}", "", source))
+
+
 def mutate(source: str) -> tuple[str, list[Mutant]]:
     """The file with all its mutants in it, and what they are. 0 is the file as it was."""
     lines: list[str] = []
     found: list[Mutant] = []
     names: list[str] = []
     function = body = ""
-    source = re.sub(r"; /\*.*\*/$", ";", source, flags=re.M)
+    source = re.sub(r"; /\*.*\*/$", ";", unfolded(source), flags=re.M)
     for line in source.splitlines():
         begun = _FUNCTION.match(line)
         if begun:

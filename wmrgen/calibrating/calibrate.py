@@ -82,13 +82,6 @@ class Calibration:
         return {name: float(np.median(offsets)) for name, offsets in by_name.items()}
 
 
-def told(result: Calibration) -> dict[str, float]:
-    """The values for the robot: all but those of parameters that no drive tells anything of. Such that only scale
-    together are told with one another, as half length and half width by their sum, and belong to the other values."""
-    alone = {name for group in result.unobservable if len(group) == 1 for name in group}
-    return {name: e.value for name, e in result.parameters.items() if name not in alone}
-
-
 def problem_of(derivation: Derivation, drives: Sequence[Drive] = ()) -> Problem:
     """What a robot's `forward` leaves to estimate. UsageError where nothing is tunable."""
     robot = derivation.robot
@@ -181,8 +174,10 @@ def _about(problem: Problem, each: Each, best: Fit | None = None) -> Fit:
 
 
 def _settled(best: Fit, each: Each) -> Fit:
-    """The fit where clocks agree as far as they do, and joints tell what the truth does not; of large logs about."""
-    coarse, drives = _coarser(certainty.agreeing(best)), best.problem.drives
+    """The fit where clocks agree as far as they do, and joints tell what the truth does not: by all readings, for they
+    disagree by little; of large logs without such joints about."""
+    whole, drives = certainty.agreeing(best), best.problem.drives
+    coarse = whole if whole.increments.rows is not None else _coarser(whole)
     best = settled(certainty.fit_at(coarse, nearest(coarse, best.unknowns, each), each), each)
     return best if coarse.drives is drives else certainty.of_drives(best, drives)
 

@@ -3,15 +3,33 @@ for ROS, and the numbers for the C."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from wmrgen.calibrating.calibrate import Calibration
+from wmrgen.calibrating.fit import unit_of
 from wmrgen.errors import NotDerivableError
 from wmrgen.exporting.ros2_control import ros2_control
 from wmrgen.ir.nodes import Module
 from wmrgen.layout.records import Robot
 from wmrgen.spec.load import read_robot
 from wmrgen.symbolic import expression
+
+_LOST = 30.0  # units of the prior that an estimate is off: four times the nominal value, or 3 rad
+
+
+def untold(result: Calibration, group: Sequence[str]) -> bool:
+    """Whether parameters that the drives do not tell stay nominal: such as are told nothing of, alone, and such among
+    which the fit has lost its way. Those that only scale together are told with one another, as half length and half
+    width by their sum, and belong to the other values."""
+    off = (result.parameters[name] for name in group)
+    return len(group) == 1 or any(abs(e.value - e.nominal) > _LOST * unit_of(e.nominal) for e in off)
+
+
+def told(result: Calibration) -> dict[str, float]:
+    """The values for the robot: all but those of parameters that are `untold`."""
+    nominal = {name for group in result.unobservable if untold(result, group) for name in group}
+    return {name: e.value for name, e in result.parameters.items() if name not in nominal}
 
 
 def with_values(path: Path, values: Mapping[str, float]) -> str:

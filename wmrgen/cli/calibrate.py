@@ -36,6 +36,7 @@ def calibrate(
 ) -> int:
     """Print what the logs tell of the parameters, and which drives would tell more."""
     from wmrgen.calibrating import calibrate as work
+    from wmrgen.calibrating.written import told as values_of
     from wmrgen.calibrating.written import with_values
 
     with derived(robot) as derivation:
@@ -60,7 +61,7 @@ def calibrate(
 
         with cluster(scheduler) as each:
             result = work.calibrate(derivation, logs, truth or (), each)
-    values = work.told(result)
+    values = values_of(result)
     if out is not None:
         write_file(out, with_values(robot, values).encode())
     if files is not None:
@@ -108,9 +109,9 @@ class _Told:
     @staticmethod
     def of(derivation: Derivation, result: Calibration) -> _Told:
         from wmrgen.calibrating.drawn import by_joint
-        from wmrgen.calibrating.written import counts_per_turn
+        from wmrgen.calibrating.written import counts_per_turn, told
 
-        values = {name: e.value for name, e in result.parameters.items()}
+        values = {name: e.nominal for name, e in result.parameters.items()} | told(result)
         counts = counts_per_turn(derivation.robot, values)
         return _Told(by_joint(derivation, result.fit), counts, _notes(derivation, result))
 
@@ -179,6 +180,7 @@ def _tell(robot: str, result: Calibration, told: _Told) -> None:
 def _notes(derivation: Derivation, result: Calibration) -> list[str]:
     """What a user should know of the logs and of what they do not tell, a sentence each."""
     from wmrgen.calibrating.observability import blind, offers
+    from wmrgen.calibrating.written import untold
 
     notes, theta = [], result.fit.mount[2]
     if abs(theta) > pi / 2:
@@ -208,7 +210,9 @@ def _notes(derivation: Derivation, result: Calibration) -> list[str]:
         choices = offers(result.fit.problem, derivation)
         never = blind(result.fit.problem, choices)
         for group in result.unobservable:
-            notes.append(f"{_together(group)}: {_remedy(choices, result, group, never)}")
+            notes.append(
+                f"{_together(group, untold(result, group))}: {_remedy(choices, result, group, never)}"
+            )
     return notes
 
 
@@ -221,10 +225,12 @@ def _drifting(drift: Drift) -> str:
     return f"{drift.drive}: the truth's {what} drifts by {much} {times}, so parameters may be wrong"
 
 
-def _together(group: Sequence[str]) -> str:
+def _together(group: Sequence[str], nominal: bool) -> str:
     if len(group) == 1:
         return f"these drives do not tell {group[0]}, so that it is not written"
     names = f"{', '.join(group[:-1])} and {group[-1]}"
+    if nominal:
+        return f"these drives do not tell {names}, so that they are not written"
     return f"{names} scale together on these drives, so that their values hold only together"
 
 

@@ -14,7 +14,8 @@ from tests.depth import everyday
 from wmrgen.exact.evaluate import _rounded, circle, twelfths
 from wmrgen.exact.linalg import adjugate, determinant, inverse
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Gen, Poly, by_angle, derivative
+from wmrgen.exact.poly import Gen, Poly, derivative
+from wmrgen.functions.models.polynomials import by_angle
 from wmrgen.symbolic import expression
 
 NAMES = ("a", "b", "c")

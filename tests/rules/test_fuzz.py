@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import subprocess
 from functools import cache
@@ -13,6 +12,7 @@ import pytest
 
 from tests.conftest import GALLERY, put
 from tests.depth import everyday
+from tests.mutation.mutants import unfolded
 from tests.rules.test_joints import CAR
 from tests.selftest.every import FEW
 from tests.tools import missing
@@ -36,7 +36,7 @@ def compiled(folder: Path, robot: str, change: tuple[str, str] | None = None, te
     files = emit(derivation.c_module, Facts(site=site(derivation), options={"fuzz": True}))
     put(folder, files)
     if change:
-        checked = re.sub(r"\(\n +", "(", files[f"{robot}_checked.c"].decode())  # calls on one line
+        checked = unfolded(files[f"{robot}_checked.c"].decode())
         assert change[0] in checked
         (folder / f"{robot}_checked.c").write_text(checked.replace(*change, 1))
     sources = [f"test/{robot}_fuzz.c", f"{robot}_checked.c", f"{robot}.c"]

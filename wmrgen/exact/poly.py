@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from math import lcm
 from weakref import WeakValueDictionary
 
 from wmrgen.exact.number import ONE, Exact
@@ -271,18 +270,6 @@ def common_powers(polys: Iterable[Poly]) -> dict[Gen, int]:
     return {g: min(m.get(g, 0) for m in monomials) for g in {g for m in monomials for g in m}}
 
 
-def without_lengths(p: Poly) -> Poly:
-    """The left-hand side of p = 0 without powers of lengths that all terms have."""
-    lengths = sorted((g, e) for g, e in common_powers([p]).items() if e and g.kind == "param")
-    return p * Poly({tuple(lengths): ONE}).inverse()
-
-
-def whole(polys: Sequence[Poly]) -> list[Poly]:
-    """Polynomials of one scale times the least number that leaves no fraction, where that is small."""
-    common = lcm(*(c.den for p in polys for c in p.terms.values()))
-    return [p.scale(common) if common <= 100 else p for p in polys]  # more makes numbers longer
-
-
 def has_angles(row: Iterable[Poly]) -> bool:
     """True where the angle of a joint occurs."""
     return any(g.kind in ("cos", "sin") for p in row for g in p.generators)
@@ -303,9 +290,3 @@ def derivative(poly: Poly, of_generator: Callable[[Gen], Poly]) -> Poly:
                 rest = tuple((h, n - (h == g)) for h, n in monomial if n - (h == g))
                 parts.append(Poly({rest: coefficient * e}) * inner)
     return Poly.sum(parts)
-
-
-def by_angle(poly: Poly, cosine: Gen, sine: Gen) -> Poly:
-    """The derivative by an angle that enters through this cosine and sine alone."""
-    rates = {cosine: -sine.alone, sine: cosine.alone}
-    return derivative(poly, lambda g: rates.get(g, Poly({})))

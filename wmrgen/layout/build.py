@@ -14,11 +14,11 @@ from wmrgen.exact.poly import Poly
 from wmrgen.layout.expressions import PI, Scope, computable, snap, to_poly
 from wmrgen.layout.joints import (
     common_limits,
-    constant,
     deadband_of,
     encoders_of,
     groups,
     lag_of,
+    limits_of,
     noise_of,
     refuse_unmodelled,
     spin_ratios,
@@ -27,7 +27,6 @@ from wmrgen.layout.joints import (
 from wmrgen.layout.measured import agreed, tolerance_of
 from wmrgen.layout.records import (
     Geometry,
-    Interval,
     Length,
     Parameter,
     Point,
@@ -38,7 +37,6 @@ from wmrgen.layout.records import (
 )
 from wmrgen.layout.skid import effective_track
 from wmrgen.spec.records import (
-    Limit,
     ParameterSpec,
     Quantity,
     RobotSpec,
@@ -187,7 +185,7 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
     _check(w, nominal, several)
     facts: dict[str, Any] = {}
     with several:
-        facts["limits"] = _limits(w.limits, scope)
+        facts["limits"] = limits_of(w.limits, scope)
     with several:
         facts["weight"] = ONE if w.weight is None else weight_of(w.name, w.weight, scope)
     with several:
@@ -249,23 +247,6 @@ def _check_names(spec: RobotSpec, several: Several) -> None:
                 )
 
 
-def _limits(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
-    """The limits in SI units. RobotFileError where low is above high, and for one that a tunable parameter moves."""
-    several, intervals = Several(), {}
-    for limit in limits:
-        with several:
-            high, low = (constant(f"limit {limit.name}", end, scope) for end in (limit.high, limit.low))
-            if low > high:
-                raise RobotFileError(
-                    f"limit {limit.name} runs from {limit.low.text} to {limit.high.text}", limit.mark,
-                    "The lower end is above the upper end.",
-                    f"Write {limit.name}: [low, high]; one positive value v means [-v, v].",
-                )  # fmt: skip
-            intervals[limit.name] = Interval(low, high)
-    several.end()
-    return intervals
-
-
 def _virtual(v: VirtualSpec, wheels: Iterable[Wheel], scope: Scope) -> Virtual:
     """A virtual wheel, in the middle of the real ones where no place is given."""
     members = [w for w in wheels if w.name in v.wheels]
@@ -292,7 +273,7 @@ def _trailer(t: TrailerSpec, scope: Scope) -> Trailer:
 
 
 _PARTS: dict[str, Callable[[RobotSpec, Scope, list[Wheel]], Any]] = {  # of a Robot
-    "limits": lambda spec, scope, _: _limits(spec.limits, scope),
+    "limits": lambda spec, scope, _: limits_of(spec.limits, scope),
     "virtual": lambda spec, scope, wheels: tuple(_virtual(v, wheels, scope) for v in spec.virtual),
     "trailers": lambda spec, scope, _: tuple(_trailer(t, scope) for t in spec.trailers),
     "cg": lambda spec, scope, _: spec.cg and Point(*map(scope.length, (spec.cg.x, spec.cg.y, spec.cg.z))),

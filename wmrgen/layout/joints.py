@@ -1,17 +1,17 @@
-"""What a robot file says of joints and commands, as exact constants: weights, deadband, noise, encoders, lag; and what
-couplings make of single wheels."""
+"""What a robot file says of joints and commands, as exact constants: limits, weights, deadband, noise, encoders,
+lag; and what couplings make of single wheels."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from wmrgen.errors import NotDerivableError, RobotFileError
+from wmrgen.errors import NotDerivableError, RobotFileError, Several
 from wmrgen.exact.evaluate import parameters_in, substituted
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.layout.expressions import Scope
 from wmrgen.layout.records import Encoder, Interval, Noise, Robot, Wheel
-from wmrgen.spec.records import EncoderSpec, NoiseSpec, Quantity, RobotSpec
+from wmrgen.spec.records import EncoderSpec, Limit, NoiseSpec, Quantity, RobotSpec
 
 MOST_WEIGHT = 1000  # of the least: rows that count less are lost in the rounding of a float
 
@@ -27,6 +27,23 @@ def constant(what: str, quantity: Quantity, scope: Scope) -> Exact:
             f"Write a number, or delete tunable: true of {names[0]}.",
         )  # fmt: skip
     return scope.number(symbolic)
+
+
+def limits_of(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
+    """The limits in SI units. RobotFileError where low is above high, and for one that a tunable parameter moves."""
+    several, intervals = Several(), {}
+    for limit in limits:
+        with several:
+            high, low = (constant(f"limit {limit.name}", end, scope) for end in (limit.high, limit.low))
+            if low > high:
+                raise RobotFileError(
+                    f"limit {limit.name} runs from {limit.low.text} to {limit.high.text}", limit.mark,
+                    "The lower end is above the upper end.",
+                    f"Write {limit.name}: [low, high]; one positive value v means [-v, v].",
+                )  # fmt: skip
+            intervals[limit.name] = Interval(low, high)
+    several.end()
+    return intervals
 
 
 def weight_of(name: str, weight: Quantity, scope: Scope) -> Exact:

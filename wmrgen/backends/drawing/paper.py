@@ -72,9 +72,14 @@ def bounds(points: list[Point], grow: float = 0.0) -> Box:
     return min(xs) - grow, min(ys) - grow, max(xs) + grow, max(ys) + grow
 
 
+def _meet(a: Box, b: Box) -> bool:
+    """Whether two boxes have an area in common."""
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
 def overlap(a: Box, b: Box) -> float:
     """The common area of two boxes."""
-    if a[0] >= b[2] or b[0] >= a[2] or a[1] >= b[3] or b[1] >= a[3]:
+    if not _meet(a, b):
         return 0.0
     return (min(a[2], b[2]) - max(a[0], b[0])) * (min(a[3], b[3]) - max(a[1], b[1]))
 
@@ -216,10 +221,7 @@ class Paper:
                     continue
                 centre = _clear_of(target, half, (c, s), gap)
                 around = _box(centre, half, 1)
-                if not self._inside(around) or any(
-                    b[0] < around[2] and around[0] < b[2] and b[1] < around[3] and around[1] < b[3]
-                    for b in near
-                ):
+                if not self._inside(around) or any(_meet(around, box) for box in near):
                     continue
                 cost += self._crossed(around)
                 if round(cost, 3) < round(best[0], 3):

@@ -11,7 +11,8 @@ from wmrgen import notation
 from wmrgen.backends.report.latex import COMMON, terms, total
 from wmrgen.backends.report.terms import Factor, Term, merged
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, each, whole, without_lengths
+from wmrgen.exact.poly import Gen, Poly, Row, each
+from wmrgen.functions.models.polynomials import whole, without_lengths
 
 
 def upright(column: Row) -> Row:

@@ -23,7 +23,8 @@ from wmrgen.backends.report.terms import width, wrapped
 from wmrgen.constraints import XI, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
-from wmrgen.exact.poly import Gen, Poly, Row, dot, whole
+from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.functions.models.polynomials import whole
 from wmrgen.functions.motion.wheel_speeds import relations
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank

@@ -1,13 +1,14 @@
-"""Polynomials in sines and cosines of steering angles: values, quotients in short form, and where they vanish."""
+"""Polynomials in sines and cosines of steering angles: values, derivatives, equations and quotients in short form, and
+where they vanish."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import cos, pi, sin
+from collections.abc import Callable, Sequence
+from math import cos, lcm, pi, sin
 
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ONE
-from wmrgen.exact.poly import Gen, Poly, Row, by_angle, each, whole, without_lengths
+from wmrgen.exact.poly import Gen, Poly, Row, common_powers, derivative, each
 from wmrgen.functions.system import Domain
 from wmrgen.layout.records import Robot
 from wmrgen.symbolic import Expr, expression
@@ -15,6 +16,24 @@ from wmrgen.symbolic import Expr, expression
 NEGLIGIBLE = 1e-12
 _STEPS = 720
 _MARGIN = 1e-3
+
+
+def without_lengths(p: Poly) -> Poly:
+    """The left-hand side of p = 0 without powers of lengths that all terms have."""
+    lengths = sorted((g, e) for g, e in common_powers([p]).items() if e and g.kind == "param")
+    return p * Poly({tuple(lengths): ONE}).inverse()
+
+
+def whole(polys: Sequence[Poly]) -> list[Poly]:
+    """Polynomials of one scale times the least number that leaves no fraction, where that is small."""
+    common = lcm(*(c.den for p in polys for c in p.terms.values()))
+    return [p.scale(common) if common <= 100 else p for p in polys]  # more makes numbers longer
+
+
+def by_angle(poly: Poly, cosine: Gen, sine: Gen) -> Poly:
+    """The derivative by an angle that enters through this cosine and sine alone."""
+    rates = {cosine: -sine.alone, sine: cosine.alone}
+    return derivative(poly, lambda g: rates.get(g, Poly({})))
 
 
 def by_steering(poly: Poly, wheel: str) -> Poly:

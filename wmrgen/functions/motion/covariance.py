@@ -33,7 +33,8 @@ import sympy
 from wmrgen.constraints import XI
 from wmrgen.exact.linalg import symmetric
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Gen, Poly, Row, by_angle, derivative, dot
+from wmrgen.exact.poly import Gen, Poly, Row, derivative, dot
+from wmrgen.functions.models.polynomials import by_angle
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import JOINT_ROLE, forward, nominal_rank, normal_equations
 from wmrgen.kinematics.least_squares import pseudo_inverse

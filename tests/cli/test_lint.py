@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import ROOT, Outcome
+from tests.importing.urdf import robot, wheel
 from wmrgen.lint import RULES
 
 Cli = Callable[..., Outcome]
@@ -105,3 +106,18 @@ def test_parameters_are_not_blamed_for_a_robot_that_cannot_be_read(wmrgen_cli: C
     assert alone.code == 2 and "has no robot before it" in alone.err
     done = wmrgen_cli("lint", tmp_path / "none.yaml", parameters)
     assert done.code == 2 and "no such file" in done.err and "no robot before it" not in done.err
+
+
+def test_what_is_not_compared_is_told(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
+    """Of a controller without lengths and of a description alone, "no findings" says too much."""
+    parameters, description = tmp_path / "c.yaml", tmp_path / "a.urdf"
+    parameters.write_text("drive: {type: diff_drive_controller/DiffDriveController, wheel_radius: 0.0975}\n")
+    done = wmrgen_cli("lint", robot_file, parameters)
+    assert (done.code, done.out) == (0, "2 files: no findings in what was compared\n")
+    assert "not compared: track, which" in done.err
+    (told,) = json.loads(wmrgen_cli("lint", robot_file, parameters, "--json").out)["not_compared"]
+    assert told in done.err
+    description.write_text(robot(wheel("left", "0 0.2 0.1"), wheel("right", "0 -0.2 0.1")))
+    done = wmrgen_cli("lint", description)
+    assert (done.code, done.out) == (0, "1 file: no findings in what was compared\n")
+    assert "names are held against places, nothing else" in done.err

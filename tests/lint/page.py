@@ -25,7 +25,8 @@ Several codes stand one after the other. A finding about the whole robot stands 
 `wmrgen lint ROBOT.yaml controllers.yaml` and `wmrgen compare` hold other files against the robot before them: URDF and
 SDF, parameters of wheel controllers, headers that wmrgen wrote. What they say differently has the codes from WMR040 on;
 their examples are two files, parted by `---`. Lengths within 0.2 % and angles within 0.002 rad are equal. A comment
-beside the number in either file keeps it.
+beside the number in either file keeps it. What only one of them says is told as not compared; of a description
+alone the names of wheels are held against their places, nothing else.
 
 Codes from WMR101 on are not findings: they are the kinds of errors for which a robot file, another file or a call is
 refused, with exit code 2.

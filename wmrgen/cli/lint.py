@@ -19,12 +19,19 @@ if TYPE_CHECKING:
     from wmrgen.lint import Finding, Rule
     from wmrgen.spec.mistakes import Mistake
 
+_NAMES_ALONE = (
+    "of its wheels, names are held against places, nothing else; `wmrgen import` makes the robot file in which `lint` "
+    "looks at all"
+)
+
 
 def lint(robots: Sequence[str], base: str | None, package: Sequence[str] | None, as_json: bool) -> int:
     """Print the findings of all robots, and what parameters and headers, or a description after a robot file, say
-    otherwise of the robot before them. Exit code 1 where there are some, an error's where a file is bad."""
+    otherwise of the robot before them; beside them what was not looked at. Exit code 1 where there are some, an
+    error's where a file is bad."""
     findings: list[Finding] = []
     errors: list[WmrgenError] = []
+    unseen: list[str] = []
     robot: Layout | None = None
     paths, arguments = paths_and_arguments(robots)
     for path in paths:
@@ -36,6 +43,7 @@ def lint(robots: Sequence[str], base: str | None, package: Sequence[str] | None,
                     robot = layout
                 elif layout.form == DESCRIPTION and (robot is None or robot.form == DESCRIPTION):
                     findings += labelled(layout)
+                    unseen.append(f"{layout.source}: {_NAMES_ALONE}")
                     robot = layout
                 elif robot is None and errors:
                     continue  # what it belongs to cannot be read
@@ -44,22 +52,29 @@ def lint(robots: Sequence[str], base: str | None, package: Sequence[str] | None,
                         f"{layout.source} has no robot before it: give a robot file or description first"
                     )
                 else:
-                    findings += between(compare(robot, layout))
+                    compared = compare(robot, layout)
+                    findings += between(compared)
+                    unseen += [f"not compared: {words}" for words in compared.unsaid]
         except WmrgenError as error:
             errors += error.parts
     if as_json:
-        console.data({"findings": [_as_data(f) for f in findings], **console.all_as_data(errors)})
+        told = {"findings": [_as_data(f) for f in findings], "not_compared": unseen}
+        console.data({**told, **console.all_as_data(errors)})
     else:
         for finding in findings:
             console.result(str(finding))
         for failure in errors:
             console.failure(str(failure))
+        for words in unseen:
+            console.note(f"note: {words}")
         if findings:
             console.note(
                 "Mend them, or write # wmrgen: ignore CODE on the line. `wmrgen explain CODE` says more."
             )
         elif not errors:
-            console.result(f"{len(paths)} robot{'s' * (len(paths) != 1)}: no findings")
+            seen = " in what was compared" if unseen else ""
+            noun = "file" if unseen else "robot"
+            console.result(f"{len(paths)} {noun}{'s' * (len(paths) != 1)}: no findings{seen}")
     return errors[0].exit_code if errors else (StaleError.exit_code if findings else 0)
 
 

@@ -169,6 +169,8 @@ def _replace(directory: Path, wanted: dict[str, bytes]) -> Written:
         _refuse_files(directory, name)
     changed = [name for name, content in wanted.items() if not _holds(directory / name, content)]
     removed = [name for name in old if name not in wanted and (directory / name).is_file()]
+    if not changed and not removed:
+        return Written((), tuple(wanted), ())
     with tempfile.TemporaryDirectory(prefix=_STAGE, dir=directory.parent) as staging:
         before, after = Path(staging) / "before", Path(staging) / "after"
         _stage({after / name: wanted[name] for name in changed})

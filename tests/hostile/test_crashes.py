@@ -150,6 +150,7 @@ def test_a_disk_that_is_read_only(server: Server, disk: Path, sets: Sets) -> Non
         subprocess.run(["mount", "-o", f"remount,size=4m,{rights}", str(disk)], check=True)
         attempts = [server.run(disk, *derive("second"), place) for place in ("out", "new")]
         assert [attempt.code for attempt in attempts] == [code, code], attempts
+        assert server.run(disk, *derive("first" if code else "second"), "out").code == 0, "nothing to write"
         assert code == 0 or all(a.err.count("error[WMR114]") == 1 and "Read-only" in a.err for a in attempts)
         assert tree(out) == sets["second" if code == 0 else "first"]
         assert (disk / "new").exists() is (code == 0)

@@ -41,8 +41,10 @@ def test_writes_the_files_and_their_manifest(place: Path) -> None:
 def test_equal_bytes_are_left_alone(place: Path) -> None:
     for path in place.iterdir():
         os.utime(path, ns=(1, 1))
+    before = place.parent.stat().st_mtime_ns
     assert write_tree(place, OLD).changed == ()
     assert {path.stat().st_mtime_ns for path in place.iterdir()} == {1}
+    assert place.parent.stat().st_mtime_ns == before, "nothing is staged: the folder may be read-only"
 
 
 def test_removes_what_it_no_longer_produces_and_nothing_else(place: Path) -> None:

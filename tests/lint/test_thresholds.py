@@ -81,6 +81,8 @@ def polar(alpha: str, head: str = "") -> str:
                 "name: b, type: fixed, x: 0, y: 1, heading: 0, r: 0.1"), ["WMR014"]),
         (differential("half_track/2", head="parameters: {half_track: 0.4}\n"), ["WMR005"]),
         (differential("half_width/2", head="parameters: {half_width: 0.4}\n"), []),  # of the body
+        *((differential(name, head=f"parameters: {{{name}: 0.2}}\n"), ["WMR005"] if whole else [])
+          for name, whole in (("width", True), ("robot_width", True), ("arm_width", False), ("semi_track", False))),
         (differential("wheel_width", head="parameters: {wheel_width: 0.2}\n"), []),  # of a tyre
         (differential(r="radius/2", head="parameters: {radius: 0.2}\n"), ["WMR005", "WMR005"]),
         (differential(r="base_radius/2", head="parameters: {base_radius: 0.2}\n"), []),
@@ -103,6 +105,25 @@ def polar(alpha: str, head: str = "") -> str:
 )  # fmt: skip
 def test_differential_drives(text: str, expected: list[str], tmp_path: Path) -> None:
     assert sorted(codes(tmp_path / "robot.yaml", text)) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        *((name, 1) for name in ("wheelbase", "base", "length", "base_length", "chassis_length")),
+        # Distances from P, which end in a word that is also one for a whole.
+        *(
+            (name, 0)
+            for name in ("base_x", "x_base", "base_offset", "base_to_axle", "arm_length", "half_base")
+        ),
+    ],
+)
+def test_a_length_on_both_sides_of_the_middle(name: str, expected: int, tmp_path: Path) -> None:
+    steered = "name: {}, type: steered, x: {}, y: 0, heading: 0, r: 0.1"
+    text = f"parameters: {{{name}: 0.3}}\n" + wheels(
+        steered.format("a", name), steered.format("b", f"-{name}")
+    )
+    assert codes(tmp_path / "robot.yaml", text) == ["WMR005"] * expected
 
 
 @pytest.mark.parametrize(

@@ -9,15 +9,17 @@ from wmrgen.errors import Mark
 from wmrgen.lint.record import Finding, Subject, rule
 from wmrgen.spec.records import ParameterSpec
 
+_WHOLE = r"^(?:(?:robot|body|base|chassis|frame|platform|vehicle|car|total|overall)_?)?"  # a size of the robot itself
 _SPANS = {
-    "x": re.compile(r"(wheel_?)?base(?!_?(radius|link))|(?<!axle_)length"),
+    "x": re.compile(rf"wheel_?base(?!_?(radius|link))|{_WHOLE}(?:base|length)$"),
     "y": re.compile(
-        r"track|(?<!wheel_)(?<!t[iy]re_)width|separation|gauge|tread|spacing|wheel_distance|between|axle_length"
+        rf"track|separation|gauge|tread|spacing|wheel_distance|between|axle_length|{_WHOLE}width$"
     ),
 }
 _SURE = re.compile(
-    r"wheel_?base|track|separation|gauge|tread|spacing|wheel_distance|between|axle"
+    r"wheel_?base|track|separation|gauge|tread|spacing|wheel_distance|between|^axle(_?(length|width|base|distance))?$"
 )  # the others may be sizes of the body
+_HALF = re.compile("half|semi")
 _ROUND = re.compile(r"diam|(^|_)dia(_|$)|^(?!.*(base|robot|body)).*radius")
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
 _NUMBER = r"(?:\s+(?:of|is|width))*[\s:=~]*(\d+(?:\.\d+)?)\s*(mm|cm|m|in)?\b"
@@ -89,7 +91,7 @@ def _extent(subject: Subject, axis: str) -> float:
 def _called(subject: Subject) -> Iterator[Finding]:
     """Sizes that are parameters, by their names."""
     for p in subject.spec.parameters:
-        size, name, half = abs(subject.value(p.value)), p.name.lower(), "half" in p.name.lower()
+        size, name, half = abs(subject.value(p.value)), p.name.lower(), bool(_HALF.search(p.name.lower()))
         sure = bool(_SURE.search(name))
         for axis, pattern in _SPANS.items() if size else ():
             span = _extent(subject, axis) / (2 * size if half else size)

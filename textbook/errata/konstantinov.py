@@ -52,7 +52,7 @@ def _derivative(*right: sympy.Expr) -> list[sympy.Expr]:
 XI, YI = symbol(r"\dot{x}_i"), symbol(r"\dot{y}_i")
 HUB = Record(TEXT, "(2)", rights(_derivative, "(1), x_i = x + a cos φᵢ and y_i = y + a sin φᵢ, differentiated"),
     forms((XI, EQ, xd - a * phid * sin(phi_i)), (YI, EQ, yd - a * phid * cos(phi_i))),
-    forms((XI, EQ, xd - a * phid * sin(phi_i)), (YI, EQ, yd + a * phid * cos(phi_i))), kind=Class.ERROR,
+    forms((XI, EQ, xd - a * phid * sin(phi_i)), (YI, EQ, yd + a * phid * cos(phi_i))), kind=Class.OPEN,
     line="xi_dot = xd - a pd sin phi_i ; yi_dot = yd - a pd cos phi_i",
     remark="It contradicts (1), and the paper's own vᵢ², which follows from the corrected form.")
 
@@ -106,7 +106,7 @@ OMEGA1 = symbol(r"\Omega_1")
 
 CIRCLE = Record(TEXT, "R",
     rights(lambda e: e - 2 * r * OMEGA1 / 3 / (r * OMEGA / (3 * a)), "R = v/ω₀ with v = 2 r Ω₁/3 and ω₀ = r |Ω|/(3a)"),
-    form(symbol("R"), EQ, a * OMEGA1 / OMEGA), form(symbol("R"), EQ, 2 * a * OMEGA1 / OMEGA), kind=Class.ERROR,
+    form(symbol("R"), EQ, a * OMEGA1 / OMEGA), form(symbol("R"), EQ, 2 * a * OMEGA1 / OMEGA), kind=Class.OPEN,
     line="R = 3av/(r|Omega|) = a Omega1/|Omega|",
     remark="The second equality contradicts the first: v = 2 r Ω₁/3 of the same page gives the factor 2.")
 

@@ -9,14 +9,18 @@ from wmrgen.backends.report.markdown import code, items, math, table
 
 WIDEST = 700  # characters of LaTeX in a cell
 _PARTS = (
-    ("## 1 Errors of the text", (Class.ERROR,),
-     "A reader of the printed page would have these, as far as a copy can tell: the line is well formed, contradicts "
-     "mechanics or the text itself, and none of the usual losses explains it (dots, arrows, signs beside a matrix, "
-     "exponents above an index, letters that look alike)."),
-    ("## 2 Damage of the copy", (Class.DAMAGE, Class.LIKELY),
+    ("Errors of the text", (Class.ERROR,),
+     "Two copies, of two editions, have these lines, so that a reader of the printed page would have them: the line is "
+     "well formed, contradicts mechanics or the text itself, and none of the usual losses explains it (dots, arrows, "
+     "signs beside a matrix, exponents above an index, letters that look alike)."),
+    ("Open: read once", (Class.OPEN,),
+     "As we noted them these lines are well formed and fail, too, and none of the usual losses explains them. But each "
+     "was read once, in one copy, and by nobody again: a slip in our note is not excluded. Until somebody has "
+     "compared them with the printed page nothing here is held against the texts."),
+    ("Damage of the copy", (Class.DAMAGE, Class.LIKELY),
      "What the extraction did to the line, or likely did: nothing here is held against the texts. The lines stand "
      "here so that nobody computes with them."),
-    ("## 3 Read with care", (Class.CARE,),
+    ("Read with care", (Class.CARE,),
      "These lines are right as their authors mean them: under a condition or in a convention that is easily missed."),
 )  # fmt: skip
 _MARKS = {
@@ -28,8 +32,12 @@ def blocks() -> list[str]:
     """The blocks of errata.md, from running every check. ValueError where a class is not borne out."""
     return [
         *_opening(),
-        *(block for title, kinds, text in _PARTS for block in _part(title, kinds, text)),
-        "## 4 What holds",
+        *(
+            b
+            for k, (title, kinds, text) in enumerate(_PARTS, 1)
+            for b in _part(f"## {k} {title}", kinds, text)
+        ),
+        f"## {len(_PARTS) + 1} What holds",
         "Each line of our copy, in one notation (of a rule for matrices an instance), agrees identically with what the "
         "last column names.",
         *table(("text", "equation", "as checked", "held against"), map(_row, HOLDS), "l"),
@@ -37,20 +45,28 @@ def blocks() -> list[str]:
 
 
 def _opening() -> list[str]:
-    sizes = [sum(r.kind in kinds for r in ENTRIES) for _, kinds, _ in _PARTS]
+    parts = [
+        (title, [r.second is not None for r in ENTRIES if r.kind in kinds]) for title, kinds, _ in _PARTS
+    ]
     ours, second = sum(bool(r.words) for r in ENTRIES), sum(r.second is not None for r in ENTRIES)
-    rest = sum(not r.words and r.second is None for r in ENTRIES)
     return [
         "# Corrections to our copies of five texts",
         "Our sources are text extractions of the works below; **the printed pages were not seen**, nor the figures. "
         "What is wrong in a copy may be right in print. The copies themselves are not part of this project: of most "
         "lines we have only what was noted when they were read, shown as `code`; what stands in “quotation marks” is "
         f"the wording of a copy, verbatim: of ours in {ours} of the {len(ENTRIES)} entries, of a second copy in "
-        f"{second}, which agrees with ours each time; {rest} could not be read again. Whose mistake a line is was "
-        "judged by people; that it fails, and that the corrected line holds, is computed by the check beside it "
+        f"{second}, which agrees with ours each time. The others were read once, and say so. Whose mistake a line is "
+        "was judged by people; that it fails, and that the corrected line holds, is computed by the check beside it "
         "whenever this page is written (by `wmrgen textbook`). Figures at a point are rounded to six digits.",
-        f"{sizes[0]} errors of the texts, {sizes[1]} places where the copy is damaged, {sizes[2]} lines to be read "
-        f"with care, {len(HOLDS)} equations and statements that hold.",
+        *table(
+            ("part", "entries", "read in two copies", "read once"),
+            (
+                (title, str(len(twice)), str(sum(twice)), str(len(twice) - sum(twice)))
+                for title, twice in parts
+            ),
+            "lrrr",
+        ),
+        f"{len(HOLDS)} equations and statements hold.",
         *items(f"**{name}**: {entry}" for name, entry in BIBLIOGRAPHY.items()),
     ]
 
@@ -70,7 +86,7 @@ def _entry(r: Record) -> list[str]:
     j = judge(r)
     if not j.borne_out:
         raise ValueError(f"{r.text} {r.equation}: the checks do not bear out '{r.kind}'")
-    general = "In general" if r.kind is Class.CARE else "Corrected"
+    instead = {Class.CARE: "In general", Class.OPEN: "What would hold"}.get(r.kind, "Corrected")
     return [
         f"#### {r.text} {_words(r.equation)}",
         *(["Class: likely damage."] if r.kind is Class.LIKELY else []),
@@ -78,7 +94,7 @@ def _entry(r: Record) -> list[str]:
         *(["Normalised:", *_display(r.printed)] if r.printed is not None else []),
         _finding("This", j.printed),
         *([_finding(f"Where {_words(r.condition)}, it", j.part)] if j.part is not None else []),
-        *([f"{general}:", *_display(r.corrected)] if r.corrected is not None else []),
+        *([f"{instead}:", *_display(r.corrected)] if r.corrected is not None else []),
         *([_finding("This", j.corrected)] if j.corrected is not None else []),
         *([_words(r.remark)] if r.remark else []),
     ]
@@ -94,7 +110,9 @@ def _line(r: Record) -> str:
         shown.append(f"As we noted it ({what} is not at hand): {code(r.line)}.")
     if r.second is not None:
         shown.append(f"The second copy, page {r.second.page}, verbatim: “{_words(r.second.text)}”.")
-    return " ".join(shown) or "The copy lacks the line."
+    elif shown:
+        shown.append("Not read a second time.")
+    return " ".join(shown) or "The copy lacks the line. Not read a second time."
 
 
 def _finding(what: str, f: Finding) -> str:

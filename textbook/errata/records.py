@@ -1,8 +1,10 @@
 """An entry of the corrections: what our copy has, how it is classed, and the check that bears the class out.
 
-Error, damage: the form in which our copy has the line fails its check (or is no statement: a name that nothing
+Error, open, damage: the form in which our copy has the line fails its check (or is no statement: a name that nothing
 defines, units that do not agree, a missing part); the corrected form passes. Care: the form passes under a condition,
 and fails without; the general form passes. Holds: the form passes.
+
+Only what was read in two copies is called an error of a text. What looks like one in our copy alone is open.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ class Class(StrEnum):
     """What is the matter with a line; whose mistake it is was judged by people, not computed."""
 
     ERROR = "error of the text"
+    OPEN = "open: read once"
     DAMAGE = "damage of the copy"
     LIKELY = "likely damage of the copy"
     CARE = "read with care"

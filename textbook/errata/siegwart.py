@@ -33,7 +33,7 @@ XI = M([vx, vy, omega])
 
 RIM = Record(TEXT, "3.2.2, “diameter r”",
     rights(lambda v: v - engine.radius("fixed") * phid, "rim speed, the coefficient of the wheel speed in (3.12)"),
-    form(symbol("v"), EQ, R * phid / 2), form(symbol("v"), EQ, R * phid), kind=Class.ERROR,
+    form(symbol("v"), EQ, R * phid / 2), form(symbol("v"), EQ, R * phid), kind=Class.OPEN,
     words="each with diameter r",
     remark="With r the diameter the rim would move at r φ̇/2; (3.7)–(3.9), (3.12) and (3.29) take r for the radius.")
 

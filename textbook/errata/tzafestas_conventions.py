@@ -7,7 +7,25 @@ import sympy
 from textbook.errata.checks import at_points, rights, vanishes
 from textbook.errata.forms import AND, EQ, Form, form, forms, symbol
 from textbook.errata.records import Class, Finding, Record
-from textbook.errata.tzafestas import TEXT, XQ, YQ, D, b, cos, phi, phid, psi, sin, sqrt, v
+from textbook.errata.tzafestas import (
+    LEN,
+    PHI,
+    PHID,
+    TEXT,
+    XQ,
+    YQ,
+    D,
+    b,
+    cos,
+    phi,
+    phid,
+    psi,
+    sideways,
+    sin,
+    sqrt,
+    v,
+    v1,
+)
 
 # Pages of formulas, laid out by hand.
 # fmt: off
@@ -63,4 +81,26 @@ STEER = Record(TEXT, "(2.47a)", at_points(_front_heading, (v, phid), _POINTS, _S
     remark="(2.47b), θ′_w = √(v² + (D φ′)²)/r, then holds as it stands, forwards and backwards. Who keeps |ψ| < π/2 "
            "instead must give θ′_w the sign of v: one of the two, never both.")
 
-ENTRIES = (TURNING, CENTRE, STEER)
+def _rates(speed: sympy.Expr) -> list[sympy.Expr]:
+    rates = []
+    for i in (1, 2, 3):
+        product = sympy.Mul(*(cos(PHI[j - 1] - PHI[j]) for j in range(1, i)))
+        rates.append(speed / LEN[i] * product * sin(PHI[i - 1] - PHI[i]))
+    return rates
+
+def _trailers_roll(*right: sympy.Expr) -> list[sympy.Expr]:
+    at = {XQ: v1 * cos(PHI[0]), YQ: v1 * sin(PHI[0]), **dict(zip(PHID[1:], right, strict=True))}
+    return [sideways(i).xreplace(at) for i in (1, 2, 3)]
+
+TRAILER_RATES = Record(TEXT, "(2.70)",
+    rights(_trailers_roll, "the three trailers roll without slipping while Q drives at v₁ along φ₀"),
+    forms(*((PHID[i], EQ, e) for i, e in enumerate(_rates(sympy.S.One), 1))),
+    forms(*((PHID[i], EQ, e) for i, e in enumerate(_rates(v1), 1))),
+    part=rights(_trailers_roll, "the same at v₁ = 1", {v1: sympy.S.One}),
+    condition="the right-hand sides are rates per unit of v₁, components of the vector field that v₁ multiplies",
+    kind=Class.CARE,
+    line="phidot_i = (1/L_i) prod_{j=1}^{i-1} cos(phi_{j-1}-phi_j) sin(phi_{i-1}-phi_i)",
+    remark="Taken for rates in time, it has the trailers turn while the robot stands still. (The index of the last "
+           "product reads prod_{i=1}^{N-1}, for j: likely damage.)")
+
+ENTRIES = (TURNING, CENTRE, STEER, TRAILER_RATES)

@@ -18,13 +18,13 @@ from wmrgen.cli.textbook import installed
 
 CLASSES = {
     "Tzafestas": {
-        "(2.15b)": "error", "Example 2.2, slip with ζ ≠ 0": "error", "(2.70)": "error", "(2.81)": "error",
+        "(2.15b)": "open", "Example 2.2, slip with ζ ≠ 0": "open", "(2.81)": "open",
         "(2.75c, d)": "likely", "Example 2.1, (2.44)": "damage", "(2.63)": "damage", "(2.71a)": "damage",
         "(2.23)": "likely", "(2.60)": "likely", "2.3.6, constraint of trailer i": "likely",
-        "(2.43a)": "care", "Example 2.2, G": "care", "(2.47a)": "care",
+        "(2.43a)": "care", "Example 2.2, G": "care", "(2.47a)": "care", "(2.70)": "care",
     },
     "Konstantinov": {
-        "(2)": "error", "R": "error", "|u_i|": "damage", "u_i, w_i before (3)": "likely",
+        "(2)": "open", "R": "open", "|u_i|": "damage", "u_i, w_i before (3)": "likely",
         "(4) in detail, ω₁": "likely", "v²": "likely",
     },
     "Kelly": {
@@ -33,7 +33,7 @@ CLASSES = {
         "generalized bicycle": "likely", "Fresnel argument": "care", "4.2.2.1.1, steering": "care",
     },
     "Siegwart": {
-        "3.2.2, “diameter r”": "error", "(3.20)": "error", "(3.55)": "error", "(3.65)": "error",
+        "3.2.2, “diameter r”": "open", "(3.20)": "error", "(3.55)": "error", "(3.65)": "error",
         "(3.21), (3.22)": "damage", "(3.29), (3.30)": "likely", "(3.14)": "likely",
         "(3.17), (3.18)": "care", "(3.41)": "care", "3.4.2, locked bicycle": "care",
     },
@@ -90,6 +90,13 @@ def test_a_changed_equation_no_longer_holds(r: Record) -> None:
     assert not judge(replace(r, printed=made)).borne_out
 
 
+def test_what_is_called_an_error_was_read_in_two_copies() -> None:
+    """What was read once may fail by a slip of ours: it accuses no author."""
+    for r in ENTRIES:
+        assert r.second is not None or r.kind is not Class.ERROR, name(r)
+        assert r.second is None or r.kind is not Class.OPEN, name(r)
+
+
 def test_what_is_read_with_care_holds_under_a_condition() -> None:
     for r in ENTRIES:
         assert (r.part is not None and r.condition != "") or r.kind is not Class.CARE, name(r)
@@ -102,15 +109,27 @@ def test_the_page() -> None:
     first = page.split("\n\n")[1]
     assert page.startswith("# Corrections to our copies of five texts\n")
     assert "text extractions" in first and "the printed pages were not seen" in first
-    assert "of ours in 4 of the 42 entries, of a second copy in 7, " in first and "; 32 could not be" in first
+    assert "of ours in 4 of the 42 entries, of a second copy in 7, which" in first
     titles = re.findall(r"^## \d (.*)$", page, re.MULTILINE)
-    assert titles == ["Errors of the text", "Damage of the copy", "Read with care", "What holds"]
+    assert titles == [
+        "Errors of the text",
+        "Open: read once",
+        "Damage of the copy",
+        "Read with care",
+        "What holds",
+    ]
+    sizes = ("Errors of the text | 3 | 3 | 0", "Open: read once | 6 | 0 | 6", "Damage of the copy | 21 | 1 | 20",
+             "Read with care | 12 | 3 | 9")  # fmt: skip
+    assert all(f"| {row} |" in page for row in sizes)
     for edition in ("1st edition, Elsevier, 2014", "1st edition, Cambridge University Press, 2013",
                     "2nd edition, MIT Press, 2011"):  # fmt: skip
         assert edition in page
-    entries = re.split(r"^#### ", page.partition("## 4 ")[0], flags=re.MULTILINE)[1:]
+    entries = re.split(r"^#### ", page.partition("## 5 ")[0], flags=re.MULTILINE)[1:]
     assert len(entries) == len(ENTRIES)
+    twice = {f"{r.text} {r.equation}" for r in ENTRIES if r.second is not None}
     for entry in entries:  # the copy's line, before its normalised form
+        title = entry.partition("\n")[0].replace("\\", "")
+        assert (title in twice) != ("Not read a second time." in entry), title
         assert re.search(
             r"The copy, verbatim: “|not at hand\): `|The copy lacks the line",
             entry.partition("Corrected:")[0],
@@ -122,7 +141,7 @@ def test_the_page() -> None:
     }  # fmt: skip
     for quote in second.values():  # short, as a quotation for criticism is
         assert f"The second copy, page {quote.page}, verbatim: “" in page and len(quote.text) < 130
-    holds = page.partition("## 4 ")[2]
+    holds = page.partition("## 5 ")[2]
     assert holds.count("\n| ") == len(HOLDS) + 2
     assert {len(re.findall(r"(?<!\\)\|", row)) for row in holds.splitlines() if row.startswith("| ")} == {5}
     for found in (

@@ -220,6 +220,10 @@ def test_a_mesh_beside_its_steering_axis(read: Import) -> None:
         "r": [],
         "offset_y": ["0.03 at the joint", "0.03 at the origin of the collision mesh 'a.stl'"],
     }
+    for name, doubted in (("a", True), ("b", False)):  # nor in that of wheels with the same mesh
+        rear = pair(geometry=f'<mesh filename="{name}.stl"/>')
+        asked = read(robot(rear, fork, front, control("left_joint", "s")))["asked"]
+        assert (("left", "y") in asked, ("right", "y") in asked) == (doubted, doubted)
 
 
 def test_two_wheels_on_one_shaft(read: Import) -> None:

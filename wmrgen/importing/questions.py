@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from wmrgen.importing.frames import across, dot, plus
-from wmrgen.importing.records import Question, Vector
-from wmrgen.importing.view import Candidate, Robot
+from wmrgen.importing.records import Question, Vector, Wheel
+from wmrgen.importing.view import Candidate, Mesh, Robot
 from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED
 
@@ -156,24 +156,37 @@ def size_asked(robot: Robot, c: Candidate, name: str) -> Question:
     return Question(name, "r", text, tuple(dict.fromkeys(hints)))
 
 
-def plane_asked(robot: Robot, c: Candidate, name: str, lateral: Fraction | None) -> Iterator[Question]:
-    """The wheel's plane along the axle, where its meshes do not stand about the joint, or are not at hand and look as
-    if they did not. ``lateral``: the joint's, left of the steering axis."""
-    meshes = () if c.unsure else robot.meshes(c)
-    middles = {mesh.words: (mesh.reach.low + mesh.reach.high) / 2 for mesh in meshes if mesh.reach}
-    off = middles or {f"origin of the {mesh.words}": mesh.shift for mesh in meshes}
-    if all(abs(shift) < _OFF for shift in off.values()) and (middles or not lateral or not meshes):
-        return
-    text = "the wheel is a mesh: where along its axle does it touch the ground? The joint need not be in its middle"
-    axis = 0 if abs(c.axis[0]) > abs(c.axis[1]) else 1
-    key, at, share = "xy"[axis], float(c.centre[axis]), float(c.axis[axis])
-    if lateral is not None:
-        key, at, share = "offset_y", float(lateral), 1.0
-    hints = [
-        f"{at + share * shift:.6g} at the {'middle of the ' * bool(middles)}{words}"
-        for words, shift in off.items()
+def planes_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> Iterator[Question]:
+    """The planes of wheels along their axles, where meshes do not stand about the joint, or are not at hand and look as
+    if they did not: be it at another wheel, whose joint is as little in the middle of the same mesh."""
+    meshes = [() if c.shape or c.unsure else robot.meshes(c) for c in seen]
+    off = [_beside(own) for own in meshes]
+    asked = [
+        any(abs(shift) >= _OFF for shift in shifts.values())
+        or bool(own and w.offset_y and not _measured(own))
+        for w, own, shifts in zip(wheels, meshes, off, strict=True)
     ]
-    yield Question(name, key, text, (f"{at:.6g} at the joint", *hints))
+    doubted = {mesh.name for own, is_asked in zip(meshes, asked, strict=True) if is_asked for mesh in own}
+    text = "the wheel is a mesh: where along its axle does it touch the ground? The joint need not be in its middle"
+    for w, c, own, shifts, is_asked in zip(wheels, seen, meshes, off, asked, strict=True):
+        if not is_asked and (_measured(own) or all(mesh.name not in doubted for mesh in own)):
+            continue
+        axis = 0 if abs(c.axis[0]) > abs(c.axis[1]) else 1
+        key, at, share = "xy"[axis], float(c.centre[axis]), float(c.axis[axis])
+        if w.offset_y is not None:
+            key, at, share = "offset_y", float(w.offset_y), 1.0
+        hints = (f"{at + share * shift:.6g} at the {words}" for words, shift in shifts.items())
+        yield Question(w.name, key, text, (f"{at:.6g} at the joint", *hints))
+
+
+def _measured(meshes: Sequence[Mesh]) -> bool:
+    return any(mesh.reach for mesh in meshes)
+
+
+def _beside(meshes: Sequence[Mesh]) -> dict[str, float]:
+    """How far the middles of meshes are off the joint along the axle [m], else their origins."""
+    middles = {f"middle of the {m.words}": (m.reach.low + m.reach.high) / 2 for m in meshes if m.reach}
+    return middles or {f"origin of the {m.words}": m.shift for m in meshes}
 
 
 def _in_millimetres(radius: float) -> str:

@@ -19,7 +19,7 @@ from wmrgen.importing.questions import (
     doubt,
     mesh_radius,
     other_height,
-    plane_asked,
+    planes_asked,
     radius_doubted,
     roller_reach,
     rollers_asked,
@@ -78,6 +78,7 @@ def import_wheels(description: Description, base: str | None, forward: str | Non
     coupled, doubts, notes = couplings(robot, result)
     questions = [
         *(question for _, asked in read for question in asked),
+        *planes_asked(robot, result, wheels),
         *motors_unknown(result),
         *articulated(robot, result, wheels),
         *corner_asked(result),
@@ -144,7 +145,7 @@ def _wheel(
     elif powered and actuated == () and c.shape and not c.shape.cylinder:
         questions.append(ball_asked(name))
     questions += axle_asked(robot, c, name)
-    radius, doubts = _size(robot, c, name, offset, remarks)
+    radius, doubts = _size(robot, c, name, remarks)
     questions += doubts
     if e[0] < _BACKWARD and kind != CASTOR.name:
         remarks["heading"] += ", reversed: it rolls backward for a positive rate"
@@ -168,15 +169,14 @@ def _wheel(
 
 
 def _size(
-    robot: Robot, c: Candidate, name: str, lateral: Fraction | None, remarks: dict[str, str]
+    robot: Robot, c: Candidate, name: str, remarks: dict[str, str]
 ) -> tuple[Fraction | None, list[Question]]:
-    """The radius, and what is asked of it and of the wheel's plane; what is not is remarked."""
+    """The radius, and what is asked of it; what is not is remarked."""
     if not c.shape:
-        plane = list(plane_asked(robot, c, name, lateral))
         if bound := mesh_radius(robot, c):
             radius, remarks["r"] = bound
-            return radius, plane
-        return None, [size_asked(robot, c, name), *plane]
+            return radius, []
+        return None, [size_asked(robot, c, name)]
     remarks["r"] = f"{c.shape.words} of {remarks['heading'].removeprefix('axis of ')}"
     reach = roller_reach(robot, c)
     if reach and abs(reach / c.radius - 1) > CONFLICT:

@@ -17,6 +17,7 @@ from wmrgen.symbolic import Expr, local, signal
 
 _ENTRY = re.compile(r"([a-z]+)(\d)(\d)")
 WIDE = 180  # characters of LaTeX in a line before a sum is broken
+FEW = 3  # so often a short result is written out
 
 
 _PRINTER = Latex(order=None, mat_str="bmatrix", mat_delim="", mul_symbol=r" \, ")
@@ -28,24 +29,37 @@ def latex(value: Any) -> str:
 
 
 def equations(formula: Formula) -> list[str]:
-    """One line ``name &= expression`` per intermediate result worth a name, per output and per output matrix."""
+    """One line ``name &= expression`` per intermediate result worth a name (an output's, if it is one), per other
+    output and per output matrix."""
     uses = _uses(formula)
     values: dict[Expr, Expr] = {
         signal(port.name): sympy.Symbol(port_name(port.name), real=True) for port in formula.inputs
     }
     memo: dict[Expr, Expr] = {}
+    taken = {port.name for port in formula.inputs}
+    given = {
+        e: port_name(p.name)
+        for p, e in formula.outputs
+        if p.name not in taken and not _ENTRY.fullmatch(p.name)
+    }
+    shown: set[Expr] = set()
     lines = []
     for symbol, expr in formula.locals:
         value = substituted(unguarded(expr), values, memo)
         if symbol.name.endswith("_exp"):
             value = sympy.exp(values[local(f"{symbol.name}_of")])
-        if "_exp_" in symbol.name or uses[symbol] <= 1 or value.count_ops() <= 3:
+        short = value.count_ops() <= (3 if uses[symbol] <= FEW else 2)
+        if "_exp_" in symbol.name or uses[symbol] <= 1 or short or (value.is_Pow and value.exp == -1):
             values[symbol] = value
             continue
-        values[symbol] = sympy.Symbol(rf"\mathit{{{symbol.name.replace('_', chr(92) + ';')}}}", real=True)
+        values[symbol] = sympy.Symbol(given.get(symbol) or _name(symbol.name), real=True)
+        shown.add(symbol)
         lines.append(_equation(latex(values[symbol]), value))
-    taken = {port.name for port in formula.inputs}
-    outputs = [(port, substituted(unguarded(expr), values, memo)) for port, expr in formula.outputs]
+    outputs = [
+        (port, substituted(unguarded(expr), values, memo))
+        for port, expr in formula.outputs
+        if expr not in shown or given.get(expr) != port_name(port.name)
+    ]
     matrix = [(port, value) for port, value in outputs if _ENTRY.fullmatch(port.name)]
     if matrix:
         lines.append(_matrix(matrix))
@@ -56,10 +70,16 @@ def equations(formula: Formula) -> list[str]:
     return lines
 
 
+def _name(name: str) -> str:
+    """Of an intermediate result: g_{01} of g01, words as words."""
+    entry = re.fullmatch(r"([a-z])(\d+)", name)
+    return rf"{entry[1]}_{{{entry[2]}}}" if entry else rf"\mathit{{{name.replace('_', chr(92) + ';')}}}"
+
+
 def _matrix(entries: list[tuple[Port, Expr]]) -> str:
     places = [m for port, _ in entries if (m := _ENTRY.fullmatch(port.name))]
     rows, columns = (max(int(m[k]) for m in places) for k in (2, 3))
-    above, below = zip(*(sympy.fraction(value) for _, value in entries), strict=True)
+    above, below = zip(*(sympy.fraction(sympy.together(value)) for _, value in entries), strict=True)
     shared = set(below) - {1}
     if len(shared) == 1 and all(b != 1 or a == 0 for a, b in zip(above, below, strict=True)):
         factor, values = rf"\frac{{1}}{{{latex(shared.pop())}}} ", above

@@ -89,7 +89,11 @@ def test_texts_formulas_and_figures(reports: list[Report], tmp_path: Path) -> No
         .filter((e) => e.scrollWidth > e.clientWidth).map((e) => e.textContent),
       overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
     };"""
-    result, console = seen(page(reports), script, tmp_path, (900, 900))
+    texts = [
+        Report("textbook", _files(ROOT / "generated" / "textbook")),
+        Report("errata", {"report.md": (ROOT / "generated" / "errata.md").read_bytes()}),
+    ]
+    result, console = seen(page([*reports, *texts]), script, tmp_path, (900, 900))
     assert console == [] and result["cut"] == []
     assert result["figures"] >= len(GALLERY) and result["outside"] == []
     assert result["formulas"] == result["typeset"] > 600 and result["wrong"] == []

@@ -84,7 +84,8 @@ def _any_heading(*left: sympy.Expr) -> list[sympy.Expr]:
     return [e.xreplace({ZERO_GLYPH: sympy.S.Zero}) - t for e, t in zip(left, truth, strict=True)]
 
 def _sphere(angle: sympy.Expr) -> Form:
-    rows = (engine.rolling("fixed"), engine.sliding("fixed"))
+    at = ALPHA + BETA
+    rows = M([[sin(at), -cos(at), -L * cos(BETA)]]), M([[cos(at), sin(at), L * sin(BETA)]])
     c, s = sympy.cos(angle), sympy.sin(angle)
     xi = (c * xd + s * yd, c * yd - s * xd, thd)
     values = [sympy.Add(*(a * b for a, b in zip(row, xi, strict=True))) for row in rows]

@@ -128,6 +128,27 @@ def test_what_one_file_alone_says_is_not_compared(wmrgen_cli: Cli, tmp_path: Pat
         assert words in comparison["not_compared"]
 
 
+def test_places_of_steering_joints_which_a_robot_file_does_not_name(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """A module is known by its end and side; a place that belongs to no wheel is told."""
+    modules, drive = tmp_path / "modules.yaml", tmp_path / "robot.yaml"
+    ends, sides = (("front", 0.24), ("back", -0.24)), (("left", 1), ("right", -1))
+    corners = [(f"{end}_{side}", x, sign) for end, x in ends for side, sign in sides]
+    said = "m:\n  ros__parameters:\n    wheel_radius: 0.1\n"
+    robot = "wmrgen: 1\nname: swerve\nwheels:\n"
+    for n, (name, x, sign) in enumerate(corners):
+        said += f"    drive{n}: {{joint_name: wheel_{name}_joint}}\n"
+        pivot = f"center_pos_x: {x}, center_pos_y: {0.19 * sign}"
+        said += f"    steer{n}: {{joint_name: caster_{name}_joint, {pivot}}}\n"
+        robot += f"  - {{name: wheel_{name}, type: steered, x: {x}, y: {0.18 * sign}, heading: 0, r: 0.1}}\n"
+    modules.write_text(said)
+    drive.write_text(robot)
+    done = wmrgen_cli("compare", drive, modules)
+    assert done.code == 1 and "WMR040  track 0.36 m -> 0.38 m" in done.out
+    modules.write_text(said.replace("caster_back_left_joint", "odd"))
+    told = "not compared: steer2.center_pos_x -0.24 m, steer2.center_pos_y 0.19 m"
+    assert told in wmrgen_cli("compare", drive, modules).out
+
+
 @pytest.mark.parametrize(
     ("files", "said"),
     [

@@ -84,8 +84,11 @@ def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, 
     only = a.controller.lengths if a.controller else LENGTHS
     sizes = {key: value for key, value in lengths(wheels, where, along).items() if key in only}
     c = _as_meant(c, kinds, sizes.get("wheelbase", 0.0))
+    alone = [s for key, s in c.lengths.items() if key not in sizes]
+    of_wheels = {_placed(c, w, word) for w, word in zip(wheels, where, strict=True)}
+    alone += [s for k, place in c.places.items() if k not in of_wheels for s in place]
     silent = (
-        [f"{s.key} {float(s.value):.6g} m" for key, s in c.lengths.items() if key not in sizes],
+        [f"{s.key} {float(s.value):.6g} m" for s in alone],
         _needed(c, sizes),
     )
     said = {key: worth(c, key, not skids) for key in c.lengths}
@@ -211,8 +214,7 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
         values, marks = {"x": place.real, "y": place.imag}, {}
         if signs and "gamma" in w.values:
             values["gamma"] = w.values["gamma"] * signs.real * signs.imag  # the rollers that are usual there
-        pivot = next((c.places[k] for k in c.places if _is(w, k) or k in (word, f"middle {word}")), None)
-        if pivot:
+        if pivot := c.places.get(_placed(c, w, word)):
             values = {axis: float(s.value) for axis, s in zip("xy", pivot, strict=True)}
             marks = {axis: s.mark for axis, s in zip("xy", pivot, strict=True) if s.mark}
         for key in (*(f"{side}_radius" for side in told.split()), "radius"):
@@ -226,6 +228,15 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
             values |= {"heading": cmath.phase(along)} if aligned < -0.9 else {}
         result.append(replace(w, values=values, marks=marks))
     return result
+
+
+def _placed(c: Controller, w: Side, word: str) -> str:
+    """Under which joint a controller has the place of a wheel, else under which end and side; "" where it has none."""
+    roles = {named.joint: named.role for named in c.joints}
+    own = [k for k in c.places if _is(w, k)] or [
+        k for k in c.places if word in (k, k.removeprefix("middle "), roles.get(k))
+    ]
+    return own[0] if len(own) == 1 else ""
 
 
 def _displaced(p: complex, told: str, said: Mapping[str, float], sizes: Mapping[str, float]) -> complex:

@@ -162,6 +162,31 @@ def test_a_castor_with_a_transmission(read: Import) -> None:
     assert said["asked"] == [("tail", "actuated")] and "hint: [spin]" in said["text"]
 
 
+def test_a_castor_that_stops_like_a_steered_wheel(read: Import) -> None:
+    """A car whose steering nothing drives, its contacts 40 mm off their steering axes."""
+    for stop, asked in ((0.6, [("tail", "type")]), (1.6, []), (0, [])):
+        limits = f'<limit lower="-0.5" upper="{stop}"/>' if stop else ""
+        kind = "revolute" if stop else "continuous"
+        fork = link("fork") + joint("swivel", "base_link", "fork", "-0.3 0 0.2", kind, "0 0 1", more=limits)
+        parts = (
+            pair(),
+            fork,
+            wheel("tail", "-0.04 0 -0.1", parent="fork"),
+            control("left_joint", "right_joint"),
+        )
+        assert read(robot(*parts))["asked"] == asked
+    assert ("tail", "type") not in read(robot(*parts[:3], control("left_joint", "swivel")))["asked"]
+
+
+def test_the_one_wheel_that_is_not_drawn(read: Import) -> None:
+    """A fifth in the middle, as a simulator has it."""
+    visual = f"</collision><visual><geometry>{cylinder('0.1')}</geometry></visual>"
+    corners = enumerate(((0.3, 0.2), (0.3, -0.2), (-0.3, 0.2), (-0.3, -0.2)))
+    drawn = "".join(wheel(f"w{k}", f"{x} {y} 0.1") for k, (x, y) in corners).replace("</collision>", visual)
+    for middle, asked in ((wheel("middle", "0 0 0.1"), [("middle", "type")]), (pair(), [])):
+        assert [q for q in read(robot(drawn, middle))["asked"] if q[1] == "type"] == asked
+
+
 def test_swivels_that_take_velocities_beside_wheels_that_drive(read: Import) -> None:
     """On castors alone they are motors; castors of a robot that others drive follow, but where they take positions."""
     castors, said = "", ""

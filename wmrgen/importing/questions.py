@@ -15,6 +15,7 @@ from wmrgen.wheels.types import CASTOR, FIXED, STEERED
 CONFLICT = Fraction(1, 100)  # part of a radius by which two sources may differ
 TRAIL = Fraction(1, 1000)  # [m] what trails less is no castor
 _OFF = 2e-3  # [m] how far a mesh may stand off its joint along the axle
+_QUARTER = math.pi / 2  # [rad]
 _LARGEST = 5  # [m] the radius of a wheel
 _GROUND = ("base_footprint",)
 
@@ -56,10 +57,12 @@ def swivel_doubts(
     rolling: str,
     stray: bool,
     bodiless: bool,
+    stops: tuple[Fraction, Fraction] | None,
 ) -> Iterator[Question]:
     """What may be otherwise of a wheel on a steering axis, from which its contact lies ``d`` off. ``transmitted``: only
     a transmission says that a motor steers it. ``stray``: nothing turns it, but something other wheels. ``bodiless``:
-    it turns without end, no shape is drawn of what it turns, and only a transmission names it."""
+    it turns without end, no shape is drawn of what it turns, and only a transmission names it. ``stops``: its steering
+    limits [rad]."""
     if rolling:
         text = f"{rolling}, and here the wheel swivels: does the robot have this swivel?"
         yield Question(name, "type", text, ("swedish, where it has not",))
@@ -81,6 +84,15 @@ def swivel_doubts(
         text = "the swivel has a transmission: does a motor turn it, or does it follow?"
         rest = ", ".join(key for key in actuated or () if key != "steer")
         yield Question(name, "actuated", text, (f"[{rest}]", f"[{', '.join(actuated or ())}]"))
+    elif (
+        kind == CASTOR.name and "steer" not in (actuated or ()) and stops and max(map(abs, stops)) < _QUARTER
+    ):
+        text = (
+            f"its contact lies {float(d):.6g} m off an axis that turns by less than a quarter: does it trail?"
+        )
+        yield Question(
+            name, "type", text, (f"castor, with d: {float(d):.6g}", "steered, where something steers it")
+        )
 
 
 def axle_asked(robot: Robot, c: Candidate, name: str) -> Iterator[Question]:

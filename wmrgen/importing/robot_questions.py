@@ -136,6 +136,19 @@ def odd_one_asked(wheels: Sequence[Wheel]) -> list[Question]:
     return questions
 
 
+def undrawn_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
+    """One wheel of three or more is not drawn, the others are."""
+    bare = [w for w, c in zip(wheels, seen, strict=True) if robot.roles(c.joint.child) == {"collision"}]
+    drawn = sum("visual" in robot.roles(c.joint.child) for c in seen)
+    text = "it touches the ground and is not drawn, as all other wheels are: is it a simulator's?"
+    hint = "delete it where it is, {} where the robot has it"
+    return [
+        Question(w.name, "type", text, (hint.format(w.type),))
+        for w in bare
+        if len(bare) == 1 < drawn == len(seen) - 1
+    ]
+
+
 def steering_missed(wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
     """One wheel does not steer, all others do, and a joint above it turns about an axis that is not upright."""
     plain = [(w, c) for w, c in zip(wheels, seen, strict=True) if not w.steer_joint]

@@ -40,6 +40,7 @@ from wmrgen.importing.robot_questions import (
     odd_one_asked,
     steering_missed,
     support_asked,
+    undrawn_asked,
 )
 from wmrgen.importing.rollers import UNSAID, angle, gamma_said, heading, rollers_said
 from wmrgen.importing.view import Candidate, Robot, X, base_link
@@ -83,6 +84,7 @@ def import_wheels(description: Description, base: str | None, forward: str | Non
         *articulated(robot, result, wheels),
         *corner_asked(result),
         *odd_one_asked(result),
+        *undrawn_asked(robot, result, wheels),
         *steering_missed(result, wheels),
         *([] if forward else front_doubted(robot, result, wheels)),
         *doubts,
@@ -123,7 +125,7 @@ def _wheel(
             remarks["type"] = f"joint {quoted(steer.name)} points down: its angle is -{name}.steer"
         if tilt > 1:
             questions.append(tilted(name, foot, tilt))
-    actuated = _actuated(robot, c)
+    actuated, stops = _actuated(robot, c), _steer_limits(robot, steer)
     gamma, source = gamma_said(robot, c, e)
     kind, why = _type(c, d, actuated, rolling if source == UNSAID and not steer else source)
     if why:
@@ -140,7 +142,7 @@ def _wheel(
         stray = "" in powered and steer.name not in powered and -c.radius < (offset or 0) < c.radius
         bodiless = steer.spins and steer.name in said.transmitted and not robot.roles(steer.child)
         questions += swivel_doubts(
-            name, kind, d or Fraction(0), actuated, transmitted, rolling, stray, bodiless
+            name, kind, d or Fraction(0), actuated, transmitted, rolling, stray, bodiless, stops
         )
     elif powered and actuated == () and c.shape and not c.shape.cylinder:
         questions.append(ball_asked(name))
@@ -162,7 +164,7 @@ def _wheel(
         offset,
         gamma if kind == SWEDISH.name else None,
         actuated,
-        _steer_limits(robot, steer),
+        stops,
         remarks,
     )
     return wheel, questions

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from math import atan, atan2, cos, sin
 
 import numpy as np
 import pytest
 
-from tests.report.common import page_of, page_written, part
+from tests.report.common import between, box, page_of, page_written, part
 from tests.report.reading import formulas, read
-from tests.robots import ROBOTS, of_gallery
+from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen import notation
+from wmrgen.exact.number import Exact
 from wmrgen.layout.records import Robot, Wheel
 
 AGREE = "Where they agree (`slip` is 0), that is"
@@ -160,6 +162,42 @@ def test_the_joints_of_a_twist(name: str) -> None:
             rim = (a * cos(h) + b * sin(h)) / cos(gamma)
             own = shown[notation.port(f"{w.name}.spin")]
             assert read(own, values) == pytest.approx(rim / r, rel=1e-5, abs=1e-9)
+
+
+AXLE = """wmrgen: 1
+name: axle
+wheels:
+  - {name: rl, type: fixed, x: 0, y: 0.4, heading: 0, r: 0.15}
+  - {name: rr, type: fixed, x: 0, y: -0.3, heading: 0, r: 0.12}
+  - {name: fl, type: steered, x: 1.1, y: 0.4, heading: 0, r: 0.15, actuated: [steer]}
+  - {name: fr, type: steered, x: 1.1, y: -0.4, heading: 0, r: 0.15, actuated: [steer]}
+"""
+ALONE, BENT = "Each steered wheel stands along the velocity", "Each steered wheel would by itself stand along"
+
+
+@pytest.mark.parametrize(
+    "coupling", ["{equal: [rl.spin, rr.spin]}", "{equal: [rl.spin, rr.spin], ratios: [1, 2]}"]
+)
+def test_wheels_of_one_motor_have_one_rate(coupling: str) -> None:
+    """What the result says of wheels that do not steer is what `inverse` gives, where that forces them to slide."""
+    text = f"{AXLE}couplings: [{coupling}]\n"
+    twist = {"vx": 0.5, "vy": 0.1, "omega": 0.2}
+    driven = of_text(text).evaluate("inverse", {n: Exact(Fraction(str(v))) for n, v in twist.items()})
+    shown = dict(formulas(between(box(page_written(text)), "Inverse", "Forward")))
+    values = {notation.port(n): v for n, v in twist.items()}
+    for name in ("rl", "rr"):
+        own = read(shown[notation.port(f"{name}.spin")], values)
+        assert own == pytest.approx(float(driven[f"{name}.spin"]), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("more", "bent"),
+    [("", False), ("couplings: [{equal: [fl.steer, fr.steer]}]\n", True),
+     ("couplings: [{equal: [rl.spin, rr.spin]}]\n", False), ("couplings: [{equal: [fl.spin, fr.spin]}]\n", True)],
+)  # fmt: skip
+def test_coupled_wheels_do_not_each_stand_along_their_velocity(more: str, bent: bool) -> None:
+    page = page_written(AXLE + more)
+    assert (BENT in page) == bent != (ALONE in page)
 
 
 @pytest.mark.parametrize("turned", [0.0, 2.5])

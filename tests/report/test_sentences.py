@@ -45,6 +45,26 @@ def test_slip_is_not_called_0_where_limits_make_some() -> None:
     assert "keeps a wheel from" not in page_of("wpilib_swervebot")
 
 
+@pytest.mark.parametrize(
+    ("turned", "more", "slides"),
+    [(0, "couplings: [{equal: [f.steer, g.steer]}]", "as they do in every curve."), (0, "", ""),
+     (4, "", "as they do in every motion but one.")],
+)  # fmt: skip
+def test_where_a_robot_slides_that_rolls_in_one_motion(turned: int, more: str, slides: str) -> None:
+    """One steering angle for two wheels beside each other: straight ahead alone rolls. Toe-in: turning on the spot."""
+    wheels = [f"{{name: {n}, type: fixed, x: 0, y: {y}, heading: {h} deg, r: 0.1}}"
+              for n, y, h in (("l", 0.3, -turned), ("r", -0.3, turned))]  # fmt: skip
+    wheels += [
+        f"{{name: {n}, type: steered, x: 0.8, y: {y}, heading: 0, r: 0.1}}"
+        for n, y in (("f", 0.3), ("g", -0.3))
+    ]
+    page = page_written(
+        f"wmrgen: 1\nname: sample\nwheels: [{', '.join(wheels[: 2 if turned else 4])}]\n{more}\n"
+    )
+    assert re.findall(r"as they do in every [^.]*\.", page) == [slides] * bool(slides)
+    assert ("so the robot cannot turn: a controller integrates `twist`" in page) == ("curve" in slides)
+
+
 def test_the_error_of_the_series_in_units_in_the_last_place() -> None:
     unit = math.ulp(math.nextafter(1.0, 0.0))
     assert unit == 2**-53 and unit / 2 < WORST_ERROR < unit

@@ -108,6 +108,8 @@ class Balance(NamedTuple):
             return f"{head}, short by {self.lacking}"
         if self.surplus:
             of = "angles" if self.joint == "steer" else "rates"
+            if self.motors == 1:
+                return f"{head}, 1 beyond need: one {of.removesuffix('s')} alone lets every wheel roll"
             return f"{head}, {self.surplus} beyond need: {self.surplus} relation{relations} must hold between the {of}"
         return f"{head}, exactly enough"
 

@@ -3,6 +3,8 @@ point; the twist of measured rates."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from wmrgen import notation
 from wmrgen.backends.report.angles import with_tangents
 from wmrgen.backends.report.forward import distinct, fits_of
@@ -14,7 +16,7 @@ from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbol
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.sensing import generic_rank
-from wmrgen.layout.records import Wheel
+from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.robot import Derivation
 
@@ -34,19 +36,45 @@ def closed_inverse(d: Derivation) -> list[str]:
     wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
     if not any(w.actuated for w in robot.wheels):
         return ["No joint is driven, so there is nothing to command."]
-    lines = [spin_rate(w, twist) for w in wheels if not w.turns]
+    lines = [spin_rate(w, rim) for w, rim in _rims([w for w in wheels if not w.turns], robot, twist)]
     turning = (
         [w for w in wheels if w.kind.steers],
         [w for w in wheels if w.kind.swivels and w.actuated],
     )
-    pivots = [block for group in turning if group for block in _pivots(group, twist)]
+    pivots = [
+        block for group in turning if group for block in _pivots(group, twist, _tied(robot, group, twist))
+    ]
     shown = "".join([*lines, *pivots])
     stars = [line for line in projected(projection) if line.partition(" &=")[0] in shown]
     blocks = aligned([*stars, *lines]) if stars or lines else []
     return [*blocks, *pivots, *cut_note(robot.wheels)]
 
 
-def _pivots(wheels: list[Wheel], twist: Row) -> list[str]:
+def rim_speed(w: Wheel, twist: Row) -> Poly:
+    return dot(driving_row(w, working_view(w)), twist)
+
+
+def _rims(wheels: list[Wheel], robot: Robot, twist: Row) -> Iterator[tuple[Wheel, Poly]]:
+    """Rim speeds; of wheels that turn together those at their common least-squares rate."""
+    own = {w.name: rim_speed(w, twist) for w in wheels}
+    shares = {w.name: robot.per_turn(w, working_view(w)) for w in wheels}
+    groups = {w.name: group for group in robot.together("spin", wheels) for w in group}
+    for w in wheels:
+        names = [v.name for v in groups[w.name]]
+        if len({own[n] * shares[n].inverse() for n in names}) == 1:
+            yield w, own[w.name]
+        else:
+            squares = Poly.sum(shares[n] * shares[n] for n in names)
+            yield w, Poly.sum(shares[n] * own[n] for n in names) * squares.inverse() * shares[w.name]
+
+
+def _tied(robot: Robot, wheels: list[Wheel], twist: Row) -> bool:
+    """Whether couplings keep some of the wheels from what each would do by itself."""
+    spun = {name for names in turned_apart(robot, twist) for name in names}
+    return any(w.name in spun or not move_alike(partners(robot, w), twist) for w in wheels)
+
+
+def _pivots(wheels: list[Wheel], twist: Row, tied: bool) -> list[str]:
     """What steered wheels or driven castors do, with the velocity of each one's pivot."""
     pairs = alike([p for w in wheels for p in pivot_velocity(w, twist)])
     texts = (f"v_{{Ax}} &= {a}, & v_{{Ay}} &= {b}" for a, b in zip(pairs[::2], pairs[1::2], strict=True))
@@ -63,13 +91,17 @@ def _pivots(wheels: list[Wheel], twist: Row) -> list[str]:
     ))  # fmt: skip
     rim, across = rf"v_{{Ax}}\cos{psi} + v_{{Ay}}\sin{psi}", rf"v_{{Ax}}\sin{psi} - v_{{Ay}}\cos{psi}"
     velocity = "velocity (v<sub>Ax</sub>, v<sub>Ay</sub>) of its pivot A"
+    instead = "; section 6 says what couplings make of that" * tied
     if castors:
         shift = rf" - {o}\left(\omega + \dot{{\psi}}\right)" if o != "0" else ""
-        words = f"{who} has both rates from the {velocity}{zero}:"
+        words = f"{who} {'would by itself have' if tied else 'has'} both rates from the {velocity}{zero}{instead}:"
         first = rf"\dot{{\psi}} &= {_over(across, d)} - \omega"
     else:
         shift = rf" - {o}\,\omega" if o != "0" else ""
-        words = f"{who} stands along the {velocity}{zero}, and rolls as fast, forwards or backwards:"
+        does = ("would by itself stand along", "roll") if tied else ("stands along", "rolls")
+        words = (
+            f"{who} {does[0]} the {velocity}{zero}, and {does[1]} as fast, forwards or backwards{instead}:"
+        )
         first = rf"\tan{psi} &= \frac{{v_{{Ay}}}}{{v_{{Ax}}}}"
     return [
         words,
@@ -93,10 +125,10 @@ def _over(above: str, below: str) -> str:
     return rf"{'-' * (length != below)}\frac{{{above}}}{{{length}}}"
 
 
-def spin_rate(w: Wheel, twist: Row) -> str:
+def spin_rate(w: Wheel, rim: Poly) -> str:
     """The rim's speed over the radius, which a number leaves below the line."""
     g = working_view(w)
-    rim = dot(driving_row(w, g), twist) * (g.r * g.rolling_radius.inverse())
+    rim *= g.r * g.rolling_radius.inverse()
     above, radius = total(with_tangents(terms(rim))), g.r.constant
     below = notation.terminating(radius.parts[0]) if radius and radius.is_rational else None
     one_line = len(rim.terms) > 1 and width(above) <= WIDE
@@ -135,6 +167,29 @@ def pivot_velocity(w: Wheel, twist: Row) -> tuple[Poly, Poly]:
     """The components of the pivot's velocity."""
     g = working_view(w)
     return dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
+
+
+def partners(robot: Robot, w: Wheel) -> list[Wheel]:
+    """The wheels that turn with it, itself among them."""
+    group = robot.steer_group
+    return [v for v in robot.wheels if group[v.index] == group[w.index]]
+
+
+def move_alike(wheels: list[Wheel], twist: Row) -> bool:
+    """One velocity and one zero heading: each single solution is the common one."""
+    return len({(*pivot_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
+
+
+def turned_apart(robot: Robot, twist: Row) -> list[list[str]]:
+    """Coupled wheels whose common spin or swivel rate may leave something to sliding (see `turned_unlike`)."""
+    castors = robot.together("steer", (w for w in robot.wheels if w.kind.swivels))
+    spun = [
+        wheels
+        for wheels in robot.together("spin", (w for w in robot.wheels if w.has_spin))
+        if any(w.turns for w in wheels)
+        and not (all(w in partners(robot, wheels[0]) for w in wheels) and move_alike(wheels, twist))
+    ]
+    return [[w.name for w in wheels] for wheels in (*castors, *spun) if len(wheels) > 1]
 
 
 def closed_forward(d: Derivation) -> list[str]:

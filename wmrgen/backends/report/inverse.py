@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from wmrgen import notation
-from wmrgen.backends.report.closed import driven_twist, projected, spin_rate, swivel_rate
-from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, minus, some
-from wmrgen.backends.report.slip import (
-    alike,
-    forms_of,
-    left_by_couplings,
-    left_by_steering,
-    narrow_wheels,
+from wmrgen.backends.report.closed import (
+    driven_twist,
+    move_alike,
     partners,
-    slip,
+    projected,
+    rim_speed,
+    spin_rate,
+    swivel_rate,
 )
+from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, minus, some
+from wmrgen.backends.report.slip import forms_of, left_by_couplings, left_by_steering, narrow_wheels, slip
 from wmrgen.backends.report.texts import turning_circle
 from wmrgen.constraints import XI, driving_row, seen, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
@@ -48,7 +48,9 @@ def inverse(d: Derivation) -> list[str]:
         follow = "is not driven but follows" if len(passive) == 1 else "are not driven but follow"
         first = f" Of {code(passive[0].name)} they are" if len(passive) > 1 else ""
         blocks += [f"{some(passive)} {follow}: the rolling row gives φ̇, the sliding row ψ̇.{first}"]
-        blocks += aligned([spin_rate(passive[0], twist), swivel_rate(passive[0], twist)])
+        blocks += aligned(
+            [spin_rate(passive[0], rim_speed(passive[0], twist)), swivel_rate(passive[0], twist)]
+        )
     if steered:
         blocks += [*turning_circle(d.robot), *_steering(robot, steered, twist)]
     return [*blocks, *_coupled(robot, twist), *slip(projection, bool(steered), couplings, steering)]
@@ -77,7 +79,7 @@ def _steering(robot: Robot, wheels: list[Wheel], twist: Row) -> list[str]:
     """How a steered wheel chooses among the headings that roll, and what limits change."""
     shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
     limited = [w for w in wheels if robot.limit(w, "steer")]
-    shared = [w for w in limited if not alike(partners(robot, w), twist)]
+    shared = [w for w in limited if not move_alike(partners(robot, w), twist)]
     narrow = narrow_wheels(robot, wheels, twist)
     wide = [w for w in limited if w not in shared and w not in narrow]
     return [
@@ -177,7 +179,7 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
         elif wheels[0].kind.swivels:
             shared = "they share the least-squares rate Σ d·(d ψ̇) / Σ d² of their single solutions"
             blocks += [f"{listed(members)} swivel at one rate: {shared}."]
-        elif alike(wheels, twist):
+        elif move_alike(wheels, twist):
             same.append(listed(members))
         else:
             blocks += [
@@ -186,8 +188,7 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
                 "them."
             ]
     if same:
-        each = "each " * (len(same) > 1)
-        blocks += [f"{'; '.join(same)} {each}share one angle, and the formula gives the same ψ⁺ for each."]
+        blocks += [f"Pivots of wheels that share an angle ({'; '.join(same)}) move alike: ψ⁺ is the same."]
     return blocks
 
 
@@ -198,7 +199,7 @@ def _rates(robot: Robot, wheels: list[Wheel], twist: Row) -> set[tuple[str, Poly
     for w in wheels:
         g, share = working_view(w), Poly.of(robot.spin_ratios[w.index])
         together = partners(robot, w)
-        turns = together[0].name if alike(together, twist) else w.name
+        turns = together[0].name if move_alike(together, twist) else w.name
         rim = Poly.of(1) if w.turns else dot(driving_row(w, g), twist)
         rates.add((turns if w.turns else "", rim * (g.rolling_radius * share).inverse()))
     return rates

@@ -77,8 +77,8 @@ def _remark(m: Mobility) -> list[str]:
     """Why (3.41) is not taken literally."""
     if _couplings_cut(m):
         return [
-            "The couplings cut the set of admissible twists; its dimension is what steering and driving share between "
-            "them, and takes the place of rank C<sub>1s</sub> in (3.41)."
+            "With couplings the ranks of (3.41) do not count what steering adds: the dimension of the set of twists "
+            "that are admissible at some angles, δ<sub>m</sub> + δ<sub>s</sub>, does."
         ]
     return [
         "The book writes rank C<sub>1s</sub> in (3.41). Wheels whose axles are bound to meet in one point "

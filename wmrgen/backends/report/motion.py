@@ -15,7 +15,7 @@ from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.models.inputs import posture_motion
 from wmrgen.functions.models.sheet import LONGEST, tidy
-from wmrgen.functions.models.state_space import ROLLING_ALONE, forms, rolls_alone
+from wmrgen.functions.models.state_space import forms, goes_straight, rolls_alone, where_it_slides
 from wmrgen.functions.system import System
 from wmrgen.functions.trailers.trailer import state_ports, turns
 from wmrgen.layout.records import Robot
@@ -60,7 +60,10 @@ def _posture(d: Derivation) -> list[str]:
     rates = [Poly.sum(c[i] * eta for c, eta in zip(columns, etas, strict=True)) for i in range(3)]
     steering = bool(d.mobility.basis_wheels)
     rates_of = "dψ<sub>i</sub>/dt = ψ̇<sub>i</sub>"
-    straight = d.mobility.skids and d.robot.effective_track is None
+    turned = d.mobility.skids or any(w.kind.steers for w in d.robot.wheels)  # by sliding wheels
+    straight = (
+        d.mobility.degenerate and goes_straight(d.mobility) and turned and d.robot.effective_track is None
+    )
     general = [
         "The continuous model "
         + ("of ideal rolling" if straight else "that a predictive controller integrates")
@@ -148,6 +151,9 @@ def _rates(twist: Row, towing: bool) -> list[str]:
     vx, vy, omega = (with_tangents(terms(p)) for p in twist)
     turn = (r"\dot{\theta} &= \omega = " if towing else r"\dot{\theta} &= ") + total(omega)
     ahead = total(vx) if len(pieces(vx)) == 1 else rf"\left({total(vx)}\right)"
+    if vy and not vx:
+        parts = [rf"v_y &= {total(vy)}", r"\dot{x} &= -v_y\sin\theta", r"\dot{y} &= v_y\cos\theta"]
+        return [*parts, turn]
     if vy:
         parts = [f"{notation.port(n)} &= {total(p)}" for n, p in (("vx", vx), ("vy", vy))]
         turned = r"v_x\cos\theta - v_y\sin\theta", r"v_x\sin\theta + v_y\cos\theta"
@@ -201,7 +207,8 @@ def regular(d: Derivation) -> list[str]:
     if always:
         intro += f" {listed(always)} hold{'s' * (len(always) == 1)} in every motion."
     if sliding:
-        intro += f" {listed(sliding)} do{'es' * (len(sliding) == 1)} not hold where {ROLLING_ALONE}."
+        does = "does" if len(sliding) == 1 else "do"
+        intro += f" {listed(sliding)} {does} not hold where {where_it_slides(d.driven.mobility)}."
     if space.limits:
         limits = (
             f"{code(f'{d.robot.name}_limits.casadi')} and {code('limits')} in {code(f'{d.robot.name}.py')}"

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 
-from wmrgen.backends.report.closed import pivot_velocity
+from wmrgen.backends.report.closed import move_alike, partners, turned_apart
 from wmrgen.backends.report.latex import latex
 from wmrgen.backends.report.letters import multiples, squares
-from wmrgen.backends.report.markdown import code, listed, math
+from wmrgen.backends.report.markdown import aligned, code, listed, math
 from wmrgen.backends.report.terms import width
 from wmrgen.constraints import XI
 from wmrgen.exact.evaluate import sqrt_poly
@@ -16,23 +17,13 @@ from wmrgen.kinematics.least_squares import Projection
 from wmrgen.kinematics.steer import NARROW, turning_points
 from wmrgen.layout.records import Robot, Wheel
 
-_ROOT = 120  # glyphs under a root
-
-
-def partners(robot: Robot, w: Wheel) -> list[Wheel]:
-    """The wheels that turn with it, itself among them."""
-    group = robot.steer_group
-    return [v for v in robot.wheels if group[v.index] == group[w.index]]
-
-
-def alike(wheels: list[Wheel], twist: Row) -> bool:
-    """One velocity and one zero heading: each single solution is the common one."""
-    return len({(*pivot_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
+_ROOT = 100  # glyphs under a root
+_MANY = 12  # lines of sums that stand under one
 
 
 def narrow_wheels(robot: Robot, wheels: list[Wheel], twist: Row) -> list[Wheel]:
     """Wheels whose limits leave one heading at most."""
-    limits = [(w, robot.limit(w, "steer")) for w in wheels if alike(partners(robot, w), twist)]
+    limits = [(w, robot.limit(w, "steer")) for w in wheels if move_alike(partners(robot, w), twist)]
     return [w for w, limit in limits if limit and limit.high - limit.low <= NARROW]
 
 
@@ -43,7 +34,7 @@ def _may_be_cut(robot: Robot, w: Wheel) -> bool:
 
 def left_by_couplings(robot: Robot, twist: Row) -> dict[str, str]:
     """Squares that add to slip², and what they are of: what common rates leave to sliding."""
-    unlike = _unlike(robot, twist)
+    unlike = turned_apart(robot, twist)
     if not unlike:
         return {}
     castors = any(robot.wheel(n).kind.swivels for names in unlike for n in names)
@@ -60,7 +51,7 @@ def left_by_steering(robot: Robot, twist: Row) -> dict[str, str]:
     """The same of steered wheels that limits or couplings keep from their heading."""
     steered = [w for w in robot.wheels if w.kind.steers]
     limited = [w for w in steered if _may_be_cut(robot, w)]
-    shared = [w for w in steered if not alike(partners(robot, w), twist)]
+    shared = [w for w in steered if not move_alike(partners(robot, w), twist)]
     held = [w.name for w in steered if w in limited or w in shared]
     if not held:
         return {}
@@ -94,43 +85,52 @@ def slip(
         return [
             *blocks,
             f"{then}`slip` [m/s] is made of {', and of '.join(parts.values())}:",
-            *math(rf"\mathrm{{slip}} = \sqrt{{{' + '.join(parts)}}}"),
+            *_root(projection, " + ".join(parts)),
         ]
     if not forms or (forms == [XI[1]] and projection.twist != XI):  # said where it is taken away
         return blocks
     words = f"`slip` is the sliding speed [m/s] {forced}"
     if len(forms) == 1:
         return [*blocks, f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]
-    root = rf"\mathrm{{slip}} = \sqrt{{{_mean_square(projection)}}}"
     over = (
         "root mean square over the fixed wheels" if projection.weight != 1 else "root of the sum of squares"
     )
-    return [*blocks, f"{words}, {over}:", *math(root)]
+    return [*blocks, f"{words}, {over}:", *_root(projection, _mean_square(projection))]
+
+
+def _root(projection: Projection, total: str) -> list[str]:
+    """slip as the root of a total, with the sums that are too wide to stand under it."""
+    lines = [rf"s_{{{k}}} &= {text}" for k, text in enumerate(_sums(projection), 1)]
+    if not lines:
+        return math(rf"\mathrm{{slip}} = \sqrt{{{total}}}")
+    return aligned(
+        [*lines[:_MANY], *[r"&\vdots"] * (len(lines) > _MANY), rf"\mathrm{{slip}} &= \sqrt{{{total}}}"]
+    )
+
+
+def _sums(projection: Projection) -> list[str]:
+    """What is squared, where it does not stand under one root."""
+    counts = squares(forms_of(projection))
+    wide = width(" + ".join(counts)) > _ROOT
+    return (
+        [text.removesuffix("^2").removeprefix(r"\left(").removesuffix(r"\right)") for text in counts]
+        if wide
+        else []
+    )
 
 
 def _mean_square(projection: Projection) -> str:
     """What the admissible twist leaves of the commanded one."""
     forms = forms_of(projection)
     counts = squares(forms)
+    if _sums(projection):
+        counts = Counter({rf"s_{{{k}}}^2": n for k, n in enumerate(counts.values(), 1)})
     each = min(counts.values()) if len(set(counts.values())) == 1 else 1
     parts = multiples(counts, each)
-    shown = [text for k, text in enumerate(parts) if not k or width("".join(parts[: k + 1])) < _ROOT]
-    mean = " + ".join([*shown, *([r"\cdots"] if len(parts) > len(shown) else [])])
+    mean = " + ".join([*parts[:_MANY], *[r"\cdots"] * (len(parts) > _MANY)])
     if len(forms) == 1 or projection.weight * each == 1:
         return mean
     return rf"{latex(Poly.of(projection.weight * each))}\left[ {mean} \right]"
-
-
-def _unlike(robot: Robot, twist: Row) -> list[list[str]]:
-    """Coupled wheels whose common spin or swivel rate may leave something to sliding (see `turned_unlike`)."""
-    castors = robot.together("steer", (w for w in robot.wheels if w.kind.swivels))
-    spun = [
-        wheels
-        for wheels in robot.together("spin", (w for w in robot.wheels if w.has_spin))
-        if any(w.turns for w in wheels)
-        and not (all(w in partners(robot, wheels[0]) for w in wheels) and alike(wheels, twist))
-    ]
-    return [[w.name for w in wheels] for wheels in (*castors, *spun) if len(wheels) > 1]
 
 
 def _admissible(steered: bool, held: bool) -> str:

@@ -21,8 +21,6 @@ from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, number, over, signal, subtract
 
-ROLLING_ALONE = "wheels slide, as they do in every curve"
-
 
 class StateSpace(NamedTuple):
     """``rates``: ``state``, ``inputs`` and parameters (``geometry``) to the rates of the state, in this order;
@@ -127,15 +125,25 @@ def forms(robot: Robot, mobility: Mobility) -> dict[str, System]:
 
 
 def rolls_alone(form: str, mobility: Mobility) -> bool:
-    """Whether a form leaves out the sliding of a robot that slides in every curve."""
-    return mobility.rank_C1f.value > 1 and form != "twist"
+    """Whether a form leaves out the sliding of a robot that rolls in one motion and slides in all others."""
+    return mobility.degenerate and form != "twist"
+
+
+def goes_straight(mobility: Mobility) -> bool:
+    """Whether no motion without sliding turns the robot."""
+    return not any(column[2] for column in mobility.scaled_symbolic)
+
+
+def where_it_slides(mobility: Mobility) -> str:
+    """Where a form does not hold that leaves out sliding."""
+    return f"wheels slide, as they do in every {'curve' if goes_straight(mobility) else 'motion but one'}"
 
 
 def regularity(robot: Robot, mobility: Mobility) -> dict[str, tuple[str, ...]]:
     """Forms of the model that a robot has, and where they do not hold: nothing of one that does in every motion."""
     acting = driving(robot, mobility)[1]
     return {
-        form: singular_sets(system) + ((ROLLING_ALONE,) if rolls_alone(form, acting) else ())
+        form: singular_sets(system) + ((where_it_slides(acting),) if rolls_alone(form, acting) else ())
         for form, system in forms(robot, mobility).items()
     }
 

@@ -231,7 +231,8 @@ ANGLES = ONE.replace("rates", "angles")
         (
             [AHEAD, BEHIND, wheel("f", "steered", 0.1, 0.5)], [],
             [f"driving: 3 actuated joints for 1 degree of freedom, {TWO}",
-             "steering: 1 actuated joint for 0 degrees of freedom, 1 beyond need: one angle alone lets every wheel roll"],
+             "steering: 1 actuated joint for 0 degrees of freedom, 1 beyond need: "
+             "one angle alone lets every wheel roll"],
         ),
     ],
 )  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
+from wmrgen.importing.read import refuse
 from wmrgen.importing.records import Coupling, Joint, Question, Wheel
 from wmrgen.importing.view import Robot
 from wmrgen.spec.text import quoted
@@ -83,6 +84,9 @@ def _followed(robot: Robot, joint: Joint, kind: str) -> tuple[str, Turn]:
         if mimic is None:
             break
         name, factor, offset = mimic[0], factor * mimic[1], offset + factor * mimic[2]
+    else:
+        what = f"joint {quoted(joint.name)} mimics itself, be it through others"
+        raise refuse(what, "", "Delete the mimic of the joint that leads.", joint.mark)
     return name, (factor * sign(name) * sign(joint.name), offset * sign(joint.name))
 
 

@@ -92,6 +92,7 @@ CASES: dict[str, tuple[list[dict[str, Any]], list[tuple[str, list[str]]], tuple[
         SHARED, PAIR,
         "Steering l chooses the ICR (delta_s = 1); r must follow, its axle through the same point.", degrees(1, 1),
     )),
+    "one steered": ([FRONT], [], ("Steering f turns the axle on which the ICR lies (delta_s = 1).", degrees(2, 1))),
     "four steered": ([*STEERED, FRONT], [], (
         "Steering b and f chooses the ICR (delta_s = 2); a and c must follow, their axles through the same point.",
         degrees(1, 2),

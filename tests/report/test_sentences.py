@@ -45,6 +45,14 @@ def test_slip_is_not_called_0_where_limits_make_some() -> None:
     assert "keeps a wheel from" not in page_of("wpilib_swervebot")
 
 
+def test_one_steered_wheel_chooses_no_icr_but_a_line_that_it_lies_on() -> None:
+    page, car = page_of("textbook_omni_steer"), page_of("ackermann_car")
+    assert "a rotation about a point that the steering angles choose" in page and "the ICR that" not in page
+    assert (
+        "for which all axles" not in page and "at steering angles for which all axles meet in one ICR" in car
+    )
+
+
 @pytest.mark.parametrize(
     ("turned", "more", "slides"),
     [(0, "couplings: [{equal: [f.steer, g.steer]}]", "as they do in every curve."), (0, "", ""),
@@ -463,7 +471,7 @@ wheels:
         (ROUND, r"\sqrt{3}\,\cos\psi_{\mathrm{a}}-\sin\psi_{\mathrm{a}} &= 0", "are parallel,"),
         (SHIFTED, "Column 2 is a rotation about P where the parameters are nominal.", "about P."),
         (DRIVEN, "`a` and `b` swivel at one rate: they share the least-squares rate", "that need not suit"),
-        (APART, "the ICR that the angles of the castors give.", "steering angles choose"),
+        (APART, "a point that the angles of the castors give.", "steering angles choose"),
         (TANK, "Where wheels may slide sideways, speeds of driven wheels", "\nSpeeds of driven"),
         (
             TANK,

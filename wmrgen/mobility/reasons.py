@@ -158,12 +158,16 @@ def _steered(at: Configuration, deciding: tuple[Wheel, ...]) -> list[str]:
     lead = list(dict.fromkeys(leaders))[: at.steerability]
     rest = [name for name in steered if name not in lead]
     chosen = "ICR" if np.abs(at.admissible.basis[:, 2]).max() > TOLERANCE else "direction of motion"
-    sentence = f"Steering {in_code(lead)} chooses the {chosen} (delta_s = {at.steerability})"
+    does = f"chooses the {chosen}"
+    if chosen == "ICR" and at.mobility > 1:
+        does = "turns the axle on which the ICR lies"
+    sentence = f"Steering {in_code(lead)} {does} (delta_s = {at.steerability})"
     if rest and chosen != "ICR":
         sentence += f"; {in_code(rest)} must point the same way"
     elif rest:
         axles = "its axle" if len(rest) == 1 else "their axles"
-        sentence += f"; {in_code(rest)} must follow, {axles} through the same point"
+        where = "through the same point" if at.mobility == 1 else "on the same line"
+        sentence += f"; {in_code(rest)} must follow, {axles} {where}"
     return [sentence + "."]
 
 

@@ -98,10 +98,9 @@ def _pivots(wheels: list[Wheel], twist: Row, tied: bool) -> list[str]:
         first = rf"\dot{{\psi}} &= {_over(across, d)} - \omega"
     else:
         shift = rf" - {o}\,\omega" if o != "0" else ""
+        fast = "as fast as its contact point moves" if shift else "as fast"
         does = ("would by itself stand along", "roll") if tied else ("stands along", "rolls")
-        words = (
-            f"{who} {does[0]} the {velocity}{zero}, and {does[1]} as fast, forwards or backwards{instead}:"
-        )
+        words = f"{who} {does[0]} the {velocity}{zero}, and {does[1]} {fast}, forwards or backwards{instead}:"
         first = rf"\tan{psi} &= \frac{{v_{{Ay}}}}{{v_{{Ax}}}}"
     return [
         words,

@@ -41,11 +41,13 @@ def analysis(d: Derivation) -> list[str]:
     m = d.mobility
     steered = any(w.kind.steers for w in d.robot.wheels)
     meet = "meet in one ICR" if any(turn for _, _, turn in m.null_space_symbolic) else "are parallel"
+    several = sum(w.kind.constrains for w in d.robot.wheels) > 1
+    meet = "are one line" if m.degree_of_mobility > 1 else meet
     return [
         "## 5 Mobility",
         *items(map(sentence, m.argument), lambda k: f"{k}."),
         "So the degrees of mobility, steerability and maneuverability are"
-        + (f", at steering angles for which all axles {meet}," if steered else ""),
+        + f", at steering angles for which all axles {meet}," * (steered and several),
         *_degrees(m),
         *(_remark(m) if steered else []),
         *_verdicts(d),

@@ -215,11 +215,14 @@ def _meaning(d: Derivation, columns: Sequence[Row]) -> list[str]:
     heads = [f"Column {i + 1}" for i in range(len(columns))] if len(columns) > 1 else ["The column"]
     castors = not any(w.kind.steers for w in d.robot.wheels)
     which = "angles of the castors give" if castors else "steering angles choose"
+    centre = "the ICR" if len(columns) == 1 else "a point"
     only = [
         "" if own == c else " where the parameters are nominal"
         for own, c in zip(general, columns, strict=True)
     ]
-    words = (f"{head} {_motion(c, which)}{at}." for head, c, at in zip(heads, columns, only, strict=True))
+    words = (
+        f"{head} {_motion(c, which, centre)}{at}." for head, c, at in zip(heads, columns, only, strict=True)
+    )
     blocks = [" ".join(words)]
     vx, vy, w = columns[0]
     if len(columns) == 1 and w and any(p.constant is None for p in columns[0]):
@@ -254,8 +257,8 @@ def _is_bracket(text: str) -> bool:
     return not marks[0] and text.endswith(r"\right)") and 0 not in depths[:-1]
 
 
-def _motion(c: Row, which: str) -> str:
-    """A column in words. ``which``: what angles do."""
+def _motion(c: Row, which: str, centre: str) -> str:
+    """A column in words. ``which``: what angles do; ``centre``: of a rotation."""
     vx, vy, w = c
     if not w and not vy and vx.constant is not None:
         return "is motion straight ahead"
@@ -266,4 +269,4 @@ def _motion(c: Row, which: str) -> str:
         return f"is a translation in {f'the direction that the {which}' if turned else 'a fixed direction'}"
     if not vx and not vy:
         return "is a rotation about P"
-    return f"is a rotation about {f'the ICR that the {which}' if turned else 'a fixed point'}"
+    return f"is a rotation about {f'{centre} that the {which}' if turned else 'a fixed point'}"

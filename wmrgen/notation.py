@@ -21,7 +21,6 @@ _JOINTS = {
 Style = Literal["", "exact", "decimals", "fractions"]
 _COMPONENT = re.compile(r"([a-z])([xyz])")  # vx
 _ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")
-_READABLE = (2, 3, 4, 6, 7, 8, 9, 11, 12)  # denominators
 _COVARIANCE = re.compile(r"(vx|vy|omega|x|y|theta)(vx|vy|omega|x|y|theta)")
 _NUMBERED = re.compile(r"([a-z]+)(\d+)")  # eta1, m12
 
@@ -105,10 +104,8 @@ def _fraction(f: Fraction, root: bool, style: Style) -> tuple[str, str] | None:
     exact = terminating(f)
     if style == "decimals":
         return exact or decimal(float(f)), ""
-    halves = f.denominator in (2, 4, 8) and not root and style != "fractions"
-    if f.denominator in _READABLE and f.numerator < (2 if halves else 100):
-        return str(f.numerator), str(f.denominator)
-    if exact is not None:
+    halved = f.denominator in (2, 4, 8) and f.numerator < (100 if root or style == "fractions" else 2)
+    if exact is not None and not halved:
         return exact, ""
     return (str(f.numerator), str(f.denominator)) if max(f.numerator, f.denominator) < 10**4 else None
 

@@ -519,6 +519,8 @@ def test_mistakes_in_files_are_told_and_do_not_stop(read: Import, parts: str, wo
 def test_a_radius_of_next_to_nothing_is_none(read: Import) -> None:
     said = read(robot(pair()).replace('radius="0.1"', 'radius="1e-9999"'))
     assert [w["r"] for w in said["wheels"].values()] == [None, None]
+    beside = read(robot(pair().replace("0.05 ", "-1e-9999 ")))
+    assert [w["x"] for w in beside["wheels"].values()] == [0, 0]
 
 
 LAUGHS = '<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><robot name="&b;"/>'

@@ -69,6 +69,21 @@ def test_a_steering_wheel_is_told_and_a_wheel_on_uneven_ground_is_one(
     assert ("rear" in said["names"]) is not told
 
 
+@pytest.mark.parametrize("geometry", [MESH, cylinder("0.1")])
+def test_a_wheel_in_the_air_on_a_rocker_is_asked_about(read: Import, geometry: str) -> None:
+    """The rocker of one side is drawn turned: its front wheel stands 0.09 m above the others. What hangs on none is no
+    wheel."""
+    rocker = link("rocker") + joint("rocker", "base_link", "rocker", "0 -0.25 0.2", "revolute", more=LIMITS)
+    sides = wheel("rear_wheel", "-0.2 0 -0.1", geometry, "rocker")
+    sides += wheel("front_wheel", "0.2 0 -0.01", geometry, "rocker")
+    said = read(robot(pair(geometry=geometry), rocker, sides))
+    assert said["names"] == ["left", "right", "rear", "front"]
+    assert ("front", "type") in said["asked"] and ("rear", "type") not in said["asked"]
+    assert "hangs on one rocker with 'rear_wheel_joint'" in said["text"]
+    high = wheel("rear_wheel", "-0.2 0 0.1", geometry) + wheel("front_wheel", "0.2 0 0.19", geometry)
+    assert read(robot(pair(geometry=geometry), high))["names"] == ["left", "right", "rear"]
+
+
 def legs(body: str, above: int) -> str:
     """Four that turn without end, each behind ``above`` joints that turn."""
     parts = ""

@@ -97,7 +97,8 @@ def _apart(c: Candidate, other: Candidate) -> bool:
 
 
 def _mirrored(wheels: list[Candidate], spins: list[Candidate]) -> list[Candidate]:
-    """With the wheels those that do not stand, as they are drawn, and whose mirror images do: the drawing is wrong."""
+    """With the wheels those that do not stand, as they are drawn, and whose mirror images do: the drawing is wrong; or
+    that hang on a rocker with one that does, as the rocker is drawn."""
     both, standing = list[Candidate](), {c.joint.name for c in wheels}
     for c in spins:
         if c.joint.name in standing:
@@ -106,7 +107,16 @@ def _mirrored(wheels: list[Candidate], spins: list[Candidate]) -> list[Candidate
             own, others = float(c.radius), float(other.radius)
             why = f"it is drawn with radius {own:.6g}, as if in the air, its mirror image with {others:.6g}"
             both.append(replace(c, shape=None, doubt=why))
+        elif (other := next((w for w in wheels if _rocking(c, w)), None)) and wheel_like(c, wheels):
+            why = f"it hangs on one rocker with {quoted(other.joint.name)}, and {off_the_ground(c, wheels)}"
+            both.append(replace(c, doubt=why))
     return both
+
+
+def _rocking(c: Candidate, other: Candidate) -> bool:
+    """Two wheels hang on one joint that turns about an axis like theirs, and are about as high."""
+    rockers = [j for j in c.via if j.turns and any(j is each for each in other.via)]
+    return bool(rockers) and abs(c.centre[2] - other.centre[2]) < 2 * max(c.radius, other.radius, UNSEEN)
 
 
 def _mirrors(c: Candidate, other: Candidate) -> bool:

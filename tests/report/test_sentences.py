@@ -45,6 +45,19 @@ def test_slip_is_not_called_0_where_limits_make_some() -> None:
     assert "keeps a wheel from" not in page_of("wpilib_swervebot")
 
 
+@pytest.mark.parametrize(("heading", "letter"), [(0, "y"), (180, "y"), (90, "x")])
+def test_what_slides_is_said_once_and_without_a_sign(heading: int, letter: str) -> None:
+    across = {"y": ("0", "0.2"), "x": ("0.2", "0")}[letter]
+    wheels = [f"{{name: w{k}, type: fixed, x: {sign}{across[0]}, y: {sign}{across[1]}, heading: {heading} deg, r: 0.1}}"
+              for k, sign in enumerate(("", "-"))]  # fmt: skip
+    text = page_written(f"wmrgen: 1\nname: sample\nwheels: [{', '.join(wheels)}]\n").partition("## 6 ")[2]
+    assert (
+        f"`slip` is |v<sub>{letter}</sub>|, the speed" in text
+        and text.count("`slip`") == 2
+        and "|-" not in text
+    )
+
+
 def test_one_steered_wheel_chooses_no_icr_but_a_line_that_it_lies_on() -> None:
     page, car = page_of("textbook_omni_steer"), page_of("ackermann_car")
     assert "a rotation about a point that the steering angles choose" in page and "the ICR that" not in page

@@ -64,11 +64,9 @@ def _projection(projection: Projection, alone: bool) -> list[str]:
     zero = [n for n, p in zip(TWIST_NAMES, projection.twist, strict=True) if not p]
     if away == zero:
         names = notation.listed([_WORDS[n] for n in zero])
-        slip = "; `slip` is |v<sub>y</sub>|, the speed [m/s] at which they would slide"
-        return [
-            f"The wheels forbid {names}, which is taken away first"
-            f"{slip * (alone and forms_of(projection) == [XI[1]])}."
-        ]
+        slip = f"; `slip` is |{names}|, the speed [m/s] at which they would slide"
+        said = alone and forms_of(projection) in ([XI[0]], [XI[1]])
+        return [f"The wheels forbid {names}, which is taken away first{slip * said}."]
     return [
         "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the rest is driven:",
         *aligned(projected(projection)),

@@ -87,7 +87,7 @@ def slip(
             f"{then}`slip` [m/s] is made of {', and of '.join(parts.values())}:",
             *_root(projection, " + ".join(parts)),
         ]
-    if not forms or (forms == [XI[1]] and projection.twist != XI):  # said where it is taken away
+    if not forms or (forms in ([XI[0]], [XI[1]]) and projection.twist != XI):  # said where it is taken away
         return blocks
     words = f"`slip` is the sliding speed [m/s] {forced}"
     if len(forms) == 1:
@@ -160,4 +160,6 @@ def _root_of_square(g: Gen) -> Poly | None:
 
 
 def forms_of(projection: Projection) -> list[Poly]:
-    return [_rootless(p) for p in projection.residuals if p]
+    """What is squared, each with the sign that it is read with."""
+    forms = [_rootless(p) for p in projection.residuals if p]
+    return [-p if latex(p).startswith("-") else p for p in forms]

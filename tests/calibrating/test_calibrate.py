@@ -24,18 +24,17 @@ from wmrgen.calibrating.calibrate import (
     Calibration,
     Estimate,
     _held_out,
-    _names,
     calibrate,
     problem_of,
 )
 from wmrgen.calibrating.certainty import fit
 from wmrgen.calibrating.fit import Problem, serial, start_of, sums, unit_of
-from wmrgen.calibrating.logs import read
+from wmrgen.calibrating.logs import names, read
 from wmrgen.calibrating.observability import courses, offers, plan
 from wmrgen.calibrating.outliers import Drift
 from wmrgen.calibrating.path import Reckoning, passed, reckoned
 from wmrgen.calibrating.picture import _ERRORS, _PATHS, _errors, _key, _paths, _values
-from wmrgen.calibrating.starts import _finds, laid
+from wmrgen.calibrating.starts import _found, laid
 from wmrgen.calibrating.written import told, with_values
 from wmrgen.cli.calibrate import _drifting, _notes
 from wmrgen.errors import UsageError
@@ -80,7 +79,7 @@ def test_real_drives_give_the_recorded_parameters(name: str) -> None:
 
 def test_logs_of_one_name_are_told_apart_by_numbers() -> None:
     logs = [Path(f"{day}/{name}.csv") for day in "abc" for name in ("run", "turn")]
-    assert _names(logs) == ["run", "turn", "run (2)", "turn (2)", "run (3)", "turn (3)"]
+    assert names(logs) == ["run", "turn", "run (2)", "turn (2)", "run (3)", "turn (3)"]
 
 
 @pytest.mark.parametrize(("nominal", "unit"), [(0.4, 0.04), (-0.4, 0.04), (0.0, 0.1)])
@@ -593,7 +592,7 @@ def test_pieces_are_looked_at_where_odometry_loses_its_way(tmp_path: Path, measu
         track = {"half_track": share * layout.true["half_track"]}
         nominal = ({**layout.true, **track}[name] for name in problem.increments.parameters)
         ready = laid(replace(problem, nominal=tuple(nominal), drives=(run,)))
-        assert _finds(ready, start_of(ready), 0) == near
+        assert _found(ready, start_of(ready), 0) == near
 
 
 SLIPS = ((7.0, 7.6, 1.8), (20.0, 20.4, 0.3))
@@ -627,6 +626,23 @@ def test_slips_are_found_and_left_out(tmp_path: Path, name: str) -> None:
     for parameter, value in layout.true.items():
         estimate = result.parameters[parameter]
         assert abs(estimate.value - value) < 3 * estimate.sigma
+
+
+def test_a_long_drive_with_large_slips(tmp_path: Path) -> None:
+    """Where they turn the robot by more than a radian in all, clocks ran away, and the drive was refused."""
+    layout, tracker = LAYOUTS["differential"], Tracker(0.04, late=0.9, noise=(0.002, 0.003), every=2)
+    episodes = ((13.3, 14.4, "right", 2.5), (31.0, 31.8, "right", 2.5), (61.0, 62.1, "right", 2.5))
+    encoders = Encoders(2 * np.pi / 1000, slip=0.005, episodes=episodes)
+    one = replace(layout, drives=layout.drives[:1])
+    logs = written(tmp_path, one, seconds=80, rate=20, tracker=tracker, encoders=encoders)
+    result = calibrate(derivation_of(tmp_path, layout), logs, [])
+    assert result.clocks["run-0"] == pytest.approx(0.9, abs=0.02)
+    assert len(result.outliers) == len(episodes)
+    for slip, (start, end, *_) in zip(result.outliers, episodes, strict=True):
+        assert slip.start < end and start < slip.end
+    for parameter, value in layout.true.items():
+        estimate = result.parameters[parameter]
+        assert abs(estimate.value - value) < 3 * estimate.sigma < 0.03 * value
 
 
 @pytest.mark.parametrize(("count", "folds"), [(1, 5), (2, 2)])

@@ -177,7 +177,7 @@ def test_a_slip_along_either_axis_is_a_step_of_the_path(ahead: complex) -> None:
 def test_what_keeps_log_and_truth_apart_is_said(
     off: float, turned: float, words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name, value in (("_strange", True), ("_unlikely", ""), ("_hint_of_some", "look"), ("_extent", 1.0)):
+    for name, value in (("strange", True), ("_unlikely", ""), ("_hint_of_some", "look"), ("_extent", 1.0)):
         monkeypatch.setattr(f"wmrgen.calibrating.mistakes.{name}", lambda *_, value=value: value)
     with pytest.raises(UsageError, match=f"{words} from the truth.*: look"):
         best: Any = SimpleNamespace(

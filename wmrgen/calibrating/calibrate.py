@@ -13,12 +13,12 @@ from wmrgen.calibrating import certainty
 from wmrgen.calibrating.certainty import Fit
 from wmrgen.calibrating.drawn import drawn
 from wmrgen.calibrating.fit import Each, Problem, during, nearest, serial, solved, start_of, unit_of
-from wmrgen.calibrating.logs import Drive, pairs, read
-from wmrgen.calibrating.mistakes import refuse_strangers
+from wmrgen.calibrating.logs import Drive, names, pairs, read
+from wmrgen.calibrating.mistakes import refuse_strangers, strange
 from wmrgen.calibrating.observability import settled, unobservable
-from wmrgen.calibrating.outliers import Drift, Outlier, cut, drifts, outliers, without
+from wmrgen.calibrating.outliers import PASSES, Drift, Outlier, cut, drifts, outliers, without
 from wmrgen.calibrating.path import Increments, Reals
-from wmrgen.calibrating.starts import laid, near
+from wmrgen.calibrating.starts import begun, laid
 from wmrgen.calibrating.stored import changed, stored
 from wmrgen.errors import UsageError
 from wmrgen.ir.calls import self_contained
@@ -29,7 +29,6 @@ from wmrgen.mobility.analyse import driving
 from wmrgen.robot import Derivation
 
 _FOLDS = 5  # parts that drives are left out in, one after the other
-_PASSES = 3  # in which slips are looked for
 _FEWEST = 3  # parts whose spread is a standard deviation
 _ENOUGH, _COARSE = 50_000, 0.25  # readings, and [s] between them, that tell nearly what all tell
 _FINER = 4  # times as many tell how parameters differ, too
@@ -112,14 +111,18 @@ def calibrate(
     files = pairs(logs, truths)
     every = (
         replace(read(log, truth, problem.increments.joints, turns), name=name)
-        for name, (log, truth) in zip(_names(logs), files, strict=True)
+        for name, (log, truth) in zip(names(logs), files, strict=True)
     )
     large = sum(path.stat().st_size for pair in files for path in pair if path.is_file()) > _LARGE
     drives = _parts(stored(every) if large else tuple(every))
-    first = _about(replace(problem, drives=drives), each)
+    problem = replace(problem, drives=drives)
+    first, slips = _begun(problem, each)
+    if strange(first):
+        first, slips = _begun(problem, each, lost=True)
     moving = drifts(_coarser(first.problem), first.unknowns, each)
-    best, slips = _without_slips(_without_jumps(first, moving, each), each)
-    refuse_strangers(best, drives, lambda others: _about(replace(problem, drives=tuple(others)), each))
+    best, more = _without_slips(_without_jumps(first, moving, each), each)
+    slips += more
+    refuse_strangers(best, drives, lambda others: _begun(replace(problem, drives=tuple(others)), each)[0])
     best = _settled(best, each)
     if best.problem.untold is not None:  # joints that disagree less show more slips
         best, more = _without_slips(best, each)
@@ -133,15 +136,9 @@ def calibrate(
     return Calibration(
         _estimates(derivation.robot, best, _deviations(best, others if len(drives) > 1 else ()), weak), weak, best,
         _errors(best, best.problem.shared(0 * best.unknowns)), _errors(best, best.problem.shared(best.unknowns)),
-        _held_out(parts, others), tuple(slips), tuple(drift for of_drive in moving for drift in of_drive),
+        _held_out(parts, others), tuple(sorted(slips, key=lambda slip: (slip.drive, slip.start))),
+        tuple(drift for of_drive in moving for drift in of_drive),
     )  # fmt: skip
-
-
-def _names(logs: Sequence[Path]) -> list[str]:
-    """Of drives: those of one name told apart by numbers, for logs of several folders may be called alike."""
-    names = [log.stem for log in logs]
-    again = [names[:i].count(name) for i, name in enumerate(names)]
-    return [f"{name} ({k + 1})" if k else name for name, k in zip(names, again, strict=True)]
 
 
 def _parts(drives: Sequence[Drive]) -> Sequence[Drive]:
@@ -161,16 +158,23 @@ def _split(drive: Drive, count: int, offset: float = 0.0) -> list[Drive]:
     return parts if len(parts) == count else [drive]
 
 
-def _about(problem: Problem, each: Each, best: Fit | None = None) -> Fit:
-    """The fit of drives as they were read, or of parts of those of the ``best`` one, from its parameters on; of large
-    logs about, as a coarser problem has it."""
-    ready = laid(problem)
+def _begun(problem: Problem, each: Each, lost: bool = False) -> tuple[Fit, list[Outlier]]:
+    """The first fit of drives as they were read, and the slips without which it begins, where odometry is ``lost``."""
+    ready, start, slips = begun(problem, _coarser, each, lost)
+    return _about(ready, each, start), slips
+
+
+def _about(ready: Problem, each: Each, start: Reals) -> Fit:
+    """The fit from ``start`` on; of large logs about, as a coarser problem has it."""
     coarse = _coarser(ready)
-    start, shared = near(coarse, each) if best is None else start_of(ready), len(ready.units)
-    if best is not None:
-        start[:shared] = best.unknowns[:shared]
     about = certainty.fit(coarse, each, start)
     return about if coarse is ready else certainty.of_drives(about, during(ready, about.unknowns))
+
+
+def _again(problem: Problem, each: Each, best: Fit) -> Fit:
+    """The fit of parts of the drives of the ``best`` one, from its parameters on."""
+    ready = laid(problem)
+    return _about(ready, each, start_of(ready, best.unknowns))
 
 
 def _settled(best: Fit, each: Each) -> Fit:
@@ -234,25 +238,25 @@ def _mean(parts: Iterable[tuple[Reals, Reals]]) -> Errors:
 def _without_jumps(best: Fit, moving: Sequence[Sequence[Drift]], each: Each) -> Fit:
     """The fit where each drive whose clock jumps is two, with a clock each."""
     jumps = [[drift for drift in of_drive if drift.at_once] for of_drive in moving]
-    return _about(without(best, jumps), each, best) if any(jumps) else best
+    return _again(without(best, jumps), each, best) if any(jumps) else best
 
 
 def _without_slips(best: Fit, each: Each) -> tuple[Fit, list[Outlier]]:
     """The fit without what is unusual in the drives; large slips hide smaller ones."""
     slips: list[Outlier] = []
-    for _ in range(_PASSES):
+    for _ in range(PASSES):
         unusual = outliers(best, _coarser(best.problem))
         if not any(unusual):
             break
         slips += [slip for of_drive in unusual for slip in of_drive]
-        best = _about(without(best, unusual), each, best)
-    return best, sorted(slips, key=lambda slip: (slip.drive, slip.start))
+        best = _again(without(best, unusual), each, best)
+    return best, slips
 
 
 def _in_parts(best: Fit, each: Each) -> Fit:
     """The fit of `_FOLDS` parts of one drive, each with a start of its own."""
     parts = tuple(_split(best.problem.drives[0], _FOLDS, best.offsets[0]))
-    return _about(replace(best.problem, drives=parts), each, best) if len(parts) > 1 else best
+    return _again(replace(best.problem, drives=parts), each, best) if len(parts) > 1 else best
 
 
 def _folds(problem: Problem) -> list[list[int]]:

@@ -87,7 +87,7 @@ class Problem:
     def own(self, unknowns: Reals, index: int) -> Reals:
         """Start x, y [m], heading [rad] and clock offset [s] of a drive."""
         first = len(self.nominal) + _MOUNT + _OWN * index
-        return np.array([*self.drives[index].start, 0.0]) + UNIT_OWN * unknowns[first : first + _OWN]
+        return np.array([*self.drives[index].start[:3], 0.0]) + UNIT_OWN * unknowns[first : first + _OWN]
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,9 +239,13 @@ def unit_of(nominal: float) -> float:
     return 0.1 * abs(nominal) or 0.1
 
 
-def start_of(problem: Problem) -> Reals:
-    """Nominal parameters, the tracked point in the robot's own, drives from their first poses."""
-    return np.zeros(len(problem.nominal) + _MOUNT + _OWN * len(problem.drives))
+def start_of(problem: Problem, before: Reals | None = None) -> Reals:
+    """Drives from their first poses, by their clocks; parameters and tracked point as they were ``before``, or nominal
+    ones and the robot's own."""
+    count = len(problem.nominal) + _MOUNT
+    shared = np.zeros(count) if before is None else before[:count]
+    own = [[0.0, 0.0, 0.0, drive.start[3] / UNIT_OWN[3]] for drive in problem.drives]
+    return np.concatenate([shared, np.ravel(own)])
 
 
 def later(problem: Problem, unknowns: Reals, index: int, seconds: float) -> Reals:

@@ -45,13 +45,13 @@ class Truth:
 class Drive:
     """One drive. ``t`` [s]: N + 1 times; ``columns``: N increments of each ``<wheel>.spin`` [rad] and, of steered
     wheels, N angles ``<wheel>.steer`` [rad] and increments ``<wheel>.steer_rate`` [rad]; ``start``: about where the
-    robot was at the first of them, x, y [m] and heading [rad]."""
+    robot was at the first of them, x, y [m] and heading [rad], and how much later the log's clock is [s]."""
 
     name: str
     t: Reals
     columns: Mapping[str, Reals]
     truth: Truth
-    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    start: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
     def stands(self, end: int) -> bool:
         """Whether no wheel turns in the second next to the first (0) or the last (-1) reading."""
@@ -68,7 +68,8 @@ class Drive:
         """From one reading to another, with what the truth, whose clock is off by ``offset`` [s], says of that time."""
         at, t = self.truth.t + offset, self.t[first : last + 1]
         columns = {joint: column[first:last] for joint, column in self.columns.items()}
-        return replace(self.seen((at >= t[0]) & (at <= t[-1])), t=t, columns=columns)
+        start = (*self.start[:3], offset)
+        return replace(self.seen((at >= t[0]) & (at <= t[-1])), t=t, columns=columns, start=start)
 
     def coarser(self, times: int, seconds: float) -> Drive:
         """The drive with so many ``times`` fewer readings, increments added and angles averaged, and as many times
@@ -189,6 +190,13 @@ def _same_clock(log: Path, t: Reals, truth: Path, at: Reals) -> None:
             f"{truth} begins at t = {at[0]:g} and ends at {at[-1]:g}, {log} at {t[0]:g} and {t[-1]:g}: they do not "
             "overlap; both need one clock, up to a second"
         )
+
+
+def names(logs: Sequence[Path]) -> list[str]:
+    """Of drives: those of one name told apart by numbers, for logs of several folders may be called alike."""
+    stems = [log.stem for log in logs]
+    again = [stems[:i].count(stem) for i, stem in enumerate(stems)]
+    return [f"{stem} ({k + 1})" if k else stem for stem, k in zip(stems, again, strict=True)]
 
 
 def pairs(files: Sequence[Path], truths: Sequence[Path]) -> list[tuple[Path, Path]]:

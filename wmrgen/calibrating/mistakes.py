@@ -40,12 +40,12 @@ Fitted = Callable[[Sequence[Drive]], Fit]
 def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> None:
     """UsageError where no parameters bring joints and truth together, with the reading of the columns of ``drives``, as
     they were read, that would."""
-    strange = _strange(best)
-    unlikely = _unlikely(best, _SURE if strange else 0.0)
-    if not strange and not unlikely:
+    apart = strange(best)
+    unlikely = _unlikely(best, _SURE if apart else 0.0)
+    if not apart and not unlikely:
         return
-    hint = _hint_of_some(best, drives, fitted) if strange else _hint(best, drives[:2], fitted)
-    if not strange and hint == _NO_HINT:
+    hint = _hint_of_some(best, drives, fitted) if apart else _hint(best, drives[:2], fitted)
+    if not apart and hint == _NO_HINT:
         return  # a length that these drives do not tell may come out as it likes
     if unlikely:
         raise UsageError(f"log and truth agree only where {unlikely}: {hint}")
@@ -61,15 +61,15 @@ def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> None
 def _hint_of_some(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> str:
     """The hint of all drives; else of those that do not agree, where the others do, or which truths are exchanged."""
     far, two, hint = _by_name(best), drives[:2], _NO_HINT
-    if len(two) == len(drives) or _strange(fitted(two)):  # else they agree under what changes nothing
+    if len(two) == len(drives) or strange(fitted(two)):  # else they agree under what changes nothing
         hint = _hint(best, two, fitted)
     if hint != _NO_HINT or len(far) == 1:
         return hint
     names = [name for name, size in far.items() if size > 1]
     others = [drive for drive in drives if drive.name not in names]
-    if not 0 < 2 * len(names) < len(far) or _strange(fitted(others)):  # what is wrong draws others off
+    if not 0 < 2 * len(names) < len(far) or strange(fitted(others)):  # what is wrong draws others off
         few = far if len(far) <= _FEW else ()
-        names = [name for name in few if _strange(fitted([drive for drive in drives if drive.name == name]))]
+        names = [name for name in few if strange(fitted([drive for drive in drives if drive.name == name]))]
     some = [drive for drive in drives if drive.name in names]
     for a, b in combinations(some, 2) if len(some) <= _FEW else ():
         rest = [drive for drive in drives if drive.name not in (a.name, b.name)]
@@ -120,8 +120,8 @@ def _alike(best: Fit, drives: Sequence[Drive], fitted: Fitted, farther: float) -
 
 def _agrees(best: Fit, other: Fit) -> bool:
     """Whether another reading of the columns explains the truth, and far better, by parameters near nominal ones."""
-    most = np.inf if _unlikely(best, _SURE) else _BETTER if _strange(best) else _LESS
-    return not _strange(other) and _usual(other) and _share(best, other) < most
+    most = np.inf if _unlikely(best, _SURE) else _BETTER if strange(best) else _LESS
+    return not strange(other) and _usual(other) and _share(best, other) < most
 
 
 def _share(best: Fit, other: Fit) -> float:
@@ -147,7 +147,7 @@ def _odd(drive: Drive) -> str:
     return ""
 
 
-def _strange(best: Fit) -> bool:
+def strange(best: Fit) -> bool:
     """Whether joints and truth stay so far apart that they cannot belong together, or a length had to be negative,
     or another length altogether."""
     return bool(np.max(_far(best)) > 1 or _unlikely(best, _SURE))
@@ -213,7 +213,7 @@ def _moves(best: Fit, drive: Drive) -> tuple[tuple[Reals, Reals], tuple[Reals, R
     """Ways [m] in steps of about a second, of the truth and of nominal odometry; and turns [rad], less whole ones."""
     truth = drive.truth
     rows = np.unique(np.searchsorted(truth.t, np.arange(truth.t[0], truth.t[-1], _APART)))
-    place, heading = nominal_at(best.problem, drive)
+    place, heading = nominal_at(best.problem, drive, truth.t)
     pairs = ((truth.x + 1j * truth.y, place), (np.exp(1j * truth.theta), np.exp(1j * heading)))
     ways, turns = (np.array([values[rows] for values in pair]) for pair in pairs)
     ways, turns = np.abs(np.diff(ways)), np.angle(turns[:, 1:] / turns[:, :-1])

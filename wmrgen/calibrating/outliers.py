@@ -27,6 +27,7 @@ from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Reals
 from wmrgen.calibrating.stored import changed
 
+PASSES = 3  # in which slips are looked for: large ones hide smaller ones
 _STEP = 0.25  # [s] at which errors are compared
 _WINDOW, _BETWEEN = 8, 4  # steps whose median is compared, before and after, and steps between
 _PATH = (0.06, 0.15)  # [m], [rad] that a slip in the path is at least: clocks that drift make steps, too
@@ -34,6 +35,7 @@ _SEEN, _FAR = 4.0, 7.0  # robust standard deviations: what is farther is a slip,
 _LATE = 1.5  # [s] that a clock may be off by in a drive
 STRANGE = 5.0  # [s] that a clock is off by, where log and truth hardly belong to one drive
 _CLOCK = 0.5  # of a step: what another clock leaves of it, where the clock makes it
+_WORSE = 2.0  # times the smallest usual steps of a drive: a clock under which they are larger is not its own
 _LARGE = 2.0  # times the scale of residuals, which a disagreement of joints in one step is at least
 _NOTED = 0.02  # [m] a disagreement that is worth telling, however far the drives are off
 _PEAK = 0.6  # of the largest step near by, for the slip to be there
@@ -165,17 +167,19 @@ def outliers(best: Fit, coarser: Problem) -> list[list[Outlier]]:
 
 
 def _no_clock(problem: Problem, unknowns: Reals, index: int, peaks: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """The ``peaks`` that are not much smaller with another clock: where a robot stops or turns, one that is off makes
-    steps, too."""
+    """The ``peaks`` that are not much smaller with another clock, under which the drive's usual steps are not far
+    larger: where a robot stops or turns, one that is off makes steps, too."""
     at = np.flatnonzero(peaks)
     if not len(at):
         return at
     late = [0.0, *np.arange(-_LATE, _LATE + _STEP, _STEP)]
-    sizes = [
-        np.hypot(moved, LEVER * turned)[at]
+    sizes = np.array([
+        np.hypot(moved, LEVER * turned)
         for _, (moved, turned) in (_steps(problem, unknowns, index, seconds) for seconds in late)
-    ]
-    return np.asarray(at[np.min(sizes, axis=0) > _CLOCK * sizes[0]])
+    ])  # fmt: skip
+    usual = np.median(sizes, axis=1)
+    likely = sizes[usual <= max(_WORSE * usual.min(), usual[0])]
+    return np.asarray(at[np.min(likely[:, at], axis=0) > _CLOCK * sizes[0, at]])
 
 
 def _steps(
@@ -183,7 +187,8 @@ def _steps(
 ) -> tuple[Reals, tuple[Reals, Reals]]:
     """The `_steps_of` a drive, if the truth's clock is off by so many seconds more."""
     rows = residuals(problem, later(problem, unknowns, index, seconds), index)
-    return _steps_of(rows, problem.drives[index].truth.t + problem.own(unknowns, index)[-1])
+    t, steps = _steps_of(rows, problem.drives[index].truth.t)
+    return t + problem.own(unknowns, index)[-1], steps
 
 
 def _steps_of(rows: Residuals, t: Reals) -> tuple[Reals, tuple[Reals, Reals]]:
@@ -195,7 +200,7 @@ def _steps_of(rows: Residuals, t: Reals) -> tuple[Reals, tuple[Reals, Reals]]:
     if len(t) < _FEWEST or np.median(np.diff(t)) > 2 * _STEP:
         return nothing, (nothing, nothing)
     heading, way = rows.values[2][whole] / LEVER, np.diff(rows.place[whole], prepend=rows.place[whole][:1])
-    place = (rows.values[0] + 1j * rows.values[1])[whole] - np.cumsum(1j * heading * way)
+    place = (rows.values[0] + 1j * rows.values[1])[whole] - np.cumsum(way * (1 - np.exp(-1j * heading)))
     grid = np.arange(t[0], t[-1], _STEP)
     if len(grid) < 2 * _WINDOW + _BETWEEN:
         return nothing, (nothing, nothing)

@@ -9,12 +9,13 @@ body is turned; where no headings are measured, so is exp(is), over the first pa
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
+from wmrgen.calibrating.certainty import fit_at, of_drives
 from wmrgen.calibrating.fit import (
     BEYOND,
     LEVER,
@@ -26,6 +27,7 @@ from wmrgen.calibrating.fit import (
     start_of,
 )
 from wmrgen.calibrating.logs import Drive
+from wmrgen.calibrating.outliers import PASSES, Outlier, outliers, without
 from wmrgen.calibrating.path import Complexes, Reals, passed
 from wmrgen.calibrating.stored import changed
 
@@ -37,6 +39,9 @@ _PIECE = 5.0  # [s] of a drive in which odometry does not lose its way
 _LONGER = 8.0  # times: what pieces tell, odometry over so much longer ones needs
 _PIECES = 12  # of all drives
 _FEWEST = 4  # rows of truth that a piece has
+_OFF, _LATE = 0.1, 2.0  # [s] by which clocks are tried, up to so far
+_MOST, _ENOUGH = 0.9, 24  # of ways and turns that are compared, so that slips do not count; how many at least
+_DOUBT = 0.1  # by so much less have ways and turns to differ, to tell that a clock is off by a second
 _TURNS = 2.0  # [rad] that nominal odometry may have turned by, before it is off by too much
 _LEAST = 0.3  # [m] of way that an alignment without headings needs, so that it goes on for so long at least
 
@@ -46,30 +51,78 @@ def laid(problem: Problem) -> Problem:
     be far apart as start and end of a drive are; and the mount's heading."""
 
     def started(_: int, drive: Drive) -> list[Drive]:
-        return [replace(drive, start=_start(drive, *nominal_at(problem, drive), turned))]
+        start = _start(drive, *_at_truth(problem, drive), turned)
+        return [replace(drive, start=(*start, drive.start[3]))]
 
     drives = changed(problem.drives, lambda _, drive: [_unwound(problem, drive)])
-    turned = _turned((drive, nominal_at(problem, drive)) for drive in drives)
+    turned = _turned((drive, _at_truth(problem, drive)) for drive in drives)
     return replace(problem, drives=changed(drives, started), turned=turned)
 
 
-def near(problem: Problem, each: Each) -> Reals:
-    """Unknowns to start from: nominal ones, or where odometry with them loses its way, what short pieces of the drives
-    say, in which it does not, and with that longer ones."""
-    start = start_of(problem)
-    shared, seconds = len(problem.units), _PIECE
-    longest = max(float(np.ptp(drive.t)) for drive in problem.drives)
-    while seconds < longest and not all(_finds(problem, start, i) for i in range(len(problem.drives))):
-        count = len(problem.drives)
-        pieces = tuple(piece for drive in problem.drives for piece in _pieces(drive, count, seconds))
-        short = laid(replace(problem, drives=pieces))
-        ahead = np.concatenate([start[:shared], start_of(short)[shared:]])
-        start = np.concatenate([nearest(short, ahead, each)[:shared], start[shared:]])
+def begun(
+    problem: Problem, coarser: Callable[[Problem], Problem], each: Each, lost: bool = False
+) -> tuple[Problem, Reals, list[Outlier]]:
+    """The problem with drives that are laid by about their own clocks, and unknowns to start from: nominal ones, or
+    where odometry with them loses its way, what short pieces of the drives say, in which it does not, and with that
+    longer ones. Where it goes on to lose its way, drives go without slips that steps of the path show then, which are
+    returned, too; so they do where it is known to be ``lost``. For all this a ``coarser`` problem does."""
+    drives = changed(problem.drives, lambda _, drive: [_in_time(problem, drive)])
+    ready, slips, seconds = laid(replace(problem, drives=drives)), list[Outlier](), _PIECE
+    start, longest = start_of(ready), max(float(np.ptp(drive.t)) for drive in drives)
+    while seconds < longest and (lost or not _finds(coarser(ready), start)):
+        coarse = coarser(ready)
+        start = _in_pieces(coarse, start, seconds, each)
         seconds *= _LONGER
-    return start
+        for _ in range(PASSES):
+            if not lost and _finds(coarse, start):
+                break
+            best = of_drives(fit_at(coarse, start, each), ready.drives)
+            unusual = outliers(best, coarse)
+            if not any(unusual):
+                break
+            slips += [slip for of_drive in unusual for slip in of_drive]
+            ready = laid(without(best, unusual))
+            start, coarse = start_of(ready, start), coarser(ready)
+        lost = False
+    return ready, start, slips
 
 
-def _finds(problem: Problem, unknowns: Reals, index: int) -> bool:
+def _in_time(problem: Problem, drive: Drive) -> Drive:
+    """The drive with about what its clock is off by: where ways and turns of truth and nominal odometry in a short time
+    differ least, which slips barely disturb."""
+    truth, at = drive.truth, np.arange(drive.t[0], drive.t[-1], _OFF)
+    place, heading = nominal_at(problem, drive, at)
+    rows = np.unique(np.searchsorted(truth.t, np.arange(truth.t[0], truth.t[-1] - _WAY, _WAY / 4)))
+    rows = np.array([rows, np.minimum(np.searchsorted(truth.t, truth.t[rows] + _WAY), len(truth.t) - 1)])
+    true, t = np.diff([(truth.x + 1j * truth.y)[rows], truth.theta[rows]], axis=1)[:, 0], truth.t[rows]
+
+    def differ(late: float) -> float:
+        inside = (t[0] + late >= at[0]) & (t[1] + late <= at[-1])
+        way, turn = (np.diff(np.interp(t + late, at, poses), axis=0)[0] for poses in (place, heading))
+        turned = np.angle(np.exp(1j * (turn - true[1].real)))
+        off = np.array([np.abs(way) - np.abs(true[0]), LEVER * turned])[:, inside]
+        sizes = np.sort(np.abs(off[np.isfinite(off)]))
+        usual = sizes[: int(_MOST * len(sizes))]
+        return float(np.mean(usual)) * (1 + _DOUBT * abs(late)) if len(usual) > _ENOUGH else np.inf
+
+    late = min((0.0, *np.arange(-_LATE, _LATE + _OFF / 2, _OFF)), key=differ)
+    return replace(drive, start=(*drive.start[:3], float(late)))
+
+
+def _in_pieces(problem: Problem, start: Reals, seconds: float, each: Each) -> Reals:
+    """Unknowns from ``start`` on, as pieces of the drives of so many seconds say."""
+    count = len(problem.drives)
+    pieces = tuple(piece for drive in problem.drives for piece in _pieces(drive, count, seconds))
+    short = laid(replace(problem, drives=pieces))
+    return start_of(problem, nearest(short, start_of(short, start), each))
+
+
+def _finds(problem: Problem, unknowns: Reals) -> bool:
+    """Whether odometry does not lose its way in any drive."""
+    return all(_found(problem, unknowns, index) for index in range(len(problem.drives)))
+
+
+def _found(problem: Problem, unknowns: Reals, index: int) -> bool:
     """Whether headings stay near the truth; where none is measured, whether places do."""
     rows, truth = residuals(problem, unknowns, index), problem.drives[index].truth
     if np.isfinite(truth.theta).any():
@@ -83,15 +136,19 @@ def _pieces(drive: Drive, count: int, seconds: float) -> list[Drive]:
     firsts = np.searchsorted(drive.t, np.arange(drive.t[0], drive.t[-1], seconds))
     bounds = list(pairwise([*firsts, len(drive.t) - 1]))
     wanted = np.unique(np.linspace(0, len(bounds) - 1, max(1, _PIECES // count)).round().astype(int))
-    parts = [drive.part(*bounds[k]) for k in wanted]
+    parts = [drive.part(first, last, drive.start[3]) for first, last in (bounds[k] for k in wanted)]
     return [part for part in parts if part.truth.measured >= _FEWEST] or [drive]
 
 
-def nominal_at(problem: Problem, drive: Drive) -> tuple[Complexes, Reals]:
-    """Nominal odometry's places and headings at the truth's times."""
-    step, _, share = place_at(drive.t, drive.truth.t)
+def nominal_at(problem: Problem, drive: Drive, at: Reals) -> tuple[Complexes, Reals]:
+    """Nominal odometry's places and headings at times [s] that rise."""
+    step, _, share = place_at(drive.t, at)
     path = passed(problem.increments, drive.columns, problem.nominal, step).within(np.clip(share, 0.0, 1.0))
     return path.position, path.heading
+
+
+def _at_truth(problem: Problem, drive: Drive) -> tuple[Complexes, Reals]:
+    return nominal_at(problem, drive, drive.truth.t + drive.start[3])
 
 
 def _inside(drive: Drive) -> Drive:
@@ -104,7 +161,7 @@ def _inside(drive: Drive) -> Drive:
 def _unwound(problem: Problem, drive: Drive) -> Drive:
     drive = _inside(drive)
     measured = np.isfinite(drive.truth.theta)
-    reckoning = nominal_at(problem, drive)[1][measured]
+    reckoning = _at_truth(problem, drive)[1][measured]
     theta = drive.truth.theta.copy()
     theta[measured] = reckoning + np.unwrap(theta[measured] - reckoning)
     return replace(drive, truth=replace(drive.truth, theta=theta))

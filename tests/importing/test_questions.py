@@ -507,9 +507,10 @@ def test_steering_limits_are_kept_where_they_are_some(
         assert done.code == 0 and json.loads(done.out)["robot_type"] == [1, 1]
 
 
-def test_two_wheels_joined_by_a_joint(read: Import) -> None:
-    between = joint("differential", "left_link", "right_link", "0 -0.5 0")
-    assert ("right", "equal") in read(robot(pair(), between))["asked"]
+@pytest.mark.parametrize(("first", "second"), [("left", "right"), ("right", "left")])
+def test_two_wheels_joined_by_a_joint(read: Import, first: str, second: str) -> None:
+    between = joint("differential", f"{first}_link", f"{second}_link", "0 -0.5 0")
+    assert (second, "equal") in read(robot(pair(), between))["asked"]
 
 
 def test_an_articulated_body_looks_like_steering(read: Import) -> None:

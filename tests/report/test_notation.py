@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 
 import pytest
 import sympy
@@ -12,6 +13,7 @@ from tests.conftest import ROOT
 from tests.robots import of_gallery
 from wmrgen import notation
 from wmrgen.errors import NotDerivableError
+from wmrgen.exact.number import Exact
 from wmrgen.functions.models.sheet import latex, sheet_of
 from wmrgen.functions.registry import names
 from wmrgen.ports import Port, Role
@@ -100,6 +102,12 @@ def test_what_github_refuses_is_not_there() -> None:
     x, y = signal("x"), signal("y")
     whole = Latex().doprint(nearest(sympy.atan2(y, x, evaluate=False)) ** 2 * sympy.sign(x) * sympy.atan(y))
     assert "operatorname" not in whole and r"\mathrm{rint}" in whole and r"\arctan\left(y\right)" in whole
+
+
+@pytest.mark.parametrize(("beside", "style"), [("0.123", "exact"), ("0.123456789", "decimals")])
+def test_a_root_is_a_decimal_beside_a_number_that_is_rounded(beside: str, style: str) -> None:
+    half_root = Exact(0, Fraction(1, 2))
+    assert notation.style_of([half_root, Exact(Fraction(beside))]) == style
 
 
 def test_pi_is_the_letter() -> None:

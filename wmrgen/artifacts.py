@@ -208,6 +208,8 @@ def _exchange(directory: Path, old: Sequence[str], new: Sequence[str], before: P
 def _holds(path: Path, content: bytes) -> bool:
     if path.is_dir():
         raise EnvironmentFailure(f"{path} is a directory; wmrgen would write a file of that name")
+    if path.exists() and not path.is_file():
+        raise EnvironmentFailure(f"{path} is a device or a pipe, no regular file; wmrgen would replace it")
     return path.is_file() and _same(path, content)
 
 

@@ -97,6 +97,18 @@ def test_a_file_where_the_directory_should_be(tmp_path: Path) -> None:
     assert (tmp_path / "out").read_text() == "a file"
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="has no pipes")
+def test_a_pipe_or_device_is_not_replaced(place: Path) -> None:
+    """As `-o /dev/null` by root, who could."""
+    pipe = place / "a.c"
+    pipe.unlink()
+    os.mkfifo(pipe)
+    for write in (lambda: write_tree(place, OLD), lambda: write_file(pipe, b"new")):
+        with pytest.raises(EnvironmentFailure, match="no regular file"):
+            write()
+    assert pipe.is_fifo()
+
+
 def test_a_file_where_a_folder_should_be_changes_nothing(place: Path) -> None:
     (place / "d").write_text("the user's")
     before = tree(place)

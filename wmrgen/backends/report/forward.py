@@ -105,7 +105,7 @@ def _sources(measured: Measurements) -> list[str]:
         if alone:
             sources.append(f"{some(alone)} give{'' if len(alone) > 1 else 's'} the {kind} row alone.")
     return [
-        "Every row of section 2 whose joint rates are all sensed measures ξ, in m/s, with "
+        "Each row of section 2 whose joint rates are all sensed is a measurement of ξ, in m/s, with "
         f"{'the weight of its wheel' if measured.weighted else 'equal weight'}. {' '.join(sources)}",
         *([_WEIGHTS] if measured.weighted else []),
     ]

@@ -47,18 +47,20 @@ def robot_file(tmp_path: Path) -> Path:
     return path
 
 
+def command_line(*words: object, stdin: str | None = None) -> Outcome:
+    """The command line in this process."""
+    from wmrgen.cli.verbs import app
+
+    args = [str(word) for word in words]
+    done = CliRunner().invoke(app.named(args), args, input=stdin, prog_name="wmrgen")
+    assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)
+    return Outcome(done.exit_code, done.stdout, done.stderr)
+
+
 @pytest.fixture
 def wmrgen_cli() -> Callable[..., Outcome]:
     """The command line in this process."""
-
-    def call(*words: object, stdin: str | None = None) -> Outcome:
-        from wmrgen.cli.verbs import app
-
-        done = CliRunner().invoke(app, [str(word) for word in words], input=stdin, prog_name="wmrgen")
-        assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)
-        return Outcome(done.exit_code, done.stdout, done.stderr)
-
-    return call
+    return command_line
 
 
 def process(

@@ -6,12 +6,11 @@ import json
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 import wmrgen
+from tests.conftest import command_line
 from tests.robots import of_gallery, of_text
 from wmrgen.cli.prove import eva
-from wmrgen.cli.verbs import app
 from wmrgen.emit import artifacts
 from wmrgen.ir.kernels.choice import choice
 
@@ -25,25 +24,25 @@ def no_eva(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("no_eva")
 def test_prints_bounds_and_says_that_eva_is_missing() -> None:
-    done = CliRunner().invoke(app, ["prove", str(ROBOTS / "pioneer3dx.yaml")])
-    assert done.exit_code == 0
-    assert "left.spin" in done.stdout and "error" in done.stdout
-    assert "|vx| <= 1.2" in done.stdout
-    assert "Eva was not run: frama-c is not on the PATH" in done.stderr
-    assert "two headings" not in done.stdout
+    done = command_line("prove", ROBOTS / "pioneer3dx.yaml")
+    assert done.code == 0
+    assert "left.spin" in done.out and "error" in done.out
+    assert "|vx| <= 1.2" in done.out
+    assert "Eva was not run: frama-c is not on the PATH" in done.err
+    assert "two headings" not in done.out
 
 
 @pytest.mark.usefixtures("no_eva")
 def test_says_of_steered_wheels_what_bounds_mean_at_ties() -> None:
-    done = CliRunner().invoke(app, ["prove", str(ROBOTS / "f1tenth.yaml")])
-    assert "two headings are equally near" in done.stdout
-    assert "either is right, and the error is that of the one taken" in done.stdout
+    done = command_line("prove", ROBOTS / "f1tenth.yaml")
+    assert "two headings are equally near" in done.out
+    assert "either is right, and the error is that of the one taken" in done.out
 
 
 @pytest.mark.usefixtures("no_eva")
 def test_json_is_what_model_json_has() -> None:
-    done = CliRunner().invoke(app, ["prove", "--json", str(ROBOTS / "pioneer3dx.yaml")])
-    printed = json.loads(done.stdout)
+    done = command_line("prove", "--json", ROBOTS / "pioneer3dx.yaml")
+    printed = json.loads(done.out)
     model = of_gallery("pioneer3dx").model()
     assert printed["eva"]["run"] is False
     assert {key: printed[key] for key in model["bounds"]} == json.loads(json.dumps(model["bounds"]))
@@ -76,9 +75,9 @@ def test_says_which_limits_are_needed(tmp_path: Path) -> None:
     lines = [line for line in text.splitlines() if not line.startswith(("limits:", "functions:"))]
     path = tmp_path / "pioneer3dx.yaml"
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    done = CliRunner().invoke(app, ["prove", str(path)])
-    assert done.exit_code == 3
-    assert "limits: {vx: 1.0, omega: 2.0}" in done.stderr
+    done = command_line("prove", path)
+    assert done.code == 3
+    assert "limits: {vx: 1.0, omega: 2.0}" in done.err
     files = artifacts(wmrgen.derive(wmrgen.load(path)))
     assert "bounds" not in json.loads(files["model.json"])
     assert b"Proved for" not in files["pioneer3dx.h"]
@@ -94,7 +93,7 @@ def test_says_which_limits_a_virtual_wheel_needs(tmp_path: Path) -> None:
     def proved(limits: str) -> str:
         lines = [f"limits: {limits}" if line.startswith("limits:") else line for line in text.splitlines()]
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        return CliRunner().invoke(app, ["prove", str(path)]).stdout
+        return command_line("prove", path).out
 
     assert "needs limits: {steer_rate: 2.0}" in proved("{vx: 2, omega: 1}")
     assert "perhaps it needs limits: {steer: 60 deg}" in proved("{vx: 2, omega: 1, steer_rate: 2}")

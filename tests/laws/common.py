@@ -13,6 +13,7 @@ import numpy as np
 from hypothesis import HealthCheck, settings
 from numpy.typing import NDArray
 
+from tests import conftest
 from tests.depth import examples as drawn
 from tests.oracle import oracle, robot_file
 from tests.oracle.harness import Model, named, robot_text, twist_of
@@ -103,15 +104,9 @@ def command_line(
     path: Path, function: str, cases: list[dict[str, float]], backend: str, folder: Path
 ) -> list[dict[str, float]]:
     """``wmrgen eval --cases`` in this process."""
-    from typer.testing import CliRunner
-
-    from wmrgen.cli.verbs import app
-
     file = folder / "cases.json"
     file.write_text(json.dumps(cases), encoding="utf-8")
-    result = CliRunner().invoke(
-        app, ["eval", str(path), function, "--cases", str(file), "--backend", backend]
-    )
-    assert result.exit_code == 0, result.output
-    found: list[dict[str, float]] = json.loads(result.stdout)
+    result = conftest.command_line("eval", path, function, "--cases", file, "--backend", backend)
+    assert result.code == 0, result.err
+    found: list[dict[str, float]] = json.loads(result.out)
     return found

@@ -14,10 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from typer.testing import CliRunner
 
+from tests.conftest import command_line
 from tests.oracle.harness import Model, named, robot_text, turn
-from wmrgen.cli.verbs import app
 
 Vector = dict[str, Any]
 KINDS = ("ik", "fk", "steered_ik", "steered_fk", "odometry_open_loop")
@@ -102,8 +101,8 @@ def test_command_line(vector: Vector, tmp_path: Path) -> None:
     robot.write_text(robot_text(layout(vector)), encoding="utf-8")
     cases.write_text(json.dumps([inputs(vector)] * 2), encoding="utf-8")
     function = FUNCTION.get(vector["kind"], "odometry")
-    result = CliRunner().invoke(app, ["eval", str(robot), function, "--cases", str(cases)])
-    assert result.exit_code == 0, result.output
-    first, second = json.loads(result.stdout)
+    result = command_line("eval", robot, function, "--cases", cases)
+    assert result.code == 0, result.err
+    first, second = json.loads(result.out)
     assert first == second
     compare(vector, first)

@@ -67,10 +67,14 @@ class Verbs(typer.Typer):
 
     def __call__(self, args: Sequence[str] | None = None, **options: Any) -> Any:
         """Run the command that ``args``, else those of the process, name. See `Commands.main`."""
-        words, chosen = sys.argv[1:] if args is None else args, copy.copy(self)
+        return get_command(self.named(sys.argv[1:] if args is None else args))(args, **options)
+
+    def named(self, words: Sequence[str]) -> Verbs:
+        """The one command with whose name ``words`` begin, else all of them."""
+        chosen = copy.copy(self)
         named = [command for command in self.registered_commands if command.name in words[:1]]
         chosen.registered_commands = named or self.registered_commands
-        return get_command(chosen)(args, **options)
+        return chosen
 
 
 app = Verbs(

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import sympy
-from typer.testing import CliRunner
 
+from tests.conftest import command_line
 from tests.robots import of_text
 from wmrgen.robot import Derivation
 from wmrgen.symbolic import parameter, signal
@@ -162,11 +162,9 @@ def vanishes(difference: Expr) -> bool:
 
 def run_cli(*words: str, code: int = 0) -> tuple[str, str]:
     """(stdout, stderr) of a command in this process."""
-    from wmrgen.cli.verbs import app
-
-    done = CliRunner().invoke(app, list(words))
-    assert done.exit_code == code, (done.stdout, done.stderr, done.exception)
-    return done.stdout, done.stderr
+    done = command_line(*words)
+    assert done.code == code, (done.out, done.err)
+    return done.out, done.err
 
 
 def compute(

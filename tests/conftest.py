@@ -98,3 +98,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_collection_finish() -> None:
     """The tests stay until the end: none of them is garbage."""
     gc.freeze()
+
+
+def pytest_sessionfinish() -> None:
+    """The process ends: it need not look for garbage any more."""
+    gc.freeze()

@@ -16,7 +16,16 @@ ROBOTS = {path.stem: path for path in GALLERY}
 @cache
 def of_gallery(name: str, *functions: str) -> Derivation:
     """A robot of the gallery; with ``functions``, those alone."""
-    return wmrgen.derive(wmrgen.load(ROBOTS[name]), functions or None)
+    return (
+        with_functions(of_gallery(name), functions) if functions else wmrgen.derive(wmrgen.load(ROBOTS[name]))
+    )
+
+
+def with_functions(derivation: Derivation, functions: Sequence[str]) -> Derivation:
+    """The robot of a derivation with other functions, which do not change its mobility."""
+    other = wmrgen.derive(derivation.robot, functions)
+    other.mobility = derivation.mobility
+    return other
 
 
 def of_text(text: str, functions: Sequence[str] | None = None) -> Derivation:

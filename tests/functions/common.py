@@ -9,11 +9,17 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import casadi
+import numpy as np
+from numpy.typing import NDArray
+
 import wmrgen
+from tests.robots import with_functions
 from wmrgen.backends import registry
 from wmrgen.exact.number import Exact
 from wmrgen.robot import Derivation
 
+Array = NDArray[np.float64]
 ROOT = Path(__file__).resolve().parents[2]
 ROBOTS = sorted((ROOT / "robots").glob("*.yaml"))
 CASES: dict[str, dict[str, Any]] = {
@@ -46,8 +52,8 @@ wheels:
 
 @lru_cache(maxsize=256)
 def derived(path: Path, *names: str) -> Derivation:
-    """The named functions of a robot file."""
-    return wmrgen.derive(wmrgen.load(path), names)
+    """The named functions of a robot file; without names what is generated for it."""
+    return with_functions(derived(path), names) if names else wmrgen.derive(wmrgen.load(path))
 
 
 def write(folder: Path, text: str) -> Path:
@@ -80,7 +86,22 @@ def _casadi(path: Path, name: str) -> Any:
     return derived(path, name).casadi()[name]
 
 
-def driven(path: Path, commands: Mapping[str, float]) -> dict[str, float]:
-    """The twist that forward kinematics finds in joint commands; ``slip`` beside it."""
-    inputs = _casadi(path, "forward").name_in()
-    return call(path, "forward", {k: v for k, v in commands.items() if k in inputs})
+@lru_cache(maxsize=256)
+def _of_columns(path: Path, name: str) -> casadi.Function:
+    f = _casadi(path, name)
+    inputs = casadi.SX.sym("inputs", f.n_in())
+    return casadi.Function(name, [inputs], [casadi.vertcat(*f.call(casadi.vertsplit(inputs)))])
+
+
+def calls(path: Path, name: str, cases: Mapping[str, Array | float]) -> dict[str, Array]:
+    """As `call` with CasADi, of many cases at once: arrays of one length, and numbers that all cases have."""
+    f = _casadi(path, name)
+    nominal = {p.name: float(p.nominal) for p in derived(path, name).robot.tunable}
+    inputs = np.broadcast_arrays(*(cases.get(n, nominal.get(n, 0.0)) for n in f.name_in()))
+    return dict(zip(f.name_out(), np.array(_of_columns(path, name)(np.array(inputs))), strict=True))
+
+
+def driven(path: Path, commands: Mapping[str, Array | float]) -> dict[str, Any]:
+    """The twist that forward kinematics finds in joint commands, or in many; ``slip`` beside it."""
+    sensed = {k: v for k, v in commands.items() if k in _casadi(path, "forward").name_in()}
+    return (calls if any(map(np.ndim, sensed.values())) else call)(path, "forward", sensed)

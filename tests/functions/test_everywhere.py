@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
 from functools import cache
 
 import casadi
@@ -15,6 +14,7 @@ from tests.conftest import GALLERY
 from tests.depth import everyday
 from tests.functions.motion.common import CAR, DIFFERENTIAL, FOUR_WS, MECANUM_T, OMNI_K, SKEWED, TRICYCLE
 from tests.ir.defined import findings
+from tests.robots import with_functions
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import declaration, names
@@ -25,7 +25,7 @@ from wmrgen.robot import Derivation
 from wmrgen.spec.load import read_text
 
 FAMILIES = tuple(f"wmrgen.functions.{family}." for family in ("control", "motion", "space"))
-FUNCTIONS = [n for n in names() if declaration(n).build.__module__.startswith(FAMILIES)]
+FUNCTIONS = tuple(n for n in names() if declaration(n).build.__module__.startswith(FAMILIES))
 NOISE = "noise: {spin: {proportional: 0.02, constant: 0.1}, steer: {constant: 0.01}, steer_rate: {constant: 0.1}}\n"
 ENCODER = "encoder: {spin: {counts: 4096, gear: 30}},"
 TEXTS = {
@@ -53,7 +53,8 @@ def robot(name: str) -> Robot:
     )
 
 
-def derivation(name: str, functions: Iterable[str] = FUNCTIONS) -> Derivation:
+@cache
+def derivation(name: str, functions: tuple[str, ...] = FUNCTIONS) -> Derivation:
     """Those of the functions that the robot has, and no others; the error of each that it has not explains that."""
     tried, has = wmrgen.derive(robot(name)), []
     for function in functions:
@@ -62,7 +63,7 @@ def derivation(name: str, functions: Iterable[str] = FUNCTIONS) -> Derivation:
             has.append(function)
         except NotDerivableError as error:
             assert error.what.startswith(f"{robot(name).name} ") and len(error.what) > 40
-    return wmrgen.derive(robot(name), has)
+    return with_functions(tried, has)
 
 
 def test_a_function_can_be_tried() -> None:
@@ -97,7 +98,7 @@ def test_every_function_is_defined_everywhere(name: str) -> None:
 @pytest.mark.parametrize("function", ["inverse_world", "goto_pose", "pursuit", "accelerations"])
 def test_what_is_built_on_inverse_keeps_its_kernels(function: str) -> None:
     """One steering kernel for each module of a swerve drive, as in `inverse`; they were expanded in some."""
-    derived = derivation("wpilib_swervebot", [function])
+    derived = derivation("wpilib_swervebot", (function,))
     kernels = [c.kernel.name for c in derived.formula(function).calls]
     assert kernels == [c.kernel.name for c in derived.formula("inverse").calls] and len(kernels) == 4
 
@@ -111,7 +112,7 @@ CASTORS_AND_COUPLINGS = {
     "synchro_drive": ("accelerations",),
     "wpilib_swervebot": ("inverse_together",),
 }
-QUICK = [f for f in FUNCTIONS if f not in LONG]  # every day the car stands for the others
+QUICK = tuple(f for f in FUNCTIONS if f not in LONG)  # every day the car stands for the others
 
 
 @pytest.mark.parametrize(
@@ -124,7 +125,7 @@ QUICK = [f for f in FUNCTIONS if f not in LONG]  # every day the car stands for 
         *(pytest.param(n, functions, id=n) for n, functions in CASTORS_AND_COUPLINGS.items()),
     ],
 )
-def test_backends_agree(name: str, functions: Sequence[str]) -> None:
+def test_backends_agree(name: str, functions: tuple[str, ...]) -> None:
     derived = derivation(name, functions)
     rng = np.random.default_rng(3)
     requests = []

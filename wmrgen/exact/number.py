@@ -135,12 +135,11 @@ class Exact:
         a, b, c, d = self.num
         if not (b or c or d):
             return Exact._reduced((self.den if a > 0 else -self.den, 0, 0, 0), abs(a))
-        flip3 = Exact._make((a, b, -c, -d), self.den)  # sqrt3 -> -sqrt3
-        norm3 = self * flip3  # in Q(sqrt2)
-        p, q = norm3.num[0], norm3.num[1]
-        flip2 = Exact._make((p, -q, 0, 0), norm3.den)
-        norm = norm3 * flip2  # in Q
-        return flip3 * flip2 * Fraction(norm.den, norm.num[0])
+        # Times its conjugate with -sqrt3 the numerator is p + q sqrt2, times p - q sqrt2 it is a whole number.
+        p, q = a * a + 2 * b * b - 3 * c * c - 6 * d * d, 2 * a * b - 6 * c * d
+        e, f, g, h = a * p - 2 * b * q, b * p - a * q, 2 * d * q - c * p, c * q - d * p
+        n = self.den
+        return Exact._make((n * e, n * f, n * g, n * h), p * p - 2 * q * q)
 
     def __truediv__(self, other: Exact | Rational) -> Exact:
         return self * Exact.of(other).inverse()

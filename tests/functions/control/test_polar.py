@@ -23,6 +23,7 @@ from tests.functions.common import (
     SKEWED,
     TRICYCLE,
     call,
+    calls,
     derived,
     driven,
     write,
@@ -255,22 +256,21 @@ def test_every_start_on_the_unit_circle_converges(name: str, tmp_path: Path) -> 
     """Figure 3.20 on robots of several types: goto_pose, forward and odometry in a loop, castors included."""
     path = write(tmp_path, FREE[name]) if name in FREE else next(p for p in ROBOTS if p.stem == name)
     turning = [w for w in derived(path, "goto_pose").robot.wheels if w.turns]
-    dt = 0.01
-    for k in range(8):
-        pose = {"x": math.cos(k * math.pi / 4), "y": math.sin(k * math.pi / 4), "theta": 0.0}
-        steer = {f"{w.name}.steer": 0.0 for w in turning}
-        direction = 0.0
-        for _ in range(700):
-            result = call(path, "goto_pose", pose | steer | {"direction": direction})
-            direction = result["direction"]
-            sensed = steer | {j: x for j, x in result.items() if "." in j}
-            twist = driven(path, sensed)
-            assert twist["slip"] < 1e-6
-            pose = call(path, "odometry", pose | {j: twist[j] for j in ("vx", "vy", "omega")} | {"dt": dt})
-            for w in turning:
-                j = f"{w.name}.steer"
-                steer[j] = result[j] if w.type == "steered" else steer[j] + dt * result[f"{j}_rate"]
-        assert math.hypot(pose["x"], pose["y"]) < 2e-3 and abs(math.remainder(pose["theta"], math.tau)) < 5e-3
+    dt, around = 0.01, np.arange(8) * math.pi / 4
+    pose = {"x": np.cos(around), "y": np.sin(around), "theta": np.zeros(8)}
+    steer = {f"{w.name}.steer": np.zeros(8) for w in turning}
+    direction = np.zeros(8)
+    for _ in range(700):
+        result = calls(path, "goto_pose", pose | steer | {"direction": direction})
+        direction = result["direction"]
+        twist = driven(path, steer | {j: x for j, x in result.items() if "." in j})
+        assert (twist["slip"] < 1e-6).all()
+        pose = calls(path, "odometry", pose | {j: twist[j] for j in ("vx", "vy", "omega")} | {"dt": dt})
+        for w in turning:
+            j = f"{w.name}.steer"
+            steer[j] = result[j] if w.type == "steered" else steer[j] + dt * result[f"{j}_rate"]
+    assert (np.hypot(pose["x"], pose["y"]) < 2e-3).all()
+    assert all(abs(math.remainder(theta, math.tau)) < 5e-3 for theta in pose["theta"])
 
 
 def test_gains_of_the_file_are_taken_and_tunable(tmp_path: Path) -> None:

@@ -9,8 +9,7 @@ from typing import Any
 
 import sympy
 
-import wmrgen
-from tests.robots import of_text
+from tests.robots import of_text, with_functions
 from wmrgen.exact.number import Exact
 from wmrgen.robot import Derivation
 from wmrgen.symbolic import parameter, signal
@@ -121,7 +120,7 @@ def call(
         return {k: float(v) for k, v in one.evaluate(function, numbers).items()}
     full = {port.name: float(values.get(port.name, port.default or 0)) for port in ports}
     if backend == "casadi":
-        f = one.casadi()[function]
+        f = _in_casadi(d, function)
         outputs = f.call([full[name] for name in f.name_in()])
         return {name: float(v) for name, v in zip(f.name_out(), outputs, strict=True)}
     from wmrgen.backends.c99 import evaluate
@@ -132,4 +131,9 @@ def call(
 
 @cache
 def _only(d: Derivation, function: str) -> Derivation:
-    return wmrgen.derive(d.robot, [function])
+    return with_functions(d, [function])
+
+
+@cache
+def _in_casadi(d: Derivation, function: str) -> Any:
+    return _only(d, function).casadi()[function]

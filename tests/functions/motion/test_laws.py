@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-import wmrgen
 from tests.functions.motion.common import CAR, FOUR_WS, MECANUM_T, OMNI_K, SKEWED, derived
 from tests.oracle.harness import Array, named, turn
+from tests.robots import of_gallery, with_functions
 from wmrgen.errors import NotDerivableError
 from wmrgen.robot import Derivation
 
@@ -22,20 +22,21 @@ RANDOM = np.random.default_rng(7)
 
 
 @cache
-def robot(name: str) -> Any:
-    return wmrgen.load(next(p for p in ROBOTS if p.stem == name))
-
-
-@cache
 def with_function(name: str, function: str) -> Derivation | None:
     """The derivation of that function alone; None where the robot does not have it."""
-    source = derived(TEXTS[name]).robot if name in TEXTS else robot(name)
-    derivation = wmrgen.derive(source, [function])
+    derivation = with_functions(derived(TEXTS[name]) if name in TEXTS else of_gallery(name), [function])
     try:
         _ = derivation.program
     except NotDerivableError:
         return None
     return derivation
+
+
+@cache
+def in_casadi(name: str, function: str) -> Any:
+    derivation = with_function(name, function)
+    assert derivation is not None
+    return derivation.casadi()[function]
 
 
 TEXTS = {"car": CAR, "skewed": SKEWED, "four_ws": FOUR_WS, "omni_k": OMNI_K, "mecanum": MECANUM_T}
@@ -45,7 +46,7 @@ def call(name: str, function: str, values: dict[str, float]) -> dict[str, float]
     """A function through CasADi; inputs not given are 0, parameters nominal."""
     derivation = with_function(name, function)
     assert derivation is not None
-    f = derivation.casadi()[function]
+    f = in_casadi(name, function)
     nominal = {p.name: float(p.nominal) for p in derivation.robot.parameters}
     assert values.keys() <= set(f.name_in()), sorted(values.keys() - set(f.name_in()))
     result = f.call([values.get(n, nominal.get(n, 0.0)) for n in f.name_in()])

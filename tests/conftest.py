@@ -6,7 +6,7 @@ import gc
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.depth import DEEP, mark_slow
+from wmrgen import compiler
 
 # Fifteen thousand tests are a large heap: looking through it for garbage every 700 objects takes a tenth of the time.
 gc.set_threshold(100_000)
@@ -61,6 +62,27 @@ def command_line(*words: object, stdin: str | None = None) -> Outcome:
 def wmrgen_cli() -> Callable[..., Outcome]:
     """The command line in this process."""
     return command_line
+
+
+@pytest.fixture(autouse=True, scope="session")
+def compiled_once() -> Iterator[None]:
+    """What `compile_and_run` compiles again, the same files by the same command, is the program that it was."""
+    compiled, really = dict[tuple[object, ...], bytes](), compiler.compile_program
+
+    def once(folder: Path, sources: Sequence[str], cc: str | None, flags: Sequence[str]) -> Path:
+        key = (compiler.find_compiler(cc), *sources, *flags, *tree(folder).items())
+        program = folder / "program"
+        if key in compiled:
+            program.write_bytes(compiled[key])
+            program.chmod(0o755)
+        else:
+            really(folder, sources, cc, flags)
+            compiled[key] = program.read_bytes()
+        return program
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compiler, "compile_program", once)
+        yield
 
 
 def process(

@@ -193,11 +193,13 @@ def test_wheels_of_one_motor_have_one_rate(coupling: str) -> None:
 @pytest.mark.parametrize(
     ("more", "bent"),
     [("", False), ("couplings: [{equal: [fl.steer, fr.steer]}]\n", True),
-     ("couplings: [{equal: [rl.spin, rr.spin]}]\n", False), ("couplings: [{equal: [fl.spin, fr.spin]}]\n", True)],
+     ("couplings: [{equal: [rl.spin, rr.spin]}]\n", False), ("couplings: [{equal: [fl.spin, fr.spin]}]\n", True),
+     ("couplings: [{equal: [rl.spin, fl.spin]}]\n", True)],
 )  # fmt: skip
 def test_coupled_wheels_do_not_each_stand_along_their_velocity(more: str, bent: bool) -> None:
     page = page_written(AXLE + more)
     assert (BENT in page) == bent != (ALONE in page)
+    assert ("`rl` would turn so by itself" in page) == ("[rl.spin, fl.spin]" in more)
 
 
 @pytest.mark.parametrize("turned", [0.0, 2.5])

@@ -10,7 +10,7 @@ from wmrgen.backends.report.angles import with_tangents
 from wmrgen.backends.report.forward import distinct, fits_of
 from wmrgen.backends.report.latex import alike, broken, latex, summands, terms, total
 from wmrgen.backends.report.letters import by_three, heads, in_letters
-from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, math
+from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, listed, math
 from wmrgen.backends.report.terms import WIDE, width, wrapped
 from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
@@ -47,6 +47,10 @@ def closed_inverse(d: Derivation) -> list[str]:
     shown = "".join([*lines, *pivots])
     stars = [line for line in projected(projection) if line.partition(" &=")[0] in shown]
     blocks = aligned([*stars, *lines]) if stars or lines else []
+    spun = {name for names in turned_apart(robot, twist) for name in names}
+    if tied := [w.name for w in wheels if not w.turns and w.name in spun]:
+        alone = "itself" if len(tied) == 1 else "themselves"
+        blocks += [f"{listed(tied)} would turn so by {alone}; section 6 says what couplings make of that."]
     return [*blocks, *pivots, *cut_note(robot.wheels)]
 
 

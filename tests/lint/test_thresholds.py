@@ -407,7 +407,10 @@ def test_two_axles_that_nearly_are_one(off: str, expected: list[str], tmp_path: 
     assert codes(tmp_path / "robot.yaml", text) == expected
 
 
-@pytest.mark.parametrize(("off", "expected"), [("0.3", []), ("0.300001", ["WMR034"]), ("0.304", ["WMR034"])])
+@pytest.mark.parametrize(
+    ("off", "expected"),
+    [("0.3", []), ("0.300000000005", []), ("0.300001", ["WMR034"]), ("0.304", ["WMR034"])],
+)
 def test_a_robot_that_skids_on_two_axles_skids_beside_an_axle_that_is_taken_for_one(
     off: str, expected: list[str], tmp_path: Path
 ) -> None:

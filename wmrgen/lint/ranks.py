@@ -18,6 +18,7 @@ from wmrgen.mobility.records import Singularity
 from wmrgen.notation import listed, plain
 
 NARROW = 1e-2  # the smallest relative singular value that is no accident
+NOISE = 1e-9  # of the robot's size
 FLAT = 10.0  # the ratio of good ones
 _MECANUM = (
     "Rollers at the ground must form an O: gamma -45 deg at the front left and rear right, 45 deg at the others. "
@@ -205,8 +206,9 @@ def narrow(subject: Subject) -> Iterator[Finding]:
 
 
 def _near(robot: Robot) -> list[Near]:
-    """What nearly is on one line or at one heading."""
-    return [near for near in robot.near if near.tolerance < SLIP * robot.tolerance.size]
+    """What nearly is on one line or at one heading, by more than the noise of floats."""
+    size = robot.tolerance.size
+    return [near for near in robot.near if NOISE * size < near.tolerance < SLIP * size]
 
 
 def _doubtful_rank(subject: Subject) -> Iterator[Finding]:

@@ -187,6 +187,28 @@ def test_the_one_wheel_that_is_not_drawn(read: Import) -> None:
         assert [q for q in read(robot(drawn, middle))["asked"] if q[1] == "type"] == asked
 
 
+def test_a_drum_on_an_arm_may_be_a_tool(read: Import) -> None:
+    """Lowered to the ground it stands as wheels do. Two on one rocker are wheels, and so are they all on arms."""
+    limits = '<limit lower="-1" upper="1"/>'
+
+    def arm(name: str, x: float, *ends: float) -> str:
+        turns = link(f"{name}_arm") + joint(
+            f"{name}_arm", "base_link", f"{name}_arm", f"{x} 0 0.1", "revolute", more=limits
+        )
+        return turns + "".join(
+            wheel(f"{name}{k}", f"{end} 0 0", parent=f"{name}_arm") for k, end in enumerate(ends)
+        )
+
+    def asked(*parts: str) -> list[tuple[str, str]]:
+        return [
+            q for q in read(robot(*parts, control("left_joint", "right_joint")))["asked"] if q[1] == "type"
+        ]
+
+    assert asked(pair(), arm("drum", -0.2, -0.3)) == [("drum0", "type")]
+    assert asked(pair(), arm("rocker", -0.2, -0.3, 0.1)) == []
+    assert asked(arm("a", 0.2, 0.3), arm("b", -0.2, -0.3)) == []
+
+
 def test_swivels_that_take_velocities_beside_wheels_that_drive(read: Import) -> None:
     """On castors alone they are motors; castors of a robot that others drive follow, but where they take positions."""
     castors, said = "", ""

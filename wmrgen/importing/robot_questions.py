@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from wmrgen.importing.candidates import rigid_wheels
-from wmrgen.importing.frames import ancestors, plus
+from wmrgen.importing.frames import ancestors, dot, plus
 from wmrgen.importing.passed import Passed
-from wmrgen.importing.records import MODEL, SUPPORT, Question, Wheel
-from wmrgen.importing.view import UNSEEN, UPRIGHT, Candidate, Robot
+from wmrgen.importing.records import MODEL, SUPPORT, Joint, Question, Wheel
+from wmrgen.importing.view import COAXIAL, UNSEEN, UPRIGHT, Candidate, Robot
 from wmrgen.spec.names import role
 from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
@@ -147,6 +147,27 @@ def undrawn_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidat
         for w in bare
         if len(bare) == 1 < drawn == len(seen) - 1
     ]
+
+
+def tool_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
+    """What hangs alone, without a mirror image, on a joint that turns about an axis like its own, where two or more
+    wheels hang on none, may be a drum or a brush that an arm lowers."""
+    text = "it alone hangs on {}, which turns about a level axis, as arms do: is it a wheel, or a tool?"
+    hint = "{} where it is a wheel; delete it where it is none"
+    arms = [next((j for j in c.via if _pitches(robot, j, c)), None) for c in seen]
+    places = [(w.x, -w.y) for w in wheels]
+    questions = []
+    for w, arm in zip(wheels, arms, strict=True):
+        mirrored = any(
+            math.dist(at, (w.x, w.y)) < _CAD for v, at in zip(wheels, places, strict=True) if v is not w
+        )
+        if arm and not mirrored and arms.count(arm) == 1 and arms.count(None) > 1:
+            questions.append(Question(w.name, "type", text.format(quoted(arm.name)), (hint.format(w.type),)))
+    return questions
+
+
+def _pitches(robot: Robot, joint: Joint, c: Candidate) -> bool:
+    return joint.turns and abs(dot(robot.axis(joint), c.axis)) > COAXIAL
 
 
 def steering_missed(wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:

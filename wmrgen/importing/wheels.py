@@ -40,6 +40,7 @@ from wmrgen.importing.robot_questions import (
     odd_one_asked,
     steering_missed,
     support_asked,
+    tool_asked,
     undrawn_asked,
 )
 from wmrgen.importing.rollers import UNSAID, angle, gamma_said, heading, rollers_said
@@ -85,6 +86,7 @@ def import_wheels(description: Description, base: str | None, forward: str | Non
         *corner_asked(result),
         *odd_one_asked(result),
         *undrawn_asked(robot, result, wheels),
+        *tool_asked(robot, result, wheels),
         *steering_missed(result, wheels),
         *([] if forward else front_doubted(robot, result, wheels)),
         *doubts,

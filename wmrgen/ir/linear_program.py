@@ -30,11 +30,12 @@ class Magnitudes:
     The sign is that of the first non-zero part, not of the number: cheap, and as good here.
     """
 
-    __slots__ = ("_index", "_ratios", "table")
+    __slots__ = ("_index", "_inverses", "_ratios", "table")
 
     def __init__(self) -> None:
         self.table: list[Coefficient] = []
         self._index: dict[tuple[Exact, Hashable], int] = {}
+        self._inverses: dict[int, Exact] = {}
         self._ratios: dict[tuple[int, int], tuple[int, int] | None] = {}
         self.split(Coefficient(ONE))
 
@@ -63,7 +64,11 @@ class Magnitudes:
             p, q = self.table[a], self.table[b]
             comparable = q.atom is None or q.atom == p.atom
             atom = None if q.atom == p.atom else p.atom
-            self._ratios[a, b] = self.split(Coefficient(p.value / q.value, atom)) if comparable else None
+            if comparable and b not in self._inverses:  # many are divided by each
+                self._inverses[b] = q.value.inverse()
+            self._ratios[a, b] = (
+                self.split(Coefficient(p.value * self._inverses[b], atom)) if comparable else None
+            )
         return self._ratios[a, b]
 
 

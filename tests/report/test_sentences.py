@@ -84,6 +84,7 @@ def test_where_a_robot_slides_that_rolls_in_one_motion(turned: int, more: str, s
     )
     assert re.findall(r"as they do in every [^.]*\.", page) == [slides] * bool(slides)
     assert ("so the robot cannot turn: a controller integrates `twist`" in page) == ("curve" in slides)
+    assert ("a shared angle also where" in page) == ("equal" in more)
 
 
 def test_the_error_of_the_series_in_units_in_the_last_place() -> None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from wmrgen.backends.report.angles import equation, gathered, roots, short
+from wmrgen.backends.report.closed import driven_twist, move_alike, partners
 from wmrgen.backends.report.latex import latex, summands, terms
 from wmrgen.backends.report.markdown import (
     aligned,
@@ -20,12 +21,13 @@ from wmrgen.backends.report.markdown import (
     some,
 )
 from wmrgen.backends.report.terms import width, wrapped
-from wmrgen.constraints import XI, symbolic_view
+from wmrgen.constraints import XI, seen, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.models.polynomials import whole
 from wmrgen.functions.motion.wheel_speeds import relations
+from wmrgen.kinematics.least_squares import project
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank
 from wmrgen.mobility.records import Mobility, Singularity
@@ -255,10 +257,14 @@ def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
         if turns
         else "only where the whole robot stands still"
     )
+    robot = seen(d.robot, symbolic_view)
+    twist = driven_twist(project(robot, d.mobility))
+    unlike = any(not move_alike(partners(robot, w), twist) for w in robot.wheels if w.kind.steers)
+    shared = "; a shared angle also where Σ u w and Σ (u² − w²) of its wheels vanish together" * unlike
     return [
         f"The heading of a steered wheel ({some(wheels)}) is undefined where its pivot (x, y) stands still, "
-        f"v<sub>x</sub> − y ω = 0 and v<sub>y</sub> + x ω = 0: {when}. Close by, a small change of the twist asks for "
-        "a large change of the angle (section 6)."
+        f"v<sub>x</sub> − y ω = 0 and v<sub>y</sub> + x ω = 0: {when}{shared}. Close by, a small change "
+        "of the twist asks for a large change of the angle (section 6)."
     ]
 
 

@@ -101,6 +101,9 @@ def write_file(path: Path, content: bytes) -> bool:
             with _locked(path.parent):
                 if _holds(path, content):
                     return False
+                if path.exists() and not path.is_file():
+                    what = f"{path} is a device or a pipe, no regular file; wmrgen would replace it"
+                    raise EnvironmentFailure(what)
                 with tempfile.TemporaryDirectory(prefix=_STAGE, dir=path.parent) as staging:
                     _stage({Path(staging) / path.name: content})
                     (Path(staging) / path.name).replace(path)
@@ -208,8 +211,6 @@ def _exchange(directory: Path, old: Sequence[str], new: Sequence[str], before: P
 def _holds(path: Path, content: bytes) -> bool:
     if path.is_dir():
         raise EnvironmentFailure(f"{path} is a directory; wmrgen would write a file of that name")
-    if path.exists() and not path.is_file():
-        raise EnvironmentFailure(f"{path} is a device or a pipe, no regular file; wmrgen would replace it")
     return path.is_file() and _same(path, content)
 
 

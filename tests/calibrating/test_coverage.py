@@ -14,8 +14,9 @@ from tests.calibrating.simulated import ANYWHERE, LAYOUTS, Layout, Wheel
 from wmrgen.calibrating.calibrate import calibrate, problem_of
 from wmrgen.calibrating.certainty import fit, fit_at
 from wmrgen.calibrating.fit import serial, start_of
+from wmrgen.calibrating.joints import settled
 from wmrgen.calibrating.logs import read
-from wmrgen.calibrating.observability import deviations, settled
+from wmrgen.calibrating.observability import deviations
 from wmrgen.calibrating.starts import laid
 
 

@@ -13,9 +13,10 @@ from wmrgen.calibrating import certainty
 from wmrgen.calibrating.certainty import Fit
 from wmrgen.calibrating.drawn import drawn
 from wmrgen.calibrating.fit import Each, Problem, during, nearest, serial, solved, start_of, unit_of
+from wmrgen.calibrating.joints import settled
 from wmrgen.calibrating.logs import Drive, names, pairs, read
 from wmrgen.calibrating.mistakes import refuse_strangers, strange
-from wmrgen.calibrating.observability import settled, unobservable
+from wmrgen.calibrating.observability import unobservable
 from wmrgen.calibrating.outliers import PASSES, Drift, Outlier, cut, drifts, outliers, without
 from wmrgen.calibrating.path import Increments, Reals
 from wmrgen.calibrating.starts import begun, laid
@@ -107,34 +108,33 @@ def calibrate(
 ) -> Calibration:
     """The parameters that the logs tell. UsageError for logs that cannot be read or do not belong to the robot."""
     problem = problem_of(derivation)
-    turns = counts_per_turn(derivation.robot)
     files = pairs(logs, truths)
     every = (
-        replace(read(log, truth, problem.increments.joints, turns), name=name)
+        replace(read(log, truth, problem.increments.joints, counts_per_turn(derivation.robot)), name=name)
         for name, (log, truth) in zip(names(logs), files, strict=True)
     )
     large = sum(path.stat().st_size for pair in files for path in pair if path.is_file()) > _LARGE
-    drives = _parts(stored(every) if large else tuple(every))
-    problem = replace(problem, drives=drives)
+    problem = replace(problem, drives=_parts(stored(every) if large else tuple(every)))
     first, slips = _begun(problem, each)
     if strange(first):
         first, slips = _begun(problem, each, lost=True)
     moving = drifts(_coarser(first.problem), first.unknowns, each)
     best, more = _without_slips(_without_jumps(first, moving, each), each)
     slips += more
-    refuse_strangers(best, drives, lambda others: _begun(replace(problem, drives=tuple(others)), each)[0])
+    refuse_strangers(best, problem.drives, lambda some: _begun(replace(problem, drives=tuple(some)), each)[0])
     best = _settled(best, each)
     if best.problem.untold is not None:  # joints that disagree less show more slips
         best, more = _without_slips(best, each)
         slips += more
     best = _finely(best, each, _FINER)
-    parts = best if len(drives) > 1 else _in_parts(best, each)
+    parts = best if len(problem.drives) > 1 else _in_parts(best, each)
     fewer = replace(parts, problem=_coarser(parts.problem, _FINER))
     others = [certainty.without(fewer, fold, each) for fold in _folds(parts.problem)]
     best = _finely(best, each, np.inf)
+    sigma = _deviations(best, others if len(problem.drives) > 1 else ())
     weak = _unobservable(derivation.robot, best)
     return Calibration(
-        _estimates(derivation.robot, best, _deviations(best, others if len(drives) > 1 else ()), weak), weak, best,
+        _estimates(derivation.robot, best, sigma, weak), weak, best,
         _errors(best, best.problem.shared(0 * best.unknowns)), _errors(best, best.problem.shared(best.unknowns)),
         _held_out(parts, others), tuple(sorted(slips, key=lambda slip: (slip.drive, slip.start))),
         tuple(drift for of_drive in moving for drift in of_drive),
@@ -166,8 +166,7 @@ def _begun(problem: Problem, each: Each, lost: bool = False) -> tuple[Fit, list[
 
 def _about(ready: Problem, each: Each, start: Reals) -> Fit:
     """The fit from ``start`` on; of large logs about, as a coarser problem has it."""
-    coarse = _coarser(ready)
-    about = certainty.fit(coarse, each, start)
+    about = certainty.fit(coarse := _coarser(ready), each, start)
     return about if coarse is ready else certainty.of_drives(about, during(ready, about.unknowns))
 
 
@@ -180,7 +179,10 @@ def _again(problem: Problem, each: Each, best: Fit) -> Fit:
 def _settled(best: Fit, each: Each) -> Fit:
     """The fit where clocks agree as far as they do, and joints tell what the truth does not: by all readings, for they
     disagree by little; of large logs without such joints about."""
-    whole, drives = certainty.agreeing(best), best.problem.drives
+    drives = best.problem.drives
+    if best.problem.untold is not None:  # by what joints tell before paths do, clocks would be told, too
+        best = certainty.of_drives(settled(replace(best, problem=_coarser(best.problem)), each), drives)
+    whole = certainty.agreeing(best)
     coarse = whole if whole.increments.rows is not None else _coarser(whole)
     best = settled(certainty.fit_at(coarse, nearest(coarse, best.unknowns, each), each), each)
     return best if coarse.drives is drives else certainty.of_drives(best, drives)
@@ -263,8 +265,7 @@ def _folds(problem: Problem) -> list[list[int]]:
     """Which drives are left out together: every `_FOLDS`-th, all parts of a drive together; of one drive its parts."""
     names = list(dict.fromkeys(drive.name for drive in problem.drives))
     which = [names.index(d.name) if len(names) > 1 else i for i, d in enumerate(problem.drives)]
-    count = min(len(set(which)), _FOLDS)
-    folds = range(count if count > 1 else 0)
+    folds = range(count if (count := min(len(set(which)), _FOLDS)) > 1 else 0)
     return [[i for i, k in enumerate(which) if k % _FOLDS == fold] for fold in folds]
 
 

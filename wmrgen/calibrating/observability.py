@@ -10,18 +10,11 @@ from math import pi
 import numpy as np
 from scipy.linalg import qr
 
-from wmrgen.calibrating.arrow import Arrow, Sums
-from wmrgen.calibrating.certainty import Fit, fit, fit_at
+from wmrgen.calibrating.certainty import Fit
 from wmrgen.calibrating.fit import (
-    FINEST,
-    Each,
     Problem,
     Untold,
-    arrow,
     information,
-    joint_residuals,
-    joint_sums,
-    nearest,
     prior_of_shared,
     serial,
     start_of,
@@ -32,12 +25,7 @@ from wmrgen.calibrating.path import Reals, reckoned
 from wmrgen.robot import Derivation
 
 WEAK = 0.02  # a direction of the parameters that is less certain than this, relative to nominal, is not observable
-_NOMINAL = 1 - 1e-6  # squared units (10 %) that nominal values are taken to be off, but for rounding
 _TOGETHER = 0.25  # of a direction's largest part: what is smaller does not belong to it
-_ROUNDS = 8  # at most, of directions that the truth does not tell: they turn with the parameters
-_WIDE = 1e3  # [m] a scale of the loss below which all squares count
-_SEEN = 1e-5  # [m] that joints disagree by where a direction is a unit off, to tell it
-_CLOSE = 0.1  # standard deviations that a round changes, where it is the last
 _RATE = 20.0  # [1/s] of the readings of a planned drive
 
 
@@ -81,75 +69,20 @@ def deviations(problem: Problem, told: Reals, noise: float) -> tuple[Reals, Real
     return 0.1 * np.sqrt(variances[::-1]), directions[:, ::-1]
 
 
-def settled(best: Fit, each: Each) -> Fit:
-    """The fit of paths, with what the truth does not tell as joints disagree least, and directions held in which that
-    is no nearer to the truth than nominal values are: they stay nominal. What the truth tells does not follow the
-    joints' disagreement, in which wheels that all slip alike do not show."""
-    paths, rows = best.problem, best.problem.increments.rows is not None
-    for _ in range(_ROUNDS if rows else 1):
-        before, matrix = best.values, arrow(paths, each(paths, best.unknowns, sums))
-        untold = _uncertain(paths, matrix.reduced - prior_of_shared(paths), best.noise)
-        if not untold.size:
-            break
-        if rows:
-            unknowns = _moved(matrix, best.unknowns, -untold @ untold.T @ best.unknowns[: len(untold)])
-            joints = replace(paths, untold=Untold(untold, unknowns[: len(untold)]))
-            unknowns = _moved(matrix, unknowns, _agreeing(joints, unknowns, untold, each))
-            slides = 1.5 * float(np.median(each(joints, unknowns, _sliding)))
-            problem = replace(best.problem, untold=joints.untold, slides=max(slides, FINEST))
-            best = fit_at(problem, nearest(problem, unknowns, each), each)
-        variances, directions = np.linalg.eigh(best.covariance[: len(untold), : len(untold)])
-        held = directions[:, variances > _NOMINAL]
-        if held.size:
-            way = -held @ held.T @ best.unknowns[: len(held)]
-            best = fit(replace(best.problem, held=held), each, _moved(matrix, best.unknowns, way))
-        if np.all(np.abs(np.subtract(best.values, before)) < _CLOSE * best.deviations):
-            break
-    return best
-
-
-def _agreeing(problem: Problem, unknowns: Reals, untold: Reals, each: Each) -> Reals:
-    """The way (P,) among ``untold`` directions to where squares of the joints' disagreement are least."""
-    parts, count = each(replace(problem, slides=_WIDE), unknowns, _of_joints), len(untold)
-    gradient = np.sum([part.gradient for part in parts], axis=0)[:count]
-    matrix = np.sum([part.matrix for part in parts], axis=0)[:count, :count]
-    told = untold.T @ matrix @ untold + np.eye(untold.shape[1]) * (_SEEN / _WIDE) ** 2
-    return np.asarray(-untold @ np.linalg.solve(told, untold.T @ gradient))
-
-
-def _of_joints(problem: Problem, unknowns: Reals, index: int) -> Sums:
-    return joint_sums(problem, *joint_residuals(problem, unknowns, index))
-
-
-def _moved(matrix: Arrow, unknowns: Reals, way: Reals) -> Reals:
-    """The unknowns where those of the parameters go a ``way`` (P,), and the others, the tracked point's and what drives
-    have of their own, follow."""
-    count, reduced = len(way), matrix.reduced
-    mount = -np.linalg.solve(reduced[count:, count:], reduced[count:, :count] @ way)
-    shared = np.concatenate([way, mount])
-    return np.asarray(unknowns + np.concatenate([shared, -(matrix.follows @ shared).ravel()]))
-
-
-def _sliding(problem: Problem, unknowns: Reals, index: int) -> float:
-    """The median over spans [m] of what a drive's joints disagree by, the root mean square of all rows."""
-    values, _ = joint_residuals(problem, unknowns, index)
-    return float(np.median(np.sqrt(np.mean(values**2, axis=0))))
-
-
 def unobservable(best: Fit) -> list[tuple[str, ...]]:
     """Each direction that the drives do not tell, as the parameters that scale together in it, largest part first."""
     return _weak(best.problem, best.information, best.noise)
 
 
-def _uncertain(problem: Problem, told: Reals, noise: float) -> Reals:
+def uncertain_of(problem: Problem, told: Reals, noise: float) -> Reals:
     """The directions (P, k) that are less certain than `WEAK`; arguments as of `deviations`."""
     uncertain, directions = deviations(problem, told, noise)
     return np.asarray(directions[:, uncertain > WEAK])
 
 
 def _weak(problem: Problem, told: Reals, noise: float) -> list[tuple[str, ...]]:
-    """The parameters of `_uncertain` directions, of which as many as there are directions are in one of them only."""
-    directions = _uncertain(problem, told, noise)
+    """The parameters of `uncertain_of` directions, of which as many as there are directions are in one of them only."""
+    directions = uncertain_of(problem, told, noise)
     if not directions.size:
         return []
     alone = qr(directions.T, mode="r", pivoting=True)[1][: directions.shape[1]]
@@ -240,7 +173,7 @@ def offers(problem: Problem, derivation: Derivation) -> list[Offer]:
     drives = {course: planned(problem, derivation, course) for course in courses(problem, derivation)}
     problem = replace(problem, untold=None, held=None)
     choices = _offered(problem, drives)
-    untold = _uncertain(problem, _total(problem, choices), 1.0)
+    untold = uncertain_of(problem, _total(problem, choices), 1.0)
     if untold.size and problem.increments.rows is not None:
         choices = _offered(replace(problem, untold=Untold(untold, np.zeros(len(untold)))), drives)
     return choices

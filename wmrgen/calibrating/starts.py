@@ -26,6 +26,7 @@ from wmrgen.calibrating.fit import (
     residuals,
     start_of,
 )
+from wmrgen.calibrating.joints import agreed
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.outliers import PASSES, Outlier, outliers, without
 from wmrgen.calibrating.path import Complexes, Reals, passed
@@ -68,7 +69,10 @@ def begun(
     returned, too; so they do where it is known to be ``lost``. For all this a ``coarser`` problem does."""
     drives = changed(problem.drives, lambda _, drive: [_in_time(problem, drive)])
     ready, slips, seconds = laid(replace(problem, drives=drives)), list[Outlier](), _PIECE
-    start, longest = start_of(ready), max(float(np.ptp(drive.t)) for drive in drives)
+    start, coarse = start_of(ready), coarser(ready)
+    joints, start = agreed(coarse, start, each, lost or not _finds(coarse, start))
+    ready = replace(ready, untold=joints.untold, slides=joints.slides)
+    longest = max(float(np.ptp(drive.t)) for drive in drives)
     while seconds < longest and (lost or not _finds(coarser(ready), start)):
         coarse = coarser(ready)
         start = _in_pieces(coarse, start, seconds, each)

@@ -59,7 +59,8 @@ NARROW = Exact(Fraction(157, 100))  # rad between limits, just under a quarter t
 
 
 class Target(NamedTuple):
-    """Commanded angle [rad], rim speed of the pivot [m/s] and, where it may slide, its lateral speed [m/s]."""
+    """Commanded angle [rad], rim speed of the pivot [m/s] and, where it may slide, its lateral speed
+    [m/s] of either sign."""
 
     steer: Expr
     rim: Expr

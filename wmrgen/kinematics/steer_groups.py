@@ -167,8 +167,6 @@ def _reversed(robot: Robot, unit: list[Wheel], agrees: Expr, targets: Targets, n
         return select(against, sympy.S.Zero, turn, stay)
 
     def mirrored(t: Target) -> Target:
-        rim = chosen(t.rim, times(-1, t.rim))
-        lateral = None if t.lateral is None else chosen(t.lateral, times(-1, t.lateral))
-        return Target(chosen(steer, about), rim, lateral)
+        return Target(chosen(steer, about), chosen(t.rim, times(-1, t.rim)), t.lateral)
 
     return {w.index: mirrored(targets[w.index]) for w in unit}

@@ -645,6 +645,15 @@ def test_a_long_drive_with_large_slips(tmp_path: Path) -> None:
         assert abs(estimate.value - value) < 3 * estimate.sigma < 0.03 * value
 
 
+def test_a_turn_on_the_spot_alone_belongs_to_its_truth(tmp_path: Path) -> None:
+    """Which extends over a tracker's noise alone."""
+    layout = replace(LAYOUTS["differential"], drives=(lambda t: (0 * t, 0 * t, 0.5 + 0 * t),))
+    logs = written(tmp_path, layout, seconds=20, tracker=Tracker(noise=(0.008, 0.003)))
+    result = calibrate(derivation_of(tmp_path, layout), logs, [])
+    assert result.after.position < 0.016
+    assert {"r_left", "r_right", "half_track"} <= {n for group in result.unobservable for n in group}
+
+
 @pytest.mark.parametrize(("count", "folds"), [(1, 5), (2, 2)])
 def test_drives_are_held_out_each_and_one_drive_by_parts(
     tmp_path: Path, count: int, folds: int, monkeypatch: pytest.MonkeyPatch

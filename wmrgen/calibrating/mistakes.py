@@ -18,6 +18,10 @@ from wmrgen.calibrating.starts import nominal_at
 from wmrgen.errors import UsageError
 
 _FAR = 0.1  # of the truth's extent: where residuals stay so large, joints and truth do not belong together
+_SPOT = (
+    0.5  # [m] which it counts for at least, as that of a robot that turns on the spot under a tracker's noise
+)
+_MANY = 1e6  # times as far as odometry has it no drive goes, in whatever unit its wheels are counted
 _TURNED = 0.5  # [rad] the same for headings
 _SURE = 3.0  # standard deviations from nominal: a value that is sure to be another
 _TIMES = 4.0  # nominal values are nearer than that; units and encoders that are wrong are not
@@ -157,7 +161,9 @@ def _far(best: Fit) -> Reals:
     """How far joints and truth of each drive stay apart; above 1 they do not belong together."""
     places, headings = np.nan_to_num(best.rms_by_drive).T
     late = np.abs(best.offsets) > STRANGE  # makes half of that strange
-    return np.asarray(np.maximum(places / max(_FAR * _extent(best), 1e-9), headings / _TURNED) * (1 + late))
+    return np.asarray(
+        np.maximum(places / (_FAR * max(_extent(best), _SPOT)), headings / _TURNED) * (1 + late)
+    )
 
 
 def _unlikely(best: Fit, sure: float) -> str:
@@ -222,8 +228,8 @@ def _moves(best: Fit, drive: Drive) -> tuple[tuple[Reals, Reals], tuple[Reals, R
 
 
 def _farther(best: Fit, drives: Sequence[Drive]) -> float:
-    """How many times as far as nominal odometry has it the truth goes; nan where that is not measured."""
+    """How many times as far as nominal odometry has it the truth goes; nan where that is not measured or it stands."""
     true = sum(float(np.sum(_moves(best, drive)[0][0])) for drive in drives)
     steps = (best.problem.increments(drive.columns, best.problem.nominal) for drive in drives)
     own = sum(float(np.sum(np.abs(step.position))) for step in steps)
-    return true / own if true and own else np.nan
+    return true / own if 0 < true < _MANY * own else np.nan

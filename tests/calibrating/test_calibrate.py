@@ -339,6 +339,11 @@ MISTAKES: dict[str, tuple[Callable[[np.ndarray, np.ndarray], None], str]] = {
     ),
     "x and y in millimetres": (lambda log, truth: _times(truth, slice(1, 3), 1000), "in millimetres"),
     "x and y in centimetres": (lambda log, truth: _times(truth, slice(1, 3), 100), "in centimetres"),
+    "x and y in feet": (lambda log, truth: _times(truth, slice(1, 3), 1 / 0.3048), "in feet"),
+    "wheels in metres": (
+        lambda log, truth: _times(log, slice(1, None), 0.042),
+        "turn 2[345].* times .* metres at the rim",
+    ),
     "theta in turns": (lambda log, truth: _times(truth, 3, 0.5 / np.pi), "theta of the truth .* in turns"),
     "the truth mirrored": (
         lambda log, truth: _times(truth, slice(2, 4), -1),

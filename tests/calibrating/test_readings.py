@@ -18,7 +18,7 @@ RIGHT = Drive(
     "run", T, {n: RANDOM.normal(size=8) for n in NAMES}, Truth(T[2:6] + 0.05, *RANDOM.normal(size=(3, 4)))
 )
 IN_UNIT = {
-    "millimetres": 1000.0, "centimetres": 100.0, "inches": 1 / 0.0254,
+    "millimetres": 1000.0, "centimetres": 100.0, "inches": 1 / 0.0254, "feet": 1 / 0.3048,
     "degrees": 180 / np.pi, "turns": 0.5 / np.pi, "rpm": 30 / np.pi, "other": -1.0,
 }  # fmt: skip
 WHAT = {

@@ -24,7 +24,7 @@ _SPOT = (
 _MANY = 1e6  # times as far as odometry has it no drive goes, in whatever unit its wheels are counted
 _TURNED = 0.5  # [rad] the same for headings
 _SURE = 3.0  # standard deviations from nominal: a value that is sure to be another
-_TIMES = 4.0  # nominal values are nearer than that; units and encoders that are wrong are not
+_TIMES = 3.0  # nominal values are nearer than that; units and encoders that are wrong are not
 _ABOUT_ZERO = 1.0  # [m, rad] the same for a value that is nominally 0
 _BETTER = 0.25  # of the residual: what another reading of the columns has to come to, to be proposed
 _LESS = 0.5  # the same where residuals are small, but a length is none that a robot has
@@ -229,7 +229,10 @@ def _moves(best: Fit, drive: Drive) -> tuple[tuple[Reals, Reals], tuple[Reals, R
 
 def _farther(best: Fit, drives: Sequence[Drive]) -> float:
     """How many times as far as nominal odometry has it the truth goes; nan where that is not measured or it stands."""
-    true = sum(float(np.sum(_moves(best, drive)[0][0])) for drive in drives)
-    steps = (best.problem.increments(drive.columns, best.problem.nominal) for drive in drives)
-    own = sum(float(np.sum(np.abs(step.position))) for step in steps)
+    true = own = 0.0
+    for drive in drives:
+        measured = (drive.t[:-1] >= drive.truth.t[0]) & (drive.t[1:] <= drive.truth.t[-1])
+        steps = best.problem.increments(drive.columns, best.problem.nominal)
+        true += float(np.sum(_moves(best, drive)[0][0]))
+        own += float(np.sum(np.abs(steps.position[measured])))
     return true / own if 0 < true < _MANY * own else np.nan

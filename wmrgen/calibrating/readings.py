@@ -36,7 +36,7 @@ def readings(drive: Drive, farther: float) -> Iterator[tuple[str, Change]]:
     )
     north = "as with x north, y east and theta clockwise"
     yield f"y and theta of the truth counted the other way, {north}", _with_truth(y=-1, theta=-1)
-    for unit, size in (("millimetres", 1e-3), ("centimetres", 1e-2), ("inches", 0.0254)):
+    for unit, size in (("millimetres", 1e-3), ("centimetres", 1e-2), ("inches", 0.0254), ("feet", 0.3048)):
         yield f"x and y of the truth in metres, which seem to be in {unit}", _with_truth(x=size, y=size)
     encoder = f", or counts of an encoder, about {2 * np.pi / farther:.0f} to a turn" if farther > 0 else ""
     for unit, size, more in (("degrees", np.pi / 180, encoder), ("turns", 2 * np.pi, "")):
@@ -59,10 +59,12 @@ def readings(drive: Drive, farther: float) -> Iterator[tuple[str, Change]]:
 
 def counts(drive: Drive, farther: float) -> tuple[str, Change]:
     """The reading under which all wheels turn so many times as far."""
-    text = (
-        f"wheels that turn {farther:.3g} times as far: are these counts of an encoder, about "
-        f"{2 * np.pi / farther:.0f} to a turn, or is a gear another?"
+    what = (
+        "metres at the rim"
+        if farther > 1
+        else f"counts of an encoder, about {2 * np.pi / farther:.0f} to a turn"
     )
+    text = f"wheels that turn {farther:.3g} times as far: are these {what}, or is a gear another?"
     return text, _scaled(_ending(drive, ".spin"), farther)
 
 

@@ -114,6 +114,10 @@ CHANGED: dict[str, tuple[Callable[[str], str], str]] = {
         lambda s: s.split("\n", 1)[1],
         HEADER + "0,0,-0: the first row has to name the columns",
     ),
+    "a comment above the header": (
+        lambda s: "# drive 3\n" + s,
+        HEADER + "# drive 3: the header has to be the first line, without a comment above it",
+    ),
     "decimal commas": (
         lambda s: s.split("\n")[0] + "\n" + s.split("\n", 1)[1].replace(".", ","),
         f"run.csv:3: the row has 6 cells, the header 3{COMMAS}",

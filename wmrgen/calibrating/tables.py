@@ -65,7 +65,9 @@ def _instead(header: Sequence[str]) -> str:
         return _COMMAS
     if re.match(r"[-+.\d]", first):
         return ": the first row has to name the columns"
-    return f": is {first} meant?" if re.match(r"(?i)\W*t(ime|imestamp)?\b", first) else ""
+    if re.match(r"(?i)\W*t(ime|imestamp)?\b", first):
+        return f": is {first} meant?"
+    return ": the header has to be the first line, without a comment above it" if first[:1] == "#" else ""
 
 
 def _by_line(path: Path, header: Sequence[str], empty: bool) -> Reals:

@@ -127,9 +127,7 @@ def turning_alike(robot: Robot, twist: Row, targets: Targets, names: Locals) -> 
         chain = [_unsteered(robot, w, twist) for w in unsteered] or _rolling(robot, units.pop(0), result)
         way = names.define(f"{members[0].name}_way", add(*chain))
         for unit in units:
-            whole = [
-                w for w in robot.wheels if robot.steer_group[w.index] == robot.steer_group[unit[0].index]
-            ]
+            whole = robot.partners(unit[0])
             result |= _reversed(robot, whole, times(way, add(*_rolling(robot, unit, result))), result, names)
     return result
 

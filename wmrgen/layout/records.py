@@ -270,6 +270,11 @@ class Robot:
             sets.setdefault(leaders[w.index], []).append(w)
         return list(sets.values())
 
+    def partners(self, wheel: Wheel) -> list[Wheel]:
+        """The wheels that steer as one with ``wheel``, itself among them."""
+        group = self.steer_group
+        return [w for w in self.wheels if group[w.index] == group[wheel.index]]
+
     def spin_ratio(self, wheel: Wheel) -> Exact:
         """The spin of a wheel for a spin of 1 of the first that it is coupled to."""
         return self.spin_ratios[wheel.index]

@@ -41,20 +41,22 @@ def closed_inverse(d: Derivation) -> list[str]:
         [w for w in wheels if w.kind.steers],
         [w for w in wheels if w.kind.swivels and w.actuated],
     )
-    pivots = [
-        block for group in turning if group for block in _pivots(group, twist, _tied(robot, group, twist))
-    ]
+    spun = {name for names in turned_apart(robot, twist) for name in names}
+    pivots = []
+    for group in filter(None, turning):
+        tied = any(w.name in spun or not moves_as_partners(robot, w, twist) for w in group)
+        pivots += _pivots(group, twist, tied)
     shown = "".join([*lines, *pivots])
     stars = [line for line in projected(projection) if line.partition(" &=")[0] in shown]
     blocks = aligned([*stars, *lines]) if stars or lines else []
-    spun = {name for names in turned_apart(robot, twist) for name in names}
-    if tied := [w.name for w in wheels if not w.turns and w.name in spun]:
-        alone = "itself" if len(tied) == 1 else "themselves"
-        blocks += [f"{listed(tied)} would turn so by {alone}; section 6 says what couplings make of that."]
+    if apart := [w.name for w in wheels if not w.turns and w.name in spun]:
+        alone = "itself" if len(apart) == 1 else "themselves"
+        blocks += [f"{listed(apart)} would turn so by {alone}; section 6 says what couplings make of that."]
     return [*blocks, *pivots, *cut_note(robot.wheels)]
 
 
 def rim_speed(w: Wheel, twist: Row) -> Poly:
+    """Speed [m/s] of the rim of a wheel that does not turn."""
     return dot(driving_row(w, working_view(w)), twist)
 
 
@@ -72,14 +74,9 @@ def _rims(wheels: list[Wheel], robot: Robot, twist: Row) -> Iterator[tuple[Wheel
             yield w, Poly.sum(shares[n] * own[n] for n in names) * squares.inverse() * shares[w.name]
 
 
-def _tied(robot: Robot, wheels: list[Wheel], twist: Row) -> bool:
-    """Whether couplings keep some of the wheels from what each would do by itself."""
-    spun = {name for names in turned_apart(robot, twist) for name in names}
-    return any(w.name in spun or not move_alike(partners(robot, w), twist) for w in wheels)
-
-
 def _pivots(wheels: list[Wheel], twist: Row, tied: bool) -> list[str]:
-    """What steered wheels or driven castors do, with the velocity of each one's pivot."""
+    """What steered wheels or driven castors do, with the velocity of each one's pivot. ``tied``: couplings keep some of
+    them from what each would do by itself."""
     pairs = alike([p for w in wheels for p in pivot_velocity(w, twist)])
     texts = (f"v_{{Ax}} &= {a}, & v_{{Ay}} &= {b}" for a, b in zip(pairs[::2], pairs[1::2], strict=True))
     velocities = grouped(zip(texts, (notation.wheel(w.name) for w in wheels), strict=True))
@@ -172,10 +169,9 @@ def pivot_velocity(w: Wheel, twist: Row) -> tuple[Poly, Poly]:
     return dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
 
 
-def partners(robot: Robot, w: Wheel) -> list[Wheel]:
-    """The wheels that turn with it, itself among them."""
-    group = robot.steer_group
-    return [v for v in robot.wheels if group[v.index] == group[w.index]]
+def moves_as_partners(robot: Robot, w: Wheel, twist: Row) -> bool:
+    """Whether all wheels that steer as one with it move alike."""
+    return move_alike(robot.partners(w), twist)
 
 
 def move_alike(wheels: list[Wheel], twist: Row) -> bool:
@@ -190,7 +186,7 @@ def turned_apart(robot: Robot, twist: Row) -> list[list[str]]:
         wheels
         for wheels in robot.together("spin", (w for w in robot.wheels if w.has_spin))
         if any(w.turns for w in wheels)
-        and not (all(w in partners(robot, wheels[0]) for w in wheels) and move_alike(wheels, twist))
+        and not (all(w in robot.partners(wheels[0]) for w in wheels) and move_alike(wheels, twist))
     ]
     return [[w.name for w in wheels] for wheels in (*castors, *spun) if len(wheels) > 1]
 

@@ -8,7 +8,7 @@ from wmrgen import notation
 from wmrgen.backends.report.closed import (
     driven_twist,
     move_alike,
-    partners,
+    moves_as_partners,
     projected,
     rim_speed,
     spin_rate,
@@ -17,8 +17,8 @@ from wmrgen.backends.report.closed import (
 from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, minus, some
 from wmrgen.backends.report.slip import forms_of, left_by_couplings, left_by_steering, narrow_wheels, slip
 from wmrgen.backends.report.texts import turning_circle
-from wmrgen.constraints import XI, driving_row, seen, symbolic_view, working_view
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.constraints import XI, seen, symbolic_view, working_view
+from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.steer import turning_points
 from wmrgen.layout.records import Interval, Robot, Wheel
@@ -77,7 +77,7 @@ def _steering(robot: Robot, wheels: list[Wheel], twist: Row) -> list[str]:
     """How a steered wheel chooses among the headings that roll, and what limits change."""
     shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
     limited = [w for w in wheels if robot.limit(w, "steer")]
-    shared = [w for w in limited if not move_alike(partners(robot, w), twist)]
+    shared = [w for w in limited if not moves_as_partners(robot, w, twist)]
     narrow = narrow_wheels(robot, wheels, twist)
     wide = [w for w in limited if w not in shared and w not in narrow]
     return [
@@ -195,11 +195,10 @@ def _rates(robot: Robot, wheels: list[Wheel], twist: Row) -> set[tuple[str, Poly
     those that turn with it and move as it does."""
     rates = set()
     for w in wheels:
-        g, share = working_view(w), Poly.of(robot.spin_ratios[w.index])
-        together = partners(robot, w)
+        together = robot.partners(w)
         turns = together[0].name if move_alike(together, twist) else w.name
-        rim = Poly.of(1) if w.turns else dot(driving_row(w, g), twist)
-        rates.add((turns if w.turns else "", rim * (g.rolling_radius * share).inverse()))
+        rim = Poly.of(1) if w.turns else rim_speed(w, twist)
+        rates.add((turns if w.turns else "", rim * robot.per_turn(w, working_view(w)).inverse()))
     return rates
 
 

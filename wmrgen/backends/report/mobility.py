@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from wmrgen.backends.report.angles import equation, gathered, roots, short
-from wmrgen.backends.report.closed import driven_twist, move_alike, partners
+from wmrgen.backends.report.closed import driven_twist, moves_as_partners
 from wmrgen.backends.report.latex import latex, summands, terms
 from wmrgen.backends.report.markdown import (
     aligned,
@@ -259,7 +259,7 @@ def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
     )
     robot = seen(d.robot, symbolic_view)
     twist = driven_twist(project(robot, d.mobility))
-    unlike = any(not move_alike(partners(robot, w), twist) for w in robot.wheels if w.kind.steers)
+    unlike = any(not moves_as_partners(robot, w, twist) for w in robot.wheels if w.kind.steers)
     shared = "; a shared angle also where Σ u w and Σ (u² − w²) of its wheels vanish together" * unlike
     return [
         f"The heading of a steered wheel ({some(wheels)}) is undefined where its pivot (x, y) stands still, "

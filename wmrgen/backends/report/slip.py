@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 
-from wmrgen.backends.report.closed import move_alike, partners, turned_apart
+from wmrgen.backends.report.closed import moves_as_partners, turned_apart
 from wmrgen.backends.report.latex import latex
 from wmrgen.backends.report.letters import multiples, squares
 from wmrgen.backends.report.markdown import aligned, code, listed, math
@@ -23,7 +23,7 @@ _MANY = 12  # lines of sums that stand under one
 
 def narrow_wheels(robot: Robot, wheels: list[Wheel], twist: Row) -> list[Wheel]:
     """Wheels whose limits leave one heading at most."""
-    limits = [(w, robot.limit(w, "steer")) for w in wheels if move_alike(partners(robot, w), twist)]
+    limits = [(w, robot.limit(w, "steer")) for w in wheels if moves_as_partners(robot, w, twist)]
     return [w for w, limit in limits if limit and limit.high - limit.low <= NARROW]
 
 
@@ -51,7 +51,7 @@ def left_by_steering(robot: Robot, twist: Row) -> dict[str, str]:
     """The same of steered wheels that limits or couplings keep from their heading."""
     steered = [w for w in robot.wheels if w.kind.steers]
     limited = [w for w in steered if _may_be_cut(robot, w)]
-    shared = [w for w in steered if not move_alike(partners(robot, w), twist)]
+    shared = [w for w in steered if not moves_as_partners(robot, w, twist)]
     held = [w.name for w in steered if w in limited or w in shared]
     if not held:
         return {}
@@ -81,11 +81,12 @@ def slip(
         blocks = [_admissible(steered, bool(steering))]
     if more:
         then = "Then " if blocks and not forms else ""
-        parts = {_mean_square(projection): f"the sliding speed {forced}"} | more if forms else more
+        sums, mean = _mean_square(projection)
+        parts = {mean: f"the sliding speed {forced}"} | more if forms else more
         return [
             *blocks,
             f"{then}`slip` [m/s] is made of {', and of '.join(parts.values())}:",
-            *_root(projection, " + ".join(parts)),
+            *_root(sums, " + ".join(parts)),
         ]
     if not forms or (forms in ([XI[0]], [XI[1]]) and projection.twist != XI):  # said where it is taken away
         return blocks
@@ -95,42 +96,31 @@ def slip(
     over = (
         "root mean square over the fixed wheels" if projection.weight != 1 else "root of the sum of squares"
     )
-    return [*blocks, f"{words}, {over}:", *_root(projection, _mean_square(projection))]
+    return [*blocks, f"{words}, {over}:", *_root(*_mean_square(projection))]
 
 
-def _root(projection: Projection, total: str) -> list[str]:
-    """slip as the root of a total, with the sums that are too wide to stand under it."""
-    lines = [rf"s_{{{k}}} &= {text}" for k, text in enumerate(_sums(projection), 1)]
-    if not lines:
+def _root(sums: list[str], total: str) -> list[str]:
+    """slip as the root of a total, with the lines of sums that are too wide to stand under it."""
+    if not sums:
         return math(rf"\mathrm{{slip}} = \sqrt{{{total}}}")
     return aligned(
-        [*lines[:_MANY], *[r"&\vdots"] * (len(lines) > _MANY), rf"\mathrm{{slip}} &= \sqrt{{{total}}}"]
+        [*sums[:_MANY], *[r"&\vdots"] * (len(sums) > _MANY), rf"\mathrm{{slip}} &= \sqrt{{{total}}}"]
     )
 
 
-def _sums(projection: Projection) -> list[str]:
-    """What is squared, where it does not stand under one root."""
-    counts = squares(forms_of(projection))
-    wide = width(" + ".join(counts)) > _ROOT
-    return (
-        [text.removesuffix("^2").removeprefix(r"\left(").removesuffix(r"\right)") for text in counts]
-        if wide
-        else []
-    )
-
-
-def _mean_square(projection: Projection) -> str:
-    """What the admissible twist leaves of the commanded one."""
-    forms = forms_of(projection)
+def _mean_square(projection: Projection) -> tuple[list[str], str]:
+    """What the admissible twist leaves of the commanded one; lines that name the sums in it, where they are wide."""
+    forms, sums = forms_of(projection), list[str]()
     counts = squares(forms)
-    if _sums(projection):
+    if width(" + ".join(counts)) > _ROOT:
+        sums = [rf"s_{{{k}}} &= {latex(p)}" for k, p in enumerate(dict.fromkeys(forms), 1)]
         counts = Counter({rf"s_{{{k}}}^2": n for k, n in enumerate(counts.values(), 1)})
     each = min(counts.values()) if len(set(counts.values())) == 1 else 1
     parts = multiples(counts, each)
     mean = " + ".join([*parts[:_MANY], *[r"\cdots"] * (len(parts) > _MANY)])
     if len(forms) == 1 or projection.weight * each == 1:
-        return mean
-    return rf"{latex(Poly.of(projection.weight * each))}\left[ {mean} \right]"
+        return sums, mean
+    return sums, rf"{latex(Poly.of(projection.weight * each))}\left[ {mean} \right]"
 
 
 def _admissible(steered: bool, held: bool) -> str:

@@ -45,13 +45,10 @@ class Written(NamedTuple):
 
 def with_manifest(files: Mapping[str, bytes], made_with: Mapping[str, str] | None) -> dict[str, bytes]:
     """``files`` and, last, their manifest: the SHA-256 of each, by name, and the options they were made with."""
-    names = sorted(files)
-    for name in names:
-        _checked(name)
-    sums = {name: hashlib.sha256(files[name]).hexdigest() for name in names}
+    sums = {_checked(name): hashlib.sha256(files[name]).hexdigest() for name in sorted(files)}
     options = {"made_with": dict(made_with)} if made_with else {}
     text = json.dumps({"format": 1, **options, "files": sums}, indent=2) + "\n"
-    return {**{name: files[name] for name in names}, MANIFEST: text.encode()}
+    return {**{name: files[name] for name in sums}, MANIFEST: text.encode()}
 
 
 def write_tree(

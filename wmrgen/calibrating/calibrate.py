@@ -107,10 +107,10 @@ def calibrate(
     derivation: Derivation, logs: Sequence[Path], truths: Sequence[Path], each: Each = serial
 ) -> Calibration:
     """The parameters that the logs tell. UsageError for logs that cannot be read or do not belong to the robot."""
-    problem = problem_of(derivation)
+    problem, turns = problem_of(derivation), counts_per_turn(derivation.robot)
     files = pairs(logs, truths)
     every = (
-        replace(read(log, truth, problem.increments.joints, counts_per_turn(derivation.robot)), name=name)
+        replace(read(log, truth, problem.increments.joints, turns), name=name)
         for name, (log, truth) in zip(names(logs), files, strict=True)
     )
     large = sum(path.stat().st_size for pair in files for path in pair if path.is_file()) > _LARGE
@@ -265,7 +265,8 @@ def _folds(problem: Problem) -> list[list[int]]:
     """Which drives are left out together: every `_FOLDS`-th, all parts of a drive together; of one drive its parts."""
     names = list(dict.fromkeys(drive.name for drive in problem.drives))
     which = [names.index(d.name) if len(names) > 1 else i for i, d in enumerate(problem.drives)]
-    folds = range(count if (count := min(len(set(which)), _FOLDS)) > 1 else 0)
+    count = min(len(set(which)), _FOLDS)
+    folds = range(count if count > 1 else 0)
     return [[i for i, k in enumerate(which) if k % _FOLDS == fold] for fold in folds]
 
 
@@ -276,9 +277,8 @@ def _held_out(best: Fit, others: Sequence[Fit]) -> Errors | None:
         for fold, rest in zip(_folds(best.problem), others, strict=True)
         for index in fold
     ]
-    if not parts:
-        return None
-    return _mean(drawn(best.problem, shared, best.offsets[index], index).off for shared, index in parts)
+    errors = (drawn(best.problem, shared, best.offsets[index], index).off for shared, index in parts)
+    return _mean(errors) if parts else None
 
 
 def _deviations(best: Fit, others: Sequence[Fit]) -> Reals:

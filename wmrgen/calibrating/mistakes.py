@@ -18,9 +18,7 @@ from wmrgen.calibrating.starts import nominal_at
 from wmrgen.errors import UsageError
 
 _FAR = 0.1  # of the truth's extent: where residuals stay so large, joints and truth do not belong together
-_SPOT = (
-    0.5  # [m] which it counts for at least, as that of a robot that turns on the spot under a tracker's noise
-)
+_SPOT = 0.5  # [m] which it counts for at least: of a robot that turns on the spot it is a tracker's noise
 _MANY = 1e6  # times as far as odometry has it no drive goes, in whatever unit its wheels are counted
 _TURNED = 0.5  # [rad] the same for headings
 _SURE = 3.0  # standard deviations from nominal: a value that is sure to be another

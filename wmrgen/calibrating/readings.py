@@ -59,11 +59,8 @@ def readings(drive: Drive, farther: float) -> Iterator[tuple[str, Change]]:
 
 def counts(drive: Drive, farther: float) -> tuple[str, Change]:
     """The reading under which all wheels turn so many times as far."""
-    what = (
-        "metres at the rim"
-        if farther > 1
-        else f"counts of an encoder, about {2 * np.pi / farther:.0f} to a turn"
-    )
+    what = f"counts of an encoder, about {2 * np.pi / farther:.0f} to a turn"
+    what = "metres at the rim" if farther > 1 else what
     text = f"wheels that turn {farther:.3g} times as far: are these {what}, or is a gear another?"
     return text, _scaled(_ending(drive, ".spin"), farther)
 

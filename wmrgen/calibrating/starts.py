@@ -70,11 +70,10 @@ def begun(
     drives = changed(problem.drives, lambda _, drive: [_in_time(problem, drive)])
     ready, slips, seconds = laid(replace(problem, drives=drives)), list[Outlier](), _PIECE
     start, coarse = start_of(ready), coarser(ready)
-    joints, start = agreed(coarse, start, each, lost or not _finds(coarse, start))
-    ready = replace(ready, untold=joints.untold, slides=joints.slides)
+    coarse, start = agreed(coarse, start, each, lost or not _finds(coarse, start))
+    ready = replace(ready, untold=coarse.untold, slides=coarse.slides)
     longest = max(float(np.ptp(drive.t)) for drive in drives)
-    while seconds < longest and (lost or not _finds(coarser(ready), start)):
-        coarse = coarser(ready)
+    while seconds < longest and (lost or not _finds(coarse, start)):
         start = _in_pieces(coarse, start, seconds, each)
         seconds *= _LONGER
         for _ in range(PASSES):

@@ -138,15 +138,14 @@ def odd_one_asked(wheels: Sequence[Wheel]) -> list[Question]:
 
 def undrawn_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
     """One wheel of three or more is not drawn, the others are."""
-    bare = [w for w, c in zip(wheels, seen, strict=True) if robot.roles(c.joint.child) == {"collision"}]
-    drawn = sum("visual" in robot.roles(c.joint.child) for c in seen)
+    roles = [robot.roles(c.joint.child) for c in seen]
+    drawn = ["visual" in each for each in roles]
+    if len(wheels) < 3 or drawn.count(False) != 1 or roles[drawn.index(False)] != {"collision"}:
+        return []
+    w = wheels[drawn.index(False)]
     text = "it touches the ground and is not drawn, as all other wheels are: is it a simulator's?"
     hint = "delete it where it is, {} where the robot has it"
-    return [
-        Question(w.name, "type", text, (hint.format(w.type),))
-        for w in bare
-        if len(bare) == 1 < drawn == len(seen) - 1
-    ]
+    return [Question(w.name, "type", text, (hint.format(w.type),))]
 
 
 def tool_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:

@@ -97,15 +97,12 @@ def site(derivation: Derivation) -> Site:
     A virtual wheel steers between the wheels that it stands for.
     """
     robot = derivation.robot
-    limits = {name: limit for name, limit in robot.limits.items() if name in TWIST_NAMES}
-    for wheel in robot.wheels:
-        joints = (*(["spin"] if wheel.has_spin else []), *(["steer", "steer_rate"] if wheel.turns else []))
-        for joint in joints:
-            limit = robot.limit(wheel, joint)
-            if limit is not None:
-                limits[f"{wheel.name}.{joint}"] = limit
+    names = [name for name in robot.limits if name in TWIST_NAMES]
+    for w in robot.wheels:
+        joints = ("spin",) * w.has_spin + ("steer", "steer_rate") * w.turns
+        names += [f"{w.name}.{joint}" for joint in joints]
     pivots = tuple((w.name, w.pivot.real, w.pivot.imag) for w in robot.wheels)
-    numbers = {name: (float(v.low), float(v.high)) for name, v in limits.items()}
+    numbers = {n: (float(limit.low), float(limit.high)) for n in names if (limit := robot.limit_of(n))}
     for v in robot.virtual:
         angles = [f"{name}.steer" for name in v.wheels]
         if v.role == "steers" and all(name in numbers for name in angles):

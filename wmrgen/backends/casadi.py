@@ -201,11 +201,10 @@ def _exact(model: ca.Function, odometry: ca.Function, vectors: Sequence[ca.SX], 
     rest = x[3:]
     body = model(ca.vertcat(x[:2], 0, rest), u, p)  # at heading 0 the world's axes are the robot's
     decay = ca.jacobian(body[3:], rest)
-    if any(ca.which_depends(body[:3], rest, 1, True)) or decay.nnz() != ca.diag(ca.diag(decay)).nnz():
+    coupled = decay.nnz() != ca.diag(ca.diag(decay)).nnz() or ca.symvar(decay)
+    if coupled or any(ca.which_depends(body[:3], rest, 1, True)):
         raise UsageError(_NOT_EXACT)
-    if any(ca.which_depends(ca.vertcat(model(x, u, p)[3:], ca.diag(decay)), x[:3], 1, True)) or ca.symvar(
-        decay
-    ):
+    if any(ca.which_depends(ca.vertcat(model(x, u, p)[3:], ca.diag(decay)), x[:3], 1, True)):
         raise UsageError(_NOT_EXACT)
     pose = odometry(x[0], x[1], x[2], body[0], body[1], body[2], dt)
     per_rate = [dt if k == 0 else math.expm1(k * dt) / k for k in ca.evalf(ca.diag(decay)).full().ravel()]

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
     from wmrgen.layout.records import Robot
 
-_JOINTS = ("spin", "steer", "steer_rate")  # which have limits of their own at each wheel
-
 
 class Modules(Protocol):
     """Where functions are taken from: a derivation, or the textbook library."""
@@ -65,7 +63,8 @@ def evaluate(
         ports = written.inputs
         inputs = [from_words(values or (), ports)] if cases is None else from_file(cases, ports)
         step(f"computing {function} with {backend}")
-        results = computed(modules, written, [_completed(written, case) for case in inputs], backend, chosen)
+        whole = [{p.name: case.get(p.name, p.default or ZERO) for p in ports} for case in inputs]
+        results = computed(modules, written, whole, backend, chosen)
     units = {port.name: port.unit for port in (*ports, *written.outputs)}
     note_zeros([port for port in ports if port.default is None], inputs)
     beyond = _beyond(modules, written, inputs)
@@ -87,15 +86,9 @@ def _beyond(modules: Modules, function: Function, cases: Sequence[Case]) -> dict
     robot: Robot | None = getattr(modules, "robot", None)  # the textbook library has none
     if robot is None or function.limits is Limits.ASKED:
         return {}
-    limits = {name: limit for name, limit in robot.limits.items() if name not in _JOINTS}
-    for wheel in robot.wheels:
-        for joint in _JOINTS:
-            limit = robot.limit(wheel, joint)
-            if limit is not None:
-                limits[f"{wheel.name}.{joint}"] = limit
     beyond = {}
     for port in function.inputs:
-        limit = limits.get(timeless(port.name))
+        limit = robot.limit_of(timeless(port.name))
         if limit and any(port.name in c and not limit.low <= c[port.name] <= limit.high for c in cases):
             beyond[port.name] = (limit.low, limit.high)
     return beyond
@@ -114,11 +107,6 @@ def _modules(path: Path, name: str) -> Modules:
         hint = suggestion(name, names())
         raise UsageError(f"{robot.name} has no function {name!r}. {hint} `wmrgen functions` lists them.")
     return wmrgen.derive(robot, [name])
-
-
-def _completed(function: Function, case: Case) -> dict[str, Exact]:
-    """Every input: as given, else nominal for a tunable parameter, else 0."""
-    return {p.name: case.get(p.name, ZERO if p.default is None else p.default) for p in function.inputs}
 
 
 def computed(

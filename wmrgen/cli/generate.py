@@ -46,7 +46,11 @@ def derive(
     """Derive every robot, then write every robot, then print."""
     from wmrgen.ir.kernels.choice import choice
 
-    kinds = _kinds(package) if package else []
+    kinds: list[Package] = []
+    if package:
+        from wmrgen.backends.packages import of_kinds
+
+        kinds = of_kinds(package)
     chosen = choice(scalar, math, target)
     formats = [name for name, wanted in (("html", html), ("pdf", pdf)) if wanted]
     results: list[tuple[Derivation, dict[str, bytes]]] = []
@@ -103,12 +107,6 @@ def derived(spec: RobotSpec, robot: Robot) -> Derivation:
             raise NotDerivableError(finding.what, finding.mark, finding.instead, ignored, finding.code)
         console.note(str(finding))
     return derivation
-
-
-def _kinds(words: Sequence[str]) -> list[Package]:
-    from wmrgen.backends.packages import of_kinds
-
-    return of_kinds(words)
 
 
 def _load_all(paths: Sequence[Path]) -> list[tuple[RobotSpec, Robot]]:

@@ -94,7 +94,8 @@ def explain(code: str | None, as_json: bool) -> int:
     codes = explained()
     rules = [rule_called(code, codes)] if code else list(codes.values())
     if as_json:
-        data = [_told(rule) for rule in rules]
+        keys = ("code", "title", "text", "wrong", "right")
+        data = [{key: getattr(rule, key) for key in keys} for rule in rules]
         console.data(data[0] if code else {"rules": data})
     elif code:
         console.result("\n".join(_lines(rules[0])))
@@ -115,10 +116,6 @@ def _lines(rule: Rule | Mistake) -> Iterable[str]:
         yield f"\n{word}:\n{indent(example.rstrip(), '    ')}"
     if isinstance(rule, Rule):
         yield f"\nTo keep a line as it is, write beside it: # wmrgen: ignore {rule.code}"
-
-
-def _told(rule: Rule | Mistake) -> dict[str, str]:
-    return {key: getattr(rule, key) for key in ("code", "title", "text", "wrong", "right")}
 
 
 def _as_data(finding: Finding) -> dict[str, Any]:

@@ -61,16 +61,13 @@ def model(
             more = {} if space is None else {"state_space": entries(space)}
             console.data({**data(sheet), "singular_sets": sets, **more})
             return 0
-        told = [f"  {name:<8}{_regular(where)}" for name, where in sets.items()]
+        regular = {name: f"but where {'; '.join(w)}" if w else "in every motion" for name, w in sets.items()}
+        told = [f"  {name:<8}{words}" for name, words in regular.items()]
         limits = [] if space is None else [f"  {line}" for line in limit_lines(space)]
         shown = [*lines(sheet), *(["", "limits:", *limits] if limits else []), "", "regular:", *told]
         text = latex(sheet) if as_latex else "\n".join(shown)
     console.result(text)
     return 0
-
-
-def _regular(where: Sequence[str]) -> str:
-    return f"but where {'; '.join(where)}" if where else "in every motion"
 
 
 def _step(

@@ -10,11 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
+from typing import TypeVar
 from weakref import WeakValueDictionary
 
 from wmrgen.exact.number import ONE, Exact
 
 Number = Exact | Fraction | int
+T = TypeVar("T")
 
 
 class Gen:
@@ -253,10 +255,15 @@ def _square(g: Gen) -> Poly:
 Row = tuple[Poly, Poly, Poly]
 
 
+def triple(values: Iterable[T]) -> tuple[T, T, T]:
+    """Three values, as a row, a twist or a vector has them."""
+    a, b, c = values
+    return a, b, c
+
+
 def each(row: Sequence[Poly], function: Callable[[Poly], Poly]) -> Row:
     """A row with each entry put through a function."""
-    a, b, c = map(function, row)
-    return a, b, c
+    return triple(map(function, row))
 
 
 def cross(a: Row, b: Row) -> Row:

@@ -35,11 +35,11 @@ def dynamics(robot: Robot, mobility: Mobility) -> Formula:
     return kinematics.dynamics(robot, mobility)
 
 
-def _rolls_on_balls_or_rollers(robot: Robot) -> bool:
-    return kinematics.contacts(robot) is not None
-
-
-@function("Siegwart (3.20) corrected, (3.21), (3.22)", Kind.STANDARD, exists=_rolls_on_balls_or_rollers)
+@function(
+    "Siegwart (3.20) corrected, (3.21), (3.22)",
+    Kind.STANDARD,
+    exists=lambda robot: kinematics.contacts(robot) is not None,
+)
 def contacts(robot: Robot, _: Mobility) -> Formula:
     """Speeds of rollers and of spheres."""
     formula = kinematics.contacts(robot)

@@ -11,6 +11,7 @@ from collections.abc import Collection, Mapping, Sequence
 from fractions import Fraction
 
 from wmrgen.errors import Code, RobotFileError
+from wmrgen.exact.poly import triple
 from wmrgen.importing.records import Frame, Joint, Matrix, Vector
 from wmrgen.layout.expressions import TOLERANCE
 from wmrgen.spec.text import quoted
@@ -41,22 +42,15 @@ def frame(xyz: Vector, rpy: Vector) -> Frame:
         (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
         (-sp, cp * sr, cp * cr),
     )
-    return Frame(_tame(rotation), xyz)
-
-
-def _tame(rows: Matrix) -> Matrix:
-    a, b, c = (_tamed(row) for row in rows)
-    return a, b, c
+    return Frame(triple(map(_tamed, rotation)), xyz)
 
 
 def _tamed(vector: Vector) -> Vector:
-    x, y, z = (v if v.denominator < _DIGITS else Fraction(round(v * _DIGITS), _DIGITS) for v in vector)
-    return x, y, z
+    return triple(v if v.denominator < _DIGITS else Fraction(round(v * _DIGITS), _DIGITS) for v in vector)
 
 
 def turned(rotation: Matrix, vector: Vector) -> Vector:
-    x, y, z = (sum((a * b for a, b in zip(row, vector, strict=True)), Fraction(0)) for row in rotation)
-    return x, y, z
+    return triple(dot(row, vector) for row in rotation)
 
 
 def plus(a: Vector, b: Vector, factor: Fraction | int = 1) -> Vector:
@@ -77,15 +71,14 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 def transposed(m: Matrix) -> Matrix:
-    a, b, c = zip(*m, strict=True)
-    return a, b, c
+    return triple(zip(*m, strict=True))
 
 
 def composed(outer: Frame, inner: Frame) -> Frame:
     """A frame ``inner``, given in ``outer``, in what ``outer`` is given in."""
-    columns = [turned(outer.rotation, column) for column in transposed(inner.rotation)]
-    rotation = transposed((columns[0], columns[1], columns[2]))
-    return Frame(_tame(rotation), _tamed(plus(turned(outer.rotation, inner.origin), outer.origin)))
+    columns = triple(turned(outer.rotation, column) for column in transposed(inner.rotation))
+    rotation = triple(map(_tamed, transposed(columns)))
+    return Frame(rotation, _tamed(plus(turned(outer.rotation, inner.origin), outer.origin)))
 
 
 def inverse(of: Frame) -> Frame:
@@ -99,12 +92,12 @@ def unit(vector: Vector) -> Vector:
     size = max(map(abs, vector))
     if not size:
         raise ValueError("no direction")
-    x, y, z = (v / size for v in vector)
-    length = dot((x, y, z), (x, y, z))
+    longest = triple(v / size for v in vector)
+    length = dot(longest, longest)
     if length == 1:
-        return x, y, z
+        return longest
     root = Fraction(math.sqrt(length))
-    return _tamed((x / root, y / root, z / root))
+    return _tamed(triple(v / root for v in longest))
 
 
 def tree(

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, cast
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder
 
 from wmrgen.errors import Code, EnvironmentFailure, Mark, RobotFileError
+from wmrgen.exact.poly import triple
 from wmrgen.importing.frames import unit
 from wmrgen.importing.records import Vector
 from wmrgen.spec.text import Source, quoted
@@ -211,8 +212,7 @@ def vector(text: str | None, what: str, default: Vector = ZERO) -> Vector:
         return default
     if len(parts) != 3:
         raise refuse(f"{what}: three numbers are needed, not {quoted(str(text))}")
-    x, y, z = (number(part, what) for part in parts)
-    return x, y, z
+    return triple(number(part, what) for part in parts)
 
 
 def bound(text: str, what: str) -> Fraction:

@@ -16,7 +16,7 @@ import sympy
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.linalg import symmetric
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.exact.poly import Poly, Row, dot, triple
 from wmrgen.kinematics.least_squares import Matrix, norm, pseudo_inverse
 from wmrgen.kinematics.records import Formula, Locals, joint_port, slip_port, tunable_ports
 from wmrgen.kinematics.rigid import fit_rigid
@@ -92,9 +92,9 @@ def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist,
     if len(rows) <= FEW_ROWS:
         direct = [z - dot(r, twist) for r, z, _ in rows]
         if all(_negligible(p) for p in direct):
-            return _three(twist), sympy.S.Zero
+            return triple(map(expression, twist)), sympy.S.Zero
         if _one_relation(direct):
-            return _three(twist), norm(direct, weights=[weight for _, _, weight in rows])
+            return triple(map(expression, twist)), norm(direct, weights=[weight for _, _, weight in rows])
     return _fitted(rows, twist, names)
 
 
@@ -135,7 +135,7 @@ def _fitted(rows: list[Measured], twist: list[Poly], names: Locals) -> tuple[Twi
     """The twist, named, and the norm of what it leaves of the rows."""
     fits = [names.poly(n, p) for n, p in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     errors = [z - dot(r, fits) for r, z, _ in rows]
-    return _three(fits), norm(errors, weights=[weight for _, _, weight in rows])
+    return triple(map(expression, fits)), norm(errors, weights=[weight for _, _, weight in rows])
 
 
 def _short_equations(rows: list[Measured]) -> tuple[Matrix, list[Poly]] | None:
@@ -179,8 +179,3 @@ def _one_relation(residuals: list[Poly]) -> bool:
     first = kept[0]
     m = next(iter(first.terms))
     return all(m in r.terms and r == first.scale(r.terms[m] / first.terms[m]) for r in kept)
-
-
-def _three(values: list[Poly]) -> Twist:
-    vx, vy, omega = map(expression, values)
-    return vx, vy, omega

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.constraints import XI, rolling_row, steer_gens, working_view
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.exact.poly import Poly, Row, dot, triple
 from wmrgen.kinematics.least_squares import Projection, norm, project
 from wmrgen.kinematics.records import Formula, Locals, joint_port, slip_port, tunable_ports
 from wmrgen.kinematics.steer import Target, hysteresis, pivot, turned_by
@@ -86,11 +86,10 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
 
 def _named_twist(projection: Projection, names: Locals) -> Row:
     """The twist to be driven; components that the projection changed get names."""
-    vx, vy, omega = (
+    return triple(
         p if p == q or not p else names.poly(f"{n}_driven", p)
         for p, q, n in zip(projection.twist, XI, TWIST_NAMES, strict=True)
     )
-    return vx, vy, omega
 
 
 def _held(targets: dict[int, Target]) -> str:

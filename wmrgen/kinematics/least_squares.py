@@ -23,7 +23,7 @@ from wmrgen.constraints import XI, rolling_row, sliding_row, working_view
 from wmrgen.exact.evaluate import fix, sqrt_poly
 from wmrgen.exact.linalg import inverse
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Poly, Row, dot, has_angles
+from wmrgen.exact.poly import Poly, Row, dot, has_angles, triple
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import independent, numeric_rank, to_array
 from wmrgen.mobility.records import Mobility
@@ -156,8 +156,8 @@ def _nearest(robot: Robot, row: Row) -> Projection:
     size = dot(direction, row)
     violation = dot(row, XI)
     factor = violation * size.inverse()
-    vx, vy, omega = (t - d * factor for t, d in zip(XI, direction, strict=True))
-    return Projection((vx, vy, omega), (violation * fix(sqrt_poly(size.inverse()), {}),), ONE)
+    twist = triple(t - d * factor for t, d in zip(XI, direction, strict=True))
+    return Projection(twist, (violation * fix(sqrt_poly(size.inverse()), {}),), ONE)
 
 
 def _spin_residuals(robot: Robot) -> list[Poly]:

@@ -30,7 +30,7 @@ import numpy as np
 from wmrgen.constraints import arm, heading, rolling_row, sliding_row, working_view
 from wmrgen.exact.linalg import cofactor, symmetric
 from wmrgen.exact.number import ONE, Exact
-from wmrgen.exact.poly import Poly, Row, dot, has_angles
+from wmrgen.exact.poly import Poly, Row, dot, has_angles, triple
 from wmrgen.kinematics.records import Locals, signal_poly
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import generic, nominal_at, numeric_rank
@@ -188,8 +188,7 @@ def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
     fitted = [names.poly(k, e) for k, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     errors = [(names.poly(f"error_{i}", z - dot(r, fitted)), weight) for i, (r, z, weight) in enumerate(rows)]
     slip = root(add(*(times(number(weight), square(expression(e))) for e, weight in errors)))
-    vx, vy, omega = map(expression, fitted)
-    return (vx, vy, omega), slip
+    return triple(map(expression, fitted)), slip
 
 
 def named_contacts(contacts: Sequence[Contact], names: Locals) -> list[tuple[Poly, Poly, Poly, Poly]]:

@@ -250,6 +250,13 @@ class Robot:
         joint = "spin" if quantity == "spin" else "steer"
         return wheel.limits.get(quantity) or (self.limits.get(quantity) if wheel.commands(joint) else None)
 
+    def limit_of(self, name: str) -> Interval | None:
+        """The limit of a quantity by its contract name: ``vx``, or ``left.spin`` as `limit` has it."""
+        owner, _, quantity = name.rpartition(".")
+        if not owner:
+            return self.limits.get(name)
+        return next((self.limit(w, quantity) for w in self.wheels if w.name == owner), None)
+
     def noise_of(self, wheel: Wheel, joint: str) -> Noise | None:
         """The wheel's own noise of ``spin``, ``steer`` or ``steer_rate``, else the robot's."""
         return wheel.noise.get(joint) or self.noise.get(joint)

@@ -17,7 +17,7 @@ import numpy as np
 from wmrgen.constraints import View, rolling_row, sliding_row
 from wmrgen.exact.evaluate import number, sqrt_poly
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Gen, Monomial, Poly, Row, common_powers, cross, each, has_angles
+from wmrgen.exact.poly import Gen, Monomial, Poly, Row, common_powers, cross, each, has_angles, triple
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.admissible import along, geared
 from wmrgen.mobility.configure import Configuration
@@ -80,11 +80,8 @@ def _turns_alike(robot: Robot, a: Wheel, b: Wheel) -> BasisRow:
 
     def row(view: View) -> Row:
         p, q = view(a), view(b)
-        x, y, k = (
-            u * robot.per_turn(b, q) - v * robot.per_turn(a, p)
-            for u, v in zip(rolling_row(a, p).row, rolling_row(b, q).row, strict=True)
-        )
-        return _led(robot, (x, y, k))
+        pairs = zip(rolling_row(a, p).row, rolling_row(b, q).row, strict=True)
+        return _led(robot, triple(u * robot.per_turn(b, q) - v * robot.per_turn(a, p) for u, v in pairs))
 
     return BasisRow(row, tuple(w for w in (a, b) if w.kind.steers))
 

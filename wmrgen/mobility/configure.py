@@ -18,7 +18,7 @@ from wmrgen.exact.evaluate import circle
 from wmrgen.exact.linalg import null_space
 from wmrgen.exact.linalg import rank as exact_rank
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, has_angles
+from wmrgen.exact.poly import Gen, Poly, Row, has_angles, triple
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.admissible import along, components, constant_rows, coupled_steering, geared, quadrics
 from wmrgen.mobility.ranks import (
@@ -148,10 +148,9 @@ def _normal(best: Admissible, constant: Array) -> Row | None:
         return None
     n = null_basis(np.vstack([best.basis, constant]))[0]
     n = n / n[np.argmax(np.abs(n))]
-    a, b, k = (
+    return triple(
         Poly.of(Fraction(float(v)).limit_denominator(10**9)) for v in np.where(np.abs(n) < 1e-12, 0, n)
     )
-    return a, b, k
 
 
 def pivot_velocity(w: Wheel, twist: Array) -> complex:

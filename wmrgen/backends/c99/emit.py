@@ -42,12 +42,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     header, source, pair = printed(functions, facts)
     common = _common(functions, facts, pair)
     checked_header, checked_source = checked(module, functions, facts.site, common)
-    files = {
-        ".h": header,
-        ".c": source,
-        "_checked.h": checked_header,
-        "_checked.c": checked_source,
-    }
+    files = {".h": header, ".c": source, "_checked.h": checked_header, "_checked.c": checked_source}
     apart = {"_selftest.c": selftest(module, functions, facts.site, common)}
     if facts.options.get("fuzz"):
         from wmrgen.backends.c99.fuzz import fuzz
@@ -121,13 +116,11 @@ def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
 
 def _common(unit: Unit, facts: Facts, pair: str) -> dict[str, object]:
     """What every template is told; ``pair``: the digest of header and source."""
-    robot = unit.robot
-    banner = _banner(facts)
     return {
-        "robot": robot,
-        "upper": robot.upper(),
+        "robot": unit.robot,
+        "upper": unit.robot.upper(),
         "scalar": unit.choice.scalar,
-        "banner": banner,
+        "banner": _banner(facts),
         "pair": pair,
     }
 

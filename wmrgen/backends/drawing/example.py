@@ -7,6 +7,7 @@ from math import acos, atan2, cos, hypot, pi, radians, remainder, sin
 from typing import NamedTuple
 
 from wmrgen.backends.drawing.paper import Point, bounds, distance, middle
+from wmrgen.exact.poly import triple
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 
@@ -70,8 +71,7 @@ def _twist(robot: Robot, mobility: Mobility, steered: list[Wheel]) -> Twist | No
 
 
 def _floats(values: Iterable[float]) -> Twist:
-    a, b, c = map(float, values)
-    return a, b, c
+    return triple(map(float, values))
 
 
 def _centres(rows: list[Twist], centre: Point, size: float) -> list[Point]:

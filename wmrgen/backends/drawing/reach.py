@@ -10,6 +10,7 @@ from wmrgen.backends.drawing.example import Twist, inside, swung
 from wmrgen.backends.drawing.figure import UP, WIDTH, Figure, Group, figure
 from wmrgen.backends.drawing.instant import number
 from wmrgen.backends.drawing.paper import Paper, Point, along, arrow, num, pair, polygon, wrapped
+from wmrgen.exact.poly import triple
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Array
 from wmrgen.robot import Derivation
@@ -74,8 +75,7 @@ def lift(basis: Array, plane: Plane) -> Callable[[float, float], Twist]:
 
     def lifted(p: float, q: float) -> Twist:
         u, v = (p * second[b] - q * second[a]) / minor, (q * first[a] - p * first[b]) / minor
-        x, y, z = (u * s + v * t for s, t in zip(first, second, strict=True))
-        return x, y, z
+        return triple(u * s + v * t for s, t in zip(first, second, strict=True))
 
     return lifted
 

@@ -11,7 +11,7 @@ from wmrgen import notation
 from wmrgen.backends.report.latex import COMMON, terms, total
 from wmrgen.backends.report.terms import Factor, Term, merged
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, each
+from wmrgen.exact.poly import Gen, Poly, Row, each, triple
 from wmrgen.functions.models.polynomials import whole, without_lengths
 
 
@@ -25,8 +25,7 @@ def upright(column: Row) -> Row:
         once = each(column, lambda p: p.scale(rate.inverse()))
         if not _halves_a_length(once):
             return once
-    x, y, z = whole(column)
-    return x, y, z
+    return triple(whole(column))
 
 
 def _halves_a_length(column: Row) -> bool:

@@ -13,7 +13,7 @@ from wmrgen.backends.report.letters import by_three, heads, in_letters
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, listed, math
 from wmrgen.backends.report.terms import WIDE, width, wrapped
 from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.exact.poly import Poly, Row, dot, triple
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.sensing import generic_rank
 from wmrgen.layout.records import Robot, Wheel
@@ -148,11 +148,10 @@ def swivel_rate(w: Wheel, twist: Row) -> str:
 
 def driven_twist(projection: Projection) -> Row:
     """The twist that is driven; components that the projection changed carry a star."""
-    vx, vy, omega = (
+    return triple(
         p if p == q or not p else Poly.gen("input", f"{n}_driven")
         for p, q, n in zip(projection.twist, XI, TWIST_NAMES, strict=True)
     )
-    return vx, vy, omega
 
 
 def projected(projection: Projection) -> list[str]:

@@ -136,8 +136,7 @@ def _six(value: Exact) -> str:
 
 
 def _inside(d: Derivation, name: str, value: Exact) -> bool:
-    owner, _, joint = name.rpartition(".")
-    limit = d.robot.limit(d.robot.wheel(owner), joint) if owner else d.robot.limits.get(name)
+    limit = d.robot.limit_of(name)
     return limit is None or float(limit.low) <= float(value) <= float(limit.high)
 
 

@@ -17,7 +17,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.linalg import left_null_space
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Row, dot
+from wmrgen.exact.poly import Row, dot, triple
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -143,8 +143,7 @@ def rolling_wheels(robot: Robot) -> list[Wheel]:
 
 
 def _numbers(row: Row) -> Twist:
-    a, b, k = (p.constant or ZERO for p in row)
-    return a, b, k
+    return triple(p.constant or ZERO for p in row)
 
 
 def _sum(terms: Terms) -> str:

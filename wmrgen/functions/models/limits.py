@@ -12,7 +12,7 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.constraints import driving_row, steer_gens, working_view
-from wmrgen.exact.poly import Poly, Row, dot, each
+from wmrgen.exact.poly import Poly, Row, dot, each, triple
 from wmrgen.functions.models.frame import Frame, frame, steering_direction, steering_rates
 from wmrgen.functions.models.polynomials import NEGLIGIBLE
 from wmrgen.functions.models.virtual import steering_frame
@@ -79,11 +79,7 @@ def _limits(robot: Robot) -> Iterator[tuple[Port, set[str]]]:
 
 def _bound(robot: Robot, name: str) -> Bound:
     """What the robot file sets, infinite where it sets nothing."""
-    wheel, _, quantity = name.rpartition(".")
-    w = next((w for w in robot.wheels if w.name == wheel), None)
-    limit = (
-        robot.limit(w, quantity.removesuffix("_command")) if w else None if wheel else robot.limits.get(name)
-    )
+    limit = robot.limit_of(name.removesuffix("_command"))
     return NO_BOUND if limit is None else (float(limit.low), float(limit.high))
 
 
@@ -209,10 +205,9 @@ class _Terms:
     @cached_property
     def _twist(self) -> Row:
         """The twist of P in the robot frame."""
-        vx, vy, omega = (
+        return triple(
             self._named(twist.name, self.rates[p.name]) for twist, p in zip(TWIST, POSE, strict=True)
         )
-        return vx, vy, omega
 
     def _named(self, name: str, value: Expr) -> Poly:
         return Poly({}) if value is sympy.S.Zero else self.locals.poly(name, value)

@@ -8,7 +8,7 @@ from math import cos, lcm, pi, sin
 
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ONE
-from wmrgen.exact.poly import Gen, Poly, Row, common_powers, derivative, each
+from wmrgen.exact.poly import Gen, Poly, Row, common_powers, derivative, each, triple
 from wmrgen.functions.system import Domain
 from wmrgen.layout.records import Robot
 from wmrgen.symbolic import Expr, expression
@@ -58,8 +58,7 @@ def clean(*polys: Poly) -> tuple[Poly, ...]:
 
 def cleaned(row: Row) -> Row:
     """The same of a row."""
-    a, b, c = clean(*row)
-    return a, b, c
+    return triple(clean(*row))
 
 
 def divided(row: Row, divisor: Poly) -> Row:

@@ -21,7 +21,7 @@ import sympy
 
 from wmrgen.constraints import along, heading, working_view
 from wmrgen.exact.linalg import adjugate, symmetric
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.exact.poly import Poly, Row, dot, triple
 from wmrgen.functions.motion.icr import centre_ports
 from wmrgen.functions.motion.paths import path, sign
 from wmrgen.functions.registry import function, underivable
@@ -205,11 +205,10 @@ def smallest_eigenvector(rows: Sequence[Sequence[Poly]], fallback: Twist, names:
     column = _largest_column(symmetric(lambda i, j: names.poly(f"k{i}{j}", square_of[i][j])), names)
     size = names.define("vector_size", norm(*column))
     kept = names.define("vector_kept", maximum(size, FLOOR))
-    a, b, c = (
+    return triple(
         names.define(f"vector{i}", select(FLOOR, size, over(v, kept), f))
         for i, (v, f) in enumerate(zip(column, fallback, strict=True))
     )
-    return a, b, c
 
 
 def _smallest_eigenvalue(gram: list[list[Poly]], names: Locals) -> Expr:

@@ -26,7 +26,7 @@ import numpy as np
 import sympy
 
 from wmrgen.exact.evaluate import number as nominal_number
-from wmrgen.exact.poly import Poly, Row
+from wmrgen.exact.poly import Poly, Row, triple
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward
 from wmrgen.kinematics.pose import SHORTEST, odometry
@@ -62,11 +62,10 @@ def sign(a: Expr) -> Expr:
 
 def named(outputs: Mapping[str, Expr], suffix: str, names: Locals) -> tuple[Expr, Expr, Expr]:
     """The twist among outputs as intermediate results ``<name>_<suffix>``; a zero stays zero."""
-    vx, vy, omega = (
+    return triple(
         value if (value := outputs[name]) is sympy.S.Zero else names.define(f"{name}_{suffix}", value)
         for name in TWIST_NAMES
     )
-    return vx, vy, omega
 
 
 def driven(robot: Robot, names: Locals) -> tuple[tuple[Port, ...], tuple[Expr, Expr, Expr]]:

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.constraints import heading, rolling_row, working_view
-from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.exact.poly import Gen, Poly, Row, dot, each, triple
 from wmrgen.functions.registry import function
 from wmrgen.functions.space.wheel_motion import rolling_direction_at
 from wmrgen.kinematics.inverse import Joints, common_rate, inverse, spins
@@ -107,8 +107,7 @@ def motion_of(driven: Row) -> Motion:
             commanded = gen.kind == "input" and gen.name in TWIST_NAMES
             return Poly.gen("input", f"{gen.name}_{suffix}") if commanded else None
 
-        a, b, c = (p.substitute(value) for p in driven)
-        return a, b, c
+        return each(driven, lambda p: p.substitute(value))
 
     return Motion(driven, renamed("rate"), renamed("jerk"))
 
@@ -178,18 +177,17 @@ def steered_turns(
 
 
 def _jets(velocities: tuple[Velocity, ...]) -> tuple[Jet, Jet]:
-    u, u1, u2 = (expression(along) for along, _ in velocities)
-    v, v1, v2 = (expression(across) for _, across in velocities)
-    return (u, u1, u2), (v, v1, v2)
+    along, across = zip(*velocities, strict=True)
+    return triple(map(expression, along)), triple(map(expression, across))
 
 
 def _doubled(pairs: list[tuple[Jet, Jet]]) -> tuple[Jet, Jet]:
     """(sum of u^2 - v^2, sum of 2 u v) with two derivatives: the double of the common angle (see `steer_group`)."""
     differences = [tuple(map(subtract, _product(u, u), _product(v, v))) for u, v in pairs]
     products = [_product(u, v) for u, v in pairs]
-    x, x1, x2 = (add(*terms) for terms in zip(*differences, strict=True))
-    y, y1, y2 = (times(2, add(*terms)) for terms in zip(*products, strict=True))
-    return (x, x1, x2), (y, y1, y2)
+    x = triple(add(*terms) for terms in zip(*differences, strict=True))
+    y = triple(times(2, add(*terms)) for terms in zip(*products, strict=True))
+    return x, y
 
 
 def _product(a: Jet, b: Jet) -> Jet:

@@ -17,7 +17,7 @@ import sympy
 
 from wmrgen.constraints import arm, working_view
 from wmrgen.exact.evaluate import add_angles
-from wmrgen.exact.poly import Poly
+from wmrgen.exact.poly import Poly, triple
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -46,20 +46,17 @@ BODY = (
 
 def input_vector(name: str, suffix: str = "") -> Vector:
     """The vector of the inputs ``<name>x<suffix>`` and so on."""
-    x, y, z = (signal(f"{name}{axis}{suffix}") for axis in AXES)
-    return x, y, z
+    return triple(signal(f"{name}{axis}{suffix}") for axis in AXES)
 
 
 def named_vector(name: str, v: Vector, names: Locals) -> Vector:
     """The vector as the intermediate results ``<name>x`` and so on."""
-    x, y, z = (names.define(f"{name}{axis}", entry) for axis, entry in zip(AXES, v, strict=True))
-    return x, y, z
+    return triple(names.define(f"{name}{axis}", entry) for axis, entry in zip(AXES, v, strict=True))
 
 
 def plus(*vectors: Vector) -> Vector:
     """The sum of vectors."""
-    x, y, z = (add(*entries) for entries in zip(*vectors, strict=True))
-    return x, y, z
+    return triple(add(*entries) for entries in zip(*vectors, strict=True))
 
 
 def scaled(factor: Expr, v: Vector) -> Vector:
@@ -69,8 +66,7 @@ def scaled(factor: Expr, v: Vector) -> Vector:
 
 def cross(a: Vector, b: Vector) -> Vector:
     """a x b."""
-    x, y, z = (subtract(times(a[i], b[j]), times(a[j], b[i])) for i, j in ((1, 2), (2, 0), (0, 1)))
-    return x, y, z
+    return triple(subtract(times(a[i], b[j]), times(a[j], b[i])) for i, j in ((1, 2), (2, 0), (0, 1)))
 
 
 def dot(a: Vector, b: Vector) -> Expr:
@@ -190,17 +186,16 @@ def centre_of_gravity(robot: Robot, name: str) -> Vector:
         raise underivable(robot, name, why)
     if robot.cg.z.nominal.sign <= 0:
         raise underivable(robot, name, "cg is not above the ground (z > 0)")
-    x, y, z = (expression(p.working) for p in (robot.cg.x, robot.cg.y, robot.cg.z))
-    return x, y, z
+    return triple(expression(p.working) for p in robot.cg)
 
 
 @function("Kelly 4.1.3", contacts=True)
 def cg_force(robot: Robot, _: Mobility) -> Formula:
     """What an accelerometer and a gyroscope measure to the specific force at the centre of gravity."""
     c = centre_of_gravity(robot, "cg_force")
-    x, y, z = (subtract(entry, signal(port.name)) for entry, port in zip(c, SENSOR, strict=True))
+    lever = triple(subtract(entry, signal(port.name)) for entry, port in zip(c, SENSOR, strict=True))
     body = Frame(NOTHING, input_vector("w"), input_vector("f"), input_vector("w", "_rate"))
-    force = seen_from_before(body, NOTHING, Point((x, y, z), NOTHING, NOTHING)).a
+    force = seen_from_before(body, NOTHING, Point(lever, NOTHING, NOTHING)).a
     turning = tuple(p for p in BODY if p.name.startswith("w"))
     return Formula(
         "cg_force", (*_MEASURED, *SENSOR, *turning, *tunable_ports(robot)), (),

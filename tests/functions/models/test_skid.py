@@ -206,3 +206,17 @@ def test_an_effective_track_is_advised_where_it_can_be_said(
     assert ["effective_track" in text for text in texts[1:]] == [possible] * 2
     assert ("Write effective_track" in texts[0]) == possible
     assert ("it holds where no steered wheel slides" in model) == ("steered" in wheel)
+
+
+@pytest.mark.parametrize(("ratio", "where"), [(1, "every curve"), (-1, "every motion but one")])
+def test_a_locked_axle_slides_whatever_its_model_in_twist_inputs_is_told(ratio: int, where: str) -> None:
+    """And the model says so, beside what it says of the steered wheel."""
+    text = (
+        "wmrgen: 1\nname: locked\nwheels:\n"
+        "  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}\n"
+        "  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}\n"
+        "  - {name: front, type: steered, x: 0.5, y: 0, heading: 0, r: 0.1}\n"
+        f"couplings:\n  - {{equal: [left.spin, right.spin], ratios: [1, {ratio}]}}\n"
+    )
+    model = of_text(text).system("twist").text
+    assert model.endswith(f"it holds where no steered wheel slides; wheels slide, as they do in {where}")

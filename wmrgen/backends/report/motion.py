@@ -15,7 +15,8 @@ from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.models.inputs import posture_motion
 from wmrgen.functions.models.sheet import LONGEST, tidy
-from wmrgen.functions.models.state_space import forms, goes_straight, rolls_alone, where_it_slides
+from wmrgen.functions.models.state_space import forms, rolls_alone
+from wmrgen.functions.models.twist import goes_straight, where_it_slides
 from wmrgen.functions.system import System
 from wmrgen.functions.trailers.trailer import state_ports, turns
 from wmrgen.layout.records import Robot

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.limits import NO_BOUND, Bound, Limited, limited
 from wmrgen.functions.models.sheet import singular_sets
-from wmrgen.functions.models.twist import sliding
+from wmrgen.functions.models.twist import sliding, where_it_slides
 from wmrgen.functions.registry import system_builder
 from wmrgen.functions.system import Lag, System, of_commands
 from wmrgen.kinematics.records import Formula, substituted
@@ -127,16 +127,6 @@ def forms(robot: Robot, mobility: Mobility) -> dict[str, System]:
 def rolls_alone(form: str, mobility: Mobility) -> bool:
     """Whether a form leaves out the sliding of a robot that rolls in one motion and slides in all others."""
     return mobility.degenerate and form != "twist"
-
-
-def goes_straight(mobility: Mobility) -> bool:
-    """Whether no motion without sliding turns the robot."""
-    return not any(column[2] for column in mobility.scaled_symbolic)
-
-
-def where_it_slides(mobility: Mobility) -> str:
-    """Where a form does not hold that leaves out sliding."""
-    return f"wheels slide, as they do in every {'curve' if goes_straight(mobility) else 'motion but one'}"
 
 
 def regularity(robot: Robot, mobility: Mobility) -> dict[str, tuple[str, ...]]:

@@ -73,6 +73,16 @@ def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
     )
 
 
+def goes_straight(mobility: Mobility) -> bool:
+    """Whether no motion without sliding turns the robot."""
+    return not any(column[2] for column in mobility.scaled_symbolic)
+
+
+def where_it_slides(mobility: Mobility) -> str:
+    """Where a form does not hold that leaves out sliding."""
+    return f"wheels slide, as they do in every {'curve' if goes_straight(mobility) else 'motion but one'}"
+
+
 def _steered(robot: Robot) -> list[Wheel]:
     """The first of each set of steered wheels that turn together."""
     return [w for w in robot.wheels if w.kind.steers and robot.steer_group[w.index] == w.index]
@@ -80,6 +90,8 @@ def _steered(robot: Robot) -> list[Wheel]:
 
 def _condition(robot: Robot, mobility: Mobility) -> str:
     text = "; it holds where no steered wheel slides" if _steered(robot) else ""
+    if mobility.degenerate and mobility.rank_C1f.value < 2:  # wheels whose spins are coupled
+        text += f"; {where_it_slides(mobility)}"
     if mobility.rank_C1f.value > 1:
         text += "; its fixed wheels slide where it turns, and the sideways velocity is that of least sliding"
         if not any(no_track(robot.wheels)):

@@ -104,7 +104,7 @@ def test_large_logs_are_fitted_by_all_readings_in_the_end_alone(
         return serial(problem, unknowns, task)
 
     monkeypatch.setattr("wmrgen.calibrating.calibrate._ENOUGH", 500)
-    monkeypatch.setattr("wmrgen.calibrating.calibrate._FINER", 2)
+    monkeypatch.setattr("wmrgen.calibrating.calibrate._COARSE", 0.13)
     begun = calibrate(derivation, logs, [], each)
     fine = [count > 0.7 * max(seen) for count in seen]
     assert min(seen) < 0.3 * max(seen)

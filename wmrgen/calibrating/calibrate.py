@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from wmrgen.calibrating.joints import settled
 from wmrgen.calibrating.logs import Drive, names, pairs, read
 from wmrgen.calibrating.mistakes import refuse_strangers, strange
 from wmrgen.calibrating.observability import unobservable
-from wmrgen.calibrating.outliers import PASSES, Drift, Outlier, cut, drifts, outliers, without
+from wmrgen.calibrating.outliers import Drift, Outlier, cut, drifts, without, without_slips
 from wmrgen.calibrating.path import Increments, Reals
 from wmrgen.calibrating.starts import begun, laid
 from wmrgen.calibrating.stored import changed, stored
@@ -31,8 +32,8 @@ from wmrgen.robot import Derivation
 
 _FOLDS = 5  # parts that drives are left out in, one after the other
 _FEWEST = 3  # parts whose spread is a standard deviation
-_ENOUGH, _COARSE = 50_000, 0.25  # readings, and [s] between them, that tell nearly what all tell
-_FINER = 4  # times as many tell how parameters differ, too
+_ENOUGH, _COARSE = 100_000, 0.06  # readings, and [s] between them, that tell nearly what all tell
+_SEEN = 0.25  # [s] between rows of truth that do
 _PART = 200.0  # [s] of a long drive: each part has a start of its own
 _ROWS = 24  # of truth in such a part at least: twice as many numbers as it has unknowns of its own, and more
 _LARGE = 2**28  # bytes of logs and truths, above which they are read one at a time
@@ -118,19 +119,19 @@ def calibrate(
     first, slips = _begun(problem, each)
     if strange(first):
         first, slips = _begun(problem, each, lost=True)
+    again = partial(_again, each)
     moving = drifts(_coarser(first.problem), first.unknowns, each)
-    best, more = _without_slips(_without_jumps(first, moving, each), each)
+    best, more = without_slips(_without_jumps(first, moving, each), _coarser, again)
     slips += more
     refuse_strangers(best, problem.drives, lambda some: _begun(replace(problem, drives=tuple(some)), each)[0])
     best = _settled(best, each)
     if best.problem.untold is not None:  # joints that disagree less show more slips
-        best, more = _without_slips(best, each)
+        best, more = without_slips(best, _coarser, again)
         slips += more
-    best = _finely(best, each, _FINER)
     parts = best if len(problem.drives) > 1 else _in_parts(best, each)
-    fewer = replace(parts, problem=_coarser(parts.problem, _FINER))
+    fewer = replace(parts, problem=_coarser(parts.problem))
     others = [certainty.without(fewer, fold, each) for fold in _folds(parts.problem)]
-    best = _finely(best, each, np.inf)
+    best = _finely(best, each)
     sigma = _deviations(best, others if len(problem.drives) > 1 else ())
     weak = _unobservable(derivation.robot, best)
     return Calibration(
@@ -170,7 +171,7 @@ def _about(ready: Problem, each: Each, start: Reals) -> Fit:
     return about if coarse is ready else certainty.of_drives(about, during(ready, about.unknowns))
 
 
-def _again(problem: Problem, each: Each, best: Fit) -> Fit:
+def _again(each: Each, problem: Problem, best: Fit) -> Fit:
     """The fit of parts of the drives of the ``best`` one, from its parameters on."""
     ready = laid(problem)
     return _about(ready, each, start_of(ready, best.unknowns))
@@ -188,19 +189,18 @@ def _settled(best: Fit, each: Each) -> Fit:
     return best if coarse.drives is drives else certainty.of_drives(best, drives)
 
 
-def _finely(best: Fit, each: Each, finer: float) -> Fit:
-    """The fit of large logs by so many times more readings, from that of a coarser problem on."""
+def _finely(best: Fit, each: Each) -> Fit:
+    """The fit of large logs by all readings, from that of a coarser problem on."""
     if _passed_over(best.problem) < 2:
         return best
-    about = certainty.fit_at(*solved(_coarser(best.problem, finer), each, best.unknowns, rounds=1), each)
-    return certainty.of_drives(about, best.problem.drives)
+    return certainty.fit_at(*solved(best.problem, each, best.unknowns, rounds=1), each)
 
 
-def _coarser(problem: Problem, finer: float = 1) -> Problem:
-    """The problem with about `_ENOUGH` readings, or so many times more, where there are twice as many often enough."""
-    if (times := int(_passed_over(problem) / finer)) < 2:
+def _coarser(problem: Problem) -> Problem:
+    """The problem with about `_ENOUGH` readings, where there are twice as many often enough."""
+    if (times := _passed_over(problem)) < 2:
         return problem
-    return replace(problem, drives=tuple(drive.coarser(times, _COARSE) for drive in problem.drives))
+    return replace(problem, drives=tuple(drive.coarser(times, _SEEN) for drive in problem.drives))
 
 
 def _passed_over(problem: Problem) -> int:
@@ -240,25 +240,13 @@ def _mean(parts: Iterable[tuple[Reals, Reals]]) -> Errors:
 def _without_jumps(best: Fit, moving: Sequence[Sequence[Drift]], each: Each) -> Fit:
     """The fit where each drive whose clock jumps is two, with a clock each."""
     jumps = [[drift for drift in of_drive if drift.at_once] for of_drive in moving]
-    return _again(without(best, jumps), each, best) if any(jumps) else best
-
-
-def _without_slips(best: Fit, each: Each) -> tuple[Fit, list[Outlier]]:
-    """The fit without what is unusual in the drives; large slips hide smaller ones."""
-    slips: list[Outlier] = []
-    for _ in range(PASSES):
-        unusual = outliers(best, _coarser(best.problem))
-        if not any(unusual):
-            break
-        slips += [slip for of_drive in unusual for slip in of_drive]
-        best = _again(without(best, unusual), each, best)
-    return best, slips
+    return _again(each, without(best, jumps), best) if any(jumps) else best
 
 
 def _in_parts(best: Fit, each: Each) -> Fit:
     """The fit of `_FOLDS` parts of one drive, each with a start of its own."""
     parts = tuple(_split(best.problem.drives[0], _FOLDS, best.offsets[0]))
-    return _again(replace(best.problem, drives=parts), each, best) if len(parts) > 1 else best
+    return _again(each, replace(best.problem, drives=parts), best) if len(parts) > 1 else best
 
 
 def _folds(problem: Problem) -> list[list[int]]:

@@ -40,7 +40,7 @@ def drawn(problem: Problem, shared: Reals, offset: float, index: int) -> Drawn:
     measured = np.isfinite(true) & np.isfinite(true_heading)
     t, true, true_heading = drive.truth.t[measured] + offset, true[measured], true_heading[measured]
     step, _, share = place_at(drive.t, t)
-    path = passed(problem.increments, drive.columns, shared[:count], step).within(share)
+    path = passed(problem.increments.alone, drive.columns, shared[:count], step).within(share)
     place = path.position + np.exp(1j * path.heading) * complex(shared[count], shared[count + 1])
     heading = path.heading + shared[count + 2]
     turn = true_heading[:1] - heading[:1]

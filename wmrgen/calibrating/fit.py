@@ -198,12 +198,12 @@ def serial(problem: Problem, unknowns: Reals, task: Task[Result]) -> list[Result
 
 
 def solved(problem: Problem, each: Each, unknowns: Reals, rounds: int = 3) -> tuple[Problem, Reals]:
-    """The unknowns of the least robust cost, by scipy's dogleg method: from a scale at which the ``unknowns`` are good,
-    in two steps to one that the residuals show; and the problem with that scale. The last two ``rounds`` do from
-    unknowns on that are near."""
+    """The unknowns of the least robust cost, by scipy's dogleg method: from a scale at which the ``unknowns`` are good
+    in every drive, in two steps to one that the residuals show; and the problem with that scale. The last two
+    ``rounds`` do from unknowns on that are near."""
     for most in (np.inf, problem.scale, problem.scale)[-rounds:]:
         problem = replace(problem, drives=during(problem, unknowns))
-        typical = float(np.median(each(problem, unknowns, _typical)))
+        typical = float((np.median if most < np.inf else np.max)(each(problem, unknowns, _typical)))
         problem = replace(problem, scale=float(np.clip(1.5 * typical, FINEST, most)))
         unknowns = nearest(problem, unknowns, each)
     return problem, unknowns

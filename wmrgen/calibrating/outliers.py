@@ -12,7 +12,7 @@ all that they differ by, clock or heading drifts or jumps.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import nan
@@ -27,7 +27,7 @@ from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Reals
 from wmrgen.calibrating.stored import changed
 
-PASSES = 3  # in which slips are looked for: large ones hide smaller ones
+_PASSES = 3  # in which slips are looked for: large ones hide smaller ones
 _STEP = 0.25  # [s] at which errors are compared
 _WINDOW, _BETWEEN = 8, 4  # steps whose median is compared, before and after, and steps between
 _PATH = (0.06, 0.15)  # [m], [rad] that a slip in the path is at least: clocks that drift make steps, too
@@ -137,6 +137,24 @@ def _regression(columns: Sequence[Reals | NDArray[np.bool_]], values: Reals) -> 
     matrix = np.array([*columns, np.ones(len(values))], dtype=float).T
     counts = np.linalg.lstsq(matrix, values, rcond=None)[0]
     return float(np.sum((matrix @ counts - values) ** 2)), float(counts[0])
+
+
+def without_slips(
+    best: Fit,
+    coarser: Callable[[Problem], Problem],
+    again: Callable[[Problem, Fit], Fit],
+    until: Callable[[Fit], bool] = lambda _: False,
+) -> tuple[Fit, list[Outlier]]:
+    """The fit without what is unusual in the drives, ``until`` it will do, and what that is: large slips hide smaller
+    ones, so after some have been taken out, drives are fitted ``again``."""
+    slips = list[Outlier]()
+    for _ in range(_PASSES):
+        unusual = [] if until(best) else outliers(best, coarser(best.problem))
+        if not any(unusual):
+            break
+        slips += [slip for of_drive in unusual for slip in of_drive]
+        best = again(without(best, unusual), best)
+    return best, slips
 
 
 def outliers(best: Fit, coarser: Problem) -> list[list[Outlier]]:

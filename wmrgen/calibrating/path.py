@@ -8,7 +8,7 @@ u exp(i omega / 2) sinc(omega / 2): the exponential map of SE(2), which `wmrgen.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -91,6 +91,11 @@ class Increments:
         off = sensitivity(rows, [port.name for port in rows.outputs], joints, parameters)
         return Increments(joints, parameters, twist, slip, off)
 
+    @property
+    def alone(self) -> Increments:
+        """The same without derivatives, for paths that need none."""
+        return replace(self, parameters=())
+
     def slip(self, columns: Mapping[str, Reals], values: Reals | Sequence[float]) -> Reals:
         """What the joints disagree by in each step [m]; 0 where they tell no more than a twist."""
         inputs = np.array([columns[name] for name in self.joints])
@@ -100,7 +105,7 @@ class Increments:
     def __call__(self, columns: Mapping[str, Reals], values: Reals | Sequence[float]) -> Reckoning:
         """Displacement (vx + i vy) and turn of each step, as a path of single steps."""
         rows = self._of(self.sensitivity, np.array([columns[name] for name in self.joints]), values)
-        by = rows[3:].reshape(-1, 3, rows.shape[1])
+        by = rows[3 : 3 + 3 * len(self.parameters)].reshape(-1, 3, rows.shape[1])
         return Reckoning(rows[0] + 1j * rows[1], rows[2], by[:, 0] + 1j * by[:, 1], by[:, 2])
 
     def joint_residuals(
@@ -160,9 +165,10 @@ def passed(
     step: NDArray[np.intp],
 ) -> Reckoning:
     """The poses in which n steps of the path, of numbers that do not fall, begin and end (..., 2, n). The path is
-    reckoned block by block: fresh memory for the whole takes the system as long as all that is computed in it."""
+    reckoned to the last of them, block by block: fresh memory for the whole takes the system as long as all that is
+    computed in it."""
     here, parts = _ORIGIN, []
-    for first in range(0, len(next(iter(columns.values()))), _BLOCK):
+    for first in range(0, int(step.max(initial=0)) + 1, _BLOCK):
         block = {joint: column[first : first + _BLOCK] for joint, column in columns.items()}
         path = reckoned(increments(block, values), here)
         here = path.at(-1)

@@ -9,13 +9,13 @@ body is turned; where no headings are measured, so is exp(is), over the first pa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from wmrgen.calibrating.certainty import fit_at, of_drives
+from wmrgen.calibrating.certainty import Fit, fit_at, of_drives
 from wmrgen.calibrating.fit import (
     BEYOND,
     LEVER,
@@ -27,8 +27,8 @@ from wmrgen.calibrating.fit import (
     start_of,
 )
 from wmrgen.calibrating.joints import agreed
-from wmrgen.calibrating.logs import Drive
-from wmrgen.calibrating.outliers import PASSES, Outlier, outliers, without
+from wmrgen.calibrating.logs import Drive, Truth
+from wmrgen.calibrating.outliers import Outlier, without_slips
 from wmrgen.calibrating.path import Complexes, Reals, passed
 from wmrgen.calibrating.stored import changed
 
@@ -38,7 +38,7 @@ _LOST = 1.0  # [rad] that nominal odometry may be off by in the end, to be a sta
 _ASTRAY = 0.2  # the same of places, of how far the drive goes
 _PIECE = 5.0  # [s] of a drive in which odometry does not lose its way
 _LONGER = 8.0  # times: what pieces tell, odometry over so much longer ones needs
-_PIECES = 12  # of all drives
+_PIECES = 12  # of all drives, and so many drives at most
 _FEWEST = 4  # rows of truth that a piece has
 _OFF, _LATE = 0.1, 2.0  # [s] by which clocks are tried, up to so far
 _MOST, _ENOUGH = 0.9, 24  # of ways and turns that are compared, so that slips do not count; how many at least
@@ -50,13 +50,23 @@ _LEAST = 0.3  # [m] of way that an alignment without headings needs, so that it 
 def laid(problem: Problem) -> Problem:
     """The drives with starts, and headings of the truth as many turns on as odometry says between two rows, which may
     be far apart as start and end of a drive are; and the mount's heading."""
+    sums = np.array([[_SURE**2, 0, _SURE**2], [0, _SURE**2, 0]], dtype=complex)
+
+    def unwound(_: int, drive: Drive) -> list[Drive]:
+        drive = _inside(drive)
+        place, heading = _at_truth(problem, drive)
+        theta, measured = drive.truth.theta.copy(), np.isfinite(drive.truth.theta)
+        theta[measured] = heading[measured] + np.unwrap(theta[measured] - heading[measured])
+        truth = replace(drive.truth, theta=theta)
+        np.add(sums, _ways(truth, place, heading), out=sums)
+        return [replace(drive, truth=truth)]
 
     def started(_: int, drive: Drive) -> list[Drive]:
-        start = _start(drive, *_at_truth(problem, drive), turned)
+        start = _start(problem, drive, turned)
         return [replace(drive, start=(*start, drive.start[3]))]
 
-    drives = changed(problem.drives, lambda _, drive: [_unwound(problem, drive)])
-    turned = _turned((drive, _at_truth(problem, drive)) for drive in drives)
+    drives = changed(problem.drives, unwound)
+    turned = float(-np.angle(np.linalg.solve(sums[:, :2], sums[:, 2])[0]))
     return replace(problem, drives=changed(drives, started), turned=turned)
 
 
@@ -73,20 +83,19 @@ def begun(
     coarse, start = agreed(coarse, start, each, lost or not _finds(coarse, start))
     ready = replace(ready, untold=coarse.untold, slides=coarse.slides)
     longest = max(float(np.ptp(drive.t)) for drive in drives)
+
+    def fit_of(ready: Problem, start: Reals) -> Fit:
+        return of_drives(fit_at(coarser(ready), start, each), ready.drives)
+
     while seconds < longest and (lost or not _finds(coarse, start)):
-        start = _in_pieces(coarse, start, seconds, each)
-        seconds *= _LONGER
-        for _ in range(PASSES):
-            if not lost and _finds(coarse, start):
-                break
-            best = of_drives(fit_at(coarse, start, each), ready.drives)
-            unusual = outliers(best, coarse)
-            if not any(unusual):
-                break
-            slips += [slip for of_drive in unusual for slip in of_drive]
-            ready = laid(without(best, unusual))
-            start, coarse = start_of(ready, start), coarser(ready)
-        lost = False
+        best, more = without_slips(
+            fit_of(ready, _in_pieces(coarse, start, seconds, each)),
+            coarser,
+            lambda rest, best: fit_of(again := laid(rest), start_of(again, best.unknowns)),
+            (lambda _: False) if lost else (lambda best: _finds(coarser(best.problem), best.unknowns)),
+        )
+        ready, start, coarse = best.problem, best.unknowns, coarser(best.problem)
+        seconds, slips, lost = seconds * _LONGER, slips + more, False
     return ready, start, slips
 
 
@@ -114,8 +123,8 @@ def _in_time(problem: Problem, drive: Drive) -> Drive:
 
 def _in_pieces(problem: Problem, start: Reals, seconds: float, each: Each) -> Reals:
     """Unknowns from ``start`` on, as pieces of the drives of so many seconds say."""
-    count = len(problem.drives)
-    pieces = tuple(piece for drive in problem.drives for piece in _pieces(drive, count, seconds))
+    some = problem.drives[:: -(-len(problem.drives) // _PIECES)]
+    pieces = tuple(piece for drive in some for piece in _pieces(drive, len(some), seconds))
     short = laid(replace(problem, drives=pieces))
     return start_of(problem, nearest(short, start_of(short, start), each))
 
@@ -146,7 +155,9 @@ def _pieces(drive: Drive, count: int, seconds: float) -> list[Drive]:
 def nominal_at(problem: Problem, drive: Drive, at: Reals) -> tuple[Complexes, Reals]:
     """Nominal odometry's places and headings at times [s] that rise."""
     step, _, share = place_at(drive.t, at)
-    path = passed(problem.increments, drive.columns, problem.nominal, step).within(np.clip(share, 0.0, 1.0))
+    path = passed(problem.increments.alone, drive.columns, problem.nominal, step).within(
+        np.clip(share, 0.0, 1.0)
+    )
     return path.position, path.heading
 
 
@@ -161,40 +172,29 @@ def _inside(drive: Drive) -> Drive:
     return drive if inside.all() else drive.seen(inside)
 
 
-def _unwound(problem: Problem, drive: Drive) -> Drive:
-    drive = _inside(drive)
-    measured = np.isfinite(drive.truth.theta)
-    reckoning = _at_truth(problem, drive)[1][measured]
-    theta = drive.truth.theta.copy()
-    theta[measured] = reckoning + np.unwrap(theta[measured] - reckoning)
-    return replace(drive, truth=replace(drive.truth, theta=theta))
+def _ways(truth: Truth, place: Complexes, heading: Reals) -> Complexes:
+    """What a drive adds to the linear equations (2, 2 + 1) of exp(-id), d what the tracked body is turned by on the
+    robot [rad], and of exp(-id) m."""
+    measured = np.isfinite(truth.x) & np.isfinite(truth.y) & np.isfinite(truth.theta)
+    t, z = truth.t[measured], (truth.x + 1j * truth.y)[measured]
+    theta, p, phi = truth.theta[measured], place[measured], heading[measured]
+    if len(t) < 2:
+        return np.zeros((2, 3), complex)
+    after = np.clip(np.searchsorted(t, t + _WAY), 1, len(t) - 1)
+    before = np.minimum(np.arange(len(t)), after - 1)
+    seen = np.exp(-1j * theta[before]) * (z[after] - z[before])
+    way = np.exp(-1j * phi[before]) * (p[after] - p[before])
+    columns = np.array([way, np.exp(1j * (phi[after] - phi[before])) - 1])
+    return np.asarray(columns.conj() @ np.array([*columns, seen]).T / len(t))
 
 
-def _turned(drives: Iterable[tuple[Drive, tuple[Complexes, Reals]]]) -> float:
-    """What the tracked body is turned by on the robot [rad], between -pi and pi; 0 where no drive tells."""
-    matrix, right = np.diag([_SURE**2, _SURE**2]).astype(complex), np.array([_SURE**2, 0j])
-    for drive, (place, heading) in drives:
-        truth = drive.truth
-        measured = np.isfinite(truth.x) & np.isfinite(truth.y) & np.isfinite(truth.theta)
-        t, z = truth.t[measured], (truth.x + 1j * truth.y)[measured]
-        theta, p, phi = truth.theta[measured], place[measured], heading[measured]
-        if len(t) < 2:
-            continue
-        after = np.clip(np.searchsorted(t, t + _WAY), 1, len(t) - 1)
-        before = np.minimum(np.arange(len(t)), after - 1)
-        seen = np.exp(-1j * theta[before]) * (z[after] - z[before])
-        way = np.exp(-1j * phi[before]) * (p[after] - p[before])
-        columns = np.array([way, np.exp(1j * (phi[after] - phi[before])) - 1])
-        matrix += columns.conj() @ columns.T / len(t)
-        right += columns.conj() @ seen / len(t)
-    return float(-np.angle(np.linalg.solve(matrix, right)[0]))
-
-
-def _start(drive: Drive, place: Complexes, heading: Reals, turned: float) -> tuple[float, float, float]:
+def _start(problem: Problem, drive: Drive, turned: float) -> tuple[float, float, float]:
     """Where the robot was, x, y [m] and heading [rad], at the first reading."""
     truth = drive.truth
     z = truth.x + 1j * truth.y
     here, looks = np.flatnonzero(np.isfinite(z)), np.flatnonzero(np.isfinite(truth.theta))
+    last = max([looks[0], *here[:1]]) if len(looks) else len(z)  # of the rows that tell it
+    place, heading = _at_truth(problem, drive.seen(np.arange(len(z)) <= last))
     if len(looks):
         start = truth.theta[looks[0]] - heading[looks[0]] - turned
     else:

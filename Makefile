@@ -2,6 +2,9 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# What is installed beside wmrgen, and how: .ci/run names more, and compiles only what is imported.
+EXTRAS ?= dev
+HOW ?= --compile
 STAMP := $(VENV)/.installed
 # Bytecode is kept even where the environment says otherwise: the tests start some five hundred processes.
 PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist worksteal
@@ -14,7 +17,7 @@ setup: $(STAMP)
 $(STAMP): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "wmrgen needs Python 3.11 or newer, this is " + sys.version.split()[0])'
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check $(HOW) -c constraints.txt -e '.[$(EXTRAS)]'
 	@$(BIN)/python -m compileall -q wmrgen textbook
 	@touch $@
 

@@ -63,7 +63,7 @@ def _best(layout: Layout, seed: int) -> Freedom:
             steerability = cuts + 1 - mobility
             if (steerability, mobility) < (best.steerability, best.mobility):
                 continue
-            twists = _along(layout, castors, planes, z, rng)
+            twists = _along(layout, castors, rows, planes, z, rng)
             still = max(abs(t[2]) for t in twists) < LOOSE
             better = Freedom(mobility, steerability, _closure(twists), still)
             best = max(best, better, key=lambda f: (f.steerability, f.mobility, f.dof))
@@ -71,17 +71,17 @@ def _best(layout: Layout, seed: int) -> Freedom:
 
 
 def _along(
-    layout: Layout, castors: dict[str, float], planes: Array, z: Array, rng: np.random.Generator
+    layout: Layout, castors: dict[str, float], rows: Equations, planes: Array, z: Array, rng: np.random.Generator
 ) -> list[Array]:
     """Twists of the component that ``z`` lies on: cuts and castors move a little, and the solution follows."""
     lead = oracle.leaders(layout, "steer")
-    null = _still(equations(layout, castors), z)
+    null = _still(rows, z)
     mobility, twists = len(null), [z[-3:], *null]
     for _ in range(5):
         moved = {n: float(v) for n, v in zip(castors, rng.uniform(-0.3, 0.3, len(castors)), strict=True)}
         at = {n: castors[n] + moved[min(m for m in castors if lead[m] == lead[n])] for n in castors}
         near = planes + rng.uniform(-0.15, 0.15, planes.shape)
-        rows = equations(layout, at)
+        rows = equations(layout, at) if castors else rows
         new = _solve(rows, near, z)
         if new is None or min(np.abs(new[-3:] - z[-3:]).max(), np.abs(new[-3:] + z[-3:]).max()) > 0.3:
             continue

@@ -19,7 +19,8 @@ from wmrgen.constraints import (
     symbolic_view,
 )  # fmt: skip
 from wmrgen.kinematics.forward import nominal_rank
-from wmrgen.kinematics.sensing import Measured, Measurements, measurements
+from wmrgen.kinematics.least_squares import Measured
+from wmrgen.kinematics.sensing import Measurements, measurements
 from wmrgen.layout.records import Robot
 from wmrgen.mobility import Mobility, analyse
 from wmrgen.mobility.analyse import driving

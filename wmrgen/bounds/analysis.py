@@ -46,7 +46,7 @@ def analysed(function: Function, ranges: Mapping[str, Range], library: Library) 
     """The analysis of a function in float over ``ranges``."""
     angles = _angles(function, ranges)
     boxes = boxed(ranges, [], 1)
-    if len(angles) in PARTS and _divides(function):
+    if len(angles) in PARTS and any(n.op is Op.DIV for n in function.nodes):
         boxes = boxed(_within_a_turn(function, ranges, angles, library), angles, PARTS[len(angles)])
     upper = {}
     if any(len(lo) > 1 for lo, _ in boxes.values()):
@@ -62,11 +62,6 @@ def analysed(function: Function, ranges: Mapping[str, Range], library: Library) 
         singular = not divisions.isdisjoint(walk.singular) or not np.isfinite(error + over + rho)
         claims.append(Claim(float(low.min()), float(high.max()), error, over, rho, singular))
     return Outcome(tuple(claims), tuple(dict.fromkeys((i, what) for i, what, _ in walk.alarms)))
-
-
-def _divides(function: Function) -> bool:
-    """Whether a divisor may depend on an input angle: it is neither a length nor guarded by itself."""
-    return any(n.op is Op.DIV for n in function.nodes)
 
 
 def _angles(function: Function, ranges: Mapping[str, Range]) -> list[str]:

@@ -195,8 +195,8 @@ def root_of_squares(w: Walk, i: int, a: int) -> Value | None:
     return Value((np.maximum(widened[0], 0.0), widened[1]), (), noise, widen=False)
 
 
-def branch(w: Walk, i: int, small: int, large: int, value: int) -> tuple[Array, Array, Array]:
-    """(low, high, distance from zero) of a branch of node ``i``, given small <= large there up to their errors."""
+def branch(w: Walk, small: int, large: int, value: int) -> tuple[Array, Array, Array]:
+    """(low, high, distance from zero) of ``value`` where it is chosen because small <= large, up to their errors."""
     interval, away = w.ranges[value], w.away[value]
     far = np.full(w.boxes, np.inf)
     if value in (small, large):

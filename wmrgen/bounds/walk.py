@@ -25,7 +25,6 @@ from wmrgen.bounds import lengths as by_length
 from wmrgen.bounds.assumptions import Format, Library, constant
 from wmrgen.bounds.forms import Forms, combined
 from wmrgen.bounds.lengths import MOVED, SHORT, SMALL_ANGLE, Length, lengths
-from wmrgen.bounds.lengths import share as share_of
 from wmrgen.bounds.shapes import contracted, effective
 from wmrgen.bounds.slopes import Slope
 from wmrgen.exact.number import Exact
@@ -179,7 +178,7 @@ class Walk:
     def share(self, j: int, i: int) -> float | None:
         """s where |node i| is at most s h, h the length of ``j``, wherever errors are claimed."""
         length = self.lengths[j]
-        bound = share_of(self, length, i)
+        bound = by_length.share(self, length, i)
         return None if bound is None else MOVED * (bound[0] + bound[1] / (SMALL_ANGLE * length.rho))
 
     def claimed(self, errors: Errors) -> Array:
@@ -200,17 +199,9 @@ class Walk:
         self.measured(i)
         return np.full(self.boxes, MOVED)
 
-    def quotient_by_length(self, i: int, a: int, b: int) -> Value:
-        """See `wmrgen.bounds.lengths`."""
-        return by_length.quotient_by_length(self, i, a, b)
-
-    def root_of_squares(self, i: int, a: int) -> Value | None:
-        """See `wmrgen.bounds.lengths`; None where node ``a`` is no sum of squares."""
-        return by_length.root_of_squares(self, i, a)
-
-    def branch(self, i: int, small: int, large: int, value: int) -> tuple[Array, Array, Array]:
-        """See `wmrgen.bounds.lengths`."""
-        return by_length.branch(self, i, small, large, value)
+    quotient_by_length = by_length.quotient_by_length
+    root_of_squares = by_length.root_of_squares
+    branch = by_length.branch
 
     # ---- errors
 

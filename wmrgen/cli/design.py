@@ -151,9 +151,5 @@ def _show(result: dict[str, Any]) -> None:
         return
     console.result(f"stands; {result['margin']:.6g} rad to liftoff about the line {line}", "bold")
     for letter in ("fx", "fy"):
-        low, high = (_limit(v) for v in result[letter])
+        low, high = (f"{v:.6g}" if abs(v) < _NEVER else "any" for v in result[letter])
         console.result(f"{letter:<{width}}  stands from {low} to {high} m/s^2")
-
-
-def _limit(value: float) -> str:
-    return f"{value:.6g}" if abs(value) < _NEVER else "any"

@@ -234,9 +234,5 @@ def _centre(values: Mapping[str, float]) -> dict[str, Any]:
 
 
 def _floats(values: Mapping[str, Exact]) -> dict[str, float]:
-    return {k: _clean(v) for k, v in values.items()}
-
-
-def _clean(value: Exact) -> float:
-    """The nearest double; what the 60 digits of pi leave over is 0."""
-    return float(value) if abs(value) > _DUST else 0.0
+    """The nearest doubles; what the 60 digits of pi leave over is 0."""
+    return {name: float(value) if abs(value) > _DUST else 0.0 for name, value in values.items()}

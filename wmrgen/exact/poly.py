@@ -236,11 +236,7 @@ def _merge(a: Monomial, b: Monomial) -> tuple[Monomial, Poly | None]:
         half, powers[g] = divmod(powers[g], 2)
         power = _square(g) ** half
         special = power if special is None else special * power
-    return tuple(sorted(((g, e) for g, e in powers.items() if e), key=_by_key)), special
-
-
-def _by_key(power: tuple[Gen, int]) -> str:
-    return power[0].key
+    return tuple(sorted(((g, e) for g, e in powers.items() if e), key=lambda power: power[0].key)), special
 
 
 @lru_cache(maxsize=1000)

@@ -130,15 +130,12 @@ def _jointed(robot: Robot, wheel: Wheel, part: str, rate: str, ends: Pairs) -> d
     leads, speed = together[0] is wheel, robot.limit(wheel, rate)
     most = SPEED if speed is None else max(abs(float(speed.low)), abs(float(speed.high)))
     limit = (*ends, ("effort", EFFORT), ("velocity", decimal(most)))
+    ratio = decimal(float(robot.spin_ratio(wheel))) if part == "spin" else "1"
     return {
         "limits": (limit,) if ends or speed is not None else (),
-        "leaders": () if leads else ((joint_of(together[0], part), _ratio(robot, wheel, part)),),
+        "leaders": () if leads else ((joint_of(together[0], part), ratio),),
         "driven": leads and any(part in w.actuated for w in together),
     }
-
-
-def _ratio(robot: Robot, wheel: Wheel, part: str) -> str:
-    return decimal(float(robot.spin_ratio(wheel))) if part == "spin" else "1"
 
 
 def _rollers(wheel: Wheel) -> tuple[Frictions, tuple[str]]:

@@ -84,7 +84,8 @@ def _drive_of(robot: Robot) -> Drive:
     if rolling:
         _none([*fixed, *steered], "has no rollers, while others have")
         _none([w for w in rolling if not w.actuated], "is not driven")
-        return _mecanum(rolling) if any(map(_slants, rolling)) else _ring(rolling)
+        slants = any(abs(float(w.nominal.sg)) > TOLERANCE for w in rolling)
+        return _mecanum(rolling) if slants else _ring(rolling)
     if not steered:
         return _sides(fixed)
     return _car(robot, fixed, steered) if fixed else _swerve(steered)
@@ -123,10 +124,6 @@ def _y(w: Wheel) -> float:
 
 def _r(w: Wheel) -> float:
     return float(w.nominal.r)
-
-
-def _slants(w: Wheel) -> bool:
-    return abs(float(w.nominal.sg)) > TOLERANCE
 
 
 def _spins(wheels: Iterable[Wheel]) -> tuple[str, ...]:

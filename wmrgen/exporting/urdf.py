@@ -21,9 +21,5 @@ def urdf(robot: Robot, control: bool = False) -> str:
     transmissions = [(b.joint, _INTERFACES[b.part]) for b in links if b.driven]
     used = [b for b in links if b.driven or b.part in (*b.wheel.sensed, *b.wheel.actuated)]
     controls = [[(b.joint, [_COMMANDS[b.part]] if b.driven else []) for b in used]]
-    ways = (
-        {"transmissions": [], "controls": controls}
-        if control
-        else {"transmissions": transmissions, "controls": []}
-    )
+    ways = {"transmissions": [] if control else transmissions, "controls": controls if control else []}
     return render("export/robot.urdf.j2", bodies=links, **ways, **context(robot))

@@ -181,15 +181,11 @@ def _sum(builder: Builder, terms: list[_Term]) -> int:
     """The sum of ``terms``, factored as often as it can be."""
     common = _common(terms)
     if common is None or len(terms) == 1:
-        return builder.sum(_value(builder, term) for term in terms)
+        return builder.sum(builder.mul(builder.const(t.value), builder.product(t.factors)) for t in terms)
     inner = [_without(term, common) for term in terms if common in term.factors]
     outer = [term for term in terms if common not in term.factors]
     product = builder.mul(common, _sum(builder, inner))
     return builder.add(_sum(builder, outer), product) if outer else product
-
-
-def _value(builder: Builder, term: _Term) -> int:
-    return builder.mul(builder.const(term.value), builder.product(term.factors))
 
 
 def _without(term: _Term, common: int) -> _Term:

@@ -72,6 +72,8 @@ class Residue:
         return Residue(self.r * other.r % PRIME, self.size * other.size)
 
     def __truediv__(self, other: Residue) -> Residue:
+        if not other:
+            raise ZeroDivisionError("no residue is the inverse of 0")
         size = self.size / other.size if other.size else 0.0
         return Residue(self.r * pow(other.r, -1, PRIME) % PRIME, size)
 

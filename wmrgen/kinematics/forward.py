@@ -14,13 +14,19 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.exact.evaluate import fix
-from wmrgen.exact.linalg import symmetric
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot, triple
-from wmrgen.kinematics.least_squares import Matrix, norm, pseudo_inverse
+from wmrgen.kinematics.least_squares import (
+    Matrix,
+    Measured,
+    named_normal,
+    norm,
+    normal_equations,
+    pseudo_inverse,
+)
 from wmrgen.kinematics.records import Formula, Locals, joint_port, slip_port, tunable_ports
 from wmrgen.kinematics.rigid import fit_rigid
-from wmrgen.kinematics.sensing import Measured, Twist, measurements, sensed_joints, solve_general
+from wmrgen.kinematics.sensing import Twist, measurements, sensed_joints, solve_general
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import decide, unit_of
 from wmrgen.ports import TWIST, Port, Role
@@ -120,12 +126,6 @@ def _numbers(rows: list[Row], nominal: Mapping[str, Poly]) -> list[list[Exact]]:
     return numbers
 
 
-def normal_equations(rows: list[Measured]) -> tuple[Matrix, list[Poly]]:
-    """H^T W H and H^T W z."""
-    normal = symmetric(lambda i, j: Poly.sum((r[i] * r[j]).scale(w) for r, _, w in rows))
-    return normal, [Poly.sum((r[i] * z).scale(w) for r, z, w in rows) for i in range(3)]
-
-
 def _solved(normal: Matrix, moment: list[Poly], rank: NominalRank) -> list[Poly]:
     """(H^T W H)^+ H^T W z."""
     return [dot(row, moment) for row in pseudo_inverse(normal, rank.normal)]
@@ -159,7 +159,7 @@ def _step_by_step(rows: list[Measured], rank: NominalRank, names: Locals) -> tup
         for i, (r, z, weight) in enumerate(rows)
     ]
     normal, moment = normal_equations(named)
-    entries = symmetric(lambda i, j: short(f"n{i}{j}", normal[i][j], f"HtH[{i}][{j}]"))
+    entries = named_normal(normal, short)
     twist = _solved(entries, [short(f"b{i}", p, f"Htz[{i}]") for i, p in enumerate(moment)], rank)
     fits, slip = _fitted(named, twist, names)
     return fits, sympy.S.Zero if rank.value == len(rows) else slip

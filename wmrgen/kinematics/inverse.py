@@ -18,15 +18,15 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import XI, rolling_row, steer_gens, working_view
-from wmrgen.exact.poly import Poly, Row, dot, triple
+from wmrgen.constraints import rolling_row, steer_gens, working_view
+from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, norm, project
 from wmrgen.kinematics.records import Formula, Locals, joint_port, slip_port, tunable_ports
 from wmrgen.kinematics.steer import Target, hysteresis, pivot, turned_by
 from wmrgen.kinematics.steer_groups import nearest_steering
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import TWIST, TWIST_NAMES, Port, Role
+from wmrgen.ports import TWIST, Port, Role
 from wmrgen.symbolic import Expr, add, expression, number, root, square, subtract, times
 
 _MANY = 3  # castors of one offset from which dividing all velocities by it takes fewer operations
@@ -63,7 +63,7 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
     """An inverse whose steered wheels take the targets of ``steering``."""
     names = Locals()
     projection = project(robot, mobility)
-    twist = _named_twist(projection, names)
+    twist = projection.named(names.poly)
     targets = steering(robot, twist, names)
     seen = castor_motion(robot, twist, names)
     swivels, residuals = _swivels(robot, seen)
@@ -82,14 +82,6 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
     steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
     inputs = (*TWIST, *steers, *tunable_ports(robot))
     return names.formula(name, inputs, outputs, text)
-
-
-def _named_twist(projection: Projection, names: Locals) -> Row:
-    """The twist to be driven; components that the projection changed get names."""
-    return triple(
-        p if p == q or not p else names.poly(f"{n}_driven", p)
-        for p, q, n in zip(projection.twist, XI, TWIST_NAMES, strict=True)
-    )
 
 
 def _held(targets: dict[int, Target]) -> str:

@@ -13,7 +13,7 @@ commanded twist, its wheels follow in the least-squares sense, and the sliding i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -21,16 +21,29 @@ import sympy
 
 from wmrgen.constraints import XI, rolling_row, sliding_row, working_view
 from wmrgen.exact.evaluate import fix, sqrt_poly
-from wmrgen.exact.linalg import inverse
+from wmrgen.exact.linalg import inverse, symmetric
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot, has_angles, triple
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import independent, numeric_rank, to_array
 from wmrgen.mobility.records import Mobility
+from wmrgen.ports import TWIST_NAMES
 from wmrgen.symbolic import Expr, absolute, add, expression, number, root, square, times
 
 Matrix = list[list[Poly]]
 Numbers = list[list[Exact]]
+Measured = tuple[Row, Poly, Exact]  # row . xi = value, which counts so much
+
+
+def normal_equations(rows: Sequence[Measured]) -> tuple[Matrix, list[Poly]]:
+    """H^T W H and H^T W z."""
+    normal = symmetric(lambda i, j: Poly.sum((r[i] * r[j]).scale(w) for r, _, w in rows))
+    return normal, [Poly.sum((r[i] * z).scale(w) for r, z, w in rows) for i in range(3)]
+
+
+def named_normal(normal: Matrix, name: Callable[[str, Poly, str], Poly]) -> Matrix:
+    """H^T W H with names for its entries."""
+    return symmetric(lambda i, j: name(f"n{i}{j}", normal[i][j], f"HtH[{i}][{j}]"))
 
 
 def pseudo_inverse(normal: Matrix, nominal: Numbers | None) -> Matrix:
@@ -122,6 +135,11 @@ class Projection(NamedTuple):
     twist: Row
     residuals: tuple[Poly, ...]
     weight: Exact
+
+    def named(self, name: Callable[[str, Poly], Poly]) -> Row:
+        """The twist; components that are not the commanded ones go by what ``name`` makes of them."""
+        each = zip(self.twist, XI, TWIST_NAMES, strict=True)
+        return triple(p if p == q or not p else name(f"{n}_driven", p) for p, q, n in each)
 
 
 def project(robot: Robot, mobility: Mobility) -> Projection:

@@ -150,7 +150,7 @@ def _stays_positive(inertia: Poly, sums: list[Poly]) -> bool:
 
 
 def _named(names: Locals, name: str, value: Poly) -> Poly:
-    return names.poly(name, value) if has_angles((value, value, value)) or len(value.terms) > 1 else value
+    return names.poly(name, value) if has_angles([value]) or len(value.terms) > 1 else value
 
 
 def _sum(weights: Iterable[Exact], values: Iterable[Poly]) -> Poly:

@@ -31,12 +31,12 @@ from wmrgen.constraints import arm, heading, rolling_row, sliding_row, working_v
 from wmrgen.exact.linalg import cofactor, symmetric
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly, Row, dot, has_angles, triple
+from wmrgen.kinematics.least_squares import Matrix, Measured, named_normal, normal_equations
 from wmrgen.kinematics.records import Locals, signal_poly
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import generic, nominal_at, numeric_rank
 from wmrgen.symbolic import Expr, add, expression, maximum, number, root, select, square, subtract, times
 
-Measured = tuple[Row, Poly, Exact]  # row . xi = value, which counts so much
 FLOOR = Exact(Fraction(1, 10**12))
 EDGE = Exact(Fraction(1, 10**6))
 Twist = tuple[Expr, Expr, Expr]
@@ -175,15 +175,9 @@ def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
     is taken. The rank that the rows have in general decides at derivation time which formulas are needed.
     """
     rows = _named_rows(measured, names)
-    n = symmetric(
-        lambda i, j: names.poly(
-            f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, _, weight in rows), f"HtH[{i}][{j}]"
-        )
-    )
-    b = [
-        names.poly(f"b{i}", Poly.sum((r[i] * z).scale(weight) for r, z, weight in rows), f"Htz[{i}]")
-        for i in range(3)
-    ]
+    normal, moment = normal_equations(rows)
+    n = named_normal(normal, names.poly)
+    b = [names.poly(f"b{i}", p, f"Htz[{i}]") for i, p in enumerate(moment)]
     twist = smallest_twist(n, b, measured, names)
     fitted = [names.poly(k, e) for k, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     errors = [(names.poly(f"error_{i}", z - dot(r, fitted)), weight) for i, (r, z, weight) in enumerate(rows)]
@@ -249,13 +243,13 @@ def lower_bound(measured: Measurements) -> float:
     return float(sum(x * y for x, y in zip(a, np.cross(b, c), strict=True)))
 
 
-def adjugate(n: list[list[Poly]], names: Locals) -> tuple[list[list[Poly]], Expr]:
+def adjugate(n: Matrix, names: Locals) -> tuple[Matrix, Expr]:
     """Adjugate and determinant of H^T H, named."""
     adj = symmetric(lambda i, j: names.poly(f"adj{i}{j}", cofactor(n, i, j), f"adj(HtH)[{i}][{j}]"))
     return adj, names.define("det", dot(n[0], adj[0]), "det(HtH)")
 
 
-def smallest_twist(n: list[list[Poly]], b: list[Poly], measured: Measurements, names: Locals) -> list[Expr]:
+def smallest_twist(n: Matrix, b: list[Poly], measured: Measurements, names: Locals) -> list[Expr]:
     """N^+ b, entries named. Where det N has a lower bound above 0 nothing can be lost."""
     rank = generic_rank(measured)
     c1 = names.define("c1", n[0][0] + n[1][1] + n[2][2])

@@ -6,9 +6,10 @@ angle is taken as that multiple, and a note says so; a little farther away a not
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from fractions import Fraction
+from operator import add, mul, sub
 from typing import Any, NamedTuple
 
 from wmrgen.errors import Code, Mark, RobotFileError, Several
@@ -32,6 +33,7 @@ TOLERANCE = Fraction(1, 500)
 SUSPICIOUS = Fraction(1, 200)  # nearer than this and not snapped: a note says so
 _SAME = Fraction(1, 10**35)
 LARGEST = 10**36  # the largest number that can be written, in the largest unit, and some
+_OPERATORS: dict[str, Callable[[Poly, Poly], Poly]] = {"+": add, "-": sub, "*": mul}
 _ELSE = "Change the expression or the parameters that it takes."
 
 
@@ -110,23 +112,13 @@ class _Conversion(NamedTuple):
             case Binary("**", base, Num(power)):
                 left = self.poly(base)
                 return (left if power >= 0 else self._divisor(left)) ** int(power)
+            case Binary("/", above, below):
+                return self.poly(above) * self._divisor(self.poly(below)).inverse()
             case Binary(op, first, second):
-                return self._binary(op, self.poly(first), self.poly(second))
+                return _OPERATORS[op](self.poly(first), self.poly(second))
             case Call(function, args):
                 return self._call(function, [self.poly(a) for a in args])
         raise TypeError(f"not an expression: {expr!r}")
-
-    def _binary(self, op: str, left: Poly, right: Poly) -> Poly:
-        match op:
-            case "+":
-                return left + right
-            case "-":
-                return left - right
-            case "*":
-                return left * right
-            case "/":
-                return left * self._divisor(right).inverse()
-        raise ValueError(op)
 
     def _call(self, function: str, args: list[Poly]) -> Poly:
         match function:

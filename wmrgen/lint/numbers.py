@@ -29,10 +29,6 @@ _PI = re.compile(r"pi|π")
 ROUNDED = 2e-3  # a turn written as 6.28 or 6.2832 [rad]
 
 
-def _without_unit(quantity: Quantity) -> bool:
-    return not _UNIT.search(quantity.text)
-
-
 @rule(
     "WMR001",
     "an angle of more than a turn",
@@ -53,7 +49,11 @@ def turns(subject: Subject) -> Iterator[Finding]:
     for w in subject.spec.wheels:
         for key in _ANGLES:
             quantity: Quantity | None = getattr(w, key)
-            if quantity and _without_unit(quantity) and abs(value := subject.value(quantity)) > tau + ROUNDED:
+            if (
+                quantity
+                and not _UNIT.search(quantity.text)
+                and abs(value := subject.value(quantity)) > tau + ROUNDED
+            ):
                 yield Finding(
                     quantity.mark,
                     f"{w.name}: {key} = {quantity.text} is {value:.4g} rad, {abs(value) / tau:.3g} turns",

@@ -219,11 +219,8 @@ def _doubtful_rank(subject: Subject) -> Iterator[Finding]:
             continue
         least, most = rank.singular_values[rank.value - 1], rank.singular_values[0]
         if rank.disagrees or least < NARROW * most:
-            what = f"rank {name} is {rank.value} by a hair's breadth: singular values {_shown(rank.singular_values)}"
+            values = ", ".join(f"{v:.3g}" for v in rank.singular_values)
+            what = f"rank {name} is {rank.value} by a hair's breadth: singular values {values}"
             place = (fixed or list(robot.wheels))[-1 if fixed else 0]
             yield Finding(subject.mark(place), what, "Look for decimals that were rounded.")
             return
-
-
-def _shown(values: tuple[float, ...]) -> str:
-    return ", ".join(f"{v:.3g}" for v in values)

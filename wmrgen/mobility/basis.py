@@ -148,7 +148,7 @@ def scaled(columns: tuple[Row, ...], steered: tuple[Wheel, ...], robot: Robot) -
 
 def _per_speed(column: Row, steered: tuple[Wheel, ...], robot: Robot) -> Row:
     turn, values = column[2], {p.name: p.value for p in robot.parameters}
-    if not has_angles((turn, _ZERO, _ZERO)) and abs(float(number(turn, values))) > NEGLIGIBLE:
+    if not has_angles([turn]) and abs(float(number(turn, values))) > NEGLIGIBLE:
         return _over(column, turn)
     for cosine, sine in ((1, 0), (0, 1)):
         angle = {"cos": Poly.of(cosine), "sin": Poly.of(sine)}

@@ -153,7 +153,7 @@ def _normal(best: Admissible, constant: Array) -> Row | None:
     )
 
 
-def pivot_velocity(w: Wheel, twist: Array) -> complex:
+def pivot_velocity(w: Wheel, twist: Array | tuple[float, float, float]) -> complex:
     """Velocity of the pivot [m/s], x + iy."""
     x, y = float(w.nominal.x), float(w.nominal.y)
     return complex(twist[0] - y * twist[2], twist[1] + x * twist[2])

@@ -59,7 +59,7 @@ def reference() -> str:
         lines += [f"## {title}", "", f"Such as `{section.example}`.", "", *_table(section), ""]
         if section is WHEEL:
             lines += [*_types(), ""]
-        lines += [f"{_choices(section)}\n"] if section.choices else []
+        lines += [f"{' '.join(map(_sentence, section.choices))}\n"] if section.choices else []
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -186,12 +186,8 @@ def _types() -> Iterator[str]:
         yield f"| `{kind.name}` | {kind.meaning} | {cells} |"
 
 
-def _choices(section: Section) -> str:
-    """Sentences about sets of keys that stand together or exclude each other."""
-    return " ".join(map(_sentence, section.choices))
-
-
 def _sentence(choice: Choice) -> str:
+    """Sets of keys that stand together or exclude each other."""
     sets = [" with ".join(f"`{key}`" for key in keys) for keys in choice.sets]
     if len(sets) == 1:
         return f"{sets[0]}, or neither."

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from cmath import phase
 from collections.abc import Iterable
-from math import acos, atan2, cos, hypot, pi, radians, remainder, sin
+from math import acos, cos, hypot, pi, radians, remainder, sin
 from typing import NamedTuple
 
 from wmrgen.backends.drawing.paper import Point, bounds, distance, middle
 from wmrgen.exact.poly import triple
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.configure import pivot_velocity
 from wmrgen.mobility.records import Mobility
 
 Twist = tuple[float, float, float]
@@ -102,16 +104,12 @@ def _translation(rows: list[Twist]) -> Twist:
     return p
 
 
-def _velocity(w: Wheel, t: Twist) -> Point:
-    return t[0] - float(w.nominal.y) * t[2], t[1] + float(w.nominal.x) * t[2]
-
-
 def swung(robot: Robot, w: Wheel, t: Twist) -> float:
     """The steering angle in [-pi/2, pi/2] that rolls, or the opposite one if only that is within limits."""
-    a, b = _velocity(w, t)
-    if hypot(a, b) < 1e-12:
+    velocity = pivot_velocity(w, t)
+    if abs(velocity) < 1e-12:
         return 0.0
-    turn = remainder(atan2(b, a) - w.heading, pi)
+    turn = remainder(phase(velocity) - w.heading, pi)
     other = turn - pi if turn > 0 else turn + pi
     return other if not inside(robot, w, turn) and inside(robot, w, other) else turn
 
@@ -119,13 +117,13 @@ def swung(robot: Robot, w: Wheel, t: Twist) -> float:
 def _trail(w: Wheel, t: Twist) -> float:
     """The steering angle of a castor that a lasting motion pulls: its axle runs through the ICR, its contact lies
     behind its pivot. 0 where there is none: its pivot is closer to the ICR than its contact can be."""
-    a, b = _velocity(w, t)
-    speed, d = hypot(a, b), float(w.nominal.d)
+    velocity = pivot_velocity(w, t)
+    speed, d = abs(velocity), float(w.nominal.d)
     if speed < 1e-12 or speed <= abs(d * t[2]):
         return 0.0
     # e . (C - A) = d, where the ICR C lies speed / omega to the left of the velocity.
     aside = acos(max(-1.0, min(1.0, d * t[2] / speed)))  # from the direction to C's side, to e
-    left = atan2(b, a) + pi / 2
+    left = phase(velocity) + pi / 2
     return remainder(left + (aside if d > 0 else -aside) - w.heading, 2 * pi)
 
 
@@ -136,7 +134,7 @@ def inside(robot: Robot, w: Wheel, turn: float) -> bool:
 
 
 def _allowed(robot: Robot, steered: list[Wheel], t: Twist, size: float) -> bool:
-    far = all(hypot(*_velocity(w, t)) > 0.35 * size * abs(t[2]) for w in steered)
+    far = all(abs(pivot_velocity(w, t)) > 0.35 * size * abs(t[2]) for w in steered)
     return far and all(inside(robot, w, swung(robot, w, t)) for w in steered)
 
 

@@ -12,10 +12,11 @@ from wmrgen.backends.report.latex import alike, broken, latex, summands, terms, 
 from wmrgen.backends.report.letters import by_three, heads, in_letters
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, listed, math
 from wmrgen.backends.report.terms import WIDE, width, wrapped
-from wmrgen.constraints import XI, along, driving_row, seen, sliding_row, symbolic_view, working_view
-from wmrgen.exact.poly import Poly, Row, dot, triple
+from wmrgen.constraints import XI, driving_row, seen, sliding_row, symbolic_view, working_view
+from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.sensing import generic_rank
+from wmrgen.kinematics.steer import pivot
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.robot import Derivation
@@ -77,7 +78,7 @@ def _rims(wheels: list[Wheel], robot: Robot, twist: Row) -> Iterator[tuple[Wheel
 def _pivots(wheels: list[Wheel], twist: Row, tied: bool) -> list[str]:
     """What steered wheels or driven castors do, with the velocity of each one's pivot. ``tied``: couplings keep some of
     them from what each would do by itself."""
-    pairs = alike([p for w in wheels for p in pivot_velocity(w, twist)])
+    pairs = alike([p for w in wheels for p in pivot(w, twist)])
     texts = (f"v_{{Ax}} &= {a}, & v_{{Ay}} &= {b}" for a, b in zip(pairs[::2], pairs[1::2], strict=True))
     velocities = grouped(zip(texts, (notation.wheel(w.name) for w in wheels), strict=True))
     castors = wheels[0].kind.swivels
@@ -148,10 +149,7 @@ def swivel_rate(w: Wheel, twist: Row) -> str:
 
 def driven_twist(projection: Projection) -> Row:
     """The twist that is driven; components that the projection changed carry a star."""
-    return triple(
-        p if p == q or not p else Poly.gen("input", f"{n}_driven")
-        for p, q, n in zip(projection.twist, XI, TWIST_NAMES, strict=True)
-    )
+    return projection.named(lambda name, _: Poly.gen("input", name))
 
 
 def projected(projection: Projection) -> list[str]:
@@ -162,12 +160,6 @@ def projected(projection: Projection) -> list[str]:
     ]
 
 
-def pivot_velocity(w: Wheel, twist: Row) -> tuple[Poly, Poly]:
-    """The components of the pivot's velocity."""
-    g = working_view(w)
-    return dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
-
-
 def moves_as_partners(robot: Robot, w: Wheel, twist: Row) -> bool:
     """Whether all wheels that steer as one with it move alike."""
     return move_alike(robot.partners(w), twist)
@@ -175,7 +167,7 @@ def moves_as_partners(robot: Robot, w: Wheel, twist: Row) -> bool:
 
 def move_alike(wheels: list[Wheel], twist: Row) -> bool:
     """One velocity and one zero heading: each single solution is the common one."""
-    return len({(*pivot_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
+    return len({(*pivot(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
 
 
 def turned_apart(robot: Robot, twist: Row) -> list[list[str]]:

@@ -13,10 +13,10 @@ from wmrgen.backends.report.terms import width, wrapped
 from wmrgen.constraints import XI
 from wmrgen.exact.linalg import Matrix, determinant
 from wmrgen.exact.poly import dot
-from wmrgen.kinematics.forward import normal_equations
+from wmrgen.kinematics.least_squares import Measured, normal_equations
 from wmrgen.kinematics.records import substituted
 from wmrgen.kinematics.rigid import spread
-from wmrgen.kinematics.sensing import Contact, Measured, Measurements, generic_rank, measurements
+from wmrgen.kinematics.sensing import Contact, Measurements, generic_rank, measurements
 from wmrgen.layout.records import Robot
 from wmrgen.printing import symbol_names
 from wmrgen.robot import Derivation

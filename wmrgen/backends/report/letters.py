@@ -20,9 +20,8 @@ from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, dot, has_angles
 from wmrgen.functions.models.sheet import latex as equations
 from wmrgen.functions.models.sheet import sheet_of
-from wmrgen.kinematics.forward import normal_equations
+from wmrgen.kinematics.least_squares import Measured, normal_equations
 from wmrgen.kinematics.records import Formula
-from wmrgen.kinematics.sensing import Measured
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.printing import symbol_names

@@ -52,7 +52,7 @@ def _example(d: Derivation) -> list[str]:
     rows = []
     for function, inputs, outputs in steps:
         units = {p.name: p.unit for p, _ in d.formula(function).outputs}
-        shown = ", ".join(f"{n} = {v}{_unit(units[n])}" for n, v in outputs.items())
+        shown = ", ".join(f"{n} = {v} {units[n]}".rstrip() for n, v in outputs.items())
         words = " ".join(f"{n}={v}" for n, v in inputs.items() if v != "0")
         rows.append([shown, code(f"wmrgen eval {d.robot.name}.yaml {function} {words}")])
     again = "the same twist again"
@@ -147,10 +147,6 @@ def _short(value: Exact, digits: int = _FEW) -> str:
 
 def _read(text: str) -> Exact:
     return Exact(Fraction(text))
-
-
-def _unit(unit: str) -> str:
-    return f" {unit}" if unit else ""
 
 
 def _files(d: Derivation) -> list[str]:

@@ -196,13 +196,9 @@ def null_space(d: Derivation) -> list[str]:
     blocks += [
         "A motion is admissible when C₁ ξ = 0. The columns of N span these motions, cleared of common factors; every "
         "admissible twist is ξ = N η, with one number η per column:",
-        *math(f"N = {matrix(zip(*map(_entries, columns), strict=True))}"),
+        *math(f"N = {matrix(zip(*(map(readable, column) for column in columns), strict=True))}"),
     ]
     return [*blocks, *_meaning(d, columns)]
-
-
-def _entries(column: Row) -> list[str]:
-    return [readable(p) for p in column]
 
 
 def _meaning(d: Derivation, columns: Sequence[Row]) -> list[str]:

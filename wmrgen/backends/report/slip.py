@@ -134,12 +134,8 @@ def _admissible(steered: bool, held: bool) -> str:
     )
 
 
-def _rootless(p: Poly) -> Poly:
-    """The form, whose sign does not matter, with n x for the root of n² x² where it is one term."""
-    return p if len(p.terms) > 1 else p.substitute(_root_of_square)
-
-
 def _root_of_square(g: Gen) -> Poly | None:
+    """n x, whose sign does not matter, for the root of n² x²."""
     if g.kind != "sqrt" or len(g.args[0].terms) > 1:
         return None
     ((square, number),) = g.args[0].terms.items()
@@ -151,5 +147,5 @@ def _root_of_square(g: Gen) -> Poly | None:
 
 def forms_of(projection: Projection) -> list[Poly]:
     """What is squared, each with the sign that it is read with."""
-    forms = [_rootless(p) for p in projection.residuals if p]
+    forms = [p if len(p.terms) > 1 else p.substitute(_root_of_square) for p in projection.residuals if p]
     return [-p if latex(p).startswith("-") else p for p in forms]

@@ -53,7 +53,10 @@ def library(functions: Unit, facts: Facts = NO_FACTS) -> str:
         about=_about(functions, facts),
         model_hash=facts.model_hash,
         scalar=functions.scalar,
-        constants=[_constant(name, value, text, functions.scalar) for name, value, text in facts.constants],
+        constants=[
+            (name.upper().replace(".", "_"), literal(Exact(Fraction(value)), functions.scalar), doc(text))
+            for name, value, text in facts.constants
+        ],
         structs=[*functions.structs, *nested.values()],
         nominal=params.value(functions.nominal) if params else [],
         joints=functions.joints,
@@ -65,10 +68,6 @@ def library(functions: Unit, facts: Facts = NO_FACTS) -> str:
         integer=integer,
         library=_library(functions),
     )
-
-
-def _constant(name: str, value: float, text: str, scalar: str) -> tuple[str, str, str]:
-    return name.upper().replace(".", "_"), literal(Exact(Fraction(value)), scalar), doc(text)
 
 
 def _library(functions: Unit) -> list[dict[str, str]]:

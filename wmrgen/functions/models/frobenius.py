@@ -130,7 +130,10 @@ def frobenius_components(form: Form) -> Iterator[tuple[tuple[str, str, str], Pol
 
 def _test(wheel: str, kind: str, shown: Form, numbers: Form) -> RowTest:
     """Decided on the numbers, written in the named parameters."""
-    vanishes = {names: _vanishes(p) for names, p in frobenius_components(numbers)}
+    vanishes = {
+        names: all(abs(float(c)) < SMALL for c in p.terms.values())
+        for names, p in frobenius_components(numbers)
+    }
     components = tuple(
         (names, sympy.S.Zero if vanishes[names] else expression(p))
         for names, p in frobenius_components(shown)
@@ -138,10 +141,6 @@ def _test(wheel: str, kind: str, shown: Form, numbers: Form) -> RowTest:
     row = tuple(expression(p) for p in shown.coefficients)
     curl = _curl(shown) if len(shown.coordinates) == 3 else None
     return RowTest(wheel, kind, shown.coordinates, row, components, all(vanishes.values()), curl)
-
-
-def _vanishes(poly: Poly) -> bool:
-    return all(abs(float(c)) < SMALL for c in poly.terms.values())
 
 
 def _curl(form: Form) -> tuple[Expr, Expr, Expr]:

@@ -36,8 +36,8 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row, derivative, dot
 from wmrgen.functions.models.polynomials import by_angle
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.forward import JOINT_ROLE, forward, nominal_rank, normal_equations
-from wmrgen.kinematics.least_squares import pseudo_inverse
+from wmrgen.kinematics.forward import JOINT_ROLE, forward, nominal_rank
+from wmrgen.kinematics.least_squares import Matrix, named_normal, normal_equations, pseudo_inverse
 from wmrgen.kinematics.pose import increments
 from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, slip_port, tunable_ports
 from wmrgen.kinematics.sensing import (
@@ -69,7 +69,6 @@ from wmrgen.symbolic import (
     times,
 )
 
-Matrix = list[list[Poly]]
 _PAIRS = tuple((i, j) for i in range(3) for j in range(i, 3))
 
 
@@ -100,7 +99,7 @@ def forward_covariance(robot: Robot, _: Mobility) -> Formula:
             robot, "forward_covariance", "its sensed joints leave a motion unseen, of which nothing is known"
         )
     blocks = [_block(m, robot, names) for m in measured.all]
-    inverse = _constant_inverse(measured, names) if constant else _moving_inverse(blocks, measured, names)
+    inverse = (_constant_inverse if constant else _moving_inverse)(measured, names)
     matrix = _propagated(blocks, inverse, names)
     residual = {port.name: value for port, value in forward(robot).outputs}["slip"]
     slips = len(measured.rows) > 3 and residual is not sympy.S.Zero
@@ -161,20 +160,14 @@ def _variance(w: Wheel, joint: str, noise: Noise, names: Locals) -> Poly:
 def _constant_inverse(measured: Measurements, names: Locals) -> Matrix:
     """N^-1 where no joint moves it; entries that depend on tunable parameters have names."""
     normal, _ = normal_equations(measured.rows)
-    inverse = pseudo_inverse(
-        symmetric(lambda i, j: names.short(f"n{i}{j}", normal[i][j], f"HtH[{i}][{j}]")), None
-    )
+    inverse = pseudo_inverse(named_normal(normal, names.short), None)
     return symmetric(lambda i, j: names.short(f"inverse{i}{j}", inverse[i][j]))
 
 
-def _moving_inverse(blocks: Sequence[_Block], measured: Measurements, names: Locals) -> Matrix:
+def _moving_inverse(measured: Measurements, names: Locals) -> Matrix:
     """N^-1 by cofactors; where `forward` takes a smaller rank, the determinant is kept at the edge of that."""
-    rows = [(row, block.weight) for block in blocks for row in block.rows]
-    n = symmetric(
-        lambda i, j: names.poly(
-            f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, weight in rows), f"HtH[{i}][{j}]"
-        )
-    )
+    normal, _ = normal_equations(measured.rows)
+    n = named_normal(normal, names.poly)
     adj, det = adjugate(n, names)
     s = reach_of(measured.wheels)
     size1 = names.define("size1", n[0][0] + n[1][1] + n[2][2].scale(s.inverse()))

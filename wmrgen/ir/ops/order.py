@@ -83,7 +83,7 @@ Op.MAX = Op(
 def _choice(w: Walk, i: int, a: int, b: int, x: int, y: int) -> Value:
     """One value or the other, as the float program decides; on either side the comparison is known to hold."""
     small, large = w.ranges[a], w.ranges[b]
-    first, second = w.branch(i, a, b, x), w.branch(i, b, a, y)
+    first, second = w.branch(a, b, x), w.branch(b, a, y)
     always, never = small[1] < large[0], small[0] > large[1]
     lo, hi, away = (
         np.where(always, p, np.where(never, q, choose(p, q)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from fractions import Fraction
 from math import isqrt
 from typing import Any
@@ -19,12 +20,6 @@ DIGITS = 60  # of exact numbers that are not in the field
 
 
 # ---- quotients
-
-
-def _exact_quotient(a: Any, b: Any) -> Any:
-    if not b:
-        raise ZeroDivisionError("division by zero")
-    return a / b
 
 
 def _divided(a: float, b: float) -> float:
@@ -59,7 +54,7 @@ def _quotient_error(unit: Array, a: Bounded, b: Bounded) -> Bounded:
 
 
 Op.DIV = Op(
-    "div", 2, _exact_quotient, _divided, rounds=True, many=np.divide, cost="divisions",
+    "div", 2, operator.truediv, _divided, rounds=True, many=np.divide, cost="divisions",
     infix="/", casadi="OP_DIV",
     interval=iv.quotient, lemma=_quotient, running=_quotient_error,
 )  # fmt: skip

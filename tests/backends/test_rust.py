@@ -16,7 +16,7 @@ from tests.conftest import ROOT, Outcome, tree
 from tests.robots import of_gallery
 from tests.tools import need, tool
 from wmrgen.backends.registry import BACKENDS, Facts
-from wmrgen.backends.rust import run
+from wmrgen.backends.rust import evaluate
 from wmrgen.backends.rust.emit import library
 from wmrgen.backends.rust.functions import unit
 from wmrgen.errors import EnvironmentFailure
@@ -186,7 +186,7 @@ def test_what_changes_in_place_changes_at_once_and_other_members_stay() -> None:
     assert "pub fn turn(now: &Wheels, out: &mut Wheels) {" in text
     assert "r#box: SpinSteer { steer: -now.r#box.spin, ..out.r#box }" in " ".join(text.split())
     case = {"vx": 1.0, "vy": 2.0, "x": 4.0, "type": 8.0}
-    both, turned = run(swapping(), [("both", case), ("turn", {"box.spin": 3.0})], FLOAT)
+    both, turned = evaluate(swapping(), [("both", case), ("turn", {"box.spin": 3.0})])
     assert both == {"vx": 2.0, "vy": 1.0, "x": 5.0, "sum": 12.0}
     assert turned == {"box.steer": -3.0}
 
@@ -208,4 +208,4 @@ def test_wheels_and_parameters_may_be_called_as_rust_calls_other_things(
 def test_without_a_compiler_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda name: None)
     with pytest.raises(EnvironmentFailure, match="apt-get install rustc"):
-        run(MODULES[0], [("inverse", {"vx": 1.0, "vy": 0.0, "omega": 0.0})], FLOAT)
+        evaluate(MODULES[0], [("inverse", {"vx": 1.0, "vy": 0.0, "omega": 0.0})])

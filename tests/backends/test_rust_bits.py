@@ -20,7 +20,7 @@ from wmrgen import derive, load
 from wmrgen.backends.c99.driver import answer, calls, driver, request
 from wmrgen.backends.c99.emit import sources
 from wmrgen.backends.c99.emit import unit as c_unit
-from wmrgen.backends.rust import run
+from wmrgen.backends.rust import evaluate
 from wmrgen.compiler import compile_and_run
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import names
@@ -92,7 +92,7 @@ def mismatches(
     module: Module, cases: Cases, choice: Choice, level: str, of_c: Answers | None = None
 ) -> list[str]:
     """Outputs that are not the bits of the C of the same choice, or of ``of_c``."""
-    rust = run(module, cases, choice, (f"-Copt-level={level}", "-Dwarnings"))
+    rust = evaluate(module, cases, (f"-Copt-level={level}", "-Dwarnings"), **choice.words())
     expected = of_c or by_c(module, cases, choice)
     return [
         f"{name}({case}).{key}: {mine[key]!r}, in C {value!r}"

@@ -17,9 +17,8 @@ from tests.c.harness import COMPILERS, STRICT, Program
 from tests.ir.common import optimised, verify_function
 from tests.ir.defined import RULES, Fact, facts, findings
 from tests.tools import need
-from wmrgen.backends import casadi, numpy
+from wmrgen.backends import casadi, numpy, rust
 from wmrgen.backends.registry import Facts
-from wmrgen.backends.rust import run
 from wmrgen.backends.rust.emit import library
 from wmrgen.backends.rust.functions import unit
 from wmrgen.bounds.assumptions import SINGLE
@@ -204,7 +203,7 @@ def test_rust_declares_it_and_has_the_bits_of_the_interpreter(excess: Op) -> Non
     assert "pub fn fdimf(a: f32, b: f32) -> f32;" in library(unit(module, DEFAULT))
     printed = expand(module, "float", "inline")
     expectation = [evaluate(printed.functions[0], p, FLOAT32) for p in points()]
-    assert run(module, [("rates", p) for p in points()], DEFAULT) == expectation
+    assert rust.evaluate(module, [("rates", p) for p in points()], **DEFAULT.words()) == expectation
 
 
 def test_numpy_and_casadi_compute_it(excess: Op) -> None:

@@ -20,6 +20,7 @@ from wmrgen.ir.ops import Conditional, Op
 
 _LONGEST = 44  # characters of an expression printed in place
 _LONGEST_ARM = 56  # the same where it is computed only if it is chosen
+_FORMULA = 60  # characters of what a prepared number is, for readers
 _CHOICE, _SUM, _PRODUCT, _UNARY, _ATOM = range(5)
 _BINDING = {"+": _SUM, "-": _SUM, "*": _PRODUCT, "/": _PRODUCT}
 
@@ -119,7 +120,7 @@ def _uses(function: Function, style: Style) -> list[int]:
     return uses
 
 
-def written_out(function: Function, longest: int) -> tuple[str, ...]:
+def written_out(function: Function) -> tuple[str, ...]:
     """Each node as one sum or product of the inputs, for readers: without what keeps divisors off zero. "" for what
     is longer and for what is none."""
     style = Style(lambda value: f"{float(value):.6g}", lambda _: "", "", "")
@@ -134,7 +135,7 @@ def written_out(function: Function, longest: int) -> tuple[str, ...]:
             text = args[0]
         elif len(args) == len(node.args) and node.op.infix:
             text = _quotient(node, args) or _expression(node, args, style)
-        texts.append(text if text and len(text.text) <= longest else None)
+        texts.append(text if text and len(text.text) <= _FORMULA else None)
     return tuple(text.text if text else "" for text in texts)
 
 

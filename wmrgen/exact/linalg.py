@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
@@ -59,6 +60,11 @@ def left_null_space(columns: Sequence[Sequence[Exact]]) -> list[Vector]:
 
 
 Matrix = Sequence[Sequence[Poly]]
+
+
+def mean(values: Sequence[Poly]) -> Poly:
+    """Their sum over their number."""
+    return Poly.sum(values).scale(Fraction(1, len(values)))
 
 
 def determinant(m: Matrix) -> Poly:

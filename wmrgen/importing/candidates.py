@@ -47,8 +47,8 @@ def candidates(robot: Robot) -> tuple[list[Candidate], list[Passed]]:
     spins = [c for c in turning if all(c.joint is not each.joint for each in passed)]
     wheels = _mirrored(_on_ground(robot, spins), spins)
     wheels += [c for joint in joints if (c := _limited(robot, joint)) and any(_mirrors(c, w) for w in wheels)]
-    known = {c.joint.name for c in wheels}
-    upright = [j for j in joints if j.name not in known and _stands_upright(robot, j)]
+    rolling = {c.joint.name for c in wheels}
+    upright = [j for j in joints if j.name not in rolling and _stands_upright(robot, j)]
     driven = [j for j in upright if j.name in (robot.description.driven or ())]
     passed += [Passed(j, LIES) for j in driven]
     if len(driven) > max(1, len(wheels)):  # the z of the frame is across

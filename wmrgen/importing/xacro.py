@@ -194,6 +194,8 @@ def _kept(
     trail: _Trail,
 ) -> Iterator[None]:
     """The package with its doors shut; as it was, afterwards."""
+    from unittest.mock import patch  # a slow import that only xacro needs
+
     from xacro import substitution_args
 
     evaluate, expand, count = xacro.safe_eval, xacro.handle_macro_call, itertools.count()
@@ -218,17 +220,10 @@ def _kept(
         (substitution_args, "_eval_env", _no_environment),
         (substitution_args, "_eval_optenv", lambda name, default="": default),
     ]
-    before = [(module, name, vars(module).get(name)) for module, name, _ in doors]
-    try:
+    with contextlib.ExitStack() as shut:
         for module, name, door in doors:
-            setattr(module, name, door)
+            shut.enter_context(patch.object(module, name, door, create=True))
         yield
-    finally:
-        for module, name, original in before:
-            if original is None:
-                delattr(module, name)
-            else:
-                setattr(module, name, original)
 
 
 def _evaluated(text: str, context: Mapping[str, Any], symbols: Mapping[str, Any]) -> str:

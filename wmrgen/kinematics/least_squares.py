@@ -14,14 +14,13 @@ commanded twist, its wheels follow in the least-squares sense, and the sliding i
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from fractions import Fraction
 from typing import NamedTuple
 
 import sympy
 
 from wmrgen.constraints import XI, rolling_row, sliding_row, working_view
 from wmrgen.exact.evaluate import fix, sqrt_poly
-from wmrgen.exact.linalg import inverse, symmetric
+from wmrgen.exact.linalg import inverse, mean, symmetric
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot, has_angles, triple
 from wmrgen.layout.records import Robot
@@ -165,10 +164,9 @@ def _nearest(robot: Robot, row: Row) -> Projection:
     xi - M^-1 row^T (row . xi) / (row M^-1 row^T), M the mean of [1 0 -y; 0 1 x]^T [1 0 -y; 0 1 x].
     """
     wheels = [working_view(w) for w in robot.wheels]
-    share = Fraction(1, len(wheels))
     one, zero = Poly.of(1), Poly({})
-    gx, gy = Poly.sum(g.x for g in wheels).scale(share), Poly.sum(g.y for g in wheels).scale(share)
-    spread = Poly.sum(g.x * g.x + g.y * g.y for g in wheels).scale(share)
+    gx, gy = mean([g.x for g in wheels]), mean([g.y for g in wheels])
+    spread = mean([g.x * g.x + g.y * g.y for g in wheels])
     inverse = pseudo_inverse([[one, zero, -gy], [zero, one, gx], [-gy, gx, spread]], None)
     direction = [dot(r, row) for r in inverse]
     size = dot(direction, row)
@@ -195,10 +193,8 @@ def _spin_residuals(robot: Robot) -> list[Poly]:
 def _translate(robot: Robot) -> Projection:
     """Rotation taken away about the centroid of the steered wheels."""
     wheels = [working_view(w) for w in robot.wheels if w.kind.steers]
-    share = Fraction(1, len(wheels))
-    gx = Poly.sum(g.x for g in wheels).scale(share)
-    gy = Poly.sum(g.y for g in wheels).scale(share)
-    spread = Poly.sum((g.x - gx) ** 2 + (g.y - gy) ** 2 for g in wheels).scale(share)
+    gx, gy = mean([g.x for g in wheels]), mean([g.y for g in wheels])
+    spread = mean([(g.x - gx) ** 2 + (g.y - gy) ** 2 for g in wheels])
     root = fix(sqrt_poly(spread), {})
     omega = XI[2]
     return Projection((XI[0] - omega * gy, XI[1] + omega * gx, Poly({})), (omega * root,), ONE)

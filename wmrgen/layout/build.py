@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from wmrgen.errors import RobotFileError, Several
 from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
+from wmrgen.exact.linalg import mean
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.expressions import PI, Scope, computable, snap, to_poly
@@ -254,8 +255,7 @@ def _virtual(v: VirtualSpec, wheels: Iterable[Wheel], scope: Scope) -> Virtual:
     def place(axis: str, quantity: Quantity | None) -> Length:
         if quantity is not None:
             return scope.length(quantity)
-        total = Poly.sum(getattr(w.symbolic, axis) for w in members)
-        return scope.views(total.scale(Fraction(1, len(members))))
+        return scope.views(mean([getattr(w.symbolic, axis) for w in members]))
 
     return Virtual(v.name, v.role, v.wheels, place("x", v.x), place("y", v.y), v.mark)
 

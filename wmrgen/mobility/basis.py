@@ -7,7 +7,6 @@ The null space of a rank-2 matrix is one cross product.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from fractions import Fraction
 from functools import partial
 from itertools import combinations
 from typing import NamedTuple, TypeVar, cast
@@ -16,6 +15,7 @@ import numpy as np
 
 from wmrgen.constraints import View, rolling_row, sliding_row
 from wmrgen.exact.evaluate import number, sqrt_poly
+from wmrgen.exact.linalg import mean
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Gen, Monomial, Poly, Row, common_powers, cross, each, has_angles, triple
 from wmrgen.layout.records import Robot, Wheel
@@ -198,7 +198,7 @@ def _speed(twist: Row, rims: Sequence[Poly], values: Mapping[str, Poly]) -> Poly
     forward = [p.scale(Exact(1 if number(p, values).sign >= 0 else -1)) for p in speeds]
     if all(abs(float(number(p, values))) < NEGLIGIBLE for p in forward):
         return None
-    return Poly.sum(forward).scale(Fraction(1, len(forward)))
+    return mean(forward)
 
 
 def _axle(row: Row) -> tuple[Row, ...]:

@@ -6,7 +6,7 @@ them, so that a key is declared once.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -102,6 +102,10 @@ class Section(NamedTuple):
     @property
     def required(self) -> tuple[str, ...]:
         return tuple(f.key for f in self.fields if f.required)
+
+    def keys_of(self, joints: Iterable[str]) -> tuple[str, ...]:
+        """The keys that are about these joints."""
+        return tuple(f.key for joint in joints for f in self.fields if f.joint == joint)
 
     def field(self, key: str) -> Field:
         """The record of a key; KeyError where there is none."""

@@ -11,7 +11,7 @@ from typing import Any
 from wmrgen.errors import Code, RobotFileError, Several, WmrgenError
 from wmrgen.spec.expressions import UndeclaredParameter
 from wmrgen.spec.fields import Text, Version
-from wmrgen.spec.joints import read_encoders, read_lag, read_limits, read_noise
+from wmrgen.spec.joints import read_of_joints
 from wmrgen.spec.keys import ROBOT
 from wmrgen.spec.names import Names, robot_name
 from wmrgen.spec.numbers import Scope
@@ -156,10 +156,10 @@ _PARTS: dict[str, Callable[[Reading], Any]] = {  # of a RobotSpec
     "snap": lambda r: r.table.word("snap"),
     "tolerance": lambda r: r.table.amount("tolerance", "the robot", r.scope),
     "couplings": lambda r: read_couplings(r.table, r.types, r.scope, r.several),
-    "limits": lambda r: read_limits(r.table.get("limits"), "the robot", r.scope, r.several),
-    "noise": lambda r: read_noise(r.table.get("noise"), "the robot", r.scope, r.several),
-    "encoders": lambda r: read_encoders(r.table.get("encoder"), "the robot", r.scope, r.several),
-    "lag": lambda r: read_lag(r.table.get("lag"), "the robot", r.scope, r.several),
+    "limits": lambda r: read_of_joints("limits", r.table, "the robot", r.scope, r.several),
+    "noise": lambda r: read_of_joints("noise", r.table, "the robot", r.scope, r.several),
+    "encoders": lambda r: read_of_joints("encoder", r.table, "the robot", r.scope, r.several),
+    "lag": lambda r: read_of_joints("lag", r.table, "the robot", r.scope, r.several),
     "virtual": read_virtual,
     "trailers": read_trailers,
     "slip": lambda r: r.table.word("slip"),

@@ -28,7 +28,7 @@ from wmrgen.spec.load import OPEN
 from wmrgen.spec.names import NAME_PATTERN
 from wmrgen.spec.numbers import NUMBER, Kind, spellings_of, units_of
 from wmrgen.spec.part_keys import ENCODER, LIMITS, NOISE
-from wmrgen.spec.wheels import keys_of_type, takes
+from wmrgen.spec.wheels import takes
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 Schema = dict[str, Any]
@@ -194,7 +194,7 @@ def _wheel(kind: WheelType) -> Schema:
     for key in ("actuated", "sensed"):
         properties[key]["items"] = {"enum": list(kind.joints)}
     for key, section in (("limits", LIMITS), ("noise", NOISE), ("encoder", ENCODER)):
-        own = keys_of_type(section, kind)
+        own = section.keys_of(kind.joints)
         of_joints = _section(section, (f for f in section.fields if f.key in own))
         properties[key] = {**of_joints, "description": WHEEL.field(key).meaning}
     required = [*WHEEL.required, *kind.required]

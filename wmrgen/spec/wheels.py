@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from wmrgen.errors import Code, RobotFileError, Several
-from wmrgen.spec.fields import Amount, Section
-from wmrgen.spec.joints import read_encoders, read_lag, read_limits, read_noise
+from wmrgen.spec.fields import Amount
+from wmrgen.spec.joints import read_of_joints
 from wmrgen.spec.keys import WHEEL
 from wmrgen.spec.names import Names, wheel_name
 from wmrgen.spec.numbers import Scope
-from wmrgen.spec.part_keys import COUPLING, ENCODER, LAG, LIMITS, NOISE
+from wmrgen.spec.part_keys import COUPLING
 from wmrgen.spec.records import Coupling, Quantity, WheelSpec
 from wmrgen.spec.tables import Table, read_number, table_of
 from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, lookalike, quoted, scalar_of, suggestion
@@ -89,14 +89,9 @@ def _joint_facts(
     for key in ("actuated", "sensed"):
         with several:
             facts[key] = read_joints(table, key, kind, facts["actuated"])
-    for key, section, read in (
-        ("limits", LIMITS, read_limits), ("noise", NOISE, read_noise), ("encoder", ENCODER, read_encoders),
-        ("lag", LAG, read_lag),
-    ):  # fmt: skip
+    for part, key in (("limits", "limits"), ("noise", "noise"), ("encoders", "encoder"), ("lag", "lag")):
         with several:
-            facts["encoders" if key == "encoder" else key] = read(
-                table.get(key), what, scope, several, keys_of_type(section, kind)
-            )
+            facts[part] = read_of_joints(key, table, what, scope, several, kind.joints)
     return facts
 
 
@@ -145,11 +140,6 @@ def _no_joint(scalar: Scalar, what: str, joint: str, kind: WheelType, without: s
     if not kind.joints:
         return scalar.error(what, "It has no joint.", without)
     return scalar.error(what, "", suggestion(joint, kind.joints))
-
-
-def keys_of_type(section: Section, kind: WheelType) -> tuple[str, ...]:
-    """The keys of ``section`` that are about joints of a wheel of this type."""
-    return tuple(f.key for joint in kind.joints for f in section.fields if f.joint == joint)
 
 
 def read_couplings(

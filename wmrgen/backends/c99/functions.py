@@ -17,7 +17,6 @@ from wmrgen.ir.nodes import Cost, Function, Module, Op, Role, places, pruned
 
 _SHORT = 12  # statements: so few are repeated, not called
 _NOTE = 60  # characters of a comment behind a statement
-_FORMULA = 60  # characters of what a prepared number is
 _MANY = 4  # outputs that are listed
 _PLACE = re.compile(r"[\w.]+(?:->[\w.]+)*")  # a variable or a member
 
@@ -33,7 +32,7 @@ def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tu
         advice += f" {robot}_prepare_checked() refuses parameters that are far from nominal."
     prepare = replace(prepare, text=f"{_sentence(prepare.text)} {advice}" if prepare.text else advice)
     note = f"What {robot}_prepare() works out once from the parameters; the steps only read it."
-    texts, used = written_out(prepare, _FORMULA), _used(module)
+    texts, used = written_out(prepare), _used(module)
     formulas = zip(prepare.outputs, prepare.results, strict=True)
     outputs = tuple(replace(p, text=p.text or texts[r] or used.get(p.name, "")) for p, r in formulas)
     prepared = struct(f"{robot}_prepared", outputs, scalar, note)
@@ -61,7 +60,7 @@ def _used(module: Module) -> dict[str, str]:
     """Of each prepared number what the first function that reads it multiplies with it, and for which outputs."""
     used: dict[str, str] = {}
     for function in map(pruned, module.functions):
-        nodes, texts = function.nodes, written_out(function, _FORMULA)
+        nodes, texts = function.nodes, written_out(function)
         needs = [
             (p.name, places(nodes, [r])) for p, r in zip(function.outputs, function.results, strict=True)
         ]

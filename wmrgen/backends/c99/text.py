@@ -124,7 +124,7 @@ def _folded(line: str) -> list[str]:
     return [indent + first, *(line for piece in rest for line in _folded(indent + _INDENT + piece))]
 
 
-def _pieces(code: str, room: int) -> list[str]:
+def _pieces(code: str, width: int) -> list[str]:
     """``code`` parted where it binds least, outside brackets: a choice at its arms, sums and arguments where a line is
     full. Else within its longest brackets."""
     depths = list(accumulate((char in "([") - (char in ")]") for char in code))
@@ -138,22 +138,22 @@ def _pieces(code: str, room: int) -> list[str]:
         parts = [code[a:b].strip() for a, b in pairwise([0, *sorted(cuts), len(code)])]
         if len(parts) > 1:
             if separators[0] == " ? ":
-                return [parts[0], *_filled_lines(parts[1:], room - len(_INDENT))]
-            return _filled_lines(parts, room)
+                return [parts[0], *_filled_lines(parts[1:], width - len(_INDENT))]
+            return _filled_lines(parts, width)
     opened = [k for k, char in enumerate(code) if char in "([" and depths[k] == 1]
     ends = {k: next((j for j in range(k, len(code)) if not depths[j]), len(code)) for k in opened}
     if not opened:
         return [code]
     inside = max(opened, key=lambda k: ends[k] - k) + 1
-    rest, left = code[inside:], room - len(_INDENT)
-    return [code[:inside], *([rest] if len(rest) <= left else _pieces(rest, left))]
+    rest, narrower = code[inside:], width - len(_INDENT)
+    return [code[:inside], *([rest] if len(rest) <= narrower else _pieces(rest, narrower))]
 
 
-def _filled_lines(parts: Sequence[str], room: int) -> list[str]:
+def _filled_lines(parts: Sequence[str], width: int) -> list[str]:
     """As many parts on each line as it holds; further lines have their indent."""
     lines = [parts[0]]
     for part in parts[1:]:
-        if len(lines[-1]) + 1 + len(part) <= room - len(_INDENT) * (len(lines) > 1):
+        if len(lines[-1]) + 1 + len(part) <= width - len(_INDENT) * (len(lines) > 1):
             lines[-1] += f" {part}"
         else:
             lines.append(part)

@@ -25,16 +25,12 @@ __all__ = ["emit", "evaluate"]
 FLAGS = ("-Copt-level=1",)
 
 
-def evaluate(module: Module, requests: Sequence[Request], **words: str) -> list[dict[str, float]]:
-    """Outputs by contract name of each request, from the Rust of the `Choice` that ``words`` say, compiled."""
-    return run(module, requests, Choice(**words))
-
-
-def run(
-    module: Module, cases: Sequence[Request], choice: Choice, flags: Sequence[str] = FLAGS
+def evaluate(
+    module: Module, cases: Sequence[Request], flags: Sequence[str] = FLAGS, **words: str
 ) -> list[dict[str, float]]:
-    """Outputs of each function and case, compiled with ``flags``. A tunable left out is nominal."""
-    functions, default = unit(module, choice), nominal(module)
+    """Outputs by contract name of each case, from the Rust of the `Choice` that ``words`` say, compiled with ``flags``.
+    A tunable left out is nominal."""
+    functions, default = unit(module, Choice(**words)), nominal(module)
     calls = {
         name: _call(functions, module.function(name), default) for name in dict.fromkeys(n for n, _ in cases)
     }

@@ -170,15 +170,8 @@ def _sharpest(robot: Robot, w: Wheel, ref: Axle) -> Expr:
         )
     cosine, sine = circle_point(zeta.rational())
     tan = number(sine / cosine)
-    x, y = _place(w, ref)
+    x, y = map(expression, ref.seen(working_view(w)))
     return times(tan, 1 / add(absolute(x), times(tan, absolute(y))))
-
-
-def _place(w: Wheel, ref: Axle) -> tuple[Expr, Expr]:
-    """The pivot from the axle centre, along and across the heading."""
-    g = working_view(w)
-    x, y = g.x - ref.x, g.y - ref.y
-    return expression(x * ref.ex + y * ref.ey), expression(y * ref.ex - x * ref.ey)
 
 
 def _tops(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> list[Expr]:
@@ -194,8 +187,8 @@ def _tops(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> list[Exp
         if spin is None:
             continue
         rim = working_view(w).r * Poly.of(_symmetric(robot, "spin", spin))
-        _, y = _place(w, ref)
-        faster = add(sympy.S.One, times(absolute(y), bend))
+        _, aside = ref.seen(working_view(w))
+        faster = add(sympy.S.One, times(absolute(expression(aside)), bend))
         tops.append(times(expression(rim), 1 / faster))
     if not tops:
         raise _refusal(

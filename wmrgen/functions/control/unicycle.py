@@ -232,6 +232,5 @@ def wheelbase(robot: Robot, ref: Axle) -> Poly | None:
     """D [m], from the fixed axle to the steered wheels along the heading; None unless all have the same."""
     if not any(w.kind.fixed_axle for w in robot.wheels):
         return None
-    views = [working_view(w) for w in robot.wheels if w.kind.steers]
-    bases = {(g.x - ref.x) * ref.ex + (g.y - ref.y) * ref.ey for g in views}
+    bases = {ref.seen(working_view(w))[0] for w in robot.wheels if w.kind.steers}
     return bases.pop() if len(bases) == 1 else None

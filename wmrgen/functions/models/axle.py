@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 from typing import NamedTuple
 
 from wmrgen.constraints import View
+from wmrgen.exact.linalg import mean
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.polynomials import clean
-from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.records import Geometry, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.symbolic import Expr, add, expression, rotated, subtract, times
 
@@ -44,6 +44,11 @@ class Axle(NamedTuple):
         """The point that lies ``hitch`` behind Q."""
         return expression(self.x - self.ex * hitch), expression(self.y - self.ey * hitch)
 
+    def seen(self, g: Geometry[Poly]) -> tuple[Poly, Poly]:
+        """A pivot from Q, along e and to its left."""
+        dx, dy = g.x - self.x, g.y - self.y
+        return self.ex * dx + self.ey * dy, self.ex * dy - self.ey * dx
+
     def turned(self, c: Expr, s: Expr) -> Vector:
         """Cosine and sine of the axle's heading, from those of the robot's."""
         return rotated(c, s, *self.direction)
@@ -60,8 +65,7 @@ THROUGH_P = Axle(Poly.of(1), Poly({}), Poly({}), Poly({}))  # where no wheels ar
 def axle_of(fixed: Sequence[Wheel], view: View) -> Axle:
     """The mean of fixed wheels; their direction, taken forward (exactly sideways: to the left)."""
     views = [view(w) for w in fixed]
-    share = Fraction(1, len(views))
-    x, y = (clean(Poly.sum(getattr(g, k) for g in views).scale(share))[0] for k in "xy")
+    x, y = (clean(mean([getattr(g, k) for g in views]))[0] for k in "xy")
     lead = fixed[0].nominal
     ahead = lead.ch if abs(float(lead.ch)) > 1e-9 else lead.sh
     sign = 1 if float(ahead) > 0 else -1

@@ -15,12 +15,11 @@ its largest column is the eigenvector.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 
 import sympy
 
 from wmrgen.constraints import along, heading, working_view
-from wmrgen.exact.linalg import adjugate, symmetric
+from wmrgen.exact.linalg import adjugate, mean, symmetric
 from wmrgen.exact.poly import Poly, Row, dot, triple
 from wmrgen.functions.motion.icr import centre_ports
 from wmrgen.functions.motion.paths import path, sign
@@ -88,14 +87,10 @@ def _require_icr(robot: Robot, steered: list[Wheel], rank: int) -> None:
         )  # fmt: skip
 
 
-def _mean(values: list[Poly]) -> Poly:
-    return Poly.sum(values).scale(Fraction(1, len(values)))
-
-
 def _reach(wheels: list[Wheel], x: Poly, y: Poly, names: Locals) -> Expr:
     """RMS distance of the wheels from (x, y) [m], above zero."""
     views = [working_view(w) for w in wheels]
-    total = _mean([(g.x - x) ** 2 + (g.y - y) ** 2 for g in views])
+    total = mean([(g.x - x) ** 2 + (g.y - y) ** 2 for g in views])
     return names.define("spread", maximum(root(expression(total)), NEAR))
 
 
@@ -108,7 +103,7 @@ def _lateral(w: Wheel, x: Poly, y: Poly) -> Row:
 
 def _three(steered: list[Wheel], names: Locals) -> Row:
     """No fixed wheels: the smallest eigenvector, about the centroid of the steered wheels."""
-    x, y = _mean([working_view(w).x for w in steered]), _mean([working_view(w).y for w in steered])
+    x, y = mean([working_view(w).x for w in steered]), mean([working_view(w).y for w in steered])
     spread = _reach(steered, x, y, names)
     rows = []
     for w in steered:
@@ -127,7 +122,7 @@ def _two(fixed: Wheel, steered: list[Wheel], with_axle: list[Wheel], names: Loca
     """
     g = working_view(fixed)
     ex, ey = g.ch, g.sh
-    far = _mean([ex * (working_view(w).y - g.y) - ey * (working_view(w).x - g.x) for w in with_axle])
+    far = mean([ex * (working_view(w).y - g.y) - ey * (working_view(w).x - g.x) for w in with_axle])
     x, y = g.x - ey * far, g.y + ex * far
     spread = _reach(with_axle, x, y, names)
     straight, turning = [], []
@@ -149,7 +144,7 @@ def _one(column: Row, with_axle: list[Wheel], names: Locals) -> Row:
     """Two axle lines of fixed wheels: the motion is known, scaled to unit RMS velocity of the wheels."""
     views = [working_view(w) for w in with_axle]
     a, b, k = column
-    size = _mean([(a - k * g.y) ** 2 + (b + k * g.x) ** 2 for g in views])
+    size = mean([(a - k * g.y) ** 2 + (b + k * g.x) ** 2 for g in views])
     scale = names.define("size", maximum(root(expression(size)), NEAR))
     vx, vy, omega = (over(expression(p), scale) for p in column)
     return names.poly("vx_axles", vx), names.poly("vy_axles", vy), names.poly("omega_axles", omega)

@@ -232,8 +232,7 @@ def _steering(robot: Robot, mobility: Mobility, axle: Axle, symbolic: bool) -> S
     """The wheel whose angle is the steering coordinate, virtual where the file names one, seen from the axle."""
     wheel = steering_frame(robot, mobility, symbolic).wheels[0]
     g = wheel.symbolic if symbolic else wheel.working
-    ex, ey, dx, dy = axle.ex, axle.ey, g.x - axle.x, g.y - axle.y
+    (x, y), ex, ey = axle.seen(g), axle.ex, axle.ey
     return Steering(
-        name=wheel.name, x=ex * dx + ey * dy, y=ex * dy - ey * dx,
-        ch=ex * g.ch + ey * g.sh, sh=ex * g.sh - ey * g.ch,
+        name=wheel.name, x=x, y=y, ch=ex * g.ch + ey * g.sh, sh=ex * g.sh - ey * g.ch,
     )  # fmt: skip

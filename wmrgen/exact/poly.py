@@ -278,6 +278,11 @@ def has_angles(row: Iterable[Poly]) -> bool:
     return any(g.kind in ("cos", "sin") for p in row for g in p.generators)
 
 
+def at_angle(p: Poly, c: Poly, s: Poly) -> Poly:
+    """``p`` with every joint at the angle of this cosine and sine."""
+    return p.substitute(lambda g: {"cos": c, "sin": s}.get(g.kind))
+
+
 def dot(a: Sequence[Poly], b: Sequence[Poly]) -> Poly:
     """a . b of vectors of three."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import partialmethod
 
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.ir.nodes import Function, Node, Op, Port, prune
+from wmrgen.ir.nodes import Function, Node, Op, Port, pruned
 from wmrgen.ir.tape import Tape
 
 
@@ -226,8 +226,7 @@ class Builder(Tape):
         text: str = "",
     ) -> Function:
         """The function computing ``results``, with the nodes that they need and no others."""
-        nodes, renamed = prune(self.nodes, results)
-        return Function(name, inputs, nodes, outputs, renamed, text)
+        return pruned(Function(name, inputs, tuple(self.nodes), outputs, tuple(results), text))
 
     # ---- shapes of nodes
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ONE
-from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role, pruned, rebuilt, renumbered
+from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role, contract, pruned, rebuilt, renumbered
 
 Kernels = Mapping[str, Function]
 
@@ -57,7 +57,7 @@ def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequenc
     def put(node: Node, args: tuple[int, ...]) -> int:
         if node.op is Op.MUL and (factor := index.get(one)) in args:
             return args[args[0] == factor]  # to the bit
-        new = node if args == node.args else Node(node.op, args, node.value, node.name)
+        new = node.over(args)
         position = index.setdefault(new, len(nodes))
         if position == len(nodes):
             nodes.append(new)
@@ -106,9 +106,9 @@ def inline_prepare(function: Function, prepare: Function | None) -> Function:
     """``function`` without PREPARED inputs: contract inputs first, then every tunable parameter it needs."""
     wanted = {port.name for port in function.inputs if port.role is Role.PREPARED}
     own = tuple(port for port in function.inputs if port.role is Role.GEOMETRY)
-    contract = tuple(port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
+    asked = contract(function)
     if prepare is None or not wanted:
-        return replace(function, inputs=contract + own)
+        return replace(function, inputs=asked + own)
     nodes = list(prepare.nodes)
     prepared = dict(zip((port.name for port in prepare.outputs), prepare.results, strict=True))
     place: list[int] = []
@@ -116,10 +116,10 @@ def inline_prepare(function: Function, prepare: Function | None) -> Function:
         if node.op is Op.INPUT and node.name in prepared:
             place.append(prepared[node.name])
             continue
-        nodes.append(Node(node.op, tuple(place[a] for a in node.args), node.value, node.name))
+        nodes.append(node.over(tuple(place[a] for a in node.args)))
         place.append(len(nodes) - 1)
     tunables = prepare.inputs + tuple(p for p in own if p.name not in {q.name for q in prepare.inputs})
-    return pruned(rebuilt(replace(function, inputs=contract + tunables), nodes, dict(enumerate(place))))
+    return pruned(rebuilt(replace(function, inputs=asked + tunables), nodes, dict(enumerate(place))))
 
 
 def self_contained(module: Module) -> tuple[Function, ...]:

@@ -35,6 +35,10 @@ class Node(NamedTuple):
             return Op.SQUARE, self.args[:1]
         return self.op, self.args
 
+    def over(self, args: tuple[int, ...]) -> Node:
+        """The same operation of other arguments."""
+        return self if args == self.args else Node(self.op, args, self.value, self.name)
+
 
 class Named(NamedTuple):
     """An intermediate result of a formula, the node that computes it, and what the report calls it, where it does."""
@@ -138,12 +142,6 @@ def places(nodes: Sequence[Node], results: Sequence[int]) -> dict[int, int]:
     return {i: k for k, i in enumerate(kept)}
 
 
-def prune(nodes: Sequence[Node], results: Sequence[int]) -> tuple[tuple[Node, ...], tuple[int, ...]]:
-    """The nodes that ``results`` need, renumbered in their order, and the renumbered results."""
-    place = places(nodes, results)
-    return _moved(nodes, place), tuple(place[result] for result in results)
-
-
 def pruned(function: Function) -> Function:
     """``function`` with the nodes that its results need, and the names of these."""
     return placed(function, places(function.nodes, function.results))
@@ -175,12 +173,7 @@ def renumbered(named: Iterable[Named], place: Mapping[int, int]) -> tuple[Named,
 
 
 def _moved(nodes: Sequence[Node], place: Mapping[int, int]) -> tuple[Node, ...]:
-    moved: list[Node] = []
-    for i in place:
-        node = nodes[i]
-        args = tuple(map(place.__getitem__, node.args))
-        moved.append(node if args == node.args else Node(node.op, args, node.value, node.name))
-    return tuple(moved)
+    return tuple(nodes[i].over(tuple(map(place.__getitem__, nodes[i].args))) for i in place)
 
 
 def schedule(function: Function) -> Function:

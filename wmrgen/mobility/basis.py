@@ -17,7 +17,18 @@ from wmrgen.constraints import View, rolling_row, sliding_row
 from wmrgen.exact.evaluate import number, sqrt_poly
 from wmrgen.exact.linalg import mean
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Gen, Monomial, Poly, Row, common_powers, cross, each, has_angles, triple
+from wmrgen.exact.poly import (
+    Gen,
+    Monomial,
+    Poly,
+    Row,
+    at_angle,
+    common_powers,
+    cross,
+    each,
+    has_angles,
+    triple,
+)
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.admissible import along, geared
 from wmrgen.mobility.configure import Configuration
@@ -65,14 +76,14 @@ def deciding(rows: Sequence[BasisRow]) -> tuple[Wheel, ...]:
 def _constant(robot: Robot, row: Row, index: int | None) -> BasisRow:
     """A constant row: of the wheel ``index``, or of a coupling."""
     if index is None:
-        led = _led(robot, row)
-        return BasisRow(lambda _: led)
+        alone = each(row, partial(led, robot))
+        return BasisRow(lambda _: alone)
     w = robot.wheels[index]
     return BasisRow(lambda view: sliding_row(w, view(w)).row)
 
 
 def _slides(robot: Robot, w: Wheel) -> BasisRow:
-    return BasisRow(lambda view: _led(robot, sliding_row(w, view(w)).row), (w,))
+    return BasisRow(lambda view: each(sliding_row(w, view(w)).row, partial(led, robot)), (w,))
 
 
 def _turns_alike(robot: Robot, a: Wheel, b: Wheel) -> BasisRow:
@@ -81,20 +92,20 @@ def _turns_alike(robot: Robot, a: Wheel, b: Wheel) -> BasisRow:
     def row(view: View) -> Row:
         p, q = view(a), view(b)
         pairs = zip(rolling_row(a, p).row, rolling_row(b, q).row, strict=True)
-        return _led(robot, triple(u * robot.per_turn(b, q) - v * robot.per_turn(a, p) for u, v in pairs))
+        return triple(led(robot, u * robot.per_turn(b, q) - v * robot.per_turn(a, p)) for u, v in pairs)
 
     return BasisRow(row, tuple(w for w in (a, b) if w.kind.steers))
 
 
-def _led(robot: Robot, row: Row) -> Row:
-    """A row of steered wheels in the joint angles of the wheels that their couplings follow."""
+def led(robot: Robot, p: Poly) -> Poly:
+    """A polynomial in the joint angles of the wheels that couplings follow."""
 
     def value(gen: Gen) -> Poly | None:
         if gen.kind not in ("cos", "sin"):
             return None
         return Poly.gen(gen.kind, robot.wheels[robot.steer_group[robot.wheel(gen.name).index]].name)
 
-    return each(row, lambda p: p.substitute(value))
+    return p.substitute(value)
 
 
 def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> list[int]:
@@ -151,17 +162,11 @@ def _per_speed(column: Row, steered: tuple[Wheel, ...], robot: Robot) -> Row:
     if not has_angles([turn]) and abs(float(number(turn, values))) > NEGLIGIBLE:
         return _over(column, turn)
     for cosine, sine in ((1, 0), (0, 1)):
-        angle = {"cos": Poly.of(cosine), "sin": Poly.of(sine)}
-        twist = each(column, partial(_put, angle=angle))
+        twist = triple(at_angle(p, Poly.of(cosine), Poly.of(sine)) for p in column)
         speed = _speed(twist, [_rim(w, twist, cosine, sine) for w in steered] if twist[2] else [], values)
         if speed is not None:
             return _over(column, speed)
     return column
-
-
-def _put(p: Poly, angle: Mapping[str, Poly]) -> Poly:
-    """``p`` with every steering angle at the one of this cosine and sine."""
-    return p.substitute(lambda g: angle.get(g.kind))
 
 
 def _rim(w: Wheel, twist: Row, cosine: int, sine: int) -> Poly:

@@ -24,11 +24,12 @@ from wmrgen.backends.report.terms import width, wrapped
 from wmrgen.constraints import XI, seen, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
-from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.functions.models.polynomials import whole
 from wmrgen.functions.motion.wheel_speeds import relations
 from wmrgen.kinematics.least_squares import project
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.basis import led
 from wmrgen.mobility.ranks import numeric_rank
 from wmrgen.mobility.records import Mobility, Singularity
 from wmrgen.robot import Derivation
@@ -137,7 +138,7 @@ def _actuation(d: Derivation) -> list[str]:
     if len(spins) > _RELATIONS + 3:
         return blocks
     sums = [
-        Poly.sum(p * q for p, q in zip(_with_one_angle(row, d.robot), spins, strict=True))
+        Poly.sum(led(d.robot, p) * spin for p, spin in zip(row, spins, strict=True))
         for row in relations(d.robot, d.mobility, symbolic_view)
     ]
     lines = [f"0 &= {wrapped(summands(gathered(terms(short(p)))))}" for p in whole(sums)]
@@ -153,16 +154,6 @@ def _actuation(d: Derivation) -> list[str]:
         f"{satisfy} satisfy the condition{'s' * (len(lines) > 1)} of compatibility",
         *aligned(lines),
     ]
-
-
-def _with_one_angle(row: Sequence[Poly], robot: Robot) -> list[Poly]:
-    """The polynomials with one angle for wheels that share it."""
-    names = {w.name: robot.wheels[robot.steer_group[w.index]].name for w in robot.wheels}
-
-    def value(g: Gen) -> Poly | None:
-        return Poly.gen(g.kind, names[g.name]) if g.kind in ("cos", "sin") else None
-
-    return [p.substitute(value) for p in row]
 
 
 def integrability(d: Derivation) -> list[str]:

@@ -22,7 +22,7 @@ from wmrgen.constraints import (
 )
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import sqrt_poly
-from wmrgen.exact.poly import Gen, Poly, Row, dot, each
+from wmrgen.exact.poly import Poly, Row, at_angle, dot, each
 from wmrgen.functions.models.polynomials import angles_in, by_steering, clean, cleaned
 from wmrgen.functions.registry import underivable
 from wmrgen.kinematics.records import parameter_ports, tunable_ports
@@ -138,11 +138,8 @@ def in_coordinates(frame: Frame, wheel: Wheel, row: Row) -> Row:
     lead = frame.leader(wheel)
     if lead is None or lead.name == wheel.name:
         return row
-
-    def value(gen: Gen) -> Poly | None:
-        return Poly.gen(gen.kind, lead.name) if gen.kind in ("cos", "sin") else None
-
-    return each(row, lambda p: p.substitute(value))
+    c, s = steer_gens(lead)
+    return each(row, lambda p: at_angle(p, c, s))
 
 
 def has_coordinate(frame: Frame, wheel: Wheel) -> bool:

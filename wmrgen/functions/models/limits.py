@@ -12,7 +12,7 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.constraints import driving_row, steer_gens, working_view
-from wmrgen.exact.poly import Poly, Row, dot, each, triple
+from wmrgen.exact.poly import Poly, Row, at_angle, dot, each, triple
 from wmrgen.functions.models.frame import Frame, frame, steering_direction, steering_rates
 from wmrgen.functions.models.polynomials import NEGLIGIBLE
 from wmrgen.functions.models.virtual import steering_frame
@@ -183,7 +183,7 @@ class _Terms:
             if turned is None:
                 return None
             c, s = turned
-            row = each(row, lambda p: p.substitute(lambda gen: {"cos": c, "sin": s}.get(gen.kind)))
+            row = each(row, lambda p: at_angle(p, c, s))
         rim, rate = dot(row, self._twist), self._steer_rate(w) if w.kind.steers and g.o else None
         if rate is not None:
             rim = rim - g.o * self.locals.poly(f"{w.name}_rate", rate)

@@ -24,7 +24,7 @@ from dataclasses import replace
 import sympy
 
 from wmrgen.constraints import along, heading, symbolic_view, working_view
-from wmrgen.exact.poly import Gen, Poly, dot
+from wmrgen.exact.poly import Poly, at_angle, dot
 from wmrgen.functions.models.frame import (
     ZERO,
     Frame,
@@ -223,14 +223,8 @@ def _turn(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
     g = frame.view(wheel)
     speed = dot(in_coordinates(frame, wheel, along(heading(wheel, g), g)), column)
     c, s = Poly.gen("cos", _COURSE), Poly.gen("sin", _COURSE)
-
-    def value(gen: Gen) -> Poly | None:
-        """cos and sin of psi = (zeta - theta) - zero heading."""
-        if gen.kind == "cos":
-            return c * g.ch + s * g.sh
-        return s * g.ch - c * g.sh if gen.kind == "sin" else None
-
-    return column[2].substitute(value), speed.substitute(value)
+    psi = c * g.ch + s * g.sh, s * g.ch - c * g.sh  # (zeta - theta) - zero heading
+    return at_angle(column[2], *psi), at_angle(speed, *psi)
 
 
 def _in_zeta(poly: Poly) -> Expr:

@@ -49,8 +49,8 @@ def fuse(function: Function, kernel: bool = False, common: tuple[int, ...] = ())
             if node.op is Op.SUB:
                 x, other = (opposite(x), other) if k else (x, opposite(other))
             node = Node(Op.FMA, (x, y, other))
-        elif args != node.args:
-            node = Node(node.op, args, node.value, node.name)
+        else:
+            node = node.over(args)
         place.append(len(fused))
         fused.append(node)
     return rebuilt(function, fused, dict(enumerate(place)))

@@ -76,7 +76,9 @@ def _encoder(joint: str, table: Table, what: str, scope: Scope, several: Several
 def _lag(joint: str, table: Table, what: str, scope: Scope, several: Several) -> tuple[str, Quantity]:
     """The joint with its time constant."""
     del several
-    return joint, table.required_amount(joint, f"the lag of {what}", scope)
+    time = table.amount(joint, f"the lag of {what}", scope)
+    assert time is not None
+    return joint, time
 
 
 _READERS = {"limits": _limit, "noise": _noise, "encoder": _encoder, "lag": _lag}

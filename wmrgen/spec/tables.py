@@ -133,12 +133,6 @@ class Table:
             else read_quantity(node, value.kind, what, scope)
         )
 
-    def required_amount(self, key: str, of: str, scope: Scope) -> Quantity:
-        """The quantity of a key that `require_all` has seen."""
-        quantity = self.amount(key, of, scope)
-        assert quantity is not None
-        return quantity
-
     def choose(self, choice: Choice, what: str, required: bool = False) -> tuple[str, ...]:
         """The keys of the one alternative that stands, complete; none where there may be none."""
         standing = [tuple(k for k in keys if k in self.keys) for keys in choice.sets]

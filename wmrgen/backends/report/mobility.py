@@ -24,7 +24,7 @@ from wmrgen.backends.report.terms import width, wrapped
 from wmrgen.constraints import XI, seen, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.exact.poly import Poly, Row, dot, has_angles
 from wmrgen.functions.models.polynomials import whole
 from wmrgen.functions.motion.wheel_speeds import relations
 from wmrgen.kinematics.least_squares import project
@@ -144,7 +144,7 @@ def _actuation(d: Derivation) -> list[str]:
     lines = [f"0 &= {wrapped(summands(gathered(terms(short(p)))))}" for p in whole(sums)]
     if not lines or max(map(width, lines)) > _RELATION or len(lines) > _RELATIONS:
         return blocks
-    held = ", the steering held," if any(g.kind in ("cos", "sin") for p in sums for g in p.generators) else ""
+    held = ", the steering held," if has_angles(sums) else ""
     if held and not d.mobility.degree_of_steerability:  # one angle alone is admissible, where less is asked
         return blocks
     speeds = f"peeds of driven wheels that fit each other{held}"

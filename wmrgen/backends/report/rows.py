@@ -12,7 +12,7 @@ from wmrgen.backends.report.latex import alike, broken, latex, pieces, terms, to
 from wmrgen.backends.report.markdown import aligned, code, math, matrix, some
 from wmrgen.backends.report.terms import WIDE, width, wrapped
 from wmrgen.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
-from wmrgen.exact.poly import Poly, Row, dot, each
+from wmrgen.exact.poly import Poly, Row, dot, each, has_angles
 from wmrgen.functions.models.polynomials import NEGLIGIBLE
 from wmrgen.layout.records import Wheel
 from wmrgen.mobility.ranks import generic, nominal_at
@@ -260,7 +260,7 @@ def _motion(c: Row, which: str, centre: str) -> str:
         return "is motion straight ahead"
     if not w and not vx and vy.constant is not None:
         return "is motion to the left"
-    turned = any(g.kind in ("cos", "sin") for p in c for g in p.generators)
+    turned = has_angles(c)
     if not w:
         return f"is a translation in {f'the direction that the {which}' if turned else 'a fixed direction'}"
     if not vx and not vy:

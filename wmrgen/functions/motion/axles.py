@@ -21,6 +21,7 @@ import sympy
 from wmrgen.constraints import along, heading, working_view
 from wmrgen.exact.linalg import adjugate, mean, symmetric
 from wmrgen.exact.poly import Poly, Row, dot, triple
+from wmrgen.functions.models.polynomials import angles_in
 from wmrgen.functions.motion.icr import centre_ports
 from wmrgen.functions.motion.paths import path, sign
 from wmrgen.functions.registry import function, underivable
@@ -67,7 +68,7 @@ def axles(robot: Robot, mobility: Mobility) -> Formula:
         twist = _two(fixed[0], steered, with_axle, names)
     else:
         column = null_columns([mobility.basis_rows[k] for k in range(2)])[0]
-        turned = {g.name for p in column for g in p.generators if g.kind in ("cos", "sin")}
+        turned = angles_in(column)
         if turned - {w.name for w in steered}:
             raise underivable(
                 robot, "axles function", "its coupled castors leave a motion that depends on their angle"

@@ -22,7 +22,7 @@ from wmrgen.constraints import View, driving_row, nominal_view, rolling_row, sym
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Poly, dot
-from wmrgen.functions.models.polynomials import NEGLIGIBLE, clean
+from wmrgen.functions.models.polynomials import NEGLIGIBLE, angles_in, clean
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -125,7 +125,7 @@ def compatibility(robot: Robot, mobility: Mobility) -> Formula:
     for k, row in enumerate(rows, 1):
         port = output(f"residual{k}", "rad/s", f"compatibility row {k} times the wheel speeds")
         outputs.append((port, expression(Poly.sum(a * b for a, b in zip(row, spins, strict=True)))))
-    steered = {g.name for row in rows for p in row for g in p.generators if g.kind in ("cos", "sin")}
+    steered = angles_in(tuple(p for row in rows for p in row))
     steers = [joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.name in steered]
     inputs = (*(joint_port(w, "spin", Role.COMMAND) for w in driven), *steers, *tunable_ports(robot))
     text = "residuals of the wheel speeds of an over-actuated robot, steering held"

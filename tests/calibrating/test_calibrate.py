@@ -36,7 +36,7 @@ from wmrgen.calibrating.path import Reckoning, passed, reckoned
 from wmrgen.calibrating.picture import _ERRORS, _PATHS, _errors, _key, _paths, _values
 from wmrgen.calibrating.starts import _found, laid
 from wmrgen.calibrating.written import told, with_values
-from wmrgen.cli.calibrate import _drifting, _notes
+from wmrgen.cli.calibrate import _drifting, _far_off, _notes
 from wmrgen.errors import UsageError
 
 LOGS = Path(__file__).parent / "logs"
@@ -460,14 +460,34 @@ def test_a_mistake_in_the_last_of_three_or_nine_logs_is_named(
 
 
 @pytest.mark.slow
-def test_truths_of_two_drives_that_are_exchanged_are_named(tmp_path: Path) -> None:
-    paths = written(tmp_path, LAYOUTS["differential"])
-    first, second, _ = (path.with_suffix(".truth.csv") for path in paths)
+@pytest.mark.parametrize(("name", "count"), [("differential", 3), ("tricycle", 2)])
+def test_truths_of_two_drives_that_are_exchanged_are_named(tmp_path: Path, name: str, count: int) -> None:
+    """A tricycle's would also agree, by far less, with angles counted the other way."""
+    paths = written(tmp_path, LAYOUTS[name], seconds=24.0, encoders=Encoders(slip=0.01))[:count]
+    first, second = (path.with_suffix(".truth.csv") for path in paths[:2])
     texts = first.read_text(encoding="utf-8"), second.read_text(encoding="utf-8")
     first.write_text(texts[1], encoding="utf-8")
     second.write_text(texts[0], encoding="utf-8")
     with pytest.raises(UsageError, match=r"the truths of run-[01] and run-[01] exchanged"):
-        calibrate(derivation_of(tmp_path, LAYOUTS["differential"]), paths, [])
+        calibrate(derivation_of(tmp_path, LAYOUTS[name]), paths, [])
+
+
+@pytest.mark.parametrize(
+    ("value", "sigma", "nominal", "observable", "far"),
+    [
+        (0.0676, 1e-4, 0.1, True, True),
+        (-0.1, 1e-4, 0.1, True, True),
+        (0.116, 1e-4, 0.1, True, True),
+        (0.114, 1e-4, 0.1, True, False),  # as a soft tyre is
+        (0.12, 7e-3, 0.1, True, False),
+        (0.12, 1e-4, 0.1, False, False),
+        (0.3, 1e-4, 0.0, True, False),  # an angle of which nobody knew
+    ],
+)
+def test_a_length_that_no_tape_measure_gives_is_told(
+    value: float, sigma: float, nominal: float, observable: bool, far: bool
+) -> None:
+    assert _far_off(Estimate(value, sigma, nominal, observable)) == far
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from wmrgen.calibrating.readings import counts, readings
 
 RANDOM = np.random.default_rng(31337)
 T = np.cumsum(RANDOM.uniform(0.1, 0.2, 9))
+K = np.arange(8)
 NAMES = "a.spin a.steer a.steer_rate b.spin b.steer b.steer_rate".split()
 RIGHT = Drive(
     "run", T, {n: RANDOM.normal(size=8) for n in NAMES}, Truth(T[2:6] + 0.05, *RANDOM.normal(size=(3, 4)))
@@ -53,6 +54,17 @@ def mistaken(text: str) -> dict[str, np.ndarray]:
     if "should be <wheel>.angle" in text:  # what is taken for a speed is multiplied by the time that it lasts
         angles = {n: np.cumsum(right[n]) * np.diff(T) for n in NAMES if n.endswith(".spin")}
         return {**right, **angles}
+    if (
+        "should be <wheel>.spin" in text
+    ):  # what is taken for an increment is that of a speed, which is 0 at first
+        middles = {n: right[n] / np.diff(T) for n in NAMES if n.endswith(".spin")}
+        speeds = {n: 2 * np.cumsum(m * (-1.0) ** K) * (-1.0) ** K for n, m in middles.items()}
+        return {**right, **{n: np.diff(speed, prepend=0.0) for n, speed in speeds.items()}}
+    if "should be summed up" in text:  # what is taken for a speed is multiplied by the time that it lasts
+        return {**right, **{n: right[n] * np.diff(T) for n in NAMES if n.endswith(".spin")}}
+    if "clockwise" in text and "degrees" in text:
+        turned = {**right, "theta": -right["theta"] * IN_UNIT["degrees"]}
+        return {**turned, "y": -right["y"]} if text.startswith("y ") else turned
     if "of each step alone" in text:
         return {**right, **{n: np.diff(right[n], prepend=0.0) for n in NAMES if n.endswith(".spin")}}
     whose = next(names for words, names in WHAT.items() if re.match(words + r"\b", text))

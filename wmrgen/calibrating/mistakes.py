@@ -27,7 +27,7 @@ _ABOUT_ZERO = 1.0  # [m, rad] the same for a value that is nominally 0
 _BETTER = 0.25  # of the residual: what another reading of the columns has to come to, to be proposed
 _LESS = 0.5  # the same where residuals are small, but a length is none that a robot has
 _NO_HINT = "do log and truth belong to one drive of this robot?"
-_SIMILAR = 1.6  # times nominal values, in the median: half the way from inches to centimetres
+_SIMILAR = 1.3  # times nominal values, in the median: less than half the way from turns to metres at the rim
 _APART = 1.0  # [s] rows of truth that ways and turns are measured between
 _MOST = 0.9  # of these; the others may be jumps of headings that wrap
 _ALIKE = 1.5  # times the least residuals: a mirrored truth is the same as left and right exchanged
@@ -63,6 +63,8 @@ def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> None
 def _hint_of_some(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> str:
     """The hint of all drives; else of those that do not agree, where the others do, or which truths are exchanged."""
     far, two, hint = _by_name(best), drives[:2], _NO_HINT
+    if len(far) == len(drives) == 2 and (exchanged := _exchanged(best, drives, drives, fitted)):
+        return exchanged  # columns that are read another way agree about, too
     if len(two) == len(drives) or strange(fitted(two)):  # else they agree under what changes nothing
         hint = _hint(best, two, fitted)
     if hint != _NO_HINT or len(far) == 1:
@@ -73,14 +75,21 @@ def _hint_of_some(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> str:
         few = far if len(far) <= _FEW else ()
         names = [name for name in few if strange(fitted([drive for drive in drives if drive.name == name]))]
     some = [drive for drive in drives if drive.name in names]
-    for a, b in combinations(some, 2) if len(some) <= _FEW else ():
-        rest = [drive for drive in drives if drive.name not in (a.name, b.name)]
-        if _agrees(best, fitted([replace(a, truth=b.truth), replace(b, truth=a.truth), *rest])):
-            return f"they would agree with the truths of {a.name} and {b.name} exchanged"
+    if exchanged := _exchanged(best, some if len(some) <= _FEW else (), drives, fitted):
+        return exchanged
     if not 0 < len(names) < len(far):
         return hint
     alone = fitted([drive for drive in some if drive.name == some[0].name])
     return f"the others agree without {' and '.join(names)}: {_hint(alone, some[:2], fitted)}"
+
+
+def _exchanged(best: Fit, some: Sequence[Drive], drives: Sequence[Drive], fitted: Fitted) -> str:
+    """Which two of ``some`` of the drives would agree with their truths exchanged, in words."""
+    for a, b in combinations(some, 2):
+        rest = [drive for drive in drives if drive.name not in (a.name, b.name)]
+        if _agrees(best, fitted([replace(a, truth=b.truth), replace(b, truth=a.truth), *rest])):
+            return f"they would agree with the truths of {a.name} and {b.name} exchanged"
+    return ""
 
 
 def _by_name(best: Fit) -> dict[str, float]:

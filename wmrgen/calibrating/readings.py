@@ -39,6 +39,14 @@ def readings(drive: Drive, farther: float) -> Iterator[tuple[str, Change]]:
     for unit, size in (("millimetres", 1e-3), ("centimetres", 1e-2), ("inches", 0.0254), ("feet", 0.3048)):
         yield f"x and y of the truth in metres, which seem to be in {unit}", _with_truth(x=size, y=size)
     encoder = f", or counts of an encoder, about {2 * np.pi / farther:.0f} to a turn" if farther > 0 else ""
+    yield (
+        "theta of the truth in radians, which seems to be in degrees, clockwise",
+        _with_truth(theta=-np.pi / 180),
+    )
+    yield (
+        f"y of the truth counted the other way, theta in degrees, {north}",
+        _with_truth(y=-1, theta=-np.pi / 180),
+    )
     for unit, size, more in (("degrees", np.pi / 180, encoder), ("turns", 2 * np.pi, "")):
         yield f"theta of the truth in radians, which seems to be in {unit}", _with_truth(theta=size)
         yield f"angles of the wheels in radians, which seem to be in {unit}{more}", _scaled(spins, size)
@@ -49,6 +57,14 @@ def readings(drive: Drive, farther: float) -> Iterator[tuple[str, Change]]:
     yield (
         "angles of the wheels in columns that are called <wheel>.spin, and should be <wheel>.angle",
         lambda d: replace(d, columns={**d.columns, **{n: _turned(d, n) for n in spins}}),
+    )
+    yield (
+        "speeds of the wheels in columns that are called <wheel>.angle, and should be <wheel>.spin",
+        lambda d: replace(d, columns={**d.columns, **{n: _driven(d, n) for n in spins}}),
+    )
+    yield (
+        "angles of each step in columns that are called <wheel>.spin, which should be summed up in <wheel>.angle",
+        lambda d: replace(d, columns={**d.columns, **{n: d.columns[n] / np.diff(d.t) for n in spins}}),
     )
     yield (
         "angles of the wheels summed up, which seem to be those of each step alone",
@@ -68,6 +84,12 @@ def counts(drive: Drive, farther: float) -> tuple[str, Change]:
 def _turned(drive: Drive, spin: str) -> Reals:
     """Increments of angles that were read for speeds."""
     return np.diff(drive.columns[spin] / np.diff(drive.t), prepend=0.0)
+
+
+def _driven(drive: Drive, spin: str) -> Reals:
+    """Increments of a wheel that stands at first, whose speeds were read for angles."""
+    speed = np.cumsum(drive.columns[spin])
+    return (speed - drive.columns[spin] / 2) * np.diff(drive.t)
 
 
 def _as_long(drive: Drive) -> Drive:

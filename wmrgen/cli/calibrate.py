@@ -15,9 +15,10 @@ from wmrgen.cli.loading import derived
 from wmrgen.errors import UsageError
 
 _SHOWN = 1e-9  # [rad] rounding
+_FAR_OFF = 0.15  # of a length: nobody measures worse
 
 if TYPE_CHECKING:
-    from wmrgen.calibrating.calibrate import Calibration
+    from wmrgen.calibrating.calibrate import Calibration, Estimate
     from wmrgen.calibrating.observability import Course, Offer
     from wmrgen.calibrating.outliers import Drift
     from wmrgen.robot import Derivation
@@ -192,6 +193,11 @@ def _notes(derivation: Derivation, result: Calibration) -> list[str]:
         if abs(offset) > 0.02:
             notes.append(f"{name}: the truth's clock is {offset:+.3f} s off")
     notes += map(_drifting, result.drifts)
+    if far := [name for name, e in result.parameters.items() if _far_off(e)]:
+        notes.append(
+            f"{', '.join(far)}: more than {100 * _FAR_OFF:.0f} % from nominal; if that was measured, see whether "
+            "counts of a turn, gears and units of log and truth are right"
+        )
     for slip in result.outliers:
         how = (
             "its joints disagree"
@@ -214,6 +220,13 @@ def _notes(derivation: Derivation, result: Calibration) -> list[str]:
                 f"{_together(group, untold(result, group))}: {_remedy(choices, result, group, never)}"
             )
     return notes
+
+
+def _far_off(estimate: Estimate) -> bool:
+    """Whether a length is sure to be farther from its nominal value than who measures one is off."""
+    off = abs(estimate.value - estimate.nominal)
+    far = off > max(_FAR_OFF * abs(estimate.nominal), 3 * estimate.sigma)
+    return estimate.observable and estimate.nominal != 0 and far
 
 
 def _drifting(drift: Drift) -> str:

@@ -22,6 +22,7 @@ from wmrgen.bounds.robot import (
     data,
     described,
     functions,
+    limit,
 )
 from wmrgen.cli import console
 from wmrgen.cli.loading import noted
@@ -98,11 +99,11 @@ def _persistent(alarms_with: Callable[[int], tuple[str, ...]]) -> tuple[str, ...
 
 
 def _show(name: str, bounds: Bounds, eva: Mapping[str, Any]) -> None:
-    limits = ", ".join(_limit(n, r) for n, r in bounds.declared.items())
+    limits = ", ".join(limit(n, r) for n, r in bounds.declared.items())
     console.result(f"{name}: float, {described(bounds.library)}")
     console.result(f"  limits: {limits}")
     if bounds.assumed:
-        console.result(f"  assumed: {', '.join(_limit(n, r) for n, r in bounds.assumed.items())}")
+        console.result(f"  assumed: {', '.join(limit(n, r) for n, r in bounds.assumed.items())}")
     if bounds.steers:
         console.result(f"  {TIES}")
     for f in bounds.functions:
@@ -116,11 +117,6 @@ def _show(name: str, bounds: Bounds, eva: Mapping[str, Any]) -> None:
         console.note(f"Frama-C Eva was not run: {eva['reason']}")
 
 
-def _limit(name: str, r: tuple[float, float]) -> str:
-    low, high = r
-    return f"|{name}| <= {high:g}" if low == -high else f"{low:g} <= {name} <= {high:g}"
-
-
 def _function(f: FunctionBound, bounds: Bounds) -> None:
     if f.unknown:
         console.result(f"{f.name}: not looked at, no range for {', '.join(f.unknown)}", "bold")
@@ -130,7 +126,7 @@ def _function(f: FunctionBound, bounds: Bounds) -> None:
         f"{f.name}: {'no NaN, infinity or division by zero' if f.proved else 'not proved'}", "bold"
     )
     if wider := beyond(f, bounds):
-        console.result(f"  of {', '.join(_limit(n, r) for n, r in wider.items())}")
+        console.result(f"  of {', '.join(limit(n, r) for n, r in wider.items())}")
     for text in f.alarms:
         console.result(f"  {text}")
     free = tuple(n for n in f.inputs if n.endswith(".steer") and n not in bounds.declared)

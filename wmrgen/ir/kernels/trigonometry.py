@@ -104,11 +104,18 @@ def _sign(tape: Tape, raised: int, processor: Processor) -> int:
     return tape.sub(tape.const(ONE), tape.mul(tape.const(_TWO), tape.mul(odd, odd)))
 
 
-def _sine(tape: Tape, p: Processor) -> list[int]:
-    del p
-    r = tape.input("r")
-    s = tape.mul(r, r)
-    return [tape.add(r, tape.mul(tape.mul(r, s), tape.horner(s, SIN)))]
+_Write = Callable[[Tape, Processor], list[int]]
+
+
+def _odd(name: str, coefficients: tuple[Exact, ...]) -> _Write:
+    """x + x s p(s), s = x**2, of the input ``name``."""
+
+    def write(tape: Tape, _: Processor) -> list[int]:
+        x = tape.input(name)
+        s = tape.mul(x, x)
+        return [tape.add(x, tape.mul(tape.mul(x, s), tape.horner(s, coefficients)))]
+
+    return write
 
 
 def _direction(tape: Tape, p: Processor) -> list[int]:
@@ -169,13 +176,6 @@ def _fused_rest(tape: Tape, x: int, k: int, high: Exact, less: Exact) -> int:
     return tape.put(Op.FMA, k, tape.const(less), r)
 
 
-def _arctangent(tape: Tape, p: Processor) -> list[int]:
-    del p
-    q = tape.input("q")
-    t = tape.mul(q, q)
-    return [tape.add(q, tape.mul(tape.mul(q, t), tape.horner(t, ATAN)))]
-
-
 def _arctangent2(tape: Tape, p: Processor) -> list[int]:
     y, x = tape.input("y"), tape.input("x")
     zero, one = tape.const(ZERO), tape.const(ONE)
@@ -189,13 +189,12 @@ def _arctangent2(tape: Tape, p: Processor) -> list[int]:
     return [tape.select(y, zero, tape.put(Op.NEG, angle), angle)]
 
 
-_Write = Callable[[Tape, Processor], list[int]]
 # Those that are called stand before those that call.
 _KERNELS: dict[str, tuple[str, tuple[str, ...], _Write]] = {
-    "sine": ("sin r, |r| <= pi/2.", ("value",), _sine),
+    "sine": ("sin r, |r| <= pi/2.", ("value",), _odd("r", SIN)),
     "direction": ("(cos angle, sin angle).", VECTOR, _direction),
     "vector_at": ("The vector of this size at this angle: size (cos angle, sin angle).", VECTOR, _vector_at),
-    "arctangent": ("atan q, |q| <= 1.", ("value",), _arctangent),
+    "arctangent": ("atan q, |q| <= 1.", ("value",), _odd("q", ATAN)),
     "arctangent2": ("The angle of (x, y): atan2(y, x), and 0 at the origin.", ("value",), _arctangent2),
 }
 

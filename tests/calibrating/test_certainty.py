@@ -17,7 +17,7 @@ from wmrgen.calibrating.certainty import _pulls, _spans, _walk, fit, student
 from wmrgen.calibrating.clocks import ALONE, shown
 from wmrgen.calibrating.fit import LEVER, Residuals, _middle, serial, start_of
 from wmrgen.calibrating.mistakes import refuse_strangers
-from wmrgen.calibrating.outliers import Drift, _drifts, _peaks, _steps_of
+from wmrgen.calibrating.outliers import Drift, Outlier, _drifts, _large, _peaks, _steps_of
 from wmrgen.calibrating.starts import _bearing
 from wmrgen.errors import UsageError
 
@@ -152,6 +152,17 @@ def test_slips_are_at_the_peaks_of_what_is_unusual() -> None:
     unusual = np.array([0.9, 0, 2.9, 5, 3.1, *[0] * 8, 1.1, 0.9, *[0] * 20, 1.5])
     assert unusual[_peaks(unusual)].tolist() == [5, 3.1, 1.1, 1.5]
     assert not len(_peaks(np.array([])))
+
+
+def test_a_slip_that_a_larger_one_may_make_is_left_for_later() -> None:
+    """All that joints tell are taken at once."""
+    slips = [
+        Outlier("run", t, t + 1, moved, turned)
+        for t, moved, turned in [(1, 0.1, 1), (9, 0.05, 0), (20, 0, 0.6)]
+    ]
+    assert [slip.start for slip in _large(slips)] == [1, 20]
+    assert len(_large([replace(slip, moved=np.nan, turned=np.nan) for slip in slips])) == 3
+    assert _large([]) == []
 
 
 @pytest.mark.parametrize("ahead", [1, 1j])

@@ -39,6 +39,7 @@ _WORSE = 2.0  # times the smallest usual steps of a drive: a clock under which t
 _LARGE = 2.0  # times the scale of residuals, which a disagreement of joints in one step is at least
 _NOTED = 0.02  # [m] a disagreement that is worth telling, however far the drives are off
 _PEAK = 0.6  # of the largest step near by, for the slip to be there
+_HIDES = 0.4  # of a drive's largest slip: what is smaller may be made by that one
 _STILL = 0.02  # [m] of way in all windows: the robot stands
 _MOST = 0.25  # of a drive: where more is unusual, nothing is
 _SHORTEST = 3.0  # [s] of what is left of a drive between two slips
@@ -181,7 +182,14 @@ def outliers(best: Fit, coarser: Problem) -> list[list[Outlier]]:
     lengths = [sum(slip.end - slip.start for slip in slips) for slips in merged]
     rare = [length < _MOST * (d.t[-1] - d.t[0]) for length, d in zip(lengths, drives, strict=True)]
     likely = [few and abs(late) < STRANGE for few, late in zip(rare, best.offsets, strict=True)]
-    return [slips if so else [] for slips, so in zip(merged, likely, strict=True)]
+    return [_large(slips) if so else [] for slips, so in zip(merged, likely, strict=True)]
+
+
+def _large(slips: Sequence[Outlier]) -> list[Outlier]:
+    """Those of a drive's slips that are not far smaller than the largest, to which all its path is bent as long as it
+    is there, so that there seem to be others; all that joints tell."""
+    sizes = [np.hypot(slip.moved, LEVER * slip.turned) for slip in slips]
+    return [slip for slip, size in zip(slips, sizes, strict=True) if not size < _HIDES * max(sizes)]
 
 
 def _no_clock(problem: Problem, unknowns: Reals, index: int, peaks: NDArray[np.bool_]) -> NDArray[np.intp]:

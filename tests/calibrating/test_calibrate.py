@@ -472,6 +472,18 @@ def test_truths_of_two_drives_that_are_exchanged_are_named(tmp_path: Path, name:
         calibrate(derivation_of(tmp_path, LAYOUTS[name]), paths, [])
 
 
+@pytest.mark.slow
+def test_joints_that_hold_under_other_parameters_than_the_truth_are_refused(tmp_path: Path) -> None:
+    """Steering angles from the left in place of ahead: all were left nominal, with the paths metres from the truth."""
+    paths = written(tmp_path, LAYOUTS["swerve"], seconds=24.0, rate=20.0, encoders=Encoders(slip=0.01))[:2]
+    for path in paths:
+        header, log = _rows(path.read_text(encoding="utf-8"))
+        log[:, [name.endswith(".steer") for name in header.split(",")]] += np.pi / 2
+        path.write_text(_text(header, log), encoding="utf-8")
+    with pytest.raises(UsageError, match=r"zero_a is -1.* and zero_b is -1"):
+        calibrate(derivation_of(tmp_path, LAYOUTS["swerve"]), paths, [])
+
+
 @pytest.mark.parametrize(
     ("value", "sigma", "nominal", "observable", "far"),
     [

@@ -16,7 +16,7 @@ from wmrgen.calibrating.drawn import drawn
 from wmrgen.calibrating.fit import Each, Problem, during, nearest, serial, solved, start_of, unit_of
 from wmrgen.calibrating.joints import settled
 from wmrgen.calibrating.logs import Drive, names, pairs, read
-from wmrgen.calibrating.mistakes import refuse_strangers, strange
+from wmrgen.calibrating.mistakes import refuse_strangers, refuse_unsettled, strange
 from wmrgen.calibrating.observability import unobservable
 from wmrgen.calibrating.outliers import Drift, Outlier, cut, drifts, without, without_slips
 from wmrgen.calibrating.path import Increments, Reals
@@ -124,7 +124,8 @@ def calibrate(
     best, more = without_slips(_without_jumps(first, moving, each), _coarser, again)
     slips += more
     refuse_strangers(best, problem.drives, lambda some: _begun(replace(problem, drives=tuple(some)), each)[0])
-    best = _settled(best, each)
+    first, best = best, _settled(best, each)
+    refuse_unsettled(best, first)
     if best.problem.untold is not None:  # joints that disagree less show more slips
         best, more = without_slips(best, _coarser, again)
         slips += more

@@ -60,6 +60,14 @@ def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> None
     raise UsageError(f"whatever the parameters are, {stay}: {hint}")
 
 
+def refuse_unsettled(best: Fit, first: Fit) -> None:
+    """UsageError where the ``best`` fit, in which joints tell what the truth does not, is lost from the ``first`` one
+    on, whose parameters alone bring joints and truth together."""
+    if strange(best):
+        unlikely = _unlikely(first, 0.0, anyway=True) or "joints tell other parameters than the truth"
+        raise UsageError(f"log and truth agree only where {unlikely}: {_NO_HINT}")
+
+
 def _hint_of_some(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> str:
     """The hint of all drives; else of those that do not agree, where the others do, or which truths are exchanged."""
     far, two, hint = _by_name(best), drives[:2], _NO_HINT
@@ -173,9 +181,9 @@ def _far(best: Fit) -> Reals:
     )
 
 
-def _unlikely(best: Fit, sure: float) -> str:
+def _unlikely(best: Fit, sure: float, anyway: bool = False) -> str:
     """The parameters whose sign is not that of their nominal value, or whose size is far from it, by so many standard
-    deviations, in words; an angle from 0 that drives do not tell may come out as it likes."""
+    deviations, in words; an angle from 0 that drives do not tell may come out as it likes, but where ``anyway``."""
     names, weak = best.problem.increments.parameters, {n for group in unobservable(best) for n in group}
     rows = zip(names, best.problem.nominal, best.values, best.deviations, strict=True)
     return " and ".join(
@@ -185,7 +193,7 @@ def _unlikely(best: Fit, sure: float) -> str:
         and (
             not 1 / _TIMES < value / nominal < _TIMES
             if nominal
-            else abs(value) > _ABOUT_ZERO and name not in weak
+            else abs(value) > _ABOUT_ZERO and (anyway or name not in weak)
         )
     )
 

@@ -71,7 +71,12 @@ def _best(layout: Layout, seed: int) -> Freedom:
 
 
 def _along(
-    layout: Layout, castors: dict[str, float], rows: Equations, planes: Array, z: Array, rng: np.random.Generator
+    layout: Layout,
+    castors: dict[str, float],
+    rows: Equations,
+    planes: Array,
+    z: Array,
+    rng: np.random.Generator,
 ) -> list[Array]:
     """Twists of the component that ``z`` lies on: cuts and castors move a little, and the solution follows."""
     lead = oracle.leaders(layout, "steer")

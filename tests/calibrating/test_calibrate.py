@@ -247,8 +247,15 @@ def test_what_only_appears_as_a_sum_is_named(tmp_path: Path) -> None:
         "half_width and half_length scale together on these drives, so that their values hold only together: no drive "
         "tells them apart; measure one of them, and delete its tunable: true"
     )
-    for off, kept in ((0.0, True), (29.0, True), (31.0, False), (-31.0, False)):
-        e = result.parameters["half_width"]  # 31 tenths off the fit has lost its way
+    for off, kept in (
+        (0.0, True),
+        (29.0, True),
+        (31.0, False),
+        (-7.0, True),
+        (-9.999, False),
+        (-10.001, False),
+    ):
+        e = result.parameters["half_width"]  # so many tenths off; no length is negative, or nearly nothing
         lost = {**result.parameters, "half_width": replace(e, value=e.nominal * (1 + 0.1 * off))}
         values = told(replace(result, parameters=lost))
         assert {"r", *(("half_width", "half_length") if kept else ())} == values.keys() & {

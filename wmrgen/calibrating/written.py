@@ -6,8 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from wmrgen.calibrating.calibrate import Calibration
-from wmrgen.calibrating.fit import unit_of
+from wmrgen.calibrating.calibrate import Calibration, Estimate
 from wmrgen.errors import NotDerivableError
 from wmrgen.exporting.ros2_control import ros2_control
 from wmrgen.ir.nodes import Module
@@ -15,15 +14,21 @@ from wmrgen.layout.records import Robot
 from wmrgen.spec.load import read_robot
 from wmrgen.symbolic import expression
 
-_LOST = 30.0  # units of the prior that an estimate is off: four times the nominal value, or 3 rad
+_LOST = 4.0  # times the nominal value, or less than its fourth part, or of another sign
+_LOST_ANGLE = 3.0  # [rad] the same of what is nominally 0
 
 
 def untold(result: Calibration, group: Sequence[str]) -> bool:
     """Whether parameters that the drives do not tell stay nominal: such as are told nothing of, alone, and such among
     which the fit has lost its way. Those that only scale together are told with one another, as half length and half
     width by their sum, and belong to the other values."""
-    off = (result.parameters[name] for name in group)
-    return len(group) == 1 or any(abs(e.value - e.nominal) > _LOST * unit_of(e.nominal) for e in off)
+    return len(group) == 1 or any(_lost(result.parameters[name]) for name in group)
+
+
+def _lost(estimate: Estimate) -> bool:
+    if estimate.nominal:
+        return not 1 / _LOST < estimate.value / estimate.nominal < _LOST
+    return abs(estimate.value) > _LOST_ANGLE
 
 
 def told(result: Calibration) -> dict[str, float]:

@@ -28,10 +28,10 @@ from wmrgen.calibrating.calibrate import (
     problem_of,
 )
 from wmrgen.calibrating.certainty import fit
+from wmrgen.calibrating.drifts import Drift
 from wmrgen.calibrating.fit import Problem, serial, start_of, sums, unit_of
 from wmrgen.calibrating.logs import names, read
 from wmrgen.calibrating.observability import courses, offers, plan
-from wmrgen.calibrating.outliers import Drift
 from wmrgen.calibrating.path import Reckoning, passed, reckoned
 from wmrgen.calibrating.picture import _ERRORS, _PATHS, _errors, _key, _paths, _values
 from wmrgen.calibrating.starts import _found, laid

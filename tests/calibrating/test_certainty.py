@@ -15,9 +15,10 @@ from tests.calibrating.test_calibrate import derivation_of
 from wmrgen.calibrating.calibrate import _jackknife, calibrate
 from wmrgen.calibrating.certainty import _pulls, _spans, _walk, fit, student
 from wmrgen.calibrating.clocks import ALONE, shown
+from wmrgen.calibrating.drifts import Drift, _drifts
 from wmrgen.calibrating.fit import LEVER, Residuals, _middle, serial, start_of
 from wmrgen.calibrating.mistakes import refuse_strangers
-from wmrgen.calibrating.outliers import Drift, Outlier, _drifts, _large, _peaks, _steps_of
+from wmrgen.calibrating.outliers import Outlier, _large, _peaks, _steps_of
 from wmrgen.calibrating.starts import _bearing
 from wmrgen.errors import UsageError
 

@@ -13,12 +13,13 @@ import numpy as np
 from wmrgen.calibrating import certainty
 from wmrgen.calibrating.certainty import Fit
 from wmrgen.calibrating.drawn import drawn
+from wmrgen.calibrating.drifts import Drift, drifts
 from wmrgen.calibrating.fit import Each, Problem, during, nearest, serial, solved, start_of, unit_of
 from wmrgen.calibrating.joints import settled
 from wmrgen.calibrating.logs import Drive, names, pairs, read
 from wmrgen.calibrating.mistakes import refuse_strangers, refuse_unsettled, strange
 from wmrgen.calibrating.observability import unobservable
-from wmrgen.calibrating.outliers import Drift, Outlier, cut, drifts, without, without_slips
+from wmrgen.calibrating.outliers import Outlier, cut, without, without_slips
 from wmrgen.calibrating.path import Increments, Reals
 from wmrgen.calibrating.starts import begun, laid
 from wmrgen.calibrating.stored import changed, stored

@@ -19,8 +19,8 @@ _FAR_OFF = 0.15  # of a length: nobody measures worse
 
 if TYPE_CHECKING:
     from wmrgen.calibrating.calibrate import Calibration, Estimate
+    from wmrgen.calibrating.drifts import Drift
     from wmrgen.calibrating.observability import Course, Offer
-    from wmrgen.calibrating.outliers import Drift
     from wmrgen.robot import Derivation
 
 

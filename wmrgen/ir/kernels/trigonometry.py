@@ -104,18 +104,18 @@ def _sign(tape: Tape, raised: int, processor: Processor) -> int:
     return tape.sub(tape.const(ONE), tape.mul(tape.const(_TWO), tape.mul(odd, odd)))
 
 
-_Write = Callable[[Tape, Processor], list[int]]
+def _odd(tape: Tape, x: int, coefficients: tuple[Exact, ...]) -> list[int]:
+    """x + x s p(s), s = x**2."""
+    s = tape.mul(x, x)
+    return [tape.add(x, tape.mul(tape.mul(x, s), tape.horner(s, coefficients)))]
 
 
-def _odd(name: str, coefficients: tuple[Exact, ...]) -> _Write:
-    """x + x s p(s), s = x**2, of the input ``name``."""
+def _sine(tape: Tape, _: Processor) -> list[int]:
+    return _odd(tape, tape.input("r"), SIN)
 
-    def write(tape: Tape, _: Processor) -> list[int]:
-        x = tape.input(name)
-        s = tape.mul(x, x)
-        return [tape.add(x, tape.mul(tape.mul(x, s), tape.horner(s, coefficients)))]
 
-    return write
+def _arctangent(tape: Tape, _: Processor) -> list[int]:
+    return _odd(tape, tape.input("q"), ATAN)
 
 
 def _direction(tape: Tape, p: Processor) -> list[int]:
@@ -189,12 +189,13 @@ def _arctangent2(tape: Tape, p: Processor) -> list[int]:
     return [tape.select(y, zero, tape.put(Op.NEG, angle), angle)]
 
 
+_Write = Callable[[Tape, Processor], list[int]]
 # Those that are called stand before those that call.
 _KERNELS: dict[str, tuple[str, tuple[str, ...], _Write]] = {
-    "sine": ("sin r, |r| <= pi/2.", ("value",), _odd("r", SIN)),
+    "sine": ("sin r, |r| <= pi/2.", ("value",), _sine),
     "direction": ("(cos angle, sin angle).", VECTOR, _direction),
     "vector_at": ("The vector of this size at this angle: size (cos angle, sin angle).", VECTOR, _vector_at),
-    "arctangent": ("atan q, |q| <= 1.", ("value",), _odd("q", ATAN)),
+    "arctangent": ("atan q, |q| <= 1.", ("value",), _arctangent),
     "arctangent2": ("The angle of (x, y): atan2(y, x), and 0 at the origin.", ("value",), _arctangent2),
 }
 

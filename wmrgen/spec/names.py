@@ -21,6 +21,9 @@ _SIDES = {"left": "left", "right": "right"}
 _WHOLE = {**_ENDS, **_SIDES}
 _WORDS = re.compile(r"(?<![A-Z])(?:[FMRB][LR]|[LR][FMB])(?=[a-z]{2})|[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 _LETTERS = {"f": "front", "m": "middle", "r": "rear", "b": "rear"}, {"l": "left", "r": "right"}
+_PAIRS = [(end, side) for end in _ENDS.items() for side in (_SIDES | _LETTERS[1]).items()]
+_PAIRS += [(end, side) for end in _LETTERS[0].items() for side in _LETTERS[1].items()]
+_TOGETHER = {a[0] + b[0]: [end[1], side[1]] for end, side in _PAIRS for a, b in ((end, side), (side, end))}
 _INITIALS = re.compile(  # f_l, R_F
     r"(?i)(?<=(?<![a-z])[fmrb])_(?=[lr](?![a-z]))|(?<=(?<![a-z])[lr])_(?=[fmrb](?![a-z]))"
 )
@@ -169,13 +172,6 @@ def role(*texts: str) -> str:
 def _sides(word: str) -> list[str]:
     """The sides that a word in lower case names: rear, lf, frontleft, lfront, flwheel; l, which is no end as r is."""
     word = word.removeprefix("wheel").removesuffix("wheel")
-    ends, sides = _LETTERS
     if word in _WHOLE:
         return [_WHOLE[word]]
-    for k in range(1, len(word)):
-        for end, side in ((word[:k], word[k:]), (word[k:], word[:k])):
-            if end in _ENDS and side in {**_SIDES, **sides}:
-                return [_ENDS[end], {**_SIDES, **sides}[side]]
-            if end in ends and side in sides:
-                return [ends[end], sides[side]]
-    return ["left"] if word == "l" else []
+    return _TOGETHER.get(word, ["left"] if word == "l" else [])

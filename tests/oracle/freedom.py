@@ -61,8 +61,8 @@ def _best(layout: Layout, seed: int) -> Freedom:
                 continue
             mobility = len(_still(rows, z))
             steerability = cuts + 1 - mobility
-            if (steerability, mobility) < (best.steerability, best.mobility):
-                continue
+            if (steerability, mobility, 3) <= (best.steerability, best.mobility, best.dof):
+                continue  # no algebra of twists has more dimensions than three
             twists = _along(layout, castors, rows, planes, z, rng)
             still = max(abs(t[2]) for t in twists) < LOOSE
             better = Freedom(mobility, steerability, _closure(twists), still)

@@ -61,6 +61,7 @@ def test_worst_of_a_sample(tmp_path: Path, target: str) -> None:
         assert verify.worst(program, r, EVERYDAY).worst <= stated(r, target), r
 
 
+@pytest.mark.slow
 def test_worst_of_a_sample_of_vectors(tmp_path: Path) -> None:
     """Their cosines are sines, not the usual polynomial, and the same on both sides of 0."""
     vector, usual = tmp_path / "vector", tmp_path / "usual"

@@ -142,6 +142,7 @@ def test_it_is_a_package(wmrgen_cli: Callable[..., Outcome], robot_file: Path) -
     assert "package-rust/pair/src/lib.rs" in wmrgen_cli("check", robot_file, "-o", out).out
 
 
+@pytest.mark.slow
 def test_bounds_are_those_of_the_c(wmrgen_cli: Callable[..., Outcome], tmp_path: Path) -> None:
     robot = ROOT / "robots" / "pioneer3dx.yaml"
     assert wmrgen_cli("derive", robot, "-o", tmp_path, "--package", "rust").code == 0
@@ -191,6 +192,7 @@ def test_what_changes_in_place_changes_at_once_and_other_members_stay() -> None:
     assert turned == {"box.steer": -3.0}
 
 
+@pytest.mark.slow
 def test_wheels_and_parameters_may_be_called_as_rust_calls_other_things(
     wmrgen_cli: Callable[..., Outcome], robot_file: Path
 ) -> None:

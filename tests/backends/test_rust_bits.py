@@ -41,7 +41,7 @@ CHOICES = (
 # Tunable parameters, rollers, steered modules, a car with limits, castors.
 ROBOTS = ("pioneer3dx", "kuka_youbot", "wpilib_swervebot", "ackermann_car", "office_chair")
 BUILDS = [(robot, choice, level) for robot in ROBOTS for choice in CHOICES for level in ("0", "3")]
-ALWAYS = [("pioneer3dx", FLOAT, "3"), ("wpilib_swervebot", Choice(target="m0"), "0")]
+ALWAYS = [("pioneer3dx", FLOAT, "3")]
 EDGES = (
     0.0, -0.0, math.pi / 2, -math.pi / 2, math.pi, 3 * math.pi / 2, 1.0, -1.0, 3 / 64, 3 / 64 - 2**-29, 1e-6, -1e-6,
     1e-12, 1e-12 * (1 - 2**-24), -1e-30, 100.0,

@@ -52,6 +52,7 @@ def others(choice: str, modules: tuple[Module, ...], folder: Path) -> list[str]:
     return program.mismatches(folder, COMPILERS[0], (*STRICT, "-O2", *([SMALL] if small else [])))
 
 
+@pytest.mark.slow
 def test_another_target(robots: tuple[Program, Path], tmp_path: Path) -> None:
     assert others("host", robots[0].modules[::4], tmp_path) == []
 
@@ -75,6 +76,7 @@ def test_double(tmp_path: Path) -> None:
     assert program.mismatches(tmp_path, COMPILERS[0], (*STRICT, "-O2")) == []
 
 
+@pytest.mark.slow
 def test_libm_is_within_two_ulp(robots: tuple[Program, Path]) -> None:
     """With `test_another_target`: C is the interpreter's, each libm call within 2 ulp of the true value."""
     program = Program(robots[0].modules, "float", 4, LIBM)

@@ -40,6 +40,7 @@ def test_each_file_stands_alone(compiler: str, tmp_path: Path) -> None:
             compile_program(tmp_path, [file], compiler, (*STRICT, *DRIVERLESS))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("g++"), reason="no C++ compiler here")
 def test_every_header_from_cpp(tmp_path: Path) -> None:
     program = Program((*MODULES, *gallery()), "float", 0)

@@ -9,11 +9,12 @@ import pytest
 
 from tests.c.example import WHEELS, poses, simulated
 from tests.c.harness import COMPILERS
+from tests.depth import everyday
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 
 
-@pytest.mark.parametrize("robot", WHEELS)
+@pytest.mark.parametrize("robot", everyday(WHEELS, ["car", "swerve"]))
 def test_a_figure_of_eight(robot: str, tmp_path: Path) -> None:
     path, wanted = poses(tmp_path, robot), simulated(robot)
     assert path.shape == wanted.shape

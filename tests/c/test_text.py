@@ -8,11 +8,12 @@ from decimal import Decimal
 from fractions import Fraction
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.backends.modules import MODULES, empty, mecanum, tunable
 from tests.conftest import GALLERY, ROOT
+from tests.depth import examples
 from tests.ir.defined import findings
 from tests.robots import of_gallery
 from wmrgen.backends.c99 import sources
@@ -95,6 +96,7 @@ def test_a_constant_that_float_cannot_hold_is_an_error(value: Fraction) -> None:
     assert literal(Exact(value), "double")
 
 
+@settings(max_examples=examples(100), deadline=None)
 @given(st.text())
 def test_no_text_gets_out_of_a_comment(text: str) -> None:
     plain = comment_text(text)

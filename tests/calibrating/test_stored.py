@@ -19,6 +19,7 @@ TRACKER = Tracker(0.04 - 0.07j, late=0.13, noise=(0.002, 0.003))
 ENCODERS = Encoders(2 * np.pi / 400, slip=0.01, episodes=((7.0, 7.6, "fl", 1.8),))
 
 
+@pytest.mark.slow
 def test_results_are_those_of_drives_in_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """To the last bit, with slips left out and parts of drives."""
     layout = LAYOUTS["mecanum"]

@@ -50,6 +50,7 @@ def test_a_result_that_cannot_be_written(robot_file: Path, words: str, to: str) 
     assert len(said.splitlines()) == 1
 
 
+@pytest.mark.slow
 @POSIX
 def test_a_closed_error_stream_only_loses_the_words(robot_file: Path) -> None:
     code, out = shell(f"wmrgen eval {robot_file} inverse vx=1 2>&-")
@@ -209,6 +210,7 @@ def test_a_signal_leaves_nothing_staged(robot_file: Path, tmp_path: Path, name: 
     assert not out.exists() or not list(out.iterdir())
 
 
+@pytest.mark.slow
 @POSIX
 def test_what_a_killed_run_staged_is_cleared_and_no_stale_file(robot_file: Path, tmp_path: Path) -> None:
     (tmp_path / "robots").mkdir()
@@ -220,6 +222,7 @@ def test_what_a_killed_run_staged_is_cleared_and_no_stale_file(robot_file: Path,
     assert not leftover.exists()
 
 
+@pytest.mark.slow
 @POSIX
 def test_a_signal_while_the_compiler_starts(robot_file: Path, tmp_path: Path) -> None:
     """It comes when the compiler runs and nobody has its number yet."""

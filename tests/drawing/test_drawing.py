@@ -68,6 +68,7 @@ def test_odd_robots_have_sane_figures(name: str) -> None:
     assert len(groups) == len(d.robot.wheels)
 
 
+@pytest.mark.slow
 def test_random_robots_have_sane_figures() -> None:
     """Every wheel type and kind of coupling, millimetres and 10 km, P far away; limits of twists, speeds and angles."""
     limits = (

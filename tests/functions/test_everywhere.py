@@ -66,6 +66,7 @@ def derivation(name: str, functions: tuple[str, ...] = FUNCTIONS) -> Derivation:
     return with_functions(tried, has)
 
 
+@pytest.mark.slow
 def test_a_function_can_be_tried() -> None:
     """Each on some robot."""
     has = {f.name for name in (*MADE, "wpilib_swervebot") for f in derivation(name).program.formulas}

@@ -28,6 +28,7 @@ def told(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_the_c_is_that_of_derive(wmrgen_cli: Callable[..., Outcome], robot_file: Path) -> None:
     out = robot_file.parent / "out"
     kinds = [word for kind in KINDS for word in ("--package", kind)]

@@ -66,6 +66,7 @@ def test_names_are_kept_in_files_and_packages(robot: Path) -> None:
     assert "MYBOT_FRONTRIGHT_STEER" in header and "MYBOT_JOINTS" in header
 
 
+@pytest.mark.slow
 def test_c_and_cpp_compile_without_a_warning(robot: Path, tmp_path: Path) -> None:
     need("g++", "gcc")
     put(tmp_path, files_of(robot, "cmake"))

@@ -53,6 +53,7 @@ def test_no_double_routine_on_cortex_m4f(built: Built) -> None:
     check(Image(built(M4F, DEFAULT.math).objects[EVERY]).undefined, M4F, DEFAULT.math)
 
 
+@pytest.mark.slow
 def test_no_double_routine_on_cortex_m0(tmp_path: Path) -> None:
     """Robots of each kind; the whole gallery below."""
     check(undefined(tmp_path, [of_gallery(name).c_module for name in KINDS], M0), M0, DEFAULT.math)

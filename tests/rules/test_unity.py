@@ -40,6 +40,7 @@ def test_checked_functions_of_several_robots_in_one_unit(compiler: str, tmp_path
     assert run_program(compile_program(tmp_path, ["unity.c"], compiler, (*STRICT, "-O1")), "") == ""
 
 
+@pytest.mark.slow
 def test_checked_functions_of_two_scalars_in_one_unit(tmp_path: Path) -> None:
     """The functions themselves are compiled apart; what checks them need not be."""
     put(tmp_path, files_of(ROBOTS[0]))

@@ -203,6 +203,7 @@ def test_what_must_be_instant_loads_nothing_heavy(code: str) -> None:
     assert done.stdout.splitlines()[-1] == "LOADED"
 
 
+@pytest.mark.slow
 def test_a_swerve_is_derived_without_tensors() -> None:
     """The first sum that sympy evaluates loads its tensors and permutations: a fortieth of the derivation."""
     path = ROOT / "robots" / "wpilib_swervebot.yaml"

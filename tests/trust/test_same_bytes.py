@@ -56,6 +56,7 @@ def test_order_and_company_do_not_matter(tmp_path: Path) -> None:
     assert tree(together / "pioneer3dx") == tree(alone / "pioneer3dx")
 
 
+@pytest.mark.slow
 def test_nothing_of_this_machine_stands_in_the_output(tmp_path: Path) -> None:
     outcome = process("derive", ROBOTS[0], "-o", tmp_path)
     assert outcome.code == 0, outcome.err

@@ -69,6 +69,7 @@ def test_the_checks_bear_out_the_class(r: Record) -> None:
     assert found.borne_out, (found.printed.text, found.corrected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("r", ENTRIES, ids=name)
 def test_swapped_forms_bear_out_nothing(r: Record) -> None:
     """What was corrected would hold as printed; what was printed would not do as a correction."""

@@ -223,6 +223,7 @@ def test_names_of_one_function() -> None:
         assert textbook("rotat").formulas
 
 
+@pytest.mark.slow
 def test_the_linearised_loop_is_the_derived_one() -> None:
     """`polar_linearisation` against the Jacobian of the closed loop, and its polynomial against det(s I - A)."""
     outputs = {p.name: v for p, v in formula("polar_linearisation").outputs}

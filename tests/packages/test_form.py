@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from tests.conftest import DIFFERENTIAL, ROOT, Outcome, put, tree
+from tests.depth import everyday
 from tests.packages.made import KINDS, files_of, of_gallery, run
 from tests.tools import need
 from wmrgen.backends.packages import PACKAGES, SOURCES
@@ -102,7 +103,7 @@ def test_every_template_is_a_file_of_its_kind() -> None:
     assert {f"package/{p.relative_to(folder).as_posix()}" for p in folder.glob("*/*.j2")} == named
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", everyday(KINDS, ["arduino"]))
 def test_what_is_swept_up_defines_no_main(kind: str, tmp_path: Path) -> None:
     """Arduino and PlatformIO compile whatever lies below ``src``; an example is left out there."""
     need("gcc", "nm")

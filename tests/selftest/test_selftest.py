@@ -60,6 +60,7 @@ def test_passes_however_it_is_compiled(flags: tuple[str, ...], scalar: str, tmp_
         assert failures(run_program(program, "")) == []
 
 
+@pytest.mark.slow
 def test_passes_on_cortex_m4f(tmp_path: Path) -> None:
     assert on_target(M4F, FEW, tmp_path) == dict.fromkeys(FEW, 0)
 

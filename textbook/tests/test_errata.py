@@ -63,6 +63,7 @@ def test_every_entry_has_its_class_and_no_other_is_there() -> None:
     assert {r.text for r in (*ENTRIES, *HOLDS)} == set(BIBLIOGRAPHY)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("r", (*ENTRIES, *HOLDS), ids=name)
 def test_the_checks_bear_out_the_class(r: Record) -> None:
     found = judge(r)
@@ -80,6 +81,7 @@ def test_swapped_forms_bear_out_nothing(r: Record) -> None:
         assert not judge(replace(r, corrected=r.printed)).borne_out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("r", HOLDS, ids=name)
 def test_a_changed_equation_no_longer_holds(r: Record) -> None:
     """A term added to the last right-hand side is noticed."""

@@ -11,9 +11,9 @@ import pytest
 DEEP = os.environ.get("WMRGEN_DEEP") == "1"
 
 
-def examples(count: int) -> int:
-    """How many random examples of ``count`` to draw: all in depth, a sixth every day, never under 4."""
-    return count if DEEP else max(count // 6, min(count, 4))
+def examples(count: int, share: int = 6) -> int:
+    """How many random examples of ``count`` to draw: all in depth, one of ``share`` every day, never under 4."""
+    return count if DEEP else max(count // share, min(count, 4))
 
 
 def everyday(values: Iterable[object], kept: Iterable[object]) -> list[object]:

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import wmrgen
-from tests.depth import DEEP
+from tests.depth import examples
 from tests.hostile.fuzz import derive
 from tests.spec.files import HEAD, read, robot, wheel
 from wmrgen.errors import RobotFileError
@@ -54,7 +54,7 @@ def robots(draw: st.DrawFn) -> str:
 
 
 @settings(
-    max_examples=120 if DEEP else 8,  # each is a process
+    max_examples=examples(120, share=15),  # each is a process
     deadline=None,
     suppress_health_check=list(HealthCheck),
     derandomize=True,

@@ -71,7 +71,7 @@ def refuse_unsettled(best: Fit, first: Fit) -> None:
 def _hint_of_some(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> str:
     """The hint of all drives; else of those that do not agree, where the others do, or which truths are exchanged."""
     far, two, hint = _by_name(best), drives[:2], _NO_HINT
-    if len(far) == len(drives) == 2 and (exchanged := _exchanged(best, drives, drives, fitted)):
+    if len(drives) == 2 and (exchanged := _exchanged(best, drives, drives, fitted)):
         return exchanged  # columns that are read another way agree about, too
     if len(two) == len(drives) or strange(fitted(two)):  # else they agree under what changes nothing
         hint = _hint(best, two, fitted)
@@ -83,7 +83,7 @@ def _hint_of_some(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> str:
         few = far if len(far) <= _FEW else ()
         names = [name for name in few if strange(fitted([drive for drive in drives if drive.name == name]))]
     some = [drive for drive in drives if drive.name in names]
-    if exchanged := _exchanged(best, some if len(some) <= _FEW else (), drives, fitted):
+    if len(drives) > 2 and len(some) <= _FEW and (exchanged := _exchanged(best, some, drives, fitted)):
         return exchanged
     if not 0 < len(names) < len(far):
         return hint
@@ -190,12 +190,15 @@ def _unlikely(best: Fit, sure: float, anyway: bool = False) -> str:
         f"{name} is {value:.3g}, not about {nominal:g}"
         for name, nominal, value, sigma in rows
         if abs(value - nominal) > sure * sigma
-        and (
-            not 1 / _TIMES < value / nominal < _TIMES
-            if nominal
-            else abs(value) > _ABOUT_ZERO and (anyway or name not in weak)
-        )
+        and unlike(value, nominal, _TIMES, _ABOUT_ZERO)
+        and (nominal or anyway or name not in weak)
     )
+
+
+def unlike(value: float, nominal: float, times: float, zero: float) -> bool:
+    """Whether a value is of another sign than the nominal one, or so many times as large or as small; where that is 0,
+    whether it is larger than ``zero`` [m, rad]."""
+    return not 1 / times < value / nominal < times if nominal else abs(value) > zero
 
 
 def _extent(best: Fit) -> float:

@@ -56,13 +56,14 @@ def without_slips(
     best: Fit,
     coarser: Callable[[Problem], Problem],
     again: Callable[[Problem, Fit], Fit],
-    until: Callable[[Fit], bool] = lambda _: False,
+    until: Callable[[Problem, Reals], bool] = lambda *_: False,
 ) -> tuple[Fit, list[Outlier]]:
     """The fit without what is unusual in the drives, ``until`` it will do, and what that is: large slips hide smaller
     ones, so after some have been taken out, drives are fitted ``again``."""
     slips = list[Outlier]()
     for _ in range(_PASSES):
-        unusual = [] if until(best) else outliers(best, coarser(best.problem))
+        coarse = coarser(best.problem)
+        unusual = [] if until(coarse, best.unknowns) else outliers(best, coarse)
         if not any(unusual):
             break
         slips += [slip for of_drive in unusual for slip in of_drive]

@@ -92,7 +92,7 @@ def begun(
             fit_of(ready, _in_pieces(coarse, start, seconds, each)),
             coarser,
             lambda rest, best: fit_of(again := laid(rest), start_of(again, best.unknowns)),
-            (lambda _: False) if lost else (lambda best: _finds(coarser(best.problem), best.unknowns)),
+            (lambda *_: False) if lost else _finds,
         )
         ready, start, coarse = best.problem, best.unknowns, coarser(best.problem)
         seconds, slips, lost = seconds * _LONGER, slips + more, False

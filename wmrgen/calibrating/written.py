@@ -6,7 +6,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from wmrgen.calibrating.calibrate import Calibration, Estimate
+from wmrgen.calibrating.calibrate import Calibration
+from wmrgen.calibrating.mistakes import unlike
 from wmrgen.errors import NotDerivableError
 from wmrgen.exporting.ros2_control import ros2_control
 from wmrgen.ir.nodes import Module
@@ -22,13 +23,8 @@ def untold(result: Calibration, group: Sequence[str]) -> bool:
     """Whether parameters that the drives do not tell stay nominal: such as are told nothing of, alone, and such among
     which the fit has lost its way. Those that only scale together are told with one another, as half length and half
     width by their sum, and belong to the other values."""
-    return len(group) == 1 or any(_lost(result.parameters[name]) for name in group)
-
-
-def _lost(estimate: Estimate) -> bool:
-    if estimate.nominal:
-        return not 1 / _LOST < estimate.value / estimate.nominal < _LOST
-    return abs(estimate.value) > _LOST_ANGLE
+    off = (result.parameters[name] for name in group)
+    return len(group) == 1 or any(unlike(e.value, e.nominal, _LOST, _LOST_ANGLE) for e in off)
 
 
 def told(result: Calibration) -> dict[str, float]:

@@ -49,8 +49,11 @@ def test_the_c_is_that_of_derive(wmrgen_cli: Callable[..., Outcome], robot_file:
 
 def test_a_package_is_made_only_on_request(wmrgen_cli: Callable[..., Outcome], robot_file: Path) -> None:
     out = robot_file.parent / "out"
-    assert wmrgen_cli("derive", robot_file, "-o", out).code == 0
-    assert [p.name for p in out.iterdir()] == ["pair"]
+    done = wmrgen_cli("derive", robot_file, "-o", out, "--package", "cmake")
+    assert done.code == 0 and sorted(p.name for p in out.iterdir()) == ["package-cmake", "pair"]
+    assert set(re.search("package-cmake/pair/: (.*)", done.out)[1].split()) < set(
+        tree(out / "package-cmake" / "pair")
+    )
 
 
 def test_the_backends_that_wait_for_a_package_are_those_that_are_one() -> None:

@@ -66,6 +66,7 @@ def test_tzafestas_2_36_to_2_38_differential_drive() -> None:
     same(G(d).subs(B, 0), expected)
     same(pfaffian_in_world(d, "C1f").subs(B, 0) * G(d).subs(B, 0), sympy.zeros(2, 2))  # (2.39), (2.42)
     assert d.system("posture").domain == ()
+    assert d.system("posture").G.free_symbols == {THETA}  # no parameter is tunable
 
 
 def test_tzafestas_example_2_2_reference_behind_the_axle() -> None:

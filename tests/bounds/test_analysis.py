@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import random
 from fractions import Fraction
 
 import numpy as np
@@ -10,7 +12,8 @@ import pytest
 from tests.bounds.gallery import proved
 from tests.bounds.small import BAD, function, guarded
 from wmrgen.bounds.analysis import analysed
-from wmrgen.bounds.assumptions import DOUBLE, LIBM, SINGLE
+from wmrgen.bounds.assumptions import DOUBLE, LIBM, SINGLE, constant
+from wmrgen.exact.number import Exact
 from wmrgen.ir import interval as iv
 
 COUNT = 400
@@ -52,6 +55,18 @@ def test_rounding_goes_outward(count: int) -> None:
             value = exact(Fraction(float(x)), Fraction(float(y)))
             assert Fraction(float(low)) <= value <= Fraction(float(high))
             assert high - low <= 8 * np.spacing(max(abs(low), abs(high))) + 1e-299
+
+
+@pytest.mark.parametrize("name, digits", [("float", 24), ("double", 53)])
+def test_a_constant_and_its_rounding_lie_inside_and_it_is_off_by_what_is_said(name: str, digits: int) -> None:
+    chance = random.Random(digits)
+    for _ in range(100):
+        value = Fraction(chance.randint(-(10**20), 10**20), chance.randint(1, 10**20))
+        lo, hi, error, _ = constant(Exact(value), name)
+        assert Fraction(lo) <= value <= Fraction(hi)
+        step = Fraction(2) ** (math.frexp(value)[1] - digits)
+        off = abs(round(value / step) * step - value)
+        assert off <= Fraction(error) <= off * (1 + Fraction(2) ** -48)
 
 
 @pytest.mark.parametrize("name", UNARY)

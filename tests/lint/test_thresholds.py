@@ -407,6 +407,19 @@ def test_two_axles_that_nearly_are_one(off: str, expected: list[str], tmp_path: 
     assert codes(tmp_path / "robot.yaml", text) == expected
 
 
+@pytest.mark.parametrize(("apart", "expected"), [("0.01", ["WMR034", "WMR010"]), ("0.02", [])])
+def test_steered_wheels_that_nearly_stand_on_one_point(
+    apart: str, expected: list[str], tmp_path: Path
+) -> None:
+    """No wheel is fixed: it is C1 whose rank is 2 by so little."""
+    two = (
+        f"name: {n}, type: steered, x: {x}, y: 0, heading: pi/2, r: 0.1"
+        for n, x in (("a", "0"), ("b", apart))
+    )
+    text = wheels(*two, "name: c, type: castor, x: -1, y: 0, d: -0.05, heading: 0, r: 0.1")
+    assert codes(tmp_path / "robot.yaml", text) == expected
+
+
 @pytest.mark.parametrize(
     ("off", "expected"),
     [("0.3", []), ("0.300000000005", []), ("0.300001", ["WMR034"]), ("0.304", ["WMR034"])],

@@ -16,7 +16,7 @@ import pytest
 
 from tests.conftest import ROOT, Outcome
 from tests.pages.katex import mistakes
-from tests.robots import of_text
+from tests.robots import of_gallery, of_text
 from tests.tools import missing, need, tool
 from wmrgen.backends.report.markdown import escape
 from wmrgen.compiler import _BROWSERS, _TEX, print_pages
@@ -239,3 +239,15 @@ def test_trailers_of_a_robot_without_a_model_of_motion_are_not_towed() -> None:
     assert live.robot(d)["trailers"] == [] and "towed" not in live.code(d)
     free = of_text(f"wmrgen: 1\nname: sample\nwheels:\n{wheels}" + TRAILER)
     assert len(live.robot(free)["trailers"]) == 1 and "towed" in live.code(free)
+
+
+@pytest.mark.parametrize("name", ["nomad_xr4000", "pioneer3dx", "clearpath_do100"])
+def test_a_page_drives_the_robot_of_model_json(name: str) -> None:
+    model, shown = of_gallery(name).model(), live.robot(of_gallery(name))
+    assert shown["omnidirectional"] == model["omnidirectional"]
+    absent = {"d": 0.0, "offset_y": 0.0, "gamma": None}
+    for drawn, wheel in zip(shown["wheels"], model["wheels"], strict=True):
+        drawn = {**drawn, "offset_y": drawn["o"]}
+        assert {key: drawn[key] for key in absent.keys() | (wheel.keys() & drawn)} == absent | {
+            key: wheel[key] for key in wheel.keys() & drawn
+        }

@@ -117,7 +117,7 @@ def steps_of(
             )
         steps.append(_step(function, name, parameters, own, scalar, costs[function.name], kernels))
     by_name = {step.name: step for step in steps}
-    for variant in (f for f in module.functions if f.variant_of and f.outputs):
+    for variant in module.functions:
         part, whole = (by_name.get(f"{module.name}_{name}") for name in (variant.variant_of, variant.name))
         if part is None or whole is None or not _computes(whole, part):
             continue

@@ -43,8 +43,8 @@ class Machine:
     """An image in a Cortex-M4F (``fpu``) or a Cortex-M0, memory and registers kept between calls.
 
     ``traps`` are functions of floats that the host computes in place of the image's own. An instruction that
-    its IT block skips counts: it takes its cycle. Without ``counts`` calls are quick and their runs empty;
-    with ``stack`` they are slow, as the stack pointer is looked at before every instruction.
+    its IT block skips counts: it takes its cycle. Without ``counts`` calls are quick, their runs empty, and only the
+    function ends them; with ``stack`` they are slow, as the stack pointer is looked at before every instruction.
     """
 
     def __init__(
@@ -83,6 +83,8 @@ class Machine:
         if weight is None:
             weight = self._weights[address, size] = self._weigh(address, size)
         self._count += weight
+        if self._count > LIMIT:
+            uc.emu_stop()
 
     def _weigh(self, address: int, size: int) -> int:
         """The instructions of a block: those of four bytes begin with 0b11101, 0b11110 or 0b11111."""
@@ -132,7 +134,7 @@ class Machine:
         uc.reg_write(arm.UC_ARM_REG_LR, RETURN | 1)
         self._count, self._lowest = 0, bottom
         self._calls.clear()
-        uc.emu_start(self.image.symbols[name].address | 1, RETURN, count=LIMIT)
+        uc.emu_start(self.image.symbols[name].address | 1, RETURN)
         if uc.reg_read(arm.UC_ARM_REG_PC) != RETURN:
             raise RuntimeError(f"{name} did not return within {LIMIT} instructions")
         return Run(self._count, bottom - self._lowest, dict(self._calls))

@@ -85,13 +85,14 @@ def compiler() -> str:
 
 
 def build(folder: Path, target: str, vector: bool = False) -> Path:
-    """The driver for the kernels of ``target``; with the instructions of this machine where the compiler knows it."""
+    """The driver for the kernels of ``target``; with the instructions of this machine where the compiler knows it, and
+    kernels within its loops, which are called otherwise."""
     header, source = sources(module(vector), Choice(target=target))
     (folder / "kernel.h").write_text(header)
     (folder / "kernel.c").write_text(source)
     program = folder / f"kernels_{target}"
     words = ["-I", str(folder), str(DRIVER), "-o", str(program), "-lm"]
-    for native in (("-march=native",), ()):
+    for native in (("-march=native", "-fwhole-program"), ("-march=native",), ()):
         done = subprocess.run([compiler(), *FLAGS, *native, *words], capture_output=True, text=True)
         if done.returncode == 0:
             return program

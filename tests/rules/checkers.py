@@ -62,7 +62,9 @@ def cppcheck(folder: Path, sources: Sequence[str]) -> list[Finding]:
     ]  # fmt: skip
     # The add-on is run by the first python3, for each file: a shim of pyenv takes as long to start as the check.
     env = {**os.environ, "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}"}
-    done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, timeout=300, check=True)
+    done = subprocess.run(
+        command, cwd=folder, env=env, capture_output=True, text=True, timeout=300, check=True
+    )
     lines = (line.split("|", 2) for line in done.stderr.splitlines() if "|" in line)
     return [(Path(file).name, check, text) for file, check, text in lines if file != CALLER]
 

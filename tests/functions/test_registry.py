@@ -210,7 +210,7 @@ def test_a_builder_that_returns_nothing(monkeypatch: pytest.MonkeyPatch, tmp_pat
     def build(*_: object) -> Any:
         return None
 
-    declared = registry.Declaration("mine", build, "ours", Kind.OPTIONAL, Limits.NONE, lambda _: True)
+    declared = registry.Declaration("mine", build, "ours", Kind.OPTIONAL, Limits.NONE, bool, False, False)
     monkeypatch.setitem(registry._FUNCTIONS, "mine", declared)
     with pytest.raises(TypeError, match="the builder of mine returns None, which is no Formula"):
         _ = wmrgen.derive(wmrgen.load(asking(tmp_path, "mine"))).raw_module
@@ -239,7 +239,7 @@ def test_a_formula_of_which_no_code_can_be_written(
         given = (*TWIST, *(Port(called, Role.COMMAND, "m") for called in inputs))
         return Formula(name, given, (), tuple((output(called, "m", ""), VX) for called in outputs), "")
 
-    declared = registry.Declaration("mine", build, "ours", Kind.OPTIONAL, Limits.NONE, lambda _: True)
+    declared = registry.Declaration("mine", build, "ours", Kind.OPTIONAL, Limits.NONE, bool, False, False)
     monkeypatch.setitem(registry._FUNCTIONS, "mine", declared)
     derivation = wmrgen.derive(wmrgen.load(asking(tmp_path, "mine")))
     with pytest.raises(ValueError, match=words):

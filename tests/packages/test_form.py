@@ -112,9 +112,11 @@ def test_what_is_swept_up_defines_no_main(kind: str, tmp_path: Path) -> None:
     need("gcc", "nm")
     files = of_gallery("pioneer3dx", kind)
     put(tmp_path, files)
-    swept = [name for name in files if name.startswith(f"{SOURCES}/") and name.endswith(".c")]
-    if kind != "arduino":
-        swept = [name for name in swept if not name.startswith(f"{SOURCES}/example/")]
+    sources = [name for name in files if name.startswith(f"{SOURCES}/")]
+    assert {Path(name).suffix for name in sources} == {".c", ".h", ".hpp"}
+    examples = [name for name in sources if name.startswith(f"{SOURCES}/example/")]
+    assert bool(examples) == (kind != "arduino")
+    swept = [name for name in sources if name.endswith(".c") and name not in examples]
     run(tmp_path, "gcc", "-O0", "-c", *swept)
     symbols = run(tmp_path, "nm", *(path.name for path in sorted(tmp_path.glob("*.o"))))
     assert "T pioneer3dx_selftest" in symbols

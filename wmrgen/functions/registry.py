@@ -58,8 +58,8 @@ class Declaration(NamedTuple):
     kind: Kind
     limits: Limits
     exists: Callable[[Robot], bool]
-    in_place: bool = False
-    contacts: bool = False
+    in_place: bool
+    contacts: bool
 
 
 _FUNCTIONS: dict[str, Declaration] = {}

@@ -407,6 +407,15 @@ def test_two_axles_that_nearly_are_one(off: str, expected: list[str], tmp_path: 
     assert codes(tmp_path / "robot.yaml", text) == expected
 
 
+@pytest.mark.parametrize(("share", "expected"), [("7e-10", []), ("1e-8", ["WMR034"])])
+@pytest.mark.parametrize(("half", "r"), [("0.02", "0.01"), ("4", "1")])
+def test_what_the_noise_of_floats_is_goes_by_the_size_of_the_robot(
+    half: str, r: str, share: str, expected: list[str], tmp_path: Path
+) -> None:
+    text = differential(y=half, r=r).replace(f"x: 0, y: -{half}", f"x: {half}*{share}, y: -{half}")
+    assert codes(tmp_path / "robot.yaml", text) == expected
+
+
 @pytest.mark.parametrize(("apart", "expected"), [("0.01", ["WMR034", "WMR010"]), ("0.02", [])])
 def test_steered_wheels_that_nearly_stand_on_one_point(
     apart: str, expected: list[str], tmp_path: Path
@@ -454,6 +463,22 @@ def test_mecanum_rollers(half_track: str, gamma: str, expected: list[str], tmp_p
     ):
         text += f"  - {{name: {name}, type: swedish, x: {x}0.2, y: {y}b, heading: 0, gamma: {g}g, r: 0.05}}\n"
     assert codes(tmp_path / "robot.yaml", text) == expected
+
+
+@pytest.mark.parametrize(
+    "fourth",
+    [
+        "",
+        "type: castor, x: -0.4, y: 0, heading: 0, d: -0.05, r: 0.05",
+        "type: spherical, x: -0.4, y: 0, r: 0.05",
+    ],
+)
+def test_three_wheels_of_aslant_rollers_are_no_four_mecanum_wheels(fourth: str, tmp_path: Path) -> None:
+    three = (
+        f"name: w{k}, type: swedish, l: 0.3, alpha: {k}*2*pi/3, beta: 0, gamma: 30 deg, r: 0.05"
+        for k in range(3)
+    )
+    assert codes(tmp_path / "robot.yaml", wheels(*three, *([f"name: w3, {fourth}"] * bool(fourth)))) == []
 
 
 @pytest.mark.parametrize("size", ["1e30", "1e30*1e5", "1e-30**4", "1e-30**4*1e-30**4*1e-30**2"])

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator
 from fractions import Fraction
 from functools import cached_property
+from pathlib import Path
 from typing import Any, NamedTuple, cast
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder
 
@@ -18,7 +19,7 @@ from wmrgen.errors import Code, EnvironmentFailure, Mark, RobotFileError
 from wmrgen.exact.poly import triple
 from wmrgen.importing.frames import unit
 from wmrgen.importing.records import Vector
-from wmrgen.spec.text import Source, quoted
+from wmrgen.spec.text import Source, bytes_of, printable, quoted
 
 MAX_BYTES = 4 * 1024 * 1024
 MAX_ELEMENTS = 100_000
@@ -134,6 +135,11 @@ def parse(text: bytes, file: str, most: int = MAX_BYTES, strict: bool = False) -
         raise refuse(f"{name}: not XML: {quoted(words, 100)}", "", hint, mark) from None
     _cap(root, name)
     return root
+
+
+def parse_file(path: Path) -> Element:
+    """The root of a file, see `parse`."""
+    return parse(bytes_of(path, MAX_BYTES + 1), printable(str(path)))
 
 
 def _elements(data: bytes, text: Text) -> Element:

@@ -11,10 +11,10 @@ from xml.etree.ElementTree import Element
 from wmrgen.errors import UsageError
 from wmrgen.importing import meshes, sdf, urdf
 from wmrgen.importing.controllers import plugin_controllers
-from wmrgen.importing.read import MAX_BYTES, below, children, local, mark_of, parse, refuse
+from wmrgen.importing.read import below, children, local, mark_of, parse_file, refuse
 from wmrgen.importing.records import Description
 from wmrgen.importing.xacro import macros, resolve
-from wmrgen.spec.text import bytes_of, printable, quoted, read_at_most
+from wmrgen.spec.text import printable, quoted, read_at_most
 
 _URDF = (
     "link joint material transmission gazebo ros2_control sensor plugin model world author version group default static"
@@ -29,7 +29,7 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     values = pairs(arguments)
     roots = {name: Path(folder) for name, folder in pairs(packages, "=").items()}
     name = printable(file.name)
-    root = parse(bytes_of(file, MAX_BYTES + 1), printable(str(file)))
+    root = parse_file(file)
     folders = _own_package(file) | roots
     substituted = _is_xacro(root)
     if values and not substituted:
@@ -99,14 +99,10 @@ def _model(path: Path | None) -> Element | None:
     """The SDF of a model: of a file, or of a folder by its model.config, whose last version counts."""
     if path is not None and path.is_dir():
         config = path / "model.config"
-        versions = (
-            list(below(parse(bytes_of(config, MAX_BYTES + 1), printable(str(config))), "sdf"))
-            if config.is_file()
-            else []
-        )
+        versions = list(below(parse_file(config), "sdf")) if config.is_file() else []
         inside = (path / (versions[-1].text or "" if versions else "model.sdf").strip()).resolve()
         path = inside if inside.is_relative_to(path) else None
-    return None if path is None else parse(bytes_of(path, MAX_BYTES + 1), printable(str(path)))
+    return None if path is None else parse_file(path)
 
 
 def _mesh(path: Path | None) -> bytes | None:
@@ -123,9 +119,7 @@ def _own_package(file: Path) -> dict[str, Path]:
         if (folder / "model.config").is_file():
             return {folder.name: folder}
         if (folder / "package.xml").is_file():
-            title = next(
-                below(parse(bytes_of(folder / "package.xml", MAX_BYTES + 1), "package.xml"), "name"), None
-            )
+            title = next(below(parse_file(folder / "package.xml"), "name"), None)
             name = "" if title is None else (title.text or "").strip()
             return {folder.name: folder, name or folder.name: folder}
     return {}

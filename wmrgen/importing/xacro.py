@@ -21,7 +21,7 @@ from xml.etree.ElementTree import Element
 
 from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError
 from wmrgen.importing.expressions import checked, counted, offered, weighed
-from wmrgen.importing.read import MAX_BYTES, Place, parse, placed, refuse
+from wmrgen.importing.read import MAX_BYTES, Place, parse, parse_file, placed, refuse
 from wmrgen.spec.text import printable, quoted, read_at_most
 
 _UNPREFIXED = ("property", "macro", "include", "arg")
@@ -132,7 +132,7 @@ def resolve(
 
 def macros(file: Path) -> list[str]:
     """The names of the macros that a file defines."""
-    root = parse(read_at_most(file, MAX_BYTES + 1), printable(file.name))
+    root = parse_file(file)
     return [e.get("name", "") for e in root.iter() if isinstance(e.tag, str) and e.tag.endswith("}macro")]
 
 

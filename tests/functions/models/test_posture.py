@@ -166,6 +166,7 @@ def test_driven_wheels_beyond_need_are_named() -> None:
     d = derived(FOUR_REAR, "virtual: [{name: psi, steers: [front_left, front_right]}]")
     system = d.system("posture", symbolic=True)
     assert [u.name for u in system.inputs] == ["rear_left.spin", "psi.steer_rate"]
+    assert inputs(d, "eta") == ["eta1", "front_left.steer_rate"]  # as dynamics has it
     assert "rear_right.spin must follow" in system.text
     t = sympy.tan(PSI)
     # rear_left stands at y = a: r spin = (1 - a tan(psi)/D) v.

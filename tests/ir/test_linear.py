@@ -115,6 +115,7 @@ def test_a_wheel_that_turns_backwards_needs_no_negation() -> None:
     first, second = differential()
     cost = count(program([first, [-value for value in second]]))
     assert (cost.flops, cost.signs) == (4, 0)
+    assert count(program(exact([[-1, 1, -2], [-2, 1, -1], [-1, -1, -2]]))).signs == 0
 
 
 def test_mecanum_takes_six_additions_and_three_multiplications() -> None:

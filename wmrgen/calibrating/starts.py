@@ -75,8 +75,9 @@ def begun(
 ) -> tuple[Problem, Reals, list[Outlier]]:
     """The problem with drives that are laid by about their own clocks, and unknowns to start from: nominal ones, or
     where odometry with them loses its way, what short pieces of the drives say, in which it does not, and with that
-    longer ones. Where it goes on to lose its way, drives go without slips that steps of the path show then, which are
-    returned, too; so they do where it is known to be ``lost``. For all this a ``coarser`` problem does."""
+    longer ones. Where it goes on to lose its way, and whole drives do not tell it from there, drives go without slips
+    that steps of the path show then, which are returned, too; so they do where it is known to be ``lost``. For all this
+    a ``coarser`` problem does."""
     drives = changed(problem.drives, lambda _, drive: [_in_time(problem, drive)])
     ready, slips, seconds = laid(replace(problem, drives=drives)), list[Outlier](), _PIECE
     start, coarse = start_of(ready), coarser(ready)
@@ -88,8 +89,14 @@ def begun(
         return of_drives(fit_at(coarser(ready), start, each), ready.drives)
 
     while seconds < longest and (lost or not _finds(coarse, start)):
+        start = _in_pieces(coarse, start, seconds, each)
+        if not lost and not _finds(
+            coarse, start
+        ):  # where pieces are off, sound parts of drives look like slips
+            whole = _in_pieces(coarse, start, longest, each)
+            start = whole if _finds(coarse, whole) else start
         best, more = without_slips(
-            fit_of(ready, _in_pieces(coarse, start, seconds, each)),
+            fit_of(ready, start),
             coarser,
             lambda rest, best: fit_of(again := laid(rest), start_of(again, best.unknowns)),
             (lambda *_: False) if lost else _finds,

@@ -90,9 +90,8 @@ def begun(
 
     while seconds < longest and (lost or not _finds(coarse, start)):
         start = _in_pieces(coarse, start, seconds, each)
-        if not lost and not _finds(
-            coarse, start
-        ):  # where pieces are off, sound parts of drives look like slips
+        if not lost and not _finds(coarse, start):
+            # Where pieces are off, sound parts of drives look like slips.
             whole = _in_pieces(coarse, start, longest, each)
             start = whole if _finds(coarse, whole) else start
         best, more = without_slips(

@@ -20,7 +20,8 @@ CC = ("c", "sh")
 
 
 def session(folder: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> Session:
-    (folder / "robots").symlink_to(ROOT / "robots")
+    for name in ("robots", "tests"):
+        (folder / name).symlink_to(ROOT / name)
     monkeypatch.chdir(folder)
     return Session(folder, cli)
 

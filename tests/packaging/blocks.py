@@ -56,7 +56,7 @@ def blocks(page: Path) -> Iterator[Block]:
 
 @dataclass
 class Session:
-    """A page that is worked through in ``folder``, with the checkout's robots/ and tests/. ``said``: the last output."""
+    """A page worked through in ``folder``, with robots/ and tests/ of the checkout. ``said``: the last output."""
 
     folder: Path
     cli: Cli

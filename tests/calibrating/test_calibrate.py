@@ -24,6 +24,7 @@ from wmrgen.calibrating.calibrate import (
     Calibration,
     Estimate,
     _held_out,
+    _passed_over,
     calibrate,
     problem_of,
 )
@@ -116,6 +117,15 @@ def test_large_logs_are_fitted_by_all_readings_in_the_end_alone(
         assert abs(estimate.value - other.value) < 0.1 * other.sigma
         assert 0.5 < estimate.sigma / other.sigma < 2
     assert begun.unobservable == whole.unobservable
+
+
+@pytest.mark.parametrize(
+    ("step", "count", "times"),
+    [(2**-7, 400_000, 4), (2**-7, 2_000_000, 7), (2**-4, 400_000, 0), (2**-7, 90_000, 0)],
+)
+def test_fewer_readings_do_where_they_are_many_and_often(step: float, count: int, times: int) -> None:
+    drives = [SimpleNamespace(t=step * np.arange(count // 2))] * 2
+    assert _passed_over(SimpleNamespace(drives=drives)) == times
 
 
 def test_a_coarser_drive_goes_as_far(tmp_path: Path) -> None:

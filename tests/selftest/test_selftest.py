@@ -6,6 +6,7 @@ import re
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from benchmarks.emulator.zig import M0, M4F, Target
@@ -22,7 +23,7 @@ from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.kernels.choice import TARGETS
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.selftest import vectors
-from wmrgen.selftest.vectors import tables
+from wmrgen.selftest.vectors import _FLOOR, _rounded, tables
 
 LARGEST = 50_000  # bytes for each four tables, of eight steered wheels; half of the robots stay below 27 kB
 needs_compiler = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
@@ -188,3 +189,15 @@ def test_no_library() -> None:
             f'"../{robot}.h"',
             "<avr/pgmspace.h>",
         ]
+
+
+def test_a_number_is_sure_where_everything_within_its_error_rounds_to_it() -> None:
+    chance = np.random.default_rng(7)
+    value = chance.normal(size=2000) * 10.0 ** chance.uniform(-16, 3, 2000)
+    error = np.abs(value) * 10.0 ** chance.uniform(-12, 1, 2000)
+    rounded, sure = _rounded(value, error, "float")
+    ends = value - error, value + error
+    nothing = np.maximum(*np.abs(ends)) < _FLOOR
+    assert (nothing <= (sure & (rounded == 0))).all()
+    alike = np.logical_and(*(np.float32(end) == rounded for end in ends))
+    assert ((sure & ~nothing) == (alike & ~nothing)).all() and 0.2 < sure.mean() < 0.8

@@ -17,6 +17,7 @@ from tests.oracle.compare import evaluated
 from tests.oracle.draw import robot
 from tests.oracle.harness import Model, robot_text
 from tests.oracle.weighted import LAYOUTS, WEIGHTS
+from tests.robots import of_text
 from wmrgen import load
 from wmrgen.errors import RobotFileError
 from wmrgen.exact.number import Exact
@@ -109,3 +110,14 @@ def test_a_weight_may_be_an_expression(tmp_path: Path) -> None:
         "  - {name: b, type: fixed, x: 0, y: -1, heading: 0, r: 0.1, weight: 1000}\n"
     )
     assert [w.weight for w in load(path).wheels] == [Exact(1) / 9, Exact(1000)]
+
+
+@pytest.mark.parametrize(("count", "shared"), [(4, 0), (5, 3)])
+def test_a_residual_of_one_relation_is_that_relation(count: int, shared: int) -> None:
+    """Those of several take the fitted twist: fewer operations than sums of all spins."""
+    wheels = "".join(
+        f"  - {{name: w{k}, type: swedish, l: 0.3, alpha: {k}*2*pi/{count}, beta: 0, gamma: 0, r: 0.1}}\n"
+        for k in range(count)
+    )
+    d = of_text(f"wmrgen: 1\nname: ring\nwheels:\n{wheels}")
+    assert len(d.formula("forward").locals) == shared

@@ -58,6 +58,14 @@ def test_another_geometry_is_not(case: str, key: str) -> None:
     assert CITED[case] not in cited(layout)
 
 
+@pytest.mark.parametrize("case", ["S-3.33", "K-5", "K-4", "T-2.74b", "T-2.72-N5"])
+def test_rollers_that_stand_aslant_alike_are_not(case: str) -> None:
+    layout, _ = layouts.of(CASES[case], "polar")
+    for wheel in layout["wheels"]:
+        wheel["gamma"] = 0.4
+    assert CITED[case] not in cited(layout)
+
+
 @pytest.mark.parametrize(("case", "words"), [
     ("S-3.29", "Nor can all constraints together be integrated: brackets of the motions left over reach all 3"),
     ("S-lockbike-phi", "Together they can be integrated all the same"),

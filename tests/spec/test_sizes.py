@@ -53,6 +53,13 @@ SIZES: dict[str, tuple[int, Callable[[int], str]]] = {
     "characters of the source": (2000, lambda n: f"{HEAD}source: {'x' * n}\n{WHEELS}"),
     "characters of a name": (31, lambda n: f"wmrgen: 1\nname: {'n' * n}\n{WHEELS}"),
     "parameters": (256, lambda n: robot(top="parameters:\n" + many(n, "  p#: 1\n"))),
+    "angles whose sum, with pi, is one": (
+        8,
+        lambda n: robot(
+            wheel("a", heading=" + ".join(["pi", *(f"p{k}" for k in range(n))])),
+            top="parameters:\n" + many(n, "  p#: 0.1\n"),
+        ),
+    ),
     "trailers": (16, lambda n: robot(top="trailers:\n" + many(n, "  - {name: t#, length: 1}\n"))),
     "wheels": (64, lambda n: robot(*(wheel(f"w{k}", y=str(k)) for k in range(n)))),
 }

@@ -92,7 +92,8 @@ def mismatches(
     module: Module, cases: Cases, choice: Choice, level: str, of_c: Answers | None = None
 ) -> list[str]:
     """Outputs that are not the bits of the C of the same choice, or of ``of_c``."""
-    rust = evaluate(module, cases, (f"-Copt-level={level}", "-Ccodegen-units=1", "-Dwarnings"), **choice.words())
+    flags = (f"-Copt-level={level}", "-Ccodegen-units=1", "-Dwarnings")
+    rust = evaluate(module, cases, flags, **choice.words())
     expected = of_c or by_c(module, cases, choice)
     return [
         f"{name}({case}).{key}: {mine[key]!r}, in C {value!r}"

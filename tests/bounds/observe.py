@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -123,14 +123,14 @@ def choices(function: Function) -> dict[str, tuple[float, float]]:
 def draw(ranges: Ranges, count: int, seed: int) -> dict[str, np.ndarray]:
     """Points of the box: anywhere, small ones, and its corners."""
     rng = np.random.default_rng(seed)
-    found = {}
-    for name, (lo, hi) in ranges.items():
+    found = []
+    for lo, hi in ranges.values():
         value = rng.uniform(lo, hi, count)
         kind = rng.random(count)
         value = np.where(kind < 0.15, lo, np.where(kind < 0.3, hi, value))
         small = value * 10.0 ** rng.uniform(-7, 0, count)
-        found[name] = _inside(np.where(kind > 0.9, small, value), lo, hi)
-    return found
+        found.append(np.where(kind > 0.9, small, value))
+    return _inside(np.array(found), ranges)
 
 
 def bred(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: int) -> dict[str, np.ndarray]:
@@ -140,52 +140,47 @@ def bred(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: in
     in the last place, and keep what is good in the others.
     """
     rng = np.random.default_rng(seed)
-    found = {}
-    for name, value, moved in _inherited(rng, ranges, parents, count):
-        lo, hi = ranges[name]
-        old = value[moved]
-        kind = rng.random(len(old))
-        nudged = old * (1 + rng.normal(0, 1, len(old)) * 10.0 ** rng.uniform(-7, -1, len(old)))
-        near = old * (1 + rng.integers(-40, 41, len(old)) * 2.0**-24)
-        end = np.where(rng.random(len(old)) < 0.5, lo, hi)
-        new = np.where(kind < 0.08, end, np.where(kind < 0.15, -old, nudged))
-        new = np.where((kind > 0.15) & (kind < 0.2), rng.uniform(lo, hi, len(old)), new)
-        value[moved] = np.where(kind > 0.6, near, new)
-        found[name] = _inside(value, lo, hi)
-    return found
+    value, moved = _inherited(rng, ranges, parents, count)
+    lo, hi = (np.broadcast_to(end, value.shape)[moved] for end in _ends(ranges))
+    old = value[moved]
+    kind = rng.random(len(old))
+    nudged = old * (1 + rng.normal(0, 1, len(old)) * 10.0 ** rng.uniform(-7, -1, len(old)))
+    near = old * (1 + rng.integers(-40, 41, len(old)) * 2.0**-24)
+    end = np.where(rng.random(len(old)) < 0.5, lo, hi)
+    new = np.where(kind < 0.08, end, np.where(kind < 0.15, -old, nudged))
+    new = np.where((kind > 0.15) & (kind < 0.2), rng.uniform(lo, hi), new)
+    value[moved] = np.where(kind > 0.6, near, new)
+    return _inside(value, ranges)
 
 
 def nudged(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: int) -> dict[str, np.ndarray]:
     """Children that differ from their parents by few units in the last place: other roundings, the same values."""
     rng = np.random.default_rng(seed)
-    found = {}
-    for name, value, moved in _inherited(rng, ranges, parents, count):
-        old = value[moved]
-        units = np.rint(rng.normal(0, 1, len(old)) * 2.0 ** rng.uniform(0, 8, len(old)))
-        value[moved] = -old if name.startswith(CHOICE) else old * (1 + units * 2.0**-23)
-        found[name] = _inside(value, *ranges[name])
-    return found
+    value, moved = _inherited(rng, ranges, parents, count)
+    choice = np.array([[name.startswith(CHOICE)] for name in ranges])
+    units = np.rint(rng.normal(0, 1, value.shape) * 2.0 ** rng.uniform(0, 8, value.shape))
+    changed = np.where(choice, -value, value * (1 + units * 2.0**-23))
+    return _inside(np.where(moved, changed, value), ranges)
 
 
 def _inherited(
     rng: np.random.Generator, ranges: Ranges, parents: Mapping[str, np.ndarray], count: int
-) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Per input what children have of a parent, some of a second one, and which of them are to change it."""
-    size = len(next(iter(parents.values())))
-    first, second = rng.integers(0, size, (2, count))
+) -> tuple[np.ndarray, np.ndarray]:
+    """Inputs x children: what they have of a parent, some of a second one, and which of them are to change."""
+    old = np.array([parents[name] for name in ranges], np.float64)
+    first, second = rng.integers(0, old.shape[1], (2, count))
     crossed = rng.random(count) < 0.3
     often = np.where(rng.random(count) < 0.7, 1.5 / len(ranges), 0.5)
-    for name in ranges:
-        other = crossed & (rng.random(count) < 0.5)
-        yield (
-            name,
-            parents[name][np.where(other, second, first)].astype(np.float64),
-            rng.random(count) < often,
-        )
+    other = crossed & (rng.random((len(old), count)) < 0.5)
+    return np.take_along_axis(old, np.where(other, second, first), 1), rng.random(other.shape) < often
 
 
-def _inside(value: np.ndarray, lo: float, hi: float) -> np.ndarray:
-    single = value.astype(np.float32)
-    return np.where(single > hi, np.float32(hi), np.where(single < lo, np.float32(lo), single)).astype(
-        np.float32
-    )
+def _ends(ranges: Ranges) -> np.ndarray:
+    """Lowest and highest x inputs x 1."""
+    return np.array([*ranges.values()]).T[:, :, None]
+
+
+def _inside(values: np.ndarray, ranges: Ranges) -> dict[str, np.ndarray]:
+    """Inputs x points as float32 within their ranges, by name."""
+    lo, hi = _ends(ranges).astype(np.float32)
+    return dict(zip(ranges, np.clip(values.astype(np.float32), lo, hi), strict=True))

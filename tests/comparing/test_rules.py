@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.spec.files import robot, wheel
 from wmrgen.comparing.compare import compare
 from wmrgen.comparing.differences import CODES
 from wmrgen.comparing.record import Comparison
@@ -59,3 +60,9 @@ def test_another_wheelbase_stands_at_the_wheel_that_moved(tmp_path: Path) -> Non
 def test_every_code_has_a_rule_and_none_is_of_one_robot() -> None:
     assert set(CODES.values()) <= set(BETWEEN)
     assert not set(BETWEEN) & set(RULES)
+
+
+def test_as_many_wheels_as_a_robot_may_have_are_compared(tmp_path: Path) -> None:
+    path = tmp_path / "bot.yaml"
+    path.write_text(robot(*(wheel(f"w{k}", y=str(k)) for k in range(64))))
+    assert [len(layout.wheels) for layout in layouts(path)] == [64]

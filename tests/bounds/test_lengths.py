@@ -13,7 +13,7 @@ from tests.bounds.small import walked
 from tests.bounds.vectors import CASES, RANGES, STILL, function, heading_of, points
 from wmrgen.bounds.analysis import analysed
 from wmrgen.bounds.assumptions import LIBM
-from wmrgen.bounds.lengths import SMALL_ANGLE, lengths, share
+from wmrgen.bounds.lengths import SMALL_ANGLE, facts, lengths, share
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op
 
@@ -44,6 +44,19 @@ def test_what_is_multiplied_by_the_vector_has_a_bound_of_its_own(name: str) -> N
     angle, component = analysed(function(CASES[name]), RANGES, LIBM).claims
     assert 1e-7 < angle.over < 2e-5 and angle.error < 1e-5
     assert component.over < 1e-20 and component.error < 3e-5
+
+
+@pytest.mark.parametrize("factor", [Fraction(1, 4), Fraction(-3)])
+def test_a_part_of_a_vector_says_what_is_multiplied(factor: Fraction) -> None:
+    b = Builder()
+    y = b.input("y")
+    x = b.mul(b.const(factor), y)
+    said = dict(facts(b.nodes, x, 2.0))
+    assert (
+        said[x] == 2.0
+        and said[y] == pytest.approx(2.0 / abs(factor), rel=1e-4)
+        and said[y] >= 2.0 / abs(factor)
+    )
 
 
 def test_another_value_does_not_cancel_the_length() -> None:

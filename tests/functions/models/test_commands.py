@@ -27,6 +27,7 @@ def test_posture_in_plain_notation() -> None:
     assert "  x'           = rear.spin*r*cos(theta)" in lines
     assert "  theta'       = rear.spin*r*tan(front.steer)/wheelbase" in lines
     assert "with:   wheelbase = 11/10, r = 17/50" in lines
+    assert "  rear.spin: [r*cos(theta), r*sin(theta), r*tan(front.steer)/wheelbase, 0]" in lines
     assert any(SINGULAR in line for line in lines)
 
 

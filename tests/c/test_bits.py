@@ -53,11 +53,6 @@ def others(choice: str, modules: tuple[Module, ...], folder: Path) -> list[str]:
 
 
 @pytest.mark.slow
-def test_another_target(robots: tuple[Program, Path], tmp_path: Path) -> None:
-    assert others("host", robots[0].modules[::4], tmp_path) == []
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("choice", (*OTHERS, "m4f small", "m0 small"))
 def test_other_choices_of_all(robots: tuple[Program, Path], tmp_path: Path, choice: str) -> None:
     assert others(choice, robots[0].modules, tmp_path) == []
@@ -78,7 +73,7 @@ def test_double(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_libm_is_within_two_ulp(robots: tuple[Program, Path]) -> None:
-    """With `test_another_target`: C is the interpreter's, each libm call within 2 ulp of the true value."""
+    """With `test_other_choices_of_all`: C is the interpreter's, each libm call within 2 ulp of the true value."""
     program = Program(robots[0].modules, "float", 4, LIBM)
     assert program.cases
     seen = sorted(program.libm.seen, key=repr)

@@ -22,7 +22,9 @@ def needed() -> None:
 
 
 def build(library: Path, sketch: str, folder: Path, flags: str = "") -> Path:
-    """The program of an example of a library, for an Uno; ``flags`` for the C."""
+    """The program of an example of a library, for an Uno; ``flags`` for the C. Tests of one process share the core."""
+    core = folder.parents[1] / "arduino-core"
+    core.mkdir(exist_ok=True)
     folder.mkdir()
     options = {
         "-hardware": [SHARE / "arduino-builder", SHARE / "arduino" / "hardware"],
@@ -31,6 +33,7 @@ def build(library: Path, sketch: str, folder: Path, flags: str = "") -> Path:
         "-prefs": [OLD_COMPILER, f"compiler.c.extra_flags={flags}"],
         "-libraries": [library.parent],
         "-build-path": [folder],
+        "-build-cache": [core],
     }
     words = [word for option, values in options.items() for value in values for word in (option, value)]
     run(folder, "arduino-builder", "-compile", *words, library / "examples" / sketch / f"{sketch}.ino")

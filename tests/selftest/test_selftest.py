@@ -62,11 +62,6 @@ def test_passes_however_it_is_compiled(flags: tuple[str, ...], scalar: str, tmp_
 
 
 @pytest.mark.slow
-def test_passes_on_cortex_m4f(tmp_path: Path) -> None:
-    assert on_target(M4F, FEW, tmp_path) == dict.fromkeys(FEW, 0)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("target", [M4F, M0], ids=["m4f", "m0"])
 def test_gallery_passes_on_target(target: Target, tmp_path: Path) -> None:
     assert on_target(target, NAMES, tmp_path) == dict.fromkeys(NAMES, 0)

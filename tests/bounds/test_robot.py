@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import random
 
+import numpy as np
 import pytest
 
 from wmrgen.bounds.analysis import Claim
-from wmrgen.bounds.assumptions import LIBM
+from wmrgen.bounds.assumptions import _POSE, LIBM
 from wmrgen.bounds.robot import (
     SINGULAR,
     TIES,
@@ -152,3 +153,10 @@ def test_plain_data() -> None:
     forward = plain["functions"]["forward"]
     assert not forward["proved"] and forward["not_shown"] == ["div: by zero"]
     assert plain["functions"]["odometry"] == {"proved": False, "no_range": ["dt"]}
+
+
+@pytest.mark.parametrize("name", ["x", "y", "theta"])
+def test_what_a_pose_leaves_over_is_half_a_last_place(name: str) -> None:
+    low, high = _POSE[f"{name}_rest"]
+    half = np.spacing(np.float32(_POSE[name][1])) / 2
+    assert -low == high and half <= high < 1.1 * half

@@ -19,6 +19,7 @@ import pytest
 
 from tests.conftest import Outcome
 from tests.importing.urdf import cylinder, joint, link, pair, robot, wheel
+from wmrgen.importing.robot_file import near_wheel_names
 
 Cli = Callable[..., Outcome]
 Import = Callable[..., dict[str, Any]]
@@ -667,3 +668,11 @@ def test_without_the_packages_that_read(
     (tmp_path / "probe.urdf").write_text(robot(pair()), encoding="utf-8")
     done = wmrgen_cli("import", tmp_path / "probe.urdf")
     assert done.code == 4 and "pip install 'wmrgen[import]'" in done.err
+
+
+def test_of_names_that_are_too_long_the_words_of_all_are_left_out_but_one() -> None:
+    long = "_".join(["part"] * 10)
+    assert near_wheel_names([long]) == ["part"] and near_wheel_names([long, f"{long}_two"]) == [
+        "part",
+        "part_two",
+    ]

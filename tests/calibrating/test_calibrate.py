@@ -701,13 +701,24 @@ def test_a_long_drive_with_large_slips(tmp_path: Path) -> None:
         assert abs(estimate.value - value) < 3 * estimate.sigma < 0.03 * value
 
 
-def test_a_turn_on_the_spot_alone_belongs_to_its_truth(tmp_path: Path) -> None:
-    """Which extends over a tracker's noise alone."""
+@pytest.mark.parametrize(
+    "tracker", [Tracker(noise=(0.008, 0.003)), Tracker(0.03 - 0.02j)], ids=["noisy", "exact"]
+)
+def test_a_turn_on_the_spot_alone_tells_how_lengths_go_together(tmp_path: Path, tracker: Tracker) -> None:
+    """The truth extends over a tracker's noise alone. Slips make the only way that odometry goes, so least errors are
+    those of no lengths at all: such lengths were written, or the drive refused."""
     layout = replace(LAYOUTS["differential"], drives=(lambda t: (0 * t, 0 * t, 0.5 + 0 * t),))
-    logs = written(tmp_path, layout, seconds=20, tracker=Tracker(noise=(0.008, 0.003)))
+    logs = written(tmp_path, layout, seconds=20, tracker=tracker, encoders=Encoders(slip=0.01))
     result = calibrate(derivation_of(tmp_path, layout), logs, [])
     assert result.after.position < 0.016
     assert {"r_left", "r_right", "half_track"} <= {n for group in result.unobservable for n in group}
+    value = {name: estimate.value for name, estimate in result.parameters.items()}
+    assert value["half_track"] / (value["r_left"] + value["r_right"]) == pytest.approx(
+        0.2071 / 0.2007, rel=0.003
+    )
+    for parameter, true in layout.true.items():
+        estimate = result.parameters[parameter]
+        assert abs(estimate.value - true) < 3 * estimate.sigma < 0.4 * true
 
 
 @pytest.mark.parametrize(("count", "folds"), [(1, 5), (2, 2)])

@@ -17,7 +17,7 @@ from wmrgen.calibrating.drifts import Drift, drifts
 from wmrgen.calibrating.fit import Each, Problem, during, nearest, serial, solved, start_of, unit_of
 from wmrgen.calibrating.joints import settled
 from wmrgen.calibrating.logs import Drive, names, pairs, read
-from wmrgen.calibrating.mistakes import refuse_strangers, refuse_unsettled, strange
+from wmrgen.calibrating.mistakes import near_nominal, refuse_strangers, refuse_unsettled, strange
 from wmrgen.calibrating.observability import unobservable
 from wmrgen.calibrating.outliers import Outlier, cut, without, without_slips
 from wmrgen.calibrating.path import Increments, Reals
@@ -118,6 +118,7 @@ def calibrate(
     large = sum(path.stat().st_size for pair in files for path in pair if path.is_file()) > _LARGE
     problem = replace(problem, drives=_parts(stored(every) if large else tuple(every)))
     first, slips = _begun(problem, each)
+    first = near_nominal(first, each)
     if strange(first):
         first, slips = _begun(problem, each, lost=True)
     again = partial(_again, each)

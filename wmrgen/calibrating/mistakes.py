@@ -8,7 +8,8 @@ from itertools import combinations
 
 import numpy as np
 
-from wmrgen.calibrating.certainty import Fit
+from wmrgen.calibrating.certainty import Fit, fit
+from wmrgen.calibrating.fit import Each
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.observability import unobservable
 from wmrgen.calibrating.outliers import STRANGE
@@ -44,13 +45,13 @@ def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> None
     they were read, that would."""
     apart = strange(best)
     unlikely = _unlikely(best, _SURE if apart else 0.0)
-    if not apart and not unlikely:
+    if not apart and not unlikely and best.problem.held is None:
         return
     hint = _hint_of_some(best, drives, fitted) if apart else _hint(best, drives[:2], fitted)
     if not apart and hint == _NO_HINT:
         return  # a length that these drives do not tell may come out as it likes
-    if unlikely:
-        raise UsageError(f"log and truth agree only where {unlikely}: {hint}")
+    if unlikely or not apart:
+        raise UsageError(f"log and truth agree only {f'where {unlikely}' if unlikely else 'roughly'}: {hint}")
     worst = int(np.argmax(_far(best)))
     of = f" of {best.problem.drives[worst].name}" * (len(drives) > 1)
     place, heading = best.rms_by_drive[worst]
@@ -199,6 +200,19 @@ def unlike(value: float, nominal: float, times: float, zero: float) -> bool:
     """Whether a value is of another sign than the nominal one, or so many times as large or as small; where that is 0,
     whether it is larger than ``zero`` [m, rad]."""
     return not 1 / times < value / nominal < times if nominal else abs(value) > zero
+
+
+def near_nominal(best: Fit, each: Each) -> Fit:
+    """The fit where parameters that ran off together stay nominal along their ways, if that explains the truth, too:
+    odometry of a robot that turns on the spot goes only where slips take it, so least errors have all lengths 0."""
+    near, count = best, len(best.values)
+    held = np.empty((count, 0))
+    while _unlikely(near, 0.0) and held.shape[1] < count:
+        way = near.unknowns[:count] - held @ held.T @ near.unknowns[:count]
+        held = np.column_stack([held, way / np.linalg.norm(way)])
+        start = np.concatenate([np.zeros(count), near.unknowns[count:]])
+        near = fit(replace(near.problem, held=held), each, start)
+    return best if strange(near) else near
 
 
 def _extent(best: Fit) -> float:

@@ -91,6 +91,17 @@ def test_decimals_stay_decimals(read: Import, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("inside", "ratios"),
+    [("", ""), ("<multiplier>2</multiplier><offset>0.3</offset>", ", ratios: [1, 2]")],
+)
+def test_a_joint_that_mimics_is_coupled(read: Import, tmp_path: Path, inside: str, ratios: str) -> None:
+    mimic = f'<mimic joint="left_joint">{inside}</mimic></axis>'
+    read(sdf(PAIR + wheel("back", "-0.3 0.25 0.1").replace("</axis>", mimic)))
+    text = (tmp_path / "probe.yaml").read_text(encoding="utf-8")
+    assert f"  - {{equal: [left.spin, back.spin]{ratios}}}   # mimic" in text
+
+
+@pytest.mark.parametrize(
     ("version", "said", "heading"),
     [
         ("1.4", "", 0.0),

@@ -203,7 +203,7 @@ def _coarser(problem: Problem) -> Problem:
     """The problem with about `_ENOUGH` readings, where there are twice as many often enough."""
     if (times := _passed_over(problem)) < 2:
         return problem
-    return replace(problem, drives=tuple(drive.coarser(times, _SEEN) for drive in problem.drives))
+    return replace(problem, drives=changed(problem.drives, lambda _, drive: [drive.coarser(times, _SEEN)]))
 
 
 def _passed_over(problem: Problem) -> int:

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import overload
 
-import numpy as np
+from wmrgen.calibrating.logs import Drive
 
-from wmrgen.calibrating.logs import Drive, Truth
+
+@lru_cache(maxsize=1)
+def _read(file: Path) -> Drive:
+    """The drive in a file, which never changes."""
+    drive: Drive = pickle.loads(file.read_bytes())
+    return drive
 
 
 class Stored(Sequence[Drive]):
@@ -28,11 +35,7 @@ class Stored(Sequence[Drive]):
     def __getitem__(self, index: int | slice) -> Drive | Stored:
         if isinstance(index, slice):
             return Stored(self.folder, self.files[index])
-        with np.load(self.files[index]) as file:
-            columns = dict(zip(file["joints"].tolist(), file["readings"], strict=True))
-            return Drive(
-                str(file["name"]), file["t"], columns, Truth(*file["truth"]), tuple(file["start"].tolist())
-            )
+        return _read(self.files[index])
 
     def __iter__(self) -> Iterator[Drive]:
         return (self[index] for index in range(len(self)))
@@ -42,12 +45,8 @@ def stored(drives: Iterable[Drive]) -> Stored:
     """Drives, each put into a file when it comes."""
     folder, files = TemporaryDirectory(prefix="wmrgen-drives-"), list[Path]()
     for drive in drives:
-        files.append(Path(folder.name) / f"{len(files)}.npz")
-        truth = drive.truth
-        np.savez(
-            files[-1], name=np.array(drive.name), t=drive.t, joints=np.array([*drive.columns]), start=drive.start,
-            readings=np.array([*drive.columns.values()]), truth=np.array([truth.t, truth.x, truth.y, truth.theta]),
-        )  # fmt: skip
+        files.append(Path(folder.name) / str(len(files)))
+        files[-1].write_bytes(pickle.dumps(drive))
     return Stored(folder, files)
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from tests.calibrating.simulated import LAYOUTS, Encoders, Tracker, csv, drive
 from tests.calibrating.test_calibrate import derivation_of, written
-from wmrgen.calibrating.calibrate import calibrate
+from wmrgen.calibrating.calibrate import _coarser, calibrate
 from wmrgen.calibrating.drawn import by_joint, by_time
 from wmrgen.calibrating.stored import Stored, changed
 
@@ -30,8 +30,12 @@ def test_results_are_those_of_drives_in_memory(tmp_path: Path, monkeypatch: pyte
     in_turn = calibrate(derivation, logs, [])
     assert isinstance(in_turn.fit.problem.drives, Stored) and whole.outliers
     assert whole.clocks == pytest.approx({log.stem: TRACKER.late for log in logs}, abs=0.02)
-    for drives in (whole.fit.problem.drives, in_turn.fit.problem.drives):  # what is changed stays where it is
-        assert type(changed(drives, lambda _, each: [each])) is type(drives)
+    for name, value in (("_ENOUGH", 100), ("_COARSE", 1.0)):
+        monkeypatch.setattr(f"wmrgen.calibrating.calibrate.{name}", value)
+    for fit in (whole.fit, in_turn.fit):  # what is changed stays where it is
+        drives, coarser = fit.problem.drives, _coarser(fit.problem).drives
+        assert type(changed(drives, lambda _, each: [each])) is type(coarser) is type(drives)
+        assert sum(len(drive.t) for drive in coarser) < 0.1 * sum(len(drive.t) for drive in drives)
     for name in ("parameters", "unobservable", "before", "after", "held_out", "clocks"):
         assert getattr(in_turn, name) == getattr(whole, name)
     assert str(in_turn.outliers) == str(whole.outliers)  # nan among them

@@ -68,10 +68,8 @@ def settled(best: Fit, each: Each) -> Fit:
             problem = replace(best.problem, untold=joints.untold, slides=_slides(joints, unknowns, each))
             best = fit_at(*solved(problem, each, unknowns, rounds=1), each)
         nominal = best.problem.held if best.problem.held is not None else untold[:, :0]
-        covariance = (
-            best.covariance[: len(untold), : len(untold)] + nominal @ nominal.T
-        )  # what is held stays so
-        variances, directions = np.linalg.eigh(covariance)
+        stays = nominal @ nominal.T  # whatever rounding leaves of its variance
+        variances, directions = np.linalg.eigh(best.covariance[: len(stays), : len(stays)] + stays)
         held = directions[:, variances > _NOMINAL]
         if held.size:
             way = -held @ held.T @ best.unknowns[: len(held)]

@@ -721,6 +721,21 @@ def test_a_turn_on_the_spot_alone_tells_how_lengths_go_together(tmp_path: Path, 
         assert abs(estimate.value - true) < 3 * estimate.sigma < 0.4 * true
 
 
+def test_straight_lines_that_slips_bend_tell_radii(tmp_path: Path) -> None:
+    """Slips are all that odometry turns by, so least errors have half_track 1.3 m: headings of the truth in turns
+    were proposed."""
+    layout = replace(
+        LAYOUTS["differential"], drives=(lambda t: (0.3 + 0.1 * np.sin(0.5 * t), 0 * t, 0 * t),) * 3
+    )
+    options = {"seconds": 40.0, "rate": 20.0, "encoders": Encoders(2 * np.pi / 400, slip=0.01)}
+    logs = written(tmp_path, layout, tracker=Tracker(0.03 - 0.02j, noise=(0.002, 0.003)), **options)
+    result = calibrate(derivation_of(tmp_path, layout), logs, [])
+    assert ("half_track",) in result.unobservable
+    for parameter in ("r_left", "r_right"):
+        estimate = result.parameters[parameter]
+        assert estimate.observable and abs(estimate.value - layout.true[parameter]) < 3 * estimate.sigma
+
+
 @pytest.mark.parametrize(("count", "folds"), [(1, 5), (2, 2)])
 def test_drives_are_held_out_each_and_one_drive_by_parts(
     tmp_path: Path, count: int, folds: int, monkeypatch: pytest.MonkeyPatch

@@ -67,9 +67,10 @@ def settled(best: Fit, each: Each) -> Fit:
             unknowns = _moved(matrix, unknowns, _agreeing(joints, unknowns, untold, each))
             problem = replace(best.problem, untold=joints.untold, slides=_slides(joints, unknowns, each))
             best = fit_at(*solved(problem, each, unknowns, rounds=1), each)
-        nominal = best.problem.held if best.problem.held is not None else untold[:, :0]
-        stays = nominal @ nominal.T  # whatever rounding leaves of its variance
-        variances, directions = np.linalg.eigh(best.covariance[: len(stays), : len(stays)] + stays)
+        covariance = best.covariance[: len(untold), : len(untold)]
+        if paths.held is not None and not rows:  # it stays, whatever rounding leaves of its variance
+            covariance = covariance + paths.held @ paths.held.T
+        variances, directions = np.linalg.eigh(covariance)
         held = directions[:, variances > _NOMINAL]
         if held.size:
             way = -held @ held.T @ best.unknowns[: len(held)]

@@ -140,6 +140,8 @@ def _alike(best: Fit, drives: Sequence[Drive], fitted: Fitted, farther: float) -
 
 def _agrees(best: Fit, other: Fit) -> bool:
     """Whether another reading of the columns explains the truth, and far better, by parameters near nominal ones."""
+    if best.problem.held is not None and _unlikely(other, 0.0):
+        return False  # there parameters ran off, too
     most = np.inf if _unlikely(best, _SURE) else _BETTER if strange(best) else _LESS
     return not strange(other) and _usual(other) and _share(best, other) < most
 

@@ -36,7 +36,7 @@ def cluster(address: str) -> Iterator[Each]:
             parts = []
             for index in range(len(problem.drives)):
                 drives = problem.drives
-                key = drives.files[index] if isinstance(drives, Stored) else id(drives[index])
+                key = drives.files[index].path if isinstance(drives, Stored) else id(drives[index])
                 if key not in sent:
                     drive = drives[index]
                     kept = drives.folder if isinstance(drives, Stored) else drive

@@ -2,27 +2,39 @@
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import overload
+from typing import NamedTuple, overload
 
-from wmrgen.calibrating.logs import Drive
+import numpy as np
+
+from wmrgen.calibrating.logs import Drive, Truth
+
+
+class _File(NamedTuple):
+    """Where the numbers of a drive are, its name, its joints and at how many times they were read."""
+
+    path: Path
+    name: str
+    joints: tuple[str, ...]
+    times: int
 
 
 @lru_cache(maxsize=1)
-def _read(file: Path) -> Drive:
+def _read(file: _File) -> Drive:
     """The drive in a file, which never changes."""
-    drive: Drive = pickle.loads(file.read_bytes())
-    return drive
+    sizes = [4, file.times, len(file.joints) * (file.times - 1)]  # a column has what passes between two times
+    start, t, columns, truth = np.split(np.fromfile(file.path), np.cumsum(sizes))
+    joints = dict(zip(file.joints, columns.reshape(len(file.joints), -1), strict=True))
+    return Drive(file.name, t, joints, Truth(*truth.reshape(4, -1)), tuple(start.tolist()))
 
 
 class Stored(Sequence[Drive]):
     """Drives in files, in the order of ``files``; the ``folder`` goes with the last that holds it."""
 
-    def __init__(self, folder: TemporaryDirectory[str], files: Sequence[Path]) -> None:
+    def __init__(self, folder: TemporaryDirectory[str], files: Sequence[_File]) -> None:
         self.folder, self.files = folder, tuple(files)
 
     def __len__(self) -> int:
@@ -43,10 +55,12 @@ class Stored(Sequence[Drive]):
 
 def stored(drives: Iterable[Drive]) -> Stored:
     """Drives, each put into a file when it comes."""
-    folder, files = TemporaryDirectory(prefix="wmrgen-drives-"), list[Path]()
+    folder, files = TemporaryDirectory(prefix="wmrgen-drives-"), list[_File]()
     for drive in drives:
-        files.append(Path(folder.name) / str(len(files)))
-        files[-1].write_bytes(pickle.dumps(drive))
+        truth, file = drive.truth, Path(folder.name) / str(len(files))
+        of_truth = (truth.t, truth.x, truth.y, truth.theta)
+        np.concatenate([np.array(drive.start), drive.t, *drive.columns.values(), *of_truth]).tofile(file)
+        files.append(_File(file, drive.name, tuple(drive.columns), len(drive.t)))
     return Stored(folder, files)
 
 

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 WHEELS = 3
-SECONDS = 60  # for one text, under Atheris's instruments and beside CI's tests, which slow it ten times and more
+SECONDS = 60  # for one text: Atheris's instruments and tests beside it slow it ten times and more
 LENGTH = 1500  # bytes
 BUILD = Path("build/fuzz")
 

@@ -118,7 +118,7 @@ def calibrate(
     large = sum(path.stat().st_size for pair in files for path in pair if path.is_file()) > _LARGE
     problem = replace(problem, drives=_parts(stored(every) if large else tuple(every)))
     first, slips = _begun(problem, each)
-    first = near_nominal(first, each)
+    first = near_nominal(first, _coarser, each)
     if strange(first):
         first, slips = _begun(problem, each, lost=True)
     again = partial(_again, each)

@@ -8,8 +8,8 @@ from itertools import combinations
 
 import numpy as np
 
-from wmrgen.calibrating.certainty import Fit, fit
-from wmrgen.calibrating.fit import Each
+from wmrgen.calibrating.certainty import Fit, fit, of_drives
+from wmrgen.calibrating.fit import Each, Problem
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.observability import unobservable
 from wmrgen.calibrating.outliers import STRANGE
@@ -204,17 +204,20 @@ def unlike(value: float, nominal: float, times: float, zero: float) -> bool:
     return not 1 / times < value / nominal < times if nominal else abs(value) > zero
 
 
-def near_nominal(best: Fit, each: Each) -> Fit:
+def near_nominal(best: Fit, coarser: Callable[[Problem], Problem], each: Each) -> Fit:
     """The fit where parameters that ran off together stay nominal along their ways, if that explains the truth, too:
-    odometry of a robot that turns on the spot goes only where slips take it, so least errors have all lengths 0."""
-    near, count = best, len(best.values)
+    odometry of a robot that turns on the spot goes only where slips take it, so least errors have all lengths 0. A
+    ``coarser`` problem does for this."""
+    if not _unlikely(best, 0.0):
+        return best
+    near, count = replace(best, problem=coarser(best.problem)), len(best.values)
     held = np.empty((count, 0))
     while _unlikely(near, 0.0) and held.shape[1] < count:
         way = near.unknowns[:count] - held @ held.T @ near.unknowns[:count]
         held = np.column_stack([held, way / np.linalg.norm(way)])
         start = np.concatenate([np.zeros(count), near.unknowns[count:]])
         near = fit(replace(near.problem, held=held), each, start)
-    return best if strange(near) else near
+    return best if strange(near) else of_drives(near, best.problem.drives)
 
 
 def _extent(best: Fit) -> float:

@@ -11,6 +11,7 @@ from wmrgen.backends.registry import BACKENDS, VectorForm
 from wmrgen.bounds.assumptions import library
 from wmrgen.bounds.robot import Bounds, bounds
 from wmrgen.constraints import nominal_view, seen
+from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import system_builder
@@ -107,8 +108,10 @@ class Derivation(Analysis):
         space = state_space(self.robot, self.mobility, form)
         casadi = BACKENDS["casadi"]
         model = casadi.offers("of_vectors")(rates_form(self.robot, space), self.robot.name)
-        if discrete is None:
+        if discrete is None and not dt:
             return model
+        if discrete is None:
+            raise UsageError(f"dt is {dt:g}, and there is no step to take. Write discrete='rk4' too.")
         return casadi.offers("step")(model, lower(self.formula("odometry")), discrete, dt)
 
     def rolling(self) -> Any:

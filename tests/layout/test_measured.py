@@ -246,6 +246,14 @@ def test_above_the_tolerance_the_message_names_what_helps(gap: str) -> None:
     assert kind(pair(gap, head="tolerance: 0.65 mm\n")) == ((2, 0) if gap == "0.00065" else (1, 0))
 
 
+def test_a_hair_above_the_tolerance_two_equal_numbers_do_not_contradict() -> None:
+    """Also where the file asks for exact lengths and names a distance that rounds to none."""
+    told = pair("0.0010000001", head="tolerance: 1 mm\n").mobility.deciding
+    assert "is 1 mm from that of left, a little more than the tolerance of 1 mm" in told and "1.01 mm" in told
+    (near,) = pair("2e-12", head="tolerance: 0\n").robot.near
+    assert "tolerance: 0.01 mm, which" in near.remedies
+
+
 def test_headings_above_the_tolerance_name_what_helps() -> None:
     told = pair("0", "0.5 deg").mobility.deciding
     assert "The heading of right is 0.5 deg off that of left" in told and "write one heading for them" in told

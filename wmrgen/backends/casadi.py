@@ -212,6 +212,6 @@ def _exact(model: ca.Function, odometry: ca.Function, vectors: Sequence[ca.SX], 
 
 
 _NOT_EXACT = (
-    "the exact step needs a twist that the inputs alone decide, and no angles that follow the motion: form twist, or "
-    "rk4, collocation"
+    "the exact step needs a twist that the inputs alone decide, and no angles that follow the motion. Write the form "
+    "twist, or a step of rk4 or collocation."
 )

@@ -46,6 +46,8 @@ def model(
 
     if discrete is None and (dt or out or values):
         raise UsageError("--dt, -o and values are for the step of --discrete. Write --discrete rk4 too.")
+    if as_latex and (as_json or discrete is not None):
+        raise UsageError("--latex writes the equations of a form. Leave out --json and --discrete.")
     with derived(robot) as derivation:
         form = form or default_form(derivation.robot, derivation.mobility)
         if discrete is not None:
@@ -54,8 +56,8 @@ def model(
             sheet, space = chained_sheet(derivation.robot, derivation.mobility), None
         else:
             system = derivation.system(form, symbolic=True)
-            sheet = with_lags(sheet_of(form, system), lags(derivation.robot, system))
             space = state_space(derivation.robot, derivation.mobility, form)
+            sheet = with_lags(sheet_of(form, system), lags(derivation.robot, system), space.text)
         sets = regularity(derivation.robot, derivation.mobility)
         if as_json:
             more = {} if space is None else {"state_space": entries(space)}

@@ -17,7 +17,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from wmrgen.errors import Code, NotDerivableError, RobotFileError, Several
+from wmrgen.errors import Code, NotDerivableError, RobotFileError, Several, UsageError
 from wmrgen.ports import Limits
 from wmrgen.spec.text import nearest, quoted, suggestion
 
@@ -121,8 +121,10 @@ def has_system(name: str) -> bool:
 
 
 def system_builder(name: str) -> SystemBuilder:
-    """The builder of the model called ``name``; KeyError where there is none."""
-    _declared(name, _SYSTEMS)
+    """The builder of the model called ``name``; UsageError where there is none."""
+    if not has_system(name):
+        names()  # every module declares its models
+        raise UsageError(f"there is no form {quoted(name)} of a model. {suggestion(name, sorted(_SYSTEMS))}")
     return _SYSTEMS[name]
 
 

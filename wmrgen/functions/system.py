@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import sympy
 
+from wmrgen.exact.number import Exact
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, Local, Parameter, absolute, add, at_least, select, signal, times
@@ -59,10 +60,11 @@ class System(NamedTuple):
 
 
 class Lag(NamedTuple):
-    """A steering angle that follows its ``command`` [rad] at ``rate`` [rad/s]."""
+    """A steering angle that follows its ``command`` [rad] at ``rate`` [rad/s], with a time ``constant`` [s]."""
 
     command: Port
     rate: Expr
+    constant: Exact
 
 
 def of_commands(text: str, lags: Mapping[str, Lag]) -> str:

@@ -44,14 +44,15 @@ class Near(NamedTuple):
         """The text, with the robot's tolerance and what follows; no full stop."""
         if self.moves:
             return f"{self.text}, within {tolerance}, and are taken for one: {self.moves}"
-        return f"{self.text}, more than {tolerance}"
+        little = "a little " * (self.tolerance < 1.005 * tolerance.length)  # which reads the same
+        return f"{self.text}, {little}more than {tolerance}"
 
     @property
     def remedies(self) -> str:
         """What to write in the robot file."""
         if self.moves:
             return f"Write {self.instead}; or tolerance: 0, which keeps them apart."
-        enough = f"{ceil(round(self.tolerance * 1e5, 6)) / 100:.6g} mm"
+        enough = f"{max(1, ceil(round(self.tolerance * 1e5, 6))) / 100:.6g} mm"
         return (
             f"If one axle bears them, write {self.instead}, or tolerance: {enough}, which takes them for one."
         )

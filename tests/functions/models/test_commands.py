@@ -120,6 +120,8 @@ def test_a_step_is_printed_and_written(tmp_path: Path) -> None:
         (("--discrete", "rk4", "--dt", "1", "--form", "chained"), "chained"),
         (("--discrete", "rk4", "--dt", "1", "speed=1"), "no input 'speed'"),
         (("--discrete", "exact", "--dt", "1"), "rk4"),
+        (("--latex", "--json"), "Leave out --json"),
+        (("--latex", "--discrete", "rk4", "--dt", "1"), "Leave out --json"),
         (
             (
                 "--discrete",

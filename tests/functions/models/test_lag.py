@@ -10,6 +10,7 @@ import pytest
 
 import wmrgen
 from tests.robots import of_text
+from wmrgen.backends.report.motion import regular
 from wmrgen.errors import RobotFileError
 from wmrgen.functions.models.state_space import state_space
 
@@ -32,6 +33,11 @@ wheels:
   - {name: a, type: steered, x: 0.6, y: 0.2, heading: 0, r: 0.1}
   - {name: b, type: steered, x: 0.6, y: -0.3, heading: 0, r: 0.1, lag: {steer: 300 ms}}
   - {name: c, type: steered, x: -0.5, y: 0.1, heading: 0, r: 0.1, lag: {steer: 50 ms}}
+"""
+
+
+AGILE = """\
+  - {name: agile, type: steered, x: wheelbase, y: 0.3, heading: 0, r: 0.3, actuated: [steer], lag: {steer: 0.3}}
 """
 
 
@@ -125,6 +131,31 @@ def test_a_virtual_wheel_has_the_lag_of_those_that_it_steers() -> None:
     assert space is not None and [port.name for port in space.inputs] == ["rear.speed", "front.steer_command"]
     x = [0.0] * len(space.state)
     assert derivation.state_space()(x, [0.0, 0.3], []).full().ravel()[-1] == pytest.approx(0.6)
+
+
+def test_a_lag_that_a_form_leaves_out_is_said() -> None:
+    """That of a wheel whose angle is no state: it follows others, turns with the motion or is a direction of travel;
+    but not where it follows a coordinate that lags as long."""
+    car = of_text(CAR.format(top="", rear="", front="") + AGILE)
+
+    def text(form: str) -> str:
+        return str(car.entries(form)["text"])
+
+    assert text("posture").endswith("; it leaves out the lag of agile")
+    assert text("zeta").endswith("; it leaves out the lag of agile")
+    assert (
+        "lag" not in text("twist")
+        and [e["name"] for e in car.entries("twist")["u"]][-1] == "agile.steer_command"
+    )
+    both = of_text(CAR.format(top="lag: {steer: 0.4}", rear="", front="") + AGILE)
+    assert "lag" not in both.entries("posture")["text"]
+    driven = (
+        "{name: %s, type: castor, x: %s, y: 0.2, d: -0.05, r: 0.05, actuated: [spin, steer], lag: {steer: 1}}"
+    )
+    castors = of_text(f"wmrgen: 1\nname: castors\nwheels: [{driven % ('a', 0.3)}, {driven % ('b', -0.3)}]\n")
+    assert castors.entries()["text"] == "model in twist inputs; it leaves out the lag of a and b"
+    assert "`twist` leaves out the lag of `a` and `b`." in "".join(regular(castors))
+    assert "Steering angles follow `front.steer_command` at first order (`lag`)." in "".join(regular(both))
 
 
 @pytest.mark.parametrize(

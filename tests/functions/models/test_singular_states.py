@@ -106,6 +106,59 @@ def test_eta_moves_nothing_on_its_singular_set_alone(name: str) -> None:
         assert (float(column.subs(values).norm()) < 1e-12) == (off == 0)
 
 
+SETS = {  # pivots of steered wheels that turn together; for each case steering angles by set, twist
+    "synchro": ([[0.5 + 0.3j, 0.5 - 0.3j, -0.5], [0]], "", {(0.4, 0.4): (cos(0.4), sin(0.4), 0), (0, 0): (1, 0, 0)}),
+    "two pairs": (
+        [[0.6 + 0.4j, 0.6 - 0.4j], [-0.6 + 0.4j, -0.6 - 0.4j]], "", {(0, 0): (1, 0, 0), (1, 1): (cos(1), sin(1), 0)}
+    ),
+    "diagonal": (
+        [[0.6 + 0.4j, -0.6 - 0.4j], [0.6 - 0.4j, -0.6 + 0.4j]], "",
+        {(0, 0): (1, 0, 0), (np.arctan2(0.6, -0.4), np.arctan2(0.6, 0.4)): (0, 0, 1)},
+    ),
+    "one pair": (
+        [[0.5 + 0.1j, -0.5 + 0.1j, 0.9 + 0.1j]], "",
+        {(0.3,): (cos(0.3), sin(0.3), 0), (np.pi / 2,): (0.1, 1, 1), (-np.pi / 2,): (0, 1, 0)},
+    ),
+    "parallel fronts": ([[0.5 + 0.3j, 0.5 - 0.3j]], "{name: c, type: fixed, x: -0.5, y: 0, heading: 0, r: 0.1}",
+        {(0,): (1, 0, 0)}),
+    "rear steered": ([[0.5 + 0.3j, 0.5 - 0.3j], [-0.5]], "", {
+        (0, 0): (1, 0, 0), (0.3, 0.3): (cos(0.3), sin(0.3), 0), (0, np.arctan2(-1, 1)): (1, -0.5, 1)}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", SETS)
+def test_wheels_that_turn_together_say_nothing_twice(case: str) -> None:
+    """Constraints of parallel wheels of one motor hold where no wheel slides, and there their Jacobian has full rank
+    but where the model says that it has not; models of driven speeds name where they lack a motion."""
+    sets, fixed, motions = SETS[case]
+    names = [[f"w{i}{k}" for k in range(len(places))] for i, places in enumerate(sets)]
+    wheels = [
+        f"{{name: {name}, type: steered, x: {p.real}, y: {p.imag}, heading: {180 * (k % 2)} deg, r: 0.1}}"
+        for places, row in zip(sets, names, strict=True)
+        for k, (p, name) in enumerate(zip(map(complex, places), row, strict=True))
+    ]
+    pairs = [f"{{equal: [{row[0]}.steer, {name}.steer]}}" for row in names for name in row[1:]]
+    text = f"couplings: [{', '.join(pairs)}]\nwheels: [{', '.join([*wheels, fixed] if fixed else wheels)}]"
+    derivation = of_text(f"wmrgen: 1\nname: tied\n{text}\n")
+    g, entries, system = derivation.rolling(), derivation.entries("twist"), derivation.system("twist")
+    jacobian = g.factory("jacobian", ["x", "u", "p"], ["g", "jac:g:x", "jac:g:u"])
+    told = {form: bool(derivation.system(form).domain) for form in ("posture", "eta")}
+    assert set(told.values()) == {case in ("one pair", "rear steered")}
+    inputs = [entry["name"] for entry in entries["u"]]
+    for angles, (vx, vy, omega) in motions.items():
+        given = {"vx": vx, "vy": vy, "omega": omega}
+        x, u = [0, 0, 0, *angles], [given.get(name, 0.0) for name in inputs]
+        value, *parts = (part.full() for part in jacobian(x, u, []))
+        assert np.abs(value).max() < 1e-12
+        symbols = {f"{row[0]}_steer": a for row, a in zip(names, angles, strict=True)} | given
+        conditions = [
+            float(d.expression.subs({s: symbols[s.name] for s in d.expression.free_symbols}))
+            for d in system.domain
+        ]
+        full = np.linalg.matrix_rank(np.hstack(parts), tol=1e-9) == len(entries["constraints"])
+        assert full == all(abs(c) > 1e-12 for c in conditions)
+
+
 @pytest.mark.parametrize("name", ["tidybot2", "nomad_xr4000"])
 def test_driven_castors_have_a_model_without_singular_angles(name: str) -> None:
     derivation = of_gallery(name)

@@ -210,6 +210,11 @@ def regular(d: Derivation) -> list[str]:
     if sliding:
         does = "does" if len(sliding) == 1 else "do"
         intro += f" {listed(sliding)} {does} not hold where {where_it_slides(d.driven.mobility)}."
+    commands = [p.name for p in space.inputs if p.name.endswith(".steer_command")]
+    if commands:
+        intro += f" Steering angles follow {listed(commands)} at first order (`lag`)."
+    if space.at_once:
+        intro += f" {code(space.form)} leaves out the lag of {listed(space.at_once)}."
     if space.limits:
         limits = (
             f"{code(f'{d.robot.name}_limits.casadi')} and {code('limits')} in {code(f'{d.robot.name}.py')}"

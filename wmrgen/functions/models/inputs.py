@@ -26,6 +26,7 @@ from wmrgen.functions.models.frame import (
     steering_rates,
 )
 from wmrgen.functions.models.polynomials import angles_in, cleaned, divided, domain_of, essential
+from wmrgen.functions.models.tied import meeting
 from wmrgen.functions.models.virtual import as_wheel, driving, steering_frame
 from wmrgen.functions.system import Domain
 from wmrgen.kinematics.pose import unit_of_eta
@@ -93,7 +94,8 @@ class Motion(NamedTuple):
             rates = {f"{w.name}.steer_rate" for w in self.frame.wheels}
             drives = in_code(p.name for p in self.inputs if p.name not in rates)
             text = f"G is unbounded: {drives} no longer determine{'s' * one} the motion"
-        return domain_of(condition, text, self.robot)
+        columns = self.frame.columns
+        return (*domain_of(condition, text, self.robot), *meeting(self.robot, self.frame.view, columns))
 
 
 def posture_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Motion:

@@ -36,6 +36,7 @@ from wmrgen.functions.models.frame import (
 )
 from wmrgen.functions.models.inputs import Eta, Motion, best_motion, eta_motion
 from wmrgen.functions.models.polynomials import clean, domain_of, essential, quotient
+from wmrgen.functions.models.tied import meeting
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.registry import function, system, underivable
 from wmrgen.functions.system import Domain, System, guarded, rate_port
@@ -100,9 +101,11 @@ def _summed(motion: Motion, i: int, names: Locals, memo: dict[Expr, Expr]) -> Ex
 @system("eta")
 def eta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
     """`dynamics` as a system."""
-    model = system_of("dynamics", eta_motion(robot, mobility, symbolic))
-    lines = [s.wheels for s in mobility.singularities if s.kind == "shared_axle"]
-    return model._replace(domain=tuple(_one_line(robot, a, b, symbolic) for a, b in lines))
+    motion = eta_motion(robot, mobility, symbolic)
+    lines = (s.wheels for s in mobility.singularities if s.kind == "shared_axle")
+    shared = (_one_line(robot, a, b, symbolic) for a, b in lines)
+    meet = meeting(robot, motion.frame.view, motion.frame.columns)
+    return system_of("dynamics", motion)._replace(domain=(*shared, *meet))
 
 
 def _one_line(robot: Robot, first: str, second: str, symbolic: bool) -> Domain:

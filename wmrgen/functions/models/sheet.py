@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import sympy
 
 from wmrgen.exact.number import ZERO
-from wmrgen.functions.system import Domain, Lag, System, of_commands, rate_port
+from wmrgen.functions.system import Domain, Lag, System, rate_port
 from wmrgen.notation import plain
 from wmrgen.ports import Port, Role
 from wmrgen.printing import Latex, Reader, Text, Writer, exact, size
@@ -60,11 +60,11 @@ def sheet_of(form: str, system: System) -> Sheet:
     )  # fmt: skip
 
 
-def with_lags(sheet: Sheet, lags: Mapping[str, Lag]) -> Sheet:
-    """The sheet with commanded steering angles for inputs; it says which rates follow from them."""
+def with_lags(sheet: Sheet, lags: Mapping[str, Lag], text: str) -> Sheet:
+    """The sheet with commanded steering angles for inputs; it says which rates follow from them, and ``text`` of it."""
     where = tuple(Equation(name, tidy(lag.rate)) for name, lag in lags.items())
     inputs = tuple(lags[p.name].command if p.name in lags else p for p in sheet.inputs)
-    return sheet._replace(inputs=inputs, where=(*sheet.where, *where), text=of_commands(sheet.text, lags))
+    return sheet._replace(inputs=inputs, where=(*sheet.where, *where), text=text)
 
 
 def tidy(expr: Expr) -> Expr:

@@ -8,6 +8,7 @@ from math import inf
 from typing import Any, NamedTuple
 
 from wmrgen.errors import NotDerivableError
+from wmrgen.exact.number import ZERO
 from wmrgen.functions.models.limits import NO_BOUND, Bound, Limited, limited
 from wmrgen.functions.models.sheet import singular_sets
 from wmrgen.functions.models.twist import sliding, where_it_slides
@@ -18,6 +19,7 @@ from wmrgen.layout.records import Robot
 from wmrgen.layout.skid import parallel
 from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility
+from wmrgen.notation import listed
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, number, over, signal, subtract
 
@@ -25,7 +27,7 @@ from wmrgen.symbolic import Expr, number, over, signal, subtract
 class StateSpace(NamedTuple):
     """``rates``: ``state``, ``inputs`` and parameters (``geometry``) to the rates of the state, in this order;
     ``constraints``: the same to what has to be 0, None where nothing has to; ``limited``: what the robot file limits;
-    ``text``: which model it is; ``singular``: where it does not hold."""
+    ``text``: which model it is; ``singular``: where it does not hold; ``at_once``: wheels whose `lag` it leaves out."""
 
     form: str
     text: str
@@ -36,6 +38,7 @@ class StateSpace(NamedTuple):
     rates: Formula
     constraints: Formula | None
     limited: Limited
+    at_once: tuple[str, ...]
 
     @property
     def limits(self) -> tuple[Port, ...]:
@@ -63,9 +66,13 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
     following = lags(robot, system)
     inputs = tuple(following[u.name].command if u.name in following else u for u in system.inputs)
     rolling = sliding(robot, mobility) if form == "twist" else None
+    slow = max((lag.constant for lag in following.values()), default=ZERO)
+    steered = [w for w in robot.wheels if "steer" in w.actuated]
+    at_once = tuple(w.name for w in steered if (robot.lag_of(w, "steer") or ZERO) > slow)
+    without = f"; it leaves out the lag of {listed(at_once)}" if at_once else ""
     return StateSpace(
         form,
-        of_commands(system.text, following),
+        f"{of_commands(system.text, following)}{without}",
         singular_sets(system),
         system.state,
         inputs,
@@ -73,6 +80,7 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
         _commanded(system.formula(guards=False), following),
         rolling and _commanded(rolling, following),
         limited(robot, mobility, form, system, following),
+        at_once,
     )
 
 
@@ -89,7 +97,7 @@ def lags(robot: Robot, system: System) -> dict[str, Lag]:
             text = f"steering angle that {name} is to have, counter-clockwise from the zero of the robot file"
             command = Port(f"{name}.steer_command", Role.COMMAND, "rad", text)
             rate = over(subtract(signal(command.name), signal(f"{name}.steer")), number(max(constants)))
-            following[port.name] = Lag(command, rate)
+            following[port.name] = Lag(command, rate, max(constants))
     return following
 
 

@@ -8,18 +8,16 @@ others; where they leave none that people drive with (skid-steer), it is the one
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import sympy
 
 from wmrgen.constraints import View, sliding_row, symbolic_view, working_view
 from wmrgen.functions.models.posture import in_world
+from wmrgen.functions.models.tied import led, meeting, only_straight, tied
 from wmrgen.functions.registry import system, underivable
 from wmrgen.functions.system import System
 from wmrgen.kinematics.records import Formula, Locals, joint_port, parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.layout.skid import no_track, parallel
-from wmrgen.mobility.basis import primitive
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import POSE, TWIST, Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, over, signal, square, times
@@ -31,7 +29,8 @@ Column = tuple[Expr, Expr, Expr]
 def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
     """State x y theta and the angles of steered wheels; inputs the components of the twist that fixed wheels leave, and
     steering rates. NotDerivableError where fixed wheels point in different directions."""
-    inputs, columns = _free(robot, mobility, symbolic_view if symbolic else working_view)
+    view = symbolic_view if symbolic else working_view
+    inputs, columns = _free(robot, mobility, view)
     steered = _steered(robot)
     still = (sympy.S.Zero,) * len(steered)
     turns = ((*(sympy.S.Zero,) * 3, *still[:k], sympy.S.One, *still[k + 1 :]) for k in range(len(steered)))
@@ -42,24 +41,20 @@ def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sy
         (*inputs, *(joint_port(w, "steer_rate", Role.COMMAND) for w in steered)),
         (*((*in_world(column), *still) for column in columns), *turns),
         parameter_ports(robot) if symbolic else tunable_ports(robot),
+        meeting(robot, view),
     )
 
 
 def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
-    """g(x, u) [m/s]: by how much each steered wheel slides (Siegwart (3.16)) under state and inputs of `twist_system`,
-    wheels of one axle once; None where nothing steers."""
-    wheels = [w for w in robot.wheels if w.kind.steers]
-    if not wheels:
+    """g(x, u): by how much steered wheels slide [m/s] (Siegwart (3.16)) under state and inputs of `twist_system`; None
+    where nothing steers. Of wheels that turn together as many as say all, see `tied`: one and the yaw rate, or two."""
+    sets, straight = tied(robot), only_straight(robot)
+    if not sets:
         return None
     system, (inputs, columns) = twist_system(robot, mobility), _free(robot, mobility, working_view)
-    outputs, rows = [], []
-    for w in wheels:
-        turned = replace(w, name=robot.wheels[robot.steer_group[w.index]].name)
-        polys = sliding_row(turned, working_view(w)).row
-        if (line := primitive(polys)) in rows:  # whichever way the wheel points
-            continue
-        rows.append(line)
-        row = [expression(p) for p in polys]
+    outputs = []
+    for w in (w for members in sets for w in members[: 1 if straight else 2]):
+        row = [expression(p) for p in sliding_row(led(robot, w), working_view(w)).row]
         terms = (
             times(add(*map(times, row, column)), signal(port.name))
             for port, column in zip(inputs, columns, strict=True)
@@ -67,6 +62,8 @@ def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
         outputs.append(
             (output(f"{w.name}.slide", "m/s", "velocity of the contact along the axle"), add(*terms))
         )
+    if straight:
+        outputs.append((TWIST[2], signal(TWIST[2].name)))
     ports = (*system.state, *system.inputs, *system.geometry)
     return Locals().formula(
         "sliding", ports, outputs, "velocity at which each steered wheel slides, 0 where it rolls"

@@ -1,0 +1,85 @@
+"""Parallel wheels that one motor steers: either their axles are one line, or the robot goes straight.
+
+The two kinds of motion meet where a robot goes straight with those axles on one line. Wheels that stand on no line, as
+those of a synchro drive, go straight in every motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from wmrgen.constraints import View
+from wmrgen.exact.poly import Row
+from wmrgen.functions.models.polynomials import NEGLIGIBLE, essential
+from wmrgen.functions.system import Domain
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.skid import parallel
+from wmrgen.mobility.admissible import along
+from wmrgen.mobility.analyse import towards
+from wmrgen.mobility.ranks import numeric_rank
+from wmrgen.notation import in_code
+from wmrgen.symbolic import add, expression, signal, square
+
+
+def led(robot: Robot, w: Wheel) -> Wheel:
+    """A steered wheel under the name of the one whose angle is its own."""
+    return replace(w, name=robot.wheels[robot.steer_group[w.index]].name)
+
+
+def tied(robot: Robot) -> list[list[Wheel]]:
+    """Steered wheels in sets that turn together and are parallel, of those that stand in one place one."""
+    sets: list[list[Wheel]] = []
+    for w in (w for w in robot.wheels if w.kind.steers):
+        for members in sets:
+            alike = parallel([members[0].zero_heading, w.zero_heading])
+            if alike and robot.steer_group[w.index] == robot.steer_group[members[0].index]:
+                if all(abs(w.pivot - other.pivot) > NEGLIGIBLE for other in members):
+                    members.append(w)
+                break
+        else:
+            sets.append([w])
+    return sets
+
+
+def only_straight(robot: Robot) -> bool:
+    """Whether such wheels leave no motion that turns the robot: their axles can be no lines that meet in one point of
+    the axle line of the fixed wheels."""
+    sets = _apart(robot)
+    lines = [(first, second.pivot - first.pivot) for first, second, *_ in sets]
+    for members, (first, line) in zip(sets, lines, strict=True):
+        if any(abs(((w.pivot - first.pivot) / line).imag) > NEGLIGIBLE for w in members):
+            return True
+    fixed = [along(w, 1j * w.zero_heading) for w in robot.wheels if w.kind.fixed_axle]
+    rows = fixed if fixed and numeric_rank(np.array(fixed))[0] == 1 else []
+    every = np.array([*rows, *(along(first, line / abs(line)) for first, line in lines)]).reshape(-1, 3)
+    return bool(sets) and numeric_rank(every)[0] > numeric_rank(every * [1, 1, 0])[0]
+
+
+def meeting(robot: Robot, view: View, columns: Sequence[Row] | None = None) -> tuple[Domain, ...]:
+    """Where the two kinds of motion meet. A model in twist inputs has both, one in coordinates of the null space
+    ``columns`` has one of them alone."""
+    sets = _apart(robot)
+    if not sets or only_straight(robot):
+        return ()
+    who, omega = (
+        f"{in_code(w.name for members in sets for w in members)}, which turn together",
+        signal("omega"),
+    )
+    gap = towards(led(robot, sets[0][0]), sets[0][1], view)  # 0 where the axles of the first set are one line
+    if columns is None:
+        text = f"the constraints of {who}, follow from one another where the robot goes straight"
+        return (Domain(add(square(omega), square(expression(gap))) if len(sets) == 1 else omega, text),)
+    if len(sets) > 1 or len(columns) > 1:
+        return ()
+    text = f"the axles of {who}, are one line, and the robot can turn about points of it"
+    if columns[0][2]:
+        gap, text = columns[0][2], f"the robot goes straight, which {who}, allow at any angle"
+    return (Domain(expression(essential(gap)), f"{text} (the form `twist` has these motions)"),)
+
+
+def _apart(robot: Robot) -> list[list[Wheel]]:
+    """Sets of two places or more."""
+    return [members for members in tied(robot) if len(members) > 1]

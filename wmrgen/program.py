@@ -212,4 +212,9 @@ def _vector_form(robot: Robot, space: StateSpace, name: str, result: str, formul
     (function,) = self_contained(optimise((lower(formula),), robot.name))
     vectors = tuple(tuple(p.name for p in ports) for ports in (space.state, space.inputs, space.geometry))
     nominal = tuple(float(p.default) for p in space.geometry if p.default is not None)
-    return VectorForm(name, function, vectors, result, nominal)
+    bounds = tuple(
+        tuple(space.limited.bounds[p.name][end] for p in ports)
+        for ports in (space.state, space.inputs, space.limits)
+        for end in (0, 1)
+    )
+    return VectorForm(name, function, vectors, result, nominal, bounds)

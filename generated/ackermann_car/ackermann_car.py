@@ -225,6 +225,12 @@ STATE = ('x', 'y', 'theta', 'front_left.steer')
 INPUTS = ('rear_left.spin', 'front_left.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -0.5090502420380033)
+UBX = (np.inf, np.inf, np.inf, 0.6981317007977318)
+LBU = (-np.inf, -np.inf)
+UBU = (np.inf, np.inf)
+LBH = (-30.0, -2.0)
+UBH = (30.0, 2.0)
 
 
 def _vectors(**vectors):

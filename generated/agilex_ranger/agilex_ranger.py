@@ -305,6 +305,12 @@ STATE = ('x', 'y', 'theta', 'front_left.steer', 'front_right.steer', 'rear_left.
 INPUTS = ('vx', 'vy', 'omega', 'front_left.steer_rate', 'front_right.steer_rate', 'rear_left.steer_rate', 'rear_right.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -1.57, -1.57, -1.57, -1.57)
+UBX = (np.inf, np.inf, np.inf, 1.57, 1.57, 1.57, 1.57)
+LBU = (-2.7, -2.7, -0.7853, -np.inf, -np.inf, -np.inf, -np.inf)
+UBU = (2.7, 2.7, 0.7853, np.inf, np.inf, np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

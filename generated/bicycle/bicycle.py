@@ -211,6 +211,12 @@ STATE = ('x', 'y', 'theta', 'front.steer')
 INPUTS = ('rear.spin', 'front.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -1.0471975511965979)
+UBX = (np.inf, np.inf, np.inf, 1.0471975511965979)
+LBU = (-np.inf, -np.inf)
+UBU = (np.inf, np.inf)
+LBH = (-8.0, -4.0)
+UBH = (8.0, 4.0)
 
 
 def _vectors(**vectors):

@@ -316,6 +316,12 @@ STATE = ('x', 'y', 'theta', 'front.steer')
 INPUTS = ('rear.speed', 'front.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -0.5950083060328546)
+UBX = (np.inf, np.inf, np.inf, 0.5950083060328546)
+LBU = (-np.inf, -np.inf)
+UBU = (np.inf, np.inf)
+LBH = (-2.0, -1.0)
+UBH = (2.0, 1.0)
 
 
 def _vectors(**vectors):

@@ -243,6 +243,12 @@ STATE = ('x', 'y', 'theta', 'fl.steer', 'b.steer', 'fr.steer')
 INPUTS = ('vx', 'vy', 'omega', 'fl.steer_rate', 'b.steer_rate', 'fr.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

@@ -177,6 +177,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('vx', 'omega')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-1.0, -2.0)
+UBU = (1.0, 2.0)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

@@ -173,6 +173,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('front_left.spin', 'front_right.spin', 'rear_left.spin')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf)
+LBH = (-1.3, -1.3, -4.0)
+UBH = (1.3, 1.3, 4.0)
 
 
 def _vectors(**vectors):

@@ -182,6 +182,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('front_left.spin', 'front_right.spin', 'rear_left.spin')
 PARAMETERS = ('radius',)
 NOMINAL = (0.0759,)
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf)
+LBH = (-1.1, -1.1, -2.0)
+UBH = (1.1, 1.1, 2.0)
 
 
 def _vectors(**vectors):

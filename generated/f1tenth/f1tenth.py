@@ -307,6 +307,12 @@ STATE = ('x', 'y', 'theta', 'front.steer')
 INPUTS = ('rear.spin', 'front.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -0.4188790204786391)
+UBX = (np.inf, np.inf, np.inf, 0.4188790204786391)
+LBU = (-np.inf, -3.2)
+UBU = (np.inf, 3.2)
+LBH = (-20.0, -10.0)
+UBH = (20.0, 10.0)
 
 
 def _vectors(**vectors):

@@ -163,6 +163,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('wheel0.spin', 'wheel1.spin', 'wheel2.spin')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf)
+LBH = (-1.5, -1.5, -3.0)
+UBH = (1.5, 1.5, 3.0)
 
 
 def _vectors(**vectors):

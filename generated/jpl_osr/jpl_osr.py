@@ -279,6 +279,12 @@ STATE = ('x', 'y', 'theta', 'left_back.steer')
 INPUTS = ('left_front.spin', 'left_back.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf)
+UBU = (np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

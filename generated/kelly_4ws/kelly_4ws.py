@@ -310,6 +310,12 @@ STATE = ('x', 'y', 'theta', 'w1.steer', 'w2.steer', 'w3.steer', 'w4.steer')
 INPUTS = ('vx', 'vy', 'omega', 'w1.steer_rate', 'w2.steer_rate', 'w3.steer_rate', 'w4.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

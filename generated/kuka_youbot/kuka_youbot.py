@@ -287,6 +287,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('fl.spin', 'fr.spin', 'bl.spin')
 PARAMETERS = ('radius',)
 NOMINAL = (0.05,)
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-16.0, -16.0, -16.0)
+UBU = (16.0, 16.0, 16.0)
+LBH = (-0.8, -0.8, -1.2, -16.0)
+UBH = (0.8, 0.8, 1.2, 16.0)
 
 
 def _vectors(**vectors):

@@ -165,6 +165,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('left_wheel.spin', 'back_wheel.spin', 'right_wheel.spin')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf)
+LBH = (-0.3, -0.3, -1.5707963267948966)
+UBH = (0.3, 0.3, 1.5707963267948966)
 
 
 def _vectors(**vectors):

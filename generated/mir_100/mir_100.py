@@ -198,6 +198,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('left.spin', 'right.spin')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf)
+UBU = (np.inf, np.inf)
+LBH = (-1.5, -1.0)
+UBH = (1.5, 1.0)
 
 
 def _vectors(**vectors):

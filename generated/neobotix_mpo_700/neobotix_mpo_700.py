@@ -311,6 +311,12 @@ STATE = ('x', 'y', 'theta', 'front_left.steer', 'back_left.steer', 'back_right.s
 INPUTS = ('vx', 'vy', 'omega', 'front_left.steer_rate', 'back_left.steer_rate', 'back_right.steer_rate', 'front_right.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

@@ -173,6 +173,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('upper_left.spin', 'lower_left.spin', 'upper_right.spin')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

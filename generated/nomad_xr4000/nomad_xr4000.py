@@ -269,6 +269,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('vx', 'vy', 'omega')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-1.5, -1.5, -2.0)
+UBU = (1.5, 1.5, 2.0)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

@@ -210,6 +210,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('eta1', 'eta2', 'eta3')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

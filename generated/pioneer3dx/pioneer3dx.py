@@ -489,6 +489,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('left.spin', 'right.spin')
 PARAMETERS = ('half_track', 'radius')
 NOMINAL = (0.1655, 0.0975)
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-12.3, -12.3)
+UBU = (12.3, 12.3)
+LBH = (-1.2, -5.235987755982989)
+UBH = (1.2, 5.235987755982989)
 
 
 def _vectors(**vectors):

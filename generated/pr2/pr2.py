@@ -406,6 +406,12 @@ STATE = ('x', 'y', 'theta', 'fl_l.steer', 'fr_l.steer', 'bl_l.steer', 'br_l.stee
 INPUTS = ('vx', 'vy', 'omega', 'fl_l.steer_rate', 'fr_l.steer_rate', 'bl_l.steer_rate', 'br_l.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

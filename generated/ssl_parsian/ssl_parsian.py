@@ -175,6 +175,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('wheel1.spin', 'wheel2.spin', 'wheel3.spin')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

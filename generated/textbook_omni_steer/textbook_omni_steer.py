@@ -208,6 +208,12 @@ STATE = ('x', 'y', 'theta', 'front.steer')
 INPUTS = ('eta1', 'eta2', 'front.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

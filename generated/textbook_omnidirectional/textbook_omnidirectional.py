@@ -162,6 +162,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('w1.spin', 'w2.spin', 'w3.spin')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

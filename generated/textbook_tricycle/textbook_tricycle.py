@@ -197,6 +197,12 @@ STATE = ('x', 'y', 'theta', 'front.steer')
 INPUTS = ('front.spin', 'front.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -1.3089969389957472)
+UBX = (np.inf, np.inf, np.inf, 1.3089969389957472)
+LBU = (-np.inf, -1.5)
+UBU = (np.inf, 1.5)
+LBH = (-2.0, -2.0)
+UBH = (2.0, 2.0)
 
 
 def _vectors(**vectors):

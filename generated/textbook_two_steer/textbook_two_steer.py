@@ -233,6 +233,12 @@ STATE = ('x', 'y', 'theta', 'front.steer', 'rear.steer')
 INPUTS = ('vx', 'vy', 'omega', 'front.steer_rate', 'rear.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf, -np.inf, -np.inf, -np.inf)
+UBU = (np.inf, np.inf, np.inf, np.inf, np.inf)
+LBH = ()
+UBH = ()
 
 
 def _vectors(**vectors):

@@ -175,6 +175,12 @@ STATE = ('x', 'y', 'theta')
 INPUTS = ('left.spin', 'right.spin')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf)
+LBU = (-np.inf, -np.inf)
+UBU = (np.inf, np.inf)
+LBH = (-0.22, -2.84)
+UBH = (0.22, 2.84)
 
 
 def _vectors(**vectors):

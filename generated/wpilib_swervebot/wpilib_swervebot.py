@@ -757,6 +757,12 @@ STATE = ('x', 'y', 'theta', 'front_left.steer', 'front_right.steer', 'back_left.
 INPUTS = ('vx', 'vy', 'omega', 'front_left.steer_rate', 'front_right.steer_rate', 'back_left.steer_rate', 'back_right.steer_rate')
 PARAMETERS = ()
 NOMINAL = ()
+LBX = (-np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf, -np.inf)
+UBX = (np.inf, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
+LBU = (-3.0, -3.0, -3.141592653589793, -np.inf, -np.inf, -np.inf, -np.inf)
+UBU = (3.0, 3.0, 3.141592653589793, np.inf, np.inf, np.inf, np.inf)
+LBH = (-59.05511811023622, -59.05511811023622, -59.05511811023622, -59.05511811023622)
+UBH = (59.05511811023622, 59.05511811023622, 59.05511811023622, 59.05511811023622)
 
 
 def _vectors(**vectors):

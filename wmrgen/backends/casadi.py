@@ -156,10 +156,10 @@ def of_vectors(vector: VectorForm, robot: str) -> ca.Function:
     )  # fmt: skip
 
 
-# One step of CasADi's; collocation: Radau's, three points.
+# One step of CasADi's; collocation: Radau's, three points, by a Newton method that CasADi writes in C, too.
 _SCHEMES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rk4": (ca.simpleRK, (1, 4)),
-    "collocation": (ca.simpleIRK, (1, 3, "radau", "newton")),
+    "collocation": (ca.simpleIRK, (1, 3, "radau", "fast_newton")),
 }
 
 

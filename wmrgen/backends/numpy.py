@@ -2,7 +2,8 @@
 
 Arguments are the contract names with ``_`` for the dot (``left_spin``); results are dictionaries by
 contract name. Arguments broadcast against each other; every result has the broadcast shape. The state space takes
-vectors x, u, p along the last axis, whose entries STATE, INPUTS and PARAMETERS name.
+vectors x, u, p along the last axis, whose entries STATE, INPUTS and PARAMETERS name; LBX to UBU are their bounds, LBH
+and UBH those of `limits`.
 """
 
 from __future__ import annotations
@@ -87,11 +88,18 @@ def _printed(function: Function) -> dict[str, Any]:
 
 
 def _entries(vectors: Sequence[VectorForm]) -> dict[str, tuple[Any, ...]]:
-    """The constants of the module that name the entries of x, u and p, and what p is unless calibrated."""
+    """The constants of the module that name the entries of x, u and p, what p is unless calibrated, and bounds."""
     if not vectors:
         return {}
     names = zip(("STATE", "INPUTS", "PARAMETERS"), vectors[0].vectors, strict=True)
-    return {**dict(names), "NOMINAL": vectors[0].nominal}
+    bounds = zip(("LBX", "UBX", "LBU", "UBU", "LBH", "UBH"), vectors[0].bounds, strict=True)
+    return {**dict(names), "NOMINAL": vectors[0].nominal, **dict(bounds)}
+
+
+def _tuple(values: tuple[Any, ...]) -> str:
+    """As Python reads it, which has no word for infinite floats."""
+    words = [f"{v!r}" if isinstance(v, str) else f"{v!r}".replace("inf", "np.inf") for v in values]
+    return f"({', '.join(words)}{',' * (len(words) == 1)})"
 
 
 def _described_vectors(vector: VectorForm) -> list[str]:
@@ -123,7 +131,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
         wheels=[_plain(line) for line in facts.wheel_lines],
         meta=facts,
         functions=[_printed(function) for function in self_contained(module)],
-        constants=[f"{name} = {value!r}" for name, value in _entries(facts.vectors).items()],
+        constants=[f"{name} = {_tuple(value)}" for name, value in _entries(facts.vectors).items()],
         vectors=[_of_vectors(vector) for vector in facts.vectors],
     )
     return {f"{module.name}.py": text.encode()}

@@ -33,13 +33,15 @@ class Place(NamedTuple):
 
 class VectorForm(NamedTuple):
     """A ``function`` of the vectors x, u and p to the vector ``result``: the contract names of the entries of each;
-    it may do without some. ``nominal``: the entries of p. ``name`` of what backends make of it."""
+    it may do without some. ``nominal``: the entries of p. ``bounds``: least and most of x, of u and of what `limits`
+    gives, in this order. ``name`` of what backends make of it."""
 
     name: str
     function: Function
     vectors: tuple[tuple[str, ...], ...]
     result: str
     nominal: tuple[float, ...]
+    bounds: tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -75,6 +75,13 @@ def test_the_file_is_the_model_of_model_json(path: Path) -> None:
         module.INPUTS,
         module.PARAMETERS,
     ]
+    bounds = [
+        tuple((inf if sign > 0 else -inf) if e[end] is None else e[end] for e in space[key])
+        for key in ("x", "u", "limits")
+        for end, sign in (("lower", -1), ("upper", 1))
+    ]
+    assert [getattr(module, name) for name in ("LBX", "UBX", "LBU", "UBU", "LBH", "UBH")] == bounds
+    assert [entry["nominal"] for entry in space["p"]] == list(module.NOMINAL)
     for name in (
         "ode",
         *(word for word, key in (("rolling", "constraints"), ("limits", "limits")) if space[key]),
@@ -235,6 +242,15 @@ def test_a_step_is_the_same_everywhere(kind: str) -> None:
     there, same, *_ = (part.full() for part in step(x + away, u, []))
     assert there.ravel() - away == pytest.approx(after.ravel(), abs=2e-9)
     assert same == pytest.approx(a, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["rk4", "exact", "collocation"])
+def test_casadi_writes_c_of_a_step(kind: str) -> None:
+    """Also of one that solves equations: of two of its Newton methods CasADi writes one in C."""
+    generator = casadi.CodeGenerator("step.c")
+    generator.add(of_gallery("pioneer3dx").state_space(discrete=kind, dt=0.1))
+    text = generator.dump()
+    assert "pioneer3dx_ode" in text and "#error Code generation not supported" not in text
 
 
 def test_the_exact_step_is_exact_and_smooth_at_a_straight_line() -> None:

@@ -227,16 +227,20 @@ def regular(d: Derivation) -> list[str]:
         )
     if space.limited.absent:
         intro += f" For the limits of {listed(space.limited.absent)} {code(space.form)} has no variable."
-    return [intro, *(block for form, system in systems.items() for block in _exceptions(form, system))]
+    shared = sum(s.kind == "shared_axle" for s in d.mobility.singularities)
+    return [
+        intro,
+        *(block for form, system in systems.items() for block in _exceptions(form, system, shared)),
+    ]
 
 
-def _exceptions(form: str, system: System) -> list[str]:
-    """Where a form does not hold, and why."""
+def _exceptions(form: str, system: System, shared: int) -> list[str]:
+    """Where a form does not hold, and why; of eta the first ``shared`` conditions stand elsewhere."""
     names = symbol_names((*system.state, *system.inputs, *system.geometry))
     blocks = []
-    for domain in system.domain:
+    for k, domain in enumerate(system.domain):
         why = sentence(domain.text.replace(": ", ", for ", 1))
-        if form == "eta":
+        if form == "eta" and k < shared:
             blocks += [f"{code(form)} does not hold where {why}. Section 9 has the condition."]
             continue
         if size(domain.expression) > _CONDITION:

@@ -70,13 +70,18 @@ def meeting(robot: Robot, view: View, columns: Sequence[Row] | None = None) -> t
     )
     gap = towards(led(robot, sets[0][0]), sets[0][1], view)  # 0 where the axles of the first set are one line
     if columns is None:
-        text = f"the constraints of {who}, follow from one another where the robot goes straight"
-        return (Domain(add(square(omega), square(expression(gap))) if len(sets) == 1 else omega, text),)
+        if len(sets) > 1:
+            text = f"the robot goes straight: the constraints of {who}, follow from one another"
+            return (Domain(omega, text),)
+        text = (
+            f"the robot goes straight with {who}, on one axle line: their constraints follow from one another"
+        )
+        return (Domain(add(square(omega), square(expression(gap))), text),)
     if len(sets) > 1 or len(columns) > 1:
         return ()
-    text = f"the axles of {who}, are one line, and the robot can turn about points of it"
+    text = f"the axles of {who}, are one line: there the robot can turn about points of it, too"
     if columns[0][2]:
-        gap, text = columns[0][2], f"the robot goes straight, which {who}, allow at any angle"
+        gap, text = columns[0][2], f"the robot goes straight: {who}, let it do so at any angle"
     return (Domain(expression(essential(gap)), f"{text} (the form `twist` has these motions)"),)
 
 

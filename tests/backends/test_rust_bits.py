@@ -52,7 +52,7 @@ Answers = list[dict[str, float]]
 
 def cases_of(module: Module, scalar: str, count: int) -> Cases:
     """The rows of the self-test, then ``count`` points per function, where two inputs of five are special."""
-    source = random.Random(module.name)
+    source, tunables = random.Random(module.name), nominal(module)
     cases: Cases = [
         (table.functions[0], dict(zip(table.inputs, vector.inputs, strict=True)))
         for table in tables(module, scalar)
@@ -64,7 +64,7 @@ def cases_of(module: Module, scalar: str, count: int) -> Cases:
                 source.choice(EDGES) if source.random() < 0.4 else source.uniform(-4, 4) for _ in iter(int, 1)
             )
             case = dict(zip((port.name for port in contract(function)), special, strict=False))
-            scaled = {name: value * source.uniform(0.9, 1.1) for name, value in nominal(module).items()}
+            scaled = {name: value * source.uniform(0.9, 1.1) for name, value in tunables.items()}
             cases.append((function.name, {**case, **scaled}))
     return cases
 
@@ -76,9 +76,9 @@ def by_c(module: Module, cases: Cases, choice: Choice) -> Answers:
     files = {f"{module.name}.h": header, f"{module.name}.c": source}
     files["driver.c"] = driver([call for _, call in wrappers.values()])
     called = [wrappers[f"{module.name}_{name}"] for name, _ in cases]
+    tunables = nominal(module)
     lines = [
-        request(k, call, {**nominal(module), **case})
-        for (k, call), (_, case) in zip(called, cases, strict=True)
+        request(k, call, {**tunables, **case}) for (k, call), (_, case) in zip(called, cases, strict=True)
     ]
     printed = compile_and_run(files, "\n".join([*lines, ""])).splitlines()
     return [answer(call, line) for (_, call), line in zip(called, printed, strict=True)]
@@ -115,20 +115,24 @@ def label(build: tuple[str, Choice, str]) -> str:
     return "-".join((robot, *choice.words().values(), level))
 
 
+@lru_cache(maxsize=2)
+def of_robot(robot: str, scalar: str) -> Cases:
+    """The cases of a robot, for every choice."""
+    return cases_of(of_gallery(robot).c_module, scalar, examples(1000))
+
+
 @lru_cache(maxsize=1)
-def of_robot(robot: str, choice: Choice) -> tuple[Cases, Answers]:
-    """The cases of a robot, and what its C gives: for both levels of Rust."""
-    module = of_gallery(robot).c_module
-    cases = cases_of(module, choice.scalar, examples(1000))
-    return cases, by_c(module, cases, choice)
+def in_c(robot: str, choice: Choice) -> Answers:
+    """What its C gives, for both levels of Rust."""
+    return by_c(of_gallery(robot).c_module, of_robot(robot, choice.scalar), choice)
 
 
 @pytest.mark.parametrize("build", everyday(BUILDS, ALWAYS), ids=label)
 def test_bits_are_those_of_the_c(build: tuple[str, Choice, str]) -> None:
     need("rustc", "cc")
     robot, choice, level = build
-    cases, of_c = of_robot(robot, choice)
-    assert mismatches(of_gallery(robot).c_module, cases, choice, level, of_c) == []
+    cases = of_robot(robot, choice.scalar)
+    assert mismatches(of_gallery(robot).c_module, cases, choice, level, in_c(robot, choice)) == []
 
 
 @pytest.mark.slow

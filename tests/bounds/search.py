@@ -1,10 +1,11 @@
 """An honest search for the largest rounding error of an output, as a share of its proved bound.
 
-Starts, each bred on: points drawn at random; points at which the analysis allows large errors (where a function has
-no directions). For the slip of wheel rates: rates that fit a motion, where it is zero and rounding all there is, also
-those at which the analysis allows large errors. For the slip of a motion: only points where there is some. The best
-points of a slip are bred on by units in the last place alone. For each sine and arctangent either of the floats around
-it is tried (`choices`): proofs hold for any library that is so exact.
+Starts, each bred on: points drawn at random; where those lead to less than `NEAR` of the bound, points at which the
+analysis allows large errors (if a function has no directions). For the slip of wheel rates: rates that fit a motion,
+where it is zero and rounding all there is, also those at which the analysis allows large errors. For the slip of a
+motion: only points where there is some. The best points of a slip are bred on by units in the last place alone. For
+each sine and arctangent either of the floats around it is tried (`choices`): proofs hold for any library that is so
+exact.
 """
 
 from __future__ import annotations
@@ -25,6 +26,9 @@ Points = dict[str, np.ndarray]
 Score = Callable[[Points], np.ndarray]
 Breed = Callable[[Ranges, Points, int, int], Points]
 TWIST = ("vx", "vy", "omega")
+# Where the first start comes so near, the second finds faults planted in the analysis in no function but those in which
+# the first finds them: roundings halved or left out of sums, differences or products, a product's error of one factor.
+NEAR = 0.25
 ISLANDS = 5
 TRIES = 48  # steering angles tried for wheels that a motion should not turn fast
 
@@ -109,12 +113,12 @@ def worst(
 
     first = draw(ranges, 20000, 1)
     ends = [climb(first)]
-    if not vectors(function.nodes):
-        ends.append(climb(climbed(ranges, allowed, draw(ranges, 600, 5), generations // 3, 600, 60)))
 
     def best() -> float:
         return float(max(share(end).max() for end in ends))
 
+    if not vectors(function.nodes) and best() < NEAR:
+        ends.append(climb(climbed(ranges, allowed, draw(ranges, 600, 5), generations // 3, 600, 60)))
     if output != "slip":
         return best()
     if function.name == "inverse_slip" and best() < enough:

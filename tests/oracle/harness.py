@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -62,10 +63,10 @@ def _place(w: dict[str, Any], polar: bool) -> list[str]:
 class Model:
     """A derived robot: functions by contract names, matrices at given steering angles."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, functions: Sequence[str] | None = None) -> None:
         self.path = path
         self.robot = wmrgen.load(path)
-        self.derivation = wmrgen.derive(self.robot)
+        self.derivation = wmrgen.derive(self.robot, functions)
         self.nominal = {p.name: float(p.nominal) for p in self.robot.parameters}
 
     @cached_property
@@ -79,12 +80,19 @@ class Model:
         """The CasADi functions."""
         return self.derivation.casadi()
 
+    @cached_property
+    def numpy(self) -> Any:
+        """The functions over NumPy arrays."""
+        return self.derivation.numpy()
+
     @classmethod
-    def of(cls, text: str, folder: Path, stem: str = "sample") -> Model:
-        """The model of a robot file's text."""
+    def of(
+        cls, text: str, folder: Path, stem: str = "sample", functions: Sequence[str] | None = None
+    ) -> Model:
+        """The model of a robot file's text: with ``functions`` those alone, else the standard ones."""
         path = folder / f"{stem}.yaml"
         path.write_text(text, encoding="utf-8")
-        return cls(path)
+        return cls(path, functions)
 
     def ports(self, function: str) -> tuple[list[str], list[str]]:
         """Contract names of the inputs and outputs of a function, as CasADi has them."""

@@ -25,7 +25,7 @@ SANITIZERS = "fuzzer,address,undefined,float-divide-by-zero,float-cast-overflow"
 WARNINGS = ("-Wall", "-Wextra", "-Werror")
 FLAGS = ("-std=c99", *WARNINGS, "-g", "-O1", f"-fsanitize={SANITIZERS}", "-fno-sanitize-recover=all")
 ACKERMANN, TUNABLE = "ackermann_car", "pioneer3dx"
-SECONDS = 60  # of all robots together, in CI
+RUNS = 100_000  # of seeds 1 to 8 each found every fault of PLANTED within 40,000, every edge and counter within 22,000
 
 
 def compiled(folder: Path, robot: str, change: tuple[str, str] | None = None, text: str = "") -> Path:
@@ -61,9 +61,9 @@ def clang() -> str:
     return str(found)
 
 
-def run(program: Path, seconds: float) -> subprocess.CompletedProcess[str]:
+def run(program: Path) -> subprocess.CompletedProcess[str]:
     arguments = [
-        f"-max_total_time={seconds:.0f}",
+        f"-runs={RUNS}",
         "-max_len=600",
         "-seed=1",
         "-artifact_prefix=./",
@@ -85,14 +85,14 @@ def run(program: Path, seconds: float) -> subprocess.CompletedProcess[str]:
 def test_virtual_wheels_do_not_command(tmp_path: Path) -> None:
     """Measured angles may be beyond their limits, and so may those that follow from them."""
     text = CAR.replace("[posture]", "[posture, virtual_angle, virtual_steering]")
-    done = run(compiled(tmp_path, "probed", text=text), 1)
+    done = run(compiled(tmp_path, "probed", text=text))
     assert done.returncode == 0, done.stderr[-3000:]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", FEW)
-def test_a_minute_of_fuzzing(robot: str, tmp_path: Path) -> None:
-    done = run(compiled(tmp_path, robot), SECONDS / len(FEW))
+def test_nothing_is_found(robot: str, tmp_path: Path) -> None:
+    done = run(compiled(tmp_path, robot))
     assert done.returncode == 0, done.stderr[-3000:]
 
 
@@ -117,5 +117,5 @@ PLANTED = {
 @pytest.mark.slow
 def test_finds_what_is_planted(fault: str, tmp_path: Path) -> None:
     robot, *change = PLANTED[fault]
-    done = run(compiled(tmp_path, robot, (change[0], change[1])), 20)
+    done = run(compiled(tmp_path, robot, (change[0], change[1])))
     assert done.returncode != 0 and "deadly signal" in done.stderr, done.stderr[-3000:]

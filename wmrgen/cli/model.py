@@ -7,7 +7,7 @@ and validators or to read.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,12 +18,15 @@ from wmrgen.cli import console
 from wmrgen.cli.loading import derived
 from wmrgen.cli.values import from_words
 from wmrgen.errors import NotDerivableError, UsageError
-from wmrgen.exact.number import ZERO
+from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.functions.models.state_space import data as entries
 from wmrgen.functions.models.state_space import default_form, lags, limit_lines, regularity, state_space
+from wmrgen.ir.interpret import FLOAT64, evaluate
+from wmrgen.lower import lower
 from wmrgen.ports import Port, Role
 
 if TYPE_CHECKING:
+    from wmrgen.functions.system import System
     from wmrgen.robot import Derivation
 
     Shown = Callable[[Any], str]
@@ -101,7 +104,8 @@ def _step(
         raise UsageError(
             f"the {discrete} step of {span:g} s does not converge. Write a smaller --dt, or --discrete rk4."
         ) from None
-    if not all(isfinite(v) for part in (after, a, b, c) for row in part for v in row):
+    finite = all(isfinite(v) for part in (after, a, b, c) for row in part for v in row)
+    if not finite or (space.singular and _unbounded(derivation.system(form), case)):
         where = (
             f"{form} does not hold where {'; '.join(space.singular)}"
             if space.singular
@@ -123,6 +127,13 @@ def _step(
     for row in table:
         console.result("  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True)))
     return 0
+
+
+def _unbounded(system: System, case: Mapping[str, Exact]) -> bool:
+    """Whether a divisor of the model is zero there but for the rounding of doubles: functions with guards differ."""
+    at = {**{p.name: ZERO for p in system.state}, **case, **{p.name: ONE for p in system.inputs}}
+    kept, free = (evaluate(lower(system.formula(guards)), at, FLOAT64) for guards in (True, False))
+    return not all(abs(kept[name] - free[name]) < 1 for name in kept)
 
 
 def structure(robot: Path, as_json: bool) -> int:

@@ -151,6 +151,10 @@ def test_a_step_where_the_model_is_singular_is_refused(tmp_path: Path) -> None:
     words = ("model", path, "--discrete", "rk4", "--dt", "0.1", "rear.spin=1")
     assert "does not hold where sin(front.steer) = 0: G is unbounded" in wmrgen(*words, code=2)
     assert wmrgen(*words, "front.steer=1.5")
+    quarter = ("model", ROBOTS / "bicycle.yaml", *words[2:])
+    assert "does not hold where cos(front.steer) = 0: G is unbounded" in wmrgen(
+        *quarter, "front.steer=pi/2", code=2
+    )
     everywhere = (
         "model",
         ROBOTS / "pioneer3dx.yaml",

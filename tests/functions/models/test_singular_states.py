@@ -116,6 +116,11 @@ SETS = {  # pivots of steered wheels that turn together; for each case steering 
         [[0.6 + 0.4j, -0.6 - 0.4j], [0.6 - 0.4j, -0.6 + 0.4j]], "",
         {(0, 0): (1, 0, 0), (np.arctan2(0.6, -0.4), np.arctan2(0.6, 0.4)): (0, 0, 1)},
     ),
+    "diagonal beside an axle": (
+        [[0.5 + 0.3j, -0.5 - 0.3j], [0.5 - 0.3j, -0.5 + 0.3j]],
+        "{name: c, type: fixed, x: 0, y: 0.3, heading: 0, r: 0.1}",
+        {(0, 0): (1, 0, 0), (np.arctan2(0.5, -0.3), np.arctan2(0.5, 0.3)): (0, 0, 1)},
+    ),
     "one pair": (
         [[0.5 + 0.1j, -0.5 + 0.1j, 0.9 + 0.1j]], "",
         {(0.3,): (cos(0.3), sin(0.3), 0), (np.pi / 2,): (0.1, 1, 1), (-np.pi / 2,): (0, 1, 0)},

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import sympy
 
 from wmrgen.constraints import View
 from wmrgen.exact.poly import Row
@@ -64,18 +65,16 @@ def meeting(robot: Robot, view: View, columns: Sequence[Row] | None = None) -> t
     sets = _apart(robot)
     if not sets or only_straight(robot):
         return ()
-    who, omega = (
-        f"{in_code(w.name for members in sets for w in members)}, which turn together",
-        signal("omega"),
-    )
+    who, omega = f"{in_code(w.name for m in sets for w in m)}, which turn together", signal("omega")
     gap = towards(led(robot, sets[0][0]), sets[0][1], view)  # 0 where the axles of the first set are one line
     if columns is None:
         if len(sets) > 1:
-            text = f"the robot goes straight: the constraints of {who}, follow from one another"
-            return (Domain(omega, text),)
-        text = (
-            f"the robot goes straight with {who}, on one axle line: their constraints follow from one another"
-        )
+            lines = len(sets) + any(w.kind.fixed_axle for w in robot.wheels)
+            everywhere = lines > 2  # where it turns, three lines meet in one point: one too many
+            when = "moves" if everywhere else "goes straight"
+            text = f"the robot {when}: the constraints of {who}, follow from one another"
+            return (Domain(sympy.S.Zero if everywhere else omega, text),)
+        text = f"the robot goes straight with {who}, on one line: their constraints follow from one another"
         return (Domain(add(square(omega), square(expression(gap))), text),)
     if len(sets) > 1 or len(columns) > 1:
         return ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 from benchmarks.emulator.image import Image
@@ -34,6 +34,9 @@ def answers(arithmetic: Arithmetic) -> Libm:
     return {name: arithmetic.of(OPERATIONS[name.removesuffix("f")]) for name in LIBM}
 
 
+_usual = lru_cache(maxsize=64)(unit)  # structs and functions, which are those of every choice
+
+
 def default_sources(module: Module) -> tuple[str, str]:
     """Header and source as ``wmrgen derive`` writes them, banner aside."""
     return sources(module)
@@ -46,7 +49,7 @@ def write_sources(folder: Path, modules: Sequence[Module], made: Sources = defau
         header, source = made(module)
         (folder / f"{module.name}.h").write_text(header)
         (folder / f"{module.name}.c").write_text(source)
-        layouts += [_layout(s) for s in unit(module).structs.values()]
+        layouts += [_layout(s) for s in _usual(module).structs.values()]
     (folder / LAYOUTS).write_text("\n".join(dict.fromkeys(layouts)) + "\n")
     every = [*(f"{module.name}.c" for module in modules), LAYOUTS]
     (folder / EVERY).write_text("".join(f'#include "{name}"\n' for name in every))
@@ -112,7 +115,7 @@ class Fleet:
 
     @cached_property
     def units(self) -> dict[str, Unit]:
-        return {module.name: unit(module) for module in self.modules}
+        return {module.name: _usual(module) for module in self.modules}
 
     def steps(self, robot: str) -> tuple[Step, ...]:
         """The functions of the contract, without params_default and prepare."""

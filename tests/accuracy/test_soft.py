@@ -48,7 +48,8 @@ def test_a_sample(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_every_root_and_many_more(tmp_path: Path) -> None:
-    assert wrong(tmp_path, 400_000_000, 1) == (0, 0, 0)
+    """Of what is planted below, the rarest is met by 22 of a million pairs."""
+    assert wrong(tmp_path, 100_000_000, 1) == (0, 0, 0)
 
 
 SLIPS = [

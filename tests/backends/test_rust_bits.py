@@ -18,7 +18,7 @@ from tests.robots import of_gallery
 from tests.tools import need
 from wmrgen import derive, load
 from wmrgen.backends.c99.driver import answer, calls, driver, request
-from wmrgen.backends.c99.emit import sources
+from wmrgen.backends.c99.emit import NO_FACTS, printed
 from wmrgen.backends.c99.emit import unit as c_unit
 from wmrgen.backends.rust import evaluate
 from wmrgen.compiler import compile_and_run
@@ -71,8 +71,9 @@ def cases_of(module: Module, scalar: str, count: int) -> Cases:
 
 def by_c(module: Module, cases: Cases, choice: Choice) -> Answers:
     """What the C of the same choice gives."""
-    wrappers = {call.function: (k, call) for k, call in enumerate(calls(c_unit(module, choice)))}
-    header, source = sources(module, choice)
+    functions = c_unit(module, choice)
+    wrappers = {call.function: (k, call) for k, call in enumerate(calls(functions))}
+    header, source, _ = printed(functions, NO_FACTS)
     files = {f"{module.name}.h": header, f"{module.name}.c": source}
     files["driver.c"] = driver([call for _, call in wrappers.values()])
     called = [wrappers[f"{module.name}_{name}"] for name, _ in cases]
@@ -80,8 +81,8 @@ def by_c(module: Module, cases: Cases, choice: Choice) -> Answers:
     lines = [
         request(k, call, {**tunables, **case}) for (k, call), (_, case) in zip(called, cases, strict=True)
     ]
-    printed = compile_and_run(files, "\n".join([*lines, ""])).splitlines()
-    return [answer(call, line) for (_, call), line in zip(called, printed, strict=True)]
+    told = compile_and_run(files, "\n".join([*lines, ""])).splitlines()
+    return [answer(call, line) for (_, call), line in zip(called, told, strict=True)]
 
 
 def bits(value: float) -> str:

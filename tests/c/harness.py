@@ -17,9 +17,9 @@ from pathlib import Path
 from tests.backends.samples import samples
 from tests.depth import everyday
 from tests.robots import ROBOTS, of_gallery
-from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.driver import Call, answer, calls, driver, request
-from wmrgen.backends.c99.emit import unit
+from wmrgen.backends.c99.emit import NO_FACTS, printed, unit
+from wmrgen.backends.c99.records import Unit
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, Arithmetic, evaluate_module
 from wmrgen.ir.kernels import expand
@@ -96,14 +96,18 @@ class Program:
         return libm(self.scalar)
 
     @cached_property
+    def units(self) -> tuple[Unit, ...]:
+        return tuple(unit(module, self.choice) for module in self.modules)
+
+    @cached_property
     def calls(self) -> tuple[Call, ...]:
-        return tuple(call for module in self.modules for call in calls(unit(module, self.choice)))
+        return tuple(call for each in self.units for call in calls(each))
 
     @cached_property
     def cases(self) -> list[tuple[int, dict[str, float], dict[str, float]]]:
         """(index of the call, inputs, expected outputs)."""
         modules = {module.name: module for module in self.modules}
-        printed = {
+        computed = {
             module.name: expand(module, self.scalar, self.math, self.target) for module in self.modules
         }
         result = []
@@ -111,7 +115,7 @@ class Program:
             module = modules[call.robot]
             name = call.function.removeprefix(f"{call.robot}_")
             for case in samples(module, module.function(name), self.count):
-                expected = evaluate_module(printed[call.robot], name, case, self.libm.arithmetic)
+                expected = evaluate_module(computed[call.robot], name, case, self.libm.arithmetic)
                 result.append((index, case, expected))
         return result
 
@@ -119,8 +123,8 @@ class Program:
     def files(self) -> dict[str, str]:
         """File name -> text: a header and a source per robot, and the driver."""
         result = {}
-        for module in self.modules:
-            result[f"{module.name}.h"], result[f"{module.name}.c"] = sources(module, self.choice)
+        for each in self.units:
+            result[f"{each.robot}.h"], result[f"{each.robot}.c"], _ = printed(each, NO_FACTS)
         result["wmrgen-driver.c"] = driver(self.calls)
         return result
 
@@ -136,10 +140,10 @@ class Program:
         """Compile in ``folder``, run all cases; one line per output that is not the expected bits."""
         program = compile_program(folder, ["wmrgen-all.c"], compiler, flags)
         lines = [request(index, self.calls[index], case) for index, case, _ in self.cases]
-        printed = run_program(program, "\n".join(lines) + "\n", env).splitlines()
-        assert len(printed) == len(self.cases)
+        told = run_program(program, "\n".join(lines) + "\n", env).splitlines()
+        assert len(told) == len(self.cases)
         wrong = []
-        for (index, case, expected), line in zip(self.cases, printed, strict=True):
+        for (index, case, expected), line in zip(self.cases, told, strict=True):
             got = answer(self.calls[index], line)
             wrong += [
                 f"{self.calls[index].function}({case}).{key}: {got[key].hex()}, expected {value.hex()}"

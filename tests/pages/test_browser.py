@@ -4,6 +4,7 @@ the picture as the exact kinematics says."""
 from __future__ import annotations
 
 import re
+from cmath import phase
 from pathlib import Path
 from typing import Any
 
@@ -237,15 +238,15 @@ def _towed(d: Derivation, driven: dict[str, float], time: float) -> dict[str, tu
     speed, omega = complex(driven["vx"], driven["vy"]), driven["omega"]
     axles: dict[str, complex] = {}
     places = {}
-    for at in np.linspace(0.0, time, 4001):
-        front = speed * at * np.exp(0.5j * omega * at) * np.sinc(omega * at / (2 * np.pi))
-        ahead = np.exp(1j * omega * at)
+    at = np.linspace(0.0, time, 4001 if d.robot.trailers else 0)
+    fronts = speed * at * np.exp(0.5j * omega * at) * np.sinc(omega * at / (2 * np.pi))
+    for front, ahead in zip(fronts.tolist(), np.exp(1j * omega * at).tolist(), strict=True):
         for t in d.robot.trailers:
             coupling, length = front - ahead * float(t.hitch.nominal), float(t.length.nominal)
             bar = coupling - axles.get(t.name, coupling - length)
             ahead = bar / abs(bar)
             axles[t.name] = front = coupling - length * ahead
-            places[t.name] = front.real, front.imag, float(np.angle(ahead))
+            places[t.name] = front.real, front.imag, phase(ahead)
     return places
 
 

@@ -9,7 +9,7 @@ STAMP := $(VENV)/.installed
 # Bytecode is kept even where the environment says otherwise: the tests start some five hundred processes.
 PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist worksteal
 
-.PHONY: setup demo test check lint types generate docs bench mutants fuzz clean
+.PHONY: setup demo test check lint types fresh budgets deep generate docs bench mutants fuzz clean
 .DEFAULT_GOAL := demo
 
 setup: $(STAMP)
@@ -28,11 +28,17 @@ demo: setup
 test: setup
 	$(PYTEST)
 
-# What takes one core comes first: in CI Atheris has the other one then.
-check: setup lint types
-	$(BIN)/wmrgen check
-	$(BIN)/python -m benchmarks budgets
+check: lint types fresh budgets deep
+
+# All tests with the slow ones.
+deep: setup
 	WMRGEN_DEEP=1 $(PYTEST) -m 'slow or not slow'
+
+fresh: setup
+	$(BIN)/wmrgen check
+
+budgets: setup
+	$(BIN)/python -m benchmarks budgets
 
 lint: setup
 	$(BIN)/ruff check .

@@ -141,6 +141,10 @@ def evaluate(module: Module, requests: Sequence[Request]) -> list[dict[str, floa
 
 # ---- vectors, for optimisers
 
+# Defaults of vectors are one number for all entries, so that p cannot be nominal: called without it a model gives NaN,
+# where lengths of CasADi's own default, 0, would give what looks like results.
+_WITHOUT_P = {"default_in": [0.0, 0.0, math.nan]}
+
 
 def of_vectors(vector: VectorForm, robot: str) -> ca.Function:
     """``(x, u, p) -> xdot``, or another result, of vectors."""
@@ -152,7 +156,7 @@ def of_vectors(vector: VectorForm, robot: str) -> ca.Function:
     rates = to_casadi(vector.function, vector.function.name).call(inputs)
     return ca.Function(
         ca.Function.fix_name(f"{robot}_{vector.name}"), vectors, [ca.densify(ca.vertcat(*rates))],
-        ["x", "u", "p"], [vector.result],
+        ["x", "u", "p"], [vector.result], _WITHOUT_P,
     )  # fmt: skip
 
 
@@ -182,7 +186,7 @@ def step(model: ca.Function, odometry: Function, kind: str, dt: float) -> ca.Fun
     affine = after - ca.mtimes(a, x) - ca.mtimes(b, u)
     return ca.Function(
         f"{model.name()}_{kind}", vectors, [after, ca.densify(a), ca.densify(b), affine], ["x", "u", "p"],
-        ["xnext", "A", "B", "c"],
+        ["xnext", "A", "B", "c"], _WITHOUT_P,
     )  # fmt: skip
 
 

@@ -244,6 +244,17 @@ def test_a_step_is_the_same_everywhere(kind: str) -> None:
     assert same == pytest.approx(a, abs=1e-9)
 
 
+def test_parameters_that_are_not_given_are_no_zeros() -> None:
+    """By name x and u alone are a call, too: a robot without lengths stood still."""
+    derivation = of_gallery("pioneer3dx")
+    for f in (derivation.state_space(), derivation.limits(), derivation.state_space(discrete="rk4", dt=0.1)):
+        name = f.name_out(0)
+        assert np.isnan(f(x=[0, 0, 0], u=[1, 2])[name].full()).any()
+        assert np.isfinite(f(x=[0, 0, 0], u=[1, 2], p=[0.2, 0.1])[name].full()).all()
+    swerve = of_gallery("wpilib_swervebot").state_space()
+    assert np.isfinite(swerve(x=[0] * 7, u=[1] * 7)["xdot"].full()).all()
+
+
 @pytest.mark.parametrize("kind", ["rk4", "exact", "collocation"])
 def test_casadi_writes_c_of_a_step(kind: str) -> None:
     """Also of one that solves equations: of two of its Newton methods CasADi writes one in C."""

@@ -22,8 +22,9 @@ _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge"
 _TEX = ("lualatex", "xelatex")  # those that print Greek letters
 _THEN = {"SOURCE_DATE_EPOCH": "946684800", "FORCE_SOURCE_DATE": "1"}  # the date of a TeX
 _HOW = "Install one (Debian, Ubuntu: apt-get install gcc; macOS: xcode-select --install) or set CC."
-# Contraction to fused multiply-add is off so that results are those of the printed operations.
-DEFAULT_FLAGS = ("-std=c99", "-O1", "-ffp-contract=off")
+# Contraction to fused multiply-add is off so that results are those of the printed operations. Not optimised: a program
+# is run once, and ends before a compiler has improved it.
+DEFAULT_FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
 _TIMEOUT = 300
 _DATE = re.compile(rb"(/(?:CreationDate|ModDate) ?)\(D:[^)]*\)")
 _STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))

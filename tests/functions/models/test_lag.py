@@ -154,6 +154,9 @@ def test_a_lag_that_a_form_leaves_out_is_said() -> None:
     )
     castors = of_text(f"wmrgen: 1\nname: castors\nwheels: [{driven % ('a', 0.3)}, {driven % ('b', -0.3)}]\n")
     assert castors.entries()["text"] == "model in twist inputs; it leaves out the lag of a and b"
+    slower = "{name: c, type: steered, x: 0, y: -0.3, heading: 0, r: 0.1, lag: {steer: 2}}"
+    wheels = f"wheels: [{driven % ('a', 0.3)}, {driven % ('b', -0.3)}, {slower}]"
+    assert of_text(f"wmrgen: 1\nname: castors\n{wheels}\n").entries()["text"].endswith("the lag of a and b")
     assert "`twist` leaves out the lag of `a` and `b`." in "".join(regular(castors))
     assert "Steering angles follow `front.steer_command` at first order (`lag`)." in "".join(regular(both))
 

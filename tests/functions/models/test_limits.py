@@ -204,6 +204,15 @@ def test_bounds_turn_with_the_zero_of_steering(zero: int, back: int) -> None:
     assert straight[0] < 0 < straight[1]
 
 
+def test_limits_that_no_angle_keeps_are_told() -> None:
+    """Of two wheels that steer as one, mirrored: 0.3 rad of one is about 0.25 rad of the other, never -0.3."""
+    text = (CAR % "").replace("limits: {spin: 12}", "limits: {steer: [0.3, 0.5]}")
+    entries = of_text(text.replace("[steer]}", "[steer], limits: {steer: [-0.5, -0.3]}}")).entries("posture")
+    (angle,) = [e for e in entries["x"] if e["name"].endswith(".steer")]
+    assert angle["lower"] > angle["upper"]
+    assert entries["text"].endswith(f"; no {angle['name']} keeps the limits of all wheels that follow")
+
+
 @pytest.mark.parametrize("away", [0, 10_000, 100_000])
 def test_a_wheel_on_a_slanting_axle_line_bounds_no_coordinate(away: int) -> None:
     """Its angle is the same in every motion, also where P is so far that doubles round its place by more."""

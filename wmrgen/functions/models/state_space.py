@@ -66,22 +66,35 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
     following = lags(robot, system)
     inputs = tuple(following[u.name].command if u.name in following else u for u in system.inputs)
     rolling = sliding(robot, mobility) if form == "twist" else None
-    slow = max((lag.constant for lag in following.values()), default=ZERO)
-    steered = [w for w in robot.wheels if "steer" in w.actuated]
-    at_once = tuple(w.name for w in steered if (robot.lag_of(w, "steer") or ZERO) > slow)
-    without = f"; it leaves out the lag of {listed(at_once)}" if at_once else ""
+    limits, at_once = limited(robot, mobility, form, system, following), _at_once(robot, following)
+    text = of_commands(system.text, following)
+    text += f"; it leaves out the lag of {listed(at_once)}" if at_once else ""
+    never = [name for name, (low, high) in limits.bounds.items() if low > high]
+    text += f"; no {listed(never)} keeps the limits of all wheels that follow" if never else ""
     return StateSpace(
         form,
-        f"{of_commands(system.text, following)}{without}",
+        text,
         singular_sets(system),
         system.state,
         inputs,
         system.geometry,
         _commanded(system.formula(guards=False), following),
         rolling and _commanded(rolling, following),
-        limited(robot, mobility, form, system, following),
+        limits,
         at_once,
     )
+
+
+def _at_once(robot: Robot, following: Mapping[str, Lag]) -> tuple[str, ...]:
+    """Wheels that lag more than what they follow in a model, and driven castors whose angle it does not have."""
+    slow = max((lag.constant for lag in following.values()), default=ZERO)
+    names = []
+    for w in (w for w in robot.wheels if "steer" in w.actuated):
+        lead = robot.wheels[robot.steer_group[w.index]].name
+        free = w.kind.swivels and f"{lead}.steer_rate" not in following
+        if (robot.lag_of(w, "steer") or ZERO) > (ZERO if free else slow):
+            names.append(w.name)
+    return tuple(names)
 
 
 def lags(robot: Robot, system: System) -> dict[str, Lag]:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
-from distributed import LocalCluster
+from distributed import Client, LocalCluster
 
 from tests.calibrating.simulated import LAYOUTS, Encoders, Tracker
 from tests.calibrating.test_calibrate import derivation_of, written
@@ -48,7 +49,14 @@ def test_the_command(tmp_path: Path, address: str, wmrgen_cli: Callable[..., Out
     assert together.code == 0 and together.out == alone.out
 
 
-def test_no_scheduler(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
+def test_no_scheduler(
+    tmp_path: Path, wmrgen_cli: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def impatient(address: str, timeout: str, **rest: Any) -> Client:
+        assert timeout == "10s"
+        return Client(address, timeout="0.5s", **rest)
+
+    monkeypatch.setattr("distributed.Client", impatient)
     layout = LAYOUTS["differential"]
     (tmp_path / "robot.yaml").write_text(layout.text, encoding="utf-8")
     paths = [str(path) for path in written(tmp_path, layout)]

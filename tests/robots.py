@@ -22,9 +22,10 @@ def of_gallery(name: str, *functions: str) -> Derivation:
 
 
 def with_functions(derivation: Derivation, functions: Sequence[str]) -> Derivation:
-    """The robot of a derivation with other functions, which do not change its mobility."""
+    """The robot of a derivation with other functions, which change neither its mobility nor formulas that are known."""
     other = wmrgen.derive(derivation.robot, functions)
     other.mobility = derivation.mobility
+    other._formulas.update(derivation._formulas)
     return other
 
 

@@ -40,7 +40,16 @@ CHOICES = (
 )
 # Tunable parameters, rollers, steered modules, a car with limits, castors.
 ROBOTS = ("pioneer3dx", "kuka_youbot", "wpilib_swervebot", "ackermann_car", "office_chair")
-BUILDS = [(robot, choice, level) for robot in ROBOTS for choice in CHOICES for level in ("0", "3")]
+# Faults planted in the text had as many wrong bits at either level, and one that overflows an integer shows without
+# optimisation alone, in every robot: with optimisation each choice is compiled once, and each robot.
+OPTIMISED = {(ROBOTS[k % len(ROBOTS)], choice) for k, choice in enumerate(CHOICES)}
+BUILDS = [
+    (robot, choice, level)
+    for robot in ROBOTS
+    for choice in CHOICES
+    for level in ("0", "3")
+    if level == "0" or (robot, choice) in OPTIMISED
+]
 ALWAYS = [("pioneer3dx", FLOAT, "3")]
 EDGES = (
     0.0, -0.0, math.pi / 2, -math.pi / 2, math.pi, 3 * math.pi / 2, 1.0, -1.0, 3 / 64, 3 / 64 - 2**-29, 1e-6, -1e-6,

@@ -37,6 +37,7 @@ SCHEMA = json_schema(optional_names())
 VALIDATOR = Draft202012Validator(SCHEMA)
 WRONG: tuple[Any, ...] = ({"no such": {}}, [["nested"]], None, True)
 WORDS = ("snap", "slip", "tunable")
+DUMPER = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 MUTATED = ("ackermann_car", "car_with_trailers", "kuka_youbot", "pioneer3dx", "pr2", "wpilib_swervebot")
 Path_ = tuple[Any, ...]
 
@@ -44,7 +45,7 @@ Path_ = tuple[Any, ...]
 def accepted(document: Any) -> bool:
     """The reader takes the document, written as YAML."""
     try:
-        spec = read(yaml.safe_dump(document, sort_keys=False, allow_unicode=True))
+        spec = read(yaml.dump(document, Dumper=DUMPER, sort_keys=False, allow_unicode=True))
         build(spec)
         check(spec.functions)
     except RobotFileError:

@@ -18,7 +18,7 @@ import pytest
 import yaml
 
 import wmrgen
-from tests.calibrating.simulated import LAYOUTS, Encoders, Layout, Tracker, csv, drive
+from tests.calibrating.simulated import LAYOUTS, Encoders, Layout, Tracker, Twist, csv, drive
 from tests.conftest import Outcome
 from wmrgen.calibrating.calibrate import (
     Calibration,
@@ -30,14 +30,14 @@ from wmrgen.calibrating.calibrate import (
 )
 from wmrgen.calibrating.certainty import fit
 from wmrgen.calibrating.drifts import Drift
-from wmrgen.calibrating.fit import Problem, serial, start_of, sums, unit_of
+from wmrgen.calibrating.fit import Problem, residuals, serial, start_of, sums, unit_of
 from wmrgen.calibrating.logs import names, read
+from wmrgen.calibrating.notes import _drifting, _far_off, _late, notes
 from wmrgen.calibrating.observability import courses, offers, plan
 from wmrgen.calibrating.path import Reckoning, passed, reckoned
 from wmrgen.calibrating.picture import _ERRORS, _PATHS, _errors, _key, _paths, _values
 from wmrgen.calibrating.starts import _found, laid
 from wmrgen.calibrating.written import told, with_values
-from wmrgen.cli.calibrate import _drifting, _far_off, _notes
 from wmrgen.errors import UsageError
 
 LOGS = Path(__file__).parent / "logs"
@@ -254,7 +254,7 @@ def test_what_only_appears_as_a_sum_is_named(tmp_path: Path) -> None:
     assert sum(result.parameters[n].value for n in ("half_length", "half_width")) == pytest.approx(
         0.25 + truth.true["half_width"], rel=1e-3
     )
-    (note,) = _notes(derivation, result)
+    (note,) = notes(derivation, result)
     assert note == (
         "half_width and half_length scale together on these drives, so that their values hold only together: no drive "
         "tells them apart; measure one of them, and delete its tunable: true"
@@ -275,7 +275,7 @@ def test_what_only_appears_as_a_sum_is_named(tmp_path: Path) -> None:
             "half_width",
             "half_length",
         }
-    (note,) = _notes(derivation, replace(result, parameters=lost))
+    (note,) = notes(derivation, replace(result, parameters=lost))
     assert note.startswith(
         "these drives do not tell half_width and half_length, so that they are not written: "
     )
@@ -291,7 +291,7 @@ def test_straight_lines_do_not_tell_a_track(tmp_path: Path) -> None:
     assert ("half_track",) in result.unobservable
     assert result.parameters["half_track"].value == pytest.approx(0.2, abs=1e-6)
     assert result.parameters["r_left"].observable and result.parameters["r_right"].observable
-    (note,) = _notes(derivation, result)
+    (note,) = notes(derivation, result)
     assert note == (
         "these drives do not tell half_track, so that it is not written: add four turns on the spot, two each way"
     )
@@ -543,6 +543,16 @@ def test_a_mistake_beside_headings_alone_is_named(tmp_path: Path, mistake: str) 
     _truths(paths, lambda rows: rows * (1, np.nan, np.nan, 1))
     with pytest.raises(UsageError, match=f"they would agree with {mistaken(paths, mistake)}$"):
         calibrate(derivation_of(tmp_path, LAYOUTS["differential"]), paths, [])
+
+
+def test_clocks_of_a_fleet_are_told_in_one_line() -> None:
+    """Those of a few drives one by one."""
+    clocks = {f"run-{k}": 0.01 * k - 0.02 for k in range(12)}
+    (line,) = _late(clocks)
+    assert line == (
+        "the truth's clocks are -0.020 to +0.090 s off, those of 7 of 12 drives by more than 0.02 s"
+    )
+    assert _late({"a": -0.021, "b": 0.02}) == ["a: the truth's clock is -0.021 s off"]
 
 
 @pytest.mark.parametrize(
@@ -827,6 +837,85 @@ def test_exchanged_columns_are_named(tmp_path: Path) -> None:
         calibrate(derivation_of(tmp_path, layout), paths, [])
 
 
+def test_one_clock_is_not_estimated(tmp_path: Path) -> None:
+    """So starts and ends of drives tell their lengths though nobody stood still there: with clocks of their own these
+    would be anything."""
+    layout = LAYOUTS["tricycle"]
+    derivation = derivation_of(tmp_path, layout)
+    encoders = Encoders(resolution=2 * np.pi / 400, steer=0.002, slip=0.01)
+    paths = written(tmp_path, layout, encoders=encoders)
+    _truths(paths, lambda rows: rows[[0, -1]])
+    free, one = (calibrate(derivation, paths, [], one_clock=held) for held in (False, True))
+    assert max(map(abs, one.clocks.values())) < 1e-4 < 0.01 < max(map(abs, free.clocks.values()))
+    assert one.fit.freedom - free.fit.freedom == len(paths)
+    for name, value in layout.true.items():
+        assert abs(one.parameters[name].value - value) < 3 * one.parameters[name].sigma
+        assert (
+            3 * one.parameters[name].sigma < 0.1 < free.parameters[name].sigma
+        )  # of three drives nothing is certain
+
+
+@pytest.mark.parametrize("error", [1e-5, 1.0])
+def test_a_first_pose_counts_by_its_error(tmp_path: Path, error: float) -> None:
+    """Drives begin there as near as it is known. An error that is larger than that of all poses changes nothing; parts
+    of a drive that begin later have none."""
+    layout = LAYOUTS["differential"]
+    derivation = derivation_of(tmp_path, layout)
+    paths = written(tmp_path, layout, tracker=Tracker(noise=(0.002, 0.003)), encoders=Encoders(slip=0.01))
+    free = calibrate(derivation, paths, [])
+    known = calibrate(derivation, paths, [], start_error=error)
+
+    def starts(result: Calibration) -> list[float]:
+        fit = result.fit
+        every = (residuals(fit.problem, fit.unknowns, index) for index in range(len(paths)))
+        return [float(np.max(np.abs(rows.values[:, 0]))) for rows in every]
+
+    assert max(starts(free)) > 1e-4
+    if error < 1e-3:
+        assert max(starts(known)) < error
+    else:
+        for name, estimate in free.parameters.items():
+            assert known.parameters[name].value == pytest.approx(estimate.value, rel=1e-4)
+    whole = known.fit.problem.drives[0]
+    later = replace(known.fit.problem, drives=(whole.part(0, 300), whole.part(300, 600), whole))
+    assert [later.start_error(index) for index in range(3)] == [error, np.inf, error]
+
+
+def _square(way: int) -> Twist:
+    """Two metres a side, with turns on the spot, once; a second of rest before and after."""
+
+    def twist(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        within, driven = np.mod(t - 1, 9.0), (t > 1) & (t < 37)
+        ahead = driven & (within < 5)
+        return 0.4 * ahead, 0 * t, way * np.pi / 8 * (driven & ~ahead)
+
+    return twist
+
+
+@pytest.mark.parametrize(
+    "name", ["differential", *(pytest.param(n, marks=pytest.mark.slow) for n in ("three_omni", "mecanum"))]
+)
+def test_squares_of_which_the_ends_are_measured_tell_how_lengths_go_together(
+    tmp_path: Path, name: str
+) -> None:
+    """UMBmark: the robot comes back to where it began, whatever its size is, so least errors have radii of 0. They stay
+    about nominal, and what they make together is told; no other reading of the columns is proposed for it."""
+    layout = LAYOUTS[name]
+    derivation = derivation_of(tmp_path, layout)
+    squares = replace(layout, drives=tuple(_square(way) for way in (1, -1) * 3))
+    encoders = Encoders(resolution=2 * np.pi / 400, slip=0.01)
+    paths = written(tmp_path, squares, seconds=38.0, tracker=Tracker(late=0.1), encoders=encoders)
+    _truths(paths, lambda rows: rows[[0, -1]])
+    result = calibrate(derivation, paths, [])
+    assert result.unobservable
+    for e in result.parameters.values():
+        assert abs(e.value / e.nominal - 1) < 0.06 and 0.02 < e.sigma / e.nominal < 0.2
+    assert result.held_out is not None and result.held_out.position < 0.02
+    if name == "differential":
+        ratio = result.parameters["r_left"].value / result.parameters["r_right"].value
+        assert ratio == pytest.approx(layout.true["r_left"] / layout.true["r_right"], rel=0.002)
+
+
 @pytest.mark.slow
 def test_partial_truth(tmp_path: Path) -> None:
     """Start and end alone, with the heading at the start alone: two drives of it tell a radius."""
@@ -870,6 +959,13 @@ def test_the_command(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None
     finer = wmrgen_cli("calibrate", robot, "--plan", "--precision", "1e-6").out
     assert finer == "none of the drives makes every parameter certain to 0.0001 %\n"
     assert wmrgen_cli("calibrate", robot).code == 2
+    held = json.loads(
+        wmrgen_cli("calibrate", robot, *paths, "--json", "--one-clock", "--start-error", "0.001").out
+    )
+    assert max(map(abs, held["clock_offsets"].values())) < 1e-4
+    for wrong in ("0", "-1", "nan"):
+        refused = wmrgen_cli("calibrate", robot, *paths, f"--start-error={wrong}")
+        assert refused.code == 2 and "it has to be above 0" in refused.err
 
 
 @pytest.mark.slow

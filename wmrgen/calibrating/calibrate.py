@@ -6,12 +6,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 from pathlib import Path
 
 import numpy as np
 
 from wmrgen.calibrating import certainty
 from wmrgen.calibrating.certainty import Fit
+from wmrgen.calibrating.clocks import ALONE, ONE
 from wmrgen.calibrating.drawn import drawn
 from wmrgen.calibrating.drifts import Drift, drifts
 from wmrgen.calibrating.fit import Each, Problem, during, nearest, serial, solved, start_of, unit_of
@@ -84,7 +86,12 @@ class Calibration:
         return {name: float(np.median(offsets)) for name, offsets in by_name.items()}
 
 
-def problem_of(derivation: Derivation, drives: Sequence[Drive] = ()) -> Problem:
+def problem_of(
+    derivation: Derivation,
+    drives: Sequence[Drive] = (),
+    one_clock: bool = False,
+    start_error: float | None = None,
+) -> Problem:
     """What a robot's `forward` leaves to estimate. UsageError where nothing is tunable."""
     robot = derivation.robot
     if not robot.tunable:
@@ -96,7 +103,9 @@ def problem_of(derivation: Derivation, drives: Sequence[Drive] = ()) -> Problem:
     rows = disagreement(driving(robot, derivation.mobility)[0])
     increments = Increments.of(forward, None if rows is None else lower(rows))
     nominal = {p.name: float(p.nominal) for p in robot.tunable}
-    return Problem(increments, tuple(nominal[name] for name in increments.parameters), tuple(drives))
+    return Problem(
+        increments, tuple(nominal[name] for name in increments.parameters), tuple(drives),
+        clocks=ONE if one_clock else ALONE, start=inf if start_error is None else start_error)  # fmt: skip
 
 
 def counts_per_turn(robot: Robot) -> dict[str, float]:
@@ -106,10 +115,14 @@ def counts_per_turn(robot: Robot) -> dict[str, float]:
 
 
 def calibrate(
-    derivation: Derivation, logs: Sequence[Path], truths: Sequence[Path], each: Each = serial
-) -> Calibration:
-    """The parameters that the logs tell. UsageError for logs that cannot be read or do not belong to the robot."""
-    problem, turns = problem_of(derivation), counts_per_turn(derivation.robot)
+    derivation: Derivation, logs: Sequence[Path], truths: Sequence[Path], each: Each = serial,
+    one_clock: bool = False, start_error: float | None = None,
+) -> Calibration:  # fmt: skip
+    """The parameters that the logs tell; ``one_clock``: each log and its truth have one, so that no offset is
+    estimated; ``start_error`` [m]: the standard error of the first pose of each truth. UsageError for logs that cannot
+    be read or do not belong to the robot."""
+    problem = problem_of(derivation, (), one_clock, start_error)
+    turns = counts_per_turn(derivation.robot)
     files = pairs(logs, truths)
     every = (
         replace(read(log, truth, problem.increments.joints, turns), name=name)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr, stdtrit
 
 from wmrgen.calibrating.arrow import Sums
-from wmrgen.calibrating.clocks import shown
+from wmrgen.calibrating.clocks import ALONE, ONE, shown
 from wmrgen.calibrating.fit import (
     LEVER,
     Each,
@@ -99,7 +99,9 @@ def without(best: Fit, drives: Sequence[int], each: Each) -> Fit:
 def agreeing(best: Fit) -> Problem:
     """The problem in which clocks agree as far as those of ``best``, where each drive tells its own alone, show that
     they do: what is no more than slips and noise make of an offset is taken from it, and little where they truly
-    differ."""
+    differ; where nothing is known of them."""
+    if best.problem.clocks != ALONE:
+        return best.problem
     own = best.unknowns[len(best.problem.units) :].reshape(len(best.problem.drives), -1)
     return replace(best.problem, clocks=shown(own[:, -1], *best.spread))
 
@@ -108,7 +110,8 @@ def agreeing(best: Fit) -> Problem:
 class _Evidence:
     """What one drive says of how certain a fit is. ``squares`` [m^2] and ``counts`` of residuals: of x and y, and of
     headings; ``usual``: the mean of squares that are usual; ``spans``: as `_spans` has them; ``pulls`` (5, k, k),
-    of its k unknowns: as `_pulls` has them; ``slides`` (k, k): as `_slides` has it; ``offset`` [s]: of the clock."""
+    of its k unknowns: as `_pulls` has them; ``others`` (k, k): the covariance of its gradient that a first pose whose
+    error is known and what joints disagree by make; ``offset`` [s]: of the clock."""
 
     sums: Sums
     squares: tuple[float, float]
@@ -116,7 +119,7 @@ class _Evidence:
     usual: float
     spans: Reals | None
     pulls: Reals
-    slides: Reals
+    others: Reals
     offset: float
 
 
@@ -128,11 +131,11 @@ def fit_at(problem: Problem, unknowns: Reals, each: Each) -> Fit:
     squares, counts = np.array([d.squares for d in every]), np.array([d.counts for d in every])
     measured = int(counts.sum())
     # Squares of errors are so much larger than those of residuals, for unknowns take part of them up.
-    freedom = measured - len(unknowns)
+    freedom = measured - len(unknowns) + (len(problem.drives) if problem.clocks == ONE else 0)
     walk = _walk([drive.spans for drive in every if drive.spans is not None])
     rates = [_independent(drive) if drive.spans is None else walk for drive in every]
     noise = [
-        measured / max(1, freedom) * np.tensordot(r, drive.pulls, 1) + drive.slides
+        measured / max(1, freedom) * np.tensordot(r, drive.pulls, 1) + drive.others
         for r, drive in zip(rates, every, strict=True)
     ]
     covariance, spread = _spread(problem, every, np.array(noise))
@@ -179,8 +182,10 @@ def _spread(problem: Problem, every: Sequence[_Evidence], noise: Reals) -> tuple
     moves = np.concatenate([by_shared, -inverse @ follows.swapaxes(1, 2)], axis=2)
     moves_clock = np.pad(alone, ((0, 0), (s, 0))) - np.einsum("ns,nsk->nk", follow, moves)
     of_each = moves @ noise @ moves.swapaxes(1, 2)
+    sizes, axes = np.linalg.eigh(of_each.sum(axis=0))
+    slips = (axes * np.maximum(sizes, 0.0)) @ axes.T  # where only the prior tells, rounding may be larger
     off, mean = prior_of_shared(problem) @ inverse, clocks.weight * clocks.error * moves[:, :, -1].sum(axis=0)
-    covariance = of_each.sum(axis=0) + off.T @ off + np.outer(mean, mean)
+    covariance = slips + off.T @ off + np.outer(mean, mean)
     late = clocks.weight * clocks.error * alone[:, -1] - follow @ mean
     others = covariance - np.outer(mean, mean) - of_each
     variances = late**2 + np.einsum("nk,nkl,nl->n", moves_clock, noise, moves_clock)
@@ -191,10 +196,12 @@ def _spread(problem: Problem, every: Sequence[_Evidence], noise: Reals) -> tuple
 def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:
     rows = residuals(problem, unknowns, index)
     sums, measured = path_sums(problem, rows), rows.weights > 0
-    slides = np.zeros_like(sums.matrix)
+    pull, error = _pull(problem.scale, rows), problem.start_error(index)
+    known = error < np.inf
+    others = error**2 * pull[:, 0].T @ pull[:, 0] if known else np.zeros_like(sums.matrix)
     if problem.untold is not None:
         values, by = joint_residuals(problem, unknowns, index)
-        sums, slides = sums + joint_sums(problem, values, by), _slides(problem, values, by)
+        sums, others = sums + joint_sums(problem, values, by), others + _slides(problem, values, by)
     of_axes = [rows.values[part][measured[part]] ** 2 for part in (slice(0, 2), slice(2, 3))]
     t = problem.drives[index].truth.t
     return _Evidence(
@@ -203,8 +210,8 @@ def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:
         (len(of_axes[0]), len(of_axes[1])),
         _usual(np.concatenate(of_axes)) if measured.any() else 0.0,
         _spans(t, rows, measured),
-        _pulls(problem.scale, t, rows),
-        slides,
+        _pulls(pull, t, rows, noisy=int(known)),
+        others,
         float(problem.own(unknowns, index)[3]),
     )
 
@@ -219,12 +226,16 @@ def _glitch(squares: Reals) -> float:
     return float(_GLITCH * np.mean(np.sort(squares)[: max(1, round(_COMMON * len(squares)))]))
 
 
-def _pulls(scale: float, t: Reals, rows: Residuals) -> Reals:
-    """The covariances of a drive's gradient by its k unknowns that a unit of each of what `_walk` returns makes
-    (5, k, k); ``scale`` [m] is that of the loss."""
+def _pull(scale: float, rows: Residuals) -> Reals:
+    """The gradient of a drive by its k unknowns that each residual makes (3, n, k), by metre; ``scale`` [m] is that of
+    the loss."""
     z = rows.values / scale
-    gain = (rows.weights / (scale**2 * (1 + z * z) ** 1.5))[..., None]
-    pull = gain * rows.by  # (3, n, k) by metre of residual
+    return np.asarray((rows.weights / (scale**2 * (1 + z * z) ** 1.5))[..., None] * rows.by)
+
+
+def _pulls(pull: Reals, t: Reals, rows: Residuals, noisy: int) -> Reals:
+    """The covariances of a drive's gradient by its k unknowns that a unit of each of what `_walk` returns makes
+    (5, k, k), the truth's noise in its rows from that number on which is the first ``noisy`` one."""
     after = np.cumsum(pull[:, ::-1], axis=1)[:, ::-1]  # of a step along x, y that all that follows takes
     turning = LEVER * pull[2] - pull[0] * rows.place.imag[:, None] + pull[1] * rows.place.real[:, None]
     turned = np.cumsum(turning[::-1], axis=0)[::-1]
@@ -232,7 +243,7 @@ def _pulls(scale: float, t: Reals, rows: Residuals) -> Reals:
     c, s = np.cos(rows.heading)[:, None], np.sin(rows.heading)[:, None]
     steps = (c * after[0] + s * after[1], c * after[1] - s * after[0], turned)
     lasting = np.diff(t, prepend=t[0])[:, None]
-    seen = [part.T @ part for part in pull]
+    seen = [part[noisy:].T @ part[noisy:] for part in pull]
     return np.array([*((step * lasting).T @ step for step in steps), seen[0] + seen[1], LEVER**2 * seen[2]])
 
 

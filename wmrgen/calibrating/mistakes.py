@@ -19,6 +19,7 @@ from wmrgen.calibrating.starts import nominal_at
 from wmrgen.errors import UsageError
 
 _FAR = 0.1  # of the truth's extent: where residuals stay so large, joints and truth do not belong together
+_SPARSE = 12  # rows of a truth: fewer do not say how far a drive goes, nor which of two readings is right
 _SPOT = 0.5  # [m] which it counts for at least: of a robot that turns on the spot it is a tracker's noise
 _MANY = 1e6  # times as far as odometry has it no drive goes, in whatever unit its wheels are counted
 _TURNED = 0.5  # [rad] the same for headings
@@ -45,7 +46,7 @@ def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> None
     they were read, that would."""
     apart = strange(best)
     unlikely = _unlikely(best, _SURE if apart else 0.0)
-    if not apart and not unlikely and best.problem.held is None:
+    if not apart and not unlikely and not _doubtful(best.problem):
         return
     hint = _hint_of_some(best, drives, fitted) if apart else _hint(best, drives[:2], fitted)
     if not apart and hint == _NO_HINT:
@@ -55,10 +56,17 @@ def refuse_strangers(best: Fit, drives: Sequence[Drive], fitted: Fitted) -> None
     worst = int(np.argmax(_far(best)))
     of = f" of {best.problem.drives[worst].name}" * (len(drives) > 1)
     place, heading = best.rms_by_drive[worst]
-    stay = f"positions{of} stay {place:.2g} m from the truth, which extends over {_extent(best):.2g} m"
+    stay = (
+        f"positions{of} stay {place:.2g} m from the truth, of drives that extend over {_extent(best):.2g} m"
+    )
     if heading > _TURNED:
         stay = f"headings{of} stay {heading:.2g} rad from the truth"
     raise UsageError(f"whatever the parameters are, {stay}: {hint}")
+
+
+def _doubtful(problem: Problem) -> bool:
+    """Whether parameters were held at nominal values, and poses are many enough to tell another reading by."""
+    return problem.held is not None and any(d.truth.measured >= _SPARSE for d in problem.drives)
 
 
 def refuse_unsettled(best: Fit, first: Fit) -> None:
@@ -221,10 +229,16 @@ def near_nominal(best: Fit, coarser: Callable[[Problem], Problem], each: Each) -
 
 
 def _extent(best: Fit) -> float:
-    """How far [m] the truth extends along x or y; 0 where it has headings alone."""
-    every = (axis for drive in best.problem.drives for axis in (drive.truth.x, drive.truth.y))
-    axes = (axis[np.isfinite(axis)] for axis in every)
-    return max((float(np.ptp(axis)) for axis in axes if len(axis)), default=0.0)
+    """How far [m] the truth extends along x or y, or nominal odometry between the few places that the truth has, as
+    start and end of a drive; 0 where it has headings alone."""
+    every = list[Reals]()
+    for drive in best.problem.drives:
+        axes = [axis[np.isfinite(axis)] for axis in (drive.truth.x, drive.truth.y)]
+        every += axes
+        if 0 < max(map(len, axes)) < _SPARSE:
+            place, _ = nominal_at(best.problem, drive, drive.t)
+            every += [place.real, place.imag]
+    return max((float(np.ptp(axis)) for axis in every if len(axis)), default=0.0)
 
 
 def _usual(best: Fit) -> bool:
@@ -272,4 +286,4 @@ def _farther(best: Fit, drives: Sequence[Drive]) -> float:
         steps = best.problem.increments(drive.columns, best.problem.nominal)
         true += float(np.sum(_moves(best, drive)[0][0]))
         own += float(np.sum(np.abs(steps.position[measured])))
-    return true / own if 0 < true < _MANY * own else np.nan
+    return true / own if own < _MANY * true < _MANY**2 * own else np.nan

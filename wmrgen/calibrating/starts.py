@@ -16,6 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from wmrgen.calibrating.certainty import Fit, fit_at, of_drives
+from wmrgen.calibrating.clocks import ALONE
 from wmrgen.calibrating.fit import (
     BEYOND,
     LEVER,
@@ -78,7 +79,9 @@ def begun(
     longer ones. Where it goes on to lose its way, and whole drives do not tell it from there, drives go without slips
     that steps of the path show then, which are returned, too; so they do where it is known to be ``lost``. For all this
     a ``coarser`` problem does."""
-    drives = changed(problem.drives, lambda _, drive: [_in_time(problem, drive)])
+    drives = problem.drives
+    if problem.clocks == ALONE:
+        drives = changed(drives, lambda _, drive: [_in_time(problem, drive)])
     ready, slips, seconds = laid(replace(problem, drives=drives)), list[Outlier](), _PIECE
     start, coarse = start_of(ready), coarser(ready)
     coarse, start = agreed(coarse, start, each, lost or not _finds(coarse, start))

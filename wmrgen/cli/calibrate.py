@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass
-from math import degrees, isfinite, isnan, pi
+from math import degrees, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,12 +16,12 @@ from wmrgen.cli.loading import derived
 from wmrgen.errors import UsageError
 
 _SHOWN = 1e-9  # [rad] rounding
-_FAR_OFF = 0.15  # of a length: nobody measures worse
 
 if TYPE_CHECKING:
-    from wmrgen.calibrating.calibrate import Calibration, Estimate
-    from wmrgen.calibrating.drifts import Drift
-    from wmrgen.calibrating.observability import Course, Offer
+    from wmrgen.calibrating.calibrate import Calibration
+    from wmrgen.calibrating.fit import Problem
+    from wmrgen.calibrating.observability import Course
+    from wmrgen.calibrating.path import Reals
     from wmrgen.robot import Derivation
 
 
@@ -33,13 +34,19 @@ def calibrate(
     plan: bool,
     precision: float,
     scheduler: str | None,
+    one_clock: bool,
+    start_error: float | None,
     as_json: bool,
 ) -> int:
     """Print what the logs tell of the parameters, and which drives would tell more."""
     from wmrgen.calibrating import calibrate as work
+    from wmrgen.calibrating.cluster import cluster
+    from wmrgen.calibrating.fit import serial
     from wmrgen.calibrating.written import told as values_of
     from wmrgen.calibrating.written import with_values
 
+    if start_error is not None and not start_error > 0:
+        raise UsageError(f"--start-error is {start_error:g}: it has to be above 0")
     with derived(robot) as derivation:
         pass
     if not logs:
@@ -47,7 +54,7 @@ def calibrate(
             raise UsageError(
                 "no log is given: wmrgen calibrate ROBOT.yaml LOG.csv…, or --plan for drives to make"
             )
-        planned = _Planned.of(derivation, precision)
+        planned = _Planned.of(work.problem_of(derivation, (), one_clock, start_error), derivation, precision)
         if as_json:
             console.data(
                 {"plan": planned.as_data(), "unobservable": [list(group) for group in planned.never]}
@@ -55,20 +62,16 @@ def calibrate(
         else:
             planned.tell()
         return 0
-    if scheduler is None:
-        result = work.calibrate(derivation, logs, truth or ())
-    else:
-        from wmrgen.calibrating.cluster import cluster
-
-        with cluster(scheduler) as each:
-            result = work.calibrate(derivation, logs, truth or (), each)
+    with nullcontext(serial) if scheduler is None else cluster(scheduler) as each:
+        result = work.calibrate(derivation, logs, truth or (), each, one_clock, start_error)
     values = values_of(result)
     if out is not None:
         write_file(out, with_values(robot, values).encode())
     if files is not None:
         _write_all(files, robot, derivation, result, values)
     told = _Told.of(derivation, result)
-    more = _Planned.of(derivation, precision, result) if plan else None
+    fit = result.fit
+    more = _Planned.of(fit.problem, derivation, precision, fit.information) if plan else None
     if as_json:
         console.data(_as_data(result, told) | ({} if more is None else {"plan": more.as_data()}))
         return 0
@@ -110,11 +113,12 @@ class _Told:
     @staticmethod
     def of(derivation: Derivation, result: Calibration) -> _Told:
         from wmrgen.calibrating.drawn import by_joint
+        from wmrgen.calibrating.notes import notes
         from wmrgen.calibrating.written import counts_per_turn, told
 
         values = {name: e.nominal for name, e in result.parameters.items()} | told(result)
         counts = counts_per_turn(derivation.robot, values)
-        return _Told(by_joint(derivation, result.fit), counts, _notes(derivation, result))
+        return _Told(by_joint(derivation, result.fit), counts, notes(derivation, result))
 
 
 def _as_data(result: Calibration, told: _Told) -> dict[str, Any]:
@@ -178,88 +182,6 @@ def _tell(robot: str, result: Calibration, told: _Told) -> None:
         console.note(note)
 
 
-def _notes(derivation: Derivation, result: Calibration) -> list[str]:
-    """What a user should know of the logs and of what they do not tell, a sentence each."""
-    from wmrgen.calibrating.observability import blind, offers
-    from wmrgen.calibrating.written import untold
-
-    notes, theta = [], result.fit.mount[2]
-    if abs(theta) > pi / 2:
-        notes.append(
-            f"the tracked body is turned by {degrees(theta):.0f} deg on the robot; if it is not, the wheels "
-            "count the other way, or left and right are exchanged"
-        )
-    for name, offset in result.clocks.items():
-        if abs(offset) > 0.02:
-            notes.append(f"{name}: the truth's clock is {offset:+.3f} s off")
-    notes += map(_drifting, result.drifts)
-    if far := [name for name, e in result.parameters.items() if _far_off(e)]:
-        notes.append(
-            f"{', '.join(far)}: more than {100 * _FAR_OFF:.0f} % from nominal; if that was measured, see whether "
-            "counts of a turn, gears and units of log and truth are right"
-        )
-    for slip in result.outliers:
-        how = (
-            "its joints disagree"
-            if isnan(slip.moved)
-            else f"{slip.moved:.2g} m and {slip.turned:.2g} rad off"
-        )
-        notes.append(
-            f"{slip.drive}: left out from t = {slip.start:.1f} to {slip.end:.1f} s, where wheels slip: {how}"
-        )
-    if result.fit.freedom <= 0:
-        notes.append(
-            "as many unknowns as measurements: no standard deviation can be told; add drives, or poses between "
-            "start and end"
-        )
-    if result.unobservable:
-        choices = offers(result.fit.problem, derivation)
-        never = blind(result.fit.problem, choices)
-        for group in result.unobservable:
-            notes.append(
-                f"{_together(group, untold(result, group))}: {_remedy(choices, result, group, never)}"
-            )
-    return notes
-
-
-def _far_off(estimate: Estimate) -> bool:
-    """Whether a length is sure to be farther from its nominal value than who measures one is off."""
-    off = abs(estimate.value - estimate.nominal)
-    far = off > max(_FAR_OFF * abs(estimate.nominal), 3 * estimate.sigma)
-    return estimate.observable and estimate.nominal != 0 and far
-
-
-def _drifting(drift: Drift) -> str:
-    """How a clock or a tracker's heading moves, in a sentence."""
-    times = f"from t = {drift.start:.1f} to {drift.end:.1f} s"
-    if drift.at_once:
-        return f"{drift.drive}: the truth's clock jumps by {-drift.late:+.2f} s {times}: each part is fitted alone"
-    what, much = ("clock", f"{-drift.late:+.2f} s") if drift.late else ("heading", f"{drift.turned:+.3f} rad")
-    return f"{drift.drive}: the truth's {what} drifts by {much} {times}, so parameters may be wrong"
-
-
-def _together(group: Sequence[str], nominal: bool) -> str:
-    if len(group) == 1:
-        return f"these drives do not tell {group[0]}, so that it is not written"
-    names = f"{', '.join(group[:-1])} and {group[-1]}"
-    if nominal:
-        return f"these drives do not tell {names}, so that they are not written"
-    return f"{names} scale together on these drives, so that their values hold only together"
-
-
-def _remedy(
-    choices: Sequence[Offer], result: Calibration, group: Sequence[str], never: Sequence[Sequence[str]]
-) -> str:
-    """What would tell the parameters of ``group``."""
-    from wmrgen.calibrating.observability import WEAK, plan
-
-    them, measure = ("it", "measure it") if len(group) == 1 else ("them apart", "measure one of them")
-    if any(set(group) & set(other) for other in never):
-        return f"no drive tells {them}; {measure}, and delete its tunable: true"
-    courses = plan(result.fit.problem, choices, WEAK, result.fit.information)
-    return f"add {' and '.join(course.text for course in courses)}" if courses else measure
-
-
 @dataclass(frozen=True, slots=True)
 class _Planned:
     """The ``courses`` after which every parameter is certain to ``precision``, None where none do; parameters that no
@@ -270,14 +192,12 @@ class _Planned:
     precision: float
 
     @staticmethod
-    def of(derivation: Derivation, precision: float, result: Calibration | None = None) -> _Planned:
-        """Without drives, or after those of a calibration."""
-        from wmrgen.calibrating.calibrate import problem_of
+    def of(problem: Problem, derivation: Derivation, precision: float, told: Reals | None = None) -> _Planned:
+        """Beside the information of drives that there are, ``told``."""
         from wmrgen.calibrating.observability import blind, offers, plan
 
-        problem = problem_of(derivation) if result is None else result.fit.problem
         choices = offers(problem, derivation)
-        courses = plan(problem, choices, precision, None if result is None else result.fit.information)
+        courses = plan(problem, choices, precision, told)
         return _Planned(courses, blind(problem, choices), precision)
 
     def as_data(self) -> list[dict[str, Any]] | None:

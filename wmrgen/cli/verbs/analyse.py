@@ -191,6 +191,13 @@ def calibrate(
     ] = None,
     plan: Annotated[bool, typer.Option("--plan", help="Say which drives would tell the parameters.")] = False,
     precision: Annotated[float, option("What --plan aims at, relative to nominal.", "0.01")] = 0.01,
+    one_clock: Annotated[
+        bool, typer.Option("--one-clock", help="Log and truth have one clock: no offset is estimated.")
+    ] = False,
+    start_error: Annotated[
+        float | None,
+        option("What the first pose of each truth may be off by [m]: it then counts so.", "0.001"),
+    ] = None,
     scheduler: Annotated[
         str | None, option("Add the drives up on the Dask cluster of this scheduler.", "ADDRESS")
     ] = None,

@@ -13,13 +13,14 @@ import pytest
 from tests.calibrating.simulated import LAYOUTS, Encoders, Tracker, csv, drive
 from tests.calibrating.test_calibrate import derivation_of
 from wmrgen.calibrating.calibrate import _jackknife, calibrate
-from wmrgen.calibrating.certainty import _pull, _pulls, _spans, _walk, fit, student
+from wmrgen.calibrating.certainty import _pull, _pulls, fit, student
 from wmrgen.calibrating.clocks import ALONE, shown
 from wmrgen.calibrating.drifts import Drift, _drifts
 from wmrgen.calibrating.fit import LEVER, Residuals, _middle, serial, start_of
 from wmrgen.calibrating.mistakes import refuse_strangers
 from wmrgen.calibrating.outliers import Outlier, _large, _peaks, _steps_of
 from wmrgen.calibrating.starts import _bearing
+from wmrgen.calibrating.walks import spans_of, walk_of
 from wmrgen.errors import UsageError
 
 ALONG, ACROSS, TURN = 4e-6, 1e-6, 9e-6  # m^2/s, m^2/s, rad^2/s
@@ -45,7 +46,7 @@ def _drive(random: np.random.Generator, heading: float) -> Residuals:
 def test_a_truth_of_half_a_second_tells_nothing_of_slips(lasts: float, tells: bool) -> None:
     """Its errors have one mean, which nothing later differs from: it was a LinAlgError."""
     t = np.linspace(0.0, lasts, COUNT)
-    spans = _spans(t, _drive(np.random.default_rng(4), 0.0), np.ones((3, COUNT), dtype=bool))
+    spans = spans_of(t, _drive(np.random.default_rng(4), 0.0), np.ones((3, COUNT), dtype=bool))
     assert (spans is not None) == tells and (spans is None or np.isfinite(spans).all())
 
 
@@ -53,16 +54,16 @@ def test_a_truth_of_half_a_second_tells_nothing_of_slips(lasts: float, tells: bo
 def test_random_walks_and_noise_are_found_back(heading: float) -> None:
     random, t = np.random.default_rng(4), STEP * np.arange(COUNT)
     drives = [_drive(random, heading) for _ in range(40)]
-    spans = [_spans(t, rows, rows.weights > 0) for rows in drives]
+    spans = [spans_of(t, rows, rows.weights > 0) for rows in drives]
     assert all(part is not None for part in spans)
     wanted = [ALONG, ACROSS, TURN, NOISE[0] ** 2, NOISE[1] ** 2]
-    assert _walk([part for part in spans if part is not None]) == pytest.approx(wanted, rel=0.25)
+    assert walk_of([part for part in spans if part is not None]) == pytest.approx(wanted, rel=0.25)
 
 
 def test_a_drive_that_is_hardly_measured_says_nothing() -> None:
     rows = _drive(np.random.default_rng(5), 0.0)
-    assert _spans(STEP * np.arange(COUNT), rows, np.zeros((3, COUNT), bool)) is None
-    assert list(_walk([])) == [0.0] * 5
+    assert spans_of(STEP * np.arange(COUNT), rows, np.zeros((3, COUNT), bool)) is None
+    assert list(walk_of([])) == [0.0] * 5
 
 
 @pytest.mark.parametrize("noisy", [0, 1])

@@ -86,12 +86,7 @@ class Calibration:
         return {name: float(np.median(offsets)) for name, offsets in by_name.items()}
 
 
-def problem_of(
-    derivation: Derivation,
-    drives: Sequence[Drive] = (),
-    one_clock: bool = False,
-    start_error: float | None = None,
-) -> Problem:
+def problem_of(derivation: Derivation, one_clock: bool = False) -> Problem:
     """What a robot's `forward` leaves to estimate. UsageError where nothing is tunable."""
     robot = derivation.robot
     if not robot.tunable:
@@ -103,9 +98,8 @@ def problem_of(
     rows = disagreement(driving(robot, derivation.mobility)[0])
     increments = Increments.of(forward, None if rows is None else lower(rows))
     nominal = {p.name: float(p.nominal) for p in robot.tunable}
-    return Problem(
-        increments, tuple(nominal[name] for name in increments.parameters), tuple(drives),
-        clocks=ONE if one_clock else ALONE, start=inf if start_error is None else start_error)  # fmt: skip
+    values = tuple(nominal[name] for name in increments.parameters)
+    return Problem(increments, values, (), clocks=ONE if one_clock else ALONE)
 
 
 def counts_per_turn(robot: Robot) -> dict[str, float]:
@@ -116,16 +110,15 @@ def counts_per_turn(robot: Robot) -> dict[str, float]:
 
 def calibrate(
     derivation: Derivation, logs: Sequence[Path], truths: Sequence[Path], each: Each = serial,
-    one_clock: bool = False, start_error: float | None = None,
+    one_clock: bool = False, start_error: float = inf,
 ) -> Calibration:  # fmt: skip
     """The parameters that the logs tell; ``one_clock``: each log and its truth have one, so that no offset is
     estimated; ``start_error`` [m]: the standard error of the first pose of each truth. UsageError for logs that cannot
     be read or do not belong to the robot."""
-    problem = problem_of(derivation, (), one_clock, start_error)
-    turns = counts_per_turn(derivation.robot)
+    problem, turns = problem_of(derivation, one_clock), counts_per_turn(derivation.robot)
     files = pairs(logs, truths)
     every = (
-        replace(read(log, truth, problem.increments.joints, turns), name=name)
+        replace(read(log, truth, problem.increments.joints, turns), name=name, start_error=start_error)
         for name, (log, truth) in zip(names(logs), files, strict=True)
     )
     large = sum(path.stat().st_size for pair in files for path in pair if path.is_file()) > _LARGE

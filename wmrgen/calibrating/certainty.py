@@ -35,11 +35,7 @@ from wmrgen.calibrating.fit import (
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.path import Reals
 from wmrgen.calibrating.stored import chosen
-
-_COMMON = 0.95  # the share of squares that is usual
-_GLITCH = 100.0  # how many times larger a glitch counts
-_MEAN = 0.5  # [s] over which errors are averaged to be compared
-_LATER = (1.0, 2.0, 4.0, 8.0)  # [s] after which they are; a third of the drive at most
+from wmrgen.calibrating.walks import spans_of, usual, walk_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +105,7 @@ def agreeing(best: Fit) -> Problem:
 @dataclass(frozen=True, slots=True)
 class _Evidence:
     """What one drive says of how certain a fit is. ``squares`` [m^2] and ``counts`` of residuals: of x and y, and of
-    headings; ``usual``: the mean of squares that are usual; ``spans``: as `_spans` has them; ``pulls`` (5, k, k),
+    headings; ``usual``: the mean of squares that are usual; ``spans``: as `spans_of` has them; ``pulls`` (5, k, k),
     of its k unknowns: as `_pulls` has them; ``others`` (k, k): the covariance of its gradient that a first pose whose
     error is known and what joints disagree by make; ``offset`` [s]: of the clock."""
 
@@ -132,7 +128,7 @@ def fit_at(problem: Problem, unknowns: Reals, each: Each) -> Fit:
     measured = int(counts.sum())
     # Squares of errors are so much larger than those of residuals, for unknowns take part of them up.
     freedom = measured - len(unknowns) + (len(problem.drives) if problem.clocks == ONE else 0)
-    walk = _walk([drive.spans for drive in every if drive.spans is not None])
+    walk = walk_of([drive.spans for drive in every if drive.spans is not None])
     rates = [_independent(drive) if drive.spans is None else walk for drive in every]
     noise = [
         measured / max(1, freedom) * np.tensordot(r, drive.pulls, 1) + drive.others
@@ -163,7 +159,7 @@ def _rms(squares: Reals, counts: NDArray[np.intp]) -> Reals:
 
 
 def _independent(drive: _Evidence) -> Reals:
-    """The rates, as `_walk` returns them, of a drive of which too little is measured to tell slips from noise."""
+    """The rates, as `walk_of` returns them, of a drive of which too little is measured to tell slips from noise."""
     square = sum(drive.squares) / max(1, sum(drive.counts))
     return np.array([0.0, 0.0, 0.0, square, square / LEVER**2])
 
@@ -196,7 +192,7 @@ def _spread(problem: Problem, every: Sequence[_Evidence], noise: Reals) -> tuple
 def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:
     rows = residuals(problem, unknowns, index)
     sums, measured = path_sums(problem, rows), rows.weights > 0
-    pull, error = _pull(problem.scale, rows), problem.start_error(index)
+    pull, error = _pull(problem.scale, rows), problem.drives[index].start_error
     known = error < np.inf
     others = error**2 * pull[:, 0].T @ pull[:, 0] if known else np.zeros_like(sums.matrix)
     if problem.untold is not None:
@@ -208,22 +204,12 @@ def _evidence(problem: Problem, unknowns: Reals, index: int) -> _Evidence:
         sums,
         (float(of_axes[0].sum()), float(of_axes[1].sum())),
         (len(of_axes[0]), len(of_axes[1])),
-        _usual(np.concatenate(of_axes)) if measured.any() else 0.0,
-        _spans(t, rows, measured),
+        usual(np.concatenate(of_axes)) if measured.any() else 0.0,
+        spans_of(t, rows, measured),
         _pulls(pull, t, rows, noisy=int(known)),
         others,
         float(problem.own(unknowns, index)[3]),
     )
-
-
-def _usual(squares: Reals) -> float:
-    """The mean of squares, the few that a tracker's glitches make 100 times as large as the others counted so."""
-    return float(np.mean(np.minimum(squares, _glitch(squares))))
-
-
-def _glitch(squares: Reals) -> float:
-    """What squares are at most that no glitch makes."""
-    return float(_GLITCH * np.mean(np.sort(squares)[: max(1, round(_COMMON * len(squares)))]))
 
 
 def _pull(scale: float, rows: Residuals) -> Reals:
@@ -234,7 +220,7 @@ def _pull(scale: float, rows: Residuals) -> Reals:
 
 
 def _pulls(pull: Reals, t: Reals, rows: Residuals, noisy: int) -> Reals:
-    """The covariances of a drive's gradient by its k unknowns that a unit of each of what `_walk` returns makes
+    """The covariances of a drive's gradient by its k unknowns that a unit of each of what `walk_of` returns makes
     (5, k, k), the truth's noise in its rows from that number on which is the first ``noisy`` one."""
     after = np.cumsum(pull[:, ::-1], axis=1)[:, ::-1]  # of a step along x, y that all that follows takes
     turning = LEVER * pull[2] - pull[0] * rows.place.imag[:, None] + pull[1] * rows.place.real[:, None]
@@ -253,58 +239,3 @@ def _slides(problem: Problem, values: Reals, by: Reals) -> Reals:
     z = values / problem.slides
     pull = np.einsum("rn,rnk->nk", z / np.sqrt(1 + z * z), by) / problem.slides
     return np.asarray(pull.T @ pull)
-
-
-def _spans(t: Reals, rows: Residuals, measured: NDArray[np.bool_]) -> Reals | None:
-    """What means of errors over a short time differ by a while later, for each of `_LATER` (n, 6): how long that is
-    [s], the squares of what the robot moved along and across its heading [m^2] and of what it turned [rad^2], how many
-    rows of truth are in a mean, and how many differences there are; None where too little is measured."""
-    whole = measured.all(axis=0) if measured[2].any() else measured[:2].all(axis=0)
-    if whole.sum() < 4:
-        return None
-    off, turned = rows.values[0] + 1j * rows.values[1], rows.values[2] / LEVER
-    for squares in (np.abs(off) ** 2, turned**2):
-        whole &= squares <= _glitch(squares[whole])
-    t, off, turned = t[whole], off[whole], turned[whole]
-    place, heading = rows.place[whole], rows.heading[whole]
-    # What a heading error moves the path by is no error of place.
-    steps = np.diff(off) - 1j * np.diff(place) * (turned[1:] + turned[:-1]) / 2
-    moved = np.cumsum(np.exp(-0.5j * (heading[1:] + heading[:-1])) * steps)
-    columns = np.array([t, [0.0, *moved.real], [0.0, *moved.imag], turned])
-    firsts = np.flatnonzero(np.diff(np.floor((t - t[0]) / _MEAN), prepend=-1.0))
-    if len(firsts) < 2:
-        return None
-    counts = np.diff(firsts, append=len(t))
-    means = np.add.reduceat(columns, firsts, axis=1) / counts
-    width = float(np.mean(t[firsts + counts - 1] - t[firsts]))
-    spans = []
-    for later in _LATER:
-        lag = int(np.clip(np.searchsorted(means[0], means[0, 0] + later), 1, max(1, len(firsts) // 3)))
-        lasting, *apart = means[:, lag:] - means[:, :-lag]
-        squares = [_usual(part**2) for part in apart]
-        spans.append([np.mean(lasting) - width / 3, *squares, np.mean(counts), len(lasting)])
-    return np.array(spans)
-
-
-def _walk(every: Sequence[Reals]) -> Reals:
-    """How fast the variances of place along and across the heading [m^2/s] and of heading [rad^2/s] grow, and those of
-    the truth's noise by axis [m^2] and in headings [rad^2]: from `_spans` of all drives."""
-    if not every:
-        return np.zeros(5)
-    numbers = np.array([spans[:, 5:] for spans in every])
-    spans = np.sum(numbers * [spans[:, :5] for spans in every], axis=0) / numbers.sum(axis=0)
-    lasting, rows = spans[:, 0], spans[0, 4]
-    grows = [_grows(lasting, spans[:, part]) for part in (1, 2, 3)]
-    noise = [rows * noise for _, noise in grows]
-    return np.array([*(rate for rate, _ in grows), (noise[0] + noise[1]) / 2, noise[2]])
-
-
-def _grows(lasting: Reals, squares: Reals) -> tuple[float, float]:
-    """The rate at which a variance grows whose ``squares`` are so large when it has grown for so long, and that of the
-    noise at each end: a line through them, for which short times tell more."""
-    if np.ptp(lasting) < 1e-9:
-        return float(squares[-1] / lasting[-1]), 0.0
-    rate, both = np.polyfit(lasting, squares, 1, w=1 / lasting)
-    if both < 0:
-        return float(np.mean(squares / lasting)), 0.0
-    return (float(rate), float(both) / 2) if rate > 0 else (0.0, float(np.mean(squares)) / 2)

@@ -53,9 +53,8 @@ class Untold(NamedTuple):
 class Problem:
     """What is estimated from which drives. ``nominal``: values of the P parameters; ``scale`` [m]: residuals far above
     it count by their size; ``slides`` [m]: so does what joints disagree by; ``turned`` [rad]: about what the tracked
-    body is turned by on the robot; ``clocks``: how far those of drives agree; ``start`` [m]: the
-    standard error of the first pose of each truth, where it is known; ``untold``: where the joints' disagreement
-    counts; ``held`` (P, k): orthonormal directions in which parameters are nominal."""
+    body is turned by on the robot; ``clocks``: how far those of drives agree; ``untold``: where the joints'
+    disagreement counts; ``held`` (P, k): orthonormal directions in which parameters are nominal."""
 
     increments: Increments
     nominal: tuple[float, ...]
@@ -64,7 +63,6 @@ class Problem:
     slides: float = 0.01
     turned: float = 0.0
     clocks: Clocks = ALONE
-    start: float = np.inf
     untold: Untold | None = None
     held: Reals | None = None
 
@@ -85,10 +83,6 @@ class Problem:
         """Parameters and mount in SI units; ``unknowns`` are in units away from nominal."""
         at = np.array([*self.nominal, 0.0, 0.0, self.turned])
         return at + self.by_unknowns @ unknowns[: len(at)]
-
-    def start_error(self, index: int) -> float:
-        """The standard error [m] of a drive's first pose, infinite where it is as uncertain as others."""
-        return self.start if self.drives[index].begins else np.inf
 
     def own(self, unknowns: Reals, index: int) -> Reals:
         """Start x, y [m], heading [rad] and clock offset [s] of a drive."""
@@ -140,7 +134,7 @@ def residuals(problem: Problem, unknowns: Reals, index: int) -> Residuals:
     measured = np.isfinite(values)
     return Residuals(
         np.where(measured, values, 0.0), np.array([place.real.T, place.imag.T, LEVER * angle.T]),
-        measured * _weights(drive.truth.t, problem.scale / problem.start_error(index)), off, path.heading + own[2],
+        measured * _weights(drive.truth.t, problem.scale / drive.start_error), off, path.heading + own[2],
     )  # fmt: skip
 
 
@@ -153,8 +147,7 @@ def place_at(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
 
 
 def _weights(times: Reals, first: float) -> Reals:
-    """How much each row counts: as much as it lasts, at most `_SPACING`; the first one as the scale is ``first``
-    times as large as its error."""
+    """How much rows count: as they last, at most `_SPACING`; the first as the scale is ``first`` times its error."""
     weights = np.clip(np.diff(times, append=times[-1] + _SPACING) / _SPACING, 0.0, 1.0)
     weights[0] = max(weights[0], first**2)
     return weights

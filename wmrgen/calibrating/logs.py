@@ -45,15 +45,15 @@ class Truth:
 class Drive:
     """One drive. ``t`` [s]: N + 1 times; ``columns``: N increments of each ``<wheel>.spin`` [rad] and, of steered
     wheels, N angles ``<wheel>.steer`` [rad] and increments ``<wheel>.steer_rate`` [rad]; ``start``: about where the
-    robot was at the first of them, x, y [m] and heading [rad], and how much later the log's clock is [s]; ``begins``:
-    whether it is no later part of a drive."""
+    robot was at the first of them, x, y [m] and heading [rad], and how much later the log's clock is [s];
+    ``start_error`` [m]: that of the truth's first pose, where it is known."""
 
     name: str
     t: Reals
     columns: Mapping[str, Reals]
     truth: Truth
     start: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    begins: bool = True
+    start_error: float = np.inf
 
     def stands(self, end: int) -> bool:
         """Whether no wheel turns in the second next to the first (0) or the last (-1) reading."""
@@ -72,7 +72,8 @@ class Drive:
         columns = {joint: column[first:last] for joint, column in self.columns.items()}
         start = (*self.start[:3], offset)
         inside = self.seen((at >= t[0]) & (at <= t[-1]))
-        return replace(inside, t=t, columns=columns, start=start, begins=self.begins and first == 0)
+        error = self.start_error if first == 0 else np.inf
+        return replace(inside, t=t, columns=columns, start=start, start_error=error)
 
     def coarser(self, times: int, seconds: float) -> Drive:
         """The drive with so many ``times`` fewer readings, increments added and angles averaged, and as many times

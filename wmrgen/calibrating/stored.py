@@ -14,13 +14,13 @@ from wmrgen.calibrating.logs import Drive, Truth
 
 
 class _File(NamedTuple):
-    """Where the numbers of a drive are, its name, its joints, at how many times they were read; whether it `begins`."""
+    """Where the numbers of a drive are, its name, its joints, at how many times they were read, its `start_error`."""
 
     path: Path
     name: str
     joints: tuple[str, ...]
     times: int
-    begins: bool
+    start_error: float
 
 
 @lru_cache(maxsize=1)
@@ -29,7 +29,7 @@ def _read(file: _File) -> Drive:
     sizes = [4, file.times, len(file.joints) * (file.times - 1)]  # a column has what passes between two times
     start, t, columns, truth = np.split(np.fromfile(file.path), np.cumsum(sizes))
     joints = dict(zip(file.joints, columns.reshape(len(file.joints), -1), strict=True))
-    return Drive(file.name, t, joints, Truth(*truth.reshape(4, -1)), tuple(start.tolist()), file.begins)
+    return Drive(file.name, t, joints, Truth(*truth.reshape(4, -1)), tuple(start.tolist()), file.start_error)
 
 
 class Stored(Sequence[Drive]):
@@ -61,7 +61,7 @@ def stored(drives: Iterable[Drive]) -> Stored:
         truth, file = drive.truth, Path(folder.name) / str(len(files))
         of_truth = (truth.t, truth.x, truth.y, truth.theta)
         np.concatenate([np.array(drive.start), drive.t, *drive.columns.values(), *of_truth]).tofile(file)
-        files.append(_File(file, drive.name, tuple(drive.columns), len(drive.t), drive.begins))
+        files.append(_File(file, drive.name, tuple(drive.columns), len(drive.t), drive.start_error))
     return Stored(folder, files)
 
 

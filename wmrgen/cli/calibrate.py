@@ -35,7 +35,7 @@ def calibrate(
     precision: float,
     scheduler: str | None,
     one_clock: bool,
-    start_error: float | None,
+    start_error: float,
     as_json: bool,
 ) -> int:
     """Print what the logs tell of the parameters, and which drives would tell more."""
@@ -45,7 +45,7 @@ def calibrate(
     from wmrgen.calibrating.written import told as values_of
     from wmrgen.calibrating.written import with_values
 
-    if start_error is not None and not start_error > 0:
+    if not start_error > 0:
         raise UsageError(f"--start-error is {start_error:g}: it has to be above 0")
     with derived(robot) as derivation:
         pass
@@ -54,7 +54,7 @@ def calibrate(
             raise UsageError(
                 "no log is given: wmrgen calibrate ROBOT.yaml LOG.csv…, or --plan for drives to make"
             )
-        planned = _Planned.of(work.problem_of(derivation, (), one_clock, start_error), derivation, precision)
+        planned = _Planned.of(work.problem_of(derivation, one_clock), derivation, precision)
         if as_json:
             console.data(
                 {"plan": planned.as_data(), "unobservable": [list(group) for group in planned.never]}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -195,9 +196,8 @@ def calibrate(
         bool, typer.Option("--one-clock", help="Log and truth have one clock: no offset is estimated.")
     ] = False,
     start_error: Annotated[
-        float | None,
-        option("What the first pose of each truth may be off by [m]: it then counts so.", "0.001"),
-    ] = None,
+        float, option("What the first pose of each truth may be off by [m]: it then counts so.", "0.001")
+    ] = inf,
     scheduler: Annotated[
         str | None, option("Add the drives up on the Dask cluster of this scheduler.", "ADDRESS")
     ] = None,

@@ -9,7 +9,7 @@ STAMP := $(VENV)/.installed
 # Bytecode is kept even where the environment says otherwise: the tests start some five hundred processes.
 PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist worksteal
 
-.PHONY: setup demo test check lint types fresh budgets deep generate docs bench mutants fuzz clean
+.PHONY: setup demo test check lint types fresh budgets generate docs bench mutants fuzz clean
 .DEFAULT_GOAL := demo
 
 setup: $(STAMP)
@@ -28,10 +28,10 @@ demo: setup
 test: setup
 	$(PYTEST)
 
-check: lint types fresh budgets deep
+# All tests with the slow ones, and what comes before them; CI runs that side by side, and says BEFORE= then.
+BEFORE ?= lint types fresh budgets
 
-# All tests with the slow ones.
-deep: setup
+check: setup $(BEFORE)
 	WMRGEN_DEEP=1 $(PYTEST) -m 'slow or not slow'
 
 fresh: setup

@@ -148,7 +148,7 @@ def place_at(t: Reals, at: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
 
 def _weights(times: Reals, first: float) -> Reals:
     """How much rows count: as they last, at most `_SPACING`; the first as the scale is ``first`` times its error."""
-    weights = np.clip(np.diff(times, append=times[-1] + _SPACING) / _SPACING, 0.0, 1.0)
+    weights = np.append(np.minimum(np.diff(times) / _SPACING, 1.0), 1.0)
     weights[0] = max(weights[0], first**2)
     return weights
 

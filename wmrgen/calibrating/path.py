@@ -46,7 +46,7 @@ class Reckoning:
         the square of omega. Outside the step it goes on as the chord."""
         every: tuple[Any, ...] = self.position, self.heading, self.position_by, self.heading_by
         start = Reckoning(*(samples[..., 0, :] for samples in every))
-        step = Reckoning(*(np.diff(samples, axis=-2)[..., 0, :] for samples in every))
+        step = Reckoning(*(samples[..., 1, :] - samples[..., 0, :] for samples in every))
         bulge = share - 0.5j * np.maximum(share * (1 - share), 0.0) * step.heading
         bent = -0.5j * np.maximum(share * (1 - share), 0.0) * step.position
         return Reckoning(
@@ -59,7 +59,7 @@ class Reckoning:
     def pace(self, share: Reals) -> tuple[Complexes, Reals]:
         """How fast place and heading go there, by steps."""
         poses: tuple[Any, Any] = self.position, self.heading
-        length, turn = (np.diff(samples, axis=-2)[..., 0, :] for samples in poses)
+        length, turn = (samples[..., 1, :] - samples[..., 0, :] for samples in poses)
         inside = (share > 0) & (share < 1)
         return length * (1 - 0.5j * turn * np.where(inside, 1 - 2 * share, 0.0)), turn
 

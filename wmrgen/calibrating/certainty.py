@@ -95,7 +95,7 @@ def without(best: Fit, drives: Sequence[int], each: Each) -> Fit:
 def agreeing(best: Fit) -> Problem:
     """The problem in which clocks agree as far as those of ``best``, where each drive tells its own alone, show that
     they do: what is no more than slips and noise make of an offset is taken from it, and little where they truly
-    differ; where nothing is known of them."""
+    differ. The same problem where something is known of clocks before."""
     if best.problem.clocks != ALONE:
         return best.problem
     own = best.unknowns[len(best.problem.units) :].reshape(len(best.problem.drives), -1)
@@ -221,7 +221,7 @@ def _pull(scale: float, rows: Residuals) -> Reals:
 
 def _pulls(pull: Reals, t: Reals, rows: Residuals, noisy: int) -> Reals:
     """The covariances of a drive's gradient by its k unknowns that a unit of each of what `walk_of` returns makes
-    (5, k, k), the truth's noise in its rows from that number on which is the first ``noisy`` one."""
+    (5, k, k); ``noisy``: the first row that has the truth's noise."""
     after = np.cumsum(pull[:, ::-1], axis=1)[:, ::-1]  # of a step along x, y that all that follows takes
     turning = LEVER * pull[2] - pull[0] * rows.place.imag[:, None] + pull[1] * rows.place.real[:, None]
     turned = np.cumsum(turning[::-1], axis=0)[::-1]

@@ -46,7 +46,7 @@ class Drive:
     """One drive. ``t`` [s]: N + 1 times; ``columns``: N increments of each ``<wheel>.spin`` [rad] and, of steered
     wheels, N angles ``<wheel>.steer`` [rad] and increments ``<wheel>.steer_rate`` [rad]; ``start``: about where the
     robot was at the first of them, x, y [m] and heading [rad], and how much later the log's clock is [s];
-    ``start_error`` [m]: that of the truth's first pose, where it is known."""
+    ``start_error`` [m]: what the truth's first pose is off by, infinite where that is not known."""
 
     name: str
     t: Reals

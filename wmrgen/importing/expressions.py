@@ -30,7 +30,7 @@ _OPERATORS: dict[type[ast.operator], str] = {
 _SHUT = frozenset("type vars factorial comb perm".split())
 _CHARACTERS = 2_000
 _SIZED = (str, bytes, dict, list, tuple, set, frozenset)
-_LARGEST, _BITS, _STEPS = 50_000, 4_096, 20_000
+_LARGEST, _BITS, _STEPS = 50_000, 4_096, 10_000
 
 
 def checked(text: str) -> str:

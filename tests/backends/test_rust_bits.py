@@ -18,7 +18,7 @@ from tests.robots import of_gallery
 from tests.tools import need
 from wmrgen import derive, load
 from wmrgen.backends.c99.driver import answer, calls, driver, request
-from wmrgen.backends.c99.emit import NO_FACTS, printed
+from wmrgen.backends.c99.emit import printed
 from wmrgen.backends.c99.emit import unit as c_unit
 from wmrgen.backends.rust import evaluate
 from wmrgen.compiler import compile_and_run
@@ -82,7 +82,7 @@ def by_c(module: Module, cases: Cases, choice: Choice) -> Answers:
     """What the C of the same choice gives."""
     functions = c_unit(module, choice)
     wrappers = {call.function: (k, call) for k, call in enumerate(calls(functions))}
-    header, source, _ = printed(functions, NO_FACTS)
+    header, source, _ = printed(functions)
     files = {f"{module.name}.h": header, f"{module.name}.c": source}
     files["driver.c"] = driver([call for _, call in wrappers.values()])
     called = [wrappers[f"{module.name}_{name}"] for name, _ in cases]

@@ -18,7 +18,7 @@ from tests.backends.samples import samples
 from tests.depth import everyday
 from tests.robots import ROBOTS, of_gallery
 from wmrgen.backends.c99.driver import Call, answer, calls, driver, request
-from wmrgen.backends.c99.emit import NO_FACTS, printed, unit
+from wmrgen.backends.c99.emit import printed, unit
 from wmrgen.backends.c99.records import Unit
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, Arithmetic, evaluate_module
@@ -124,7 +124,7 @@ class Program:
         """File name -> text: a header and a source per robot, and the driver."""
         result = {}
         for each in self.units:
-            result[f"{each.robot}.h"], result[f"{each.robot}.c"], _ = printed(each, NO_FACTS)
+            result[f"{each.robot}.h"], result[f"{each.robot}.c"], _ = printed(each)
         result["wmrgen-driver.c"] = driver(self.calls)
         return result
 

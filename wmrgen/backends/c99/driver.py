@@ -13,7 +13,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from wmrgen.backends.c99.emit import NO_FACTS, printed, unit
+from wmrgen.backends.c99.emit import printed, unit
 from wmrgen.backends.c99.records import Step, Unit
 from wmrgen.backends.registry import Request
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
@@ -97,7 +97,7 @@ def evaluate_c(
     called = {name: (k, _call(functions, step)) for k, (name, step) in enumerate(steps.items())}
     asked = [(*called[name], case) for name, case in requests if name in called]
     lines = [request(k, call, {**default, **case}) for k, call, case in asked]
-    header, source, _ = printed(functions, NO_FACTS)
+    header, source, _ = printed(functions)
     main = driver([call for _, call in called.values()])
     files = {f"{module.name}.h": header, f"{module.name}.c": source, "wmrgen-driver.c": main}
     told = iter(compile_and_run(files, "\n".join(lines) + "\n", cc, flags).splitlines())
@@ -128,7 +128,7 @@ def harness(module: Module, cases: Cases, choice: Choice = PLAIN, waves: bool = 
         "}",
         "",
     ]
-    header, source, _ = printed(functions, NO_FACTS)
+    header, source, _ = printed(functions)
     return {f"{functions.robot}.h": header, f"{functions.robot}.c": source, HARNESS: "\n".join(lines)}
 
 

@@ -74,7 +74,7 @@ def unit(module: Module, choice: Choice = DEFAULT) -> Unit:
     return plain_unit._replace(counting=counting(module, plain_unit.contract, scalar))
 
 
-def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
+def printed(unit: Unit, facts: Facts = NO_FACTS) -> tuple[str, str, str]:
     """Header, source, and the digest that stands in both."""
     choice, ops = unit.choice, unit.ops
     counters = () if unit.counting is None else unit.counting[:1]

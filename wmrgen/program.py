@@ -183,32 +183,21 @@ def _with_read_inputs(function: Function, absent: frozenset[str]) -> Function:
 
 
 def vector_forms(robot: Robot, space: StateSpace | None) -> tuple[VectorForm, ...]:
-    """The rates of a state space and, where there are some, its constraints and limits. Nothing of none."""
-    if space is None:
-        return ()
-    forms = (rates_form(robot, space), constraints_form(robot, space), limits_form(robot, space))
+    """All that `vector_form` gives of a state space. Nothing of none."""
+    forms = [vector_form(robot, space, name) for name in ("ode", "rolling", "limits")] if space else []
     return tuple(form for form in forms if form)
 
 
-def rates_form(robot: Robot, space: StateSpace) -> VectorForm:
-    """``ode``, optimised: x, u and p to the rates of x."""
-    return _vector_form(robot, space, "ode", "xdot", space.rates)
-
-
-def constraints_form(robot: Robot, space: StateSpace) -> VectorForm | None:
-    """``rolling``, optimised: x, u and p to what has to be 0; None where nothing has to."""
-    if space.constraints is None:
+def vector_form(robot: Robot, space: StateSpace, name: str) -> VectorForm | None:
+    """``ode``, ``rolling`` or ``limits``, optimised: x, u and p to the rates of x, to what has to be 0, or to what is
+    limited and is neither state nor input; None where nothing has to be 0, or nothing is limited so."""
+    result, formula = {
+        "ode": ("xdot", space.rates),
+        "rolling": ("g", space.constraints),
+        "limits": ("h", space.limited.formula),
+    }[name]
+    if formula is None:
         return None
-    return _vector_form(robot, space, "rolling", "g", space.constraints)
-
-
-def limits_form(robot: Robot, space: StateSpace) -> VectorForm | None:
-    """``limits``, optimised: x, u and p to what is limited and is neither state nor input; None where nothing is."""
-    formula = space.limited.formula
-    return None if formula is None else _vector_form(robot, space, "limits", "h", formula)
-
-
-def _vector_form(robot: Robot, space: StateSpace, name: str, result: str, formula: Formula) -> VectorForm:
     (function,) = self_contained(optimise((lower(formula),), robot.name))
     vectors = tuple(tuple(p.name for p in ports) for ports in (space.state, space.inputs, space.geometry))
     nominal = tuple(float(p.default) for p in space.geometry if p.default is not None)

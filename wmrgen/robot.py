@@ -28,13 +28,11 @@ from wmrgen.model_json import model
 from wmrgen.program import (
     Program,
     asked,
-    constraints_form,
     for_c,
     formula,
-    limits_form,
     optimised,
-    rates_form,
     standard,
+    vector_form,
     vector_forms,
     with_calls,
 )  # fmt: skip
@@ -103,24 +101,17 @@ class Derivation(Analysis):
 
         ``discrete``: rk4, exact or collocation gives the step of ``dt`` [s], (x, u, p) -> (xnext, A, B, c).
         """
-        from wmrgen.functions.models.state_space import state_space
-
-        space = state_space(self.robot, self.mobility, form)
-        casadi = BACKENDS["casadi"]
-        model = casadi.offers("of_vectors")(rates_form(self.robot, space), self.robot.name)
+        model = self._of_vectors("ode", form)
         if discrete is None and not dt:
             return model
         if discrete is None:
             raise UsageError(f"dt is {dt:g}, and there is no step to take. Write discrete='rk4' too.")
-        return casadi.offers("step")(model, lower(self.formula("odometry")), discrete, dt)
+        return BACKENDS["casadi"].offers("step")(model, lower(self.formula("odometry")), discrete, dt)
 
     def rolling(self) -> Any:
         """casadi.Function (x, u, p) -> g [m/s] of the model in twist inputs, 0 where no steered wheel slides; None
         without steered wheels."""
-        from wmrgen.functions.models.state_space import state_space
-
-        form = constraints_form(self.robot, state_space(self.robot, self.mobility, "twist"))
-        return form and BACKENDS["casadi"].offers("of_vectors")(form, self.robot.name)
+        return self._of_vectors("rolling", "twist")
 
     def entries(self, form: str | None = None) -> dict[str, Any]:
         """Of x, u and p of `state_space` and what `rolling` and `limits` give: names, units, bounds, nominal values; of
@@ -132,10 +123,14 @@ class Derivation(Analysis):
     def limits(self, form: str | None = None) -> Any:
         """casadi.Function (x, u, p) -> h of a form of the model, see `state_space`: what the robot file limits and is
         neither in x nor in u; ``limits`` of `entries` has their bounds. None where there is nothing."""
+        return self._of_vectors("limits", form)
+
+    def _of_vectors(self, name: str, form: str | None) -> Any:
+        """The `vector_form` called ``name`` of a form of the model, as a casadi.Function."""
         from wmrgen.functions.models.state_space import state_space
 
-        limits = limits_form(self.robot, state_space(self.robot, self.mobility, form))
-        return limits and BACKENDS["casadi"].offers("of_vectors")(limits, self.robot.name)
+        vectors = vector_form(self.robot, state_space(self.robot, self.mobility, form), name)
+        return vectors and BACKENDS["casadi"].offers("of_vectors")(vectors, self.robot.name)
 
     @cached_property
     def default_state_space(self) -> StateSpace | None:

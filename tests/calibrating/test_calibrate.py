@@ -546,13 +546,17 @@ def test_a_mistake_beside_headings_alone_is_named(tmp_path: Path, mistake: str) 
 
 
 def test_clocks_of_a_fleet_are_told_in_one_line() -> None:
-    """Those of a few drives one by one."""
+    """Those of a few drives one by one. What circles at one speed make of an offset, which is a start that is farther
+    along them, is within three standard deviations: such offsets were told, of a second and more."""
     clocks = {f"run-{k}": 0.01 * k - 0.02 for k in range(12)}
-    (line,) = _late(clocks)
-    assert line == (
-        "the truth's clocks are -0.020 to +0.090 s off, those of 7 of 12 drives by more than 0.02 s"
-    )
-    assert _late({"a": -0.021, "b": 0.02}) == ["a: the truth's clock is -0.021 s off"]
+    (line,) = _late(clocks, dict.fromkeys(clocks, 0.001))
+    assert line == "the truth's clocks of 7 of 12 drives are off, by +0.030 to +0.090 s"
+    assert _late(clocks, dict.fromkeys(clocks, 0.026)) == [
+        "run-10: the truth's clock is +0.080 +- 0.03 s off", "run-11: the truth's clock is +0.090 +- 0.03 s off"
+    ]  # fmt: skip
+    assert _late({"a": -0.021, "b": 0.02}, {"a": 0.0, "b": 0.0}) == [
+        "a: the truth's clock is -0.021 +- 0 s off"
+    ]
 
 
 @pytest.mark.parametrize(
@@ -703,6 +707,7 @@ def test_a_long_drive_with_large_slips(tmp_path: Path) -> None:
     logs = written(tmp_path, one, seconds=80, rate=20, tracker=tracker, encoders=encoders)
     result = calibrate(derivation_of(tmp_path, layout), logs, [])
     assert result.clocks["run-0"] == pytest.approx(0.9, abs=0.02)
+    assert abs(result.clocks["run-0"] - 0.9) < 3 * result.clock_deviations["run-0"] < 0.1
     assert len(result.outliers) == len(episodes)
     for slip, (start, end, *_) in zip(result.outliers, episodes, strict=True):
         assert slip.start < end and start < slip.end
@@ -966,6 +971,7 @@ def test_the_command(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None
         wmrgen_cli("calibrate", robot, *paths, "--json", "--one-clock", "--start-error", "0.001").out
     )
     assert max(map(abs, held["clock_offsets"].values())) < 1e-4
+    assert held["clock_sigmas"].keys() == held["clock_offsets"].keys()
     for wrong in ("0", "-1", "nan"):
         refused = wmrgen_cli("calibrate", robot, *paths, f"--start-error={wrong}")
         assert refused.code == 2 and "it has to be above 0" in refused.err

@@ -12,8 +12,8 @@ import pytest
 
 from tests.calibrating.simulated import LAYOUTS, Encoders, Tracker, csv, drive
 from tests.calibrating.test_calibrate import derivation_of
-from wmrgen.calibrating.calibrate import _jackknife, calibrate
-from wmrgen.calibrating.certainty import _pull, _pulls, fit, student
+from wmrgen.calibrating.calibrate import calibrate
+from wmrgen.calibrating.certainty import _jackknife, _pull, _pulls, fit, student
 from wmrgen.calibrating.clocks import ALONE, shown
 from wmrgen.calibrating.drifts import Drift, _drifts
 from wmrgen.calibrating.fit import LEVER, Residuals, _middle, serial, start_of

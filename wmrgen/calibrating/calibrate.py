@@ -16,7 +16,17 @@ from wmrgen.calibrating.certainty import Fit
 from wmrgen.calibrating.clocks import ALONE, ONE
 from wmrgen.calibrating.drawn import drawn
 from wmrgen.calibrating.drifts import Drift, drifts
-from wmrgen.calibrating.fit import Each, Problem, during, nearest, serial, solved, start_of, unit_of
+from wmrgen.calibrating.fit import (
+    UNIT_OWN,
+    Each,
+    Problem,
+    during,
+    nearest,
+    serial,
+    solved,
+    start_of,
+    unit_of,
+)
 from wmrgen.calibrating.joints import settled
 from wmrgen.calibrating.logs import Drive, names, pairs, read
 from wmrgen.calibrating.mistakes import near_nominal, refuse_strangers, refuse_unsettled, strange
@@ -34,13 +44,11 @@ from wmrgen.mobility.analyse import driving
 from wmrgen.robot import Derivation
 
 _FOLDS = 5  # parts that drives are left out in, one after the other
-_FEWEST = 3  # parts whose spread is a standard deviation
 _ENOUGH, _COARSE = 100_000, 0.06  # readings, and [s] between them, that tell nearly what all tell
 _SEEN = 0.25  # [s] between rows of truth that do
 _PART = 200.0  # [s] of a long drive: each part has a start of its own
 _ROWS = 24  # of truth in such a part at least: twice as many numbers as it has unknowns of its own, and more
 _LARGE = 2**28  # bytes of logs and truths, above which they are read one at a time
-_ALONE = 3.0  # times as uncertain as with all drives: the drives that are left do not tell a parameter
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,10 +88,19 @@ class Calibration:
     @property
     def clocks(self) -> dict[str, float]:
         """What each drive's truth is off by [s], later than the log; of its parts the median."""
+        return self._by_name(self.fit.offsets)
+
+    @property
+    def clock_deviations(self) -> dict[str, float]:
+        """The standard deviations [s] of `clocks`."""
+        return self._by_name((UNIT_OWN[-1] * np.sqrt(self.fit.spread[0])).tolist())
+
+    def _by_name(self, values: Sequence[float]) -> dict[str, float]:
+        """The median over the parts of each drive."""
         by_name: dict[str, list[float]] = {}
-        for drive, offset in zip(self.fit.problem.drives, self.fit.offsets, strict=True):
-            by_name.setdefault(drive.name, []).append(offset)
-        return {name: float(np.median(offsets)) for name, offsets in by_name.items()}
+        for drive, value in zip(self.fit.problem.drives, values, strict=True):
+            by_name.setdefault(drive.name, []).append(value)
+        return {name: float(np.median(parts)) for name, parts in by_name.items()}
 
 
 def problem_of(derivation: Derivation, one_clock: bool = False) -> Problem:
@@ -114,7 +131,9 @@ def calibrate(
 ) -> Calibration:  # fmt: skip
     """The parameters that the logs tell; ``one_clock``: each log and its truth have one, so that no offset is
     estimated; ``start_error`` [m]: the standard error of the first pose of each truth. UsageError for logs that cannot
-    be read or do not belong to the robot."""
+    be read or do not belong to the robot, and where ``start_error`` is not positive."""
+    if not start_error > 0:
+        raise UsageError(f"the standard error of a first pose is {start_error:g} m: it has to be above 0")
     problem, turns = problem_of(derivation, one_clock), counts_per_turn(derivation.robot)
     files = pairs(logs, truths)
     every = (
@@ -141,7 +160,7 @@ def calibrate(
     fewer = replace(parts, problem=_coarser(parts.problem))
     others = [certainty.without(fewer, fold, each) for fold in _folds(parts.problem)]
     best = _finely(best, each)
-    sigma = _deviations(best, others if len(problem.drives) > 1 else ())
+    sigma = certainty.deviations(best, others if len(problem.drives) > 1 else ())
     weak = _unobservable(derivation.robot, best)
     return Calibration(
         _estimates(derivation.robot, best, sigma, weak), weak, best,
@@ -276,22 +295,3 @@ def _held_out(best: Fit, others: Sequence[Fit]) -> Errors | None:
     ]
     errors = (drawn(best.problem, shared, best.offsets[index], index).off for shared, index in parts)
     return _mean(errors) if parts else None
-
-
-def _deviations(best: Fit, others: Sequence[Fit]) -> Reals:
-    """Standard deviations of the parameters, of the ``others`` without a part of the drives each. Where measurements
-    are few, they are so much larger that three of them are as sure as ever; infinite where unknowns are as many."""
-    values, deviations = np.array([o.values for o in others]), np.array([o.deviations for o in others])
-    return np.asarray(certainty.student(best.freedom) * _jackknife(best.deviations, values, deviations))
-
-
-def _jackknife(inside: Reals, values: Reals, deviations: Reals) -> Reals:
-    """Of P parameters the standard deviations ``inside`` (P,) that slips and noise in the drives make, or, where it is
-    more, what n parts of the drives differ by, three at least: by ``values`` and ``deviations`` (n, P) without each. A
-    part without which a parameter is far less certain alone tells it: what is left says nothing of it."""
-    if len(values) < _FEWEST:
-        return inside
-    tells = deviations < _ALONE * inside
-    middle = np.sum(values * tells, axis=0) / np.maximum(1, np.sum(tells, axis=0))
-    between = np.sqrt((len(values) - 1) * np.mean(tells * (values - middle) ** 2, axis=0))
-    return np.asarray(np.maximum(inside, between))

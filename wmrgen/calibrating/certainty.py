@@ -37,6 +37,9 @@ from wmrgen.calibrating.path import Reals
 from wmrgen.calibrating.stored import chosen
 from wmrgen.calibrating.walks import spans_of, usual, walk_of
 
+_FEWEST = 3  # parts of drives whose spread is a standard deviation
+_ALONE = 3.0  # times as uncertain as with all drives: the drives that are left do not tell a parameter
+
 
 @dataclass(frozen=True, slots=True)
 class Fit:
@@ -71,6 +74,25 @@ def student(freedom: int) -> float:
     """How many times as far as three standard deviations of a normal distribution Student's goes, that of as many
     degrees of ``freedom``: infinite where there is none."""
     return float(stdtrit(freedom, ndtr(3.0)) / 3) if freedom > 0 else np.inf
+
+
+def deviations(best: Fit, others: Sequence[Fit]) -> Reals:
+    """Standard deviations of the parameters, of the ``others`` without a part of the drives each. Where measurements
+    are few, they are so much larger that three of them are as sure as ever; infinite where unknowns are as many."""
+    values, without_each = np.array([o.values for o in others]), np.array([o.deviations for o in others])
+    return np.asarray(student(best.freedom) * _jackknife(best.deviations, values, without_each))
+
+
+def _jackknife(inside: Reals, values: Reals, deviations: Reals) -> Reals:
+    """Of P parameters the standard deviations ``inside`` (P,) that slips and noise in the drives make, or, where it is
+    more, what n parts of the drives differ by, three at least: by ``values`` and ``deviations`` (n, P) without each. A
+    part without which a parameter is far less certain alone tells it: what is left says nothing of it."""
+    if len(values) < _FEWEST:
+        return inside
+    tells = deviations < _ALONE * inside
+    middle = np.sum(values * tells, axis=0) / np.maximum(1, np.sum(tells, axis=0))
+    between = np.sqrt((len(values) - 1) * np.mean(tells * (values - middle) ** 2, axis=0))
+    return np.asarray(np.maximum(inside, between))
 
 
 def fit(problem: Problem, each: Each, start: Reals) -> Fit:

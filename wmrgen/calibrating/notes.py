@@ -24,7 +24,7 @@ def notes(derivation: Derivation, result: Calibration) -> list[str]:
             f"the tracked body is turned by {degrees(theta):.0f} deg on the robot; if it is not, the wheels "
             "count the other way, or left and right are exchanged"
         )
-    said += _late(result.clocks)
+    said += _late(result.clocks, result.clock_deviations)
     said += map(_drifting, result.drifts)
     if far := [name for name, e in result.parameters.items() if _far_off(e)]:
         said.append(
@@ -55,15 +55,17 @@ def notes(derivation: Derivation, result: Calibration) -> list[str]:
     return said
 
 
-def _late(clocks: Mapping[str, float]) -> list[str]:
-    """How far clocks of the truth are off [s], by drive."""
-    late = {name: offset for name, offset in clocks.items() if abs(offset) > _LATE}
+def _late(clocks: Mapping[str, float], deviations: Mapping[str, float]) -> list[str]:
+    """How far clocks of the truth are off [s], by drive, where that is sure."""
+    late = {name: o for name, o in clocks.items() if abs(o) > max(_LATE, 3 * deviations[name])}
     if len(late) <= _EACH:
-        return [f"{name}: the truth's clock is {offset:+.3f} s off" for name, offset in late.items()]
-    least, most = min(clocks.values()), max(clocks.values())
+        return [
+            f"{name}: the truth's clock is {offset:+.3f} +- {deviations[name]:.1g} s off"
+            for name, offset in late.items()
+        ]
+    least, most = min(late.values()), max(late.values())
     return [
-        f"the truth's clocks are {least:+.3f} to {most:+.3f} s off, those of {len(late)} of {len(clocks)} drives by "
-        f"more than {_LATE} s"
+        f"the truth's clocks of {len(late)} of {len(clocks)} drives are off, by {least:+.3f} to {most:+.3f} s"
     ]
 
 

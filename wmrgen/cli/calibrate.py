@@ -45,8 +45,6 @@ def calibrate(
     from wmrgen.calibrating.written import told as values_of
     from wmrgen.calibrating.written import with_values
 
-    if not start_error > 0:
-        raise UsageError(f"--start-error is {start_error:g}: it has to be above 0")
     with derived(robot) as derivation:
         pass
     if not logs:
@@ -133,6 +131,7 @@ def _as_data(result: Calibration, told: _Told) -> dict[str, Any]:
         "rms_heading": result.fit.rms[1],
         "mount": dict(zip(("x", "y", "theta"), result.fit.mount, strict=True)),
         "clock_offsets": result.clocks,
+        "clock_sigmas": result.clock_deviations,
         "residuals": {
             "by_time": {
                 name: [dict(zip(("t", "position", "heading"), row, strict=True)) for row in rows]

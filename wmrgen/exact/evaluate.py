@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from functools import reduce
 
 import mpmath
 
@@ -138,10 +139,7 @@ def _base(gen: Gen) -> CosSin:
 def multiple(base: CosSin, k: int) -> CosSin:
     """(cos, sin) of k times an angle."""
     step: CosSin = base if k > 0 else (base[0], -base[1])
-    result: CosSin = (Poly.of(1), Poly.of(0))
-    for _ in range(abs(k)):
-        result = add_angles(result, step)
-    return result
+    return reduce(add_angles, [step] * abs(k), (Poly.of(1), Poly.of(0)))
 
 
 def sqrt_poly(value: Poly) -> Poly:

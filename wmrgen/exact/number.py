@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cache, total_ordering
-from math import gcd, isqrt, lcm
+from math import gcd, isqrt, lcm, prod
 
 Rational = int | Fraction
 _DIGITS = 60
@@ -150,10 +150,7 @@ class Exact:
     def __pow__(self, n: int) -> Exact:
         if n < 0:
             return self.inverse() ** -n
-        result = ONE
-        for _ in range(n):
-            result = result * self
-        return result
+        return prod([self] * n, start=ONE)
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, Exact):

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
+from math import prod
 from typing import TypeVar
 from weakref import WeakValueDictionary
 
@@ -173,10 +174,7 @@ class Poly:
     def __pow__(self, n: int) -> Poly:
         if n < 0:
             return self.inverse() ** -n
-        result = Poly.of(1)
-        for _ in range(n):
-            result = result * self
-        return result
+        return prod([self] * n, start=Poly.of(1))
 
     def inverse(self) -> Poly:
         """1/self: a number's inverse, a monomial with negated exponents, or the generator inv(self)."""

@@ -104,7 +104,7 @@ def norm(forms: Sequence[Poly], weight: Exact = ONE, weights: Sequence[Exact] | 
         if not form or max(abs(float(c)) for c in form.terms.values()) < NEGLIGIBLE:
             continue
         for i, (base, total) in enumerate(groups):
-            ratio = _ratio(form, base)
+            ratio = ratio_of(form, base)
             if ratio is not None:
                 groups[i] = (base, total + ratio * ratio * own)
                 break
@@ -119,13 +119,14 @@ def norm(forms: Sequence[Poly], weight: Exact = ONE, weights: Sequence[Exact] | 
     return root(add(*(times(number(t * weight), square(expression(b))) for b, t in groups)))
 
 
-def _ratio(a: Poly, b: Poly) -> Exact | None:
-    """a / b when it is a number."""
+def ratio_of(a: Poly, b: Poly, negligible: float = 0.0) -> Exact | None:
+    """a / b when it is a number, but for parts of a coefficient that are ``negligible``."""
     if a.terms.keys() != b.terms.keys():
         return None
-    m = next(iter(a.terms))
+    m = next(iter(b.terms))
     ratio = a.terms[m] / b.terms[m]
-    return ratio if all(c == ratio * b.terms[k] for k, c in a.terms.items()) else None
+    off = ((c, c - ratio * b.terms[k]) for k, c in a.terms.items())
+    return ratio if all(abs(float(rest)) <= negligible * abs(float(c)) for c, rest in off) else None
 
 
 class Projection(NamedTuple):

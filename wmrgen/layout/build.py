@@ -72,7 +72,7 @@ def build(spec: RobotSpec) -> Robot:
                     raise
                 _wheel(i, rest, _Angles(w.name, scope, None, []))
     _check_names(spec, several)
-    facts: dict[str, Any] = {}
+    facts = _of_joints(spec, "the robot", scope, several)
     steer_group, spin_group = groups(spec, "steer"), groups(spec, "spin")
     with several:
         facts["spin_ratios"] = spin_ratios(spec, spin_group, scope)
@@ -184,17 +184,9 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
     nominal = symbolic.mapped(scope.number)
     several = Several()
     _check(w, nominal, several)
-    facts: dict[str, Any] = {}
-    with several:
-        facts["limits"] = limits_of(w.limits, scope)
+    facts = _of_joints(w, w.name, scope, several)
     with several:
         facts["weight"] = ONE if w.weight is None else weight_of(w.name, w.weight, scope)
-    with several:
-        facts["noise"] = noise_of(w.noise, scope)
-    with several:
-        facts["encoders"] = encoders_of(w.name, w.encoders, scope)
-    with several:
-        facts["lag"] = lag_of(w.name, w.lag, scope)
     several.end()
     x, y, shown = float(nominal.x), float(nominal.y), float(scope.number(heading))
     direction = float(scope.number(alpha)) or atan2(y, x)
@@ -205,6 +197,21 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
         gamma=float(scope.number(gamma)), heading=shown,
         actuated=w.actuated, sensed=w.sensed, **facts,
     )  # fmt: skip
+
+
+def _of_joints(spec: RobotSpec | WheelSpec, whose: str, scope: Scope, several: Several) -> dict[str, Any]:
+    """What a wheel, or the robot for all its wheels, says of joints; ``several`` takes what is wrong."""
+    parts: dict[str, Callable[[], Any]] = {
+        "limits": lambda: limits_of(spec.limits, scope),
+        "noise": lambda: noise_of(spec.noise, scope),
+        "encoders": lambda: encoders_of(whose, spec.encoders, scope),
+        "lag": lambda: lag_of(whose, spec.lag, scope),
+    }
+    facts = {}
+    for part, laid_out in parts.items():
+        with several:
+            facts[part] = laid_out()
+    return facts
 
 
 def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
@@ -273,14 +280,10 @@ def _trailer(t: TrailerSpec, scope: Scope) -> Trailer:
 
 
 _PARTS: dict[str, Callable[[RobotSpec, Scope, list[Wheel]], Any]] = {  # of a Robot
-    "limits": lambda spec, scope, _: limits_of(spec.limits, scope),
     "virtual": lambda spec, scope, wheels: tuple(_virtual(v, wheels, scope) for v in spec.virtual),
     "trailers": lambda spec, scope, _: tuple(_trailer(t, scope) for t in spec.trailers),
     "cg": lambda spec, scope, _: spec.cg and Point(*map(scope.length, (spec.cg.x, spec.cg.y, spec.cg.z))),
     "gains": lambda spec, scope, _: {name: scope.length(quantity) for name, quantity in spec.gains},
     "deadband": lambda spec, scope, _: ZERO if spec.deadband is None else deadband_of(spec.deadband, scope),
-    "noise": lambda spec, scope, _: noise_of(spec.noise, scope),
-    "encoders": lambda spec, scope, _: encoders_of("the robot", spec.encoders, scope),
     "effective_track": lambda spec, scope, wheels: effective_track(spec.effective_track, scope, wheels),
-    "lag": lambda spec, scope, _: lag_of("the robot", spec.lag, scope),
 }

@@ -115,7 +115,4 @@ def _placed(robot: Robot, view: Callable[[Wheel], Geometry[Poly]], track: Poly) 
 
 
 def _mean(values: Sequence[T]) -> T:
-    total = values[0]
-    for value in values[1:]:
-        total = total + value
-    return total * Fraction(1, len(values))
+    return sum(values[1:], start=values[0]) * Fraction(1, len(values))

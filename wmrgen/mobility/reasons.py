@@ -12,7 +12,7 @@ from wmrgen.constraints import constrain, nominal_view
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Geometry, Wheel
-from wmrgen.layout.skid import no_track
+from wmrgen.layout.skid import no_track, parallel
 from wmrgen.mobility.admissible import along, coupled_sets
 from wmrgen.mobility.configure import Configuration
 from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
@@ -218,9 +218,9 @@ def skids(at: Configuration) -> bool:
     lines = _axle_lines(fixed)
     if not (at.degenerate and at.mobility and len(lines) > 1 and any(w.actuated for w in fixed)):
         return False
-    axle = lines[0][0].zero_heading * 1j
-    if any(abs((line[0].zero_heading * 1j * axle.conjugate()).imag) > SAME for line in lines):
+    if not parallel([line[0].zero_heading for line in lines]):
         return False
+    axle = lines[0][0].zero_heading * 1j
     across = [(w.pivot.conjugate() * axle).real for line in lines for w in line]
     return max(across) - min(across) > SAME
 

@@ -12,7 +12,7 @@ from wmrgen.backends.report.latex import alike, broken, latex, summands, terms, 
 from wmrgen.backends.report.letters import by_three, heads, in_letters
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, listed, math
 from wmrgen.backends.report.terms import WIDE, width, wrapped
-from wmrgen.constraints import XI, driving_row, seen, sliding_row, symbolic_view, working_view
+from wmrgen.constraints import XI, castor_rate, driving_row, seen, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.sensing import generic_rank
@@ -142,9 +142,7 @@ def spin_rate(w: Wheel, rim: Poly) -> str:
 
 
 def swivel_rate(w: Wheel, twist: Row) -> str:
-    g = working_view(w)
-    rate = -(dot(sliding_row(w, g).row, twist) * g.d.inverse())
-    return f"{notation.port(f'{w.name}.steer_rate')} &= {broken(rate)}"
+    return f"{notation.port(f'{w.name}.steer_rate')} &= {broken(castor_rate(w, working_view(w), twist))}"
 
 
 def driven_twist(projection: Projection) -> Row:

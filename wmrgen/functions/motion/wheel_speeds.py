@@ -24,6 +24,7 @@ from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Poly, dot
 from wmrgen.functions.models.polynomials import NEGLIGIBLE, angles_in, clean
 from wmrgen.functions.registry import function, underivable
+from wmrgen.kinematics.least_squares import ratio_of
 from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.basis import IDENTITY, primitive
@@ -93,22 +94,9 @@ def _readable(row: Sequence[Poly]) -> Relation:
     """The row without rounding dust and common factors: leading coefficient 1."""
     kept = clean(*row)
     first = next(p for p in kept if p)
-    ratios = [r for p in kept if (r := _ratio(p, first)) is not None]
-    if len(ratios) == len(kept):
-        return tuple(ratios)
-    return primitive(kept)
-
-
-def _ratio(a: Poly, b: Poly) -> Poly | None:
-    """a / b when it is a number."""
-    if not a:
-        return a
-    if a.terms.keys() != b.terms.keys():
-        return None
-    m = next(iter(b.terms))
-    ratio = a.terms[m] / b.terms[m]
-    close = all(abs(float(c - ratio * b.terms[k])) <= NEGLIGIBLE * abs(float(c)) for k, c in a.terms.items())
-    return Poly.of(ratio) if close else None
+    ratios = [ratio_of(p, first, NEGLIGIBLE) if p else ZERO for p in kept]
+    known = [Poly.of(ratio) for ratio in ratios if ratio is not None]
+    return tuple(known) if len(known) == len(kept) else primitive(kept)
 
 
 @function("Tzafestas (2.84), the relation of its rows")

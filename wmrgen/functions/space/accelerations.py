@@ -28,18 +28,12 @@ from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.steer import Velocity, pivot
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import TWIST_NAMES, Port, Role, output
+from wmrgen.ports import TWIST, TWIST_NAMES, Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, maximum, number, select, subtract, times
 
-RATES = (
-    Port("vx_rate", Role.COMMAND, "m/s^2", "derivative of vx"),
-    Port("vy_rate", Role.COMMAND, "m/s^2", "derivative of vy"),
-    Port("omega_rate", Role.COMMAND, "rad/s^2", "derivative of omega"),
-)
-JERKS = (
-    Port("vx_jerk", Role.COMMAND, "m/s^3", "second derivative of vx"),
-    Port("vy_jerk", Role.COMMAND, "m/s^3", "second derivative of vy"),
-    Port("omega_jerk", Role.COMMAND, "rad/s^3", "second derivative of omega"),
+RATES, JERKS = (
+    tuple(Port(f"{p.name}_{kind}", Role.COMMAND, f"{p.unit}^{power}", f"{text} of {p.name}") for p in TWIST)
+    for kind, power, text in (("rate", 2, "derivative"), ("jerk", 3, "second derivative"))
 )
 AT_LIMIT = sympy.Rational(1, 10**6)  # rad: a command so near a limit is held by it
 SLOWEST = sympy.Rational(1, 10**6)  # m/s: a pivot as slow as this or slower counts as that fast

@@ -187,6 +187,14 @@ def test_what_is_a_little_off_is_refused(
         ros2_control(load(tmp_path, *wheels, more=more))
 
 
+def test_ways_to_turn_of_what_is_not_driven_do_not_matter(tmp_path: Path) -> None:
+    wheels, more = drives(Random(7))["front-wheel"]
+    turned = [w.replace("heading: 0, r", "heading: pi, r", "fixed" in w) for w in wheels]
+    assert turned != wheels
+    told, same = (parameters(load(tmp_path, *each, more=more)) for each in (wheels, turned))
+    assert told == same
+
+
 @pytest.mark.parametrize(
     ("wheels", "more", "why"),
     [

@@ -225,12 +225,12 @@ def test_joints_that_move_all_of_a_robot_stand_above_its_frame(read: Import) -> 
 
 
 def test_a_mesh_leaves_the_radius_open(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:
-    foot = link("base_footprint") + joint("foot", "base_footprint", "base_link", "0 0 0", "fixed")
+    foot = link("a_base_footprint") + joint("foot", "a_base_footprint", "base_link", "0 0 0", "fixed")
     said = read(robot(pair(geometry=MESH), foot))
     assert said["base"] == "base_link" and said["wheels"]["left"]["r"] is None
     assert keys(said) == [("left", "r"), ("right", "r")]
     assert said["questions"][0]["hints"] == [
-        "the axle is 0.1 m above base_footprint, which may be the ground"
+        "the axle is 0.1 m above a_base_footprint, which may be the ground"
     ]
     path = tmp_path / "probe.yaml"
     done = wmrgen_cli("derive", path, "-o", tmp_path / "out")

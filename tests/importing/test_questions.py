@@ -400,6 +400,8 @@ def test_wheels_of_a_controller_are_none_of_the_robot(read: Import) -> None:
     assert "hint: [left.spin, right.spin]" in said["text"] and "  - {equal: TODO}" in said["text"]
     touching = read(robot(wheel("shown", "0.05 0 0.1"), both))
     assert list(touching["wheels"]) == ["shown", "left", "right"]
+    drawn_alone = read(robot(shown, both).replace("collision>", "visual>"))  # as all are
+    assert list(drawn_alone["wheels"]) == ["shown", "left", "right"]
 
 
 def arm(name: str, y: float, mimic: str = "", limits: str = "-0.6 0.5", axis: str = "0 0 1") -> str:
@@ -489,6 +491,16 @@ def test_steering_that_mimics_the_other_way_round(
     )
     assert ("  - {equal: [a.steer, b.steer]}   # mimic" in said["text"]) == coupled
     assert ("times 'a_turn'" in said["notes"]) != coupled
+
+
+def test_noise_of_floating_point_is_no_length(read: Import) -> None:
+    """A steering axis is turned by 0.3, and a wheel 0.05 m beside it is turned back, in digits of floating point."""
+    turned, wheels = arm("a", 0.2).replace('rpy="0 0 0"', 'rpy="0 0 0.3"', 1).split('<link name="a_link">')
+    beside = f'xyz="{0.05 * math.sin(0.3)!r} {0.05 * math.cos(0.3)!r} 0" rpy="0 0 -0.3"'
+    back = wheels.replace('<origin xyz="0 0 0" rpy="0 0 0"/>', f"<origin {beside}/>")
+    said = read(robot(turned, f'<link name="a_link">{back}', pair()))
+    assert (said["wheels"]["a"]["d"], said["wheels"]["a"]["offset_y"]) == (0, 0.05)
+    assert "off the steering axis" not in said["text"]
 
 
 def test_what_follows_one_leader_in_one_ratio_turns_alike(read: Import) -> None:

@@ -272,7 +272,7 @@ def _car(robot: Robot, fixed: Sequence[Wheel], steered: Sequence[Wheel]) -> Driv
     terms: dict[str, Term] = {
         **joints, **sides,
         "wheelbase": base, "traction_track": tracks[0], "steering_track": tracks[1],
-        "radius": _radius(driven, _backward([*fixed, *steered])),
+        "radius": _radius(driven, _backward([*fixed, *steered]) & {w.name for w in driven}),
     }  # fmt: skip
     if len(limits) == len(steered):
         low, high = max(float(v.low) for v in limits), min(float(v.high) for v in limits)

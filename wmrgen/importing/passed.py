@@ -70,7 +70,8 @@ def no_wheel(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> Passed
     ``turning``: all that turns so."""
     leaders = {joint.mimic[0] for joint in robot.description.joints if joint.mimic}
     roles = robot.roles(c.joint.child)
-    if roles == {"visual"} and leaders & {c.joint.name, c.steer.name if c.steer else ""}:
+    touching = any("collision" in robot.roles(w.joint.child) for w in turning)
+    if roles == {"visual"} and touching and leaders & {c.joint.name, c.steer.name if c.steer else ""}:
         return Passed(c.joint, "it is drawn, touches nothing, and others mimic it")
     if why := _limb(robot, c):
         return Passed(c.joint, why, limb=True)

@@ -17,7 +17,7 @@ TRAIL = Fraction(1, 1000)  # [m] what trails less is no castor
 _OFF = 2e-3  # [m] how far a mesh may stand off its joint along the axle
 _QUARTER = math.pi / 2  # [rad]
 _LARGEST = 5  # [m] the radius of a wheel
-_GROUND = ("base_footprint",)
+_GROUND = "base_footprint"  # as the name of a link ends
 
 
 def doubt(c: Candidate, name: str, heading: float, kind: str) -> Question:
@@ -124,8 +124,8 @@ def ball_asked(name: str) -> Question:
 
 
 def _height_above_ground(robot: Robot, c: Candidate) -> tuple[str, Fraction] | None:
-    links = robot.description.links
-    ground = next((link for link in _GROUND if link in links and robot.reaches(link)), None)
+    links = (link for link in robot.description.links if link.endswith(_GROUND))
+    ground = next(filter(robot.reaches, links), None)
     return None if ground is None else (ground, c.centre[2] - robot.frame(ground).origin[2])
 
 

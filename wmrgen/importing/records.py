@@ -11,6 +11,7 @@ from wmrgen.errors import Mark
 KINDS = "continuous revolute prismatic floating planar fixed".split()  # of joints
 RIGID = KINDS[-1]
 SUPPORT = "support"  # what carries a robot beside the wheels that were found
+DIGITS = 12  # decimals of a length; those of floating point noise are dropped
 MODEL = "__model__"  # the frame of an SDF model, as if it were a link
 Vector = tuple[Fraction, Fraction, Fraction]
 Matrix = tuple[Vector, Vector, Vector]  # by rows

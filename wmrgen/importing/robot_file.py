@@ -11,14 +11,13 @@ from fractions import Fraction
 from typing import Any
 
 from wmrgen.errors import Mark, RobotFileError
-from wmrgen.importing.records import MODEL, SUPPORT, Imported, Question, Wheel
+from wmrgen.importing.records import DIGITS, MODEL, SUPPORT, Imported, Question, Wheel
 from wmrgen.layout.expressions import twelfths_of_pi
 from wmrgen.spec.load import OPEN
 from wmrgen.spec.names import robot_name, wheel_name
 from wmrgen.spec.text import Scalar, quoted
 from wmrgen.wheels import WHEEL_TYPES
 
-DIGITS = 12  # decimals of a length; those of floating point noise are dropped
 _SAME = 1e-9  # [rad]
 _WIDTH = 100
 _KINDS_OF_JOINT = re.compile("((?i:_(joint|link|wheel|spin|axle|hinge))|Joint|Link|Wheel|Spin|Axle|Hinge)+$")
@@ -39,7 +38,7 @@ def as_json(robot: Imported) -> dict[str, Any]:
 def _wheel_json(wheel: Wheel) -> dict[str, Any]:
     words = "name joint steer_joint type x y heading r d offset_y gamma actuated".split()
     values = {key: getattr(wheel, key) for key in words}
-    return {k: float(_rounded(v)) if isinstance(v, Fraction) else v for k, v in values.items()}
+    return {k: float(v) if isinstance(v, Fraction) else v for k, v in values.items()}
 
 
 def text(robot: Imported, source: str) -> str:
@@ -120,7 +119,7 @@ def _values(wheel: Wheel) -> Iterator[tuple[str, str]]:
         yield "r", _length(wheel.r)
     if "d" in kind.required and wheel.d is not None:
         yield "d", _length(wheel.d)
-    if wheel.offset_y and _rounded(wheel.offset_y):
+    if wheel.offset_y:
         yield "offset_y", _length(wheel.offset_y)
     if wheel.gamma is not None:
         yield "gamma", _angle(wheel.gamma)
@@ -128,10 +127,6 @@ def _values(wheel: Wheel) -> Iterator[tuple[str, str]]:
         yield "actuated", f"[{', '.join(wheel.actuated)}]"
     if wheel.steer_limits:
         yield "limits", "{steer: [" + ", ".join(map(_length, wheel.steer_limits)) + "]}"
-
-
-def _rounded(value: Fraction) -> Fraction:
-    return Fraction(round(value * 10**DIGITS), 10**DIGITS)
 
 
 def _length(value: Fraction) -> str:

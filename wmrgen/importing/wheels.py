@@ -29,7 +29,7 @@ from wmrgen.importing.questions import (
     tilted,
 )
 from wmrgen.importing.read import refuse
-from wmrgen.importing.records import Description, Imported, Joint, Question, Vector, Wheel
+from wmrgen.importing.records import DIGITS, Description, Imported, Joint, Question, Vector, Wheel
 from wmrgen.importing.robot_file import near_wheel_names
 from wmrgen.importing.robot_questions import (
     DIRECTIONS,
@@ -120,7 +120,7 @@ def _wheel(
     if steer is not None:
         foot, tilt = _pivot(robot.origin(steer), robot.axis(steer), c.centre)
         lever = plus(c.centre, foot, -1)
-        d, offset = dot(lever, e), dot(lever, (-e[1], e[0], Fraction(0)))
+        d, offset = (round(dot(lever, along), DIGITS) for along in (e, (-e[1], e[0], Fraction(0))))
         x, y, _ = foot
         remarks["x"] = f"steering axis of joint {quoted(steer.name)}, wheel: {place}"
         if robot.axis(steer)[2] < 0:
@@ -158,10 +158,10 @@ def _wheel(
         joint.name if joint.moves else None,
         steer.name if steer else None,
         kind,
-        x,
-        y,
+        round(x, DIGITS),
+        round(y, DIGITS),
         angle(e),
-        radius,
+        radius and round(radius, DIGITS),
         d,
         offset,
         gamma if kind == SWEDISH.name else None,

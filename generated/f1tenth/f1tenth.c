@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_e4cc340f0d2965b9)
+#if !defined(F1TENTH_PAIR_5ed52ffa373f4248)
 #error "this file and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -366,14 +366,14 @@ void f1tenth_limit_twist(f1tenth_twist *twist)
 
 void f1tenth_limit_acceleration(f1tenth_twist *twist, const f1tenth_twist *wanted, float dt)
 {
-    const float vx_change = wanted->vx - twist->vx;
-    const float t0 = 0.10515247f * fabsf(vx_change);
     const float vy_change = wanted->vy - twist->vy;
-    const float t1 = 0.10515247f * fabsf(vy_change);
-    const float time = (t0 < t1) ? t1 : t0;
-    const float t2 = (time < 1e-20f) ? 1e-20f : time;
+    const float t0 = 0.10515247f * fabsf(vy_change);
+    const float vx_change = wanted->vx - twist->vx;
+    const float t1 = 0.10515247f * fabsf(vx_change);
+    const float t2 = (t1 < 1e-20f) ? 1e-20f : t1;
+    const float time = (t0 < t2) ? t2 : t0;
     const float step = (dt < 0.0f) ? 0.0f : dt;
-    const float t3 = 0.9999995f * (step / t2);
+    const float t3 = 0.9999995f * (step / time);
     const float t4 = (step < time) ? fmaf(vx_change, t3, twist->vx) : wanted->vx;
     const float t5 = (step < time) ? fmaf(vy_change, t3, twist->vy) : wanted->vy;
     const float t6 = (step < time) ? fmaf(t3, wanted->omega - twist->omega, twist->omega) : wanted->omega;

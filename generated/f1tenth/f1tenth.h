@@ -28,7 +28,7 @@
 
 #define F1TENTH_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define F1TENTH_MODEL_HASH "3f32f4ec59f3144446e8c0bcd8fd3e33" /**< digest of the model */
-#define F1TENTH_PAIR_e4cc340f0d2965b9 1 /**< header and source of one run have the same */
+#define F1TENTH_PAIR_5ed52ffa373f4248 1 /**< header and source of one run have the same */
 #define F1TENTH_WHEELS 2 /**< how many wheels the robot has */
 #define F1TENTH_FRONT_X 0.15875f /**< [m] pivot, forward of P */
 #define F1TENTH_FRONT_Y 0.0f /**< [m] pivot, to the left of P */

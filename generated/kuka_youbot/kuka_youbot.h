@@ -36,7 +36,7 @@
 
 #define KUKA_YOUBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KUKA_YOUBOT_MODEL_HASH "40d272302b23a783ddd9e524ed2d1b7f" /**< digest of the model */
-#define KUKA_YOUBOT_PAIR_7592a4b490f08641 1 /**< header and source of one run have the same */
+#define KUKA_YOUBOT_PAIR_5b5d89168cac2cc5 1 /**< header and source of one run have the same */
 #define KUKA_YOUBOT_WHEELS 4 /**< how many wheels the robot has */
 #define KUKA_YOUBOT_FL_X 0.228f /**< [m] pivot, forward of P */
 #define KUKA_YOUBOT_FL_Y 0.158f /**< [m] pivot, to the left of P */

@@ -229,13 +229,13 @@ def limit_acceleration(vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt):
     vy_wanted = np.asarray(vy_wanted, dtype=np.float64)
     omega_wanted = np.asarray(omega_wanted, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
-    _vx_change = vx_wanted - vx
     _vy_change = vy_wanted - vy
-    _t0 = np.maximum(1.25 * np.abs(_vx_change), 1.25 * np.abs(_vy_change))
+    _vx_change = vx_wanted - vx
+    _t0 = np.maximum(1.25 * np.abs(_vy_change), np.maximum(1.25 * np.abs(_vx_change), 1e-20))
     _omega_change = omega_wanted - omega
     _time = np.maximum(0.4166666666666667 * np.abs(_omega_change), _t0)
     _step = np.maximum(dt, 0.0)
-    _t1 = 0.9999995231628418 * (_step / np.maximum(_time, 1e-20))
+    _t1 = 0.9999995231628418 * (_step / _time)
     _t2 = np.where(_step < _time, vx + _vx_change * _t1, vx_wanted)
     _t3 = np.where(_step < _time, vy + _vy_change * _t1, vy_wanted)
     _t4 = np.where(_step < _time, omega + _omega_change * _t1, omega_wanted)

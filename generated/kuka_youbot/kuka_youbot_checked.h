@@ -26,7 +26,7 @@
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_7592a4b490f08641)
+#if !defined(KUKA_YOUBOT_PAIR_5b5d89168cac2cc5)
 #error "this file and kuka_youbot.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PIONEER3DX_PAIR_b8bf9b8d0bdae5be)
+#if !defined(PIONEER3DX_PAIR_c1ec0621be021348)
 #error "this file and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -396,10 +396,10 @@ void pioneer3dx_limit_acceleration(
     const float t0 = 0.2864789f * fabsf(omega_change);
     const float vx_change = wanted->vx - twist->vx;
     const float t1 = 1.6666666f * fabsf(vx_change);
-    const float time = (t0 < t1) ? t1 : t0;
-    const float t2 = (time < 1e-20f) ? 1e-20f : time;
+    const float t2 = (t1 < 1e-20f) ? 1e-20f : t1;
+    const float time = (t0 < t2) ? t2 : t0;
     const float step = (dt < 0.0f) ? 0.0f : dt;
-    const float t3 = 0.9999995f * (step / t2);
+    const float t3 = 0.9999995f * (step / time);
     const float t4 = (step < time) ? fmaf(vx_change, t3, twist->vx) : wanted->vx;
     const float t5 = (step < time) ? fmaf(omega_change, t3, twist->omega) : wanted->omega;
 

@@ -36,7 +36,7 @@
 
 #define PIONEER3DX_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PIONEER3DX_MODEL_HASH "4eb29b3e498165baa7aaf221d84107cf" /**< digest of the model */
-#define PIONEER3DX_PAIR_b8bf9b8d0bdae5be 1 /**< header and source of one run have the same */
+#define PIONEER3DX_PAIR_c1ec0621be021348 1 /**< header and source of one run have the same */
 #define PIONEER3DX_WHEELS 3 /**< how many wheels the robot has */
 #define PIONEER3DX_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define PIONEER3DX_LEFT_Y 0.1655f /**< [m] pivot, to the left of P */

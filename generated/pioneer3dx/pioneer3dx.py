@@ -436,17 +436,18 @@ def limit_acceleration(vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt):
     dt = np.asarray(dt, dtype=np.float64)
     _omega_change = omega_wanted - omega
     _vx_change = vx_wanted - vx
-    _time = np.maximum(0.2864788975654116 * np.abs(_omega_change), 1.6666666666666667 * np.abs(_vx_change))
+    _t0 = np.maximum(1.6666666666666667 * np.abs(_vx_change), 1e-20)
+    _time = np.maximum(0.2864788975654116 * np.abs(_omega_change), _t0)
     _step = np.maximum(dt, 0.0)
-    _t0 = 0.9999995231628418 * (_step / np.maximum(_time, 1e-20))
-    _t1 = np.where(_step < _time, vx + _vx_change * _t0, vx_wanted)
-    _t2 = np.where(_step < _time, omega + _omega_change * _t0, omega_wanted)
+    _t1 = 0.9999995231628418 * (_step / _time)
+    _t2 = np.where(_step < _time, vx + _vx_change * _t1, vx_wanted)
+    _t3 = np.where(_step < _time, omega + _omega_change * _t1, omega_wanted)
     return _shaped(
         [vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt],
         {
-            "vx": _t1,
+            "vx": _t2,
             "vy": 0.0,
-            "omega": _t2,
+            "omega": _t3,
         },
     )
 

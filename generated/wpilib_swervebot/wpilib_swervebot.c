@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_7d16c030e320bd88)
+#if !defined(WPILIB_SWERVEBOT_PAIR_7dedef87168c5f58)
 #error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -521,17 +521,17 @@ void wpilib_swervebot_limit_acceleration(
     const wpilib_swervebot_twist *wanted,
     float dt)
 {
-    const float vx_change = wanted->vx - twist->vx;
-    const float t0 = 0.11111111f * fabsf(vx_change);
     const float vy_change = wanted->vy - twist->vy;
-    const float t1 = 0.11111111f * fabsf(vy_change);
-    const float t2 = (t0 < t1) ? t1 : t0;
+    const float t0 = 0.11111111f * fabsf(vy_change);
+    const float vx_change = wanted->vx - twist->vx;
+    const float t1 = 0.11111111f * fabsf(vx_change);
+    const float t2 = (t1 < 1e-20f) ? 1e-20f : t1;
+    const float t3 = (t0 < t2) ? t2 : t0;
     const float omega_change = wanted->omega - twist->omega;
-    const float t3 = 0.10610329f * fabsf(omega_change);
-    const float time = (t3 < t2) ? t2 : t3;
-    const float t4 = (time < 1e-20f) ? 1e-20f : time;
+    const float t4 = 0.10610329f * fabsf(omega_change);
+    const float time = (t4 < t3) ? t3 : t4;
     const float step = (dt < 0.0f) ? 0.0f : dt;
-    const float t5 = 0.9999995f * (step / t4);
+    const float t5 = 0.9999995f * (step / time);
     const float t6 = (step < time) ? fmaf(vx_change, t5, twist->vx) : wanted->vx;
     const float t7 = (step < time) ? fmaf(vy_change, t5, twist->vy) : wanted->vy;
     const float t8 = (step < time) ? fmaf(omega_change, t5, twist->omega) : wanted->omega;

@@ -32,7 +32,7 @@
 
 #define WPILIB_SWERVEBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define WPILIB_SWERVEBOT_MODEL_HASH "0c1b0ac77bb03104efde90fa889954de" /**< digest of the model */
-#define WPILIB_SWERVEBOT_PAIR_7d16c030e320bd88 1 /**< header and source of one run have the same */
+#define WPILIB_SWERVEBOT_PAIR_7dedef87168c5f58 1 /**< header and source of one run have the same */
 #define WPILIB_SWERVEBOT_WHEELS 4 /**< how many wheels the robot has */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_X 0.381f /**< [m] pivot, forward of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_Y 0.381f /**< [m] pivot, to the left of P */

@@ -643,22 +643,23 @@ def limit_acceleration(vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt):
     vy_wanted = np.asarray(vy_wanted, dtype=np.float64)
     omega_wanted = np.asarray(omega_wanted, dtype=np.float64)
     dt = np.asarray(dt, dtype=np.float64)
-    _vx_change = vx_wanted - vx
     _vy_change = vy_wanted - vy
-    _t0 = np.maximum(0.1111111111111111 * np.abs(_vx_change), 0.1111111111111111 * np.abs(_vy_change))
+    _vx_change = vx_wanted - vx
+    _t0 = np.maximum(0.1111111111111111 * np.abs(_vx_change), 1e-20)
+    _t1 = np.maximum(0.1111111111111111 * np.abs(_vy_change), _t0)
     _omega_change = omega_wanted - omega
-    _time = np.maximum(0.1061032953945969 * np.abs(_omega_change), _t0)
+    _time = np.maximum(0.1061032953945969 * np.abs(_omega_change), _t1)
     _step = np.maximum(dt, 0.0)
-    _t1 = 0.9999995231628418 * (_step / np.maximum(_time, 1e-20))
-    _t2 = np.where(_step < _time, vx + _vx_change * _t1, vx_wanted)
-    _t3 = np.where(_step < _time, vy + _vy_change * _t1, vy_wanted)
-    _t4 = np.where(_step < _time, omega + _omega_change * _t1, omega_wanted)
+    _t2 = 0.9999995231628418 * (_step / _time)
+    _t3 = np.where(_step < _time, vx + _vx_change * _t2, vx_wanted)
+    _t4 = np.where(_step < _time, vy + _vy_change * _t2, vy_wanted)
+    _t5 = np.where(_step < _time, omega + _omega_change * _t2, omega_wanted)
     return _shaped(
         [vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt],
         {
-            "vx": _t2,
-            "vy": _t3,
-            "omega": _t4,
+            "vx": _t3,
+            "vy": _t4,
+            "omega": _t5,
         },
     )
 

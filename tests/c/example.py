@@ -38,7 +38,7 @@ wheels:
   - {name: br, type: steered, x: -0.4, y: -0.3, heading: 0, r: 0.05,
      encoder: {spin: {counts: 4096, gear: 6.75}, steer: {counts: 16384, gear: 12.8}}}
 limits: {vx: 3, vy: 3, omega: 4, spin: 80, vx_rate: 4, vy_rate: 4, omega_rate: 8, steer_rate: 10}
-functions: [joints_from_counts, limit_twist, limit_acceleration, desaturate]
+functions: [joints_from_counts, odometry_compensated, limit_twist, limit_acceleration, desaturate]
 """,
     "castors": """
 wheels:

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_e4cc340f0d2965b9)
+#if !defined(F1TENTH_PAIR_5ed52ffa373f4248)
 #error "this file and f1tenth.h were not generated together: copy both"
 #endif
 
@@ -574,7 +574,7 @@ static const float limit_acceleration_rows[][13] WMRGEN_FLASH = {
     {1.40625f, 0.28125f, -1.1875f, 0.0f, -1.125f, 0.0f, 0.0f, 1.40625f, 89e-9f, 0.28125f, 18e-9f,
     -1.1875f, 75e-9f},
     /* omega_wanted alone */
-    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.5f, 94e-9f},
+    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega_wanted alone, backwards */
     {1.40625f, 0.28125f, -1.1875f, 0.0f, 0.0f, -1.5f, 0.0f, 1.40625f, 89e-9f, 0.28125f, 18e-9f,
     -1.1875f, 75e-9f},

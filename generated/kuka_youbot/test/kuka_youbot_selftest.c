@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KUKA_YOUBOT_PAIR_7592a4b490f08641)
+#if !defined(KUKA_YOUBOT_PAIR_5b5d89168cac2cc5)
 #error "this file and kuka_youbot.h were not generated together: copy both"
 #endif
 

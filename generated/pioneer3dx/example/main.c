@@ -25,7 +25,7 @@ static pioneer3dx_twist driven;
 static pioneer3dx_wheels commands;
 static float scale;
 static pioneer3dx_params params;
-static pioneer3dx_wheels rest; /* [counts] what is left of turns beside whole counts */
+static pioneer3dx_wheels uncounted; /* [counts] what is left of turns beside whole counts */
 
 /* The whole counts; what is left of them stays in part for the next step. */
 static int32_t counted(const float counts, float *part)
@@ -41,9 +41,9 @@ static void hardware(void)
 {
     counters_before = counters;
     counters.left.spin = (uint16_t)(
-        counters.left.spin + (uint16_t)counted(dt * commands.left.spin * 12191.2686f, &rest.left.spin));
+        counters.left.spin + (uint16_t)counted(dt * commands.left.spin * 12191.2686f, &uncounted.left.spin));
     counters.right.spin = (uint16_t)(
-        counters.right.spin + (uint16_t)counted(dt * commands.right.spin * 12191.2686f, &rest.right.spin));
+        counters.right.spin + (uint16_t)counted(dt * commands.right.spin * 12191.2686f, &uncounted.right.spin));
 }
 
 static void step(void)

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PIONEER3DX_PAIR_b8bf9b8d0bdae5be)
+#if !defined(PIONEER3DX_PAIR_c1ec0621be021348)
 #error "this file and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@ static wpilib_swervebot_pose_covariance pose_covariance;
 static wpilib_swervebot_twist driven;
 static wpilib_swervebot_wheels commands;
 static float scale;
-static wpilib_swervebot_wheels rest; /* [counts] what is left of turns beside whole counts */
+static wpilib_swervebot_wheels uncounted; /* [counts] what is left of turns beside whole counts */
 
 /* The whole counts; what is left of them stays in part for the next step. */
 static int32_t counted(const float counts, float *part)
@@ -41,18 +41,19 @@ static void hardware(void)
     counters_before = counters;
     counters.front_left.spin = (uint32_t)(
         counters.front_left.spin
-        + (uint32_t)counted(dt * commands.front_left.spin * 651.898647f, &rest.front_left.spin));
+        + (uint32_t)counted(dt * commands.front_left.spin * 651.898647f, &uncounted.front_left.spin));
     counters.front_left.steer = (uint32_t)(int32_t)(commands.front_left.steer * 651.898647f);
     counters.front_right.spin = (uint32_t)(
         counters.front_right.spin
-        + (uint32_t)counted(dt * commands.front_right.spin * 651.898647f, &rest.front_right.spin));
+        + (uint32_t)counted(dt * commands.front_right.spin * 651.898647f, &uncounted.front_right.spin));
     counters.front_right.steer = (uint32_t)(int32_t)(commands.front_right.steer * 651.898647f);
     counters.back_left.spin = (uint32_t)(
-        counters.back_left.spin + (uint32_t)counted(dt * commands.back_left.spin * 651.898647f, &rest.back_left.spin));
+        counters.back_left.spin
+        + (uint32_t)counted(dt * commands.back_left.spin * 651.898647f, &uncounted.back_left.spin));
     counters.back_left.steer = (uint32_t)(int32_t)(commands.back_left.steer * 651.898647f);
     counters.back_right.spin = (uint32_t)(
         counters.back_right.spin
-        + (uint32_t)counted(dt * commands.back_right.spin * 651.898647f, &rest.back_right.spin));
+        + (uint32_t)counted(dt * commands.back_right.spin * 651.898647f, &uncounted.back_right.spin));
     counters.back_right.steer = (uint32_t)(int32_t)(commands.back_right.steer * 651.898647f);
 }
 

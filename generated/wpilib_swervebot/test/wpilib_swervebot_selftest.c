@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_7d16c030e320bd88)
+#if !defined(WPILIB_SWERVEBOT_PAIR_7dedef87168c5f58)
 #error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

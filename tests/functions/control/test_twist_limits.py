@@ -245,6 +245,9 @@ def test_without_time_the_twist_is_held(dt: float) -> None:
         last = tuple(map(nearest_float32, last))
         values = twist(1.0, 1e-9, -3.0, "_wanted") | twist(*last) | {"dt": dt}
         assert call(d, "limit_acceleration", values, FLOAT32) == twist(*last)
+    still = twist(0.0, 0.0, 0.0)  # also where nothing that has a limit changes
+    values = twist(0.0, 0.0, 1.0, "_wanted") | still | {"dt": dt}
+    assert call(accelerated("limits: {vx_rate: 4}"), "limit_acceleration", values, FLOAT32) == still
 
 
 def test_what_has_no_limit_goes_along() -> None:

@@ -78,7 +78,7 @@ def _hardware(module: Module, unit: Unit) -> Iterator[str]:
         elif swivels or joint.endswith(".spin"):
             per_radian = _number(unit, _counts(module, f"{joint}_counts"))
             moved = f"commands.{rate if swivels else joint}"
-            counted = f"counted(dt * {moved} * {per_radian}, &rest.{joint})"
+            counted = f"counted(dt * {moved} * {per_radian}, &uncounted.{joint})"
             yield f"counters.{joint} = (uint{width}_t)(counters.{joint} + (uint{width}_t){counted});"
         elif joint.endswith(".steer"):
             per_radian = _number(unit, _counts(module, f"{joint}_counts"))

@@ -64,8 +64,9 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
 def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
     """From the last twist towards the wanted one, as far as dt and the limits of the rates of vx, vy and omega let it.
 
-    The step takes the time t = max(change / limit over all components). The wanted twist is reached, to the bit, where
-    t <= dt; else the change is that times dt / t (and times `SHORT`, so that the result lies between both twists).
+    The step takes the time t = max(change / limit over all components, `INSTANT`). The wanted twist is reached, to
+    the bit, where t <= dt; else the change is that times dt / t (and times `SHORT`, so that the result lies between
+    both twists).
     """
     limits = _limits(robot, mobility, "limit_acceleration", "_rate", "{vx_rate: 1, omega_rate: 2}")
     names = Locals()
@@ -74,8 +75,8 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
         for name in limits
     }
     step = names.define("step", maximum(signal(DT.name), sympy.S.Zero))
-    time = names.define("time", most(sympy.S.Zero, ((changes[name], limits[name]) for name in limits)))
-    share = names.define("share", times(number(SHORT), step) / maximum(number(INSTANT), time))
+    time = names.define("time", most(number(INSTANT), ((changes[name], limits[name]) for name in limits)))
+    share = names.define("share", times(number(SHORT), step) / time)
     twist = {
         name: select(step, time, add(signal(name), times(share, change)), signal(f"{name}_wanted"))
         for name, change in changes.items()

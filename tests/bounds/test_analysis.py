@@ -12,7 +12,7 @@ import pytest
 from tests.bounds.gallery import proved
 from tests.bounds.small import BAD, function, guarded
 from wmrgen.bounds.analysis import analysed
-from wmrgen.bounds.assumptions import DOUBLE, LIBM, SINGLE, constant
+from wmrgen.bounds.assumptions import LIBM, SINGLE, constant
 from wmrgen.exact.number import Exact
 from wmrgen.ir import interval as iv
 
@@ -57,14 +57,13 @@ def test_rounding_goes_outward(count: int) -> None:
             assert high - low <= 8 * np.spacing(max(abs(low), abs(high))) + 1e-299
 
 
-@pytest.mark.parametrize("name, digits", [("float", 24), ("double", 53)])
-def test_a_constant_and_its_rounding_lie_inside_and_it_is_off_by_what_is_said(name: str, digits: int) -> None:
-    chance = random.Random(digits)
+def test_a_constant_and_its_rounding_lie_inside_and_it_is_off_by_what_is_said() -> None:
+    chance = random.Random(24)
     for _ in range(100):
         value = Fraction(chance.randint(-(10**20), 10**20), chance.randint(1, 10**20))
-        lo, hi, error, _ = constant(Exact(value), name)
+        lo, hi, error, _ = constant(Exact(value))
         assert Fraction(lo) <= value <= Fraction(hi)
-        step = Fraction(2) ** (math.frexp(value)[1] - digits)
+        step = Fraction(2) ** (math.frexp(value)[1] - 24)
         off = abs(round(value / step) * step - value)
         assert off <= Fraction(error) <= off * (1 + Fraction(2) ** -48)
 
@@ -98,7 +97,6 @@ def test_half_ulp_bounds_every_rounding() -> None:
     error = np.abs(value.astype(np.float32).astype(np.float64) - value)
     assert (error <= SINGLE.half_ulp(np.abs(value))).all()
     assert SINGLE.half_ulp(np.array([1.0]))[0] == 2.0**-25
-    assert DOUBLE.half_ulp(np.array([1.5]))[0] == 2.0**-53
     assert Fraction(SINGLE.largest) == Fraction(2) ** 128 - Fraction(2) ** 104
 
 

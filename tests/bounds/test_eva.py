@@ -8,7 +8,6 @@ from tests.bounds.gallery import NAMES, proved
 from tests.bounds.small import BAD, function, guarded, module
 from tests.tools import need
 from wmrgen.backends.c99.driver import HARNESS, alarms, command, harness
-from wmrgen.bounds.assumptions import SINGLE
 from wmrgen.bounds.partition import cases
 from wmrgen.cli.prove import eva
 from wmrgen.compiler import run_tool
@@ -50,7 +49,7 @@ def test_parts_cover_the_ranges() -> None:
     """Each part is met where the last ended, and together they are as large as the whole."""
     robot = proved("unicycle")
     bound = {b.name: b for _, b in robot.pairs}["odometry"]
-    parts = cases(robot.functions["odometry"], bound.inputs, SINGLE, finer=2)
+    parts = cases(robot.functions["odometry"], bound.inputs, finer=2)
     assert len(parts) > 1
 
     def size(part: dict[str, tuple[float, float]]) -> float:
@@ -88,6 +87,6 @@ def test_controls_raise_alarms(what: str) -> None:
 def test_guarded_division_raises_none_in_parts() -> None:
     need("frama-c")
     control = function(guarded)
-    parts = cases(control, {"vx": (-2.0, 2.0)}, SINGLE)
+    parts = cases(control, {"vx": (-2.0, 2.0)})
     files = harness(module(control), {"control": parts})
     assert alarms(run_tool(command("frama-c", "bad"), files)) == ()

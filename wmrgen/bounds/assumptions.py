@@ -38,7 +38,6 @@ class Format(NamedTuple):
     ``relative``: errors of roundings are counted in proportion to the result, though they grow by steps.
     """
 
-    name: str
     bits: int
     lowest: int
     highest: int
@@ -69,8 +68,7 @@ class Format(NamedTuple):
         return np.asarray(np.maximum((before & _EXPONENT).view(np.float64) * self.unit, self.tiny))
 
 
-SINGLE = Format("float", 24, -149, 128)
-DOUBLE = Format("double", 53, -1074, 1024)
+SINGLE = Format(24, -149, 128)
 
 
 class Library(NamedTuple):
@@ -78,8 +76,7 @@ class Library(NamedTuple):
 
     The C standard bounds none of them: these are what is assumed of a libm, or was found of a kernel by trying every
     float. ``circle``: whether the error of sin and cos counts in that unit of 1, however small the result; for angles
-    up to ``reach`` [rad], and atan for arguments up to ``slope``. ``sine``: of angles up to pi/2, in
-    units in the last place of their own sine.
+    up to ``reach`` [rad], and atan for arguments up to ``slope``.
     """
 
     name: str
@@ -87,7 +84,6 @@ class Library(NamedTuple):
     cos: float
     atan: float
     atan2: float
-    sine: float
     circle: bool = False
     reach: float = math.inf
     slope: float = math.inf
@@ -100,7 +96,7 @@ class Library(NamedTuple):
         return {"sin": self.sin, "cos": self.cos, "atan": self.atan, "atan2": self.atan2}
 
 
-LIBM = Library("libm", Op.SIN.ulps, Op.COS.ulps, Op.ATAN.ulps, Op.ATAN2.ulps, 1.0)
+LIBM = Library("libm", Op.SIN.ulps, Op.COS.ulps, Op.ATAN.ulps, Op.ATAN2.ulps)
 
 
 def _kernel(errors: Worst) -> Library:
@@ -110,9 +106,7 @@ def _kernel(errors: Worst) -> Library:
     roundings and those of the constants, not 3 ulp.
     """
     circle, arctangent = float(errors.circle), float(errors.arctangent)
-    return Library(
-        "kernels", circle, circle, arctangent, arctangent + 3.0, float(errors.sine), True, 100.0, 1.0
-    )
+    return Library("kernels", circle, circle, arctangent, arctangent + 3.0, True, 100.0, 1.0)
 
 
 def library(choice: Choice) -> Library:
@@ -123,10 +117,9 @@ def library(choice: Choice) -> Library:
 
 
 @cache
-def constant(value: Exact, name: str) -> tuple[float, float, float, bool]:
-    """(lo, hi, error, is a power of two): an enclosure of ``value`` and of its rounding, and how far they differ."""
-    printed = to_float32(value) if name == "float" else to_float64(value)
-    nearest = to_float64(value)
+def constant(value: Exact) -> tuple[float, float, float, bool]:
+    """(lo, hi, error, is a power of two): an enclosure of ``value`` and of its float32, and how far they differ."""
+    printed, nearest = to_float32(value), to_float64(value)
     low, high = min(printed, nearest), max(printed, nearest)
     if value.is_rational:
         difference = abs(Fraction(printed) - value.rational())

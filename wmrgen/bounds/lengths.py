@@ -32,16 +32,15 @@ _SHORTENED = 1.1  # of a quotient by a length that underflow may shorten, on the
 
 @dataclass(slots=True)
 class Length:
-    """The length h of the vector with components f x over the ``parts`` (f, x); node ``at`` divides by it.
+    """The length h of the vector with components f x over the ``parts`` (f, x), by which a node divides.
 
     ``rho``: how far h may be off, once it is known.
     """
 
-    at: int
     parts: Parts
     rho: float = SHORT
     shares: dict[int, Share | None] = field(default_factory=dict)
-    # (x, s): |x| is at most s h where `at` counts.
+    # (x, s): |x| is at most s h where that node counts.
     facts: list[tuple[int, float]] = field(default_factory=list)
 
     def value(self, nodes: Sequence[np.ndarray]) -> np.ndarray:
@@ -59,7 +58,7 @@ def lengths(nodes: Sequence[Node]) -> dict[int, Length]:
         elif node.op is Op.DIV:
             parts = _kept_apart(nodes, node.args[1])
         if parts is not None:
-            by_node[i] = Length(i, parts, facts=[fact for f, x in parts for fact in facts(nodes, x, 1 / f)])
+            by_node[i] = Length(parts, facts=[fact for f, x in parts for fact in facts(nodes, x, 1 / f)])
     return by_node
 
 

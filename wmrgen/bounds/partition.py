@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from wmrgen.bounds.assumptions import Format, Range, constant
+from wmrgen.bounds.assumptions import SINGLE, Range, constant
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Interval
 from wmrgen.ir.nodes import Function, Node, Op
@@ -21,9 +21,7 @@ _LARGE = 2.0**-28  # a value beyond this share of the largest number is halved a
 _MARGIN = 1 + 1e-5  # float results may lie this much farther out
 
 
-def cases(
-    function: Function, ranges: Mapping[str, Range], form: Format, finer: int = 0
-) -> list[dict[str, Range]]:
+def cases(function: Function, ranges: Mapping[str, Range], finer: int = 0) -> list[dict[str, Range]]:
     """A partition of ``ranges``; one part where nothing needs to be divided.
 
     ``finer``: how often every part is halved once more along the inputs that were divided, or on which divisors depend.
@@ -33,7 +31,7 @@ def cases(
     open_: list[dict[str, Range]] = [dict(ranges)]
     cones = _cones(function)
     for depth in range(_DEPTH):
-        first = _first_alarm(function, open_, form)
+        first = _first_alarm(function, open_)
         halves: list[dict[str, Range]] = []
         for part, node in zip(open_, first, strict=True):
             along = [n for n in names if node >= 0 and n in cones[node]]
@@ -69,7 +67,7 @@ def _cones(function: Function) -> list[frozenset[str]]:
     return cones
 
 
-def _first_alarm(function: Function, parts: list[dict[str, Range]], form: Format) -> list[int]:
+def _first_alarm(function: Function, parts: list[dict[str, Range]]) -> list[int]:
     """Per part: the first divisor that may be zero, or value that may overflow; -1 where there is none."""
     first = np.full(len(parts), -1)
     values: list[Interval] = []
@@ -79,27 +77,27 @@ def _first_alarm(function: Function, parts: list[dict[str, Range]], form: Format
                 ends = [part[node.name or ""] for part in parts]
                 value = np.array([lo for lo, _ in ends]), np.array([hi for _, hi in ends])
             elif node.op is Op.DIV:
-                value = _quotient(function.nodes, values, node, form)
+                value = _quotient(function.nodes, values, node)
             else:
-                value = _value(node, values, form, len(parts))
+                value = _value(node, values, len(parts))
             values.append(value)
-            bad = ~(iv.magnitude(value) <= form.largest * _LARGE)
+            bad = ~(iv.magnitude(value) <= SINGLE.largest * _LARGE)
             where = node.args[1] if node.op is Op.DIV else i
             first = np.where((first < 0) & bad, where, first)
     return [int(i) for i in first]
 
 
-def _value(node: Node, values: Sequence[Interval], form: Format, count: int) -> Interval:
+def _value(node: Node, values: Sequence[Interval], count: int) -> Interval:
     if node.value is not None:
-        lo, hi, _, _ = constant(node.value, form.name)
+        lo, hi, _, _ = constant(node.value)
         return np.full(count, lo), np.full(count, hi)
     op, args = node.meaning
     assert op.interval is not None
     value = op.interval(*(values[k] for k in args))
-    return _widened(value, form) if op.rounds else value
+    return _widened(value) if op.rounds else value
 
 
-def _quotient(nodes: Sequence[Node], values: Sequence[Interval], node: Node, form: Format) -> Interval:
+def _quotient(nodes: Sequence[Node], values: Sequence[Interval], node: Node) -> Interval:
     """A quotient; of a divisor that is one of two values, both quotients: an analyser may keep branches apart."""
     a, b = node.args
     guard = nodes[b]
@@ -107,15 +105,15 @@ def _quotient(nodes: Sequence[Node], values: Sequence[Interval], node: Node, for
         divisor, least = (values[k] for k in guard.args)
         first = iv.quotient(values[a], iv.larger(iv.absolute(divisor), least))
         zero = np.zeros(len(divisor[0])), np.zeros(len(divisor[0]))
-        return _widened(iv.chosen(divisor, zero, iv.negative(first), first), form)
+        return _widened(iv.chosen(divisor, zero, iv.negative(first), first))
     if guard.op is not Op.SELECT:
-        return _widened(iv.quotient(values[a], values[b]), form)
+        return _widened(iv.quotient(values[a], values[b]))
     small, large, x, y = (values[k] for k in guard.args)
     first, second = (iv.quotient(values[a], branch) for branch in (x, y))
-    return _widened(iv.chosen(small, large, first, second), form)
+    return _widened(iv.chosen(small, large, first, second))
 
 
-def _widened(value: Interval, form: Format) -> Interval:
+def _widened(value: Interval) -> Interval:
     """As floats: each end moves by its own rounding, so that what is positive stays so."""
-    low, high = (np.abs(end) * (_MARGIN - 1) + form.tiny for end in value)
+    low, high = (np.abs(end) * (_MARGIN - 1) + SINGLE.tiny for end in value)
     return value[0] - low, value[1] + high

@@ -65,16 +65,11 @@ class Bounds(NamedTuple):
     ``missing``: limits that the robot file must have; ``assumed``: ranges of inputs that it does not limit.
     """
 
-    scalar: str
     library: Library
     missing: tuple[str, ...]
     declared: dict[str, Range]
     assumed: dict[str, Range]
     functions: tuple[FunctionBound, ...]
-
-    @property
-    def proved(self) -> bool:
-        return not self.missing and all(f.proved or f.unknown for f in self.functions)
 
     @property
     def steers(self) -> bool:
@@ -87,7 +82,7 @@ def bounds(robot: Robot, module: Module, library: Library) -> Bounds:
     where = domain(robot)
     missing = where.missing()
     if missing:
-        return Bounds("float", library, missing, where.declared, {}, ())
+        return Bounds(library, missing, where.declared, {}, ())
     proved: list[FunctionBound] = []
     assumed: dict[str, Range] = {}
     printed = functions(module)
@@ -96,7 +91,7 @@ def bounds(robot: Robot, module: Module, library: Library) -> Bounds:
         bound = _function(function, where, outcomes)
         proved.append(bound)
         assumed |= {name: r for name, r in bound.inputs.items() if name not in where.declared}
-    return Bounds("float", library, (), where.declared, assumed, tuple(proved))
+    return Bounds(library, (), where.declared, assumed, tuple(proved))
 
 
 def functions(module: Module) -> list[Function]:
@@ -160,7 +155,7 @@ def _up(value: float, sign: int = 1) -> float:
 def data(result: Bounds) -> dict[str, Any]:
     """The bounds as plain data: what model.json and `wmrgen prove --json` hold."""
     return {
-        "scalar": result.scalar,
+        "scalar": "float",
         "library": {"name": result.library.name, **result.library.table()},
         "limits": {name: list(r) for name, r in result.declared.items()},
         "assumed": {name: list(r) for name, r in result.assumed.items()},

@@ -138,7 +138,7 @@ class Walk:
 
     def constant(self, value: Exact) -> tuple[float, float, float, bool]:
         """See `wmrgen.bounds.assumptions.constant`."""
-        return constant(value, self.form.name)
+        return constant(value)
 
     def decided(self, k: int) -> Array:
         """How far node ``k`` may be off where the float program decides by it."""

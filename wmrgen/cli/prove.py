@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import wmrgen
 from wmrgen import compiler
 from wmrgen.backends.c99.driver import alarms, command, harness
-from wmrgen.bounds.assumptions import SINGLE, wanted
+from wmrgen.bounds.assumptions import wanted
 from wmrgen.bounds.partition import cases
 from wmrgen.bounds.robot import (
     SINGULAR,
@@ -75,7 +75,7 @@ def eva(
 
     def alarms_of(of: Sequence[Function], finer: int) -> tuple[str, ...]:
         """Alarms of some functions. Smaller parts help only with sines that are known on them."""
-        parts = {f.name: cases(f, ranges[f.name], SINGLE, finer) for f in of}
+        parts = {f.name: cases(f, ranges[f.name], finer) for f in of}
         files = harness(derivation.c_module, parts, waves=finer > 0)
         count = sum(map(len, parts.values()))
         what = f"{of[0].name}, {count} part{'s' * (count > 1)}" if len(of) == 1 else "all functions"

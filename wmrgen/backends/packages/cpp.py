@@ -102,13 +102,11 @@ class Call(NamedTuple):
 
 
 class Loop(NamedTuple):
-    """``prepare`` once, then ``sense`` and ``act`` in every step. ``command``: of the twist that is driven;
-    ``covariance``: the pose has one."""
+    """``prepare`` once, then ``sense`` and ``act`` in every step. ``covariance``: the pose has one."""
 
     prepare: tuple[Call, ...]
     sense: tuple[Call, ...]
     act: tuple[Call, ...]
-    command: str
     covariance: bool
 
     @property
@@ -145,11 +143,9 @@ def loop(module: Module, scalar: str, covariances: bool = True) -> Loop:
         )
 
     stages = stages_of(module, functions.keys() - set(_COMPARE), covariances)
-    called = {stage.function for stage in (*stages.senses, *stages.acts)}
     return Loop(
         tuple(call(name, arguments, {}) for name, arguments in preparing(module).items()),
         calls(stages.senses),
         calls(stages.acts),
-        "driven" if "limit_acceleration" in called else "wanted",
-        "odometry_covariance" in called,
+        any(stage.function == "odometry_covariance" for stage in stages.senses),
     )

@@ -46,15 +46,13 @@ PARTS = (
 
 
 def test_packages_arguments_macros_and_yaml(wmrgen_cli: Cli, tmp_path: Path, package: Path) -> None:
-    """In a file that is called .urdf; an empty package that is only named in a path may be no folder."""
+    """In a file that is called .urdf; a package of which no file is read need not be known."""
     path = write(tmp_path, *PARTS, "<gazebo><p>$(find other)/x.yaml</p></gazebo>")
     words = (
         "import",
         path,
         "--package",
         f"parts={package}",
-        "--package",
-        f"other={tmp_path}/none",
         "ahead:=0.07",
     )
     done = wmrgen_cli(*words, "--json")
@@ -121,7 +119,9 @@ MACRO = '<xacro:macro name="m" params="a">\n<link name="${a}"/>\n<xacro:if value
         (MACRO + '<xacro:m a="x"/>', "which is not a boolean", "<xacro:if"),
         (MACRO.replace("${a}", "${b}", 1) + '<xacro:m a="1"/>', "name 'b' is not defined", "<link"),
         ('<xacro:include filename="no.xacro"/>', "it includes 'no.xacro', which is not there", "<xacro:include"),
-        ('<link name="$(find none)"/>', "Give --package none=DIR", "<link"),
+        ('<xacro:include filename="$(find none)/x"/>', "Give --package none=DIR", "<xacro:include"),
+        ('<link name="${xacro.load_yaml(\'$(find none)/x\')}"/>', "Give --package none=DIR", "<link"),
+        ('<xacro:include filename="$(find none)/*"/>', "Give --package none=DIR", "<xacro:include"),
         ('<xacro:arg name="a"/> <!-- a -- b -->', "not XML", " b -->"),
     ],
 )  # fmt: skip

@@ -26,6 +26,7 @@ from wmrgen.spec.text import printable, quoted, read_at_most
 
 _UNPREFIXED = ("property", "macro", "include", "arg")
 _MOST_MISSING, _YAML_BYTES = 20, 1 << 16
+_UNKNOWN = "/package that is not known"  # the folder of those; what is only named need not be there
 _PLACE = "wmrgen.place"  # an attribute: by which its place is remembered
 
 
@@ -179,9 +180,7 @@ def _with_folders(value: str, packages: Mapping[str, Path]) -> str:
 
 
 def _package(name: str, packages: Mapping[str, Path]) -> str:
-    if name not in packages:
-        raise refuse(f"the package {quoted(name)} is not known", "", f"Give --package {printable(name)}=DIR.")
-    return str(packages[name].resolve())
+    return str(packages[name].resolve()) if name in packages else f"{_UNKNOWN}/{name}"
 
 
 @contextlib.contextmanager
@@ -265,6 +264,9 @@ def _globbed(pattern: str, roots: list[Path]) -> list[str]:
 
 def _inside(path: Path, roots: list[Path]) -> Path:
     """A path resolved, below one of ``roots``."""
+    if path.is_relative_to(_UNKNOWN):
+        name = str(path.relative_to(_UNKNOWN)).partition("/")[0]
+        raise refuse(f"the package {quoted(name)} is not known", "", f"Give --package {printable(name)}=DIR.")
     where = path.resolve()
     if not any(where.is_relative_to(root) for root in roots):
         why = "outside the packages given (--package NAME=DIR)"

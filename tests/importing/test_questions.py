@@ -96,6 +96,7 @@ def modules(places: dict[str, str], **radii: str) -> str:
         ({"fl": "-0.03 0 0", "fr": "-0.03 0 0"}, {}, []),
         ({}, {"fr": "0.105"}, [("fr", "r")]),
         ({}, {"fl": "0.12", "fr": "0.12"}, []),
+        ({"fl": "0.03 0 0"}, {"fr": "0.105"}, [("fl", "type"), ("fr", "r")]),
     ],
 )  # fmt: skip
 def test_one_wheel_that_differs_from_all_others_of_its_kind_is_asked_about(

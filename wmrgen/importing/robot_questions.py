@@ -118,17 +118,16 @@ def articulated(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]
 
 
 def odd_one_asked(wheels: Sequence[Wheel]) -> list[Question]:
-    """One of four or more wheels that are driven alike differs from all others, which are alike in all of that: in its
-    radius, or how far its contact lies off the steering axis."""
+    """One of four or more wheels that are driven alike differs from all others, which are alike: in its radius, or how
+    far its contact lies off the steering axis."""
     questions = []
     for w in wheels:
         others = [other for other in wheels if other is not w and _driven_alike(w, other)]
         keys = ("d", "offset_y", "r")[: 3 if all(each.r for each in (w, *others)) else 2]
-        lengths = {key: [abs(getattr(each, key) or Fraction(0)) for each in (w, *others)] for key in keys}
-        if len(others) < 3 or any(max(rest) - min(rest) >= _EVENLY for _, *rest in lengths.values()):
-            continue
-        for key, (own, *rest) in lengths.items():
-            if min(abs(own - other) for other in rest) > (own / 50 if key == "r" else _CAD):
+        for key in keys if len(others) > 2 else ():
+            own, *rest = (abs(getattr(each, key) or Fraction(0)) for each in (w, *others))
+            off = min(abs(own - other) for other in rest)
+            if off > (own / 50 if key == "r" else _CAD) and max(rest) - min(rest) < _EVENLY:
                 text = f"its {key} is {float(own):.6g}, that of the {len(rest)} others {float(rest[0]):.6g}"
                 asked = "type" if key == "d" else key
                 hints = (f"{_shown(w, key)} as in the file", f"{_shown(others[0], key)} as the others")

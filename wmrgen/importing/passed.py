@@ -68,10 +68,8 @@ def off_the_ground(c: Candidate, wheels: Sequence[Candidate]) -> str:
 def no_wheel(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> Passed | None:
     """What turns as a wheel does, or is fixed, and is none wherever the ground is; None for what may be one.
     ``turning``: all that turns so."""
-    leaders = {joint.mimic[0] for joint in robot.description.joints if joint.mimic}
     roles = robot.roles(c.joint.child)
-    touching = any("collision" in robot.roles(w.joint.child) for w in turning)
-    if roles == {"visual"} and touching and leaders & {c.joint.name, c.steer.name if c.steer else ""}:
+    if roles == {"visual"} and any("collision" in robot.roles(w.joint.child) for w in _followers(c, turning)):
         return Passed(c.joint, "it is drawn, touches nothing, and others mimic it")
     if why := _limb(robot, c):
         return Passed(c.joint, why, limb=True)
@@ -81,6 +79,12 @@ def no_wheel(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> Passed
             why = f"it is not drawn and stands in the middle between {_named(ends)}, which touch nothing: a simulator's"
             return Passed(c.joint, why)
     return _gear(robot, c, turning) if c.joint.moves else None
+
+
+def _followers(c: Candidate, turning: Sequence[Candidate]) -> list[Candidate]:
+    """The wheels that turn or steer by mimicking the joints of another."""
+    own = {c.joint.name, c.steer.name if c.steer else ""}
+    return [w for w in turning if any(j and j.mimic and j.mimic[0] in own for j in (w.joint, w.steer))]
 
 
 def _gear(robot: Robot, c: Candidate, turning: Sequence[Candidate]) -> Passed | None:

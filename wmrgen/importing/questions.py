@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from wmrgen.importing.frames import across, dot, plus
-from wmrgen.importing.records import Question, Vector, Wheel
+from wmrgen.importing.records import DIGITS, Question, Vector, Wheel
 from wmrgen.importing.view import Candidate, Mesh, Robot
 from wmrgen.spec.text import quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED
@@ -187,7 +187,7 @@ def planes_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate
         key, at, share = "xy"[axis], float(c.centre[axis]), float(c.axis[axis])
         if w.offset_y is not None:
             key, at, share = "offset_y", float(w.offset_y), 1.0
-        hints = (f"{at + share * shift:.6g} at the {words}" for words, shift in shifts.items())
+        hints = (f"{round(at + share * shift, DIGITS):.6g} at the {words}" for words, shift in shifts.items())
         yield Question(w.name, key, text, (f"{at:.6g} at the joint", *hints))
 
 

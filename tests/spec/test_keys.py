@@ -23,11 +23,11 @@ from wmrgen.errors import Code, Mark, RobotFileError
 from wmrgen.functions.control.gains import TEXTBOOK
 from wmrgen.functions.registry import check, optional_names
 from wmrgen.layout import build
-from wmrgen.spec.expressions import parse_value
 from wmrgen.spec.fields import Amount, Field
 from wmrgen.spec.keys import ROBOT, SECTIONS, WHEEL
 from wmrgen.spec.numbers import Kind, spellings_of
 from wmrgen.spec.part_keys import GAINS, VIRTUAL
+from wmrgen.spec.quantities import parse_value
 from wmrgen.spec.reference import example, mistake, reference
 from wmrgen.spec.schema import MODELINE, SCHEMA_FILE, json_schema
 from wmrgen.spec.text import Scalar

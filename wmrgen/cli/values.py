@@ -14,8 +14,8 @@ from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError, UsageError
 from wmrgen.exact.number import Exact
 from wmrgen.layout.expressions import evaluate
 from wmrgen.ports import Port
-from wmrgen.spec.expressions import read_quantity
 from wmrgen.spec.numbers import Kind, Scope
+from wmrgen.spec.quantities import read_quantity
 from wmrgen.spec.text import Scalar, bytes_of, quoted, read_stream, suggestion
 
 if TYPE_CHECKING:

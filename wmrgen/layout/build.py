@@ -38,6 +38,8 @@ from wmrgen.layout.records import (
 )
 from wmrgen.layout.skid import effective_track
 from wmrgen.spec.records import (
+    Neg,
+    Num,
     ParameterSpec,
     Quantity,
     RobotSpec,
@@ -220,7 +222,8 @@ def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
     what = f"the {kind.name} wheel {w.name}".rstrip()
     with several:
         if w.r is not None and "r" in kind.required and g.r.sign <= 0:
-            raise RobotFileError(f"{what} has r = {w.r.text}, which is not positive", w.r.mark, "",
+            said = w.r.text if isinstance(w.r.expr, Num | Neg) else f"{w.r.text} = {float(g.r):g}"
+            raise RobotFileError(f"{what} has r = {said}, which is not positive", w.r.mark, "",
                                  "Write r in metres, the radius and not the diameter, larger than 0.")  # fmt: skip
     with several:
         if w.d is not None and kind.swivels and not g.d:

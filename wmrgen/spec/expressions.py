@@ -18,16 +18,10 @@ from wmrgen.spec.names import parameter_name
 from wmrgen.spec.numbers import (
     NUMBER,
     UNITS,
-    Kind,
-    Scope,
-    facts_of,
     number,
-    plain_number,
-    refuse_lookalikes,
-    units_of,
 )
-from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi, Quantity
-from wmrgen.spec.text import Node, Scalar, nearest, quoted, scalar_of, suggestion
+from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi
+from wmrgen.spec.text import Scalar, nearest, quoted, suggestion
 
 MAX_CHARACTERS = 200
 MAX_NODES = 128
@@ -111,6 +105,8 @@ class _Parser:
             "'": "Write ft for feet.",
             "±": _BOTH,
             "=": "Comparisons and assignments have no meaning here.",
+            "√": "Write sqrt(…).",
+            ";": "Delete it.",
             **dict.fromkeys("−–—", "Write the hyphen-minus '-' of the keyboard."),
             **dict.fromkeys("·×", "Write *."),
             "\n": "Keep the expression on one line.",
@@ -256,43 +252,3 @@ class _Parser:
             what = f"{name} takes {ARITY[name]} argument{'s' * (ARITY[name] > 1)}, not {len(args)}"
             raise self._error(what, "", f"Write {form}.", self._offset(node.col_offset))
         return Call(name, tuple(self._convert(a) for a in args))
-
-
-def parse_value(node: Scalar, names: Collection[str], kind: Kind, what: str) -> tuple[Expr, bool]:
-    """The tree of a value and whether it was written with a unit."""
-    refuse_lookalikes(node)
-    plain = plain_number(node)
-    if plain is None:
-        return parse_expression(node, names), False
-    value, unit = plain
-    if unit is None:
-        return Num(value), False
-    if kind not in (unit.kind, Kind.ANY):
-        wrong = f"{what} is {_article(kind)}, and {quoted(node.text.strip())} is {_article(unit.kind)}"
-        raise node.error(wrong, "", f"Use one of {' '.join(units_of(kind))}.")
-    scaled = Num(value * unit.factor)
-    return Binary("*", scaled, Pi()) if unit.pi else scaled, True
-
-
-def _article(kind: Kind) -> str:
-    return f"an {kind}" if kind[0] == "a" else f"a {kind}"
-
-
-def _degrees(expr: Expr) -> Expr:
-    """A tree that is degrees as a tree that is radians."""
-    match expr:
-        case Num(value):
-            return Binary("*", Num(value / 180), Pi())
-        case Neg(Num(value)):
-            return Binary("*", Num(-value / 180), Pi())
-    return Binary("*", Binary("*", expr, Num(Fraction(1, 180))), Pi())
-
-
-def read_quantity(node: Node, kind: Kind, what: str, scope: Scope) -> Quantity:
-    """A quantity in SI units and radians; ``what`` names it in messages."""
-    scalar = scalar_of(node, what)
-    expr, has_unit = parse_value(scalar, scope.facts, kind, what)
-    facts = facts_of(expr, has_unit, scope, scalar, kind is Kind.ANGLE)
-    if kind is Kind.ANGLE and scope.degrees and not facts.in_radians:
-        expr = _degrees(expr)
-    return Quantity(expr, scalar.text.strip(), scalar.mark)

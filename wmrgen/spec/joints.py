@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 from wmrgen.errors import Several
-from wmrgen.spec.expressions import read_quantity
 from wmrgen.spec.fields import Interval, Section
 from wmrgen.spec.numbers import Scope
 from wmrgen.spec.part_keys import LIMITS
+from wmrgen.spec.quantities import read_quantity
 from wmrgen.spec.records import EncoderSpec, Limit, Neg, NoiseSpec, Quantity
 from wmrgen.spec.tables import Table, table_of
 from wmrgen.spec.text import SequenceNode

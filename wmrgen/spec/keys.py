@@ -130,7 +130,9 @@ WHEEL = Section(
         ),
         Field(
             "actuated", _JOINTS, "joints that are driven", default="those of the wheel type",
-            aliases=dict.fromkeys(("powered", "driven", "drive", "motor"), "Write actuated: [spin], or actuated: []."),
+            aliases=dict.fromkeys(
+                ("powered", "driven", "drive", "motor", "passive"), "Write actuated: [spin], or actuated: []."
+            ),
         ),
         Field("sensed", _JOINTS, "joints that are measured", default="those that are driven"),
         Field(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 
 from wmrgen.backends.registry import why_reserved
 from wmrgen.backends.words import AVR_MACROS
@@ -116,6 +117,7 @@ def _free(name: str) -> str:
 
 def _repaired(name: str, what: str) -> str:
     """A valid name near ``name``, or nothing."""
+    name = re.sub("[Α-Ωα-ω]", lambda letter: unicodedata.name(letter[0]).split()[3].lower(), name)
     near = re.sub(r"[^A-Za-z0-9]+", "_", latin(name)).strip("_")[:MAX_NAME].rstrip("_")
     return near if re.fullmatch(NAME_PATTERN, near) and not _refusal(near, what) else ""
 

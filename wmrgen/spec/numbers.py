@@ -7,15 +7,15 @@ are found by walking them; no value is ever computed here.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
 from math import ceil
 from typing import NamedTuple
 
-from wmrgen.errors import Code, RobotFileError
-from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi
+from wmrgen.errors import Code
+from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi, children, parameters_in
 from wmrgen.spec.text import Scalar, quoted, suggestion
 
 NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -83,6 +83,8 @@ _ALIASES = {
     **dict.fromkeys(("radian", "radians", "rads"), "Write rad for radians."),
     **dict.fromkeys(("meter", "meters", "metre", "metres"), "Write m for metres."),
     **dict.fromkeys(("foot", "feet"), "Write ft for feet."),
+    **dict.fromkeys(("rev/s", "rps", "hz", "turns/s"), "Write rpm: 60 of them are a turn a second."),
+    **dict.fromkeys(("rev/min", "r/min"), "Write rpm."),
 }
 
 
@@ -139,30 +141,27 @@ def refuse_lookalikes(node: Scalar) -> None:
             raise node.error(f"{quoted(text)} {what}", "", instead)
 
 
-def plain_number(node: Scalar) -> tuple[Fraction, Unit | None] | None:
-    """The value and unit of a node that is a number or a number with a unit; None for anything else."""
+def plain_number(
+    node: Scalar, names: Collection[str] = (), kind: Kind = Kind.ANY
+) -> tuple[Fraction, Unit | None] | None:
+    """The value and unit of a node that is a number or a number with a unit; None for anything else, such as a number
+    before one of the ``names``."""
     text = node.text.strip()
     if _SIGNED.fullmatch(text):
         return number(text, node), None
     match = _WITH_UNIT.fullmatch(text)
-    if not match or match[2] in ("pi", "π"):
+    if not match:
         return None
     digits, name = match.groups()
     unit = UNITS.get(_SPELLINGS.get(name, name))
-    if not unit:
-        raise _unknown_unit(node, digits, name)
-    return number(digits, node), unit
-
-
-def _unknown_unit(node: Scalar, digits: str, name: str) -> RobotFileError:
-    hint = suggestion(name, UNITS, _ALIASES)
-    product = (
-        f" For a product write {digits}*{name}." if name.isidentifier() and hint.startswith("Valid") else ""
-    )
-    return node.error(
+    if unit:
+        return number(digits, node), unit
+    if name.partition("/")[0] in ("pi", "π", *names):
+        return None
+    raise node.error(
         f"{quoted(name)} is not a unit",
         "After a number stands a unit or an operator.",
-        hint + product,
+        suggestion(name, units_of(kind), _ALIASES),
         node.text.index(name, node.text.index(digits) + len(digits)),
     )
 
@@ -180,13 +179,15 @@ class Facts:
     """What is known of a tree without computing it.
 
     ``bits`` bounds the exact result, ``terms`` its expanded sum, ``spread`` the addition theorems that its
-    sine takes; ``in_radians``: an angle as it stands.
+    sine takes; ``in_radians``: an angle as it stands. ``kinds``: what it measures by units, and the parameter
+    that has the unit.
     """
 
     bits: int
     terms: int
     spread: int
     in_radians: bool
+    kinds: Mapping[Kind, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,24 +196,6 @@ class Scope:
 
     degrees: bool = False
     facts: Mapping[str, Facts | None] = field(default_factory=dict)
-
-
-def children(expr: Expr) -> tuple[Expr, ...]:
-    match expr:
-        case Neg(arg):
-            return (arg,)
-        case Binary(_, left, right):
-            return (left, right)
-        case Call(_, args):
-            return args
-    return ()
-
-
-def parameters_in(expr: Expr) -> set[str]:
-    """Names of the parameters that occur in the tree."""
-    if isinstance(expr, Param):
-        return {expr.name}
-    return set().union(*(parameters_in(child) for child in children(expr)))
 
 
 def _facts(expr: Expr, declared: Mapping[str, Facts]) -> Facts:
@@ -256,8 +239,21 @@ def _spread_of_product(factors: tuple[Expr, Expr], facts: list[Facts]) -> int:
     return (a + b) * max(1, times)
 
 
-def facts_of(expr: Expr, has_unit: bool, scope: Scope, node: Scalar, angle: bool = False) -> Facts:
-    """The facts of a tree.
+def _kinds(expr: Expr, declared: Mapping[str, Facts]) -> dict[Kind, str]:
+    """What parameters with a unit measure that are terms of a sum. Of a product it is not known: its numbers may have
+    any unit."""
+    match expr:
+        case Param(name):
+            return dict.fromkeys(declared[name].kinds, name)
+        case Neg(arg):
+            return _kinds(arg, declared)
+        case Binary("+" | "-", left, right):
+            return _kinds(left, declared) | _kinds(right, declared)
+    return {}
+
+
+def facts_of(expr: Expr, unit: Kind | None, scope: Scope, node: Scalar, angle: bool = False) -> Facts:
+    """The facts of a tree; ``unit``: what that measures which is written behind it.
 
     RobotFileError when its exact value would be too large to handle, or when it takes the cosine of what may be
     degrees or radians.
@@ -281,7 +277,8 @@ def facts_of(expr: Expr, has_unit: bool, scope: Scope, node: Scalar, angle: bool
         )
     if scope.degrees:
         _refuse_bare_trigonometry(expr, declared, node)
-    return replace(facts, in_radians=has_unit or facts.in_radians)
+    kinds = {unit: ""} if unit else _kinds(expr, declared)
+    return replace(facts, in_radians=bool(unit) or facts.in_radians, kinds=kinds)
 
 
 def _refuse_bare_trigonometry(expr: Expr, declared: Mapping[str, Facts], node: Scalar) -> None:

@@ -8,13 +8,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from wmrgen.errors import RobotFileError, Several
-from wmrgen.spec.expressions import parse_value
 from wmrgen.spec.fields import Mapped
 from wmrgen.spec.keys import PARAMETER, ROBOT
 from wmrgen.spec.names import Names, parameter_name, wheel_name
-from wmrgen.spec.numbers import Facts, Kind, Scope, facts_of, parameters_in
+from wmrgen.spec.numbers import Facts, Kind, Scope, facts_of
 from wmrgen.spec.part_keys import CG, GAINS, TRAILER, VIRTUAL
-from wmrgen.spec.records import ParameterSpec, PointSpec, Quantity, TrailerSpec, VirtualSpec
+from wmrgen.spec.quantities import parse_value
+from wmrgen.spec.records import ParameterSpec, PointSpec, Quantity, TrailerSpec, VirtualSpec, parameters_in
 from wmrgen.spec.tables import Table, mapping_of, read_number, severed, table_of
 from wmrgen.spec.text import MappingNode, Node, Scalar, quoted, scalar_of
 from wmrgen.spec.wheels import wheel_called
@@ -169,8 +169,8 @@ def read_parameters(
         order = _dependency_order({name: parameters_in(tree) for name, (tree, _) in trees.items()}, nodes)
     for name in order:
         with several:
-            expr, has_unit = trees[name]
-            facts[name] = facts_of(expr, has_unit, scope, nodes[name])
+            expr, unit = trees[name]
+            facts[name] = facts_of(expr, unit, scope, nodes[name])
             quantity = Quantity(expr, nodes[name].text.strip(), nodes[name].mark)
             parameters.append(ParameterSpec(name, quantity, tunable[name]))
     return tuple(parameters), scope

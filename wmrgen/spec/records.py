@@ -59,6 +59,25 @@ class Call:
 Expr = Num | Pi | Param | Binary | Neg | Call
 
 
+def children(expr: Expr) -> tuple[Expr, ...]:
+    """The trees of which a tree is made."""
+    match expr:
+        case Neg(arg):
+            return (arg,)
+        case Binary(_, left, right):
+            return (left, right)
+        case Call(_, args):
+            return args
+    return ()
+
+
+def parameters_in(expr: Expr) -> set[str]:
+    """Names of the parameters that occur in the tree."""
+    if isinstance(expr, Param):
+        return {expr.name}
+    return set().union(*(parameters_in(child) for child in children(expr)))
+
+
 @dataclass(frozen=True, slots=True)
 class Quantity:
     """A length [m], angle [rad] or rate as written: tree, source text and place."""

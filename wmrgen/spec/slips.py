@@ -157,7 +157,8 @@ def _surplus(t: _Trouble) -> _Mistake | None:
 
 
 def _dash_without_space(t: _Trouble) -> _Mistake | None:
-    return t.no_colon(t.at) if re.match(r"-[^ -]", t.rest) and not t.before.strip() else None
+    dash = re.match(r" *(?=-[^ -])", t.line.text)
+    return t.no_colon(t.at._replace(column=dash.end())) if dash else None
 
 
 def _slashes(t: _Trouble) -> _Mistake | None:
@@ -243,6 +244,7 @@ def _not_yaml(t: _Trouble) -> _Mistake:
 # A part of what PyYAML says, and the mistakes that it may be, in order.
 _RULES: tuple[tuple[str, _Rule], ...] = (
     ("expected ':'", _key_alone),
+    ("mapping values are not allowed", _dash_without_space),
     ("mapping values are not allowed", _misindented),
     ("mapping values are not allowed", _colon_in_a_text),
     ("mapping values are not allowed", _said(*_SECOND)),

@@ -8,10 +8,10 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 
 from wmrgen.errors import Code, Mark, RobotFileError, Several
-from wmrgen.spec.expressions import read_quantity
 from wmrgen.spec.fields import Amount, Choice, Field, ListOf, OneOf, Section, Word
 from wmrgen.spec.keys import ROBOT, WHEEL
 from wmrgen.spec.numbers import Kind, Scope, plain_number
+from wmrgen.spec.quantities import read_quantity
 from wmrgen.spec.records import Quantity
 from wmrgen.spec.text import (
     MappingNode,
@@ -26,6 +26,7 @@ from wmrgen.spec.text import (
     suggestion,
 )
 
+_NONE = ("none", "no", "false", "off")
 _YES_AND_NO = {
     **dict.fromkeys(("yes", "y", "on", "1"), "Write true."),
     **dict.fromkeys(("no", "n", "off", "0"), "Write false."),
@@ -96,7 +97,9 @@ class Table:
             item = value.item.example if isinstance(value.item, Section) else ""
             example = f"and a line for each, as - {item}" if item else value.example
             said = node.text if isinstance(node, Scalar) and isinstance(value.item, OneOf) else ""
-            if re.fullmatch(r"[A-Za-z][\w.]*( *, *[A-Za-z][\w.]*)*", said):
+            if said.lower() in _NONE:
+                example = "[]"
+            elif said.lower() != "true" and re.fullmatch(r"[A-Za-z][\w.]*( *, *[A-Za-z][\w.]*)*", said):
                 example = f"[{said}]"
             raise node.error(f"{key} must be a list, not {kind_of(node)}", "", f"Write {key}: {example}.")
         n = len(node.items)
@@ -235,7 +238,7 @@ def severed(key: Scalar, value: Node) -> tuple[str, str] | None:
     """Why, and what to write, where a key is what stood behind the comma of a value."""
     if not isinstance(value, Scalar) or value.text or not key.plain:
         return None
-    if re.fullmatch(r"[0-9]+", key.text):
+    if re.fullmatch(r"[0-9]+( [a-z/]+)?", key.text):
         return "Commas separate entries.", "Write a decimal point."
     if key.text.count(")") > key.text.count("("):
         why = "Inside { } a comma ends the value, also within parentheses."

@@ -225,7 +225,7 @@ def test_a_family(family: str, tmp_path: Path) -> None:
         assert shown in (float(setting.value), 2 * float(setting.value))
 
 
-def test_signs_and_places_of_modules(tmp_path: Path) -> None:
+def test_places_of_modules_and_signs_of_motors_which_are_not_read(tmp_path: Path) -> None:
     path = tmp_path / "parameters.yaml"
     path.write_text(
         """
@@ -239,19 +239,15 @@ driver:
   ros__parameters:
     wheel_track: 0.5
     joint_names: [a, b]
-    joint_directions: [1, -1]
+    joint_directions: [forward, -1]
 """,
         encoding="utf-8",
     )
     modules, driver = read_controllers(path)
-    assert {joint: int(s.value) for joint, s in modules.signs.items()} == {
-        "wheel_back_left": -1,
-        "caster_back_left": 1,
-    }
     (joint, (x, y)), *others = modules.places.items()
     assert (joint, float(x.value), y.value, others) == ("caster_back_left", -0.24, 0, [])
     assert modules.lengths["offset"].value * 1000 == 45
-    assert {joint: int(s.value) for joint, s in driver.signs.items()} == {"a": 1, "b": -1}
+    assert [joint.joint for joint in driver.joints] == ["a", "b"]
 
 
 def test_arguments_stand_for_themselves_and_what_is_not_given_is_not_said(tmp_path: Path) -> None:

@@ -61,7 +61,6 @@ _KINDS = (  # the first whose pattern occurs in a type
 _NAMES = re.compile(r"(names?|joints?|wheels?|steer|drive|steering|axle)$")
 _NO_NAMES = re.compile(r"topic|frame|interface|sensor|broadcaster|states?_|plugin")
 _ROLLS, _STEERS = re.compile("traction|drive|command"), re.compile("steer|axle_joint|pivot")
-_SIGN = re.compile(r"(rot_sign|directions?|signs?)$")
 _PLACE = re.compile(r"(?:center_pos_|pos_|position_)?([xy])$")
 _SUBSTITUTION = re.compile(r"\$\(arg ([^()\s]+)\)|\$[({][^(){}]*[)}]")
 _JOINT = re.compile(r"(?=[^A-Za-z]*[A-Za-z])[\w./ -]{1,200}")
@@ -211,14 +210,14 @@ def _length(leaf: _Leaf) -> tuple[str, str, Fraction, bool] | None:
     return None
 
 
-def _number(leaf: _Leaf, index: int = 0, factor: Fraction = Fraction(1)) -> Setting | None:
+def _number(leaf: _Leaf, factor: Fraction = Fraction(1)) -> Setting | None:
     """A value; None of what is not there or null, of an argument that nobody gave, and of 0, which stands for what is
     read elsewhere; in XML, where others read it otherwise, of what is no number."""
-    text = leaf.texts[index] if index < len(leaf.texts) else "$"
+    text = leaf.texts[0] if leaf.texts else "$"
     if "$" in text or text in _NOTHING:
         return None
     size = abs(float(text)) if len(text) <= 40 and re.fullmatch(f"[+-]?{NUMBER}", text) else -1.0
-    key, mark = ".".join(leaf.path), leaf.marks[index]
+    key, mark = ".".join(leaf.path), leaf.marks[0]
     if size != 0 and not 1e-9 < size < 1e9:
         if leaf.xml:
             return None
@@ -231,7 +230,7 @@ def _controller(name: str, type_: str, leaves: Sequence[_Leaf]) -> Controller:
     multipliers: dict[str, Setting] = {}
     for leaf in leaves:
         told = _length(leaf)
-        setting = _number(leaf, 0, told[2]) if told else None
+        setting = _number(leaf, told[2]) if told else None
         if told and setting:
             (multipliers if told[3] else lengths).setdefault(told[1], setting)
     joints: dict[str, Named] = {}
@@ -240,8 +239,7 @@ def _controller(name: str, type_: str, leaves: Sequence[_Leaf]) -> Controller:
     kind = _kind(type_) or _kind(name) or _kind_of(lengths, joints.values())
     if kind != "omni" and "radius" not in lengths:
         lengths.pop("ring", None)  # of a footprint
-    signs, places = dict(_signs(leaves)), dict(_places(leaves))
-    return Controller(name, kind, type_, lengths, multipliers, tuple(joints.values()), signs, places)
+    return Controller(name, kind, type_, lengths, multipliers, tuple(joints.values()), dict(_places(leaves)))
 
 
 def _kind_of(lengths: Mapping[str, Setting], joints: Iterable[Named]) -> str:
@@ -266,14 +264,6 @@ def _joints_of(leaf: _Leaf, leaves: Sequence[_Leaf]) -> list[Named]:
     """The joints named beside a value, or one for each value of a list."""
     near = (list(_joints(other)) for other in leaves if other.path[:-1] == leaf.path[:-1])
     return next((joints for joints in near if joints and len(joints) == len(leaf.texts)), [])
-
-
-def _signs(leaves: Sequence[_Leaf]) -> Iterator[tuple[str, Setting]]:
-    for leaf in leaves:
-        for index, named in enumerate(_joints_of(leaf, leaves) if _SIGN.search(leaf.word) else ()):
-            setting = _number(leaf, index)
-            if setting and abs(setting.value) == 1:
-                yield named.joint, setting
 
 
 def _places(leaves: Sequence[_Leaf]) -> Iterator[tuple[str, tuple[Setting, Setting]]]:

@@ -197,7 +197,7 @@ class Controller:
 
     ``kind``: differential, mecanum, ackermann, bicycle, tricycle, omni, swerve, "" where the file does not say;
     ``type`` as written. ``lengths``: by the keys of `controllers.LENGTHS`, diameters halved; ``multipliers``, by the
-    same keys, are not applied. ``joints``: in the order of the file. ``signs``: joint -> 1, -1.
+    same keys, are not applied. ``joints``: in the order of the file.
     ``places``: joint or role -> x, y of its pivot. ``notes``: on how its file was read.
     """
 
@@ -207,6 +207,5 @@ class Controller:
     lengths: Mapping[str, Setting] = field(default_factory=dict)
     multipliers: Mapping[str, Setting] = field(default_factory=dict)
     joints: tuple[Named, ...] = ()
-    signs: Mapping[str, Setting] = field(default_factory=dict)
     places: Mapping[str, tuple[Setting, Setting]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()

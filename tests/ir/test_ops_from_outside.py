@@ -21,7 +21,6 @@ from wmrgen.backends import casadi, numpy, rust
 from wmrgen.backends.registry import Facts
 from wmrgen.backends.rust.emit import library
 from wmrgen.backends.rust.functions import unit
-from wmrgen.bounds.assumptions import SINGLE
 from wmrgen.bounds.partition import cases
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir import interval as iv
@@ -169,7 +168,7 @@ def test_it_is_bounded(excess: Op) -> None:
             worst[name] = max(worst[name], abs(single[name] - exact[name]))
     assert worst["u"] <= errors[0] <= 32 * worst["u"]
     assert worst["v"] <= errors[1] <= 32 * worst["v"]
-    assert cases(f, ranges, SINGLE) == [ranges]
+    assert cases(f, ranges) == [ranges]
 
 
 def test_self_tests_have_its_tolerances(excess: Op) -> None:

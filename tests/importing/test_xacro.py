@@ -47,7 +47,8 @@ PARTS = (
 
 def test_packages_arguments_macros_and_yaml(wmrgen_cli: Cli, tmp_path: Path, package: Path) -> None:
     """In a file that is called .urdf; a package of which no file is read need not be known."""
-    path = write(tmp_path, *PARTS, "<gazebo><p>$(find other)/x.yaml</p></gazebo>")
+    named = "<xacro:element xacro:name='gazebo'><p>$(find other)/x.yaml</p></xacro:element>"
+    path = write(tmp_path, *PARTS, named)
     words = (
         "import",
         path,

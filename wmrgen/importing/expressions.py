@@ -77,12 +77,12 @@ def offered(names: dict[str, Any]) -> dict[str, Any]:
 def counted(function: Callable[..., Any], count: itertools.count[int]) -> Callable[..., Any]:
     """A function of the package that is called a limited number of times, for values of limited size."""
 
-    def call(*args: Any) -> Any:
+    def call(*args: Any, **named: Any) -> Any:
         if next(count) > _STEPS:
             raise refuse(
                 f"more than {_STEPS} elements and texts", "", "Look for macros that call each other."
             )
-        return weighed(function(*args))
+        return weighed(function(*args, **named))
 
     return call
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -262,6 +263,33 @@ def test_two_controllers_without_a_robot(kind: str, s: float, tmp_path: Path) ->
         assert [abs(w.values["x"]) for w in standing(first).wheels] == pytest.approx([0.3] * 4)
     else:
         assert turn == pytest.approx(s, abs=1e-6)
+
+
+CAR = "drive: {type: ackermann_steering_controller/X, wheelbase: 1, traction_joints_names: [rear_left, rear_right]}"
+RING = "drive: {type: omni_wheel_drive_controller/OmniWheelDriveController, robot_radius: 0.2}"
+
+
+@pytest.mark.parametrize(
+    ("text", "robot", "backward"),
+    [
+        (CAR, car(1, 0.5, 0.5), ["rear_right"]),
+        (CAR.replace(", rear_right", ""), car(1, 0.5, 0.5), []),  # it may have no motor
+        (RING, ring((0.2, 0.2, 0.2)), ["w2"]),
+    ],
+)  # fmt: skip
+def test_a_joint_that_counts_backward_for_cars_and_rings(
+    tmp_path: Path, text: str, robot: Layout, backward: list[str]
+) -> None:
+    """The last wheel but those that steer is turned round."""
+    *_, last = (w for w in robot.wheels if w.type != "steered")
+    turned = replace(last, values={**last.values, "heading": last.of("heading") + math.pi})
+    wheels = tuple(turned if w is last else w for w in robot.wheels)
+    (tmp_path / "p.yaml").write_text(text, encoding="utf-8")
+    told = [
+        compare(replace(robot, wheels=own), *layouts(tmp_path / "p.yaml")) for own in (robot.wheels, wheels)
+    ]
+    signs = [[d.wheel for d in c.differences if d.code == "WMR045"] for c in told]
+    assert signs == [[], backward]
 
 
 def test_a_joint_that_counts_backward_for_a_controller_that_cannot_know(tmp_path: Path) -> None:

@@ -27,8 +27,10 @@ _FITS: dict[str, Callable[[list[WheelType]], bool]] = {
     "swerve": lambda kinds: any(k.turns for k in kinds),
 }
 _FITS |= dict.fromkeys(("ackermann", "bicycle", "tricycle"), _FITS["swerve"])
-# Types whose controllers take every joint to count forward.
+# Types whose controllers take every joint to count forward, every one that they name, or to turn the robot clockwise.
 _FORWARD = re.compile("(diff|mecanum|skid)_?(steer_?)?drive", re.IGNORECASE)
+_NAMED_FORWARD = re.compile("(ackermann|bicycle|tricycle)_?(steering|controller)", re.IGNORECASE)
+_CLOCKWISE = re.compile("omni_?wheel_?drive_?controller", re.IGNORECASE)
 # A robot of each kind: type and place of its wheels.
 _SHAPES: dict[str, dict[str, tuple[complex, ...]]] = {
     "differential": {FIXED.name: (1j, -1j)},
@@ -223,11 +225,18 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
         if "offset" in said and WHEEL_TYPES[w.type].steers:
             outward = w.of("offset_y") or values["y"] * math.cos(w.of("heading"))
             values["offset_y"] = math.copysign(said["offset"], outward)
-        if _FORWARD.search(c.type) and not WHEEL_TYPES[w.type].turns:
-            aligned = (along.conjugate() * cmath.rect(1, w.of("heading"))).real
-            values |= {"heading": cmath.phase(along)} if aligned < -0.9 else {}
+        ahead = along * _positive(c, own, off)
+        if not WHEEL_TYPES[w.type].turns and (ahead.conjugate() * cmath.rect(1, w.of("heading"))).real < -0.9:
+            values |= {"heading": cmath.phase(ahead)}
         result.append(replace(w, values=values, marks=marks))
     return result
+
+
+def _positive(c: Controller, named: Named, off: complex) -> complex:
+    """Which way a controller takes a wheel to roll at a positive rate; ``off``: from the centre. 0: it may know."""
+    if _FORWARD.search(c.type) or (named.joint and _NAMED_FORWARD.search(c.type)):
+        return 1
+    return -1j * off / abs(off) if off and _CLOCKWISE.search(c.type) else 0
 
 
 def _placed(c: Controller, w: Side, word: str) -> str:

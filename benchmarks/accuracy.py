@@ -53,7 +53,6 @@ def _atan2(y: Any, x: Any) -> Any:
 
 
 REFERENCE = Arithmetic(
-    "66 digits",
     _entered,
     {
         Op.ADD: lambda a, b: a + b, Op.SUB: lambda a, b: a - b, Op.MUL: lambda a, b: a * b,

@@ -64,7 +64,7 @@ def libm(scalar: str) -> Libm:
 
     own = {Op.SIN: call(Op.SIN, 1), Op.COS: call(Op.COS, 1), Op.ATAN: call(Op.ATAN, 1)}
     own[Op.ATAN2] = call(Op.ATAN2, 2)
-    return Libm(Arithmetic(f"libm {scalar}", base.enter, lambda op: own.get(op) or base.of(op)), seen)
+    return Libm(Arithmetic(base.enter, lambda op: own.get(op) or base.of(op)), seen)
 
 
 def ulps32(op: Op, args: tuple[float, ...], value: float) -> float:

@@ -28,7 +28,6 @@ _LONGEST, _DIGITS = 30_000, 9_000  # bits and decimals of a number
 class Arithmetic(NamedTuple):
     """How to compute: ``enter`` takes a number in, ``of`` says what an operation does to such numbers."""
 
-    name: str
     enter: Callable[[Any], Any]
     of: Callable[[Op], Callable[..., Any]]
 
@@ -62,9 +61,9 @@ def _enter32(value: Number) -> float:
     return nearest_float32(value) if isinstance(value, float) else to_float32(Exact.of(value))
 
 
-EXACT = Arithmetic("exact", _exact, _in_the_field)
-FLOAT64 = Arithmetic("float64", _enter64, attrgetter("float64"))
-FLOAT32 = Arithmetic("float32", _enter32, attrgetter("float32"))
+EXACT = Arithmetic(_exact, _in_the_field)
+FLOAT64 = Arithmetic(_enter64, attrgetter("float64"))
+FLOAT32 = Arithmetic(_enter32, attrgetter("float32"))
 
 
 def evaluate_nodes(function: Function, inputs: Mapping[str, Number], arithmetic: Arithmetic) -> list[Any]:
@@ -115,4 +114,4 @@ def values_of(function: Function, inputs: Mapping[str, Any], kind: Any) -> list[
     def enter(value: Any) -> Any:
         return kind(to_float64(value)) if isinstance(value, Exact) else value.astype(kind)
 
-    return evaluate_nodes(function, inputs, Arithmetic(kind.__name__, enter, attrgetter("many")))
+    return evaluate_nodes(function, inputs, Arithmetic(enter, attrgetter("many")))

@@ -132,8 +132,8 @@ def _modulo_the_prime(op: Op) -> Callable[..., Any]:
     return op.exact
 
 
-OPAQUE = Arithmetic("opaque", EXACT.enter, _over_the_field)
-RESIDUES = Arithmetic("residues", _residue, _modulo_the_prime)
+OPAQUE = Arithmetic(EXACT.enter, _over_the_field)
+RESIDUES = Arithmetic(_residue, _modulo_the_prime)
 
 
 # ---- checks

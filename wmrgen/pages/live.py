@@ -57,7 +57,6 @@ def _wheel(wheel: Wheel) -> dict[str, Any]:
     lengths = {name: float(getattr(g, name)) for name in ("x", "y", "r", "d", "o")}
     return {
         "name": wheel.name,
-        "type": wheel.type,
         **lengths,
         "heading": wheel.heading,
         "gamma": wheel.gamma if kind.rollers else None,

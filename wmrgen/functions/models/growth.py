@@ -46,7 +46,6 @@ class Growth(NamedTuple):
     """``brackets``: those that add a dimension, the input fields first. ``vector``: dimensions by order."""
 
     state: tuple[str, ...]
-    inputs: tuple[str, ...]
     vector: tuple[int, ...]
     brackets: tuple[Bracket, ...]
 
@@ -125,7 +124,7 @@ def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
         newest = [b for b in brackets if len(reached) < len(state) and any(b.polys) and adds_a_dimension(b)]
         if newest:
             vector.append(len(reached))
-    return Growth(state, tuple(p.name for p in system.inputs), tuple(vector), tuple(reached))
+    return Growth(state, tuple(vector), tuple(reached))
 
 
 def _pairs(inputs: list[Bracket], newest: list[Bracket]) -> list[tuple[Bracket, Bracket]]:

@@ -312,3 +312,28 @@ def test_compatible_wheel_speeds(name: str) -> None:
         assert read(right, values) == pytest.approx(0.0, abs=1e-6 * max(map(abs, values.values())))
         for port in (p for p in (notation.port(f"{w.name}.spin") for w in robot.wheels) if p in right):
             assert abs(read(right, values | {port: values[port] + 1.0})) > 1e-3
+
+
+OFFSET = "{name: a, type: steered, x: 0.2, y: 0, heading: 0, r: 0.1, offset_y: 0.02%s}"
+CASTOR = "{name: a, type: castor, x: 0.2, y: 0, heading: 0, r: 0.1, d: 0.02, actuated: [spin, steer]%s}"
+SWERVE = "{name: a, type: steered, x: 0.2, y: 0, heading: 0, r: 0.1%s}"
+
+
+@pytest.mark.parametrize(
+    ("weighted", "other", "counts"),
+    [
+        (OFFSET, OFFSET.replace("a,", "b,").replace("x: 0.2", "x: -0.2"), True),
+        (CASTOR, "{name: b, type: swedish, x: -0.2, y: 0, heading: pi/2, r: 0.1}", False),
+        (CASTOR, "{name: b, type: fixed, x: -0.2, y: 0, heading: 0, r: 0.1}", True),
+        (SWERVE, SWERVE.replace("a,", "b,").replace("x: 0.2", "x: -0.2"), False),
+    ],
+    ids=["means", "as many rows as unknowns", "least squares", "numbers that have the weights in them"],
+)
+def test_the_rule_for_the_twist_says_that_wheels_count_by_weights(
+    weighted: str, other: str, counts: bool
+) -> None:
+    for weight in ("", ", weight: 4"):
+        wheels = "".join(f"  - {w}\n" for w in (weighted % weight, other.replace("%s", "")))
+        page = page_written(f"wmrgen: 1\nname: robot\nwheels:\n{wheels}")
+        told = between(page, "Forward", "An example")
+        assert ("by their weights" in told) == (counts and bool(weight))

@@ -27,6 +27,7 @@ _NEAREST = (
     r"\omega = \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}, \qquad "
     r"v = \bar{w} - \omega\,\hat{z}\times\bar{B}"
 )
+_BY_WEIGHT = "There wheels count by their weights: means, sums, HᵀH and Hᵀz are weighted, as in section 7."
 
 
 def closed_inverse(d: Derivation) -> list[str]:
@@ -188,20 +189,22 @@ def closed_forward(d: Derivation) -> list[str]:
     if measured.constant_normal:
         letters = in_letters(d, distinct(measured)) if d.determined else []
         return letters or [*_rule_of_numbers(d), *_closed(d)]
+    by = [_BY_WEIGHT] if measured.weighted else []
     if not measured.components:
-        return _rigid_motion(len(measured.contacts))
+        return [*_rigid_motion(len(measured.contacts)), *(by if len(measured.contacts) > 1 else [])]
     best = "The twist that explains all measurements best, with H and z of section 7:"
     if generic_rank(measured) < 3:
-        return [best, *math(r"\xi = (H^T H)^{+} H^T z")]
+        return [best, *math(r"\xi = (H^T H)^{+} H^T z"), *by]
     three = by_three(d, measured.rows, d.measured_at_nominal)
     if not three:
-        return [best, *math(r"\xi = (H^T H)^{-1} H^T z")]
+        return [best, *math(r"\xi = (H^T H)^{-1} H^T z"), *by]
     if len(measured.rows) == 3:
         return three
     return [
         "The twist that explains all measurements best is ξ = (HᵀH)⁻¹ Hᵀz, with H and z of section 7. Where they agree "
         "(`slip` is 0), that is",
         *three,
+        *by,
     ]
 
 

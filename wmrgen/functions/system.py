@@ -10,7 +10,7 @@ import sympy
 from wmrgen.exact.number import Exact
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, Local, Parameter, absolute, add, at_least, select, signal, times
+from wmrgen.symbolic import Expr, Local, Parameter, absolute, add, at_least, maximum, select, signal, times
 
 
 class Domain(NamedTuple):
@@ -107,7 +107,8 @@ class Gate(NamedTuple):
 
 
 def guarded(expr: Expr, names: Locals, memo: dict[Expr, Expr]) -> Expr:
-    """``expr`` with every 1/d, d not of geometry alone, replaced by a local that is 0 where d is.
+    """``expr`` with every 1/d, d not of geometry alone, replaced by a local that is 0 where d is, and what stands under
+    a root kept from falling below 0 by rounding: it is a sum of squares, multiplied out.
 
     ``memo`` keeps what shared parts became.
     """
@@ -122,6 +123,8 @@ def guarded(expr: Expr, names: Locals, memo: dict[Expr, Expr]) -> Expr:
         result = Gate(base, SMALLEST).inverse(names, base, kept, inverse, expr.exp)
     else:
         args = [guarded(a, names, memo) for a in expr.args]
+        if isinstance(expr, sympy.Pow) and expr.exp == sympy.S.Half and _moves(expr.base):
+            args[0] = maximum(sympy.S.Zero, args[0])
         result = _rebuilt(expr, args)
     memo[expr] = result
     return result
@@ -130,7 +133,12 @@ def guarded(expr: Expr, names: Locals, memo: dict[Expr, Expr]) -> Expr:
 def _divides(expr: Expr) -> bool:
     if not isinstance(expr, sympy.Pow) or not expr.exp.is_Rational or expr.exp >= 0:
         return False
-    return any(not isinstance(s, Parameter) for s in expr.base.free_symbols)
+    return _moves(expr.base)
+
+
+def _moves(expr: Expr) -> bool:
+    """It is not of geometry alone."""
+    return any(not isinstance(s, Parameter) for s in expr.free_symbols)
 
 
 def _rebuilt(expr: Expr, args: list[Expr]) -> Expr:

@@ -10,6 +10,7 @@ import pytest
 import sympy
 
 from tests.functions.models.test_state_space import nominal
+from tests.ir.defined import findings
 from tests.robots import of_gallery, of_text
 from wmrgen.backends.report.motion import regular
 
@@ -194,3 +195,27 @@ def test_a_swerve_is_planned_from_rest_to_rest() -> None:
     problem.solver("ipopt", {"print_time": False}, {"print_level": 0, "sb": "yes"})
     plan = problem.solve()
     assert plan.value(x)[:3, 20] == pytest.approx([1.0, 0.5, 1.0])
+
+
+def test_a_wheel_that_follows_may_be_the_centre_of_rotation() -> None:
+    """Its speed is the root of a sum that rounding took below 0: `configuration` gave NaN."""
+    derivation = of_text(
+        """\
+wmrgen: 1
+name: three
+parameters: {a: {value: 0.3, tunable: true}, b: {value: 0.4, tunable: true}}
+wheels:
+  - {name: one, type: steered, x: a, y: b, heading: 0, r: 0.05}
+  - {name: two, type: steered, x: a, y: -b, heading: pi/2, r: 0.05}
+  - {name: follows, type: steered, x: -a, y: b, heading: pi/2, r: 0.05}
+""",
+        ["posture", "configuration"],
+    )
+    a, b = np.random.default_rng(3).uniform(0.1, 0.6, (2, 200))
+    still = dict.fromkeys(("x", "y", "theta", "one_angle", "two_angle", "follows_angle"), 0.0)
+    angles = {"one_steer": np.pi / 2, "two_steer": np.arctan2(a, b) - np.pi / 2}
+    rates = {"one_spin": 1.0, "one_steer_rate": 0.3, "two_steer_rate": 0.2}
+    result = derivation.numpy().configuration(**still, **angles, **rates, a=a, b=b)
+    assert np.abs(result["follows.spin"]).max() < 1e-6
+    for f in derivation.module.functions:
+        assert not findings(f), f.name

@@ -111,9 +111,7 @@ def _parameters(spec: RobotSpec, several: Several) -> tuple[Parameter, ...]:
             working[p.name] = Poly.gen("param", p.name) if p.tunable else kept
             values[p.name] = substituted(symbolic, values)
             nominal = number(symbolic, values)
-            parameters.append(
-                Parameter(p.name, symbolic, values[p.name], working[p.name], nominal, p.tunable)
-            )
+            parameters.append(Parameter(p.name, values[p.name], working[p.name], nominal, p.tunable))
     return tuple(parameters)
 
 

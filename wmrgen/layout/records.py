@@ -147,12 +147,10 @@ class Wheel:
 class Parameter(NamedTuple):
     """A named length or angle; pi is kept.
 
-    ``symbolic`` may refer to other parameters, ``working`` to tunable ones alone (to itself where it is tunable),
-    ``value`` to none.
+    ``working`` refers to tunable parameters alone (to itself where it is tunable), ``value`` to none.
     """
 
     name: str
-    symbolic: Poly
     value: Poly
     working: Poly
     nominal: Exact

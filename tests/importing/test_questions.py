@@ -221,6 +221,7 @@ def test_swivels_that_take_velocities_beside_wheels_that_drive(read: Import) -> 
         said += f'<transmission><joint name="{name}_s"><hardwareInterface>VelocityJointInterface</hardwareInterface></joint></transmission>'  # noqa: E501
     drives = control("fl_joint", "fr_joint", "left_joint", "right_joint")
     assert read(robot(castors, said, drives))["asked"] == []
+    assert read(robot(castors))["asked"] == [("fl", "actuated"), ("fr", "actuated")]
     assert read(robot(castors, pair(), said, drives))["asked"] == [("fl", "actuated"), ("fr", "actuated")]
     assert read(robot(castors, pair(), said.replace("Velocity", "Position"), drives))["asked"] == []
 

@@ -35,10 +35,12 @@ def motors_unknown(wheels: Sequence[Wheel]) -> list[Question]:
     if all(w.actuated == () for w in wheels):
         text = "the file drives no joint of a wheel, or moves the body as a whole: which have motors?"
         return [Question(w.name, "actuated", text, ("[spin]", "[]")) for w in wheels if w.type != CASTOR.name]
-    if any(w.actuated is not None for w in wheels) or not fixed:
+    if any(w.actuated is not None for w in wheels):
         return []
     text = "the file does not say which joints are driven"
-    if steering:
+    if all(w.type == CASTOR.name for w in wheels):
+        return [Question(w.name, "actuated", text, ("[spin, steer]", "[]")) for w in wheels]
+    if fixed and steering:
         return [Question(w.name, "actuated", text, ("[steer]", "[spin, steer]")) for w in steering]
     return [Question(w.name, "actuated", text, ("[spin]", "[]")) for w in fixed if len(fixed) > 2]
 

@@ -46,6 +46,12 @@ def body(name: str, *shapes: tuple[str, str, str]) -> str:
     return f'<link name="{name}">{"".join(parts)}</link>'
 
 
+def test_wheels_whose_joints_have_limits(read: Import) -> None:
+    said = read(robot(pair(kind="revolute", more=LIMITS).replace("left", "left_wheel")))
+    assert said["code"] == 2
+    assert "'left_wheel_joint' is not taken for a wheel: it has limits, and turns no further" in said["notes"]
+
+
 def test_wheels_in_the_air(read: Import) -> None:
     """The frame of the rear is written 0.4 m too high: two wheels are left, and what carries the rest is asked."""
     rear = [

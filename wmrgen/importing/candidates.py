@@ -16,6 +16,7 @@ from fractions import Fraction
 from wmrgen.importing.frames import dot, plus, transposed, turned, unit
 from wmrgen.importing.passed import (
     LIES,
+    LIMITED,
     UNTOLD,
     Passed,
     called_wheel,
@@ -58,6 +59,7 @@ def candidates(robot: Robot) -> tuple[list[Candidate], list[Passed]]:
         wheels, spins = _on_ground(robot, bodies), [c for c in spins if any(c is body for body in bodies)]
         passed += [Passed(j, UNTOLD) for j in joints if not j.moves and nothing_told(robot, j, wheels)]
         passed += [Passed(j, LIES) for j in upright if j not in driven]
+        passed += [Passed(j, LIMITED) for j in joints if called_wheel(j) and _limited(robot, j)]
     else:
         wheels += [c for c in rigid_wheels(robot, wheels) if _alike(c, wheels)]
     passed += [

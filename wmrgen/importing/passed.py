@@ -31,6 +31,7 @@ _FEW = 16  # wheels; of more a simulator has no other in their middle
 _ROUND = 0.4  # of how far the mesh of a wheel reaches from its axle, as far it reaches to every side
 _CHAIN = 4  # joints that turn above a wheel on a leg, beside the one that steers it
 LIES = "its axis is upright"
+LIMITED = "it has limits, and turns no further"
 UNTOLD = "it is called one, but fixed, and neither an axis nor a cylinder says how it stands"
 
 

@@ -224,6 +224,13 @@ def test_joints_that_move_all_of_a_robot_stand_above_its_frame(read: Import) -> 
     assert {(w["type"], w["x"]) for w in said["wheels"].values()} == {("fixed", 0.05)}
 
 
+def test_a_robot_fixed_to_the_world_has_a_frame_of_its_own(read: Import) -> None:
+    stand = link("world") + joint("stand", "world", "trunk", "3 1 0.2", "fixed", rpy="0 0 1")
+    own = pair().replace("base_link", "trunk")
+    said = read(f'<robot name="probe">{link("trunk")}{stand}{own}</robot>')
+    assert said["base"] == "trunk" and said["wheels"]["left"]["y"] == 0.25
+
+
 def test_a_mesh_leaves_the_radius_open(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:
     foot = link("a_base_footprint") + joint("foot", "a_base_footprint", "base_link", "0 0 0", "fixed")
     said = read(robot(pair(geometry=MESH), foot))

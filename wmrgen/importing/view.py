@@ -21,7 +21,8 @@ COAXIAL = 0.99  # cosine
 UNSEEN = Fraction(5, 100)  # [m] the radius of a wheel that is a mesh, where one must be supposed
 EVEN = Fraction(5, 1000)  # [m] by which the ground may be uneven
 SUNK = Fraction(35, 100)  # of its radius: as far a wheel may end above the lowest, and stand with it
-_GROUND = re.compile("(footprint|world|map|odom)$")
+_WORLD = re.compile("(world|map|odom)$")
+_GROUND = re.compile(f"footprint$|{_WORLD.pattern}")
 X, Z = (Fraction(1), Fraction(0), Fraction(0)), (Fraction(0), Fraction(0), Fraction(1))
 
 
@@ -237,7 +238,7 @@ def base_link(description: Description, wanted: str | None) -> str:
 
 def _moved_whole(description: Description, root: str) -> str:
     """The link below the joints that move all of a robot, as simulators have them: each alone on a link without a
-    shape."""
+    shape; of one that is fixed to the world so, its first body."""
     base = link = root
     while not description.shapes.get(link):
         below = [joint for joint in description.joints if joint.parent == link]
@@ -245,12 +246,14 @@ def _moved_whole(description: Description, root: str) -> str:
             break
         link = below[0].child
         base = link if below[0].moves else base
-    return base
+    return link if _WORLD.search(root) and _upright(link, parents(description.joints)) else base
 
 
 def _stands(link: str, above: Mapping[str, Joint]) -> bool:
     """The frame of a link has its z up, where its root is a frame of the ground."""
     chain = ancestors(link, above)
-    return (
-        not chain or not _GROUND.search(chain[-1].parent) or pose(link, above).rotation[2][2] > Fraction(1, 2)
-    )
+    return not chain or not _GROUND.search(chain[-1].parent) or _upright(link, above)
+
+
+def _upright(link: str, above: Mapping[str, Joint]) -> bool:
+    return pose(link, above).rotation[2][2] > Fraction(1, 2)

@@ -149,7 +149,8 @@ def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
             "no wheel has an encoder; write encoder: {spin: {counts: 4096, gear: 30}}",
         )
     names = Locals()
-    rate = names.define("per_time", 1 / maximum(signal("dt"), SHORTEST))
+    passes = 1 / maximum(signal("dt"), SHORTEST)
+    rate = names.define("per_time", select(sympy.S.Zero, signal("dt"), passes, sympy.S.Zero))
     counters, outputs = [], []
     for w, joint, encoder in joints:
         name = f"{w.name}.{joint}_counts"
@@ -158,7 +159,7 @@ def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
         outputs.append(
             (joint_port(w, joint, Role.COMMAND), times(rate, angle) if _COUNTERS[joint][2] else angle)
         )
-    step = replace(DT, text="duration of the step, above 0")
+    step = replace(DT, text="duration of the step; without any, rates are 0")
     text = "counts of encoders to the joint rates and angles that forward takes"
     dt = (step,) if any(_COUNTERS[joint][2] for _, joint, _ in joints) else ()
     return names.formula("joints_from_counts", (*counters, *dt), outputs, text)

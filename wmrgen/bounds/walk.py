@@ -69,7 +69,7 @@ class Walk:
         library: Library,
         upper: Mapping[int, Array] | None = None,
     ) -> None:
-        self.results, self.nodes, self.inputs = function.results, function.nodes, inputs
+        self.nodes, self.inputs = function.nodes, inputs
         self.form, self.library = form, library
         self.upper = upper or {}
         self.boxes = max((len(lo) for lo, _ in inputs.values()), default=1)
@@ -82,9 +82,8 @@ class Walk:
         self.noise: list[Noise | None] = []
         self.partials: list[tuple[Partial, ...]] = []
         self.noisy: list[bool] = []  # whether a node has noise, or depends on any
-        self.behind: list[
-            frozenset[int]
-        ] = []  # the lengths by which a node, or what it depends on, is divided
+        # The lengths by which a node, or what it depends on, is divided.
+        self.behind: list[frozenset[int]] = []
         self.alarms: list[tuple[int, str, NDArray[np.bool_]]] = []
         self.singular: set[int] = set()  # divisions by what comes close to zero, and guards against it
 

@@ -103,7 +103,7 @@ def _robot(table: Table, several: Several) -> RobotSpec:
     for part, read in _PARTS.items():
         with several:
             facts[part] = read(reading)
-    return RobotSpec(name=name, mark=table.mark, **facts)
+    return RobotSpec(name=name, **facts)
 
 
 def _of_this_format(table: Table, several: Several) -> bool:

@@ -201,7 +201,6 @@ class RobotSpec:
     """A robot file, read and checked for form. Each parameter stands after those it uses."""
 
     name: str
-    mark: Mark
     parameters: tuple[ParameterSpec, ...]
     wheels: tuple[WheelSpec, ...]
     description: str = ""

@@ -29,6 +29,18 @@ def write(place: Path, *parts: str) -> Path:
     return path
 
 
+@pytest.mark.parametrize(
+    ("used", "told"),
+    [("$(arg ahead)", False), ("$(eval ahead)", False), ("${xacro.arg('ahead')}", False), ("0", True)],
+)
+def test_arguments_that_no_file_asks_for_are_noted(
+    wmrgen_cli: Cli, tmp_path: Path, used: str, told: bool
+) -> None:
+    text = f'<xacro:arg name="side" default="l"/><gazebo><p>{used}</p></gazebo>'
+    done = wmrgen_cli("import", write(tmp_path, pair(), text), "ahead:=1", "side:=r")
+    assert ("the file has no argument 'ahead'; it has side" in done.err) == told and done.code == 0
+
+
 @pytest.fixture
 def package(tmp_path: Path) -> Path:
     (tmp_path / "parts").mkdir()

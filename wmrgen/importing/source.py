@@ -34,9 +34,9 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     substituted = _is_xacro(root)
     if values and not substituted:
         raise UsageError(f"{name} is no xacro, and takes no {quoted(next(iter(values)))}")
-    called: list[str] = []
+    called, unasked = list[str](), list[str]()
     if substituted:
-        root, called = resolve(file, values, folders)
+        root, called, unasked = resolve(file, values, folders)
     passed = dict.fromkeys(local(e) for e in root if "}" not in str(e.tag)) if substituted else {}
     for part in (*children(root, "joint"), *children(root, "link")) if substituted else ():
         for each in part.iter():
@@ -60,7 +60,7 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     else:
         description = urdf.describe(root, name)
     seen = plugin_controllers(root)
-    notes = [*(f"<{tag}> is passed over: {_PREFIX}" for tag in strange), *description.notes]
+    notes = [*unasked, *(f"<{tag}> is passed over: {_PREFIX}" for tag in strange), *description.notes]
     return replace(
         description,
         words=(*description.words, *(macro for macro in dict.fromkeys(called) if "mecanum" in macro.lower())),

@@ -85,11 +85,27 @@ class _Trail:
             element.place = self._places.get(element.attrib.pop(_PLACE, ""))
 
 
+class _Arguments(dict[str, str]):
+    """The values of arguments by name, and those that a file has ``asked`` for."""
+
+    def __init__(self, values: Mapping[str, str]) -> None:
+        super().__init__(values)
+        self.asked: set[object] = set()
+
+    def __contains__(self, name: object) -> bool:
+        self.asked.add(name)
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> str:
+        self.asked.add(name)
+        return super().__getitem__(name)
+
+
 def resolve(
     file: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]
-) -> tuple[Element, list[str]]:
-    """The root of the URDF that a xacro file makes, its elements placed where the files have them, and the names of the
-    macros that it calls. RobotFileError where it makes none, with the arguments that it lacks."""
+) -> tuple[Element, list[str], list[str]]:
+    """The root of the URDF that a xacro file makes, its elements placed where the files have them, the names of the
+    macros that it calls, and notes. RobotFileError where it makes none, with the arguments that it lacks."""
     try:
         import xacro
     except ImportError:
@@ -106,10 +122,9 @@ def resolve(
     with _kept(xacro, roots, packages, opened, called, trail), contextlib.redirect_stderr(io.StringIO()):
         while len(missing) < _MOST_MISSING:
             trail.at.clear()
+            given = _Arguments({**values, **dict.fromkeys(missing, "1")})
             try:
-                document = xacro.process_file(
-                    str(file.resolve()), mappings={**values, **dict.fromkeys(missing, "1")}
-                )
+                document = xacro.process_file(str(file.resolve()), mappings=given)
                 break
             except Exception as error:
                 name = _undefined(error)
@@ -128,7 +143,9 @@ def resolve(
         )
     root = parse(document.toxml(encoding="utf-8"), printable(str(file)))
     trail.restore(root)
-    return root, called
+    has = printable(", ".join(sorted(map(str, given.asked)))) or "none"
+    notes = [f"the file has no argument {quoted(n)}; it has {has}" for n in values if n not in given.asked]
+    return root, called, notes
 
 
 def macros(file: Path) -> list[str]:
@@ -231,7 +248,9 @@ def _evaluated(text: str, context: Mapping[str, Any], symbols: Mapping[str, Any]
     import xacro
     from xacro.substitution_args import convert_value
 
-    arguments = {name: convert_value(str(value), "auto") for name, value in context.get("arg", {}).items()}
+    given = context["arg"]
+    named = given.keys() & re.findall(r"\w+", text)
+    arguments = {name: convert_value(str(given[name]), "auto") for name in named}
     return str(xacro.safe_eval(text, {**symbols, **arguments}))
 
 

@@ -218,3 +218,16 @@ def test_check_with_nothing_to_check(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert wmrgen_cli("check").code == 2
+
+
+def test_every_function_that_a_robot_cannot_have_is_told_where_it_is_asked_for(
+    wmrgen_cli: Cli, robot_file: Path, tmp_path: Path
+) -> None:
+    text = robot_file.read_text() + "functions: [icr, desaturate,\n  joints_from_counts]\n"
+    robot_file.write_text(text)
+    done = wmrgen_cli("derive", robot_file, "-o", tmp_path / "out")
+    assert done.code == 3 and not (tmp_path / "out").exists()
+    places = [line.rpartition(".yaml:")[2] for line in done.err.splitlines() if "-->" in line]
+    line = text.count("\n") - 1
+    assert places[-2:] == [f"{line}:18", f"{line + 1}:3"], done.err
+    assert "has no desaturate:" in done.err and "no wheel has an encoder" in done.err

@@ -106,7 +106,23 @@ def derived(spec: RobotSpec, robot: Robot) -> Derivation:
             ignored = f"To derive it all the same write beside the line: # wmrgen: ignore {finding.code}"
             raise NotDerivableError(finding.what, finding.mark, finding.instead, ignored, finding.code)
         console.note(str(finding))
+    _refuse_functions(spec, derivation)
     return derivation
+
+
+def _refuse_functions(spec: RobotSpec, derivation: Derivation) -> None:
+    """NotDerivableError for all functions that the robot file asks for and the robot does not have, where it asks."""
+    lacking = []
+    for name, mark in spec.functions:
+        try:
+            derivation.formula(name)
+        except NotDerivableError as error:
+            error.mark = error.mark or mark
+            lacking.append(error)
+    if lacking:
+        joined = NotDerivableError(lacking[0].what, lacking[0].mark)
+        joined.parts = tuple(lacking)
+        raise joined
 
 
 def _load_all(paths: Sequence[Path]) -> list[tuple[RobotSpec, Robot]]:

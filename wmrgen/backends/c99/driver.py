@@ -35,8 +35,7 @@ HARNESS = "eva_main.c"
 PLAIN = Choice(math=LIBM, target=HOST)
 # Known by their contracts in Frama-C's library: an interval, and functions whose results Eva bounds.
 _KNOWN = {f"{name}{end}" for name in ("fabs", "sqrt", "sin", "cos", "atan", "atan2") for end in ("", "f")} | {
-    "Frama_C_float_interval",
-    "Frama_C_double_interval",
+    "Frama_C_float_interval"
 }
 
 
@@ -107,14 +106,14 @@ def evaluate_c(
 # ---- Frama-C Eva
 
 
-def harness(module: Module, cases: Cases, choice: Choice = PLAIN, waves: bool = False) -> dict[str, str]:
+def harness(module: Module, cases: Cases, waves: bool = False) -> dict[str, str]:
     """File name -> text: header, source and an entry point. ``cases``: parts of the inputs, per function.
 
     ``waves``: with sines and cosines of our own, see `_waves`; `command` must know, too.
     """
-    functions = unit(module, choice)
+    functions = unit(module, PLAIN)
     lines = [f'#include "{functions.robot}.h"', '#include "__fc_builtin.h"', ""]
-    lines += _waves(choice.scalar) if waves else []
+    lines += _waves() if waves else []
     parts = [(name, ranges) for name in functions.contract for ranges in cases.get(name, ())]
     for k, (name, ranges) in enumerate(parts):
         # A function per case: what Eva keeps apart in one does not count in the next.
@@ -134,32 +133,31 @@ def harness(module: Module, cases: Cases, choice: Choice = PLAIN, waves: bool = 
 
 def _case(unit: Unit, called: str, ranges: Ranges) -> list[str]:
     """A call with all inputs of their ranges."""
-    step, end = unit.contract[called], "f" if unit.choice.scalar == "float" else ""
+    step = unit.contract[called]
     lines = [f"{kind} {variable};" for variable, kind in unit.variables(step).items()]
     for name, member in unit.inputs(step).items():
-        low, high = (f"{float(v).hex()}{end}" for v in ranges[name])
-        lines.append(f"{member} = Frama_C_{unit.choice.scalar}_interval({low}, {high});")
+        low, high = (f"{float(v).hex()}f" for v in ranges[name])
+        lines.append(f"{member} = Frama_C_float_interval({low}, {high});")
     lines += [f"{each.call()};" for each in (*unit.before([step])[-1:], step)]
     return lines
 
 
-def _waves(scalar: str) -> list[str]:
+def _waves() -> list[str]:
     """Sines and cosines in steps of 1/8 between -pi and pi: Eva's own are [-1, 1] for angles beyond pi/4.
 
     The library is taken to be off by 1e-6 at most.
     """
-    end = "f" if scalar == "float" else ""
     lines = []
     for name, wave in (("sin", math.sin), ("cos", math.cos)):
-        lines += [f"{scalar} eva_{name}{end}({scalar} x)", "{"]
+        lines += [f"float eva_{name}f(float x)", "{"]
         for k in range(-26, 26):
             low, high = k / 8, (k + 1) / 8
             ends = wave(low), wave(high)
             turn = 0.008 if 1 - max(abs(ends[0]), abs(ends[1])) < 0.008 else 1e-6
             least, most = max(-1.0, min(ends) - turn), min(1.0, max(ends) + turn)
-            result = f"Frama_C_{scalar}_interval({least:.8f}{end}, {most:.8f}{end})"
-            lines.append(f"    if (x >= {low!r}{end} && x <= {high!r}{end}) return {result};")
-        lines += [f"    return Frama_C_{scalar}_interval(-1.0{end}, 1.0{end});", "}", ""]
+            result = f"Frama_C_float_interval({least:.8f}f, {most:.8f}f)"
+            lines.append(f"    if (x >= {low!r}f && x <= {high!r}f) return {result};")
+        lines += ["    return Frama_C_float_interval(-1.0f, 1.0f);", "}", ""]
     return lines
 
 

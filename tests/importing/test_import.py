@@ -141,6 +141,8 @@ def test_what_drives(read: Import) -> None:
     assert (said["left"]["actuated"], said["right"]["actuated"]) == (["spin"], [])
     plugin = '<gazebo><plugin filename="diff.so"><left> right_joint </left></plugin></gazebo>'
     assert read(robot(pair(), plugin))["wheels"]["right"]["actuated"] == ["spin"]
+    measured = plugin.replace("</left>", "</left><encoderWheelJoint>left_joint</encoderWheelJoint>")
+    assert read(robot(pair(), measured))["wheels"]["left"]["actuated"] == []
 
 
 def test_a_silent_car_is_asked_what_drives_it(read: Import) -> None:

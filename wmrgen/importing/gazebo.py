@@ -23,7 +23,8 @@ def driven_by_plugins(
     """The joints that plugins drive, each with the prefix of the model in which it stands; none where one moves the
     body as a whole, None where no plugin drives any.
 
-    A plugin names a joint as the text of an element, alone or in a list, with or without the models before it.
+    A plugin names a joint as the text of an element, alone or in a list, with or without the models before it; what
+    is called an encoder is measured.
     """
     driven: set[str] = set()
     as_a_whole = False
@@ -33,7 +34,8 @@ def driven_by_plugins(
     for plugin, prefix in plugins:
         title = plugin.get("filename", "") + " " + plugin.get("name", "")
         if not _WATCHES.search(title):
-            for word in (word for element in plugin.iter() for word in _words(element.text or "")):
+            elements = (each for each in plugin.iter() if "encoder" not in local(each).lower())
+            for word in (word for element in elements for word in _words(element.text or "")):
                 own = next((name for name in _names(word, prefix) if name in joints), None)
                 driven |= {own} if own else {*ending.get(word.rpartition("::")[2], ())}
         as_a_whole = as_a_whole or bool(_MOVES_THE_BODY.search(title))

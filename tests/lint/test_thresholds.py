@@ -34,14 +34,16 @@ def polar(alpha: str, head: str = "") -> str:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        (polar("90"), ["WMR001", "WMR031"]),
+        (polar("90"), ["WMR001"]),
         (polar("90 deg"), []),
-        (polar("quarter", "parameters: {quarter: 90}\n"), ["WMR001", "WMR031"]),
+        (polar("90").replace("heading: 0", "heading: 0.3", 1)
+         + "  - {name: third, type: fixed, x: 0.3, y: 0, heading: 0, r: 0.1}\n", ["WMR001", "WMR030"]),
+        (polar("quarter", "parameters: {quarter: 90}\n"), ["WMR001"]),
         (polar("450", "angles: deg\n").replace("3*pi/2", "270"), ["WMR001"]),
         (polar("90", "angles: deg\n").replace("3*pi/2", "270"), []),
         (polar("5*pi/2"), ["WMR001"]),
         (polar("pi/2 + 2*pi - 2*pi"), []),
-        (differential(heading="6.29"), ["WMR001", "WMR001", "WMR034"]),
+        (differential(heading="6.29"), ["WMR001", "WMR001"]),
         (differential(heading="6.2832"), []),  # a turn, rounded
         (differential("10"), ["WMR004"]),
         (differential("4.9"), []),

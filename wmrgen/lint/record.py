@@ -98,6 +98,7 @@ class Rule(NamedTuple):
 
 
 RULES: dict[str, Rule] = {}
+DEGREES, LAYOUT = "WMR001", "WMR010"  # angles that look like degrees; the first rule that is not about numbers
 
 
 def rule(
@@ -119,9 +120,12 @@ def rule(
 
 
 def findings(subject: Subject) -> list[Finding]:
-    """What all rules find, in order of place; without what the file says is to be ignored on its line."""
+    """What all rules find, in order of place; without what the file says is to be ignored on its line. Where degrees
+    were taken for radians the layout is not the one that is meant: of it nothing is told but what stops `derive`."""
     every = [replace(f, code=rule.code) for rule in RULES.values() for f in _checked(rule, subject)]
     told = [f for f in every if f.code not in ignored(f.mark)]
+    if any(f.code == DEGREES for f in told):
+        told = [f for f in told if f.code < LAYOUT or f.stops]
     return sorted(dict.fromkeys(told), key=lambda f: (f.mark.line, f.mark.column, f.code))
 
 

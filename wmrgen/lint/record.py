@@ -98,7 +98,10 @@ class Rule(NamedTuple):
 
 
 RULES: dict[str, Rule] = {}
-DEGREES, LAYOUT = "WMR001", "WMR010"  # angles that look like degrees; the first rule that is not about numbers
+DEGREES, LAYOUT = (
+    "WMR001",
+    "WMR010",
+)  # angles that look like degrees; the first rule that is not about numbers
 
 
 def rule(

@@ -8,10 +8,8 @@ no other controller has a sign for a joint.
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping
 from typing import Any
-
-import yaml
 
 from wmrgen.exporting.bodies import BASE
 from wmrgen.exporting.drives import CORNERS, drive_of, limits_of, refusing
@@ -97,21 +95,27 @@ def ros2_control(robot: Robot) -> dict[str, str]:
         place = own
         for group in groups:
             place = place.setdefault(group, {})
-        named = value if isinstance(value, float) or key.endswith("names") else value[0]
-        place[key] = float(decimal(named)) if isinstance(named, float) else named
+        place[key] = value if isinstance(value, float) or key.endswith("names") else value[0]
     lines = [*banner(robot), "Parameters of ros2_controllers 5 and later. [m], [rad], [s]", *drive.notes]
     tree = {name: {"ros__parameters": v} for name, v in (("controller_manager", manager), (NAME, own))}
-    text = yaml.dump(tree, Dumper=_Dumper, default_flow_style=False, sort_keys=False, width=math.inf)
     return {
         f"{robot.name}.urdf": urdf(robot, control=True),
-        f"{robot.name}_controllers.yaml": "".join(f"# {line}\n" for line in lines) + text,
+        f"{robot.name}_controllers.yaml": "".join(f"# {line}\n" for line in lines) + "".join(_yaml(tree)),
     }
 
 
-class _Dumper(yaml.SafeDumper):
-    """YAML in which a list of names stands on one line."""
+def _yaml(tree: Mapping[str, Any], indent: str = "") -> list[str]:
+    """YAML of words and numbers. A float has a point, for ROS keeps types."""
+    lines = []
+    for key, value in tree.items():
+        if isinstance(value, Mapping):
+            lines += [f"{indent}{key}:\n", *_yaml(value, f"{indent}  ")]
+        else:
+            written = f"[{', '.join(value)}]" if isinstance(value, tuple) else value
+            lines.append(f"{indent}{key}: {_pointed(value) if isinstance(value, float) else written}\n")
+    return lines
 
 
-_Dumper.add_representer(
-    tuple, lambda dumper, names: dumper.represent_sequence("tag:yaml.org,2002:seq", names, flow_style=True)
-)
+def _pointed(value: float) -> str:
+    digits, e, exponent = decimal(value).partition("e")
+    return digits + ("" if "." in digits else ".0") + e + exponent

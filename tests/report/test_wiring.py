@@ -9,8 +9,9 @@ from math import atan2, cos, degrees, pi, remainder, sin
 import numpy as np
 import pytest
 
-from tests.report.common import pages_of
-from tests.robots import ROBOTS, of_gallery
+from tests.report.common import FACTS, pages_of
+from tests.robots import ROBOTS, of_gallery, of_text
+from wmrgen.backends.report.wiring import wiring
 from wmrgen.layout.records import Wheel
 from wmrgen.wiring import motions
 
@@ -131,3 +132,29 @@ def test_large_wheels_do_not_hide_their_arrows() -> None:
 def test_angles_are_0_where_there_are_some(name: str) -> None:
     turns = any(w.turns and w.actuated for w in of_gallery(name).robot.wheels)
     assert ("All angles are 0 before" in pages_of(name)["wiring.md"]) == turns
+
+
+PAIR = """wmrgen: 1
+name: pair
+wheels:
+  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1%s}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
+encoder: {spin: {counts: 48, reversed: %s}}
+"""
+UP = ", encoder: {spin: {counts: 48}}"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (PAIR % ("", "false"), "it counts up. If it counts down, exchange"),
+        (PAIR % ("", "true"), "it counts down (`reversed` in the robot file). If it counts the other way, exchange"),
+        (PAIR % (UP, "true"), "it counts up, that of `right` down (`reversed` in the robot file). If it counts the o"),
+        (PAIR % ("", "true") + "couplings: [{equal: [left.spin, right.spin]}]", "not both. Of the coupled wheels "
+         "(`left` and `right`) each turns with those that it is coupled to.\n"),
+        (PAIR % ("", "true") + "couplings: [{equal: [left.spin, right.spin], ratios: [1, -1]}]",
+         "it is coupled to, against its arrow where the ratio is negative.\n"),
+    ],
+)  # fmt: skip
+def test_encoders_that_count_down_and_wheels_that_turn_together(text: str, told: str) -> None:
+    assert told in wiring(of_text(text), FACTS)

@@ -98,10 +98,8 @@ class Rule(NamedTuple):
 
 
 RULES: dict[str, Rule] = {}
-DEGREES, LAYOUT = (
-    "WMR001",
-    "WMR010",
-)  # angles that look like degrees; the first rule that is not about numbers
+DEGREES = "WMR001"
+LAYOUT = "WMR010"  # the first rule that is not about numbers
 
 
 def rule(

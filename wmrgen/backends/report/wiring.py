@@ -5,7 +5,8 @@ from __future__ import annotations
 from math import degrees
 
 from wmrgen.backends.registry import Facts
-from wmrgen.backends.report.markdown import code, foot, items, page, pictures, table
+from wmrgen.backends.report.markdown import code, foot, items, listed, page, pictures, some, table
+from wmrgen.layout.records import Robot
 from wmrgen.robot import Derivation
 from wmrgen.wiring import Motion, faults, motions
 
@@ -49,11 +50,11 @@ def _steps(d: Derivation, last: Motion) -> list[str]:
     steps = [
         "Command one motor at a time, slowly and by a positive speed: its wheel, and no other, rolls the way of its "
         "arrow. If another wheel turns, exchange the two motor plugs; if it rolls backwards, exchange the motor's two "
-        "leads, or invert it in the controller, not both."
+        "leads, or invert it in the controller, not both." + _coupled(robot)
     ]
     if counted:
         steps.append(
-            "Watch the encoder of that wheel: it counts up. If it counts down, exchange its channels A and B, or "
+            f"Watch the encoder of that wheel: {_counts(robot)}, exchange its channels A and B, or "
             "invert it in the controller; if another one counts, exchange the two plugs."
         )
     if steers:
@@ -67,6 +68,27 @@ def _steps(d: Derivation, last: Motion) -> list[str]:
         "sign is that of the table."
     )
     return steps
+
+
+def _coupled(robot: Robot) -> str:
+    """What turns with a motor beside its own wheel."""
+    sets = robot.together("spin", (w for w in robot.wheels if w.has_spin))
+    coupled = [w for wheels in sets if len(wheels) > 1 for w in wheels]
+    if not coupled:
+        return ""
+    against = any(robot.spin_ratio(w).sign < 0 for w in coupled)
+    way = ", against its arrow where the ratio is negative" if against else ""
+    return f" Of the coupled wheels ({some(coupled)}) each turns with those that it is coupled to{way}."
+
+
+def _counts(robot: Robot) -> str:
+    """Which way encoders of wheels count, and that one may count the other way."""
+    counters = [w for w in robot.wheels if "spin" in w.sensed]
+    down = [w for w in counters if (e := robot.encoder_of(w, "spin")) is not None and e.turn.sign < 0]
+    if not down:
+        return "it counts up. If it counts down"
+    up = "" if down == counters else f"up, that of {listed([w.name for w in down])} "
+    return f"it counts {up}down (`reversed` in the robot file). If it counts the other way"
 
 
 def _rows(possible: list[Motion]) -> list[list[str]]:

@@ -159,7 +159,7 @@ def calibrate(
     parts = best if len(problem.drives) > 1 else _in_parts(best, each)
     fewer = replace(parts, problem=_coarser(parts.problem))
     others = [certainty.without(fewer, fold, each) for fold in _folds(parts.problem)]
-    best = _finely(best, each)
+    best = certainty.bent(_finely(best, each), _coarser(best.problem), each)
     sigma = certainty.deviations(best, others if len(problem.drives) > 1 else ())
     weak = _unobservable(derivation.robot, best)
     return Calibration(

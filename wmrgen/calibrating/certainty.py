@@ -95,6 +95,28 @@ def _jackknife(inside: Reals, values: Reals, deviations: Reals) -> Reals:
     return np.asarray(np.maximum(inside, between))
 
 
+def bent(best: Fit, coarser: Problem, each: Each) -> Fit:
+    """The fit with the covariance that directions make in which parameters are held nominal: such a direction is a
+    straight line, where the parameters that explain the truth as well lie along a curve. It is what all move by, where
+    it is a unit longer or shorter, and a ``coarser`` problem does for it."""
+    if best.problem.held is None:
+        return best
+
+    def shared(problem: Problem) -> Reals:
+        return problem.shared(nearest(problem, best.unknowns, each)) / best.problem.units
+
+    count, nominal = len(best.values), np.array(best.problem.nominal)
+    others, about = np.eye(len(best.covariance)), shared(coarser)
+    others[:count, :count] -= best.problem.held @ best.problem.held.T
+    covariance = others @ best.covariance @ others
+    for direction in best.problem.held.T:
+        for unit in (1, -1):
+            longer = tuple((nominal + unit * direction * best.problem.units[:count]).tolist())
+            moved = shared(replace(coarser, nominal=longer)) - about
+            covariance += np.outer(moved, moved) / 2
+    return replace(best, covariance=covariance)
+
+
 def fit(problem: Problem, each: Each, start: Reals) -> Fit:
     """The parameters under which paths and truth are nearest, from ``start`` on."""
     return fit_at(*solved(problem, each, start), each)

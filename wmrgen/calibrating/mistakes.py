@@ -25,6 +25,7 @@ _MANY = 1e6  # times as far as odometry has it no drive goes, in whatever unit i
 _TURNED = 0.5  # [rad] the same for headings
 _SURE = 3.0  # standard deviations from nominal: a value that is sure to be another
 _TIMES = 3.0  # nominal values are nearer than that; units and encoders that are wrong are not
+_UNTOLD = 1.5  # the same of a value that the drives do not tell: five standard deviations of the prior
 _ABOUT_ZERO = 1.0  # [m, rad] the same for a value that is nominally 0
 _BETTER = 0.25  # of the residual: what another reading of the columns has to come to, to be proposed
 _LESS = 0.5  # the same where residuals are small, but a length is none that a robot has
@@ -216,16 +217,25 @@ def near_nominal(best: Fit, coarser: Callable[[Problem], Problem], each: Each) -
     """The fit where parameters that ran off together stay nominal along their ways, if that explains the truth, too:
     odometry of a robot that turns on the spot goes only where slips take it, so least errors have all lengths 0. A
     ``coarser`` problem does for this."""
-    if not _unlikely(best, 0.0):
+    if not _ran_off(best):
         return best
     near, count = replace(best, problem=coarser(best.problem)), len(best.values)
     held = np.empty((count, 0))
-    while _unlikely(near, 0.0) and held.shape[1] < count:
+    while _ran_off(near) and held.shape[1] < count:
         way = near.unknowns[:count] - held @ held.T @ near.unknowns[:count]
         held = np.column_stack([held, way / np.linalg.norm(way)])
         start = np.concatenate([np.zeros(count), near.unknowns[count:]])
         near = fit(replace(near.problem, held=held), each, start)
     return best if strange(near) else of_drives(near, best.problem.drives)
+
+
+def _ran_off(best: Fit) -> bool:
+    """Whether a parameter is far from its nominal value; one that the drives do not tell, where nobody measures so."""
+    rows = zip(best.values, best.problem.nominal, strict=True)
+    by_name = dict(zip(best.problem.increments.parameters, rows, strict=True))
+    untold = [by_name[name] for group in unobservable(best) for name in group]
+    odd = any(nominal and unlike(value, nominal, _UNTOLD, 0.0) for value, nominal in untold)
+    return odd or bool(_unlikely(best, 0.0))
 
 
 def _extent(best: Fit) -> float:

@@ -8,6 +8,7 @@ import re
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -749,6 +750,35 @@ def test_straight_lines_that_slips_bend_tell_radii(tmp_path: Path) -> None:
     for parameter in ("r_left", "r_right"):
         estimate = result.parameters[parameter]
         assert estimate.observable and abs(estimate.value - layout.true[parameter]) < 3 * estimate.sigma
+
+
+@pytest.mark.slow
+def test_straight_lines_of_a_swerve_drive_tell_its_radii(tmp_path: Path) -> None:
+    """Slips alone tell where all modules look and how far apart they are, and joints went where these led: such drives
+    were refused, "joints tell other parameters than the truth"."""
+    layout = LAYOUTS["swerve"]
+    lines = tuple(partial(_line, speed=speed) for speed in (0.3, -0.3))
+    options = {"seconds": 40.0, "rate": 10.0, "encoders": Encoders(2 * np.pi / 400, slip=0.01)}
+    logs = written(
+        tmp_path,
+        replace(layout, drives=lines),
+        tracker=Tracker(0.03 - 0.02j, noise=(0.002, 0.003)),
+        **options,
+    )
+    result = calibrate(derivation_of(tmp_path, layout), logs, [])
+    assert ("half",) in result.unobservable
+    assert {"zero_a", "zero_b"} in map(set, result.unobservable)
+    for parameter, value in layout.true.items():
+        estimate = result.parameters[parameter]
+        assert abs(estimate.value - value) < 3 * estimate.sigma
+        if parameter.startswith("r_"):
+            assert estimate.observable and estimate.value == pytest.approx(value, rel=0.003)
+    zeros = [result.parameters[name].value for name in ("zero_a", "zero_b")]
+    assert zeros[1] - zeros[0] == pytest.approx(0.05, abs=0.005)  # joints tell it: [rad]
+
+
+def _line(t: np.ndarray, speed: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return speed + 0.1 * np.sin(0.5 * t), 0 * t, 0 * t
 
 
 @pytest.mark.parametrize(("count", "folds"), [(1, 5), (2, 2)])

@@ -27,7 +27,7 @@ from wmrgen.calibrating.fit import (
     start_of,
     unit_of,
 )
-from wmrgen.calibrating.joints import settled
+from wmrgen.calibrating.joints import settled, sober
 from wmrgen.calibrating.logs import Drive, names, pairs, read
 from wmrgen.calibrating.mistakes import near_nominal, refuse_strangers, refuse_unsettled, strange
 from wmrgen.calibrating.observability import unobservable
@@ -153,6 +153,7 @@ def calibrate(
     refuse_strangers(best, problem.drives, lambda some: _begun(replace(problem, drives=tuple(some)), each)[0])
     first, best = best, _settled(best, each)
     refuse_unsettled(best, first)
+    best = sober(best, first, each)
     if best.problem.untold is not None:  # joints that disagree less show more slips
         best, more = without_slips(best, _coarser, again)
         slips += more

@@ -105,15 +105,12 @@ def bent(best: Fit, coarser: Problem, each: Each) -> Fit:
     def shared(problem: Problem) -> Reals:
         return problem.shared(nearest(problem, best.unknowns, each)) / best.problem.units
 
-    count, nominal = len(best.values), np.array(best.problem.nominal)
-    others, about = np.eye(len(best.covariance)), shared(coarser)
-    others[:count, :count] -= best.problem.held @ best.problem.held.T
+    held = np.pad(best.problem.held, ((0, len(best.covariance) - len(best.values)), (0, 0)))
+    others, about = np.eye(len(held)) - held @ held.T, shared(coarser)
     covariance = others @ best.covariance @ others
-    for direction in best.problem.held.T:
-        for unit in (1, -1):
-            longer = tuple((nominal + unit * direction * best.problem.units[:count]).tolist())
-            moved = shared(replace(coarser, nominal=longer)) - about
-            covariance += np.outer(moved, moved) / 2
+    for unit in (*held.T, *-held.T):
+        moved = shared(replace(coarser, off=unit)) - about
+        covariance += np.outer(moved, moved) / 2
     return replace(best, covariance=covariance)
 
 

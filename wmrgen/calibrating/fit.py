@@ -54,7 +54,7 @@ class Problem:
     """What is estimated from which drives. ``nominal``: values of the P parameters; ``scale`` [m]: residuals far above
     it count by their size; ``slides`` [m]: so does what joints disagree by; ``turned`` [rad]: about what the tracked
     body is turned by on the robot; ``clocks``: how far those of drives agree; ``untold``: where the joints'
-    disagreement counts; ``held`` (P, k): orthonormal directions in which parameters are nominal."""
+    disagreement counts; ``held`` (P, k): orthonormal directions in which parameters are nominal, or ``off``."""
 
     increments: Increments
     nominal: tuple[float, ...]
@@ -65,6 +65,7 @@ class Problem:
     clocks: Clocks = ALONE
     untold: Untold | None = None
     held: Reals | None = None
+    off: Reals | float = 0.0  # units of the shared unknowns
 
     @property
     def units(self) -> Reals:
@@ -81,7 +82,7 @@ class Problem:
 
     def shared(self, unknowns: Reals) -> Reals:
         """Parameters and mount in SI units; ``unknowns`` are in units away from nominal."""
-        at = np.array([*self.nominal, 0.0, 0.0, self.turned])
+        at = np.array([*self.nominal, 0.0, 0.0, self.turned]) + self.units * self.off
         return at + self.by_unknowns @ unknowns[: len(at)]
 
     def own(self, unknowns: Reals, index: int) -> Reals:
@@ -251,9 +252,8 @@ def start_of(problem: Problem, before: Reals | None = None) -> Reals:
 
 def later(problem: Problem, unknowns: Reals, index: int, seconds: float) -> Reals:
     """The unknowns with the clock of a drive's truth off by so many seconds more."""
-    moved = unknowns.copy()
-    moved[own_columns(problem, index)[-1]] += seconds / UNIT_OWN[-1]
-    return moved
+    clock = np.arange(len(unknowns)) == own_columns(problem, index)[-1]
+    return np.asarray(unknowns + clock * seconds / UNIT_OWN[-1])
 
 
 def prior_of_shared(problem: Problem) -> Reals:

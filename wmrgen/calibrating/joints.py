@@ -5,19 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.linalg import orth
 
-from wmrgen.calibrating.arrow import Arrow, Sums
+from wmrgen.calibrating.arrow import Sums
 from wmrgen.calibrating.certainty import Fit, fit, fit_at
 from wmrgen.calibrating.fit import (
     FINEST,
     Each,
     Problem,
     Untold,
-    arrow,
     information,
     joint_residuals,
     joint_sums,
-    prior_of_shared,
+    nearest,
     solved,
     sums,
 )
@@ -28,6 +28,9 @@ _NOMINAL = 1 - 1e-6  # squared units (10 %) that nominal values are taken to be 
 _ROUNDS = 8  # at most, of directions that the truth does not tell: they turn with the parameters
 _WIDE = 1e3  # [m] a scale of the loss below which all squares count
 _SEEN = 1e-5  # [m] that joints disagree by where a direction is a unit off, to tell it
+_FARTHEST = 10.0  # units: joints that take a direction farther only disagree by noise
+_TURNED = 0.2  # [rad] about: directions that are nearer than that are one, which turns from round to round
+_ASTRAY = 16.0  # times the square of residuals: the truth is not explained as it was
 _CLOSE = 0.1  # standard deviations that a round changes, where it is the last
 _FIRST = 3  # rounds in which joints agree before there is a fit
 
@@ -55,29 +58,55 @@ def settled(best: Fit, each: Each) -> Fit:
     is no nearer to the truth than nominal values are: they stay nominal. What the truth tells does not follow the
     joints' disagreement, in which wheels that all slip alike do not show."""
     paths, rows = replace(best.problem, untold=None), best.problem.increments.rows is not None
+    held = np.zeros((len(best.values), 0)) if rows or paths.held is None else paths.held
     for _ in range(_ROUNDS if rows else 1):
-        before, matrix = best.values, arrow(paths, each(paths, best.unknowns, sums))
-        untold = uncertain_of(paths, matrix.reduced - prior_of_shared(paths), best.noise)
+        before, parts = best.values, each(paths, best.unknowns, sums)
+        untold = uncertain_of(paths, information(paths, parts), best.noise)
         if not untold.size:
             best = fit_at(*solved(paths, each, best.unknowns, rounds=2), each) if rows else best
             break
         if rows:
-            unknowns = _moved(matrix, best.unknowns, -untold @ untold.T @ best.unknowns[: len(untold)])
-            joints = replace(paths, untold=Untold(untold, unknowns[: len(untold)]))
-            unknowns = _moved(matrix, unknowns, _agreeing(joints, unknowns, untold, each))
+            untold = orth(np.column_stack([held, untold]), _TURNED)
+            way = -untold @ untold.T @ best.unknowns[: len(untold)]
+            unknowns = _led(paths, untold, best.unknowns, way, each)
+            axes, sizes, _ = np.linalg.svd(untold - held @ (held.T @ untold), full_matrices=False)
+            free = axes[:, sizes > _TURNED]
+            joints = replace(paths, untold=Untold(free, unknowns[: len(untold)]))
+            unknowns = _led(paths, untold, unknowns, _agreeing(joints, unknowns, free, each), each)
             problem = replace(best.problem, untold=joints.untold, slides=_slides(joints, unknowns, each))
             best = fit_at(*solved(problem, each, unknowns, rounds=1), each)
-        covariance = best.covariance[: len(untold), : len(untold)]
-        if paths.held is not None and not rows:  # it stays, whatever rounding leaves of its variance
-            covariance = covariance + paths.held @ paths.held.T
+        # What is held stays so: else it comes and goes where slips alone tell it.
+        covariance = best.covariance[: len(untold), : len(untold)] + held @ held.T
         variances, directions = np.linalg.eigh(covariance)
         held = directions[:, variances > _NOMINAL]
         if held.size:
             way = -held @ held.T @ best.unknowns[: len(held)]
-            best = fit(replace(best.problem, held=held), each, _moved(matrix, best.unknowns, way))
+            best = fit(replace(best.problem, held=held), each, _led(paths, held, best.unknowns, way, each))
         if np.all(np.abs(np.subtract(best.values, before)) < _CLOSE * best.deviations):
             break
     return best
+
+
+def sober(best: Fit, first: Fit, each: Each) -> Fit:
+    """The ``best`` fit, or where joints led it astray from the ``first`` one, as they do that say next to nothing, one
+    with what the truth does not tell nominal."""
+    if best.noise < _ASTRAY * first.noise:
+        return best
+    paths = replace(first.problem, untold=None)
+    untold = uncertain_of(paths, information(paths, each(paths, first.unknowns, sums)), first.noise)
+    way = -untold @ untold.T @ first.unknowns[: len(untold)]
+    return fit(replace(paths, held=untold), each, _led(paths, untold, first.unknowns, way, each))
+
+
+def _led(paths: Problem, untold: Reals, unknowns: Reals, way: Reals, each: Each) -> Reals:
+    """The unknowns where parameters go a ``way`` (P,) among directions that the truth does not tell, a unit at a time,
+    and all others, the tracked point's and what drives have of their own, follow the truth."""
+    count, along = len(way), untold @ untold.T
+    off = along @ unknowns[:count]
+    for part in np.linspace(0.0, 1.0, 1 + int(np.ceil(np.linalg.norm(way))))[1:]:
+        there = np.pad(off + part * way, (0, len(paths.units) - count))
+        unknowns = nearest(replace(paths, held=untold, off=there), unknowns, each)
+    return unknowns + np.pad(off + way - along @ unknowns[:count], (0, len(unknowns) - count))
 
 
 def _agreeing(problem: Problem, unknowns: Reals, untold: Reals, each: Each, seen: float = _SEEN) -> Reals:
@@ -86,21 +115,13 @@ def _agreeing(problem: Problem, unknowns: Reals, untold: Reals, each: Each, seen
     parts, count = each(replace(problem, slides=_WIDE), unknowns, _of_joints), len(untold)
     gradient = np.sum([part.gradient for part in parts], axis=0)[:count]
     matrix = np.sum([part.matrix for part in parts], axis=0)[:count, :count]
-    told = untold.T @ matrix @ untold + np.eye(untold.shape[1]) * (seen / _WIDE) ** 2
-    return np.asarray(-untold @ np.linalg.solve(told, untold.T @ gradient))
+    told, axes = np.linalg.eigh(untold.T @ matrix @ untold)
+    steps = -axes.T @ untold.T @ gradient / (np.maximum(told, 0.0) + (seen / _WIDE) ** 2)
+    return np.asarray(untold @ axes @ np.where(np.abs(steps) < _FARTHEST, steps, 0.0))
 
 
 def _of_joints(problem: Problem, unknowns: Reals, index: int) -> Sums:
     return joint_sums(problem, *joint_residuals(problem, unknowns, index))
-
-
-def _moved(matrix: Arrow, unknowns: Reals, way: Reals) -> Reals:
-    """The unknowns where those of the parameters go a ``way`` (P,), and the others, the tracked point's and what drives
-    have of their own, follow."""
-    count, reduced = len(way), matrix.reduced
-    mount = -np.linalg.solve(reduced[count:, count:], reduced[count:, :count] @ way)
-    shared = np.concatenate([way, mount])
-    return np.asarray(unknowns + np.concatenate([shared, -(matrix.follows @ shared).ravel()]))
 
 
 def _slides(problem: Problem, unknowns: Reals, each: Each) -> float:

@@ -73,8 +73,7 @@ def _doubtful(problem: Problem) -> bool:
 def refuse_unsettled(best: Fit, first: Fit) -> None:
     """UsageError where the ``best`` fit, in which joints tell what the truth does not, is lost from the ``first`` one
     on, whose parameters alone bring joints and truth together."""
-    if strange(best):
-        unlikely = _unlikely(first, 0.0, anyway=True) or "joints tell other parameters than the truth"
+    if strange(best) and (unlikely := _unlikely(first, 0.0, anyway=True)):
         raise UsageError(f"log and truth agree only where {unlikely}: {_NO_HINT}")
 
 

@@ -152,8 +152,8 @@ def calibrate(
     slips += more
     refuse_strangers(best, problem.drives, lambda some: _begun(replace(problem, drives=tuple(some)), each)[0])
     first, best = best, _settled(best, each)
-    refuse_unsettled(best, first)
     best = sober(best, first, each)
+    refuse_unsettled(best, first)
     if best.problem.untold is not None:  # joints that disagree less show more slips
         best, more = without_slips(best, _coarser, again)
         slips += more

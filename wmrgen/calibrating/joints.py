@@ -30,7 +30,7 @@ _WIDE = 1e3  # [m] a scale of the loss below which all squares count
 _SEEN = 1e-5  # [m] that joints disagree by where a direction is a unit off, to tell it
 _FARTHEST = 10.0  # units: joints that take a direction farther only disagree by noise
 _TURNED = 0.2  # [rad] about: directions that are nearer than that are one, which turns from round to round
-_ASTRAY = 16.0  # times the square of residuals: the truth is not explained as it was
+_ASTRAY = 3.0  # times the mean square of usual residuals
 _CLOSE = 0.1  # standard deviations that a round changes, where it is the last
 _FIRST = 3  # rounds in which joints agree before there is a fit
 
@@ -88,14 +88,20 @@ def settled(best: Fit, each: Each) -> Fit:
 
 
 def sober(best: Fit, first: Fit, each: Each) -> Fit:
-    """The ``best`` fit, or where joints led it astray from the ``first`` one, as they do that say next to nothing, one
-    with what the truth does not tell nominal."""
-    if best.noise < _ASTRAY * first.noise:
+    """The ``best`` fit; where joints led it astray from the ``first`` one, as they do that say next to nothing, with
+    what the truth does not tell nominal, if that explains the truth better."""
+    if not astray(best, first):
         return best
     paths = replace(first.problem, untold=None)
     untold = uncertain_of(paths, information(paths, each(paths, first.unknowns, sums)), first.noise)
     way = -untold @ untold.T @ first.unknowns[: len(untold)]
-    return fit(replace(paths, held=untold), each, _led(paths, untold, first.unknowns, way, each))
+    nominal = fit(replace(paths, held=untold), each, _led(paths, untold, first.unknowns, way, each))
+    return min(best, nominal, key=lambda fit: fit.noise)
+
+
+def astray(best: Fit, first: Fit) -> bool:
+    """Whether the truth is not explained as by the ``first`` fit any more."""
+    return best.noise > _ASTRAY * first.noise
 
 
 def _led(paths: Problem, untold: Reals, unknowns: Reals, way: Reals, each: Each) -> Reals:

@@ -10,6 +10,7 @@ import numpy as np
 
 from wmrgen.calibrating.certainty import Fit, fit, of_drives
 from wmrgen.calibrating.fit import Each, Problem
+from wmrgen.calibrating.joints import astray
 from wmrgen.calibrating.logs import Drive
 from wmrgen.calibrating.observability import unobservable
 from wmrgen.calibrating.outliers import STRANGE
@@ -73,7 +74,7 @@ def _doubtful(problem: Problem) -> bool:
 def refuse_unsettled(best: Fit, first: Fit) -> None:
     """UsageError where the ``best`` fit, in which joints tell what the truth does not, is lost from the ``first`` one
     on, whose parameters alone bring joints and truth together."""
-    if strange(best) and (unlikely := _unlikely(first, 0.0, anyway=True)):
+    if (strange(best) or astray(best, first)) and (unlikely := _unlikely(first, 0.0, anyway=True)):
         raise UsageError(f"log and truth agree only where {unlikely}: {_NO_HINT}")
 
 

@@ -86,6 +86,9 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     if any(p.name == "slip" for p in ports):
         yield "a little slip", np.array([2.0**-6 if p.name == "slip" else 0.0 for p in ports])
     if any(_chooses(node.op) for node in function.nodes):
+        timed = np.array([p.unit == "s" for p in ports])
+        if timed.any():
+            yield "a short step", np.where(timed, _STEPS[0], grid.rows[5])
         pool = _POOL if len(function.nodes) <= _LARGE else _POOL // 10
         for row, values in enumerate(_scattered(ports, pool)):
             yield BRANCH, values * (1.0, 0.125, 4.0)[row % 3]

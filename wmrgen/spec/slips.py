@@ -228,8 +228,7 @@ def _minus_with_space(t: _Trouble) -> _Mistake | None:
 
 def _no_beginning(t: _Trouble) -> _Mistake | None:
     """A character with which no value begins."""
-    word = re.match(r"[^ ,\[\]{}:#]+", t.rest)
-    if not word:
+    if not (word := re.match(r"[^ ,\[\]{}:#]+", t.rest)):
         return None
     end = t.at.column + word.end()
     meant = t.line.put_in(end, "'").put_in(t.at.column, "'") if "'" not in word[0] else None

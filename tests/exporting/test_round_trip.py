@@ -38,9 +38,10 @@ def back(robot: Robot, folder: Path, kind: str, written: str = "") -> Imported:
 
 
 def asked(robot: Robot, imported: Imported) -> list[Question]:
-    """What is asked, but whether two wheels stand, and of castors alone without motors which have one."""
-    motors = any(w.actuated for w in robot.wheels) or any(w.kind != CASTOR for w in robot.wheels)
-    questions = [q for q in imported.questions if q.wheel != SUPPORT]
+    """What is asked, but whether two wheels stand, of castors alone without motors which have one, and whether a wheel
+    stands so that differs in one length from three others or more."""
+    motors = any(w.actuated or (w.has_spin and w.kind != CASTOR) for w in robot.wheels)
+    questions = [q for q in imported.questions if q.wheel != SUPPORT and "others" not in q.text]
     return [q for q in questions if motors or (q.key, q.hints) != ("actuated", ("[spin, steer]", "[]"))]
 
 

@@ -94,6 +94,8 @@ def sober(best: Fit, first: Fit, each: Each) -> Fit:
         return best
     paths = replace(first.problem, untold=None)
     untold = uncertain_of(paths, information(paths, each(paths, first.unknowns, sums)), first.noise)
+    if not untold.size:
+        return best
     way = -untold @ untold.T @ first.unknowns[: len(untold)]
     nominal = fit(replace(paths, held=untold), each, _led(paths, untold, first.unknowns, way, each))
     return min(best, nominal, key=lambda fit: fit.noise)
@@ -101,7 +103,8 @@ def sober(best: Fit, first: Fit, each: Each) -> Fit:
 
 def astray(best: Fit, first: Fit) -> bool:
     """Whether the truth is not explained as by the ``first`` fit any more."""
-    return best.noise > _ASTRAY * first.noise
+    now, before = (fit.noise * fit.problem.scale**2 for fit in (best, first))
+    return now > _ASTRAY * before
 
 
 def _led(paths: Problem, untold: Reals, unknowns: Reals, way: Reals, each: Each) -> Reals:

@@ -265,11 +265,11 @@ def test_expressions_have_limits(most: str, more: str, told: str) -> None:
         computed(more)
 
 
-def test_functions_of_the_package_are_called_30_000_times_at_most() -> None:
+def test_functions_of_the_package_are_called_20_000_times_at_most() -> None:
     """The descriptions of a PR2, an Axebot and a TurtleBot 4 take 16,258, 11,941 and 10,704."""
-    call = counted(lambda: 1, count(29_999))
+    call = counted(lambda: 1, count(19_999))
     assert [call(), call()] == [1, 1]
-    with pytest.raises(RobotFileError, match="more than 30000 elements and texts"):
+    with pytest.raises(RobotFileError, match="more than 20000 elements and texts"):
         call()
 
 

@@ -31,7 +31,7 @@ _OPERATORS: dict[type[ast.operator], str] = {
 _SHUT = frozenset("type vars factorial comb perm".split())
 _CHARACTERS = 2_000
 _SIZED = (str, bytes, dict, list, tuple, set, frozenset)
-_LARGEST, _BITS, _STEPS = 50_000, 4_096, 30_000  # steps: a PR2 takes 16,258
+_LARGEST, _BITS, _STEPS = 50_000, 4_096, 20_000  # steps: a PR2 takes 16,258
 
 
 @lru_cache(1_000)

@@ -16,6 +16,7 @@ import sympy
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot, triple
+from wmrgen.kinematics.closed_form import Solution, solve_symbolic
 from wmrgen.kinematics.least_squares import (
     Matrix,
     Measured,
@@ -49,7 +50,7 @@ def forward(robot: Robot) -> Formula:
     names = Locals()
     measured = measurements(robot, names)
     if measured.constant_normal:
-        twist, slip = _constant(measured.rows, robot, names)
+        twist, slip, names = _constant(measured.rows, robot, names)
     elif not measured.components:
         twist, slip = fit_rigid(measured.contacts, names)
     else:
@@ -86,22 +87,25 @@ def disagreement(robot: Robot) -> Formula | None:
     return names.formula("disagreement", twist.inputs, outputs, text)
 
 
-def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist, Expr]:
+def _constant(rows: list[Measured], robot: Robot, names: Locals) -> Solution:
     """xi = (H^T W H)^+ H^T W z with everything but z computed at derivation time."""
     if not rows:
-        return (sympy.S.Zero,) * 3, sympy.S.Zero
+        return Solution((sympy.S.Zero,) * 3, sympy.S.Zero, names)
     rank = nominal_rank(rows, robot)
+    if rank.value == 3 and any(_tunable(p) for row, _, _ in rows for p in row):
+        return solve_symbolic(rows, names)
     equations = _short_equations(rows)
     if equations is None:
-        return _step_by_step(rows, rank, names)
+        return Solution(*_step_by_step(rows, rank, names), names)
     twist = _solved(*equations, rank)
     if len(rows) <= FEW_ROWS:
         direct = [z - dot(r, twist) for r, z, _ in rows]
         if all(_negligible(p) for p in direct):
-            return triple(map(expression, twist)), sympy.S.Zero
+            return Solution(triple(map(expression, twist)), sympy.S.Zero, names)
         if _one_relation(direct):
-            return triple(map(expression, twist)), norm(direct, weights=[weight for _, _, weight in rows])
-    return _fitted(rows, twist, names)
+            slip = norm(direct, weights=[weight for _, _, weight in rows])
+            return Solution(triple(map(expression, twist)), slip, names)
+    return Solution(*_fitted(rows, twist, names), names)
 
 
 def nominal_rank(measured: list[Measured], robot: Robot) -> NominalRank:

@@ -108,6 +108,13 @@ class Locals:
         self.quantities: dict[str, str] = {}
         self._names: set[str] = set()
 
+    def copy(self) -> Locals:
+        """The same intermediate results, to which others can be added."""
+        other = Locals()
+        other.items, other.calls = list(self.items), list(self.calls)
+        other.quantities, other._names = dict(self.quantities), set(self._names)
+        return other
+
     def define(self, name: str, value: Expr | Poly, quantity: str = "") -> Local:
         """A new intermediate result; returns its symbol, numbered where the name is taken.
 

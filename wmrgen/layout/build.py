@@ -15,6 +15,7 @@ from wmrgen.exact.poly import Poly
 from wmrgen.layout.expressions import PI, Scope, computable, snap, to_poly
 from wmrgen.layout.joints import (
     common_limits,
+    constant,
     deadband_of,
     encoders_of,
     groups,
@@ -37,6 +38,7 @@ from wmrgen.layout.records import (
     Wheel,
 )
 from wmrgen.layout.skid import effective_track
+from wmrgen.ports import usual_range
 from wmrgen.spec.records import (
     Neg,
     Num,
@@ -59,6 +61,7 @@ def build(spec: RobotSpec) -> Robot:
     scope = Scope(
         {p.name: p.value for p in parameters}, {p.name: p.working for p in parameters if not p.tunable}
     )
+    parameters = _with_ranges(spec, parameters, scope, several)
     tunable = frozenset(p.name for p in parameters if parameters_in(p.working))
     notes: list[str] = []
     wheels: list[Wheel] = []
@@ -111,8 +114,38 @@ def _parameters(spec: RobotSpec, several: Several) -> tuple[Parameter, ...]:
             working[p.name] = Poly.gen("param", p.name) if p.tunable else kept
             values[p.name] = substituted(symbolic, values)
             nominal = number(symbolic, values)
-            parameters.append(Parameter(p.name, values[p.name], working[p.name], nominal, p.tunable))
+            low, high = usual_range(nominal) if p.tunable else (nominal, nominal)
+            parameters.append(
+                Parameter(p.name, values[p.name], working[p.name], nominal, p.tunable, low, high)
+            )
     return tuple(parameters)
+
+
+def _with_ranges(
+    spec: RobotSpec, parameters: tuple[Parameter, ...], scope: Scope, several: Several
+) -> tuple[Parameter, ...]:
+    """The parameters with the ranges that the file states. RobotFileError for a range without the parameter's value."""
+    stated = {p.name: p.range for p in spec.parameters if p.range is not None}
+    ranged = {p.name: p for p in parameters}
+    for name in stated.keys() & ranged.keys():
+        with several:
+            low, high = (constant(f"the range of {name}", end, scope) for end in stated[name])
+            nominal, (lower, upper) = ranged[name].nominal, stated[name]
+            if not low < high:
+                raise RobotFileError(
+                    f"the range of {name} runs from {lower.text} to {upper.text}", lower.mark,
+                    "The lower end is not below the upper end.", "Write tunable: [low, high].",
+                )  # fmt: skip
+            if not low <= nominal <= high:
+                around = ", ".join(f"{float(end):.6g}" for end in usual_range(nominal))
+                raise RobotFileError(
+                    f"{name} is {float(nominal):.6g}, outside its range from {float(low):.6g} to {float(high):.6g}",
+                    (lower if nominal < low else upper).mark,
+                    "Generated code begins with the value, and refuses what is outside the range.",
+                    f"Write a range around the value, such as tunable: [{around}].",
+                )  # fmt: skip
+            ranged[name] = ranged[name]._replace(low=low, high=high)
+    return tuple(ranged.values())
 
 
 def _check_independent(p: ParameterSpec, working: Poly) -> None:

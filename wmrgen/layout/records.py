@@ -147,7 +147,8 @@ class Wheel:
 class Parameter(NamedTuple):
     """A named length or angle; pi is kept.
 
-    ``working`` refers to tunable parameters alone (to itself where it is tunable), ``value`` to none.
+    ``working`` refers to tunable parameters alone (to itself where it is tunable), ``value`` to none. A tunable one may
+    be anything from ``low`` to ``high``, which is ``nominal`` for others.
     """
 
     name: str
@@ -155,6 +156,8 @@ class Parameter(NamedTuple):
     working: Poly
     nominal: Exact
     tunable: bool
+    low: Exact
+    high: Exact
 
 
 class Length(NamedTuple):

@@ -44,9 +44,13 @@ PARAMETER = Section(
     "{value: 0.1, tunable: true}",
     (
         Field(
-            "value", Amount(Kind.ANY), "the value, which may use other parameters", required=True, example="0.1"
+            "value", Amount(Kind.ANY), "the value, which may use other parameters", required=True, example="0.1",
         ),
-        Field("tunable", Word(YES, "false"), "the parameter stays an input of the generated code"),
+        Field(
+            "tunable", Word(YES, "false", interval=Kind.ANY),
+            "the parameter stays an input of the generated code, for values from low to high; true: within 10 % of the "
+            "value, 0.01 (m, rad) where that is 0", example="[0.09, 0.11]",
+        ),
     ),
 )  # fmt: skip
 

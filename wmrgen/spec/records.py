@@ -88,11 +88,15 @@ class Quantity:
 
 
 class ParameterSpec(NamedTuple):
-    """A named length or angle; one that is tunable stays an input of the generated code."""
+    """A named length or angle; one that is tunable stays an input of the generated code.
+
+    ``range``: the lowest and the highest value that a tunable one may have, where the file states them.
+    """
 
     name: str
     value: Quantity
     tunable: bool
+    range: tuple[Quantity, Quantity] | None = None
 
 
 class Limit(NamedTuple):

@@ -132,6 +132,9 @@ def _value(value: Value) -> Schema:
             return _ref("name")
         case Text(longest):
             return {"type": "string", "maxLength": longest}
+        case Word(words, default, interval=Kind() as kind):
+            ends = {"type": "array", "minItems": 2, "maxItems": 2, "items": _ref(_kind(kind))}
+            return {"anyOf": [_value(Word(words, default)), ends]}
         case Word(words, default):
             if set(words) == {"true", "false"}:
                 return {"type": "boolean", "default": default == "true"}

@@ -198,7 +198,7 @@ def _turning(kinds: list[WheelType]) -> str:
 def _in_code(p: Parameter) -> str:
     """What the generated code makes of a parameter."""
     if p.tunable:
-        return "tunable: passed to the generated code"
+        return f"tunable from {float(p.low):.6g} to {float(p.high):.6g}: passed to the generated code"
     names = ", ".join(code(name) for name in sorted(parameters_in(p.working)))
     return f"computed from the tunable {names}" if names else "constant in the generated code"
 

@@ -87,18 +87,19 @@ def consistent(m: Any) -> None:
 
 
 def case_of(layout: Layout, model: Model, function: str, rng: random.Random, odd: bool) -> Case:
-    """Inputs; coupled joints stand and turn alike. ``odd``: zeros of both signs and quarter turns."""
+    """Inputs, parameters apart; coupled joints stand and turn alike. ``odd``: zeros of both signs and quarter turns."""
     lead = {
         j: oracle.leaders(layout, "spin" if j == "spin" else "steer") for j in ("spin", "steer", "steer_rate")
     }
     drawn: Case = {}
-    for name in model.ports(function)[0]:
+    inputs = [name for name in model.ports(function)[0] if name not in model.nominal]
+    for name in inputs:
         wheel, _, joint = name.partition(".")
         key = f"{lead[joint][wheel]}.{joint}" if joint and function == "inverse" else name
         if key not in drawn:
             drawn[key] = rng.choice(QUARTERS if joint else ODD) if odd else rng.randint(-2000, 2000) / 1000
         drawn[name] = drawn[key]
-    return {name: drawn[name] for name in model.ports(function)[0]}
+    return {name: drawn[name] for name in inputs}
 
 
 def evaluated(model: Model, function: str, case: Case) -> dict[str, Case]:

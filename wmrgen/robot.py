@@ -11,7 +11,8 @@ from wmrgen.backends.registry import BACKENDS, VectorForm
 from wmrgen.bounds.assumptions import library
 from wmrgen.bounds.robot import Bounds, bounds
 from wmrgen.constraints import nominal_view, seen
-from wmrgen.errors import UsageError
+from wmrgen.errors import NotDerivableError, UsageError
+from wmrgen.exact.lowest import Product
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import system_builder
@@ -19,12 +20,14 @@ from wmrgen.ir.calls import inlined_calls, select
 from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Function, Module
+from wmrgen.kinematics.forward import readable_twist
 from wmrgen.kinematics.least_squares import project
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot
 from wmrgen.lower import lower
 from wmrgen.mobility.analyse import driving
 from wmrgen.model_json import model
+from wmrgen.ports import TWIST_NAMES
 from wmrgen.program import (
     Program,
     asked,
@@ -36,7 +39,7 @@ from wmrgen.program import (
     vector_forms,
     with_calls,
 )  # fmt: skip
-from wmrgen.symbolic import Expr
+from wmrgen.symbolic import Expr, expression, number, parameter, times
 
 if TYPE_CHECKING:
     from wmrgen.functions.models.state_space import StateSpace
@@ -68,6 +71,22 @@ class Derivation(Analysis):
         driven = Derivation(robot, self._functions)
         driven.mobility = mobility
         return driven
+
+    @cached_property
+    def in_symbols(self) -> Derivation:
+        """The same derivation with every named parameter, lengths and angles, as a symbol, as if all were tunable."""
+        if len(self.robot.tunable) == len(self.robot.parameters):
+            return self
+        named = Derivation(self.robot.in_symbols, self._functions)
+        named.mobility = self.mobility.in_symbols
+        return named
+
+    def formula_in_symbols(self, name: str) -> Formula:
+        """A function with every named parameter as a symbol; with numbers if a parameter has the name of an input."""
+        try:
+            return self.in_symbols.formula(name)
+        except NotDerivableError:
+            return self.formula(name)
 
     @cached_property
     def nearest(self) -> tuple[Poly, Poly, Poly]:
@@ -158,23 +177,39 @@ class Derivation(Analysis):
 
     @property
     def inverse(self) -> dict[str, Expr]:
-        """Output name -> expression: joint commands of a twist."""
-        return self.formula("inverse").closed()
+        """Output name -> expression: joint commands of a twist. Named parameters are symbols, see `nominal`."""
+        return self.formula_in_symbols("inverse").closed()
 
-    @property
+    @cached_property
     def forward(self) -> dict[str, Expr]:
-        """Output name -> expression: twist and slip of sensed joint rates."""
-        return self.formula("forward").closed()
+        """Output name -> expression: twist and slip of sensed joint rates. Named parameters are symbols, see `nominal`.
+
+        Where the geometry allows it, each component of the twist is one product in lowest terms.
+        """
+        outputs = self.formula_in_symbols("forward").closed()
+        for name, product in zip(TWIST_NAMES, self.twist_in_symbols or (), strict=False):
+            outputs[name] = times(expression(product.factor), expression(product.rest))
+        return outputs
+
+    @cached_property
+    def twist_in_symbols(self) -> list[Product] | None:
+        """The twist of `forward` in lowest terms, every named parameter a symbol; None where it has no short form."""
+        return readable_twist(driving(self.in_symbols.robot, self.in_symbols.mobility)[0])
 
     @property
     def odometry(self) -> dict[str, Expr]:
         """Output name -> expression: pose after a step."""
-        return self.formula("odometry").closed()
+        return self.formula_in_symbols("odometry").closed()
 
     @property
     def dynamics(self) -> dict[str, Expr]:
-        """Output name -> expression: rates of the posture model."""
-        return self.formula("dynamics").closed()
+        """Output name -> expression: rates of the posture model. Named parameters are symbols, see `nominal`."""
+        return self.formula_in_symbols("dynamics").closed()
+
+    @property
+    def nominal(self) -> dict[Expr, Expr]:
+        """Symbol of each named parameter -> its value, for ``expression.subs(derivation.nominal)``."""
+        return {parameter(p.name): number(p.nominal) for p in self.robot.parameters}
 
     # Code.
 

@@ -81,7 +81,11 @@ def common_divisor(polys: Iterable[Poly]) -> Poly:
         if divisor.is_ground:
             break
         divisor = divisor.gcd(part)
-    return _monomial(shared) if divisor.is_ground else _from_ring([divisor.primitive()[1]], gens) * _monomial(shared)
+    return (
+        _monomial(shared)
+        if divisor.is_ground
+        else _from_ring([divisor.primitive()[1]], gens) * _monomial(shared)
+    )
 
 
 def divided(p: Poly, divisor: Poly) -> Poly:
@@ -143,7 +147,9 @@ def _common_number(p: Poly) -> Exact:
 
 
 def _monomial(powers: dict[Gen, int]) -> Poly:
-    return Poly({tuple(sorted(((g, e) for g, e in powers.items() if e), key=lambda power: power[0].key)): ONE})
+    return Poly(
+        {tuple(sorted(((g, e) for g, e in powers.items() if e), key=lambda power: power[0].key)): ONE}
+    )
 
 
 @lru_cache(maxsize=64)

@@ -21,7 +21,7 @@ import sympy
 
 from wmrgen.exact.evaluate import fix, sqrt_poly
 from wmrgen.exact.linalg import adjugate, cofactor, determinant
-from wmrgen.exact.lowest import common_divisor, divided, quotient, related, shorter, unrelated
+from wmrgen.exact.lowest import Product, common_divisor, divided, quotient, related, shorter, unrelated
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly, Row, dot, triple
 from wmrgen.kinematics.least_squares import Measured, norm, normal_equations, ratio_of
@@ -121,30 +121,62 @@ def _size(matrix: Sequence[Sequence[Poly]], values: Sequence[Poly]) -> int:
 
 def _square_written_out(rows: Sequence[Measured], _: Locals) -> list[Expr]:
     """adj(H) z / det(H), in lowest terms."""
+    return [_expression(p) for p in _square_fractions(rows)]
+
+
+def _square_fractions(rows: Sequence[Measured]) -> list[Product]:
     matrix = [[unrelated(p) for p in row] for row, _, _ in rows]
     return _fractions(matrix, [unrelated(z) for _, z, _ in rows])
 
 
 def _written_out(rows: Sequence[Measured], _: Locals) -> list[Expr]:
     """adj(H^T W H) H^T W z / det(H^T W H), in lowest terms."""
+    return [_expression(p) for p in _normal_fractions(rows)]
+
+
+def _normal_fractions(rows: Sequence[Measured]) -> list[Product]:
     plain = [(triple(map(unrelated, row)), unrelated(z), weight) for row, z, weight in rows]
     normal, moment = normal_equations(plain)
     return _fractions([[shorter(p) for p in row] for row in normal], moment)
 
 
-def _fractions(matrix: Sequence[Sequence[Poly]], values: Sequence[Poly]) -> list[Expr]:
+def written_out(rows: Sequence[Measured]) -> list[Product] | None:
+    """Return the least-squares twist of rows of rank 3 for readers: each component as one product in lowest terms.
+
+    Args:
+        rows: Measured rows [m/s over m/s, m/s, rad/s], geometry in symbols, no joint angle in a row.
+
+    Returns:
+        vx, vy [m/s] and omega [rad/s]; None where a component has more than `MOST_TERMS` terms.
+    """
+    own = merge(rows).rows
+    if len(own) == 3:
+        size = _size([list(row) for row, _, _ in own], [z for _, z, _ in own])
+        return _square_fractions(own) if size <= MOST_TERMS else None
+    return _normal_fractions(own) if _size(*normal_equations(own)) <= MOST_TERMS else None
+
+
+def _fractions(matrix: Sequence[Sequence[Poly]], values: Sequence[Poly]) -> list[Product]:
     """matrix^-1 values, each component as geometry times a sum, by Cramer's rule."""
     det = shorter(determinant(matrix))
     results = []
     for row in adjugate(matrix):
-        results.append(product_of(Poly.sum(shorter(p) * v for p, v in zip(row, values, strict=True)), det))
+        above = Poly.sum(shorter(p) * v for p, v in zip(row, values, strict=True))
+        results.append(_related(quotient(above, det)))
     return results
 
 
 def product_of(above: Poly, below: Poly = _ONE) -> Expr:
     """above / below in lowest terms, as geometry times a sum over signals."""
-    factor, rest = quotient(above, below)
-    return times(expression(related(factor)), expression(related(rest)))
+    return _expression(_related(quotient(above, below)))
+
+
+def _related(p: Product) -> Product:
+    return Product(related(p.factor), related(p.rest))
+
+
+def _expression(p: Product) -> Expr:
+    return times(expression(p.factor), expression(p.rest))
 
 
 def _square_steps(rows: Sequence[Measured], names: Locals) -> list[Expr]:
@@ -152,7 +184,8 @@ def _square_steps(rows: Sequence[Measured], names: Locals) -> list[Expr]:
     named = _named(rows, names)
     matrix = [list(row) for row, _, _ in named]
     adj = [
-        [names.short(f"adj{j}{i}", cofactor(matrix, i, j), f"adj(H)[{j}][{i}]") for i in range(3)] for j in range(3)
+        [names.short(f"adj{j}{i}", cofactor(matrix, i, j), f"adj(H)[{j}][{i}]") for i in range(3)]
+        for j in range(3)
     ]
     det = dot(matrix[0], [row[0] for row in adj])
     factor = names.short("over_det", names.short("det", det, "det(H)").inverse())
@@ -175,7 +208,11 @@ def _steps(rows: Sequence[Measured], names: Locals) -> list[Expr]:
         i = next((i for i in left if n[i, i].constant is not None), left[0])
         left.remove(i)
         order.append(i)
-        reciprocals.append(names.short(f"over_pivot{i}", n[i, i].inverse()) if n[i, i].constant is None else n[i, i].inverse())
+        reciprocals.append(
+            names.short(f"over_pivot{i}", n[i, i].inverse())
+            if n[i, i].constant is None
+            else n[i, i].inverse()
+        )
         for j in left:
             if not n[i, j]:
                 continue
@@ -202,7 +239,7 @@ def _named(rows: Sequence[Measured], names: Locals) -> list[Measured]:
 def _value(i: int, z: Poly, names: Locals) -> Poly:
     """A measured value [m/s] with a name, unless it is a number or a signal."""
     ((monomial, number),) = z.terms.items() if len(z.terms) == 1 else ((z.generators * 2, ONE),)
-    return z if len(monomial) < 2 and abs(number) == ONE or not z else names.poly(f"z{i}", z)
+    return z if (len(monomial) < 2 and abs(number) == ONE) or not z else names.poly(f"z{i}", z)
 
 
 # ---- the residual

@@ -13,10 +13,12 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.exact.evaluate import fix
+from wmrgen.exact.evaluate import fix, parameters_in
+from wmrgen.exact.lowest import Product
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot, triple
-from wmrgen.kinematics.closed_form import Solution, solve_symbolic
+from wmrgen.exact.readable import readable
+from wmrgen.kinematics.closed_form import Solution, solve_symbolic, written_out
 from wmrgen.kinematics.least_squares import (
     Matrix,
     Measured,
@@ -63,6 +65,21 @@ def forward(robot: Robot) -> Formula:
     )
     text = f"sensed joint rates to the twist of P in the robot frame, {kind.replace('-', ' ')}"
     return names.formula("forward", (*inputs, *tunable_ports(robot)), outputs, text)
+
+
+def readable_twist(robot: Robot) -> list[Product] | None:
+    """Return the twist that `forward` gives as a reader writes it: components as products in lowest terms.
+
+    None where there is no such form: the rows do not determine the twist, they move with joint angles, all geometry is
+    numbers, or a component is long.
+    """
+    measured = measurements(robot)
+    rows = measured.rows
+    named = any(parameters_in(p) for row, value, _ in rows for p in (*row, value))
+    if not (named and measured.constant_normal) or nominal_rank(rows, robot).value < 3:
+        return None
+    products = written_out(rows)
+    return products and [readable(product) for product in products]
 
 
 def disagreement(robot: Robot) -> Formula | None:

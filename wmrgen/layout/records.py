@@ -167,6 +167,11 @@ class Length(NamedTuple):
     working: Poly
     nominal: Exact
 
+    @property
+    def in_symbols(self) -> Length:
+        """The quantity with every named parameter as a symbol."""
+        return self._replace(working=self.symbolic)
+
 
 @dataclass(frozen=True, slots=True)
 class Trailer:
@@ -237,6 +242,23 @@ class Robot:
     def tunable(self) -> tuple[Parameter, ...]:
         """The parameters that stay inputs of the generated code."""
         return tuple(p for p in self.parameters if p.tunable)
+
+    @property
+    def in_symbols(self) -> Robot:
+        """The same robot with every named parameter as a symbol, as if all were tunable."""
+        names = (p._replace(working=Poly.gen("param", p.name), tunable=True) for p in self.parameters)
+        return replace(
+            self,
+            parameters=tuple(names),
+            wheels=tuple(replace(w, working=w.symbolic) for w in self.wheels),
+            virtual=tuple(v._replace(x=v.x.in_symbols, y=v.y.in_symbols) for v in self.virtual),
+            trailers=tuple(
+                replace(t, length=t.length.in_symbols, hitch=t.hitch.in_symbols) for t in self.trailers
+            ),
+            cg=self.cg and Point(*(length.in_symbols for length in self.cg)),
+            gains={name: length.in_symbols for name, length in self.gains.items()},
+            effective_track=self.effective_track and self.effective_track.in_symbols,
+        )
 
     @property
     def constants(self) -> dict[str, Poly]:

@@ -29,7 +29,8 @@ def analyse(robot: Robot) -> Mobility:
     at = configuration(robot)
     rows = basis(robot, at)
     now = null_basis(unit_rows(at.C1)) if at.mobility else np.zeros((0, 3))
-    symbolic = null_columns([row.row(symbolic_view) for row in rows]) if at.mobility else ()
+    named = tuple(row.row(symbolic_view) for row in rows)
+    symbolic = null_columns(named) if at.mobility else ()
     columns = tuple(fixed(column, robot) for column in symbolic)
     per_eta = scaled(symbolic, deciding(rows), robot)
     acting = driven(robot)
@@ -43,7 +44,8 @@ def analyse(robot: Robot) -> Mobility:
         growth_vector=growth_vector(now, at.admissible.tangent, at.steerability),
         singularities=singularities(at, deciding(rows), columns),
         admissible=in_metres(at.admissible, at.unit),
-        basis_rows=tuple(row.row(working_view) for row in rows), basis_wheels=tuple(dict.fromkeys(leaders)),
+        basis_rows=tuple(row.row(working_view) for row in rows), basis_rows_symbolic=named,
+        basis_wheels=tuple(dict.fromkeys(leaders)),
         null_space=columns, null_space_symbolic=symbolic,
         scaled=tuple(fixed(column, robot) for column in per_eta), scaled_symbolic=per_eta,
         driven=None if acting is robot else (acting, analyse(acting)),

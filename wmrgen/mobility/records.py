@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -138,12 +138,25 @@ class Mobility:
     singularities: tuple[Singularity, ...]
     admissible: Admissible
     basis_rows: tuple[Row, ...]  # independent rows of C1 (working view), steering symbolic
+    basis_rows_symbolic: tuple[Row, ...]
     basis_wheels: tuple[str, ...]  # the steered wheels among them
     null_space: tuple[Row, ...]  # columns, working view
     null_space_symbolic: tuple[Row, ...]
     scaled: tuple[Row, ...]  # the same columns, so that eta is a speed: see `basis.scaled`; working view
     scaled_symbolic: tuple[Row, ...]
     driven: tuple[Robot, Mobility] | None = None  # what wheel speeds follow from, if not the layout
+
+    @property
+    def in_symbols(self) -> Mobility:
+        """The same of `Robot.in_symbols`: every named parameter is a symbol."""
+        driven = self.driven and (self.driven[0].in_symbols, self.driven[1].in_symbols)
+        return replace(
+            self,
+            basis_rows=self.basis_rows_symbolic,
+            null_space=self.null_space_symbolic,
+            scaled=self.scaled_symbolic,
+            driven=driven,
+        )
 
     @property
     def degree_of_maneuverability(self) -> int:

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 
 from wmrgen import notation
 from wmrgen.backends.report.angles import with_tangents
-from wmrgen.backends.report.forward import distinct, fits_of
+from wmrgen.backends.report.forward import fits_of
 from wmrgen.backends.report.latex import alike, broken, latex, summands, terms, total
 from wmrgen.backends.report.letters import by_three, heads, in_letters
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, listed, math
 from wmrgen.backends.report.terms import WIDE, width, wrapped
-from wmrgen.constraints import XI, castor_rate, driving_row, seen, symbolic_view, working_view
+from wmrgen.constraints import XI, castor_rate, driving_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.sensing import generic_rank
@@ -32,8 +32,8 @@ _BY_WEIGHT = "There wheels count by their weights: means, sums, HᵀH and Hᵀz 
 
 def closed_inverse(d: Derivation) -> list[str]:
     """The joint rates that a twist asks for, and of steered wheels the angle."""
-    robot = seen(d.robot, symbolic_view)
-    projection = project(robot, d.mobility)
+    robot = d.in_symbols.robot
+    projection = project(robot, d.in_symbols.mobility)
     twist = driven_twist(projection)
     wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
     if not any(w.actuated for w in robot.wheels):
@@ -187,8 +187,7 @@ def closed_forward(d: Derivation) -> list[str]:
     if not measured.rows:
         return ["No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
     if measured.constant_normal:
-        letters = in_letters(d, distinct(measured)) if d.determined else []
-        return letters or [*_rule_of_numbers(d), *_closed(d)]
+        return in_letters(d) or [*_rule_of_numbers(d), *_closed(d)]
     by = [_BY_WEIGHT] if measured.weighted else []
     if not measured.components:
         return [*_rigid_motion(len(measured.contacts)), *(by if len(measured.contacts) > 1 else [])]

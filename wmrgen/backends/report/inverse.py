@@ -17,7 +17,7 @@ from wmrgen.backends.report.closed import (
 from wmrgen.backends.report.markdown import CAP, aligned, code, grouped, in_degrees, listed, minus, some
 from wmrgen.backends.report.slip import forms_of, left_by_couplings, left_by_steering, narrow_wheels, slip
 from wmrgen.backends.report.texts import turning_circle
-from wmrgen.constraints import XI, seen, symbolic_view, working_view
+from wmrgen.constraints import XI, working_view
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.steer import turning_points
@@ -30,8 +30,8 @@ _WORDS = {"vx": "v<sub>x</sub>", "vy": "v<sub>y</sub>", "omega": "ω"}
 
 def inverse(d: Derivation) -> list[str]:
     """Section 6."""
-    robot = seen(d.robot, symbolic_view)
-    projection = project(robot, d.mobility)
+    robot = d.in_symbols.robot
+    projection = project(robot, d.in_symbols.mobility)
     twist = driven_twist(projection)
     wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
     couplings, steering = left_by_couplings(robot, twist), left_by_steering(robot, twist)

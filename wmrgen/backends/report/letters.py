@@ -14,18 +14,19 @@ from wmrgen.backends.report.latex import Ports, latex, pulled_out, reduced, summ
 from wmrgen.backends.report.markdown import aligned, listed, math
 from wmrgen.backends.report.terms import Factor, Term, width, wrapped
 from wmrgen.constraints import XI
-from wmrgen.exact.evaluate import sqrt_poly
+from wmrgen.exact.evaluate import number, sqrt_poly
 from wmrgen.exact.linalg import adjugate, determinant
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, dot, has_angles
 from wmrgen.functions.models.sheet import latex as equations
 from wmrgen.functions.models.sheet import sheet_of
-from wmrgen.kinematics.least_squares import Measured, normal_equations
+from wmrgen.kinematics.least_squares import Measured
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.printing import symbol_names
 from wmrgen.robot import Derivation
+from wmrgen.symbolic import expression, times
 
 _ENTRY = 12  # terms of an entry of H^T H and H^T z
 _PRODUCTS = 60  # terms of a determinant of three rows
@@ -106,22 +107,20 @@ def square(d: Derivation, rows: list[Measured]) -> list[str]:
     ]
 
 
-def in_letters(d: Derivation, rows: list[Measured]) -> list[str]:
-    """The solution in the named parameters, where it is short and the code has numbers for some of them."""
-    normal, moment = normal_equations(rows)
-    entries = [*moment, *(p for row in normal for p in row)]
-    tunable = {p.name for p in d.robot.parameters if p.tunable}
-    named = {g.name for p in entries for g in p.generators if g.kind == "param"}
-    if named <= tunable or max(len(p.terms) for p in entries) > _ENTRY or not _short(entries):
+def in_letters(d: Derivation) -> list[str]:
+    """The twist of measured joints in the named parameters, lengths and angles, where it is short; and its numbers."""
+    products = d.twist_in_symbols
+    if products is None:
         return []
     ports = symbol_names(d.formula("forward").inputs)
-    adjoint, below = adjugate(normal), determinant(normal)
-    above = [Poly.sum(a * b for a, b in zip(row, moment, strict=True)) for row in adjoint]
-    if sum(len(p.terms) for p in (*above, below)) * len(named) > _WORK or not _one_root(below):
-        return []
-    sums = _quotients(above, below, ports)
+    sums = [terms(times(expression(p.factor), expression(p.rest)), ports) for p in products]
     shown = _written(sums, _WIDEST)
-    return [*shown, *heads(d, list(zip(TWIST_NAMES, sums, strict=True)))] if shown else []
+    if not shown:
+        return []
+    values = [number(p.factor, {q.name: q.value for q in d.robot.parameters}) for p in products]
+    heading = (latex(expression(p.factor)).removeprefix("-") for p in products)
+    factors = {head: abs(value) for head, value in zip(heading, values, strict=True)}
+    return [*shown, *heads(d, list(zip(TWIST_NAMES, sums, strict=True)), factors)]
 
 
 def by_three(d: Derivation, rows: list[Measured], nominal: list[Measured]) -> list[str]:
@@ -218,17 +217,21 @@ def _written(sums: Sequence[Sequence[Term]], most: int) -> list[str]:
     return aligned(f"{notation.port(n)} &= {t}" for n, t in zip(TWIST_NAMES, texts, strict=True))
 
 
-def heads(d: Derivation, sums: Sequence[tuple[str, Sequence[Term]]]) -> list[str]:
-    """The factors before the sums of wheel speeds as numbers: r / (4 (a + b)) = 125/4954 = 0.02523."""
+def heads(
+    d: Derivation, sums: Sequence[tuple[str, Sequence[Term]]], values: Mapping[str, Exact] | None = None
+) -> list[str]:
+    """The factors before the sums of wheel speeds as numbers: r / (4 (a + b)) = 125/4954 = 0.02523. ``values``: those
+    that are known."""
     ports = {notation.port(p.name): p.name for p in d.formula("forward").inputs}
     equal: dict[str, str] = {}
     for name, summed in sums:
         number, common, rest = pulled_out(summed) if len(summed) > 1 else (ONE, (), ())
         lone = [t for t in rest if len(t.factors) == 1 and t.factors[0].base in ports and abs(t.number) == 1]
         head = total([Term(abs(number), common)])
-        if not lone or head == "1":
+        value = (values or {}).get(head)
+        if head == "1" or not (lone or value):
             continue
-        value = abs(d.evaluate("forward", {ports[lone[0].factors[0].base]: ONE})[name])
+        value = value or abs(d.evaluate("forward", {ports[lone[0].factors[0].base]: ONE})[name])
         shown = _worth(value, head)
         if shown:
             equal[head] = shown

@@ -21,7 +21,7 @@ from wmrgen.backends.report.markdown import (
     some,
 )
 from wmrgen.backends.report.terms import width, wrapped
-from wmrgen.constraints import XI, seen, symbolic_view
+from wmrgen.constraints import XI, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row, dot, has_angles
@@ -248,8 +248,8 @@ def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
         if turns
         else "only where the whole robot stands still"
     )
-    robot = seen(d.robot, symbolic_view)
-    twist = driven_twist(project(robot, d.mobility))
+    robot = d.in_symbols.robot
+    twist = driven_twist(project(robot, d.in_symbols.mobility))
     unlike = any(not moves_as_partners(robot, w, twist) for w in robot.wheels if w.kind.steers)
     shared = "; a shared angle also where Σ u w and Σ (u² − w²) of its wheels vanish together" * unlike
     return [

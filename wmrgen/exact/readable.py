@@ -1,4 +1,4 @@
-"""Sines and cosines of geometry as a reader writes them: tan g for sin g / cos g, sin(a - b) for a difference of products.
+"""Sines and cosines of geometry as a reader writes them: tan g for sin g / cos g, sin(a - b) for two products.
 
 The results have the same values, but they are no normal form: equal polynomials may be written in several ways. They
 are for reports and for expressions that users read, and nothing is computed with them.

@@ -81,7 +81,7 @@ def consistent(m: Any) -> None:
     assert (m.robot_type is None) == m.degenerate
     assert list(m.growth_vector) == sorted(m.growth_vector)
     assert m.growth_vector[0] == m.degree_of_maneuverability
-    assert m.growth_vector[-1] - m.degree_of_steerability <= m.dof
+    assert m.growth_vector[-1] - m.degree_of_steerability == m.dof
     if m.degree_of_mobility:
         assert any(f"= {m.degree_of_mobility}; delta_M" in reason for reason in m.reasons)
 

@@ -62,11 +62,21 @@ def model(
 
 
 @verb("model", "Say what integrates, what Lie brackets reach, what is flat or chained.")
-def structure(robot: Robot, as_json: Json = False) -> None:
-    """Example:  wmrgen structure robots/bicycle.yaml
+def structure(
+    robot: Robot,
+    form: Annotated[
+        str | None,
+        option(
+            "Model whose Lie brackets are formed: configuration has the angles of wheels and castors.", "NAME"
+        ),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Example:  wmrgen structure robots/unicycle.yaml --form configuration
 
     Test every rolling constraint by Frobenius, proof printed, and all together; relations that they integrate to;
-    Lie brackets with the growth vector; flat outputs; the chained form, or why there is none.
+    Lie brackets with the growth vector, and the configurations at which it is another one; flat outputs; the chained
+    form, or why there is none.
     """
 
 

@@ -191,10 +191,11 @@ def _wheel(kind: WheelType) -> Schema:
     schema = _section(WHEEL, (f for f in WHEEL.fields if takes(kind, f.key)), choices)
     properties = schema["properties"]
     properties["type"] = {"const": kind.name, "description": kind.meaning}
+    joints = kind.powered.joints if kind.powered else kind.joints
     for key in ("actuated", "sensed"):
-        properties[key]["items"] = {"enum": list(kind.joints)}
+        properties[key]["items"] = {"enum": list(joints)}
     for key, section in (("limits", LIMITS), ("noise", NOISE), ("encoder", ENCODER)):
-        own = section.keys_of(kind.joints)
+        own = section.keys_of(joints)
         of_joints = _section(section, (f for f in section.fields if f.key in own))
         properties[key] = {**of_joints, "description": WHEEL.field(key).meaning}
     required = [*WHEEL.required, *kind.required]

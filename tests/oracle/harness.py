@@ -34,6 +34,10 @@ def robot_text(layout: Layout, name: str = "sample", polar: bool = False, extra:
         ):
             if w.get(own):
                 keys.append(f"{key}: {float(w[own])!r}")
+        if "driven" in w:
+            orientation = ("heading", "beta")
+            keys = [key for key in keys if key.partition(":")[0] not in orientation]
+            keys.append(f"driven: [{', '.join(map(str, w['driven']))}]")
         if "actuated" in w:
             keys.append(f"actuated: [{', '.join(w['actuated'])}]")
         if "sensed" in w:

@@ -234,6 +234,11 @@ class Robot:
     near: tuple[Near, ...] = ()
 
     @property
+    def bodies(self) -> tuple[Wheel, ...]:
+        """The wheels, of the driven directions of a ball the first."""
+        return tuple({w.ball or w.name: w for w in reversed(self.wheels)}.values())[::-1]
+
+    @property
     def tunable(self) -> tuple[Parameter, ...]:
         """The parameters that stay inputs of the generated code."""
         return tuple(p for p in self.parameters if p.tunable)

@@ -142,7 +142,7 @@ WHEEL = Section(
             default="none",
             misfit=(
                 "driven lists the directions in which a ball is driven.",
-                "Write actuated: [spin] for a driven wheel, or type: spherical for a ball.",
+                "Write actuated: [spin], or actuated: [].",
             ),
         ),
         Field(

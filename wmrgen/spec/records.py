@@ -131,7 +131,9 @@ class WheelSpec:
     name: str
     type: str  # a name of WHEEL_TYPES
     mark: Mark
-    ball: str = ""  # the name in the file of the ball whose driven direction this is; its heading is that direction
+    ball: str = (
+        ""  # the name in the file of the ball whose driven direction this is; its heading is that direction
+    )
     r: Quantity | None = None  # None where the type does not require it
     l: Quantity | None = None
     alpha: Quantity | None = None

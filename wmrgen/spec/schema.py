@@ -199,7 +199,16 @@ def _wheel(kind: WheelType) -> Schema:
         of_joints = _section(section, (f for f in section.fields if f.key in own))
         properties[key] = {**of_joints, "description": WHEEL.field(key).meaning}
     required = [*WHEEL.required, *kind.required]
+    if kind.powered:
+        schema["allOf"] = [*schema.get("allOf", []), _driven(kind.powered)]
     return {**schema, "title": kind.name, "description": kind.meaning, "required": required}
+
+
+def _driven(powered: WheelType) -> Schema:
+    """With driven directions a wheel has what each of them requires, and no orientation of its own."""
+    oriented = {word: False for key in ("beta", "heading") for word in WHEEL.field(key).spellings}
+    driven = {"required": ["driven"], "properties": {"driven": {"minItems": 1}}}
+    return {"if": driven, "then": {"required": [*powered.required], "properties": oriented}}
 
 
 def _choice(section: Section, choice: Choice) -> list[Schema]:

@@ -98,6 +98,11 @@ class WheelType:
         return self.has_spin or self.sliding_row
 
     @property
+    def rolls_across(self) -> bool:
+        """It rolls along one direction and moves freely across it, on rollers or as a driven ball."""
+        return self.has_spin and not self.sliding_row
+
+    @property
     def turns(self) -> bool:
         """Its rolling direction is a joint."""
         return "steer" in self.joints

@@ -245,7 +245,8 @@ def _check_directions(spec: RobotSpec, wheels: Sequence[Wheel]) -> None:
     written = {w.name: w for w in spec.wheels}
     for a, b in combinations((w for w in wheels if w.ball), 2):
         if a.ball == b.ball and parallel([a.zero_heading, b.zero_heading]):
-            mark = (heading := written[b.name].heading) and heading.mark
+            heading = written[b.name].heading
+            mark = heading.mark if heading else None
             raise RobotFileError(
                 f"the two driven directions of the ball {a.ball} are parallel", mark,
                 "Along one line a ball has one speed, so its two drives would be one joint.",

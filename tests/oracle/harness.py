@@ -34,12 +34,16 @@ def robot_text(
         for key, own in (("gamma", "gamma"), ("d", "d"), ("offset_y", "o"), ("r_sw", "r_sw")):
             if w.get(own):
                 geometry[key] = repr(float(w[own]))
+        if "driven" in w:
+            geometry = {key: value for key, value in geometry.items() if key not in ("heading", "beta")}
         if tunable:
             parameters |= {f"{w['name']}_{key}": value for key, value in geometry.items()}
             geometry = {key: f"{w['name']}_{key}" for key in geometry}
         keys = [f"name: {w['name']}", f"type: {w['type']}", *(f"{k}: {v}" for k, v in geometry.items())]
         if w.get("weight"):
             keys.append(f"weight: {float(w['weight'])!r}")
+        if "driven" in w:
+            keys.append(f"driven: [{', '.join(map(str, w['driven']))}]")
         if "actuated" in w:
             keys.append(f"actuated: [{', '.join(w['actuated'])}]")
         if "sensed" in w:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from itertools import combinations
 from math import atan2, hypot, pi, remainder
 from typing import Any, NamedTuple
 
@@ -37,7 +38,7 @@ from wmrgen.layout.records import (
     Virtual,
     Wheel,
 )
-from wmrgen.layout.skid import effective_track
+from wmrgen.layout.skid import effective_track, parallel
 from wmrgen.ports import usual_range
 from wmrgen.spec.records import (
     Neg,
@@ -49,7 +50,6 @@ from wmrgen.spec.records import (
     VirtualSpec,
     WheelSpec,
 )
-from wmrgen.wheels import WHEEL_TYPES
 
 HALF_PI = PI.scale(Fraction(1, 2))
 
@@ -76,6 +76,8 @@ def build(spec: RobotSpec) -> Robot:
                 if (rest := computable(w, scope, several)) == w:
                     raise
                 _wheel(i, rest, _Angles(w.name, scope, None, []))
+    with several:
+        _check_directions(spec, wheels)
     _check_names(spec, several)
     facts = _of_joints(spec, "the robot", scope, several)
     steer_group, spin_group = groups(spec, "steer"), groups(spec, "spin")
@@ -228,7 +230,7 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
         symbolic=symbolic, working=symbolic.mapped(lambda p: fix(p, scope.constants)), nominal=nominal,
         l=hypot(x, y), alpha=direction, beta=remainder(shown + pi / 2 - direction, 2 * pi),
         gamma=float(scope.number(gamma)), heading=shown,
-        actuated=w.actuated, sensed=w.sensed, **facts,
+        actuated=w.actuated, sensed=w.sensed, ball=w.ball, **facts,
     )  # fmt: skip
 
 
@@ -249,8 +251,8 @@ def _of_joints(spec: RobotSpec | WheelSpec, whose: str, scope: Scope, several: S
 
 def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
     """What no value may be: r <= 0, d = 0 of a castor, and what the wheel's type refuses."""
-    kind = WHEEL_TYPES[w.type]
-    what = f"the {kind.name} wheel {w.name}".rstrip()
+    kind = w.kind
+    what = f"the {kind.name} wheel {w.ball or w.name}".rstrip()
     with several:
         if w.r is not None and "r" in kind.required and g.r.sign <= 0:
             said = w.r.text if isinstance(w.r.expr, Num | Neg) else f"{w.r.text} = {float(g.r):g}"
@@ -269,6 +271,20 @@ def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
             if quantity is not None and check.bad(g):
                 problem = check.problem.format(what=what, text=quantity.text)
                 raise RobotFileError(problem, quantity.mark, check.why, check.instead)
+
+
+def _check_directions(spec: RobotSpec, wheels: Sequence[Wheel]) -> None:
+    """The two driven directions of a ball must be independent."""
+    written = {w.name: w for w in spec.wheels}
+    for a, b in combinations((w for w in wheels if w.ball), 2):
+        if a.ball == b.ball and parallel([a.zero_heading, b.zero_heading]):
+            heading = written[b.name].heading
+            mark = heading.mark if heading else None
+            raise RobotFileError(
+                f"the two driven directions of the ball {a.ball} are parallel", mark,
+                "Along one line a ball has one speed, so its two drives would be one joint.",
+                "Write one direction, or a second one across the first, such as driven: [0, 90 deg].",
+            )  # fmt: skip
 
 
 def _check_names(spec: RobotSpec, several: Several) -> None:

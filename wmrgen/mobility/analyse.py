@@ -177,7 +177,7 @@ def _drive(at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...
 
 def _rolling_rank(at: Configuration) -> list[Singularity]:
     """The rolling rows of a robot without sliding constraints do not span its three freedoms."""
-    wheels = [w for w in at.robot.wheels if w.kind.rollers]
+    wheels = [w for w in at.robot.wheels if w.kind.rolls_across]
     if at.mobility != 3 or not wheels or any(w.kind.swivels and w.actuated for w in at.robot.wheels):
         return []
     rows = [[p.constant or Exact(0) for p in rolling_row(w, nominal_view(w)).row] for w in wheels]

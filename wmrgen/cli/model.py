@@ -84,16 +84,22 @@ def _step(
     out: Path | None,
     as_json: bool,
 ) -> int:
-    """Write the step to the file ``out``, or print what it gives at ``values``: state after it, A, B and c."""
-    if dt is None or form == "chained":
-        what = "the chained form has no step" if form == "chained" else "a step takes --dt"
-        raise UsageError(f"{what}. Write --dt 0.05 [s] and any --form but chained.")
-    span = float(from_words([f"dt={dt}"], [Port("dt", Role.COMMAND, "s")])["dt"])
+    """Write the step to the file ``out``, or print what it gives at ``values``: state after it, A, B and c.
+
+    Without ``dt`` the file has it as the fourth input.
+    """
+    if form == "chained":
+        raise UsageError("the chained form has no step. Write any --form but chained.")
+    span = None if dt is None else float(from_words([f"dt={dt}"], [Port("dt", Role.COMMAND, "s")])["dt"])
     step = derivation.state_space(form, discrete, span)
     if out is not None:
         write_file(out, BACKENDS["casadi"].offers("content")(step))
         console.result(str(out))
         return 0
+    if span is None:
+        raise UsageError(
+            "there is no --dt. Write --dt 0.05 [s], or -o FILE for a step with dt as its fourth input."
+        )
     space = state_space(derivation.robot, derivation.mobility, form)
     groups = (space.state, space.inputs, space.geometry)
     case = from_words(values, [port for ports in groups for port in ports])

@@ -46,7 +46,9 @@ def model(
         Literal["rk4", "exact", "collocation"] | None,
         option("A step of constant inputs with its derivatives A, B and c; exact is for a constant twist."),
     ] = None,
-    dt: Annotated[str | None, option("How long the step is [s].", "T")] = None,
+    dt: Annotated[
+        str | None, option("Length of the step [s]; with -o it may be left out: dt is then an input.", "T")
+    ] = None,
     out: Annotated[
         Path | None,
         output("FILE", "Write the step for casadi.Function.load."),

@@ -151,6 +151,8 @@ def generator(gen: Gen) -> Expr:
             return local(gen.name)
         case "pi":
             return sympy.pi
+        case "free":  # a sine or cosine that no relation is applied to, see `exact.lowest`
+            return expression(gen.args[0])
         case "cos":
             return sympy.cos(signal(f"{gen.name}.steer"))
         case "sin":

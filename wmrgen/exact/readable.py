@@ -24,10 +24,14 @@ def readable(product: Product) -> Product:
 
 
 def _whole_divisor(g: Gen) -> Poly | None:
-    """1 / (a + b/3) as 3 / (3 a + b)."""
+    """1 / (a + b/3) as 3 / (3 a + b), and 1 / (1 + 2 a) as 0.5 / (a + 0.5), where numbers are lengths too."""
     if g.kind != "inv":
         return None
+    lengths = {m: sum(e for h, e in m if h.kind == "param") for m in g.args[0].terms}
+    most = max(lengths.values())
     size = _content(g.args[0])
+    if min(lengths.values()) < most:
+        size = min((c for m, c in g.args[0].terms.items() if lengths[m] == most), key=abs)
     return g.args[0].scale(size.inverse()).inverse().scale(size.inverse())
 
 

@@ -37,6 +37,9 @@ from wmrgen.symbolic import Expr, add, expression, number, over, root, subtract,
 
 FEW_ROWS = 16  # beyond, residuals are never zero or one relation in practice: not worth expanding
 MOST_TERMS = 400  # of the twist in tunable parameters: beyond, it is computed step by step
+LONG_NUMBER = (
+    10**15
+)  # no length is written so; the sine of an angle that has no name is a fraction of 40 digits
 JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
 
 
@@ -75,11 +78,18 @@ def readable_twist(robot: Robot) -> list[Product] | None:
     """
     measured = measurements(robot)
     rows = measured.rows
-    named = any(parameters_in(p) for row, value, _ in rows for p in (*row, value))
-    if not (named and measured.constant_normal) or nominal_rank(rows, robot).value < 3:
+    entries = [p for row, value, _ in rows for p in (*row, value)]
+    named = any(parameters_in(p) for p in entries)
+    if not (named and measured.constant_normal) or any(map(_has_long_numbers, entries)):
+        return None
+    if nominal_rank(rows, robot).value < 3:
         return None
     products = written_out(rows)
     return products and [readable(product) for product in products]
+
+
+def _has_long_numbers(p: Poly) -> bool:
+    return any(max(map(abs, (*c.num, c.den))) > LONG_NUMBER for c in p.terms.values())
 
 
 def disagreement(robot: Robot) -> Formula | None:

@@ -7,12 +7,14 @@ from collections.abc import Iterator
 
 from wmrgen import notation
 from wmrgen.backends.report.angles import with_tangents
-from wmrgen.backends.report.forward import fits_of
+from wmrgen.backends.report.forward import distinct, fits_of
 from wmrgen.backends.report.latex import alike, broken, latex, summands, terms, total
 from wmrgen.backends.report.letters import by_three, heads, in_letters
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, listed, math
 from wmrgen.backends.report.terms import WIDE, width, wrapped
 from wmrgen.constraints import XI, castor_rate, driving_row, working_view
+from wmrgen.exact.evaluate import parameters_in
+from wmrgen.exact.number import ONE as UNIT
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.sensing import generic_rank
@@ -20,6 +22,7 @@ from wmrgen.kinematics.steer import pivot
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.robot import Derivation
+from wmrgen.symbolic import Local
 
 ONE, ZERO = Poly.of(1), Poly({})
 _TERMS = 24  # summands of a printed formula
@@ -187,7 +190,10 @@ def closed_forward(d: Derivation) -> list[str]:
     if not measured.rows:
         return ["No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
     if measured.constant_normal:
-        return in_letters(d) or [*_rule_of_numbers(d), *_closed(d)]
+        if letters := in_letters(d):
+            return letters
+        numbers = _closed(d)
+        return [*_rule(d, numbers), *numbers]
     by = [_BY_WEIGHT] if measured.weighted else []
     if not measured.components:
         return [*_rigid_motion(len(measured.contacts)), *(by if len(measured.contacts) > 1 else [])]
@@ -221,30 +227,44 @@ def _rigid_motion(contacts: int) -> list[str]:
     ]
 
 
-def _rule_of_numbers(d: Derivation) -> list[str]:
-    """What the numbers come from, where they stand for named lengths: of wheels that give both rows, a rigid motion."""
+def _rule(d: Derivation, numbers: list[str]) -> list[str]:
+    """What ``numbers`` come from, where they stand for named lengths and angles: of wheels that give both rows, a rigid
+    motion; of others, the rows of section 7."""
     measured = d.measured
-    names = {
-        g.name
-        for row, value, _ in measured.rows
-        for p in (*row, value)
-        for g in p.generators
-        if g.kind == "param"
-    }
-    fixed = names & {p.name for p in d.robot.parameters if not p.tunable}
-    if measured.components or measured.weighted or not (d.determined and fixed):
+    named = {name for row, value, _ in measured.rows for p in (*row, value) for name in parameters_in(p)}
+    if not (d.determined and named):
         return []
+    if measured.components or measured.weighted:
+        square = len(distinct(measured)) == 3
+        below = "; below it the same with the numbers of this robot" if numbers else ""
+        return [
+            f"The twist that explains all measurements best, with H and z of section 7{below}:",
+            *math(r"\xi = H^{-1} z" if square else r"\xi = (H^T H)^{-1} H^T z"),
+        ]
+    below = "; below it the same with the lengths of this robot" if numbers else ""
     return [
         "The rigid motion (v, ω) nearest to the velocities w = r φ̇ e that the wheels measure at their contact points "
-        "B, e being the direction in which a wheel rolls and a bar a mean over the wheels; below it the same with the "
-        "lengths of this robot:",
+        f"B, e being the direction in which a wheel rolls and a bar a mean over the wheels{below}:",
         *math(_NEAREST),
     ]
 
 
+def _in_numbers(d: Derivation) -> list[str]:
+    """The twist of measured wheel speeds at the values of the robot file; nothing where it depends on angles too."""
+    rates = [p for p in d.formula("forward").inputs if p.default is None]
+    if any(not p.name.endswith(".spin") for p in rates):
+        return []
+    twists = [d.evaluate("forward", {p.name: UNIT}) for p in rates]
+    spins = [Poly.gen("input", p.name) for p in rates]
+    sums = ((n, Poly.sum(s.scale(t[n]) for s, t in zip(spins, twists, strict=True))) for n in TWIST_NAMES)
+    return aligned(f"{notation.port(name)} &= {broken(total_)}" for name, total_ in sums)
+
+
 def _closed(d: Derivation) -> list[str]:
-    """The twist as the code computes it."""
+    """The twist as the code computes it; where it does so step by step, with its numbers."""
     fits, ports = fits_of(d, *TWIST_NAMES)
+    if any(fit.has(Local) for fit in fits):
+        return _in_numbers(d)
     lines, sums = [], []
     for name, fit in zip(TWIST_NAMES, fits, strict=True):
         sums.append((name, terms(fit, ports)))

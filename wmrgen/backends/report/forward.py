@@ -12,7 +12,8 @@ from wmrgen.backends.report.markdown import aligned, cut_note, math, matrix, som
 from wmrgen.backends.report.terms import width, wrapped
 from wmrgen.constraints import XI
 from wmrgen.exact.linalg import Matrix, determinant
-from wmrgen.exact.poly import dot
+from wmrgen.exact.lowest import shorter, unrelated
+from wmrgen.exact.poly import dot, triple
 from wmrgen.kinematics.least_squares import Measured, normal_equations
 from wmrgen.kinematics.records import substituted
 from wmrgen.kinematics.rigid import spread
@@ -20,7 +21,7 @@ from wmrgen.kinematics.sensing import Contact, Measurements, generic_rank, measu
 from wmrgen.layout.records import Robot
 from wmrgen.printing import symbol_names
 from wmrgen.robot import Derivation
-from wmrgen.symbolic import Expr
+from wmrgen.symbolic import Expr, Local
 
 _ROWS = 14  # rows of a printed H
 _STACK = 62  # glyphs of H and z in one line
@@ -133,8 +134,10 @@ def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> li
     numbers = d.measured_at_nominal
     if len(rows) == 3 and d.determined:
         return square(d, rows)
-    entries, _ = normal_equations(rows)
-    normal = _normal(entries, numbers)
+    plain = [(triple(map(unrelated, row)), value, weight) for row, value, weight in rows]
+    entries = [[shorter(p) for p in row] for row in normal_equations(plain)[0]]
+    normal, named = _normal(entries, numbers)
+    at_values = "" if named else ", with the numbers of this robot in HᵀH"
     why = "The matrix does not depend on any joint angle."
     if any(c.wheel.turns for c in measured.contacts):
         why = (
@@ -144,33 +147,33 @@ def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> li
     if not d.determined:
         return [
             "The rows leave a direction unseen, so that HᵀH is singular. Of all twists that explain the rates best the "
-            "smallest is, with the Moore-Penrose inverse of HᵀH,",
+            f"smallest is, with the Moore-Penrose inverse of HᵀH{at_values},",
             *math(r"\xi = (H^T H)^{+} H^T z, \qquad H^T H =", normal),
             f"{why} Its Moore-Penrose inverse was computed once, for this page.",
         ]
     return [
-        "More rows than unknowns: the least-squares solution is",
+        f"More rows than unknowns: the least-squares solution is{at_values}",
         *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", normal),
         f"{why} It was inverted once, for this page.",
         *_condition(entries),
     ]
 
 
-def _normal(normal: Matrix, numbers: list[Measured]) -> str:
-    """H^T H in the named parameters where that is short, else in their values."""
+def _normal(normal: Matrix, numbers: list[Measured]) -> tuple[str, bool]:
+    """H^T H in the named parameters where that is short, else in their values; and whether no name is lost."""
     named = any(p.constant is None for row in normal for p in row if p)
     if named and max(len(p.terms) for row in normal for p in row) <= _ENTRY:
         entries = [[factored(p) for p in row] for row in normal]
         if max(map(width, map("".join, entries))) <= _NORMAL:
-            return matrix(entries)
-    return matrix(normal_equations(numbers)[0])
+            return matrix(entries), True
+    return matrix(normal_equations(numbers)[0]), not named
 
 
 def _condition(normal: Matrix) -> list[str]:
     """The condition on the rank, and the determinant that it is about where that is short."""
     words = "The condition is that H has full column rank 3 (Tzafestas (2.8a)), det(HᵀH) ≠ 0"
     long = max(len(p.terms) for row in normal for p in row) > _ENTRY
-    det = "" if long else factored(determinant(normal))
+    det = "" if long else factored(shorter(determinant(normal)))
     if long or width(det) > _DET:
         return [f"{words}."]
     return [f"{words}:", *math(rf"\det(H^T H) = {det}")]
@@ -191,14 +194,14 @@ def _residual(d: Derivation, measured: Measurements) -> list[str]:
     if not any(value for port, value in d.formula("forward").outputs if port.name == "slip"):
         return ["The rates can never contradict each other, so the residual `slip` is 0."]
     if measured.weighted:
-        (value,), ports = fits_of(d, "slip")
-        slip = latex(value, ports)
+        (value,), ports = fits_of(d.in_symbols, "slip")
+        slip = "" if value.has(Local) else latex(value, ports)
     else:
         slip = residual(measured.rows)
     return [
         "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed wires: `slip` is "
         "the norm of z − H ξ [m/s].",
-        *(math(rf"\mathrm{{slip}} = {slip}") if width(slip) < _SLIP else []),
+        *(math(rf"\mathrm{{slip}} = {slip}") if slip and width(slip) < _SLIP else []),
     ]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sympy
+
 from wmrgen import notation
 from wmrgen.backends.report.letters import model
 from wmrgen.backends.report.markdown import aligned, capitalised, code, sentence, table
@@ -11,7 +13,7 @@ from wmrgen.kinematics.records import Formula, substituted
 from wmrgen.printing import Latex, by_hand, size
 from wmrgen.program import asked
 from wmrgen.robot import Derivation
-from wmrgen.symbolic import Expr
+from wmrgen.symbolic import Expr, add
 
 _LONG = 600  # operations and symbols of formulas that are still written out
 _ROWS = 18  # of formulas in one piece
@@ -36,7 +38,8 @@ def _function(d: Derivation, f: Formula) -> list[str]:
     blocks += table(["port", "", "unit", "meaning"], rows, "l")
     if written := model(d, f):
         return [*blocks, *written]
-    if sum(size(e) for _, e in (*f.locals, *f.outputs)) > _LONG:
+    f = next((g for g in (d.formula_in_symbols(f.name), f) if _size(g) <= _LONG), None)
+    if f is None:
         return [*blocks, "(The formulas are long; they stand in the code.)"]
     steps, results = _inlined(f)
     names = by_hand([symbol for symbol, _ in steps], [e for _, e in (*steps, *results)])
@@ -49,7 +52,7 @@ def _function(d: Derivation, f: Formula) -> list[str]:
         text = str(printer.doprint(expr))
         if width(text) <= WIDE:
             return text
-        return wrapped([f"{part} " for part in printer.parts(expr)]).strip()
+        return wrapped([f"{part} " for part in printer.parts(_as_sum(expr))]).strip()
 
     intermediate = [f"{shown(symbol)} &= {shown(expr)}" for symbol, expr in steps]
     own = {p.name for p in f.inputs}
@@ -58,6 +61,19 @@ def _function(d: Derivation, f: Formula) -> list[str]:
     changed = [f"{name} &= {value}" for name, value in equations if name != f"{value}'"]
     blocks += ["With", *_short(intermediate)] if intermediate else []
     return [*blocks, *_short(changed)]
+
+
+def _size(f: Formula) -> int:
+    return sum(size(e) for _, e in (*f.locals, *f.outputs))
+
+
+def _as_sum(expr: Expr) -> Expr:
+    """k (a + b) as k a + k b, which can be broken."""
+    inner = [e for e in expr.args if e.is_Add] if expr.is_Mul else []
+    if len(inner) != 1:
+        return expr
+    rest = [e for e in expr.args if e is not inner[0]]
+    return add(*(sympy.Mul(*rest, term) for term in inner[0].args))
 
 
 def _short(formulas: list[str]) -> list[str]:

@@ -115,6 +115,10 @@ def _generator(gen: Gen, power: int) -> Factor:
     return Factor(rf"{head}\left({arguments}\right)", power, 1, (1, gen.key))
 
 
+def _name(symbol: Expr) -> str:
+    return notation.parameter(symbol.name) if isinstance(symbol, Parameter) else notation.symbol(symbol.name)
+
+
 def _factor(expr: Expr, ports: Ports) -> Factor:
     base, power = (expr.base, expr.exp) if isinstance(expr, sympy.Pow) else (expr, sympy.S.One)
     if power.is_Rational and power.q == 2:
@@ -134,7 +138,7 @@ def _factor(expr: Expr, ports: Ports) -> Factor:
         head, angle = rf"\{base.func.__name__.replace('atan', 'arctan')}", base.args[0]
         if not isinstance(angle, sympy.Symbol):
             return Factor(rf"{head}\left({latex(angle, ports)}\right)", n, 1, (0, head))
-        shown = notation.port(ports[angle.name]) if angle.name in ports else notation.symbol(angle.name)
+        shown = notation.port(ports[angle.name]) if angle.name in ports else _name(angle)
         return Factor(f"{head}{' ' * shown[0].isalpha()}{shown}", n, 1, (0, head))
     if isinstance(base, sympy.atan2):
         y, x = (latex(a, ports) for a in base.args)

@@ -16,8 +16,10 @@ from wmrgen.backends.report.terms import Factor, Term, width, wrapped
 from wmrgen.constraints import XI
 from wmrgen.exact.evaluate import number, sqrt_poly
 from wmrgen.exact.linalg import adjugate, determinant
+from wmrgen.exact.lowest import Product, related, shorter, unrelated
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, dot, has_angles
+from wmrgen.exact.readable import with_sums_of_angles
 from wmrgen.functions.models.sheet import latex as equations
 from wmrgen.functions.models.sheet import sheet_of
 from wmrgen.kinematics.least_squares import Measured
@@ -40,9 +42,13 @@ _MODELS = ("posture", "configuration", "zeta", "trailer")  # functions that `wmr
 
 
 def factored(p: Poly) -> str:
-    """A determinant in factors, where its numbers are short: of long ones common divisors are no help to a reader."""
+    """A determinant in factors, where its numbers are short: of long ones common divisors are no help to a reader.
+    ``p`` may be `unrelated`."""
     if not _short([p]):
-        return latex(p)
+        return latex(related(p))
+    angles = with_sums_of_angles(related(p))
+    if len(angles.terms) < len(p.terms):
+        return latex(angles)
     (own,), added = with_sums([p])
     return total(_named(terms(reduced(own, Poly.of(1))), added))
 
@@ -98,7 +104,7 @@ def square(d: Derivation, rows: list[Measured]) -> list[str]:
     )
     book = r" = J_1^{-1} J_2\,\dot{\varphi}\;\;(3.31)" if own else ""
     book = book or (r"\;\;(3.30)" if pair(d.robot) else "")
-    volume = determinant([list(row) for row, _, _ in rows])
+    volume = shorter(determinant([[unrelated(p) for p in row] for row, _, _ in rows]))
     det = factored(volume) if len(volume.terms) <= _PRODUCTS else ""
     shown = rf", \qquad \det H = {det}" if det and width(det) <= _LINE else ""
     return [
@@ -113,7 +119,10 @@ def in_letters(d: Derivation) -> list[str]:
     if products is None:
         return []
     ports = symbol_names(d.formula("forward").inputs)
-    sums = [terms(times(expression(p.factor), expression(p.rest)), ports) for p in products]
+    shorter_ones, added = _with_sums_inside(products)
+    sums = [
+        _named(terms(times(expression(p.factor), expression(p.rest)), ports), added) for p in shorter_ones
+    ]
     shown = _written(sums, _WIDEST)
     if not shown:
         return []
@@ -121,6 +130,19 @@ def in_letters(d: Derivation) -> list[str]:
     heading = (latex(expression(p.factor)).removeprefix("-") for p in products)
     factors = {head: abs(value) for head, value in zip(heading, values, strict=True)}
     return [*shown, *heads(d, list(zip(TWIST_NAMES, sums, strict=True)), factors)]
+
+
+def _with_sums_inside(products: Sequence[Product]) -> tuple[list[Product], dict[str, Poly]]:
+    """`with_sums` of products, their divisors too."""
+    divisors = list({g: g.args[0] for p in products for g in p.factor.generators if g.kind == "inv"})
+    own, added = with_sums([*(p.rest for p in products), *(g.args[0] for g in divisors)])
+    if not added:
+        return list(products), {}
+    count = len(products)
+    inverse = {g: below.inverse() for g, below in zip(divisors, own[count:], strict=True)}
+    return [
+        Product(p.factor.substitute(inverse.get), rest) for p, rest in zip(products, own[:count], strict=True)
+    ], added
 
 
 def by_three(d: Derivation, rows: list[Measured], nominal: list[Measured]) -> list[str]:

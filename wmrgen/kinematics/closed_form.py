@@ -166,11 +166,6 @@ def _fractions(matrix: Sequence[Sequence[Poly]], values: Sequence[Poly]) -> list
     return results
 
 
-def product_of(above: Poly, below: Poly = _ONE) -> Expr:
-    """above / below in lowest terms, as geometry times a sum over signals."""
-    return _expression(_related(quotient(above, below)))
-
-
 def _related(p: Product) -> Product:
     return Product(related(p.factor), related(p.rest))
 
@@ -258,10 +253,10 @@ def _one_relation(rows: Sequence[Measured], names: Locals) -> Poly:
     signed = [-p if i % 2 else p for i, p in enumerate(map(shorter, minors))]
     divisor = common_divisor(signed)
     null = [names.short(f"null{i}", related(divided(p, divisor))) for i, p in enumerate(signed)]
-    form = product_of(Poly.sum(w * z for w, (_, z, _) in zip(null, rows, strict=True)))
+    factor, form = quotient(Poly.sum(w * z for w, (_, z, _) in zip(null, rows, strict=True)), _ONE)
     size = Poly.sum((w * w).scale(weight.inverse()) for w, (_, _, weight) in zip(null, rows, strict=True))
     scale = fix(sqrt_poly(size), {}) if size.constant else Poly.gen("sqrt", "", size)
-    return names.poly("relation", times(expression(scale.inverse()), form))
+    return names.poly("relation", _expression(_related(Product(factor * scale.inverse(), form))))
 
 
 # ---- the choice

@@ -92,9 +92,9 @@ def layout(d: Derivation) -> list[str]:
         couplings = (
             f"{listed(names)} "
             + (
-                minus(notation.turning(robot.ratios(names)))
-                if joint == "spin"
-                else "share one steering angle"
+                minus(
+                    (notation.turning if joint == "spin" else notation.steering)(robot.ratios(joint, names))
+                )
             )
             for joint, names in robot.couplings
         )

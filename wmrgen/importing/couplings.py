@@ -54,9 +54,9 @@ def couplings(
             ratio = f"{float(factor):g} times {quoted(leader)}" + (f" + {float(offset):g}" if offset else "")
             notes.append(
                 f"joint {quoted(joint.name)} turns as {ratio}. Couplings of a robot file join steering angles that are "
-                f"equal or, of steered wheels, opposite, and spins in ratios up to a million: there {wheel}.{kind} turns by itself, and inverse may "
-                f"ask of it what this gear cannot give. Where {quoted(leader)} has the only motor, leave {kind} out of "
-                f"actuated of {wheel}"
+                "equal or, for steered wheels, opposite, and spins in ratios up to a million: there "
+                f"{wheel}.{kind} turns by itself, and inverse may ask of it what this gear cannot give. Where "
+                f"{quoted(leader)} has the only motor, leave {kind} out of actuated of {wheel}"
             )
         others.append((role, turn))
     sure = [pair for pair in pairs if not _doubted(pair, wheels)]

@@ -197,6 +197,8 @@ def verdict(at: Configuration) -> str:
         why = "no motion is free of sliding"
     elif skids(at):
         solved = "those of a differential drive of its effective track"
+        if any(w.kind.steers for w in at.robot.wheels):
+            solved = "those of a robot whose fixed wheels are on one axle, the effective track apart"
         if at.robot.effective_track is None:
             solved = "least squares and report the residual"
             if not any(no_track(at.robot.wheels)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
 from math import atan2, hypot, pi, remainder
@@ -24,7 +25,7 @@ from wmrgen.layout.joints import (
     limits_of,
     noise_of,
     refuse_unmodelled,
-    spin_ratios,
+    turn_ratios,
     weight_of,
 )
 from wmrgen.layout.measured import agreed, tolerance_of
@@ -82,7 +83,11 @@ def build(spec: RobotSpec) -> Robot:
     facts = _of_joints(spec, "the robot", scope, several)
     steer_group, spin_group = groups(spec, "steer"), groups(spec, "spin")
     with several:
-        facts["spin_ratios"] = spin_ratios(spec, spin_group, scope)
+        facts["spin_ratios"] = turn_ratios(spec, "spin", spin_group, scope)
+    with several:
+        signs = turn_ratios(spec, "steer", steer_group, scope)
+        if len(signs) == len(wheels):
+            wheels = [replace(w, steer_sign=s.sign) for w, s in zip(wheels, signs, strict=True)]
     with several:
         facts["tolerance"] = tolerance_of(spec.tolerance, wheels, scope)
     if not several.errors:

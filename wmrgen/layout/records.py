@@ -110,6 +110,9 @@ class Wheel:
     noise: Mapping[str, Noise] = field(default_factory=dict)
     encoders: Mapping[str, Encoder] = field(default_factory=dict)
     lag: Mapping[str, Exact] = field(default_factory=dict)  # joint -> time constant [s]
+    steer_sign: int = (
+        1  # its steering angle for 1 rad of the wheel that leads its coupled set: 1, or -1 against it
+    )
     ball: str = ""  # of a driven direction of a ball: the ball's name in the robot file
 
     @property
@@ -321,10 +324,14 @@ class Robot:
         """What the wheel rolls per radian that the first of its coupled set turns [m]."""
         return g.rolling_radius * self.spin_ratio(wheel)
 
-    def ratios(self, names: Sequence[str]) -> tuple[Exact, ...]:
-        """The spins of coupled wheels for a spin of 1 of the first of them; none where they are equal."""
-        spins = [self.spin_ratio(self.wheel(name)) for name in names]
-        return tuple(k / spins[0] for k in spins) if len(set(spins)) > 1 else ()
+    def turn_ratio(self, joint: str, wheel: Wheel) -> Exact:
+        """How far the ``joint`` of a wheel, spin or steer, turns for 1 rad of the first that it is coupled to."""
+        return self.spin_ratio(wheel) if joint == "spin" else Exact(wheel.steer_sign)
+
+    def ratios(self, joint: str, names: Sequence[str]) -> tuple[Exact, ...]:
+        """The turns of a coupled ``joint`` of these wheels for 1 rad of the first; none where they are equal."""
+        turns = [self.turn_ratio(joint, self.wheel(name)) for name in names]
+        return tuple(k / turns[0] for k in turns) if len(set(turns)) > 1 else ()
 
     def wheel(self, name: str) -> Wheel:
         """The wheel called ``name``. KeyError when there is none."""

@@ -17,7 +17,7 @@ from wmrgen.mobility.admissible import along, coupled_sets
 from wmrgen.mobility.configure import Configuration
 from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import TOLERANCE, Array
-from wmrgen.notation import in_code, turning
+from wmrgen.notation import in_code, steering, turning
 
 SAME = 1e-9
 
@@ -117,8 +117,11 @@ def _axles_meet(at: Configuration, wheels: list[Wheel]) -> str:
 def _couplings(at: Configuration) -> list[str]:
     sentences = []
     for joint, names in at.robot.couplings:
-        spins = f"they {turning(at.robot.ratios(names))}"
-        what = "their steering angles are equal" if joint == "steer" else spins
+        ratios = at.robot.ratios(joint, names)
+        equal = "their steering angles are equal"
+        what = (
+            f"they {turning(ratios)}" if joint == "spin" else f"they {steering(ratios)}" if ratios else equal
+        )
         sentences.append(f"{in_code(names)} are coupled: {what}.")
     return sentences
 
@@ -194,6 +197,8 @@ def verdict(at: Configuration) -> str:
         why = "no motion is free of sliding"
     elif skids(at):
         solved = "those of a differential drive of its effective track"
+        if any(w.kind.steers for w in at.robot.wheels):
+            solved = "those of a robot whose fixed wheels are on one axle, the effective track apart"
         if at.robot.effective_track is None:
             solved = "least squares and report the residual"
             if not any(no_track(at.robot.wheels)):

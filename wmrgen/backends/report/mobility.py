@@ -208,9 +208,11 @@ def skid(d: Derivation) -> list[str]:
         return []
     pivots = [w.pivot for w in d.driven.robot.wheels if w.kind.fixed_axle]
     x, y = ((min(p) + max(p)) / 2 for p in zip(*((z.real, z.imag) for z in pivots), strict=True))
+    steered = any(w.kind.steers for w in d.robot.wheels)
+    turning = "one does whose fixed wheels" if steered else "a differential drive does whose wheels"
     return [
-        "In a curve these wheels cannot all roll. On even ground the robot turns as a differential drive does whose "
-        "wheels stand the effective track apart, a measured length,",
+        f"In a curve these wheels cannot all roll. On even ground the robot turns as {turning} stand the effective "
+        "track apart on one axle, a measured length,",
         *math(" = ".join(dict.fromkeys(["T_e", latex(track.symbolic), plain(track.nominal)]))),
         f"That drive has DDOF = {d.driven.mobility.ddof} and DOF = {d.driven.mobility.dof}: it is not holonomic.",
         *_actuation(d.driven),

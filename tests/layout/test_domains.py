@@ -377,3 +377,13 @@ limits: {vx: 1, omega: 1, spin: 20}
     }
 """
     assert printed(tmp_path, text, body) == ""
+
+
+def test_derive_says_in_a_line_what_is_not_proved(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
+    path = tmp_path / "probed.yaml"
+    for x, told in (("0.3 + 0.1*sqrt(a*a - a*b + b*b/4)", True), ("sqrt(2.5 - b)", False)):
+        path.write_text(ROBOT.format(NARROW[0], x, "0.1"))
+        done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
+        lines = [line for line in done.err.splitlines() if "not proved" in line]
+        assert done.code == 0 and len(lines) == told
+        assert not told or ("inverse" in lines[0] and "numerics.md" in lines[0])

@@ -104,7 +104,7 @@ def _step(
         )
     space = state_space(derivation.robot, derivation.mobility, form)
     groups = (space.state, space.inputs, space.geometry)
-    case = from_words(values, [port for ports in groups for port in ports])
+    case = from_words(values, [port for ports in groups for port in ports], derivation.robot)
     point = [[float(case.get(p.name, p.default or ZERO)) for p in ports] for ports in groups]
     try:
         after, a, b, c = (part.full().tolist() for part in step(*point))

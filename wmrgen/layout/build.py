@@ -14,6 +14,7 @@ from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substitut
 from wmrgen.exact.linalg import mean
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
+from wmrgen.layout.domains import needs
 from wmrgen.layout.expressions import PI, Scope, computable, snap, to_poly
 from wmrgen.layout.joints import (
     common_limits,
@@ -96,6 +97,8 @@ def build(spec: RobotSpec) -> Robot:
     for part, laid_out in _PARTS.items():
         with several:
             facts[part] = laid_out(spec, scope, wheels)
+    if not several.errors:
+        facts["needs"] = needs(spec, parameters, scope, several)
     several.end()
     robot = Robot(
         name=spec.name, description=spec.description, source=spec.source, parameters=parameters,

@@ -208,7 +208,7 @@ def narrow(subject: Subject) -> Iterator[Finding]:
 def _near(robot: Robot) -> list[Near]:
     """What nearly is on one line or at one heading, by more than the noise of floats."""
     size = robot.tolerance.size
-    return [near for near in robot.near if NOISE * size < near.tolerance < SLIP * size]
+    return [near for near in robot.near if NOISE * size < near.apart < SLIP * size]
 
 
 def _doubtful_rank(subject: Subject) -> Iterator[Finding]:

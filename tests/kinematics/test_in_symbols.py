@@ -67,7 +67,6 @@ WRITTEN = {
     "turned": TURNED,
     "mixed": MIXED,
     "coupled": COUPLED,
-    "vx": SHARED,
 }
 
 

@@ -61,6 +61,13 @@ wheels:
   - {name: c, type: swedish, x: -ahead, y: 0, heading: pi/2, gamma: lean, r: r}
 couplings: [{equal: [a.spin, b.spin]}]
 """
+PAIR = """wmrgen: 1
+name: pair
+parameters: {{half: 0.2, {0}: 0.05}}
+wheels:
+  - {{name: left, type: fixed, x: 0, y: half, heading: 0, r: {0}}}
+  - {{name: right, type: fixed, x: 0, y: -half, heading: 0, r: {0}}}
+"""
 WRITTEN = {
     "base": MECANUM,
     "ring": EXAMPLE_2_4,

@@ -118,7 +118,7 @@ _LIMITED = {port.name: port for port in TWIST} | JOINTS
 
 def constants(robot: Robot, where: Site) -> tuple[tuple[str, float, str], ...]:
     """What a program may want to know of a robot file: name, nominal value in SI units, unit and what it is."""
-    numbers: list[tuple[str, float, str]] = [("wheels", len(robot.wheels), "how many wheels the robot has")]
+    numbers: list[tuple[str, float, str]] = [("wheels", len(robot.bodies), "how many wheels the robot has")]
     for w in robot.wheels:
         g = w.nominal
         lengths = (
@@ -143,6 +143,8 @@ _LEGEND: tuple[tuple[Callable[[Wheel], bool], str], ...] = (
      "x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track."),
     (lambda w: w.kind.directed,
      "heading: rolling direction at spin > 0, from the x axis (steered: at steer 0)."),
+    (lambda w: bool(w.ball) and w.ball != w.name,
+     "name_1, name_2: the two directions in which the ball called name is driven."),
     (lambda w: w.kind.swivels,
      "d: contact point minus pivot, along the rolling direction."),
     (lambda w: w.kind.rollers,

@@ -86,7 +86,13 @@ def _identity(robot: Robot) -> dict[str, Any]:
         "description": robot.description,
         "source": robot.source,
         "parameters": [
-            {"name": p.name, "value": float(p.nominal), "exact": str(p.nominal), "tunable": p.tunable}
+            {
+                "name": p.name,
+                "value": float(p.nominal),
+                "exact": str(p.nominal),
+                "tunable": p.tunable,
+                **({"range": [float(p.low), float(p.high)]} if p.tunable else {}),
+            }
             for p in robot.parameters
         ],
         "wheels": [_wheel(w) for w in robot.wheels],

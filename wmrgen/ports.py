@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from fractions import Fraction
 
 from wmrgen.exact.number import Exact
 
@@ -33,8 +34,9 @@ class Limits(StrEnum):
 class Port:
     """A named input or output: contract name (``vx``, ``left.spin``), role, unit, one line of text.
 
-    ``default`` is the nominal value of a tunable parameter, else None. ``bits``: how wide the counter is that a port
-    reads, a whole number; 0 of what is no counter.
+    ``default`` is the nominal value of a tunable parameter, else None; ``range``: the values that it may have, see
+    `usual_range` for one without. ``bits``: how wide the counter is that a port reads, a whole number; 0 of what is no
+    counter.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Port:
     text: str = ""
     default: Exact | None = None
     bits: int = 0
+    range: tuple[Exact, Exact] | None = None
 
 
 def output(name: str, unit: str, text: str) -> Port:
@@ -101,13 +104,13 @@ def timeless(name: str) -> str:
     return plain if time in TIMES else name
 
 
-SPREAD = 0.1  # of a tunable parameter about its nominal value
-SPAN = 0.01  # of one that is nominally zero [m, rad]
+SPREAD = Fraction(1, 10)  # of a tunable parameter about its nominal value
+SPAN = Fraction(1, 100)  # of one that is nominally zero [m, rad]
 
 
-def tuned(nominal: float) -> tuple[float, float]:
-    """The values of a tunable parameter that bounds are about and that checked code accepts."""
-    spread = abs(nominal) * SPREAD or SPAN
+def usual_range(nominal: Exact) -> tuple[Exact, Exact]:
+    """The values (low, high) of a tunable parameter for which the robot file has no range."""
+    spread = (nominal if nominal.sign >= 0 else -nominal) * SPREAD if nominal else Exact(SPAN)
     return nominal - spread, nominal + spread
 
 

@@ -115,17 +115,29 @@ class Derivation(Analysis):
         """
         return system_builder(name)(*driving(self.robot, self.mobility), symbolic)
 
-    def state_space(self, form: str | None = None, discrete: str | None = None, dt: float = 0.0) -> Any:
-        """casadi.Function (x, u, p) -> xdot of a model: posture, twist, eta, configuration, zeta, trailer; else the one
-        of model.json, whose ``state_space`` names the entries. NotDerivableError where there is none.
+    def state_space(self, form: str | None = None, discrete: str | None = None, dt: Any = None) -> Any:
+        """Return a model of motion as a casadi.Function of vectors; p is nominal if a call leaves it out.
 
-        ``discrete``: rk4, exact or collocation gives the step of ``dt`` [s], (x, u, p) -> (xnext, A, B, c).
+        Args:
+            form: posture, twist, eta, configuration, zeta or trailer. None: the form that model.json describes under
+                ``state_space``.
+            discrete: rk4, exact or collocation: return a step of constant inputs instead of rates.
+            dt: Length of the step [s]. If it is left out, or is a CasADi symbol, dt is the fourth input of the step.
+
+        Returns:
+            ``(x, u, p) -> xdot``; for a step ``(x, u, p) -> (xnext, A, B, c)``, to first order xnext = A x + B u + c;
+            with a free dt ``(x, u, p, dt) -> (xnext, A, B, c, by_dt)``, by_dt the derivative of xnext by dt.
+            `entries` names the entries of the vectors.
+
+        Raises:
+            NotDerivableError: The robot has no such model.
+            UsageError: Unknown form or step, or a dt that is no positive number.
         """
         model = self._of_vectors("ode", form)
-        if discrete is None and not dt:
+        if discrete is None and dt is None:
             return model
         if discrete is None:
-            raise UsageError(f"dt is {dt:g}, and there is no step to take. Write discrete='rk4' too.")
+            raise UsageError(f"dt is {dt}, and there is no step to take. Write discrete='rk4' too.")
         return BACKENDS["casadi"].offers("step")(model, lower(self.formula("odometry")), discrete, dt)
 
     def rolling(self) -> Any:

@@ -343,6 +343,25 @@ def test_the_robot_file_keeps_every_other_character(tmp_path: Path, text: str) -
     assert new == whole.replace("50 mm", "0.0512345").replace("value: 0.05,", "value: 0.0512345,")
 
 
+def test_a_range_that_the_value_leaves_is_widened(tmp_path: Path) -> None:
+    path = tmp_path / "r.yaml"
+    whole = (
+        "wmrgen: 1\nname: r\nparameters:\n  r: {value: 0.05, tunable: [49 mm, 0.051]}\n"
+        "  half: {tunable: [0.04, 0.06], value: 0.05}\nwheels:\n"
+        "  - {name: w, type: fixed, x: 0, y: half, heading: 0, r: r}\n"
+    )
+    path.write_text(whole)
+    new = with_values(path, {"r": 0.0512345, "half": 0.055})
+    assert new == whole.replace("value: 0.05, tunable: [49 mm, 0.051]", "value: 0.0512345, tunable: [49 mm, 0.0512345]"
+                                ).replace("value: 0.05}", "value: 0.055}")  # fmt: skip
+    lower = with_values(path, {"r": 0.04, "half": 0.02})
+    assert lower == whole.replace("value: 0.05, tunable: [49 mm", "value: 0.04, tunable: [0.04").replace(
+        "[0.04, 0.06], value: 0.05", "[0.02, 0.06], value: 0.02"
+    )
+    path.write_text(lower)
+    assert [float(p.low) for p in wmrgen.load(path).tunable] == [0.04, 0.02]
+
+
 def _rows(text: str) -> tuple[str, np.ndarray]:
     header, *rows = text.strip().split("\n")
     return header, np.array([[float(cell or "nan") for cell in row.split(",")] for row in rows])

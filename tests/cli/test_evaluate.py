@@ -50,6 +50,33 @@ def test_eval_knows_the_limits_of_joints_and_what_keeps_limits(wmrgen_cli: Cli) 
     assert wmrgen_cli("eval", PIONEER, "limit_twist", "vx=9", "vy=0", "omega=0").err == ""
 
 
+@pytest.mark.parametrize("theta", ["pi/2", "90 deg", "pi/4 + 45*pi/180", "-3*pi/2"])
+@pytest.mark.parametrize("words", [("--json",), ()])
+def test_eval_is_exact_where_its_input_is(wmrgen_cli: Cli, theta: str, words: tuple[str, ...]) -> None:
+    """Siegwart (3.11): theta = pi/2, r = 1, l = 1, wheel speeds 4 and 2 give (0, 3, 1); cos(pi/2) was 1e-67."""
+    layout = ROOT / "robots" / "textbook_differential.yaml"
+    words = ("theta=" + theta, "eta1=3", "eta2=1", *words)
+    out = wmrgen_cli("eval", layout, "dynamics", *words).out
+    if words[-1] == "--json":
+        assert json.loads(out) == {"x_rate": 0.0, "y_rate": 3.0, "theta_rate": 1.0}
+    else:
+        assert [line.split()[2] for line in out.splitlines()] == ["0.0", "3.0", "1.0"] and "(" not in out
+
+
+def test_eval_prints_short_exact_values(wmrgen_cli: Cli) -> None:
+    def told(*words: str) -> dict[str, str]:
+        lines = wmrgen_cli("eval", *words).out.splitlines()
+        return {line.split()[0]: line.partition(" (")[2].removesuffix(")") for line in lines}
+
+    heading = ("dynamics", "theta=pi/3", "eta1=1", "eta2=2/3")
+    assert told(str(PIONEER), *heading) == {"x_rate": "", "y_rate": "sqrt(3)/2", "theta_rate": "2/3"}
+    assert set(told(str(PIONEER), *heading, "--backend", "numpy").values()) == {""}
+    steering = told(str(ROOT / "robots" / "textbook_two_steer.yaml"), "inverse", "vx=1", "vy=-1")
+    assert steering["front.steer"] == "-pi/4" and steering["slip"] == ""
+    long = told(str(PIONEER), "dynamics", "theta=1", "eta1=1")
+    assert set(long.values()) == {""}
+
+
 def test_eval_json_has_every_digit(wmrgen_cli: Cli, robot_file: Path) -> None:
     done = wmrgen_cli("eval", robot_file, "inverse", "vx=1/3", "vy=0", "omega=45 deg/s", "--json")
     found = json.loads(done.out)

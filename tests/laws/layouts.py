@@ -66,6 +66,8 @@ def wheel(draw: st.DrawFn, kind: str) -> dict[str, Any]:
         "r": draw(radii),
         "text": {"heading": text},
     }
+    if kind == "spherical" and draw(st.booleans()):
+        w["driven"] = [text]
     if kind == "swedish":
         w["gamma"] = draw(gammas)
     if kind == "castor":

@@ -102,7 +102,8 @@ def test_rows_are_contact_velocities(layout: Layout) -> None:
         w["name"]: {kind: r for kind, *r in oracle.wheel_rows(w, steer.get(w["name"], 0.0))}
         for w in layout["wheels"]
     }
-    rolling: list[Any] = [rows[w["name"]]["rolling"] for w in layout["wheels"] if w["type"] != "spherical"]
+    rolls = [w["name"] for w in layout["wheels"] if w["type"] != "spherical" or "driven" in w]
+    rolling: list[Any] = [rows[name]["rolling"] for name in rolls]
     d = model.derivation
     pairs = [
         (d.J1, np.array([r[0] for r in rolling]).reshape(-1, 3)),

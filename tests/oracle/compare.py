@@ -81,24 +81,25 @@ def consistent(m: Any) -> None:
     assert (m.robot_type is None) == m.degenerate
     assert list(m.growth_vector) == sorted(m.growth_vector)
     assert m.growth_vector[0] == m.degree_of_maneuverability
-    assert m.growth_vector[-1] - m.degree_of_steerability <= m.dof
+    assert m.growth_vector[-1] - m.degree_of_steerability == m.dof
     if m.degree_of_mobility:
         assert any(f"= {m.degree_of_mobility}; delta_M" in reason for reason in m.reasons)
 
 
 def case_of(layout: Layout, model: Model, function: str, rng: random.Random, odd: bool) -> Case:
-    """Inputs; coupled joints stand and turn alike. ``odd``: zeros of both signs and quarter turns."""
+    """Inputs, parameters apart; coupled joints stand and turn alike. ``odd``: zeros of both signs and quarter turns."""
     lead = {
         j: oracle.leaders(layout, "spin" if j == "spin" else "steer") for j in ("spin", "steer", "steer_rate")
     }
     drawn: Case = {}
-    for name in model.ports(function)[0]:
+    inputs = [name for name in model.ports(function)[0] if name not in model.nominal]
+    for name in inputs:
         wheel, _, joint = name.partition(".")
         key = f"{lead[joint][wheel]}.{joint}" if joint and function == "inverse" else name
         if key not in drawn:
             drawn[key] = rng.choice(QUARTERS if joint else ODD) if odd else rng.randint(-2000, 2000) / 1000
         drawn[name] = drawn[key]
-    return {name: drawn[name] for name in model.ports(function)[0]}
+    return {name: drawn[name] for name in inputs}
 
 
 def evaluated(model: Model, function: str, case: Case) -> dict[str, Case]:

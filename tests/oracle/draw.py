@@ -105,6 +105,8 @@ def _wheel(rng: random.Random, type_: str) -> Wheel:
         w["actuated"] = rng.choice((["spin", "steer"], ["steer"], ["spin"], []) if type_ == "steered" else (
             [], ["spin", "steer"]))  # fmt: skip
         w["sensed"] = rng.choice((["spin", "steer"], ["spin", "steer"], ["steer"], []))
+    elif type_ == "spherical" and x > 0:
+        w["driven"] = [text]
     elif type_ != "spherical":
         w["actuated"] = rng.choice((["spin"], ["spin"], []))
         w["sensed"] = rng.choice((["spin"], ["spin"], []))

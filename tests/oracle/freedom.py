@@ -7,13 +7,13 @@ still has solutions after k random linear cuts. Castors stand at random angles, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tests.oracle import oracle
+from tests.oracle import oracle, reach
 
 Array = NDArray[np.float64]
 Layout = dict[str, Any]
@@ -45,7 +45,18 @@ def freedom(layout: Layout) -> Freedom:
     """The component with most steering, then most motion, then most brackets, wherever the castors stand."""
     swivelling = any(w["type"] == "castor" for w in layout["wheels"])
     found = [_best(layout, seed) for seed in range(CASTORS if swivelling else 1)]
-    return max(found, key=lambda f: (f.steerability, f.mobility, f.dof))
+    best = max(found, key=lambda f: (f.steerability, f.mobility, f.dof))
+    return (
+        replace(best, dof=reach.dof(layout, castor_angles(layout, 0)))
+        if _turns_with_castors(layout)
+        else best
+    )
+
+
+def _turns_with_castors(layout: Layout) -> bool:
+    """Whether two twists are admissible, and castors choose which: their angles follow from the motion."""
+    one, other = (reach.free_twists(layout, castor_angles(layout, seed)) for seed in range(2))
+    return one.shape[1] == other.shape[1] == 2 and np.linalg.matrix_rank(np.hstack([one, other]), LOOSE) > 2
 
 
 def _best(layout: Layout, seed: int) -> Freedom:
@@ -63,31 +74,19 @@ def _best(layout: Layout, seed: int) -> Freedom:
             steerability = cuts + 1 - mobility
             if (steerability, mobility, 3) <= (best.steerability, best.mobility, best.dof):
                 continue  # no algebra of twists has more dimensions than three
-            twists = _along(layout, castors, rows, planes, z, rng)
+            twists = _along(rows, planes, z, rng)
             still = max(abs(t[2]) for t in twists) < LOOSE
             better = Freedom(mobility, steerability, _closure(twists), still)
             best = max(best, better, key=lambda f: (f.steerability, f.mobility, f.dof))
     return Freedom(best.mobility, max(best.steerability, 0), best.dof, best.translates)
 
 
-def _along(
-    layout: Layout,
-    castors: dict[str, float],
-    rows: Equations,
-    planes: Array,
-    z: Array,
-    rng: np.random.Generator,
-) -> list[Array]:
-    """Twists of the component that ``z`` lies on: cuts and castors move a little, and the solution follows."""
-    lead = oracle.leaders(layout, "steer")
+def _along(rows: Equations, planes: Array, z: Array, rng: np.random.Generator) -> list[Array]:
+    """Twists of the component that ``z`` lies on: cuts move a little, and the solution follows."""
     null = _still(rows, z)
     mobility, twists = len(null), [z[-3:], *null]
     for _ in range(5):
-        moved = {n: float(v) for n, v in zip(castors, rng.uniform(-0.3, 0.3, len(castors)), strict=True)}
-        at = {n: castors[n] + moved[min(m for m in castors if lead[m] == lead[n])] for n in castors}
-        near = planes + rng.uniform(-0.15, 0.15, planes.shape)
-        rows = equations(layout, at) if castors else rows
-        new = _solve(rows, near, z)
+        new = _solve(rows, planes + rng.uniform(-0.15, 0.15, planes.shape), z)
         if new is None or min(np.abs(new[-3:] - z[-3:]).max(), np.abs(new[-3:] + z[-3:]).max()) > 0.3:
             continue
         null = _still(rows, new)

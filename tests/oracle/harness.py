@@ -20,20 +20,30 @@ Array = NDArray[np.float64]
 Layout = dict[str, Any]
 
 
-def robot_text(layout: Layout, name: str = "sample", polar: bool = False, extra: str = "") -> str:
-    """A robot file for a layout of floats (see `tests.oracle.oracle`); ``polar`` places by l, alpha, beta."""
-    lines = [f"wmrgen: 1\nname: {name}\n{extra}wheels:"]
+def robot_text(
+    layout: Layout, name: str = "sample", polar: bool = False, extra: str = "", tunable: bool = False
+) -> str:
+    """A robot file for a layout of floats (see `tests.oracle.oracle`); ``polar`` places by l, alpha, beta.
+
+    ``tunable``: every length and angle of every wheel is a tunable parameter of its own.
+    """
+    parameters: dict[str, str] = {}
+    lines = ["wheels:"]
     for w in layout["wheels"]:
-        keys = [f"name: {w['name']}", f"type: {w['type']}", *_place(w, polar), f"r: {float(w['r'])!r}"]
-        for key, own in (
-            ("gamma", "gamma"),
-            ("d", "d"),
-            ("offset_y", "o"),
-            ("r_sw", "r_sw"),
-            ("weight", "weight"),
-        ):
+        geometry = _place(w, polar) | {"r": repr(float(w["r"]))}
+        for key, own in (("gamma", "gamma"), ("d", "d"), ("offset_y", "o"), ("r_sw", "r_sw")):
             if w.get(own):
-                keys.append(f"{key}: {float(w[own])!r}")
+                geometry[key] = repr(float(w[own]))
+        if "driven" in w:
+            geometry = {key: value for key, value in geometry.items() if key not in ("heading", "beta")}
+        if tunable:
+            parameters |= {f"{w['name']}_{key}": value for key, value in geometry.items()}
+            geometry = {key: f"{w['name']}_{key}" for key in geometry}
+        keys = [f"name: {w['name']}", f"type: {w['type']}", *(f"{k}: {v}" for k, v in geometry.items())]
+        if w.get("weight"):
+            keys.append(f"weight: {float(w['weight'])!r}")
+        if "driven" in w:
+            keys.append(f"driven: [{', '.join(map(str, w['driven']))}]")
         if "actuated" in w:
             keys.append(f"actuated: [{', '.join(w['actuated'])}]")
         if "sensed" in w:
@@ -46,18 +56,20 @@ def robot_text(layout: Layout, name: str = "sample", polar: bool = False, extra:
         lines.append("couplings:")
         for joint, names in layout["couplings"]:
             lines.append(f"  - equal: [{', '.join(f'{n}.{joint}' for n in names)}]")
-    return "\n".join(lines) + "\n"
+    head = [f"wmrgen: 1\nname: {name}"]
+    if parameters:
+        head += ["parameters:", *(f"  {k}: {{value: {v}, tunable: true}}" for k, v in parameters.items())]
+    return "\n".join([*head, extra + lines[0], *lines[1:]]) + "\n"
 
 
-def _place(w: dict[str, Any], polar: bool) -> list[str]:
+def _place(w: dict[str, Any], polar: bool) -> dict[str, str]:
     """Placement and orientation. ``text`` holds exact expressions for keys whose float is rounded."""
     x, y, heading = float(w["x"]), float(w["y"]), float(w["heading"])
     if not polar:
-        return [
-            f"{k}: {w.get('text', {}).get(k, repr(v))}" for k, v in (("x", x), ("y", y), ("heading", heading))
-        ]
+        values = (("x", x), ("y", y), ("heading", heading))
+        return {k: w.get("text", {}).get(k, repr(v)) for k, v in values}
     alpha = math.atan2(y, x)
-    return [f"l: {math.hypot(x, y)!r}", f"alpha: {alpha!r}", f"beta: {heading + math.pi / 2 - alpha!r}"]
+    return {"l": repr(math.hypot(x, y)), "alpha": repr(alpha), "beta": repr(heading + math.pi / 2 - alpha)}
 
 
 class Model:

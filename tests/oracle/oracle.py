@@ -5,6 +5,7 @@ Shares no code with wmrgen. A layout is a dict of floats (SI, radians)::
     {"wheels": [{"name", "type", "x", "y", "heading", "r", "gamma", "d", "o"}, …],
      "couplings": [("steer", ["a", "b"]), …]}
 
+A wheel of type spherical with ``driven`` is a ball that one drive rolls along ``heading``.
 ``heading`` is the rolling direction at steering zero; the contact is B = A + d e + o n.
 A state of the joints is a dict of ``<wheel>.spin``, ``<wheel>.steer``, ``<wheel>.steer_rate``.
 """
@@ -45,7 +46,7 @@ def row(direction: Array, point: Array) -> Array:
 
 def wheel_rows(wheel: Wheel, steer: float) -> list[tuple[str, Array, float, float]]:
     """(kind, twist row, coefficient of spin, coefficient of steer rate): row @ twist + c1 spin + c2 rate = 0."""
-    if wheel["type"] == "spherical":
+    if wheel["type"] == "spherical" and not wheel.get("driven"):
         return []
     e, n, contact = geometry(wheel, steer)
     gamma = wheel.get("gamma", 0.0)
@@ -53,7 +54,7 @@ def wheel_rows(wheel: Wheel, steer: float) -> list[tuple[str, Array, float, floa
     arm = contact - np.array([wheel["x"], wheel["y"]])
     steer_term = float(row(axis, arm)[2]) if wheel["type"] in STEERABLE else 0.0
     rows = [("rolling", row(axis, contact), -wheel["r"] * math.cos(gamma), steer_term)]
-    if wheel["type"] != "swedish":
+    if wheel["type"] not in ("swedish", "spherical"):
         side = float(row(n, arm)[2]) if wheel["type"] in STEERABLE else 0.0
         rows.append(("sliding", row(n, contact), 0.0, side))
     return rows

@@ -49,8 +49,17 @@ def read(path: Path) -> dict[str, Any]:
         (entry["equal"][0].split(".")[1], [item.split(".")[0] for item in entry["equal"]])
         for entry in data.get("couplings", [])
     ]
-    wheels = [wheel(entry, names, scale) for entry in data["wheels"]]
+    wheels = [w for entry in data["wheels"] for w in drives(entry, names, scale)]
     return {"name": data["name"], "wheels": wheels, "couplings": couplings}
+
+
+def drives(entry: dict[str, Any], names: dict[str, float], scale: float) -> list[dict[str, Any]]:
+    """The wheel, or a record for each direction in which a ball is driven."""
+    directions = entry.get("driven", [])
+    records = [wheel(entry | {"heading": d}, names, scale) | {"driven": True} for d in directions]
+    if len(records) > 1:
+        records = [w | {"name": f"{w['name']}_{k + 1}"} for k, w in enumerate(records)]
+    return records or [wheel(entry, names, scale)]
 
 
 def wheel(entry: dict[str, Any], names: dict[str, float], scale: float) -> dict[str, Any]:

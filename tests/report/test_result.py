@@ -23,7 +23,8 @@ WRITTEN = (
     "f1tenth", "festo_robotino",
     "jpl_osr", "kuka_youbot", "lekiwi", "locked_bicycle", "mir_100", "neobotix_mp_400", "nexus_4wd", "pioneer3dx",
     "ssl_parsian", "synchro_drive", "textbook_differential", "textbook_omni_steer", "textbook_omnidirectional",
-    "textbook_tricycle", "textbook_two_steer", "tractor_off_axle", "turtlebot3_burger", "unicycle", "wpilib_swervebot",
+    "textbook_tribolo", "textbook_tricycle", "textbook_two_spheres", "textbook_two_steer", "tractor_off_axle",
+    "turtlebot3_burger", "unicycle", "wpilib_swervebot",
 )  # fmt: skip
 
 

@@ -144,24 +144,19 @@ def pfaffian_rows(s: Seed, name: str) -> tuple[dict[str, float], dict[str, float
 
 
 def two_axis_balls(s: Seed) -> None:
-    """Each powered ball as two omni wheels at right angles (see `split_balls`)."""
-    order = ["b1x", "b1y", "b2x", "b2y"]
+    """Each ball is driven along x and along y (see `driven_balls`)."""
+    order = ["b1_1", "b1_2", "b2_1", "b2_2"]
     columns = [s.forward({f"{m}.spin": float(n == m) for m in order}) for n in order]
     s.close(np.array(columns).T, s.expect["value"])
 
 
-def split_balls(layout: dict[str, Any]) -> dict[str, Any]:
-    """A ball driven about two axes transmits force like two omni wheels in one place."""
-    wheels = []
-    for w in layout["wheels"]:
-        if w["type"] != "spherical":
-            wheels.append(w)
-            continue
-        for suffix, heading in (("x", 0.0), ("y", math.pi / 2)):
-            wheels.append(
-                w | {"name": w["name"] + suffix, "type": "swedish", "gamma": 0.0, "heading": heading}
-            )
-    return layout | {"wheels": wheels}
+def driven_balls(layout: dict[str, Any]) -> dict[str, Any]:
+    """The balls with their two drives, which the case says in words."""
+    return layout | {
+        "wheels": [
+            w | ({"driven": [0.0, math.pi / 2]} if w["type"] == "spherical" else {}) for w in layout["wheels"]
+        ]
+    }
 
 
 def mecanum_jacobians(s: Seed) -> None:
@@ -263,7 +258,7 @@ def fk(s: Seed) -> None:
         s.close(twist, [e["v_x"], 0.0, e["omega"]])
 
 
-ADAPT: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {"S-3.7.2": split_balls}
+ADAPT: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {"S-3.7.2": driven_balls}
 _WHAT: dict[str, Callable[[Seed], None]] = {
     "IK_body": ik_body, "FK_body": fk_body, "J1": rows_j1, "C1": rows_c1, "J1_C1": rows_steered,
     "stack_J1_C1": stack, "castor_rows": castor_rows, "FK_body_two_axis_balls": two_axis_balls,

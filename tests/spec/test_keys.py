@@ -292,7 +292,8 @@ def _beside_in_a_wheel(key: str) -> list[str]:
     """What a wheel with a key has beside it; the type is one that takes the key and has a motor, where one does."""
     taking = [k for k in WHEEL_TYPES.values() if k.takes(key) or not WHEEL.field(key).misfit]
     kind = max(taking, key=lambda k: (len(k.actuated), len(k.joints)))
-    keys = {"name": "w", "type": kind.name} | dict.fromkeys(kind.required, "0.1")
+    drive = kind.powered if kind.powered and key == "driven" else kind
+    keys = {"name": "w", "type": kind.name} | dict.fromkeys(drive.required, "0.1")
     keys |= {"l": "1", "alpha": "1"} if key in ("l", "alpha") else {"x": "0", "y": "0"}
     keys |= {"heading": "0"} if kind.oriented and key != "beta" else {}
     return [f"{k}: {v}" for k, v in keys.items() if k != key]

@@ -11,7 +11,7 @@ points where they have no derivative; there the derivative given is 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -141,12 +141,53 @@ def evaluate(module: Module, requests: Sequence[Request]) -> list[dict[str, floa
 
 # ---- vectors, for optimisers
 
-# Defaults of vectors are one number for all entries, so that p cannot be nominal: called without it a model gives NaN,
-# where lengths of CasADi's own default, 0, would give what looks like results.
-_WITHOUT_P = {"default_in": [0.0, 0.0, math.nan]}
+
+class OfVectors(ca.Function):
+    """A CasADi function of vectors in which ``p`` is nominal if a call leaves it out.
+
+    CasADi itself has one default for all entries of an input. Functions that CasADi makes from this one (``map``,
+    ``factory``, files) have CasADi's default: the nominal value if all entries share it, else NaN.
+    """
+
+    def __init__(self, function: ca.Function, nominal: Sequence[float] | None = None) -> None:
+        super().__init__(function)
+        self.nominal: tuple[float, ...] = tuple(
+            getattr(function, "nominal", ()) if nominal is None else nominal
+        )
+
+    def call(self, *args: Any) -> Any:
+        """As `casadi.Function.call`, with p filled in."""
+        given, *flags = args
+        place = self.index_in("p")
+        if isinstance(given, dict):
+            given = {"p": ca.DM(self.nominal), **given}
+        elif len(given) == place == self.n_in() - 1:
+            given = [*given, ca.DM(self.nominal)]
+        return super().call(given, *flags)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**super().__getstate__(), "nominal": self.nominal}
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        self.__init__(ca.Function.deserialize(state["serialization"]), state["nominal"])  # type: ignore[misc]
 
 
-def of_vectors(vector: VectorForm, robot: str) -> ca.Function:
+def _of_vectors(
+    name: str,
+    inputs: dict[str, Any],
+    outputs: dict[str, Any],
+    nominal: Sequence[float],
+) -> OfVectors:
+    """The function ``name`` of x, u, p and, for a free step, dt, which has no default."""
+    same = nominal[0] if len(set(nominal)) == 1 else math.nan
+    options = {"default_in": [{"p": same, "dt": math.nan}.get(key, 0.0) for key in inputs]}
+    function = ca.Function(
+        name, list(inputs.values()), list(outputs.values()), list(inputs), list(outputs), options
+    )
+    return OfVectors(function, nominal)
+
+
+def of_vectors(vector: VectorForm, robot: str) -> OfVectors:
     """``(x, u, p) -> xdot``, or another result, of vectors."""
     vectors = [ca.SX.sym(name, len(entries)) for name, entries in zip("xup", vector.vectors, strict=True)]
     named = {
@@ -154,9 +195,9 @@ def of_vectors(vector: VectorForm, robot: str) -> ca.Function:
     }
     inputs = [named[port.name] for port in vector.function.inputs]
     rates = to_casadi(vector.function, vector.function.name).call(inputs)
-    return ca.Function(
-        ca.Function.fix_name(f"{robot}_{vector.name}"), vectors, [ca.densify(ca.vertcat(*rates))],
-        ["x", "u", "p"], [vector.result], _WITHOUT_P,
+    return _of_vectors(
+        ca.Function.fix_name(f"{robot}_{vector.name}"), dict(zip("xup", vectors, strict=True)),
+        {vector.result: ca.densify(ca.vertcat(*rates))}, vector.nominal,
     )  # fmt: skip
 
 
@@ -167,27 +208,54 @@ _SCHEMES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 }
 
 
-def step(model: ca.Function, odometry: Function, kind: str, dt: float) -> ca.Function:
-    """``(x, u, p) -> (xnext, A, B, c)``: the state after ``dt`` [s] under constant inputs; to first order it is
-    A x + B u + c. ``kind``: rk4, collocation, or exact, by the robot's ``odometry``. UsageError for another, for a step
-    that takes no time, and for exact where the twist changes with the state."""
+def step(model: OfVectors, odometry: Function, kind: str, dt: Any = None) -> OfVectors:
+    """Return the state after a step of constant inputs, with its derivatives.
+
+    Args:
+        model: ``(x, u, p) -> xdot``.
+        odometry: The robot's odometry, which is exact for a constant twist.
+        kind: rk4, collocation, or exact (by odometry).
+        dt: Length of the step [s]. None or a CasADi symbol: dt is the fourth input.
+
+    Returns:
+        ``(x, u, p) -> (xnext, A, B, c)`` with xnext = A x + B u + c to first order. With a free dt
+        ``(x, u, p, dt) -> (xnext, A, B, c, by_dt)``: by_dt is the derivative of xnext by dt [1/s].
+
+    Raises:
+        UsageError: Another kind, a dt that is not a positive number or symbol, or an exact step of a model whose twist
+            changes with the state.
+    """
     if kind not in ("exact", *_SCHEMES):
         raise UsageError(f"there is no step {kind}: write exact, {' or '.join(_SCHEMES)}")
-    if not 0 < dt < math.inf:
-        raise UsageError(f"dt is {dt:g}: a step takes time. Write dt in seconds, such as 0.05.")
+    free = dt is None or (isinstance(dt, (ca.SX, ca.MX)) and dt.is_symbolic() and dt.is_scalar())
+    if not free and not _is_time(dt):
+        raise UsageError(
+            f"dt is {dt}: a step takes time. Write dt in seconds, such as 0.05, or leave it out: dt is then an input."
+        )
     symbol: Any = ca.MX.sym if kind == "collocation" else ca.SX.sym  # what solves equations has no SX
     x, u, p = vectors = [symbol(name, model.size1_in(i)) for i, name in enumerate("xup")]
+    time = symbol("dt") if free else float(dt)
     if kind == "exact":
-        after = _exact(model, to_casadi(odometry, "odometry"), vectors, dt)
+        after = _exact(model, to_casadi(odometry, "odometry"), vectors, time)
     else:
         scheme, options = _SCHEMES[kind]
-        after = x + scheme(_changes(model), *options)(ca.DM.zeros(x.shape), ca.vertcat(x, u, p), dt)
+        after = x + scheme(_changes(model), *options)(ca.DM.zeros(x.shape), ca.vertcat(x, u, p), time)
     a, b = ca.jacobian(after, x), ca.jacobian(after, u)
     affine = after - ca.mtimes(a, x) - ca.mtimes(b, u)
-    return ca.Function(
-        f"{model.name()}_{kind}", vectors, [after, ca.densify(a), ca.densify(b), affine], ["x", "u", "p"],
-        ["xnext", "A", "B", "c"], _WITHOUT_P,
-    )  # fmt: skip
+    inputs = dict(zip("xup", vectors, strict=True))
+    outputs = {"xnext": after, "A": ca.densify(a), "B": ca.densify(b), "c": affine}
+    if free:
+        inputs["dt"] = time
+        outputs["by_dt"] = ca.densify(ca.jacobian(after, time))
+    return _of_vectors(f"{model.name()}_{kind}", inputs, outputs, model.nominal)
+
+
+def _is_time(dt: Any) -> bool:
+    """Whether it is a positive number."""
+    try:
+        return 0 < float(dt) < math.inf
+    except (TypeError, ValueError, RuntimeError, NotImplementedError):
+        return False
 
 
 def _changes(model: ca.Function) -> ca.Function:
@@ -198,7 +266,7 @@ def _changes(model: ca.Function) -> ca.Function:
     return ca.Function("ode", [change, ca.vertcat(x, u, p)], [model(x + change, u, p)], ["x", "p"], ["ode"])
 
 
-def _exact(model: ca.Function, odometry: ca.Function, vectors: Sequence[ca.SX], dt: float) -> ca.SX:
+def _exact(model: ca.Function, odometry: ca.Function, vectors: Sequence[ca.SX], dt: Any) -> ca.SX:
     """x y theta by odometry, which is exact where the twist is constant; what else there is by a constant rate or by
     one that falls off at first order."""
     x, u, p = vectors
@@ -211,8 +279,9 @@ def _exact(model: ca.Function, odometry: ca.Function, vectors: Sequence[ca.SX], 
     if any(ca.which_depends(ca.vertcat(model(x, u, p)[3:], ca.diag(decay)), x[:3], 1, True)):
         raise UsageError(_NOT_EXACT)
     pose = odometry(x[0], x[1], x[2], body[0], body[1], body[2], dt)
-    per_rate = [dt if k == 0 else math.expm1(k * dt) / k for k in ca.evalf(ca.diag(decay)).full().ravel()]
-    return ca.vertcat(*pose, rest + ca.DM(per_rate) * body[3:])
+    per_rate = [dt if k == 0 else ca.expm1(k * dt) / k for k in ca.evalf(ca.diag(decay)).full().ravel()]
+    result: ca.SX = ca.vertcat(*pose, rest + ca.vertcat(*per_rate) * body[3:])
+    return result
 
 
 _NOT_EXACT = (

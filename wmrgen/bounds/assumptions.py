@@ -3,8 +3,8 @@
 Inputs lie within the limits of the robot file. Where it has none: vy as vx; steering angles two turns about zero; spins
 and steering rates what `inverse` commands within the limits of the twist; a pose 100 m and two turns around the origin,
 headings of trailers alike, steps of at most 0.1 s and what wheels turn in them; residuals of at most 1 m/s and
-covariances of at most 1 in SI units; speeds of virtual wheels as vx; tunable parameters 10 % around their
-nominal value. The limits of vx and omega have no such default: without them there is nothing to prove. A rate that
+covariances of at most 1 in SI units; speeds of virtual wheels as vx; tunable parameters 10 % around their nominal
+value. The limits of vx and omega have no such default: without them there is nothing to prove. A rate that
 nothing commands needs a limit, too. What keeps the rates of joints inside their limits is looked at for all that
 `inverse` commands, what keeps twists inside theirs for `BEYOND` times as much, see `Limits.ASKED`.
 """
@@ -24,9 +24,9 @@ from wmrgen.ir.interval import Array, inside
 from wmrgen.ir.kernels.choice import AVR, INLINE, Choice
 from wmrgen.ir.kernels.trigonometry import Worst, worst
 from wmrgen.ir.nodes import Function, Limits, Op, Port, Role
-from wmrgen.ir.rounding import to_float32, to_float64
+from wmrgen.ir.rounding import to_float32, to_float64, tuned
 from wmrgen.layout.records import Robot
-from wmrgen.ports import TWIST_NAMES, timeless, tuned
+from wmrgen.ports import TWIST_NAMES, timeless
 
 _EXPONENT = 0x7FF << 52  # of a double
 _LEAST = 2.0**-1000
@@ -184,7 +184,7 @@ class Domain:
         if name in self.declared:
             return self.declared[name]
         if port.role is Role.GEOMETRY and port.default is not None:
-            return inside(*tuned(to_float64(port.default)))
+            return tuned(port)
         if name == "vy":
             return self.declared.get("vx")
         if name in _POSE:

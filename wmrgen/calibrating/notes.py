@@ -8,7 +8,8 @@ from math import degrees, isnan, pi
 from wmrgen.calibrating.calibrate import Calibration, Estimate
 from wmrgen.calibrating.drifts import Drift
 from wmrgen.calibrating.observability import WEAK, Offer, blind, offers, plan
-from wmrgen.calibrating.written import untold
+from wmrgen.calibrating.written import beyond, untold
+from wmrgen.ports import usual_range
 from wmrgen.robot import Derivation
 
 _FAR_OFF = 0.15  # of a length: nobody measures worse
@@ -31,6 +32,13 @@ def notes(derivation: Derivation, result: Calibration) -> list[str]:
             f"{', '.join(far)}: more than {100 * _FAR_OFF:.0f} % from nominal; if that was measured, see whether "
             "counts of a turn, gears and units of log and truth are right"
         )
+    for p in derivation.robot.tunable:
+        value = result.parameters[p.name].value
+        if beyond(p, value) and (p.low, p.high) != usual_range(p.nominal):
+            said.append(
+                f"{p.name} = {value:.6g} is outside its range in the robot file, {float(p.low):.6g} to "
+                f"{float(p.high):.6g}: the C of that file refuses it; a new robot file has a wider range"
+            )
     for slip in result.outliers:
         how = (
             "its joints disagree"

@@ -11,8 +11,10 @@ from wmrgen.calibrating.mistakes import unlike
 from wmrgen.errors import NotDerivableError
 from wmrgen.exporting.ros2_control import ros2_control
 from wmrgen.ir.nodes import Module
-from wmrgen.layout.records import Robot
+from wmrgen.layout import build
+from wmrgen.layout.records import Parameter, Robot
 from wmrgen.spec.load import read_robot
+from wmrgen.spec.records import Quantity
 from wmrgen.symbolic import expression
 
 _LOST = 4.0  # times the nominal value, or less than its fourth part, or of another sign
@@ -34,15 +36,29 @@ def told(result: Calibration) -> dict[str, float]:
 
 
 def with_values(path: Path, values: Mapping[str, float]) -> str:
-    """The text of a robot file with ``values`` [m, rad] in place of those that it gives the parameters."""
+    """The text of a robot file with ``values`` [m, rad] in place of those that it gives the parameters. A range that a
+    value leaves is widened to it."""
     lines = path.read_bytes().decode("utf-8").split("\n")
-    parameters = [p for p in read_robot(path).parameters if p.name in values]
-    for p in sorted(parameters, key=lambda p: (p.value.mark.line, p.value.mark.column), reverse=True):
-        line, column = p.value.mark.line - 1, p.value.mark.column - 1
-        text = lines[line]
-        start = text.index(p.value.text, column)
-        lines[line] = f"{text[:start]}{values[p.name]:.8g}{text[start + len(p.value.text) :]}"
+    spec = read_robot(path)
+    before = {p.name: p for p in build(spec).parameters}
+    changes = list[tuple[Quantity, str]]()
+    for p in spec.parameters:
+        if p.name in values:
+            text = f"{values[p.name]:.8g}"
+            side = beyond(before[p.name], float(text))
+            changes.append((p.value, text))
+            if p.range is not None and side:
+                changes.append((p.range[side > 0], text))
+    for written, text in sorted(changes, key=lambda c: (c[0].mark.line, c[0].mark.column), reverse=True):
+        line, column = written.mark.line - 1, written.mark.column - 1
+        start = lines[line].index(written.text, column)
+        lines[line] = f"{lines[line][:start]}{text}{lines[line][start + len(written.text) :]}"
     return "\n".join(lines)
+
+
+def beyond(p: Parameter, value: float) -> int:
+    """Whether a value is below (-1) or above (1) the range of its parameter."""
+    return (value > float(p.high)) - (value < float(p.low))
 
 
 def controllers(robot: Robot) -> tuple[str, str]:

@@ -89,13 +89,21 @@ def result(text: str, style: str = "") -> None:
     _line(sys.stdout, text, style)
 
 
-def values(named: Mapping[str, object], units: Mapping[str, str] | None = None) -> None:
-    """Names and values one below the other, each with its unit; a point in parentheses, a text as it is."""
+def values(
+    named: Mapping[str, object],
+    units: Mapping[str, str] | None = None,
+    remarks: Mapping[str, str] | None = None,
+) -> None:
+    """Names and values one below the other, each with its unit and a remark in parentheses; a point in parentheses, a
+    text as it is."""
     width = max(map(len, named), default=0)
     for name, value in named.items():
         point = f"({', '.join(map(repr, value))})" if isinstance(value, list) else None
         unit = f" {units[name]}" if units and units.get(name) else ""
-        result(f"{name:<{width}} = {point or (value if isinstance(value, str) else repr(value))}{unit}")
+        remark = f" ({remarks[name]})" if remarks and remarks.get(name) else ""
+        result(
+            f"{name:<{width}} = {point or (value if isinstance(value, str) else repr(value))}{unit}{remark}"
+        )
 
 
 def data(value: object) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
@@ -14,14 +15,21 @@ from wmrgen.cli.loading import noted, warn_of_gains
 from wmrgen.cli.textbook import installed
 from wmrgen.cli.values import Case, from_file, from_words, note_zeros
 from wmrgen.errors import UsageError
+from wmrgen.exact.evaluate import over_pi
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.ir.kernels.choice import DEFAULT, Choice, choice
+from wmrgen.layout.expressions import multiple_of_pi
 from wmrgen.ports import Limits, timeless
 from wmrgen.spec.text import suggestion
 
 if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
     from wmrgen.layout.records import Robot
+
+
+LONGEST = (
+    24  # characters of an exact value that is printed beside its decimals: (sqrt(2) + sqrt(6))/4 is shorter
+)
 
 
 class Modules(Protocol):
@@ -64,7 +72,8 @@ def evaluate(
         inputs = [from_words(values or (), ports)] if cases is None else from_file(cases, ports)
         step(f"computing {function} with {backend}")
         whole = [{p.name: case.get(p.name, p.default or ZERO) for p in ports} for case in inputs]
-        results = computed(modules, written, whole, backend, chosen)
+        exact = exactly(modules, written, whole) if _entry(backend) is None else None
+        results = [*map(_doubles, exact)] if exact else computed(modules, written, whole, backend, chosen)
     units = {port.name: port.unit for port in (*ports, *written.outputs)}
     note_zeros([port for port in ports if port.default is None], inputs)
     beyond = _beyond(modules, written, inputs)
@@ -76,8 +85,21 @@ def evaluate(
         limits = {name: [float(low), float(high)] for name, (low, high) in beyond.items()}
         console.data({**results[0], **({"beyond_limits": limits} if limits else {})})
     else:
-        console.values(results[0], units)
+        console.values(results[0], units, {name: _short(v) for name, v in exact[0].items()} if exact else {})
     return 0
+
+
+def _short(value: Exact) -> str:
+    """What a number is exactly, in the grammar of inputs: sqrt(3)/2, pi/4, 40/13; "" where its decimals say as much or
+    it is long."""
+    half_turns, size = over_pi(value), max(value.den, *map(abs, value.num))
+    if half_turns:
+        text = multiple_of_pi(half_turns)
+    elif size > 10**LONGEST or value == Fraction(repr(float(value))):
+        return ""
+    else:
+        text = str(value)
+    return text if len(text) <= LONGEST else ""
 
 
 def _beyond(modules: Modules, function: Function, cases: Sequence[Case]) -> dict[str, tuple[Exact, Exact]]:
@@ -119,15 +141,21 @@ def computed(
     """Outputs of ``function`` for each case, as the backend that the command line calls ``backend`` computes them."""
     entry = _entry(backend)
     if entry is None:
-        from wmrgen.ir.interpret import EXACT, evaluate_module
-
-        module = modules.raw_module
-        return [_doubles(evaluate_module(module, function.name, case, EXACT)) for case in cases]
+        return [_doubles(result) for result in exactly(modules, function, cases)]
     module = getattr(modules, entry.source)
     results = entry.evaluate(module, [(function.name, _doubles(case)) for case in cases], choice.words())
     _note_overflow(results, entry, choice)
     order = [port.name for port in function.outputs]
     return [{name: result[name] for name in order if name in result} for result in results]
+
+
+def exactly(
+    modules: Modules, function: Function, cases: Sequence[Mapping[str, Exact]]
+) -> list[dict[str, Exact]]:
+    """Outputs of ``function`` for each case, in exact arithmetic."""
+    from wmrgen.ir.interpret import EXACT, evaluate_module
+
+    return [evaluate_module(modules.raw_module, function.name, case, EXACT) for case in cases]
 
 
 def _note_overflow(results: Sequence[Mapping[str, float]], entry: Entry, choice: Choice) -> None:

@@ -84,16 +84,22 @@ def _step(
     out: Path | None,
     as_json: bool,
 ) -> int:
-    """Write the step to the file ``out``, or print what it gives at ``values``: state after it, A, B and c."""
-    if dt is None or form == "chained":
-        what = "the chained form has no step" if form == "chained" else "a step takes --dt"
-        raise UsageError(f"{what}. Write --dt 0.05 [s] and any --form but chained.")
-    span = float(from_words([f"dt={dt}"], [Port("dt", Role.COMMAND, "s")])["dt"])
+    """Write the step to the file ``out``, or print what it gives at ``values``: state after it, A, B and c.
+
+    Without ``dt`` the file has it as the fourth input.
+    """
+    if form == "chained":
+        raise UsageError("the chained form has no step. Write any --form but chained.")
+    span = None if dt is None else float(from_words([f"dt={dt}"], [Port("dt", Role.COMMAND, "s")])["dt"])
     step = derivation.state_space(form, discrete, span)
     if out is not None:
         write_file(out, BACKENDS["casadi"].offers("content")(step))
         console.result(str(out))
         return 0
+    if span is None:
+        raise UsageError(
+            "there is no --dt. Write --dt 0.05 [s], or -o FILE for a step with dt as its fourth input."
+        )
     space = state_space(derivation.robot, derivation.mobility, form)
     groups = (space.state, space.inputs, space.geometry)
     case = from_words(values, [port for ports in groups for port in ports])
@@ -136,15 +142,16 @@ def _unbounded(system: System, case: Mapping[str, Exact]) -> bool:
     return not all(abs(kept[name] - free[name]) < 1 for name in kept)
 
 
-def structure(robot: Path, as_json: bool) -> int:
-    """Print Frobenius's test with its proofs, integrals, Lie brackets, flat outputs and the chained form."""
+def structure(robot: Path, form: str | None, as_json: bool) -> int:
+    """Print Frobenius's test with its proofs, integrals, Lie brackets (of the model called ``form``), flat outputs and
+    the chained form."""
     from wmrgen.printing import exact
 
     with derived(robot) as derivation:
         if as_json:
-            console.data(_facts(derivation, exact))
+            console.data(_facts(derivation, form, exact))
             return 0
-        lines = _lines(derivation)
+        lines = _lines(derivation, form)
     console.result("\n".join(lines))
     return 0
 
@@ -202,22 +209,27 @@ def schema(as_markdown: bool, as_json: bool) -> int:
     return 0
 
 
-def _lines(d: Derivation) -> list[str]:
+def _lines(d: Derivation, form: str | None) -> list[str]:
     """What a reader sees: fractions too long to read as decimals."""
     from wmrgen.printing import Reader
 
     shown = Reader()
-    facts = _facts(d, shown)
+    facts = _facts(d, form, shown)
     lines = [facts["text"]]
     lines += [f"  {row['wheel']}, {row['kind']}: {row['proof']}" for row in facts["constraints"]]
     lines += [f"  integrates to: {text}" for text in facts["integrals"]]
     lines += [f"brackets: {facts['brackets']}"]
+    for other in facts["exceptional"] or ():
+        vector = ", ".join(map(str, other["growth_vector"]))
+        lines.append(
+            f"  where {other['condition']}: {f'growth vector ({vector})' if vector else 'another one may hold'}"
+        )
     lines += [f"  {name} = ({', '.join(field)})" for name, field in facts["fields"].items()]
     lines += [f"{key}: {facts[key]}" for key in ("flat", "chained")]
     return [*lines, shown.note] if shown.note else lines
 
 
-def _facts(d: Derivation, shown: Shown) -> dict[str, Any]:
+def _facts(d: Derivation, form: str | None, shown: Shown) -> dict[str, Any]:
     tests = d.integrability
     return {
         "text": tests.text,
@@ -232,20 +244,32 @@ def _facts(d: Derivation, shown: Shown) -> dict[str, Any]:
             for r in tests.rows
         ],
         "integrals": [i.text for i in tests.integrals],
-        **_growth(d, shown),
+        **_growth(d, form, shown),
         "flat": _or_why(lambda: _flat(d)),
         "chained": _or_why(lambda: _chained(d)),
     }  # fmt: skip
 
 
-def _growth(d: Derivation, shown: Shown) -> dict[str, Any]:
-    """Dimensions that input fields and brackets span, by order, and brackets that add one."""
+def _growth(d: Derivation, form: str | None, shown: Shown) -> dict[str, Any]:
+    """Dimensions that input fields and brackets span, by order, brackets that add one, and where there are others."""
+    from wmrgen.functions.models.exceptional import exceptional
+    from wmrgen.functions.models.growth import growing, growth
+
     try:
-        growth = d.growth
+        system = growing(d.robot, d.mobility) if form is None else d.system(form, symbolic=True)
+        found = growth(system)
     except NotDerivableError as error:
-        return {"growth_vector": [], "brackets": f"none: {error.what}", "fields": {}}
-    fields = {b.name: list(b.written(shown)) for b in growth.brackets}
-    return {"growth_vector": list(growth.vector), "brackets": growth.text, "fields": fields}
+        return {"growth_vector": [], "brackets": f"none: {error.what}", "fields": {}, "exceptional": None}
+    sets = exceptional(system, found)
+    return {
+        "growth_vector": list(found.vector),
+        "brackets": found.told(everywhere=sets == ()),
+        "fields": {b.name: list(b.written(shown)) for b in found.brackets},
+        "exceptional": None if sets is None else [
+            {"condition": f"{shown(s.condition)} = 0", "growth_vector": list(s.vector)} for s in sets
+        ],
+        "state": list(found.state),
+    }  # fmt: skip
 
 
 def _flat(d: Derivation) -> str:

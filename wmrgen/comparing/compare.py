@@ -14,7 +14,6 @@ from wmrgen.comparing.record import Comparison, Effect, Layout, Silent
 from wmrgen.errors import Mark
 from wmrgen.lint.record import Finding, ignored
 from wmrgen.spec.names import role
-from wmrgen.wheels import WHEEL_TYPES
 
 _OPPOSITE = {"front": "rear", "rear": "front", "left": "right", "right": "left"}
 
@@ -76,7 +75,7 @@ def _filled(pairs: Pairs) -> Pairs:
         mine = replace(v, values={"r": 1.0, **w.values, **v.values})
         its = replace(w, values={"r": 1.0, **v.values, **w.values})
         for side in (mine, its):
-            kind = WHEEL_TYPES[side.type]
+            kind = side.kind
             if kind.rollers and "gamma" not in side.values:
                 raise _Unknown(f"no file says how the rollers of {v.name} stand")
             if kind.swivels and not side.of("d"):

@@ -12,7 +12,6 @@ from wmrgen.comparing.motion import Pairs
 from wmrgen.comparing.quantities import box, centre, forward, in_ring, lengths, parts, roles
 from wmrgen.comparing.record import JOINTS, SAME, Difference, Layout, Side, Silent, Tie
 from wmrgen.errors import Mark
-from wmrgen.wheels import WHEEL_TYPES
 
 PLACE, SIGN, ROLLERS, ORDER, MISSING, KIND, OFFSET, COUPLED = (f"WMR{n:03}" for n in range(44, 52))
 CODES = {"track": "WMR040", "wheelbase": "WMR041", "radius": "WMR042", "sum": "WMR043", "ring": "WMR043"}
@@ -107,7 +106,7 @@ def _wheel(v: Side, w: Side) -> Iterator[Difference]:
     if v.type != w.type:
         yield Difference(KIND, "type", v.name, v.type, w.type, f"{v.name} is {v.type} -> {w.type}", marks)
     both = v.values.keys() & w.values.keys()
-    if "heading" in both and parts([v]) and WHEEL_TYPES[v.type].directed:
+    if "heading" in both and parts([v]) and v.kind.directed:
         p, q = v.values["heading"], w.values["heading"]
         apart = abs(math.remainder(q - p, 2 * math.pi))
         if apart > math.pi - SAME:
@@ -129,7 +128,7 @@ def _contact(v: Side, w: Side) -> Iterator[Difference]:
     offsets = [cmath.rect(1, x.of("heading")) * complex(x.of("d"), x.of("offset_y")) for x in (v, w)]
     if not parts([v]):
         offsets = [complex(abs(offset)) for offset in offsets]
-    said = all({"d", "offset_y"} & x.values.keys() for x in (v, w)) and WHEEL_TYPES[v.type].turns
+    said = all({"d", "offset_y"} & x.values.keys() for x in (v, w)) and v.kind.turns
     if said and abs(offsets[0] - offsets[1]) > SAME * max(map(abs, offsets)) + 1e-6:
         words = f"{v.name}: contact from pivot {shown(offsets)}"
         yield _pointed(OFFSET, "contact", v.name, offsets, words, _marks(v, w, keys=("d", "offset_y")))

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from wmrgen.comparing.quantities import forward
 from wmrgen.comparing.record import SAME, Effect, Side, Tie
-from wmrgen.wheels import WHEEL_TYPES
 
 Array = NDArray[np.float64]
 Pairs = Sequence[tuple[Side, Side]]  # wheels of the first robot, each with what the second file says of it
@@ -49,7 +48,7 @@ def _rows(w: Side, steer: float) -> tuple[Array, Array]:
 
 def _command(w: Side, twist: Array) -> Command:
     """What a wheel is told for a twist (vx, vy, omega): at most a quarter turn; a castor has angle 0."""
-    kind = WHEEL_TYPES[w.type]
+    kind = w.kind
     steer = rate = 0.0
     if kind.steers:
         velocity = complex(*twist[:2]) + 1j * twist[2] * w.pivot
@@ -83,7 +82,7 @@ def _response(wheels: Sequence[Side], commands: Sequence[Command]) -> Array:
     rows, rates, weights = [], [], []
     firm = 1e4 if _is_car(wheels) else 1.0
     for w, c in zip(wheels, commands, strict=True):
-        kind = WHEEL_TYPES[w.type]
+        kind = w.kind
         rolling, sliding = _rows(w, c.steer)
         if w.actuated is None or "spin" in w.actuated:
             rows.append(rolling)
@@ -99,14 +98,14 @@ def _response(wheels: Sequence[Side], commands: Sequence[Command]) -> Array:
 
 
 def _is_car(wheels: Sequence[Side]) -> bool:
-    kinds = [WHEEL_TYPES[w.type] for w in wheels]
+    kinds = [w.kind for w in wheels]
     return any(k.fixed_axle for k in kinds) and any(k.steers for k in kinds)
 
 
 def _ahead(wheels: Sequence[Side]) -> float:
     """How far in front of P the fixed axle lies, along the direction of driving; 0 without one."""
     along = forward(wheels).conjugate()
-    fixed = [(along * w.pivot).real for w in wheels if WHEEL_TYPES[w.type].fixed_axle]
+    fixed = [(along * w.pivot).real for w in wheels if w.kind.fixed_axle]
     return math.fsum(fixed) / len(fixed) if fixed else 0.0
 
 

@@ -16,7 +16,7 @@ from wmrgen.comparing.record import CONTROLLER, Difference, Layout, Side, Silent
 from wmrgen.errors import Mark
 from wmrgen.importing.controllers import LENGTHS
 from wmrgen.importing.records import Controller, Named
-from wmrgen.wheels import WHEEL_TYPES, WheelType
+from wmrgen.wheels import WheelType
 from wmrgen.wheels.types import FIXED, STEERED, SWEDISH
 
 # Whether a controller of a kind can drive such wheels.
@@ -80,7 +80,7 @@ def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, 
     wheels = parts(a.wheels)
     if not wheels:
         return [], [], [], ([], [])
-    kinds = [WHEEL_TYPES[w.type] for w in wheels]
+    kinds = [w.kind for w in wheels]
     where, along = roles(wheels), forward(wheels)
     skids = all(k.fixed_axle for k in kinds) and any("front" in word for word in where)
     only = a.controller.lengths if a.controller else LENGTHS
@@ -203,7 +203,7 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
     where, along = roles(wheels), forward(wheels)
     sizes = lengths(wheels, where, along)
     at = [along.conjugate() * w.pivot for w in wheels]
-    axle = [p.real for p, w in zip(at, wheels, strict=True) if WHEEL_TYPES[w.type].fixed_axle]
+    axle = [p.real for p, w in zip(at, wheels, strict=True) if w.kind.fixed_axle]
     middle = centre(at, in_ring(wheels))
     origin = complex(mean(axle) if axle else middle.real, middle.imag)
     result = []
@@ -222,11 +222,11 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
         for key in (*(f"{side}_radius" for side in told.split()), "radius"):
             if key in said:
                 values.setdefault("r", said[key])
-        if "offset" in said and WHEEL_TYPES[w.type].steers:
+        if "offset" in said and w.kind.steers:
             outward = w.of("offset_y") or values["y"] * math.cos(w.of("heading"))
             values["offset_y"] = math.copysign(said["offset"], outward)
         ahead = along * _positive(c, own, off)
-        if not WHEEL_TYPES[w.type].turns and (ahead.conjugate() * cmath.rect(1, w.of("heading"))).real < -0.9:
+        if not w.kind.turns and (ahead.conjugate() * cmath.rect(1, w.of("heading"))).real < -0.9:
             values |= {"heading": cmath.phase(ahead)}
         result.append(replace(w, values=values, marks=marks))
     return result

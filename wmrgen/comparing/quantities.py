@@ -9,19 +9,18 @@ from dataclasses import replace
 
 from wmrgen.comparing.record import Side
 from wmrgen.layout.skid import placed, sides
-from wmrgen.wheels import WHEEL_TYPES
 
 _BESIDE = 0.05  # of the robot's extent: what lies nearer the middle is neither front nor rear, left nor right
 
 
 def parts(wheels: Iterable[Side]) -> list[Side]:
     """The wheels that are driven or hold the robot to a direction."""
-    return [w for w in wheels if w.drives or WHEEL_TYPES[w.type].constrains]
+    return [w for w in wheels if w.drives or w.kind.constrains]
 
 
 def forward(wheels: Sequence[Side]) -> complex:
     """The direction in which the wheels roll straight: x, unless all fixed ones roll along y or aslant."""
-    fixed = [w for w in wheels if WHEEL_TYPES[w.type].fixed_axle]
+    fixed = [w for w in wheels if w.kind.fixed_axle]
     angle = math.remainder(fixed[0].of("heading"), math.pi) if fixed else 0.0
     return cmath.rect(1, angle if angle > -math.pi / 2 + 1e-6 else angle + math.pi)
 
@@ -30,7 +29,7 @@ def as_driven(wheels: Sequence[Side], track: float) -> tuple[Side, ...]:
     """Wheels, the fixed ones where they stand of the differential drive of that track as which a robot turns that
     skids."""
     along = forward(wheels)
-    fixed = [w for w in wheels if WHEEL_TYPES[w.type].fixed_axle]
+    fixed = [w for w in wheels if w.kind.fixed_axle]
     if not fixed:
         return tuple(wheels)
     own = sides([w.pivot for w in fixed], along)
@@ -49,7 +48,7 @@ def box(points: Sequence[complex]) -> tuple[complex, complex]:
 def in_ring(wheels: Sequence[Side]) -> bool:
     """All wheels have rollers, on axles that are not parallel."""
     first = wheels[0].of("heading")
-    return all(WHEEL_TYPES[w.type].rollers for w in wheels) and any(
+    return all(w.kind.rollers for w in wheels) and any(
         abs(math.sin(w.of("heading") - first)) >= 0.1 for w in wheels
     )
 
@@ -84,7 +83,7 @@ def lengths(wheels: Sequence[Side], where: Sequence[str], along: complex) -> dic
     at = [along.conjugate() * w.pivot for w in wheels]
     whole = range(len(wheels))
     driven = [i for i in whole if (joints := wheels[i].actuated) is None or "spin" in joints] or list(whole)
-    fixed = [i for i in whole if WHEEL_TYPES[wheels[i].type].fixed_axle] or list(whole)
+    fixed = [i for i in whole if wheels[i].kind.fixed_axle] or list(whole)
 
     def of(word: str, indices: Iterable[int] = whole) -> list[int]:
         return [i for i in indices if word in where[i].split()]
@@ -105,14 +104,12 @@ def lengths(wheels: Sequence[Side], where: Sequence[str], along: complex) -> dic
         "wheelbase": apart(of("front"), of("rear"), "real"),
         "radius": radius(driven),
     } | {f"{word}_radius": radius(of(word)) for word in ("left", "right", "front", "rear")}
-    if all(WHEEL_TYPES[w.type].rollers for w in wheels):
+    if all(w.kind.rollers for w in wheels):
         ring = in_ring(wheels)
         middle = centre(at, ring)
         reach = [abs(p) if ring else abs(p.real) + abs(p.imag) for p in (q - middle for q in at)]
         result["ring" if ring else "sum"] = mean(reach)
-    offsets = [
-        abs(w.values["offset_y"]) for w in wheels if "offset_y" in w.values and WHEEL_TYPES[w.type].steers
-    ]
+    offsets = [abs(w.values["offset_y"]) for w in wheels if "offset_y" in w.values and w.kind.steers]
     result["offset"] = mean(offsets) if offsets else None
     return {key: value for key, value in result.items() if value is not None}
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from wmrgen.errors import Mark
 from wmrgen.importing.records import Controller
-from wmrgen.wheels import WHEEL_TYPES
+from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 Value = float | str | tuple[float, float] | None
 Silent = tuple[list[str], list[str]]  # what the first file does not say, and the second, and the other does
@@ -34,9 +34,15 @@ class Side:
         return self.names[0]
 
     @property
+    def kind(self) -> WheelType:
+        """What the wheel's type says of it. A ball with a radius and a heading is driven along that heading."""
+        kind = WHEEL_TYPES[self.type]
+        return kind.powered if kind.powered and {"r", "heading"} <= self.values.keys() else kind
+
+    @property
     def drives(self) -> bool:
         """Its joints take commands, as far as is known; a castor only where the file says so."""
-        kind = WHEEL_TYPES[self.type]
+        kind = self.kind
         return bool(self.actuated) if self.actuated is not None else kind.has_spin and not kind.swivels
 
     @property

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from functools import reduce
+from functools import cache, reduce
 
 import mpmath
 
@@ -26,6 +26,13 @@ _HALF_ANGLE_DIGITS = 20  # two of them multiply to the 40 digits of the point
 _TIMES = range(-4, 5)  # multiples of an angle for which the addition theorem is worth its terms
 _ROUNDED = 1e-18  # a difference of rounded numbers that is smaller, relative to them, is zero; a root halves the digits
 
+_TANGENTS = {Fraction(k, 12): _SIN[k] / _SIN[6 - k] for k in range(6)}
+_TANGENTS |= {Fraction(1, 8): SQRT2 - 1, Fraction(3, 8): SQRT2 + 1}  # of q pi, as far as the field has them
+_DIRECTIONS = {t * sign: q * sign for q, t in _TANGENTS.items() for sign in (1, -1)}
+_PI_SIZE = (
+    10**30
+)  # denominators of multiples of pi are larger, those of what they are multiplied with smaller
+
 CosSin = tuple[Poly, Poly]
 
 
@@ -41,10 +48,32 @@ def twelfths(k: int) -> tuple[Exact, Exact]:
     return sine(k + 6), sine(k)
 
 
+def direction_over_pi(y: Exact, x: Exact) -> Fraction | None:
+    """q where the vector (x, y) points along q pi, -1 < q <= 1, for multiples of 1/12 and odd ones of 1/8.
+
+    None of another direction, and of no vector.
+    """
+    if not x:
+        return Fraction(y.sign, 2) if y else None
+    q = _DIRECTIONS.get(y / x)
+    if q is None or x.sign > 0:
+        return q
+    return q - 1 if y.sign < 0 else q + 1
+
+
+@cache
 def pi_rational() -> Fraction:
     """pi to 60 digits."""
     with mpmath.workdps(PRECISION + 5):
         return to_fraction(mpmath.pi)
+
+
+def over_pi(value: Exact) -> Fraction | None:
+    """q where ``value`` is q times `pi_rational`: numbers that were written with pi or in degrees, and their sums."""
+    if value.den < _PI_SIZE and value:
+        return None  # nearly every number that occurs
+    q = value.parts[0] / pi_rational() if value.is_rational else None
+    return q if q is not None and q.denominator < _PI_SIZE else None
 
 
 def to_fraction(value: mpmath.mpf) -> Fraction:

@@ -11,9 +11,11 @@ from dataclasses import dataclass, field
 from math import degrees, pi
 from typing import Any
 
+from wmrgen.errors import NotDerivableError
 from wmrgen.exporting.text import banner, decimal, decimals
 from wmrgen.importing.records import RIGID
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.spec.text import quoted
 
 BASE = "base_link"
 WIDTH = 0.4  # of a wheel, in radii
@@ -94,6 +96,13 @@ def _bodies(robot: Robot, wheel: Wheel) -> Iterator[Body]:
     g, yaw = wheel.nominal, decimal(wheel.heading)
     r = float(g.r) or min((float(w.nominal.r) for w in robot.wheels if w.nominal.r), default=0.1) / 2
     at, ball, radius = decimals(g.x, g.y, r), (r**2 / 5,) * 3, (("radius", decimal(r)),)
+    if wheel.ball:
+        raise NotDerivableError(
+            f"{quoted(wheel.ball)} is a driven ball; URDF and SDF have no joint that rolls a ball along one direction "
+            "only\n"
+            "For this export, write each driven direction as an omni wheel (type: swedish, gamma: 0, heading: the "
+            "direction), or delete driven: the ball is then passive."
+        )
     if not wheel.has_spin:
         yield Body(
             wheel, "ball", BASE, at, "0", decimal(BALL), _moments(BALL, *ball),

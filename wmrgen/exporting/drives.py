@@ -77,12 +77,12 @@ def _drive_of(robot: Robot) -> Drive:
     for joint in ("spin", "steer"):
         for group in robot.together(joint, [w for w in wheels if joint in w.kind.joints]):
             _none(group[1:], f"has its {joint} coupled to that of {quoted(group[0].name)}")
-    rolling = [w for w in wheels if w.kind.rollers]
+    rolling = [w for w in wheels if w.kind.rolls_across]
     steered = [w for w in wheels if w.turns]
-    fixed = [w for w in wheels if not w.turns and not w.kind.rollers]
+    fixed = [w for w in wheels if not w.turns and not w.kind.rolls_across]
     _none([w for w in steered if "steer" not in w.actuated], "is not steered by a motor")
     if rolling:
-        _none([*fixed, *steered], "has no rollers, while others have")
+        _none([*fixed, *steered], "cannot move across its rolling direction, while others can")
         _none([w for w in rolling if not w.actuated], "is not driven")
         slants = any(abs(float(w.nominal.sg)) > TOLERANCE for w in rolling)
         return _mecanum(rolling) if slants else _ring(rolling)

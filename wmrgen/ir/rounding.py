@@ -8,7 +8,8 @@ from functools import lru_cache
 from math import inf, isinf, ldexp
 
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import Exact
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.ports import Port, usual_range
 
 
 def round_rational(value: Fraction, precision: int, lowest: int, highest: int) -> float:
@@ -69,3 +70,11 @@ def constant(value: Exact, single: bool) -> float:
 def nearest_float32(value: float) -> float:
     """A double rounded to float32 (overflow gives infinity), as a double."""
     return ctypes.c_float(value).value
+
+
+def tuned(port: Port, scalar: str = "float") -> tuple[float, float]:
+    """The values of a tunable parameter that bounds are about and that checked code accepts: its range, with the ends
+    rounded to nearest, so that code accepts them as they are written."""
+    low, high = port.range or usual_range(port.default or ZERO)
+    rounded = to_float32 if scalar == "float" else to_float64
+    return rounded(low), rounded(high)

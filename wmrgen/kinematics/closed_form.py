@@ -1,13 +1,13 @@
 """The least-squares twist of rows whose geometry stays symbolic, in as few operations as a candidate needs.
 
-With H the rows, W their weights and z their values, the twist is (H^T W H)^-1 H^T W z. Several exact forms of it compete:
+With H the rows, W their weights and z their values, the twist is (H^T W H)^-1 H^T W z. Several exact forms compete:
 
 * three rows: H^-1 z, so that the residual is 0 and the condition number is not squared;
 * written out, each component as one fraction in lowest terms;
 * step by step, with names for the entries of H^T W H, which `prepare` computes once.
 
-The residual of four rows has one degree of freedom: with w the null vector of H^T it is |w . z| / |w|, of a mecanum base
-a number times the difference of two sums of spins. Of more rows it is the norm of z - H xi.
+The residual of four rows has one degree of freedom. With w the null vector of H^T it is |w . z| / |w|: for a mecanum
+base a number times the difference of two sums of spins. The residual of more rows is the norm of z - H xi.
 
 All forms have the same value. The one with the fewest operations is taken.
 """
@@ -29,8 +29,8 @@ from wmrgen.kinematics.records import Locals
 from wmrgen.symbolic import Expr, Input, expression, times
 
 Twist = tuple[Expr, Expr, Expr]
-# Terms of a component that is written out. Six omni wheels with a length each have 1,000 of them and take 610 operations
-# written out, 130 step by step; four, with 400, are as short either way.
+# Terms of a component beyond which it is not written out, and no common divisor is looked for. Six omni wheels with a
+# length each have some 1,000 terms: written out they take 610 operations, step by step 130.
 MOST_TERMS = 400
 _ONE = Poly.of(1)
 
@@ -166,11 +166,6 @@ def _fractions(matrix: Sequence[Sequence[Poly]], values: Sequence[Poly]) -> list
     return results
 
 
-def product_of(above: Poly, below: Poly = _ONE) -> Expr:
-    """above / below in lowest terms, as geometry times a sum over signals."""
-    return _expression(_related(quotient(above, below)))
-
-
 def _related(p: Product) -> Product:
     return Product(related(p.factor), related(p.rest))
 
@@ -188,7 +183,7 @@ def _square_steps(rows: Sequence[Measured], names: Locals) -> list[Expr]:
         for j in range(3)
     ]
     det = dot(matrix[0], [row[0] for row in adj])
-    factor = names.short("over_det", names.short("det", det, "det(H)").inverse())
+    factor = names.short("det", det, "det(H)").inverse()
     values = [z for _, z, _ in named]
     return [times(expression(factor), expression(dot(row, values))) for row in adj]
 
@@ -208,11 +203,7 @@ def _steps(rows: Sequence[Measured], names: Locals) -> list[Expr]:
         i = next((i for i in left if n[i, i].constant is not None), left[0])
         left.remove(i)
         order.append(i)
-        reciprocals.append(
-            names.short(f"over_pivot{i}", n[i, i].inverse())
-            if n[i, i].constant is None
-            else n[i, i].inverse()
-        )
+        reciprocals.append(n[i, i].inverse())
         for j in left:
             if not n[i, j]:
                 continue
@@ -238,8 +229,8 @@ def _named(rows: Sequence[Measured], names: Locals) -> list[Measured]:
 
 def _value(i: int, z: Poly, names: Locals) -> Poly:
     """A measured value [m/s] with a name, unless it is a number or a signal."""
-    ((monomial, number),) = z.terms.items() if len(z.terms) == 1 else ((z.generators * 2, ONE),)
-    return z if (len(monomial) < 2 and abs(number) == ONE) or not z else names.poly(f"z{i}", z)
+    plain = len(z.terms) < 2 and all(len(m) < 2 and abs(c) == ONE for m, c in z.terms.items())
+    return z if plain else names.poly(f"z{i}", z)
 
 
 # ---- the residual
@@ -262,10 +253,10 @@ def _one_relation(rows: Sequence[Measured], names: Locals) -> Poly:
     signed = [-p if i % 2 else p for i, p in enumerate(map(shorter, minors))]
     divisor = common_divisor(signed)
     null = [names.short(f"null{i}", related(divided(p, divisor))) for i, p in enumerate(signed)]
-    form = product_of(Poly.sum(w * z for w, (_, z, _) in zip(null, rows, strict=True)))
+    factor, form = quotient(Poly.sum(w * z for w, (_, z, _) in zip(null, rows, strict=True)), _ONE)
     size = Poly.sum((w * w).scale(weight.inverse()) for w, (_, _, weight) in zip(null, rows, strict=True))
     scale = fix(sqrt_poly(size), {}) if size.constant else Poly.gen("sqrt", "", size)
-    return names.poly("relation", times(expression(scale.inverse()), form))
+    return names.poly("relation", _expression(_related(Product(factor * scale.inverse(), form))))
 
 
 # ---- the choice
@@ -290,7 +281,7 @@ def operations(names: Locals, results: Sequence[Expr]) -> int:
             moves[e] = visit(sympy.Mul(*e.args[1:], evaluate=False) if len(e.args) > 2 else e.args[1])
             count += (abs(e.args[0]) != 1) * (1 + moves[e])
         else:
-            moves[e] = any([visit(a) for a in e.args]) or isinstance(e, Input)
+            moves[e] = sum(visit(a) for a in e.args) > 0 or isinstance(e, Input)  # each is visited
             if e.args and not e.is_Number:
                 count += max(1, len(e.args) - 1) * (1 + moves[e])
         return moves[e]

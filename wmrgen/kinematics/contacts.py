@@ -44,8 +44,8 @@ def contacts(robot: Robot) -> Formula | None:
     for w in robot.wheels:
         if w.kind.rollers and w.nominal.r_sw:
             outputs.append(_roller(w))
-        if not w.kind.directed and w.nominal.r:
-            outputs += _sphere(w, names)
+        if w in robot.bodies and (w.ball or not w.kind.directed) and w.nominal.r:
+            outputs += _sphere(w, w.ball or w.name, names)
     if not outputs:
         return None
     text = "twist of P in the robot frame to roller rates and the rolling of spheres"
@@ -63,17 +63,17 @@ def _roller(w: Wheel) -> tuple[Port, Expr]:
     return port, expression((across + drive) * g.r_sw.inverse())
 
 
-def _sphere(w: Wheel, names: Locals) -> Outputs:
+def _sphere(w: Wheel, name: str, names: Locals) -> Outputs:
     """Direction of the contact's velocity [rad, robot frame] and the roll rate along it [rad/s]."""
     g = working_view(w)
     a, b = (
-        names.define(f"{w.name}_{axis}", part, f"v_A{axis} of {w.name}")
+        names.define(f"{name}_{axis}", part, f"v_A{axis} of {name}")
         for axis, part in zip("xy", pivot(w, XI), strict=True)
     )
     return [
-        (Port(f"{w.name}.direction", Role.COMMAND, "rad", "direction of rolling, from x"), angle_of(b, a)),
+        (Port(f"{name}.direction", Role.COMMAND, "rad", "direction of rolling, from x"), angle_of(b, a)),
         (
-            Port(f"{w.name}.roll", Role.COMMAND, "rad/s", "rate of rolling"),
+            Port(f"{name}.roll", Role.COMMAND, "rad/s", "rate of rolling"),
             times(expression(g.r.inverse()), norm(a, b)),
         ),
     ]

@@ -210,7 +210,14 @@ def tunable_ports(robot: Robot) -> tuple[Port, ...]:
     """The tunable parameters, in file order, with their nominal values."""
     angles = _angles(robot) if robot.tunable else set()
     return tuple(
-        Port(p.name, Role.GEOMETRY, "rad" if p.name in angles else "m", "tunable parameter", p.nominal)
+        Port(
+            p.name,
+            Role.GEOMETRY,
+            "rad" if p.name in angles else "m",
+            "tunable parameter",
+            p.nominal,
+            range=(p.low, p.high),
+        )
         for p in robot.tunable
     )
 

@@ -28,14 +28,28 @@ from typing import NamedTuple
 import numpy as np
 
 from wmrgen.constraints import arm, heading, rolling_row, sliding_row, working_view
-from wmrgen.exact.linalg import cofactor, symmetric
+from wmrgen.exact.linalg import cofactor, determinant, symmetric
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly, Row, dot, has_angles, triple
+from wmrgen.ir.interval import smallest
 from wmrgen.kinematics.least_squares import Matrix, Measured, named_normal, normal_equations
+from wmrgen.kinematics.ranges import range_of, ranges_of
 from wmrgen.kinematics.records import Locals, signal_poly
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.ranks import generic, nominal_at, numeric_rank
-from wmrgen.symbolic import Expr, add, expression, maximum, number, root, select, square, subtract, times
+from wmrgen.mobility.ranks import generic, independent, nominal_at, numeric_rank
+from wmrgen.symbolic import (
+    Expr,
+    Local,
+    add,
+    expression,
+    maximum,
+    number,
+    root,
+    select,
+    square,
+    subtract,
+    times,
+)
 
 FLOOR = Exact(Fraction(1, 10**12))
 EDGE = Exact(Fraction(1, 10**6))
@@ -234,13 +248,29 @@ def _rank(rows: list[list[float]], wheels: Sequence[Wheel]) -> int:
 
 
 def lower_bound(measured: Measurements) -> float:
-    """A bound under det N from the rows that do not move; 0 when they alone do not have rank 3."""
+    """A bound under det N from the rows that do not move; 0 when they alone do not have rank 3 for all parameters."""
     numbers = [([p.constant for p in row], math.sqrt(float(weight))) for row, _, weight in measured.rows]
     rows = [[size * float(v) for v in row if v is not None] for row, size in numbers if None not in row]
     if _rank(rows, measured.wheels) < 3:
-        return 0.0
+        return _bound_of_three(measured)
     a, b, c = ([sum(r[i] * r[j] for r in rows) for j in range(3)] for i in range(3))
     return float(sum(x * y for x, y in zip(a, np.cross(b, c), strict=True)))
+
+
+def _bound_of_three(measured: Measurements) -> float:
+    """A bound under det(H3)**2 of three rows that do not move, whatever tunable parameters are; 0 if there is none.
+
+    N is a sum over rows, each of which can only add to det N. The bound is a power of two, because the last bits of
+    sines may differ between machines.
+    """
+    still = [(row, weight) for row, _, weight in measured.rows if not has_angles(row)]
+    values = [[nominal_at(p, measured.robot, generic(measured.robot)) for p in row] for row, _ in still]
+    if _rank(values, measured.wheels) < 3:
+        return 0.0
+    chosen = [still[i] for i in independent(np.array(values), 3)]
+    minor = range_of(determinant([list(row) for row, _ in chosen]), ranges_of(measured.robot))
+    least = float(smallest(minor)[0]) ** 2 * math.prod(float(weight) for _, weight in chosen)
+    return 2.0 ** math.floor(math.log2(least)) if least else 0.0
 
 
 def adjugate(n: Matrix, names: Locals) -> tuple[Matrix, Expr]:
@@ -252,19 +282,17 @@ def adjugate(n: Matrix, names: Locals) -> tuple[Matrix, Expr]:
 def smallest_twist(n: Matrix, b: list[Poly], measured: Measurements, names: Locals) -> list[Expr]:
     """N^+ b, entries named. Where det N has a lower bound above 0 nothing can be lost."""
     rank = generic_rank(measured)
+    bound = lower_bound(measured) if rank == 3 else 0.0
+    if bound > 0:
+        adj, det = adjugate(n, names)
+        below = maximum(det, number(Exact(Fraction(bound / 2).limit_denominator(10**9)) or FLOOR))
+        return [times(p, 1 / below) for p in _projections(adj, b, names)]
     c1 = names.define("c1", n[0][0] + n[1][1] + n[2][2])
     low = [times(expression(v), _over(c1, names, "c1")) for v in b]
     if rank == 1:
         return low
     adj, det = adjugate(n, names)
-    projected = [
-        names.define(f"p{i}", Poly.sum(adj[i][j] * b[j] for j in range(3)), f"(adj(HtH) Htz)[{i}]")
-        for i in range(3)
-    ]
-    bound = lower_bound(measured)
-    if bound > 0:
-        below = maximum(det, number(Exact(Fraction(bound / 2).limit_denominator(10**9)) or FLOOR))
-        return [times(p, 1 / below) for p in projected]
+    projected = _projections(adj, b, names)
     c2 = names.define("c2", adj[0][0] + adj[1][1] + adj[2][2])
     over_c2 = _over(c2, names, "c2")
     middle = []
@@ -282,6 +310,14 @@ def smallest_twist(n: Matrix, b: list[Poly], measured: Measurements, names: Loca
         edge3 = names.define("edge3", times(number(EDGE * s), size1, size2))
         high = [select(edge3, det, times(p, over_det), m) for p, m in zip(projected, middle, strict=True)]
     return [select(edge2, size2, h, v) for h, v in zip(high, low, strict=True)]
+
+
+def _projections(adj: Matrix, b: list[Poly], names: Locals) -> list[Local]:
+    """adj(H^T H) H^T z, named."""
+    return [
+        names.define(f"p{i}", Poly.sum(adj[i][j] * b[j] for j in range(3)), f"(adj(HtH) Htz)[{i}]")
+        for i in range(3)
+    ]
 
 
 def _over(value: Expr, names: Locals, name: str) -> Expr:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from itertools import combinations
 from math import atan2, hypot, pi, remainder
 from typing import Any, NamedTuple
 
@@ -15,6 +16,7 @@ from wmrgen.exact.poly import Poly
 from wmrgen.layout.expressions import PI, Scope, computable, snap, to_poly
 from wmrgen.layout.joints import (
     common_limits,
+    constant,
     deadband_of,
     encoders_of,
     groups,
@@ -36,7 +38,8 @@ from wmrgen.layout.records import (
     Virtual,
     Wheel,
 )
-from wmrgen.layout.skid import effective_track
+from wmrgen.layout.skid import effective_track, parallel
+from wmrgen.ports import usual_range
 from wmrgen.spec.records import (
     Neg,
     Num,
@@ -47,7 +50,6 @@ from wmrgen.spec.records import (
     VirtualSpec,
     WheelSpec,
 )
-from wmrgen.wheels import WHEEL_TYPES
 
 HALF_PI = PI.scale(Fraction(1, 2))
 
@@ -59,6 +61,7 @@ def build(spec: RobotSpec) -> Robot:
     scope = Scope(
         {p.name: p.value for p in parameters}, {p.name: p.working for p in parameters if not p.tunable}
     )
+    parameters = _with_ranges(spec, parameters, scope, several)
     tunable = frozenset(p.name for p in parameters if parameters_in(p.working))
     notes: list[str] = []
     wheels: list[Wheel] = []
@@ -73,6 +76,8 @@ def build(spec: RobotSpec) -> Robot:
                 if (rest := computable(w, scope, several)) == w:
                     raise
                 _wheel(i, rest, _Angles(w.name, scope, None, []))
+    with several:
+        _check_directions(spec, wheels)
     _check_names(spec, several)
     facts = _of_joints(spec, "the robot", scope, several)
     steer_group, spin_group = groups(spec, "steer"), groups(spec, "spin")
@@ -111,8 +116,38 @@ def _parameters(spec: RobotSpec, several: Several) -> tuple[Parameter, ...]:
             working[p.name] = Poly.gen("param", p.name) if p.tunable else kept
             values[p.name] = substituted(symbolic, values)
             nominal = number(symbolic, values)
-            parameters.append(Parameter(p.name, values[p.name], working[p.name], nominal, p.tunable))
+            low, high = usual_range(nominal) if p.tunable else (nominal, nominal)
+            parameters.append(
+                Parameter(p.name, values[p.name], working[p.name], nominal, p.tunable, low, high)
+            )
     return tuple(parameters)
+
+
+def _with_ranges(
+    spec: RobotSpec, parameters: tuple[Parameter, ...], scope: Scope, several: Several
+) -> tuple[Parameter, ...]:
+    """The parameters with the ranges that the file states. RobotFileError for a range without the parameter's value."""
+    stated = {p.name: p.range for p in spec.parameters if p.range is not None}
+    ranged = {p.name: p for p in parameters}
+    for name in stated.keys() & ranged.keys():
+        with several:
+            low, high = (constant(f"the range of {name}", end, scope) for end in stated[name])
+            nominal, (lower, upper) = ranged[name].nominal, stated[name]
+            if not low < high:
+                raise RobotFileError(
+                    f"the range of {name} runs from {lower.text} to {upper.text}", lower.mark,
+                    "The lower end is not below the upper end.", "Write tunable: [low, high].",
+                )  # fmt: skip
+            if not low <= nominal <= high:
+                around = ", ".join(f"{float(end):.6g}" for end in usual_range(nominal))
+                raise RobotFileError(
+                    f"{name} is {float(nominal):.6g}, outside its range from {float(low):.6g} to {float(high):.6g}",
+                    (lower if nominal < low else upper).mark,
+                    "Generated code begins with the value, and refuses what is outside the range.",
+                    f"Write a range around the value, such as tunable: [{around}].",
+                )  # fmt: skip
+            ranged[name] = ranged[name]._replace(low=low, high=high)
+    return tuple(ranged.values())
 
 
 def _check_independent(p: ParameterSpec, working: Poly) -> None:
@@ -195,7 +230,7 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
         symbolic=symbolic, working=symbolic.mapped(lambda p: fix(p, scope.constants)), nominal=nominal,
         l=hypot(x, y), alpha=direction, beta=remainder(shown + pi / 2 - direction, 2 * pi),
         gamma=float(scope.number(gamma)), heading=shown,
-        actuated=w.actuated, sensed=w.sensed, **facts,
+        actuated=w.actuated, sensed=w.sensed, ball=w.ball, **facts,
     )  # fmt: skip
 
 
@@ -216,8 +251,8 @@ def _of_joints(spec: RobotSpec | WheelSpec, whose: str, scope: Scope, several: S
 
 def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
     """What no value may be: r <= 0, d = 0 of a castor, and what the wheel's type refuses."""
-    kind = WHEEL_TYPES[w.type]
-    what = f"the {kind.name} wheel {w.name}".rstrip()
+    kind = w.kind
+    what = f"the {kind.name} wheel {w.ball or w.name}".rstrip()
     with several:
         if w.r is not None and "r" in kind.required and g.r.sign <= 0:
             said = w.r.text if isinstance(w.r.expr, Num | Neg) else f"{w.r.text} = {float(g.r):g}"
@@ -236,6 +271,20 @@ def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
             if quantity is not None and check.bad(g):
                 problem = check.problem.format(what=what, text=quantity.text)
                 raise RobotFileError(problem, quantity.mark, check.why, check.instead)
+
+
+def _check_directions(spec: RobotSpec, wheels: Sequence[Wheel]) -> None:
+    """The two driven directions of a ball must be independent."""
+    written = {w.name: w for w in spec.wheels}
+    for a, b in combinations((w for w in wheels if w.ball), 2):
+        if a.ball == b.ball and parallel([a.zero_heading, b.zero_heading]):
+            heading = written[b.name].heading
+            mark = heading.mark if heading else None
+            raise RobotFileError(
+                f"the two driven directions of the ball {a.ball} are parallel", mark,
+                "Along one line a ball has one speed, so its two drives would be one joint.",
+                "Write one direction, or a second one across the first, such as driven: [0, 90 deg].",
+            )  # fmt: skip
 
 
 def _check_names(spec: RobotSpec, several: Several) -> None:

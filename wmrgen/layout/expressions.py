@@ -179,7 +179,11 @@ def snap(
 
 def twelfths_of_pi(k: int) -> str:
     """k pi/12 as a robot file has it: pi/2, -3*pi/4, 0."""
-    f = Fraction(k, 12)
+    return multiple_of_pi(Fraction(k, 12))
+
+
+def multiple_of_pi(f: Fraction) -> str:
+    """f pi as a robot file has it."""
     if not f:
         return "0"
     head = {1: "pi", -1: "-pi"}.get(f.numerator, f"{f.numerator}*pi")

@@ -86,7 +86,8 @@ class Encoder(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Wheel:
-    """A wheel of the layout. ``alpha``, ``beta``, ``gamma``, ``heading``: nominal angles [rad], for display.
+    """A wheel of the layout, or one driven direction of a ball: two of these stand in one place, with the directions
+    for their headings. ``alpha``, ``beta``, ``gamma``, ``heading``: nominal angles [rad], for display.
 
     ``weight``: how much its measurements count, in proportion to those of other wheels.
     """
@@ -109,11 +110,13 @@ class Wheel:
     noise: Mapping[str, Noise] = field(default_factory=dict)
     encoders: Mapping[str, Encoder] = field(default_factory=dict)
     lag: Mapping[str, Exact] = field(default_factory=dict)  # joint -> time constant [s]
+    ball: str = ""  # of a driven direction of a ball: the ball's name in the robot file
 
     @property
     def kind(self) -> WheelType:
         """What the wheel's type says of it."""
-        return WHEEL_TYPES[self.type]
+        kind = WHEEL_TYPES[self.type]
+        return kind.powered if self.ball and kind.powered else kind
 
     @property
     def has_spin(self) -> bool:
@@ -147,7 +150,8 @@ class Wheel:
 class Parameter(NamedTuple):
     """A named length or angle; pi is kept.
 
-    ``working`` refers to tunable parameters alone (to itself where it is tunable), ``value`` to none.
+    ``working`` refers to tunable parameters alone (to itself where it is tunable), ``value`` to none. A tunable one may
+    be anything from ``low`` to ``high``, which is ``nominal`` for others.
     """
 
     name: str
@@ -155,6 +159,8 @@ class Parameter(NamedTuple):
     working: Poly
     nominal: Exact
     tunable: bool
+    low: Exact
+    high: Exact
 
 
 class Length(NamedTuple):
@@ -234,6 +240,11 @@ class Robot:
     lag: Mapping[str, Exact] = field(default_factory=dict)
     tolerance: Tolerance = EXACT
     near: tuple[Near, ...] = ()
+
+    @property
+    def bodies(self) -> tuple[Wheel, ...]:
+        """The wheels, of the driven directions of a ball the first."""
+        return tuple({w.ball or w.name: w for w in reversed(self.wheels)}.values())[::-1]
 
     @property
     def tunable(self) -> tuple[Parameter, ...]:

@@ -43,7 +43,7 @@ def effective_track(quantity: Quantity | None, scope: Scope, wheels: Sequence[Wh
 def no_track(wheels: Sequence[Wheel]) -> tuple[str, str]:
     """Which robot of these wheels cannot have an effective track, and why; nothing where it can."""
     fixed = [w for w in wheels if w.kind.fixed_axle]
-    others = [w for w in wheels if (w.kind.constrains or w.kind.rollers) and w not in fixed]
+    others = [w for w in wheels if (w.kind.constrains or w.kind.rolls_across) and w not in fixed]
     if others:
         what = f"effective_track of a robot with the {others[0].kind.noun} {others[0].name}"
         return what, "It says how a robot turns whose wheels are all fixed."

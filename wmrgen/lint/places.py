@@ -41,6 +41,8 @@ def together(subject: Subject) -> Iterator[Finding]:
     extent, _ = subject.extent
     places = [(w, w.pivot, w.contact(w.zero_heading), float(w.nominal.r)) for w in robot.wheels]
     for (a, p, p_contact, p_radius), (b, q, q_contact, q_radius) in combinations(places, 2):
+        if a.ball and a.ball == b.ball:
+            continue
         near = _NEAR * min(p_radius + q_radius, extent)
         apart = robot.steer_group[a.index] != robot.steer_group[b.index]
         one = apart and abs(p - q) <= near and abs(float(a.nominal.o - b.nominal.o)) <= near
@@ -137,10 +139,10 @@ def against(subject: Subject) -> Iterator[Finding]:
 
 
 def _tangential(w: Wheel, middle: complex) -> bool:
-    """A wheel with rollers that rolls around the middle; by and large, at the corners of an oblong base."""
+    """A wheel that rolls around the middle and moves freely across; by and large, at the corners of an oblong base."""
     arm, oblique = w.pivot - middle, abs((w.zero_heading**2).imag) > _OBLIQUE
     along = abs((w.zero_heading.conjugate() * arm).real)
-    return w.kind.rollers and along < _SAME + (_OBLIQUE if oblique else 0.01) * abs(arm)
+    return w.kind.rolls_across and along < _SAME + (_OBLIQUE if oblique else 0.01) * abs(arm)
 
 
 @rule(

@@ -164,7 +164,7 @@ wheels:
 """,
 )
 def conditioned(subject: Subject) -> Iterator[Finding]:
-    wheels = [w for w in subject.robot.wheels if w.kind.rollers]
+    wheels = [w for w in subject.robot.wheels if w.kind.rolls_across]
     lost = _lost(subject)
     if lost:
         yield Finding(subject.mark(wheels[0]), plain(lost.meaning), _LOOK)

@@ -16,7 +16,8 @@ from wmrgen.layout.skid import driven, parallel
 from wmrgen.mobility.admissible import along, geared
 from wmrgen.mobility.basis import basis, deciding, null_columns, primitive, scaled
 from wmrgen.mobility.configure import Configuration, configuration, in_metres, steering_for
-from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
+from wmrgen.mobility.filtration import growth_vector
+from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.reasons import apart, reasons, skids, verdict
 from wmrgen.mobility.records import Array, Balance, Mobility, Singularity
 from wmrgen.notation import in_code, plain
@@ -28,7 +29,6 @@ def analyse(robot: Robot) -> Mobility:
     """Degrees, ranks, reachable dimensions and the reasons for them."""
     at = configuration(robot)
     rows = basis(robot, at)
-    now = null_basis(unit_rows(at.C1)) if at.mobility else np.zeros((0, 3))
     named = tuple(row.row(symbolic_view) for row in rows)
     symbolic = null_columns(named) if at.mobility else ()
     columns = tuple(fixed(column, robot) for column in symbolic)
@@ -38,10 +38,10 @@ def analyse(robot: Robot) -> Mobility:
     leaders = (robot.wheels[robot.steer_group[w.index]].name for w in deciding(rows))
     return Mobility(
         degree_of_mobility=at.mobility, degree_of_steerability=at.steerability,
-        rank_C1f=at.rank_fixed, rank_C1=at.rank, dof=at.dof,
+        rank_C1f=at.rank_fixed, rank_C1=at.rank,
         reasons=tuple(map(plain, sentences)), argument=argument, actuation=_actuation(at),
         apart=apart(at), skids=skids(at), verdict=plain(verdict(at)),
-        growth_vector=growth_vector(now, at.admissible.tangent, at.steerability),
+        growth_vector=growth_vector(at),
         singularities=singularities(at, deciding(rows), columns),
         admissible=in_metres(at.admissible, at.unit),
         basis_rows=tuple(row.row(working_view) for row in rows), basis_rows_symbolic=named,
@@ -177,7 +177,7 @@ def _drive(at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...
 
 def _rolling_rank(at: Configuration) -> list[Singularity]:
     """The rolling rows of a robot without sliding constraints do not span its three freedoms."""
-    wheels = [w for w in at.robot.wheels if w.kind.rollers]
+    wheels = [w for w in at.robot.wheels if w.kind.rolls_across]
     if at.mobility != 3 or not wheels or any(w.kind.swivels and w.actuated for w in at.robot.wheels):
         return []
     rows = [[p.constant or Exact(0) for p in rolling_row(w, nominal_view(w)).row] for w in wheels]

@@ -18,7 +18,7 @@ from wmrgen.exact.evaluate import circle
 from wmrgen.exact.linalg import null_space
 from wmrgen.exact.linalg import rank as exact_rank
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, has_angles, triple
+from wmrgen.exact.poly import Gen, Poly, Row, triple
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.admissible import along, components, constant_rows, coupled_steering, geared, quadrics
 from wmrgen.mobility.ranks import (
@@ -38,14 +38,12 @@ ExactRow = tuple[Exact, Exact, Exact]
 Constant = tuple[Row, int | None]  # a row on xi, and the fixed wheel it comes from
 AGAINST = 1e-3  # of a twist: wheels that roll against one another miss by twice their speed
 _WEIGHTS = ((7, -5, 3), (-4, 9, 5), (11, 2, -6))
-_SEEDS = 3  # of castor angles, over which twists are collected
 
 
 class Configuration(NamedTuple):
     """A generic admissible configuration of ``robot``, the robot in ``unit``, and the ranks there.
 
     ``constant``: independent rows that depend on no steered wheel. ``C1``: its rows, the constant ones first.
-    ``dof``: dimension of the Lie algebra that all admissible twists generate.
     """
 
     robot: Robot
@@ -55,7 +53,6 @@ class Configuration(NamedTuple):
     rank_fixed: Rank
     rank: Rank
     C1: Array
-    dof: int
 
     @property
     def mobility(self) -> int:
@@ -82,13 +79,9 @@ def configuration(robot: Robot) -> Configuration:
     rows = [row for row, _ in constant]
     picked, numbers = _admissible(own, rows)
     rank, at = _rank_C1(own, numbers, _numbers(own, rows), picked)
-    twists = picked.basis
-    if any(has_angles(row) for row in rows):
-        twists = np.vstack([_admissible(own, rows, seed)[0].basis for seed in range(_SEEDS)])
     return Configuration(
         own, unit, tuple(constant[i] for i in picked.chosen), picked,
         decide(_numbers(own, [r.row for r in c.sliding_fixed])), rank, at,
-        closure(twists) if rank.value < 3 else 0,
     )  # fmt: skip
 
 
@@ -99,11 +92,11 @@ def in_metres(picked: Admissible, unit: Unit) -> Admissible:
     return picked._replace(normal=normal, basis=basis, sample=sample, tangent=tangent)
 
 
-def _numbers(robot: Robot, rows: Sequence[Row], seed: int = 0) -> list[ExactRow]:
+def _numbers(robot: Robot, rows: Sequence[Row]) -> list[ExactRow]:
     """Constant rows as numbers, at generic castor angles (rational points of the circle) where those occur."""
     angles: dict[Gen, Poly] = {}
     for w in (w for w in robot.wheels if w.kind.swivels):
-        t = Fraction(2 + 3 * robot.steer_group[w.index] + seed, 7 + 2 * seed)  # coupled castors share one
+        t = Fraction(2 + 3 * robot.steer_group[w.index], 7)  # coupled castors share one
         for function, value in zip(("cos", "sin"), circle(t), strict=True):
             angles[Gen(function, w.name)] = Poly.of(value)
     numbers: list[ExactRow] = []
@@ -113,9 +106,9 @@ def _numbers(robot: Robot, rows: Sequence[Row], seed: int = 0) -> list[ExactRow]
     return numbers
 
 
-def _admissible(robot: Robot, rows: Sequence[Row], seed: int = 0) -> tuple[Admissible, list[ExactRow]]:
-    """The admissible cone and the independent ones of ``rows``; ``seed``: castors' angles."""
-    numbers = _numbers(robot, rows, seed)
+def _admissible(robot: Robot, rows: Sequence[Row]) -> tuple[Admissible, list[ExactRow]]:
+    """The admissible cone and the independent ones of ``rows``."""
+    numbers = _numbers(robot, rows)
     array = unit_rows(to_array(numbers))
     chosen = independent(array, numeric_rank(array)[0])
     best = _freest(robot, array[chosen], components(array[chosen], quadrics(robot)))

@@ -120,14 +120,14 @@ class Mobility:
 
     ``apart``: three fixed wheels whose axles meet in no common point, where there are such. ``argument``: of the
     ``reasons`` those that argue, names of wheels in backticks; ``verdict``: the one why the robot is degenerate, ""
-    where it is not; ``skids``: because it turns by skidding alone.
+    where it is not; ``skids``: because it turns by skidding alone. ``growth_vector``: dimensions of pose and steering
+    angles that the inputs and their Lie brackets span, by order.
     """
 
     degree_of_mobility: int
     degree_of_steerability: int
     rank_C1f: Rank
     rank_C1: Rank
-    dof: int
     reasons: tuple[str, ...]
     argument: tuple[str, ...]
     actuation: tuple[Balance, ...]  # of driving; of steering, where there is any
@@ -171,7 +171,12 @@ class Mobility:
     @property
     def ddof(self) -> int:
         """Differentiable degrees of freedom, Siegwart 3.4.1."""
-        return self.degree_of_mobility
+        return self.growth_vector[0] - self.degree_of_steerability
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom: dimensions of the pose that the motions reach, Siegwart 3.4.1."""
+        return self.growth_vector[-1] - self.degree_of_steerability
 
     @property
     def degree_of_nonholonomy(self) -> int:

@@ -32,11 +32,15 @@ class Text(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """One of a few words; ``words`` says what each means, ``default`` which stands for none."""
+    """One of a few words; ``words`` says what each means, ``default`` which stands for none.
+
+    ``interval``: instead of the word that means yes a list [low, high] of such quantities may stand.
+    """
 
     words: Mapping[str, bool]
     default: str
     aliases: Mapping[str, str] = field(default_factory=dict)
+    interval: Kind | None = None
 
 
 YES = {"true": True, "false": False}

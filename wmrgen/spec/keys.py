@@ -44,9 +44,13 @@ PARAMETER = Section(
     "{value: 0.1, tunable: true}",
     (
         Field(
-            "value", Amount(Kind.ANY), "the value, which may use other parameters", required=True, example="0.1"
+            "value", Amount(Kind.ANY), "the value, which may use other parameters", required=True, example="0.1",
         ),
-        Field("tunable", Word(YES, "false"), "the parameter stays an input of the generated code"),
+        Field(
+            "tunable", Word(YES, "false", interval=Kind.ANY),
+            "the parameter stays an input of the generated code, for values from low to high; true: within 10 % of the "
+            "value, 0.01 (m, rad) where that is 0", example="[0.09, 0.11]",
+        ),
     ),
 )  # fmt: skip
 
@@ -129,9 +133,26 @@ WHEEL = Section(
             misfit=("r_sw is the roller radius; only swedish wheels have rollers.", f"{_NO_ROLLERS} r_sw."),
         ),
         Field(
+            "driven",
+            ListOf(
+                Amount(Kind.ANGLE), "[0, 90 deg]", most=2,
+                many=(
+                    "{n} driven directions", "A ball on the ground rolls in two independent directions.",
+                    "Write the directions of two drive rollers.",
+                ),
+            ),
+            "directions in the robot frame in which a ball is driven: it rolls along each and slides along none. One "
+            "direction is the joint `<name>.spin`; of two, the joints are `<name>_1.spin` and `<name>_2.spin`",
+            default="none",
+            misfit=(
+                "driven lists the directions in which a ball is driven.",
+                "Write actuated: [spin], or actuated: [].",
+            ),
+        ),
+        Field(
             "actuated", _JOINTS, "joints that are driven", default="those of the wheel type",
             aliases=dict.fromkeys(
-                ("powered", "driven", "drive", "motor", "passive"), "Write actuated: [spin], or actuated: []."
+                ("powered", "drive", "motor", "passive"), "Write actuated: [spin], or actuated: []."
             ),
         ),
         Field("sensed", _JOINTS, "joints that are measured", default="those that are driven"),

@@ -31,7 +31,7 @@ from wmrgen.spec.text import (
     quoted,
     scalar_of,
 )
-from wmrgen.spec.wheels import declared_types, read_couplings, read_wheels
+from wmrgen.spec.wheels import declared_types, every_wheel_is_named, read_couplings, read_wheels
 
 _DUNDER = re.compile(r"__\w+__")
 # What stands in the place of an answer that nobody has given yet, as `wmrgen import` writes it: a plain word, for text
@@ -219,12 +219,11 @@ def _causes(table: Table, errors: Sequence[WmrgenError]) -> list[WmrgenError]:
 def _names_in_doubt(table: Table, errors: Sequence[WmrgenError]) -> tuple[bool, bool]:
     """Whether some name of a parameter cannot be read, and of a wheel or what else bears one: where such names are used
     nothing is to be told."""
-    wheels, parameters = table.get("wheels"), table.get("parameters")
+    parameters = table.get("parameters")
     declared = [key.mark for key, _ in parameters.entries] if isinstance(parameters, MappingNode) else []
     unread = [error.mark in declared for error in errors if error.code is Code.NAME]
     no_mapping = parameters is not None and not isinstance(parameters, MappingNode)
-    unnamed = isinstance(wheels, SequenceNode) and len(declared_types(table)) < len(wheels.items)
-    return no_mapping or any(unread), unnamed or not all(unread)
+    return no_mapping or any(unread), not every_wheel_is_named(table) or not all(unread)
 
 
 def _in_wheels(table: Table, error: WmrgenError) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from dataclasses import replace
 
 from wmrgen.backends.registry import why_reserved
 from wmrgen.backends.words import AVR_MACROS
@@ -129,6 +130,13 @@ def robot_name(node: Scalar) -> str:
 
 def wheel_name(node: Scalar) -> str:
     return _check(node, "wheel")
+
+
+def numbered_names(node: Scalar, count: int) -> tuple[str, ...]:
+    """The names of the ``count`` drives of one wheel: its own, or with several of them ``name_1``, ``name_2``."""
+    if count == 1:
+        return (wheel_name(node),)
+    return tuple(_check(replace(node, text=f"{node.text}_{k + 1}"), "wheel") for k in range(count))
 
 
 def parameter_name(node: Scalar) -> str:

@@ -13,10 +13,10 @@ from wmrgen.spec.keys import PARAMETER, ROBOT
 from wmrgen.spec.names import Names, parameter_name, wheel_name
 from wmrgen.spec.numbers import Facts, Kind, Scope, facts_of
 from wmrgen.spec.part_keys import CG, GAINS, TRAILER, VIRTUAL
-from wmrgen.spec.quantities import parse_value
+from wmrgen.spec.quantities import of_one_kind, parse_value, read_quantity
 from wmrgen.spec.records import ParameterSpec, PointSpec, Quantity, TrailerSpec, VirtualSpec, parameters_in
 from wmrgen.spec.tables import Table, mapping_of, read_number, severed, table_of
-from wmrgen.spec.text import MappingNode, Node, Scalar, quoted, scalar_of
+from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, quoted, scalar_of
 from wmrgen.spec.wheels import wheel_called
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
@@ -149,7 +149,8 @@ def read_parameters(
     scope = replace(scope, facts=facts)
     nodes: dict[str, Scalar] = {}
     trees = {}
-    tunable = {}
+    tunable: dict[str, bool] = {}
+    ends: dict[str, SequenceNode | None] = {}
     rests = [severed(key, entry) for key, entry in mapping.entries]
     for (key, entry), rest, behind in zip(mapping.entries, rests, [*rests, None][1:], strict=True):
         name = key.text
@@ -161,7 +162,7 @@ def read_parameters(
         with several:
             names.add(parameter_name(key), "a parameter", key)
         with several:
-            nodes[name], tunable[name] = _entry(name, entry)
+            nodes[name], tunable[name], ends[name] = _entry(name, entry)
             trees[name] = parse_value(nodes[name], scope.facts, Kind.ANY, f"parameter {name}")
     parameters: list[ParameterSpec] = []
     order: list[str] = []
@@ -173,7 +174,29 @@ def read_parameters(
             facts[name] = facts_of(expr, unit, scope, nodes[name])
             quantity = Quantity(expr, nodes[name].text.strip(), nodes[name].mark)
             parameters.append(ParameterSpec(name, quantity, tunable[name]))
+    for k, p in enumerate(parameters):
+        with several:
+            parameters[k] = p._replace(range=_range(p.name, ends[p.name], scope))
     return tuple(parameters), scope
+
+
+def _range(name: str, node: SequenceNode | None, scope: Scope) -> tuple[Quantity, Quantity] | None:
+    """The ends [low, high] of a tunable parameter; any parameter may stand in them, for all have been read."""
+    if node is None:
+        return None
+    what = f"the range of parameter {name}"
+    if len(node.items) != 2:
+        raise node.error(
+            f"{what} has {len(node.items)} value{'s' * (len(node.items) != 1)}",
+            "A range has two.",
+            "Write tunable: [low, high], or tunable: true for 10 % on either side.",
+        )
+    own = scope.facts[name]
+    assert own is not None
+    low, high = (read_quantity(item, Kind.ANY, what, scope) for item in node.items)
+    for item in node.items:
+        of_one_kind(scalar_of(item, what), what, own, scope)
+    return low, high
 
 
 def _dependency_order(uses: Mapping[str, set[str]], nodes: Mapping[str, Scalar]) -> list[str]:
@@ -206,16 +229,17 @@ def _circle(names: list[str], node: Scalar) -> RobotFileError:
     )
 
 
-def _entry(name: str, node: Node) -> tuple[Scalar, bool]:
-    """The value node of a parameter and whether it is tunable."""
+def _entry(name: str, node: Node) -> tuple[Scalar, bool, SequenceNode | None]:
+    """The value node of a parameter, whether it is tunable, and the list of the ends of its range."""
     what = f"parameter {name}"
     if not isinstance(node, MappingNode):
-        return scalar_of(node, what), False
+        return scalar_of(node, what), False, None
     several, tunable = Several(), False
     table = table_of(node, PARAMETER, several, what)
+    ends = table.get("tunable")
     with several:
-        tunable = table.word("tunable")
+        tunable = isinstance(ends, SequenceNode) or table.word("tunable")
     with several:
         value = scalar_of(table.require("value", what), what)
     several.end()
-    return value, tunable
+    return value, tunable, ends if isinstance(ends, SequenceNode) else None

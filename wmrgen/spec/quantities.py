@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from wmrgen.errors import RobotFileError
 from wmrgen.spec.expressions import parse_expression
-from wmrgen.spec.numbers import Kind, Scope, facts_of, plain_number, refuse_lookalikes, units_of
+from wmrgen.spec.numbers import Facts, Kind, Scope, facts_of, plain_number, refuse_lookalikes, units_of
 from wmrgen.spec.records import Binary, Expr, Neg, Num, Pi, Quantity
 from wmrgen.spec.text import Node, Scalar, quoted, scalar_of
 
@@ -30,6 +30,16 @@ def parse_value(node: Scalar, names: Collection[str], kind: Kind, what: str) -> 
 def _of_another_kind(node: Scalar, what: str, kind: Kind, given: str, is_a: Kind) -> RobotFileError:
     wrong = f"{what} is {_article(kind)}, and {given} is {_article(is_a)}"
     return node.error(wrong, "", f"Use one of {' '.join(units_of(kind))}.")
+
+
+def of_one_kind(node: Scalar, what: str, own: Facts, scope: Scope) -> None:
+    """RobotFileError where a value measures something else than what has the facts ``own``, as far as units say."""
+    expr, unit = parse_value(node, scope.facts, Kind.ANY, what)
+    kinds = facts_of(expr, unit, scope, node).kinds
+    if own.kinds and (other := next((k for k in kinds if k not in own.kinds), None)):
+        raise _of_another_kind(
+            node, what, next(iter(own.kinds)), kinds[other] or quoted(node.text.strip()), other
+        )
 
 
 def _article(kind: Kind) -> str:

@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from wmrgen.errors import Mark
+from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,11 +89,15 @@ class Quantity:
 
 
 class ParameterSpec(NamedTuple):
-    """A named length or angle; one that is tunable stays an input of the generated code."""
+    """A named length or angle; one that is tunable stays an input of the generated code.
+
+    ``range``: the lowest and the highest value that a tunable one may have, where the file states them.
+    """
 
     name: str
     value: Quantity
     tunable: bool
+    range: tuple[Quantity, Quantity] | None = None
 
 
 class Limit(NamedTuple):
@@ -124,12 +129,15 @@ class EncoderSpec(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class WheelSpec:
-    """One entry of ``wheels``. Exactly one placement (l, alpha) or (x, y); beta or heading, not both;
-    a castor or spherical wheel may have neither."""
+    """One entry of ``wheels``, or one driven direction of a ball. Exactly one placement (l, alpha) or (x, y); beta or
+    heading, not both; a castor or spherical wheel may have neither."""
 
     name: str
     type: str  # a name of WHEEL_TYPES
     mark: Mark
+    ball: str = (
+        ""  # the name in the file of the ball whose driven direction this is; its heading is that direction
+    )
     r: Quantity | None = None  # None where the type does not require it
     l: Quantity | None = None
     alpha: Quantity | None = None
@@ -148,6 +156,12 @@ class WheelSpec:
     noise: tuple[NoiseSpec, ...] = ()
     encoders: tuple[EncoderSpec, ...] = ()
     lag: tuple[tuple[str, Quantity], ...] = ()  # joint, time constant
+
+    @property
+    def kind(self) -> WheelType:
+        """What the wheel's type says of it."""
+        kind = WHEEL_TYPES[self.type]
+        return kind.powered if self.ball and kind.powered else kind
 
 
 class Coupling(NamedTuple):

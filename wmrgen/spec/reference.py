@@ -153,8 +153,8 @@ def _in_words(value: Value) -> str:
             return "new name: a-z, A-Z, 0-9 and _, 31 characters at most"
         case Text(longest):
             return f"text, {longest} characters at most"
-        case Word(words):
-            return " or ".join(f"`{word}`" for word in words)
+        case Word(words, interval=interval):
+            return " or ".join(f"`{word}`" for word in (*words, *(["[low, high]"] if interval else [])))
         case Amount(Kind.ANY, unit):
             return f"number [{unit}]" if unit else "quantity"
         case Amount(kind):

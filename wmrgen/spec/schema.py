@@ -132,6 +132,9 @@ def _value(value: Value) -> Schema:
             return _ref("name")
         case Text(longest):
             return {"type": "string", "maxLength": longest}
+        case Word(words, default, interval=Kind() as kind):
+            ends = {"type": "array", "minItems": 2, "maxItems": 2, "items": _ref(_kind(kind))}
+            return {"anyOf": [_value(Word(words, default)), ends]}
         case Word(words, default):
             if set(words) == {"true", "false"}:
                 return {"type": "boolean", "default": default == "true"}
@@ -191,14 +194,24 @@ def _wheel(kind: WheelType) -> Schema:
     schema = _section(WHEEL, (f for f in WHEEL.fields if takes(kind, f.key)), choices)
     properties = schema["properties"]
     properties["type"] = {"const": kind.name, "description": kind.meaning}
+    joints = kind.powered.joints if kind.powered else kind.joints
     for key in ("actuated", "sensed"):
-        properties[key]["items"] = {"enum": list(kind.joints)}
+        properties[key]["items"] = {"enum": list(joints)}
     for key, section in (("limits", LIMITS), ("noise", NOISE), ("encoder", ENCODER)):
-        own = section.keys_of(kind.joints)
+        own = section.keys_of(joints)
         of_joints = _section(section, (f for f in section.fields if f.key in own))
         properties[key] = {**of_joints, "description": WHEEL.field(key).meaning}
     required = [*WHEEL.required, *kind.required]
+    if kind.powered:
+        schema["allOf"] = [*schema.get("allOf", []), _driven(kind.powered)]
     return {**schema, "title": kind.name, "description": kind.meaning, "required": required}
+
+
+def _driven(powered: WheelType) -> Schema:
+    """With driven directions a wheel has what each of them requires, and no orientation of its own."""
+    oriented = {word: False for key in ("beta", "heading") for word in WHEEL.field(key).spellings}
+    driven = {"required": ["driven"], "properties": {"driven": {"minItems": 1}}}
+    return {"if": driven, "then": {"required": [*powered.required], "properties": oriented}}
 
 
 def _choice(section: Section, choice: Choice) -> list[Schema]:

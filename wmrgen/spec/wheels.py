@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from wmrgen.errors import Code, RobotFileError, Several
 from wmrgen.spec.fields import Amount
 from wmrgen.spec.joints import read_of_joints
 from wmrgen.spec.keys import WHEEL
-from wmrgen.spec.names import Names, wheel_name
-from wmrgen.spec.numbers import Scope
+from wmrgen.spec.names import Names, numbered_names, wheel_name
+from wmrgen.spec.numbers import Kind, Scope
 from wmrgen.spec.part_keys import COUPLING
+from wmrgen.spec.quantities import read_quantity
 from wmrgen.spec.records import Coupling, Quantity, WheelSpec
 from wmrgen.spec.tables import Table, read_number, table_of
 from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, lookalike, quoted, scalar_of, suggestion
@@ -22,27 +23,44 @@ _QUANTITIES = tuple(f.key for f in WHEEL.fields if isinstance(f.value, Amount))
 
 
 def declared_types(robot: Table) -> dict[str, WheelType | None]:
-    """The names that wheels bear, readable or not, each with its type where that is one."""
+    """The names that joints are called by, readable or not, each with the type of its wheel if that is known."""
+    return {name: kind for _, name, kind in _declared(robot)}
+
+
+def every_wheel_is_named(robot: Table) -> bool:
+    """Whether each of ``wheels`` has a name of its own."""
     node = robot.get("wheels")
-    types: dict[str, WheelType | None] = {}
+    named = {wheel for wheel, _, _ in _declared(robot)}
+    return not isinstance(node, SequenceNode) or len(named) == len(node.items)
+
+
+def _declared(robot: Table) -> Iterator[tuple[str, str, WheelType | None]]:
+    """For each wheel its name, the name that its joints are called by, and its type. A ball that is driven in two
+    directions has two of the second."""
+    node = robot.get("wheels")
     for item in node.items if isinstance(node, SequenceNode) else ():
         entries = {key.text: value for key, value in item.entries} if isinstance(item, MappingNode) else {}
-        name, kind = entries.get("name"), entries.get("type")
-        if isinstance(name, Scalar):
-            types[name.text] = WHEEL_TYPES.get(kind.text) if isinstance(kind, Scalar) else None
-    return types
+        name, type_, driven = (entries.get(key) for key in ("name", "type", "driven"))
+        if not isinstance(name, Scalar):
+            continue
+        kind = WHEEL_TYPES.get(type_.text) if isinstance(type_, Scalar) else None
+        count = len(driven.items) if kind and kind.powered and isinstance(driven, SequenceNode) else 0
+        owners = [f"{name.text}_{k + 1}" for k in range(count)] if count > 1 else [name.text]
+        for owner in owners:
+            yield name.text, owner, kind.powered if kind and count else kind
 
 
 def read_wheels(robot: Table, scope: Scope, names: Names, several: Several) -> tuple[WheelSpec, ...]:
     """The wheels whose type can be read, with what else of them can; ``several`` takes the rest."""
-    wheels = []
+    wheels: list[WheelSpec] = []
     for item in robot.items("wheels"):
         with several:
-            wheels.append(_wheel(item, scope, names, several))
-    return tuple(wheel for wheel in wheels if wheel)
+            wheels += _wheel(item, scope, names, several)
+    return tuple(wheels)
 
 
-def _wheel(item: Node, scope: Scope, names: Names, several: Several) -> WheelSpec | None:
+def _wheel(item: Node, scope: Scope, names: Names, several: Several) -> list[WheelSpec]:
+    """One entry of ``wheels``: one record, or one for each driven direction of a ball."""
     name, table = "", table_of(item, WHEEL, several)
     with several:
         node = scalar_of(table.require("name", "the wheel"), "name")
@@ -58,11 +76,51 @@ def _wheel(item: Node, scope: Scope, names: Names, several: Several) -> WheelSpe
     with several:
         table.choose(_PLACEMENT, what)
     if kind is None:
-        return None
+        return []
     what = f"the {kind.name} wheel {name}".rstrip()
+    directions: list[Quantity] = []
+    if kind.powered and table.get("driven") is not None:
+        with several:
+            of = f"driven of {name or 'the wheel'}"
+            directions = [read_quantity(d, Kind.ANGLE, of, scope) for d in table.items("driven")]
+    powered = kind.powered if directions else None
     _check_keys(table, kind, what, several)
-    facts |= _joint_facts(table, kind, what, scope, several)
-    return WheelSpec(name=name, type=kind.name, mark=table.mark, **facts)
+    if not powered:
+        facts |= _joint_facts(table, kind, what, scope, several)
+        return [WheelSpec(name=name, type=kind.name, mark=table.mark, **facts)]
+    with several:
+        _check_driven(table, powered, what)
+    facts |= _joint_facts(table, powered, what, scope, several) | {"beta": None}
+    drives = []
+    with several:
+        owners = numbered_names(node, len(directions)) if name else [""] * len(directions)
+        for owner, direction in zip(owners, directions, strict=True):
+            if owner != name:
+                names.add(owner, f"a drive of the ball {name}", node)
+            drives.append(
+                WheelSpec(
+                    name=owner,
+                    type=kind.name,
+                    mark=table.mark,
+                    ball=name or owner,
+                    **{**facts, "heading": direction},
+                )
+            )
+    return drives
+
+
+def _check_driven(table: Table, powered: WheelType, what: str) -> None:
+    """A driven ball has the keys that its drives need, and no direction besides theirs."""
+    for key in ("beta", "heading"):
+        if key in table.keys:
+            raise table.keys[key].error(
+                f"{what} has driven and {key}",
+                "The directions of driven are measured in the robot frame; the ball itself has no orientation.",
+                f"Delete {key}.",
+                code=Code.TWICE,
+            )
+    for key in powered.required:
+        table.require(key, what)
 
 
 def _check_keys(table: Table, kind: WheelType, what: str, several: Several) -> None:

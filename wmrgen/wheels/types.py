@@ -60,6 +60,8 @@ class WheelType:
     order; ``actuated``: those that are driven unless the robot file says otherwise. ``keys``: those that the robot
     file may give beyond the common ones; ``required``: those that it must give, r of a wheel with a spin; a wheel that
     turns and requires d is a castor, one with gamma has rollers. ``oriented``: beta or heading must be given.
+    ``powered``: what a wheel of this type is along each direction in which it is driven; only a type that has it takes
+    the key driven.
     ``sliding_row``: the contact cannot move freely across the wheel. ``aliases``: what people also call it, with a
     hint. ``misfits``: a key that exists but does not fit, with why and what to write instead.
     """
@@ -78,6 +80,7 @@ class WheelType:
     aliases: Mapping[str, str] = field(default_factory=dict)
     misfits: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     checks: tuple[Check, ...] = ()
+    powered: WheelType | None = None
 
     @property
     def label(self) -> str:
@@ -93,6 +96,11 @@ class WheelType:
     def directed(self) -> bool:
         """It has a row, so its rolling direction counts."""
         return self.has_spin or self.sliding_row
+
+    @property
+    def rolls_across(self) -> bool:
+        """It rolls along one direction and moves freely across it, on rollers or as a driven ball."""
+        return self.has_spin and not self.sliding_row
 
     @property
     def turns(self) -> bool:
@@ -245,12 +253,31 @@ SWEDISH = WheelType(
 )
 
 
+# A direction in which a ball is driven: it rolls along that direction (Siegwart (3.21)) and moves freely across it.
+_POWERED = WheelType(
+    name="spherical",
+    meaning="a direction in which a ball is driven",
+    noun="driven ball",
+    joints=("spin",),
+    actuated=("spin",),
+    required=("r",),
+    sliding_row=False,
+    words=Words(
+        "A driven ball rolls without slip along the direction of its drive roller, (3.21) with that direction for β, "
+        "and moves freely across it:",
+        free="a driven ball moves freely across the direction in which it is driven",
+        equations=(21, 22),
+    ),
+    glyph=Glyph("#cc79a7", width=2.0, ball=True),
+)
+
 # The spherical wheel: a ball that follows every motion and constrains none (Siegwart (3.21), (3.22)).
 SPHERICAL = WheelType(
     name="spherical",
-    meaning="a ball that rolls every way",
+    meaning="a ball that rolls every way, driven in none, one or two directions",
     noun="spherical wheel",
     joints=(),
+    keys=("driven",),
     oriented=False,
     sliding_row=False,
     aliases=dict.fromkeys(("ball", "sphere", "slider"), ""),
@@ -261,4 +288,5 @@ SPHERICAL = WheelType(
         equations=(21, 22),
     ),
     glyph=Glyph("#cc79a7", width=2.0, ball=True),
+    powered=_POWERED,
 )

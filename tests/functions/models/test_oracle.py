@@ -119,14 +119,14 @@ def test_wheels_roll_and_do_not_slide(name: str, seed: int) -> None:
     assert all(rates[u] == pytest.approx(values[u], abs=1e-9) for u in inputs if u in rates)
     ahead, behind = moved(values, rates, state, STEP), moved(values, rates, state, -STEP)
     for w in d.robot.wheels:
-        if w.type == "spherical":
+        if not w.kind.directed:
             continue
         velocity = (contact(d, w, ahead)[0] - contact(d, w, behind)[0]) / (2 * STEP)
         angle = contact(d, w, values)[1]
         e = np.array([math.cos(angle), math.sin(angle)])
         rim = float(w.nominal.r) * rates[f"{w.name}.spin"]
         assert velocity @ e == pytest.approx(rim, abs=1e-8)
-        if w.type != "swedish":
+        if w.kind.sliding_row:
             assert velocity @ np.array([-e[1], e[0]]) == pytest.approx(0.0, abs=1e-8)
 
 

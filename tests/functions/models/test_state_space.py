@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import importlib.util
 import json
+import pickle
 from math import atan, cos, inf, nan, radians, sin, tan
 from pathlib import Path
 from types import ModuleType
@@ -214,9 +216,15 @@ def test_rates_of_inputs_are_bounded_as_the_file_says() -> None:
     assert (vx["rate_lower"], vx["rate_upper"]) == (-9, 9) and "rate_lower" not in steer_rate
 
 
-@pytest.mark.parametrize("dt", [0.1, 0.0, -0.1, inf, nan])
+@pytest.mark.parametrize(
+    "dt", [0.1, 0.0, -0.1, inf, nan, "soon", 2 * casadi.SX.sym("h"), casadi.SX.sym("h", 2)]
+)
 def test_what_is_no_step_is_refused(dt: float) -> None:
-    kind, message = ("euler", "exact, rk4 or collocation") if dt == 0.1 else ("rk4", "a step takes time")
+    kind, message = (
+        ("euler", "exact, rk4 or collocation")
+        if isinstance(dt, float) and dt == 0.1
+        else ("rk4", "a step takes time")
+    )
     with pytest.raises(UsageError, match=message):
         of_gallery("lekiwi").state_space(discrete=kind, dt=dt)
 
@@ -244,15 +252,105 @@ def test_a_step_is_the_same_everywhere(kind: str) -> None:
     assert same == pytest.approx(a, abs=1e-9)
 
 
-def test_parameters_that_are_not_given_are_no_zeros() -> None:
-    """By name x and u alone are a call, too: a robot without lengths stood still."""
+def test_parameters_that_are_not_given_are_nominal() -> None:
+    """By name and by position, of rates, limits and steps, fixed and free; a copy and what is unpickled know them."""
     derivation = of_gallery("pioneer3dx")
-    for f in (derivation.state_space(), derivation.limits(), derivation.state_space(discrete="rk4", dt=0.1)):
-        name = f.name_out(0)
-        assert np.isnan(f(x=[0, 0, 0], u=[1, 2])[name].full()).any()
-        assert np.isfinite(f(x=[0, 0, 0], u=[1, 2], p=[0.2, 0.1])[name].full()).all()
+    p = nominal(derivation)
+    free = derivation.state_space(discrete="rk4")
+    fixed = derivation.state_space(discrete="rk4", dt=0.1)
+    for f in (derivation.state_space(), derivation.limits(), fixed, copy.copy(fixed), copy.deepcopy(fixed)):
+        for function in (f, pickle.loads(pickle.dumps(f))):
+            name = function.name_out(0)
+            whole = function(x=[0, 0, 0], u=[1, 2], p=p)[name].full()
+            assert np.abs(whole).max() > 0.01
+            assert np.array_equal(function(x=[0, 0, 0], u=[1, 2])[name].full(), whole)
+            assert np.array_equal(function.call([[0, 0, 0], [1, 2]])[0].full(), whole)
+            other = function(x=[0, 0, 0], u=[1, 2], p=[0.2, 0.1])[name].full()
+            assert not np.array_equal(other, whole)
+    assert np.array_equal(free(u=[1, 2], dt=0.1)["A"].full(), fixed(u=[1, 2])["A"].full())
+    assert np.isnan(free(x=[0, 0, 0], u=[1, 2], p=p)["xnext"].full()).any()  # a step takes time
     swerve = of_gallery("wpilib_swervebot").state_space()
     assert np.isfinite(swerve(x=[0] * 7, u=[1] * 7)["xdot"].full()).all()
+
+
+def test_a_file_knows_parameters_that_share_one_value(tmp_path: Path) -> None:
+    """CasADi has one default for a vector: in files p is nominal if its entries are alike, else NaN, never 0."""
+    text = """\
+wmrgen: 1
+name: alike
+parameters: {a: {value: 0.1, tunable: true}, b: {value: B, tunable: true}}
+wheels:
+  - {name: left, type: fixed, x: 0, y: b, heading: 0, r: a}
+  - {name: right, type: fixed, x: 0, y: -b, heading: 0, r: a}
+"""
+    for b in (0.1, 0.2):
+        f = of_text(text.replace("B", str(b))).state_space()
+        f.save(str(tmp_path / "f"))
+        read = casadi.Function.load(str(tmp_path / "f"))
+        rates = read(x=[0, 0, 0], u=[1, 2])["xdot"].full()
+        if b == 0.1:
+            assert np.array_equal(rates, f(x=[0, 0, 0], u=[1, 2])["xdot"].full())
+        assert np.isnan(rates).any() == (b != 0.1)
+
+
+@pytest.mark.parametrize(
+    "name", ["pioneer3dx", "wpilib_swervebot", "lekiwi", "ackermann_car", "car_with_trailers"]
+)
+@pytest.mark.parametrize("kind", ["rk4", "exact", "collocation"])
+def test_a_free_step_is_the_step_of_every_length(name: str, kind: str) -> None:
+    """Its first four results are those of the fixed step; by_dt is the derivative by dt."""
+    derivation = of_gallery(name)
+    if kind == "exact" and name in ("ackermann_car", "car_with_trailers"):
+        with pytest.raises(UsageError, match="rk4"):
+            derivation.state_space(discrete=kind)
+        return
+    p = nominal(derivation)
+    for symbol in (None, casadi.SX.sym("h"), casadi.MX.sym("h")):
+        free = derivation.state_space(discrete=kind, dt=symbol)
+        assert free.name_in() == ["x", "u", "p", "dt"]
+        assert free.name_out() == ["xnext", "A", "B", "c", "by_dt"]
+    x, u = point(free, 4)
+    for dt in (1e-3, 0.1, 0.3):
+        *parts, by_dt = free(x, u, p, dt)
+        for part, same in zip(parts, derivation.state_space(discrete=kind, dt=dt)(x, u, p), strict=True):
+            assert part.full() == pytest.approx(same.full(), abs=1e-13)
+        high, low = (free(x, u, p, dt + h)[0].full() for h in (1e-6, -1e-6))
+        assert by_dt.full() == pytest.approx((high - low) / 2e-6, abs=1e-7)
+    zero = free(x, u, p, 0)
+    assert zero[0].full().ravel() == pytest.approx(x, abs=1e-15)
+    assert zero[4].full() == pytest.approx(derivation.state_space()(x, u, p).full(), abs=1e-9)
+
+
+def test_a_free_exact_step_of_lags() -> None:
+    """dt stands in the exponents of first-order lags, too."""
+    text = ROBOTS["wpilib_swervebot"].read_text(encoding="utf-8") + "\nlag: {steer: 0.15}\n"
+    derivation = of_text(text)
+    free, x = derivation.state_space("twist", "exact"), [0, 0, 0, 0.1, 0.2, 0.3, 0.4]
+    u = [1, 0.5, 0.2, 0.5, 0.4, 0.3, 0.2]
+    for dt in (0.01, 0.4):
+        after = free(x, u, [], dt)[0].full()
+        assert after.ravel()[3] == pytest.approx(0.5 - 0.4 * np.exp(-dt / 0.15), abs=1e-14)
+        assert np.array_equal(after, derivation.state_space("twist", "exact", dt)(x, u, [])[0].full())
+
+
+def test_a_plan_that_chooses_its_time() -> None:
+    """Time-optimal: 1 m ahead at no more than 1.2 m/s."""
+    derivation = of_gallery("pioneer3dx")
+    step, limits = derivation.state_space(discrete="exact"), derivation.limits()
+    robot, n = derivation.numpy(), 5
+    problem = casadi.Opti()
+    x, u, dt = problem.variable(3, n + 1), problem.variable(2, n), problem.variable()
+    problem.subject_to(x[:, 0] == [0, 0, 0])
+    problem.subject_to(x[:, n] == [1, 0, 0])
+    problem.subject_to(dt >= 0)
+    for k in range(n):
+        problem.subject_to(x[:, k + 1] == step(x[:, k], u[:, k], robot.NOMINAL, dt)[0])
+        problem.subject_to(problem.bounded(robot.LBH, limits(x[:, k], u[:, k]), robot.UBH))
+    problem.minimize(n * dt)
+    problem.set_initial(dt, 0.5)
+    problem.set_initial(u, 5)
+    problem.solver("ipopt", {"print_time": False}, {"print_level": 0, "sb": "yes"})
+    assert n * problem.solve().value(dt) == pytest.approx(1 / 1.2, rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["rk4", "exact", "collocation"])

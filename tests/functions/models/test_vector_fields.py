@@ -65,8 +65,8 @@ def test_car() -> None:
     wanted = (-sideways * sympy.sin(THETA), sideways * sympy.cos(THETA), 0, 0)
     assert all(zero(a - b) for a, b in zip(slide, wanted, strict=True))
     assert span.text == (
-        "growth vector (2, 3, 4), degree of nonholonomy 3; [g1, g2], [g1, [g1, g2]] add one dimension each; "
-        "the brackets reach every direction"
+        "growth vector (2, 3, 4) at generic configurations, degree of nonholonomy 3; "
+        "[g1, g2], [g1, [g1, g2]] add one dimension each; the brackets reach every direction"
     )
 
 

@@ -189,7 +189,7 @@ def test_projections_are_contact_velocities(name: str) -> None:
     for w in derivation.robot.wheels:
         v = np.array([velocity[f"{w.name}.vx"], velocity[f"{w.name}.vy"]])
         close([result[f"{w.name}.x_rate"], result[f"{w.name}.y_rate"]], turn(values["theta"])[:2, :2] @ v)
-        if w.type != "spherical":
+        if w.kind.directed:
             h = w.heading + values.get(f"{w.name}.steer", 0.0)
             e = np.array([math.cos(h), math.sin(h)])
             close([result[f"{w.name}.along"], result[f"{w.name}.across"]], [e @ v, e[0] * v[1] - e[1] * v[0]])

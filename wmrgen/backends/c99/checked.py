@@ -11,11 +11,10 @@ from typing import Any, NamedTuple
 
 from wmrgen.backends.c99.records import Step, Unit
 from wmrgen.backends.c99.text import block_comment, comment_lines, literal, prototype
-from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import hand_through
-from wmrgen.ir.interval import inside
 from wmrgen.ir.nodes import Function, Limits, Module, Port, contract
-from wmrgen.ir.rounding import to_float64
+from wmrgen.ir.rounding import tuned
 from wmrgen.ports import (
     OVERSHOOT,
     POSE_COVARIANCE,
@@ -25,7 +24,6 @@ from wmrgen.ports import (
     Site,
     overshot,
     timeless,
-    tuned,
 )
 from wmrgen.render import render
 from wmrgen.selftest.rounding_bounds import LARGEST_ANGLE
@@ -45,8 +43,9 @@ ABOUT = (
     "theta.",
 )
 ABOUT_TUNABLE = (
-    "Tunable parameters are checked by {0}_prepare_checked(), which takes what lies within "
-    f"{SPREAD * 100:g} % of the nominal value, within {SPAN:g} (m, rad) where that is 0. A block of parameters with "
+    "Tunable parameters are checked by {0}_prepare_checked(), which takes the range that the robot file states; "
+    f"without one, what lies within {float(SPREAD) * 100:g} % of the nominal value, within {float(SPAN):g} (m, rad) "
+    "where that is 0. A block of parameters with "
     "anything else in it, one that was erased say, is refused as a whole: then the robot is prepared for its nominal "
     "parameters. What {0}_prepare() makes of parameters that nobody checked is not checked later.",
 )
@@ -115,8 +114,7 @@ def _prepare(module: Module, unit: Unit) -> Guarded | None:
     step = next(step for step in unit.steps if step.name == f"{unit.robot}_prepare")
     scalar, accepted = unit.choice.scalar, []
     for port in prepare.inputs:
-        low, high = tuned(to_float64(port.default or ZERO))
-        low, high = inside(low, high) if scalar == "float" else (low, high)
+        low, high = tuned(port, scalar)
         accepted.append(Range(port, _number(low, scalar), _number(high, scalar)))
     return Guarded(step, tuple(accepted), (), keeps=False)
 

@@ -77,7 +77,7 @@ def top_view(derivation: Derivation) -> Figure:
         ("", [element for p in wheels for element in direction(p)]), (' class="fine"', sizes),
         ("", signs), (' class="fine"', [*names, *lengths]), (' class="fine"', keys),
     ]  # fmt: skip
-    count = f"{len(robot.wheels)} wheel{'s' * (len(robot.wheels) > 1)}"
+    count = f"{len(robot.bodies)} wheel{'s' * (len(robot.bodies) > 1)}"
     nouns = ", ".join(dict.fromkeys(w.kind.noun for w in robot.wheels))
     alt = f"Top view of {robot.name}, x forward is up: {count} ({nouns}) to scale"
     return figure(FILE, f"{alt}{', with its trailers behind it' if trailers else ''}.", height + more, groups)
@@ -118,7 +118,9 @@ def _dimensions(
 
     ``frame``: how long the axes of the frame are drawn [px].
     """
-    bearing = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers or w.actuated] or robot.wheels
+    bearing = [
+        w for w in robot.wheels if w.kind.constrains or w.kind.rolls_across or w.actuated
+    ] or robot.wheels
     size = max(hypot(w.pivot.real, w.pivot.imag) for w in robot.wheels)
     if not size:
         return []

@@ -51,7 +51,7 @@ def kind_of_robot(d: Derivation) -> str:
     robot, m = d.robot, d.mobility
     kind = "Campion's type" if m.robot_type else "a degenerate layout,"
     when = "at any instant" if m.robot_type else "without slip"  # a skid-steer robot turns, but slips
-    wheels = Counter(w.kind.noun for w in robot.wheels)
+    wheels = Counter(w.kind.noun for w in robot.bodies)
     adds = _word(m.degree_of_steerability) if m.degree_of_steerability else "none"
     adds = f", and steering adds {adds}" * any(w.kind.steers for w in robot.wheels)
     moves = f"moves with {_count(m.degree_of_mobility, 'degree')} of freedom{adds}"
@@ -183,6 +183,7 @@ def _legend(robot: Robot) -> str:
          "direction"),
         (any(w.nominal.o for w in robot.wheels), "o is the lateral offset of the contact point along the axle, which "
          "the book does not have"),
+        (len(robot.bodies) < len(kinds), "a ball that is driven in two directions has two rows, _1 and _2"),
         (any(k.rollers for k in kinds), "γ is the angle from the wheel plane to the axis of the roller that touches "
          "the ground"),
     )  # fmt: skip
@@ -198,7 +199,7 @@ def _turning(kinds: list[WheelType]) -> str:
 def _in_code(p: Parameter) -> str:
     """What the generated code makes of a parameter."""
     if p.tunable:
-        return "tunable: passed to the generated code"
+        return f"tunable from {float(p.low):.6g} to {float(p.high):.6g}: passed to the generated code"
     names = ", ".join(code(name) for name in sorted(parameters_in(p.working)))
     return f"computed from the tunable {names}" if names else "constant in the generated code"
 
@@ -225,7 +226,7 @@ def _remarks(robot: Robot) -> list[str]:
 def _pairs(robot: Robot) -> dict[str, tuple[Wheel, Wheel]]:
     """Wheels that roll forward and mirror each other beside P, the first of each distance [m]."""
     pairs: dict[str, tuple[Wheel, Wheel]] = {}
-    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
+    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rolls_across]
     for a, b in combinations(wheels, 2):
         opposite = a.nominal.x == b.nominal.x and a.nominal.y == -b.nominal.y
         if a.type == b.type and opposite and a.nominal.y and not (a.nominal.sh or b.nominal.sh):

@@ -27,8 +27,8 @@ _LINE = 70  # glyphs of matrices side by side
 def wheel_rows(d: Derivation) -> list[str]:
     """Section 2: all wheel types that occur, in file order."""
     blocks = ["## 2 What each wheel demands"]
-    for name in dict.fromkeys(w.type for w in d.robot.wheels):
-        wheels = [w for w in d.robot.wheels if w.type == name]
+    for noun in dict.fromkeys(w.kind.noun for w in d.robot.wheels):
+        wheels = [w for w in d.robot.wheels if w.kind.noun == noun]
         kind, offset = wheels[0].kind, any(w.nominal.o for w in wheels)
         title = kind.noun[0].upper() + kind.noun[1:]
         intro = kind.words.offset_intro if offset and kind.words.offset_intro else kind.words.intro

@@ -53,7 +53,7 @@ def citations(robot: Robot) -> list[Citation]:
 
     Couplings occur in the texts only where all wheels steer.
     """
-    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
+    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rolls_across]
     if not all(w.has_spin for w in wheels):
         return []
     rules = (_all_steered, _castors) if robot.couplings else _RULES
@@ -167,7 +167,7 @@ def turning_circle(robot: Robot) -> list[str]:
     """Steering and turning circle of a robot with a fixed axle through P and one or two wheels in front that steer:
     Ackermann's rule, the radius (Tzafestas (2.49)-(2.51))."""
     steered = [w for w in robot.wheels if w.kind.steers]
-    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
+    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rolls_across]
     if (
         len(steered) not in (1, 2)
         or robot.couplings
@@ -199,7 +199,7 @@ def _omni(robot: Robot, wheels: Wheels) -> list[Citation]:
     """Omni wheels that drive along the tangent of one circle."""
     if len(wheels) < 3 or not _driven(wheels):
         return []
-    if any(not w.kind.rollers or not _same(w.nominal.sg, ZERO) for w in wheels):
+    if any(not w.kind.rolls_across or not _same(w.nominal.sg, ZERO) for w in wheels):
         return []
     r = wheels[0].nominal.r
     if not all(_same(w.nominal.x * w.nominal.ch + w.nominal.y * w.nominal.sh, ZERO) for w in wheels):

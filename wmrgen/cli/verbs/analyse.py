@@ -46,7 +46,9 @@ def model(
         Literal["rk4", "exact", "collocation"] | None,
         option("A step of constant inputs with its derivatives A, B and c; exact is for a constant twist."),
     ] = None,
-    dt: Annotated[str | None, option("How long the step is [s].", "T")] = None,
+    dt: Annotated[
+        str | None, option("Length of the step [s]; with -o it may be left out: dt is then an input.", "T")
+    ] = None,
     out: Annotated[
         Path | None,
         output("FILE", "Write the step for casadi.Function.load."),
@@ -62,11 +64,21 @@ def model(
 
 
 @verb("model", "Say what integrates, what Lie brackets reach, what is flat or chained.")
-def structure(robot: Robot, as_json: Json = False) -> None:
-    """Example:  wmrgen structure robots/bicycle.yaml
+def structure(
+    robot: Robot,
+    form: Annotated[
+        str | None,
+        option(
+            "Model whose Lie brackets are formed: configuration has the angles of wheels and castors.", "NAME"
+        ),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Example:  wmrgen structure robots/unicycle.yaml --form configuration
 
     Test every rolling constraint by Frobenius, proof printed, and all together; relations that they integrate to;
-    Lie brackets with the growth vector; flat outputs; the chained form, or why there is none.
+    Lie brackets with the growth vector, and the configurations at which it is another one; flat outputs; the chained
+    form, or why there is none.
     """
 
 

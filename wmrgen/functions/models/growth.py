@@ -61,10 +61,15 @@ class Growth(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The growth vector, and which bracket adds each dimension."""
+        """What is said of the growth vector where nothing is known of single configurations."""
+        return self.told(everywhere=False)
+
+    def told(self, everywhere: bool) -> str:
+        """The growth vector, where it holds, and which bracket adds each dimension."""
         vector = ", ".join(map(str, self.vector))
         added = [b.name for b in self.brackets if b.order > 1]
-        text = f"growth vector ({vector}), degree of nonholonomy {self.degree}"
+        where = "wherever the model holds" if everywhere else "at generic configurations"
+        text = f"growth vector ({vector}) {where}, degree of nonholonomy {self.degree}"
         if added:
             text += f"; {', '.join(added)} add{'s' if len(added) == 1 else ''} one dimension each"
         reach = (
@@ -146,7 +151,13 @@ def _products(f: Bracket, df: tuple[Field, ...], g: Bracket, dg: tuple[Field, ..
 
 
 def robot_growth(robot: Robot, mobility: Mobility, most: int = MOST_PRODUCTS) -> Growth:
-    """The growth of the posture model in null-space coordinates, of body and trailers where there are some."""
+    """The growth of `growing`."""
+    return growth(growing(robot, mobility), most=most)
+
+
+def growing(robot: Robot, mobility: Mobility) -> System:
+    """The model whose brackets are formed: the posture model in null-space coordinates, with trailers if there are
+    some."""
     if not mobility.degree_of_mobility:
         raise NotDerivableError(f"{robot.name} cannot move: it has no vector fields")
-    return growth(system_builder("trailer" if robot.trailers else "eta")(robot, mobility, True), most=most)
+    return system_builder("trailer" if robot.trailers else "eta")(robot, mobility, True)

@@ -173,7 +173,7 @@ def stability(robot: Robot, _: Mobility) -> Formula:
     """Specific force and present steering angles to the margin of every edge of the support polygon."""
     c = centre_of_gravity(robot, "stability")
     names = Locals()
-    places = [_spot(w, names) for w in robot.wheels]
+    places = [_spot(w, names) for w in robot.bodies]
     planes = [_plane(e, c, names) for e in edges(robot, places)]
     force = input_vector("f")
     outputs: list[tuple[Port, Expr]] = []

@@ -27,13 +27,26 @@ def _bits(q: Fraction) -> int:
 
 
 def _exactly(name: str, a: Exact) -> Exact:
-    """A function of mpmath, good to 60 digits."""
+    """A function of mpmath, good to 60 digits; exact of multiples of pi/12, and where it is such a multiple."""
     from mpmath import libmp  # a slow import that only exact sines need
 
+    from wmrgen.exact.evaluate import direction_over_pi, over_pi, twelfths
+
+    if name == "mpf_atan":
+        if (half_turns := direction_over_pi(a, ONE)) is not None:
+            return _of_pi(half_turns)
+    elif (half_turns := over_pi(a)) is not None and (12 * half_turns).denominator == 1:
+        return twelfths(int(12 * half_turns))[name == "mpf_sin"]
     q = a.rational()
     bits = _bits(q)
     x = libmp.from_rational(q.numerator, q.denominator, bits)
     return _dyadic(libmp.to_rational(getattr(libmp, name)(x, bits)))
+
+
+def _of_pi(half_turns: Fraction) -> Exact:
+    from wmrgen.exact.evaluate import pi_rational
+
+    return Exact(pi_rational() * half_turns)
 
 
 def _dyadic(quotient: tuple[int, int]) -> Exact:
@@ -123,8 +136,12 @@ Op.IATAN = Op(
 def _exact_direction(y: Exact, x: Exact) -> Exact:
     from mpmath import libmp
 
+    from wmrgen.exact.evaluate import direction_over_pi
+
     if not y and x.sign >= 0:
         return ZERO
+    if (half_turns := direction_over_pi(y, x)) is not None:
+        return _of_pi(half_turns)
     p, q = (libmp.from_rational(v.numerator, v.denominator, _BITS) for v in (y.rational(), x.rational()))
     return _dyadic(libmp.to_rational(libmp.mpf_atan2(p, q, _BITS)))
 

@@ -1,0 +1,148 @@
+"""Where a growth vector is another one: configurations at which brackets that are independent elsewhere are not.
+
+The growth vector belongs to generic configurations. The brackets that add its dimensions are independent wherever one
+of their minors is not zero. There every order spans as many dimensions as it does generically, for it never spans more.
+The minor is formed in the robot frame, in which no component depends on where the robot is. Where it is a product of
+cosines and sines, each of them that can be zero gives a set of configurations, and the vector at a generic one of them
+is counted from all brackets. Any other minor is given as a condition alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import combinations
+from math import prod
+from typing import NamedTuple
+
+from wmrgen.exact.evaluate import fix
+from wmrgen.exact.linalg import determinant, rank
+from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.exact.poly import Gen, Poly
+from wmrgen.functions.models.growth import Growth
+from wmrgen.functions.models.polynomials import split, whole, without_lengths
+from wmrgen.functions.models.vector_fields import Field, Slopes, bracket_by, generic_point, value_at
+from wmrgen.functions.system import System
+from wmrgen.symbolic import Expr, expression
+
+MOST_TERMS = 4_000  # of the entries' product in a minor that is expanded: a tenth of a second
+MOST_BRACKETS = 200  # that are formed at an exceptional configuration: a second
+MARGIN = 1e-9  # of rounding
+THETA = Poly.gen("input", "theta")
+
+
+class Exceptional(NamedTuple):
+    """Configurations where ``condition`` is 0; the growth ``vector`` at generic ones of them, () where not counted."""
+
+    condition: Expr
+    vector: tuple[int, ...]
+
+
+def exceptional(system: System, growth: Growth) -> tuple[Exceptional, ...] | None:
+    """Where the growth vector of a system may be another one; none where it holds at every configuration of the model.
+
+    None where no minor short enough is known: the vector is that of generic configurations.
+    """
+    values = {p.name: Poly.of(p.default) for p in system.geometry if p.default is not None}
+    best: tuple[Exceptional, ...] | None = None
+    for minor in _minors([_in_robot_frame(b.polys) for b in growth.brackets]):
+        sets = _zeros(minor, values)
+        if best is None or len(sets) < len(best):
+            best = sets
+        if not best:
+            return ()
+    if best is None:
+        return None
+    return tuple(_counted(system, growth, one) for one in best)
+
+
+def _in_robot_frame(field: Field) -> Field:
+    """The field with the velocity of P in the robot frame: x and y come first in every state."""
+    c, s = Poly.gen("cosf", "", THETA), Poly.gen("sinf", "", THETA)
+    x, y, *rest = field
+    return (c * x + s * y, c * y - s * x, *rest)
+
+
+def _minors(rows: list[Field]) -> Iterator[Poly]:
+    """The minors of full size that are not zero and short enough to be expanded."""
+    for columns in combinations(range(len(rows[0])), len(rows)):
+        entries = [[row[k] for k in columns] for row in rows]
+        if prod(max(1, sum(len(p.terms) for p in row)) for row in entries) <= MOST_TERMS:
+            minor = determinant(entries)
+            if minor:
+                yield minor
+
+
+def _zeros(minor: Poly, values: Mapping[str, Poly]) -> tuple[Poly, ...]:
+    """Factors of a minor that can be zero where the model holds: cosines, sines, and what is no product."""
+    core, factor = split(minor)
+    ((powers, _),) = factor.terms.items()
+    found = [
+        _argument(g) for g, e in powers if (e > 0) != (g.kind == "inv") and not _never_zero(g.alone, values)
+    ]
+    if len(core.terms) > 1 and not _never_zero(core, values):
+        found.append(whole([without_lengths(core)])[0])
+    return tuple(dict.fromkeys(found))
+
+
+def _argument(g: Gen) -> Poly:
+    """What is zero where a root or the inverse of a quotient is."""
+    return g.args[0] if g.kind in ("sqrt", "inv") else g.alone
+
+
+def _never_zero(p: Poly, values: Mapping[str, Poly]) -> bool:
+    """Whether a polynomial is not zero at the nominal parameters, whatever the state is.
+
+    It is not where its constant term is larger than all others can be: cosines and sines are at most 1.
+    """
+    terms = fix(p, values).terms
+    if any(g.kind not in ("cosf", "sinf") or e < 0 for m in terms for g, e in m):
+        return False
+    return abs(float(terms.get((), ZERO))) > (1 + MARGIN) * sum(abs(float(c)) for m, c in terms.items() if m)
+
+
+def _counted(system: System, growth: Growth, condition: Poly) -> Exceptional:
+    """The growth vector at a generic configuration of a set, all brackets taken."""
+    point = generic_point(system.state, 0)
+    ((monomial, _),) = condition.terms.items() if len(condition.terms) == 1 else (((), ONE),)
+    placed = len(monomial) == 1 and _placed(monomial[0][0], point)
+    return Exceptional(expression(condition), _vector(system, growth, point) if placed else ())
+
+
+def _placed(g: Gen, point: dict[str, Exact]) -> bool:
+    """Moves the point to where a cosine or a sine is zero; False where it is none of a sum of states."""
+    sums = g.kind in ("cosf", "sinf") and all(
+        len(m) == 1 and m[0][1] == 1 and m[0][0].kind == "input" and abs(c) == ONE
+        for m, c in g.args[0].terms.items()
+    )
+    if not sums:
+        return False
+    terms = {m[0][0].name: c for m, c in g.args[0].terms.items()}
+    moved, sign = terms.popitem()
+    total = Exact(int(g.kind == "cosf"))  # tangents of half angles: pi/2 less the others
+    for name, c in terms.items():
+        other = -c * point[name]
+        total = (total + other) / (1 - total * other)
+    point[moved] = sign * total
+    return True
+
+
+def _vector(system: System, growth: Growth, point: Mapping[str, Exact]) -> tuple[int, ...]:
+    """Dimensions by order at a point until all are reached that are elsewhere; () if that takes too many brackets."""
+    values = {p.name: p.default for p in system.geometry if p.default is not None}
+    inputs = [b.polys for b in growth.brackets if b.order == 1]
+    slopes, newest, rows, dims, formed = Slopes(growth.state), inputs, [], list[int](), 0
+    seen = {*inputs}
+    while newest and formed <= MOST_BRACKETS:
+        rows += [[value_at(p, point, values) for p in field] for field in newest]
+        dims.append(rank(rows))
+        if dims[-1] == growth.vector[-1]:
+            return tuple(dims)
+        pairs = combinations(inputs, 2) if newest is inputs else ((g, b) for b in newest for g in inputs)
+        rates = {f: slopes.jacobian(f) for f in {*inputs, *newest}}
+        fields = [bracket_by(f, rates[f], g, rates[g]) for f, g in pairs]
+        newest = [
+            f for f in dict.fromkeys(fields) if any(f) and f not in seen and tuple(-p for p in f) not in seen
+        ]
+        seen.update(newest)
+        formed += len(newest)
+    return ()

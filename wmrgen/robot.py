@@ -21,6 +21,7 @@ from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.kinematics.forward import readable_twist
+from wmrgen.kinematics.inverse import readable_spins
 from wmrgen.kinematics.least_squares import project
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot
@@ -193,7 +194,9 @@ class Derivation(Analysis):
     @property
     def inverse(self) -> dict[str, Expr]:
         """Output name -> expression: joint commands of a twist. Named parameters are symbols, see `nominal`."""
-        return self.formula_in_symbols("inverse").closed()
+        named = self.in_symbols
+        spins = readable_spins(*driving(named.robot, named.mobility))
+        return self.formula_in_symbols("inverse").closed() | spins
 
     @cached_property
     def forward(self) -> dict[str, Expr]:

@@ -20,6 +20,7 @@ import sympy
 
 from wmrgen.constraints import rolling_row, steer_gens, working_view
 from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.exact.readable import with_tangents
 from wmrgen.kinematics.least_squares import Projection, norm, project
 from wmrgen.kinematics.records import Formula, Locals, joint_port, slip_port, tunable_ports
 from wmrgen.kinematics.steer import Target, hysteresis, pivot, turned_by
@@ -82,6 +83,18 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
     steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
     inputs = (*TWIST, *steers, *tunable_ports(robot))
     return names.formula(name, inputs, outputs, text)
+
+
+def readable_spins(robot: Robot, mobility: Mobility) -> dict[str, Expr]:
+    """Return the spins that `inverse` commands of wheels with rollers, with tan gamma for sin gamma / cos gamma."""
+    twist, spins = project(robot, mobility).twist, dict[str, Expr]()
+    for members in robot.together("spin", (w for w in robot.wheels if w.has_spin)):
+        w, g = members[0], working_view(members[0])
+        if len(members) == 1 and w.kind.rollers and g.cg.constant is None:
+            rim = dot(rolling_row(w, g).row, twist)
+            speed = expression(with_tangents(rim * g.cg.inverse()))
+            spins[f"{w.name}.spin"] = times(speed, expression(g.r.inverse()))
+    return spins
 
 
 def _held(targets: dict[int, Target]) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sympy
-
 from wmrgen import notation
 from wmrgen.backends.report.letters import model
 from wmrgen.backends.report.markdown import aligned, capitalised, code, sentence, table
@@ -73,7 +71,7 @@ def _as_sum(expr: Expr) -> Expr:
     if len(inner) != 1:
         return expr
     rest = [e for e in expr.args if e is not inner[0]]
-    return add(*(sympy.Mul(*rest, term) for term in inner[0].args))
+    return add(*(expr.func(*rest, term) for term in inner[0].args))
 
 
 def _short(formulas: list[str]) -> list[str]:

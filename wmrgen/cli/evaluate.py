@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from math import isfinite
 from pathlib import Path
@@ -75,6 +76,7 @@ def evaluate(
             else from_file(cases, ports, robot_of)
         )
         step(f"computing {function} with {backend}")
+        _refuse_divisors(written, inputs)
         whole = [{p.name: case.get(p.name, p.default or ZERO) for p in ports} for case in inputs]
         exact = exactly(modules, written, whole) if _entry(backend) is None else None
         results = [*map(_doubles, exact)] if exact else computed(modules, written, whole, backend, chosen)
@@ -125,6 +127,28 @@ def _beyond(modules: Modules, function: Function, cases: Sequence[Case]) -> dict
     return beyond
 
 
+def _refuse_divisors(function: Function, cases: Sequence[Case]) -> None:
+    """UsageError for tunable parameters with which a divisor of the function is too small to divide by: one that the
+    code keeps from 0, and gives numbers that mean nothing."""
+    from wmrgen.ir.geometry import geometry_only
+    from wmrgen.ir.interpret import EXACT, evaluate_nodes
+    from wmrgen.ir.nodes import Op, pruned
+
+    names = [port.name for port in function.inputs if port.range]
+    early = geometry_only(function)
+    divisors = [
+        node.args for node, of in zip(function.nodes, early, strict=True) if of and node.op is Op.AT_LEAST
+    ]
+    own = pruned(replace(function, results=tuple(k for args in divisors for k in args)))
+    tried = {tuple((name, case[name]) for name in names if name in case) for case in cases}
+    for given in sorted(tried, key=str) if divisors else ():
+        values = evaluate_nodes(own, dict(given), EXACT)
+        results = iter([values[k] for k in own.results])
+        if given and any(abs(divisor) < least for divisor, least in zip(results, results, strict=True)):
+            where = " and ".join(f"{name} = {float(value):.6g}" for name, value in given)
+            raise UsageError(f"with {where}: a divisor of {function.name} is 0. Write other values.")
+
+
 def _modules(path: Path, name: str) -> Modules:
     """The function of a robot; of the library where ``path`` is the word textbook and no such file is there."""
     if path == Path("textbook") and not path.is_file():
@@ -161,10 +185,14 @@ def computed(
 def exactly(
     modules: Modules, function: Function, cases: Sequence[Mapping[str, Exact]]
 ) -> list[dict[str, Exact]]:
-    """Outputs of ``function`` for each case, in exact arithmetic."""
+    """Outputs of ``function`` for each case, in exact arithmetic. UsageError where a case has no value."""
     from wmrgen.ir.interpret import EXACT, evaluate_module
 
-    return [evaluate_module(modules.raw_module, function.name, case, EXACT) for case in cases]
+    module = modules.raw_module
+    try:
+        return [evaluate_module(module, function.name, case, EXACT) for case in cases]
+    except (ZeroDivisionError, ValueError) as error:  # of the interpreter: a quotient or a root without a value
+        raise UsageError(f"{error}: there is no value at these inputs") from error
 
 
 def _note_overflow(results: Sequence[Mapping[str, float]], entry: Entry, choice: Choice) -> None:

@@ -8,7 +8,7 @@ halved (branch and bound). A point where the value has the wrong sign is evaluat
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from math import inf, nextafter
 from typing import NamedTuple
@@ -48,24 +48,28 @@ class _Dual:
 
 
 class _Boxes(NamedTuple):
-    """Boxes of tunable parameters: ``ends`` of each, one entry a box; ``trees``: of computed parameters."""
+    """Boxes of tunable parameters: ``ends`` of each, one entry a box; ``trees``: of computed parameters.
+
+    ``by``: the parameters by which derivatives are wanted, all or none.
+    """
 
     names: Sequence[str]
     ends: Sequence[Interval]
     trees: Mapping[str, Expr]
+    by: Sequence[str] = ()
 
     def of(self, expr: Expr) -> _Dual:
         """A tree on every box. Roots of negative numbers count as 0: they have a demand of their own."""
         zero = self._constant(0.0, 0.0)
         match expr:
             case Num(value):
-                return _Dual(self._constant(*_around(value)), (zero,) * len(self.names))
+                return _Dual(self._constant(*_around(value)), (zero,) * len(self.by))
             case Pi():
-                return _Dual(self._constant(*_PI), (zero,) * len(self.names))
+                return _Dual(self._constant(*_PI), (zero,) * len(self.by))
             case Param(name) if name in self.names:
                 one = self._constant(1.0, 1.0)
                 k = self.names.index(name)
-                return _Dual(self.ends[k], tuple(one if j == k else zero for j in range(len(self.names))))
+                return _Dual(self.ends[k], tuple(one if j == k else zero for j in range(len(self.by))))
             case Param(name):
                 return self.of(self.trees[name])
             case Neg(arg):
@@ -94,7 +98,7 @@ class _Boxes(NamedTuple):
 
     def _power(self, a: _Dual, power: int) -> _Dual:
         if not power:
-            return _Dual(self._constant(1.0, 1.0), (self._constant(0.0, 0.0),) * len(self.names))
+            return _Dual(self._constant(1.0, 1.0), (self._constant(0.0, 0.0),) * len(self.by))
 
         def raised(value: Interval, n: int) -> Interval:
             if n < 0:
@@ -171,10 +175,11 @@ class Search:
         low, high = _corners(self.names, self.box)
         width = high - low
         for _ in range(rounds):
-            dual = self._at(low, high)
-            rest = ~self._fine(dual.value[0])
+            rest = ~self._fine(self._at(low, high).value[0])
             low, high = low[:, rest], high[:, rest]
-            self._to_worst_ends(low, high, [self._signed(s, rest) for s in dual.slopes])
+            if not low.shape[1]:
+                return HOLDS
+            self._to_worst_ends(low, high, self._at(low, high, self.names).slopes)
             # Corners that monotony leaves of boxes are decided exactly.
             rest = ~self._fine(self._at(low, high).value[0])
             low, high = low[:, rest], high[:, rest]
@@ -194,13 +199,9 @@ class Search:
                 break
         return OPEN
 
-    def _at(self, low: Floats, high: Floats) -> _Dual:
-        dual = _Boxes(self.names, [*zip(low, high, strict=True)], self.trees).of(self.expr)
-        return dual if self.sign > 0 else replace(dual, value=iv.negative(dual.value))
-
-    def _signed(self, slope: Interval, rest: NDArray[np.bool_]) -> Interval:
-        a, b = slope if self.sign > 0 else iv.negative(slope)
-        return a[rest], b[rest]
+    def _at(self, low: Floats, high: Floats, by: Sequence[str] = ()) -> _Dual:
+        dual = _Boxes(self.names, [*zip(low, high, strict=True)], self.trees, by).of(self.expr)
+        return dual if self.sign > 0 else _Dual(iv.negative(dual.value), tuple(map(iv.negative, dual.slopes)))
 
     def _fine(self, least: Floats) -> NDArray[np.bool_]:
         return np.asarray(least > 0 if self.strict else least >= 0)

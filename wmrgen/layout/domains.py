@@ -39,7 +39,7 @@ from wmrgen.spec.records import (
 
 _SHRUNK = (2, 5, 10, 20, 50, 100)  # parts of a range that are proposed instead
 _ROUNDS = 14  # halvings of boxes: 4,096 of them in two dimensions have sides of 1/64
-_WORK = 60_000  # rounds times nodes times slopes of all values of a file: a few seconds
+_WORK = 20_000  # rounds times nodes times slopes of all values of a file: a few seconds
 _PROPOSED = 40  # values: of more no ranges are looked for in which all of them hold
 _HALVINGS = 24  # of the way to a point that a message shows with six digits
 
@@ -196,7 +196,7 @@ def needs(
 ) -> tuple[Need, ...]:
     """What the tunable parameters must keep, in polynomials of them; ``several`` takes what their ranges break."""
     judge = _Judge.of(spec, parameters)
-    found: dict[tuple[str, str, bool], Need] = {}
+    found: dict[object, Need] = {}
     verdicts: dict[object, Verdict] = {}
     narrower: dict[tuple[str, ...], str] = {}
     every = [d for d in demands(spec) if judge.tunables_in(*d.values)]
@@ -211,8 +211,8 @@ def needs(
                 names = judge.tunables_in(*demand.values)
                 narrower[names] = narrower.get(names) or _narrower(judge, names, every)
                 raise _crossing(judge, demand, verdict.point, narrower[names])
-        need = _need(demand, scope)
-        found.setdefault((need.value.key, need.problem, need.strict), need)
+        if (of := (demand.values, demand.strict, demand.problem)) not in found:
+            found[of] = _need(demand, scope)
     return tuple(found.values())
 
 

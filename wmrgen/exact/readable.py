@@ -63,18 +63,19 @@ def _with_tangent(monomial: Monomial) -> Poly:
         cosine = Gen("cosf", "", g.args)
         power = powers[g]
         if powers.get(cosine, 0) * power < 0 and abs(power) == 1:
-            rest = {h: e for h, e in powers.items() if h is not g}
-            rest[cosine] += power
-            kept = tuple(sorted(((h, e) for h, e in rest.items() if e), key=lambda item: item[0].key))
+            others = {h: e for h, e in powers.items() if h is not g} | {cosine: powers[cosine] + power}
             tangent = Poly({((Gen("tan", "", g.args), power),): ONE})
-            return with_tangents(Poly({kept: ONE})) * tangent
+            return with_tangents(Poly({_monomial(others): ONE})) * tangent
     return Poly({monomial: ONE})
 
 
 def _without(powers: dict[Gen, int], inv: Gen, cosine: Gen) -> Monomial:
     """The monomial without ``inv`` and with one ``cosine`` less."""
-    rest = {g: e for g, e in powers.items() if g is not inv} | {cosine: powers[cosine] - 1}
-    return tuple(sorted(((g, e) for g, e in rest.items() if e), key=lambda item: item[0].key))
+    return _monomial({g: e for g, e in powers.items() if g is not inv} | {cosine: powers[cosine] - 1})
+
+
+def _monomial(powers: dict[Gen, int]) -> Monomial:
+    return tuple(sorted(((g, e) for g, e in powers.items() if e), key=lambda item: item[0].key))
 
 
 def _over_cosine(p: Poly, cosine: Gen) -> Poly | None:

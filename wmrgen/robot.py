@@ -40,7 +40,7 @@ from wmrgen.program import (
     vector_forms,
     with_calls,
 )  # fmt: skip
-from wmrgen.symbolic import Expr, expression, number, parameter, times
+from wmrgen.symbolic import Expr, expression, number, parameter, signal, times
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -224,6 +224,12 @@ class Derivation(Analysis):
     def dynamics(self) -> dict[str, Expr]:
         """Output name -> expression: rates of the posture model. Named parameters are symbols, see `nominal`."""
         return self.formula_in_symbols("dynamics").closed()
+
+    @property
+    def symbols(self) -> dict[str, Expr]:
+        """Contract name of each input of the functions, and name of each parameter -> its symbol in expressions."""
+        inputs = {p.name: signal(p.name) for f in self.program.formulas for p in f.inputs if p.default is None}
+        return {p.name: parameter(p.name) for p in self.robot.parameters} | inputs
 
     @property
     def nominal(self) -> dict[Expr, Expr]:

@@ -228,7 +228,9 @@ class Derivation(Analysis):
     @property
     def symbols(self) -> dict[str, Expr]:
         """Contract name of each input of the functions, and name of each parameter -> its symbol in expressions."""
-        inputs = {p.name: signal(p.name) for f in self.program.formulas for p in f.inputs if p.default is None}
+        inputs = {
+            p.name: signal(p.name) for f in self.program.formulas for p in f.inputs if p.default is None
+        }
         return {p.name: parameter(p.name) for p in self.robot.parameters} | inputs
 
     @property

@@ -20,7 +20,7 @@ _OPERATIONS: dict[type, Op] = {
     sympy.sin: Op.SIN, sympy.cos: Op.COS, sympy.atan: Op.ATAN, sympy.atan2: Op.ATAN2,
     sympy.Abs: Op.ABS, sympy.Max: Op.MAX, sympy.Min: Op.MIN,
 }  # fmt: skip
-_TINY = Exact(Fraction(1, 10**12))
+TINY = Exact(Fraction(1, 10**12))  # divisors of geometry are kept as far from zero
 
 
 def lower(formula: Formula, calls: bool = False) -> Function:
@@ -154,7 +154,7 @@ class _Lowering:
         b = self.builder
         if b.value(a) is not None or not self._geometric(a):
             return a
-        return b.apply(Op.AT_LEAST, (a, b.const(_TINY)))
+        return b.apply(Op.AT_LEAST, (a, b.const(TINY)))
 
     def _geometric(self, a: int) -> bool:
         geometric = self.geometric

@@ -106,7 +106,7 @@ def _identity(robot: Robot) -> dict[str, Any]:
 
 
 def _coupling(robot: Robot, joint: str, wheels: Sequence[str]) -> dict[str, Any]:
-    ratios = robot.ratios(wheels) if joint == "spin" else ()
+    ratios = robot.ratios(joint, wheels)
     return {"joint": joint, "wheels": list(wheels), **({"ratios": [*map(float, ratios)]} if ratios else {})}
 
 

@@ -45,6 +45,11 @@ def turning(ratios: Sequence[object]) -> str:
     return f"turn in the ratio {' : '.join(map(str, ratios))}" if ratios else "turn at one speed"
 
 
+def steering(ratios: Sequence[object]) -> str:
+    """What coupled wheels do whose steering angles are in these ratios; none are given of equal ones."""
+    return f"steer in the ratio {' : '.join(map(str, ratios))}" if ratios else "share one steering angle"
+
+
 def escape(name: str) -> str:
     """An identifier inside LaTeX braces."""
     return name.replace("_", r"\_")

@@ -28,6 +28,7 @@ from wmrgen.layout.records import Robot
 from wmrgen.lower import lower
 from wmrgen.mobility.analyse import driving
 from wmrgen.model_json import model
+from wmrgen.needs import with_needs
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.program import (
     Program,
@@ -181,7 +182,9 @@ class Derivation(Analysis):
         return vector_forms(self.robot, self.default_state_space)
 
     def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
-        """Any function at exact values. Inputs left out are 0, parameters nominal."""
+        """Any function at exact values. Inputs left out are 0, parameters nominal; UsageError for parameters without a
+        geometry."""
+        self.robot.refuse(values)
         function = self._in_operations(name)
         missing = {p.name: ZERO for p in function.inputs if p.default is None}
         return evaluate(function, missing | dict(values), EXACT)
@@ -263,7 +266,8 @@ class Derivation(Analysis):
         What is passive and not sensed is left out, unless this is a derivation of some functions alone."""
         wanted = asked(self.robot) if self._functions is None else self._functions
         names = self.program.in_c(wanted)
-        return for_c(self._kept_whole, self.robot, names, passive=self._functions is not None)
+        module = for_c(self._kept_whole, self.robot, names, passive=self._functions is not None)
+        return with_needs(module, self.robot)
 
     @cached_property
     def c_in_operations(self) -> Module:

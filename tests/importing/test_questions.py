@@ -481,18 +481,24 @@ def test_an_axle_that_turns_in_a_ratio_is_asked_about(read: Import) -> None:
 
 
 @pytest.mark.parametrize(
-    ("axis", "factor", "coupled"), [("0 0 1", -1, False), ("0 0 -1", -1, True), ("0 0 -1", 1, False)]
+    ("axis", "factor", "ratios"),
+    [
+        ("0 0 1", "-1", ", ratios: [1, -1]"),
+        ("0 0 -1", "-1", ""),
+        ("0 0 -1", "1", ", ratios: [1, -1]"),
+        ("0 0 1", "-0.5", None),
+    ],
 )
 def test_steering_that_mimics_the_other_way_round(
-    read: Import, axis: str, factor: int, coupled: bool
+    read: Import, axis: str, factor: str, ratios: str | None
 ) -> None:
-    """About an axis that points down the angle of a robot file is that of the file negated."""
+    """About an axis that points down the angle of a robot file is that of the file negated; other ratios are noted."""
     mimic = f'<mimic joint="a_turn" multiplier="{factor}"/>'
     said = read(
         robot(arm("a", 0.2), arm("b", -0.2, mimic, axis=axis), control("a_joint", "a_turn", "left_joint"))
     )
-    assert ("  - {equal: [a.steer, b.steer]}   # mimic" in said["text"]) == coupled
-    assert ("times 'a_turn'" in said["notes"]) != coupled
+    assert (f"  - {{equal: [a.steer, b.steer]{ratios}}}   # mimic" in said["text"]) == (ratios is not None)
+    assert ("times 'a_turn'" in said["notes"]) == (ratios is None)
 
 
 def test_noise_of_floating_point_is_no_length(read: Import) -> None:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import cos, hypot, pi, remainder, sin
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import wmrgen
 from tests.conftest import GALLERY, Outcome
-from tests.depth import everyday
+from tests.depth import everyday, examples
 from tests.laws.common import NAMES, derived, gallery
 from tests.lint.test_rules import codes
 from tests.robots import of_text
@@ -252,6 +254,45 @@ def test_a_hair_above_the_tolerance_two_equal_numbers_do_not_contradict() -> Non
     assert "is 1 mm from that of left, a little more than the tolerance of 1 mm" in told and "1.01 mm" in told
     (near,) = pair("2e-12", head="tolerance: 0\n").robot.near
     assert "tolerance: 0.01 mm, which" in near.remedies
+
+
+def line(places: Sequence[float], head: str, headings: Sequence[float] = ()) -> Derivation:
+    """Fixed wheels so many mm ahead [deg to the left], one beside the other."""
+    turned = headings or [0.0] * len(places)
+    return robot(*(
+        wheel(f"w{k}", f"{x} mm", TRACK / 2 - 0.1 * k, f"{turned[k]} deg") for k, x in enumerate(places)
+    ), head=f"snap: false\n{head}")  # fmt: skip
+
+
+@pytest.mark.parametrize("places", [(0, 0.6, 1.2), (1.2, 0, 0.6), (0, 0.6, 1.2, 1.8, 2.4), (0, 1, 1.1, 2.05)])
+def test_of_a_chain_of_axles_the_span_is_told(places: tuple[float, ...]) -> None:
+    """The distance that takes them for one, though each is nearer to its neighbour."""
+    (first, *_) = [near for near in line(places, "tolerance: 1 mm\n").robot.near if not near.moves]
+    (told,) = re.findall(r"are ([0-9.]+) mm apart", first.text)
+    assert float(told) > 1 and f"tolerance: {told} mm, which" in first.remedies
+    assert len(set(re.findall(r"`(w\d)`", first.text))) >= 3
+
+
+@settings(max_examples=examples(60), deadline=None)
+@given(
+    st.lists(st.integers(0, 60), min_size=2, max_size=6),
+    st.booleans(),
+    st.sampled_from(["0", "0.3 mm", "1 mm"]),
+)
+def test_the_remedy_removes_the_finding(tenths: list[int], turned: bool, tolerance: str) -> None:
+    """Where the tolerance of a message is written, its wheels are one set; in the end no message is left."""
+    places = [k / 10 for k in tenths]
+    head, seen = f"tolerance: {tolerance}\n", set[str]()
+    for _ in range(20):
+        layout = line([0.0] * len(places), head, [x / 20 for x in places]) if turned else line(places, head)
+        open_ = [near for near in layout.robot.near if not near.moves]
+        assert seen.isdisjoint(near.text for near in open_)
+        if not open_:
+            return
+        seen.add(open_[0].text)
+        (remedy,) = re.findall(r"tolerance: [0-9.]+ mm", open_[0].remedies)
+        head = f"{remedy}\n"
+    raise AssertionError(f"{places} still has {open_[0]}")
 
 
 def test_headings_above_the_tolerance_name_what_helps() -> None:

@@ -28,7 +28,7 @@ ROOMS = (
     " wheels spec layout importing constraints symbolic printing mobility kinematics"
     " functions functions/models functions/trailers functions/motion"
     " functions/control functions/space"
-    " analysis lower program bounds model_json robot __init__ lint exporting comparing wiring"
+    " analysis lower needs program bounds model_json robot __init__ lint exporting comparing wiring"
     " backends/drawing calibrating backends/report emit pages cli __main__"
 ).split()
 HEAVY = {"sympy", "numpy", "casadi", "jinja2", "mpmath"}

@@ -114,7 +114,7 @@ def stability(robot: Path, values: Sequence[str] | None, as_json: bool) -> int:
 
     with derived(robot, ["stability"]) as derivation:
         words = spelled(values or (), derivation.robot, "steer")
-        case = dict(from_words(words, derivation.formula("stability").inputs))
+        case = dict(from_words(words, derivation.formula("stability").inputs, derivation.robot))
         if "fz" not in case:
             case["fz"] = GRAVITY
             console.note(f"not given: fz, taken as {float(GRAVITY)}")

@@ -27,9 +27,8 @@ if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
 
 
-LONGEST = (
-    24  # characters of an exact value that is printed beside its decimals: (sqrt(2) + sqrt(6))/4 is shorter
-)
+LONGEST = 24  # characters of an exact value printed beside its decimals: (sqrt(2) + sqrt(6))/4 is shorter
+_WHOSE = ("the robot's limits", "its range")
 
 
 class Modules(Protocol):
@@ -69,7 +68,12 @@ def evaluate(
         modules = _modules(robot, function)
         written = modules.raw_module.function(function)
         ports = written.inputs
-        inputs = [from_words(values or (), ports)] if cases is None else from_file(cases, ports)
+        robot_of: Robot | None = getattr(modules, "robot", None)  # the textbook library has none
+        inputs = (
+            [from_words(values or (), ports, robot_of)]
+            if cases is None
+            else from_file(cases, ports, robot_of)
+        )
         step(f"computing {function} with {backend}")
         whole = [{p.name: case.get(p.name, p.default or ZERO) for p in ports} for case in inputs]
         exact = exactly(modules, written, whole) if _entry(backend) is None else None
@@ -77,12 +81,17 @@ def evaluate(
     units = {port.name: port.unit for port in (*ports, *written.outputs)}
     note_zeros([port for port in ports if port.default is None], inputs)
     beyond = _beyond(modules, written, inputs)
+    tunable = {port.name for port in ports if port.range}
     for name, (low, high) in beyond.items():
-        console.note(f"{name} is beyond the robot's limits, {float(low):g} to {float(high):g} {units[name]}")
+        console.note(
+            f"{name} is beyond {_WHOSE[name in tunable]}, {float(low):g} to {float(high):g} {units[name]}"
+        )
     if cases is not None:
         console.data(results)
     elif as_json:
-        limits = {name: [float(low), float(high)] for name, (low, high) in beyond.items()}
+        limits = {
+            name: [float(low), float(high)] for name, (low, high) in beyond.items() if name not in tunable
+        }
         console.data({**results[0], **({"beyond_limits": limits} if limits else {})})
     else:
         console.values(results[0], units, {name: _short(v) for name, v in exact[0].items()} if exact else {})
@@ -103,16 +112,16 @@ def _short(value: Exact) -> str:
 
 
 def _beyond(modules: Modules, function: Function, cases: Sequence[Case]) -> dict[str, tuple[Exact, Exact]]:
-    """The inputs that a case has outside the limits of the robot file, with their limits; none of a function whose
-    work is to keep limits."""
+    """The inputs that a case has outside the limits of the robot file, and parameters outside their ranges, with these;
+    none of a function whose work is to keep limits."""
     robot: Robot | None = getattr(modules, "robot", None)  # the textbook library has none
     if robot is None or function.limits is Limits.ASKED:
         return {}
     beyond = {}
     for port in function.inputs:
-        limit = robot.limit_of(timeless(port.name))
-        if limit and any(port.name in c and not limit.low <= c[port.name] <= limit.high for c in cases):
-            beyond[port.name] = (limit.low, limit.high)
+        limit = port.range or robot.limit_of(timeless(port.name))
+        if limit and any(port.name in c and not limit[0] <= c[port.name] <= limit[1] for c in cases):
+            beyond[port.name] = (limit[0], limit[1])
     return beyond
 
 

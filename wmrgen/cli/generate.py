@@ -158,6 +158,11 @@ def _summary(derivation: Derivation, written: Written, out: Path, alone: bool) -
     files = written.changed + written.unchanged
     state = f"{len(written.changed)} new or changed" if written.changed else "all up to date"
     console.result(f"  {(out / name).as_posix()}/ ({state}): {_listed(files)}")
+    unproved = [f.name for f in derivation.bounds.functions if f.alarms]
+    if unproved:
+        console.note(
+            f"{name}: not proved, although limits are given: {', '.join(unproved)} (numerics.md says why)"
+        )
     for file in written.removed:
         console.note(f"{name}: removed {file}, which is no longer produced")
 

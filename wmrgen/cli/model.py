@@ -44,7 +44,7 @@ def model(
 ) -> int:
     """Print one form of the model of a robot: the chained form transforms state and inputs, others are systems. With
     ``discrete``, its step of ``dt``."""
-    from wmrgen.functions.models.sheet import data, latex, lines, sheet_of, with_lags
+    from wmrgen.functions.models.sheet import conditions, data, latex, lines, sheet_of, with_lags
     from wmrgen.functions.trailers.chained_sheet import chained_sheet
 
     if discrete is None and (dt or out or values):
@@ -62,12 +62,14 @@ def model(
             space = state_space(derivation.robot, derivation.mobility, form)
             sheet = with_lags(sheet_of(form, system), lags(derivation.robot, system), space.text)
         sets = regularity(derivation.robot, derivation.mobility)
+        sets.setdefault(form, conditions(sheet))
         if as_json:
             more = {} if space is None else {"state_space": entries(space)}
             console.data({**data(sheet), "singular_sets": sets, **more})
             return 0
         regular = {name: f"but where {'; '.join(w)}" if w else "in every motion" for name, w in sets.items()}
-        told = [f"  {name:<8}{words}" for name, words in regular.items()]
+        width = max(map(len, regular))
+        told = [f"  {name:<{width}} {words}" for name, words in regular.items()]
         limits = [] if space is None else [f"  {line}" for line in limit_lines(space)]
         shown = [*lines(sheet), *(["", "limits:", *limits] if limits else []), "", "regular:", *told]
         text = latex(sheet) if as_latex else "\n".join(shown)
@@ -102,7 +104,7 @@ def _step(
         )
     space = state_space(derivation.robot, derivation.mobility, form)
     groups = (space.state, space.inputs, space.geometry)
-    case = from_words(values, [port for ports in groups for port in ports])
+    case = from_words(values, [port for ports in groups for port in ports], derivation.robot)
     point = [[float(case.get(p.name, p.default or ZERO)) for p in ports] for ports in groups]
     try:
         after, a, b, c = (part.full().tolist() for part in step(*point))

@@ -56,7 +56,7 @@ def _constant(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     """Pose at the end, then the path: a straight line, or a circle with centre, radius and period."""
     robot = derivation.robot
     ports = derivation.formula("motion").inputs
-    values = from_words(spelled(words, robot, "spin", ports), ports)
+    values = from_words(spelled(words, robot, "spin", ports), ports, robot)
     note_zeros([p for p in ports if p.name.endswith((".spin", ".steer"))], [values])
     end = derivation.evaluate("motion", values)
     rates = {k: v for k, v in values.items() if k not in (*_POSE, "dt")}
@@ -160,7 +160,7 @@ def icr(robot: Path, values: Sequence[str] | None, as_json: bool) -> int:
 
 
 def _twist(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
-    values = from_words(words, derivation.formula("icr").inputs)
+    values = from_words(words, derivation.formula("icr").inputs, derivation.robot)
     centre = _floats(derivation.evaluate("icr", values))
     twist = {k: v for k, v in values.items() if k in TWIST_NAMES}
     slip = float(derivation.evaluate("inverse", twist)["slip"])
@@ -175,7 +175,7 @@ def _twist(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
 
 def _steering(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     """Steering angles whose axles meet in the point; icr.w is 1 unless given."""
-    values = dict(from_words(words, derivation.formula("steer_to").inputs))
+    values = dict(from_words(words, derivation.formula("steer_to").inputs, derivation.robot))
     values.setdefault("icr.w", ONE)
     x, y, w = (values.get(f"icr.{k}", ZERO) for k in "xyw")
     angles = derivation.evaluate("steer_to", values)

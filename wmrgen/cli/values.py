@@ -38,8 +38,9 @@ class _MinusZero(Exact):
         return -0.0
 
 
-def from_words(words: Iterable[str], ports: Sequence[Port]) -> Case:
-    """``vx=0.5 omega='30 deg'`` as exact SI values. UsageError for a name that is not among ``ports``."""
+def from_words(words: Iterable[str], ports: Sequence[Port], robot: Robot | None = None) -> Case:
+    """``vx=0.5 omega='30 deg'`` as exact SI values. UsageError for a name that is not among ``ports``, and for tunable
+    parameters for which the ``robot`` has no geometry."""
     case: dict[str, Exact] = {}
     for word in words:
         name, equals, text = word.partition("=")
@@ -49,6 +50,8 @@ def from_words(words: Iterable[str], ports: Sequence[Port]) -> Case:
         if port.name in case:
             raise UsageError(f"{port.name} is given twice")
         case[port.name] = _number(text, port, "")
+    if robot is not None:
+        robot.refuse(case)
     return case
 
 
@@ -72,8 +75,9 @@ def note_zeros(ports: Iterable[Port], cases: Sequence[Case]) -> None:
         console.note(f"not given, taken as 0: {' '.join(names)}")
 
 
-def from_file(file: str, ports: Sequence[Port]) -> list[Case]:
-    """The list of {name: value} in a JSON file (``-``: stdin). Values are numbers or strings like "pi/2"."""
+def from_file(file: str, ports: Sequence[Port], robot: Robot | None = None) -> list[Case]:
+    """The list of {name: value} in a JSON file (``-``: stdin). Values are numbers or strings like "pi/2". ``robot``: as
+    of `from_words`."""
     name = "standard input" if file == "-" else file
     data = _content(file, name)
     try:
@@ -85,7 +89,24 @@ def from_file(file: str, ports: Sequence[Port]) -> list[Case]:
         ) from error
     if not isinstance(cases, list) or not all(isinstance(case, dict) for case in cases):
         raise UsageError(f'{name} must hold a list of objects: [{{"vx": 0.5}}, …]')
-    return [_case(case, f"{name}, case {k}: ", ports) for k, case in enumerate(cases)]
+    read = [_case(case, f"{name}, case {k}: ", ports) for k, case in enumerate(cases)]
+    if robot is not None:
+        _refuse(robot, read, name)
+    return read
+
+
+def _refuse(robot: Robot, cases: Sequence[Case], file: str) -> None:
+    """UsageError for the first case whose tunable parameters give no geometry."""
+    names = [p.name for p in robot.tunable]
+    seen = set[tuple[Exact | None, ...]]()
+    for k, case in enumerate(cases):
+        of = tuple(case.get(name) for name in names)
+        if of not in seen:
+            seen.add(of)
+            try:
+                robot.refuse(case)
+            except UsageError as error:
+                raise UsageError(f"{file}, case {k}: {error.what}") from None
 
 
 def _content(file: str, name: str) -> bytes:

@@ -72,7 +72,8 @@ def _together(commands: Sequence[Command], wheels: Sequence[Side], ties: Sequenc
             if tie.joint == "spin":
                 result[i] = replace(result[i], spin=lead.spin * turns / own)
             else:
-                result[i] = replace(result[i], steer=lead.steer, steer_rate=lead.steer_rate)
+                k = turns / own
+                result[i] = replace(result[i], steer=lead.steer * k, steer_rate=lead.steer_rate * k)
     return result
 
 

@@ -61,8 +61,8 @@ def _ties(spec: RobotSpec, robot: Robot) -> tuple[Tie, ...]:
     ties = []
     for joint in JOINTS:
         for members in robot.together(joint, robot.wheels):
-            spins = [float(robot.spin_ratio(w)) if joint == "spin" else 1.0 for w in members]
-            turns = {w.name: spin / spins[0] for w, spin in zip(members, spins, strict=True)}
+            each = [float(robot.turn_ratio(joint, w)) for w in members]
+            turns = {w.name: own / each[0] for w, own in zip(members, each, strict=True)}
             marks = (c.mark for c in spec.couplings if c.joint == joint and c.wheels[0] in turns)
             ties.append(Tie(joint, turns, tuple(marks)))
     return tuple(tie for tie in ties if len(tie.turns) > 1)

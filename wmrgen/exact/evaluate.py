@@ -246,6 +246,8 @@ def _function_value(gen: Gen, args: tuple[Fraction, ...]) -> Exact:
     with mpmath.workdps(PRECISION):
         values = [to_mpf(a) for a in args]
         match gen.kind:
+            case "sqrt" if values[0] < 0:
+                raise ValueError("square root of a negative number")
             case "sqrt":
                 return _rounded(mpmath.sqrt(values[0]))
             case "atan2":

@@ -139,7 +139,7 @@ def _jointed(robot: Robot, wheel: Wheel, part: str, rate: str, ends: Pairs) -> d
     leads, speed = together[0] is wheel, robot.limit(wheel, rate)
     most = SPEED if speed is None else max(abs(float(speed.low)), abs(float(speed.high)))
     limit = (*ends, ("effort", EFFORT), ("velocity", decimal(most)))
-    ratio = decimal(float(robot.spin_ratio(wheel))) if part == "spin" else "1"
+    ratio = decimal(float(robot.turn_ratio(part, wheel)))
     return {
         "limits": (limit,) if ends or speed is not None else (),
         "leaders": () if leads else ((joint_of(together[0], part), ratio),),

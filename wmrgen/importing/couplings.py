@@ -9,7 +9,7 @@ from wmrgen.importing.read import refuse
 from wmrgen.importing.records import Coupling, Joint, Question, Wheel
 from wmrgen.importing.view import Robot
 from wmrgen.spec.text import quoted
-from wmrgen.wheels.types import FIXED
+from wmrgen.wheels.types import FIXED, STEERED
 
 Turn = tuple[Fraction, Fraction]  # factor and offset: how a joint turns as another one does
 _LEVEL = 1e-6  # [m]
@@ -28,6 +28,7 @@ def couplings(
         if (first := steering.setdefault(name, role)) != role:
             pairs.append(Coupling(first, role, why=f"joint {quoted(name)} steers both"))
     roles = {w.joint: f"{w.name}.spin" for w in wheels if w.joint} | steering
+    steered = {w.name for w in wheels if w.type == STEERED.name}
     leads = {(name, role.rpartition(".")[2]): [(role, _ITSELF)] for name, role in roles.items()}
     for joint in description.joints:
         if joint.name not in roles or not joint.mimic:
@@ -36,7 +37,14 @@ def couplings(
         wheel, _, kind = role.rpartition(".")
         root, turn = _followed(robot, joint, kind)
         others = leads.setdefault((root, kind), [])
-        alike = ((r, t) for r, t in others if t == turn or (kind == "spin" and _geared(t[0], turn[0])))
+        opposite = kind == "steer" and wheel in steered
+        alike = (
+            (r, t)
+            for r, t in others
+            if t == turn
+            or (kind == "spin" and _geared(t[0], turn[0]))
+            or (opposite and t == (-turn[0], -turn[1]) and r.rpartition(".")[0] in steered)
+        )
         lead, of = next(alike, ("", turn))
         if lead:
             pairs.append(Coupling(lead, role, turn[0] / of[0] if of[0] else Fraction(1)))
@@ -46,9 +54,9 @@ def couplings(
             ratio = f"{float(factor):g} times {quoted(leader)}" + (f" + {float(offset):g}" if offset else "")
             notes.append(
                 f"joint {quoted(joint.name)} turns as {ratio}. Couplings of a robot file join steering angles that are "
-                f"equal, and spins in ratios up to a million: there {wheel}.{kind} turns by itself, and inverse may "
-                f"ask of it what this gear cannot give. Where {quoted(leader)} has the only motor, leave {kind} out of "
-                f"actuated of {wheel}"
+                "equal or, for steered wheels, opposite, and spins in ratios up to a million: there "
+                f"{wheel}.{kind} turns by itself, and inverse may ask of it what this gear cannot give. Where "
+                f"{quoted(leader)} has the only motor, leave {kind} out of actuated of {wheel}"
             )
         others.append((role, turn))
     sure = [pair for pair in pairs if not _doubted(pair, wheels)]

@@ -79,7 +79,8 @@ class Module:
 
     The outputs of ``prepare`` are the PREPARED inputs of the other functions, by name. ``kernels``: what the functions
     call, those that are called before those that call; a call gives their inputs in order. ``joints``: contract names
-    of those that a robot commands or senses, in the file's order; None where the functions are no robot's.
+    of those that a robot commands or senses, in the file's order; None where the functions are no robot's. ``needs``:
+    the outputs of ``prepare`` that are negative, or no numbers, for parameters that no robot can have.
     """
 
     name: str
@@ -87,6 +88,7 @@ class Module:
     prepare: Function | None = None
     kernels: tuple[Function, ...] = ()
     joints: tuple[str, ...] | None = None
+    needs: tuple[str, ...] = ()
 
     @property
     def every(self) -> tuple[Function, ...]:

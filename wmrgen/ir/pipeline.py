@@ -140,7 +140,7 @@ def optimise(
     steps = tuple(_run(function, BEFORE_HOIST) for function in functions)
     module = replace(hoist(steps, name), kernels=kernels)
     steps = tuple(_run(function, AFTER_HOIST) for function in module.functions)
-    prepare = None if module.prepare is None else _prepare(module.prepare)
+    prepare = None if module.prepare is None else simplified(module.prepare)
     module = Module(name, steps, prepare, kernels)
     check_module(functions if meaning is None else meaning, inlined_calls(module))
     return module
@@ -152,7 +152,7 @@ def _run(function: Function, passes: tuple[Pass, ...]) -> Function:
     return function
 
 
-def _prepare(prepare: Function) -> Function:
+def simplified(prepare: Function) -> Function:
     """`prepare` through the same passes, its parameters taken for ordinary inputs."""
     roles = {port.name: port for port in prepare.inputs}
     ordinary = replace(prepare, inputs=tuple(replace(p, role=Role.STATE) for p in prepare.inputs))

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import sympy
 
-from wmrgen.constraints import heading, rolling_row, working_view
+from wmrgen.constraints import rolling_row, steer_gens, working_view
 from wmrgen.exact.evaluate import add_angles
+from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Locals
 from wmrgen.kinematics.steer import Target, Velocity, pivot, present, steer_one, turned_back, turning_points
@@ -52,7 +53,7 @@ def steered_groups(robot: Robot) -> list[list[Wheel]]:
 
 def moves_as_one(members: list[Wheel], velocities: dict[int, tuple[Poly, Poly]]) -> bool:
     """True when the wheels of a group see the same velocity of their pivots from the same heading."""
-    return len({(velocities[w.index], w.working.ch, w.working.sh) for w in members}) == 1
+    return len({(velocities[w.index], w.working.ch, w.working.sh, w.steer_sign) for w in members}) == 1
 
 
 def _spins_as(w: Wheel, lead: Wheel) -> bool:
@@ -67,7 +68,8 @@ def steer_group(
     """Wheels turned by one motor: the common angle that leaves least sliding (sum of squares).
 
     The lateral speeds are w cos(t) - u sin(t); their squares sum to a minimum at half the angle of
-    (sum of u**2 - w**2, sum of 2 u w), the nearest of the two branches.
+    (sum of u**2 - w**2, sum of 2 u w), the nearest of the two branches. A wheel that turns against the first is seen
+    in a mirror: its w has the other sign.
     """
     lead = members[0]
     limits = robot.limit(lead, "steer")
@@ -87,7 +89,7 @@ def steer_group(
         target = kept_between(number(limits.low), best, number(limits.high))
     steer = names.define(f"{lead.name}_target", target)
     turn = names.define(f"{lead.name}_turn", subtract(steer, now), f"Delta of {lead.name}")
-    return {i: turned(steer, turn, u, v) for i, (u, v) in seen.items()}
+    return {w.index: turned(steer, turn, *seen[w.index], w.steer_sign) for w in members}
 
 
 def seen_from(
@@ -97,23 +99,28 @@ def seen_from(
     lead: Wheel | None = None,
     at: tuple[Poly, Poly] | None = None,
 ) -> tuple[Expr, Expr]:
-    """(u, w): the pivot's velocity along and across the wheel, at the present angle of ``lead``.
+    """(u, w): the pivot's velocity along and across the wheel, at the present angle of ``lead``; w mirrored for a wheel
+    that turns against it.
 
     ``at``: (cos, sin) of another angle.
     """
-    g = working_view(w)
-    c, s = heading(w if lead is None else lead, g) if at is None else add_angles((g.ch, g.sh), at)
+    g, sign = working_view(w), w.steer_sign
+    c, s = steer_gens(w if lead is None else lead) if at is None else at
+    c, s = add_angles((g.ch, g.sh), (c, s if lead is None else s.scale(Exact(sign))))
     a, b = (
         names.short(f"{w.name}_{k}", p, f"v_A{k} of {w.name}") for k, p in zip("xy", velocity, strict=True)
     )
     along = names.define(f"{w.name}_along", a * c + b * s, f"u of {w.name}")
-    across = names.define(f"{w.name}_across", b * c - a * s, f"w of {w.name}")
+    across = names.define(
+        f"{w.name}_across", (b * c - a * s).scale(Exact(1 if lead is None else sign)), f"w of {w.name}"
+    )
     return along, across
 
 
-def turned(steer: Expr, turn: Expr, u: Expr, v: Expr) -> Target:
-    """The pivot's velocity (u, v) seen from the wheel after it has turned."""
-    return Target(steer, *rotated_back(sympy.cos(turn), sympy.sin(turn), u, v))
+def turned(steer: Expr, turn: Expr, u: Expr, v: Expr, sign: int = 1) -> Target:
+    """The pivot's velocity (u, v) seen from the wheel after it has turned; ``sign`` -1: against ``steer``, its v
+    mirrored, and so its lateral velocity, of which only the square counts."""
+    return Target(times(sign, steer), *rotated_back(sympy.cos(turn), sympy.sin(turn), u, v))
 
 
 def turning_alike(robot: Robot, twist: Row, targets: Targets, names: Locals) -> Targets:
@@ -149,7 +156,7 @@ def _reversed(robot: Robot, unit: list[Wheel], agrees: Expr, targets: Targets, n
     limits = robot.limit(lead, "steer")
     if limits is not None and limits.high - limits.low < 3:
         return {}
-    steer = names.define(f"{lead.name}_rolls", targets[lead.index].steer)
+    steer = names.define(f"{lead.name}_rolls", times(lead.steer_sign, targets[lead.index].steer))
     against = names.define(f"{lead.name}_agrees", agrees)
     if limits is not None:
         toward: Expr = number((limits.low + limits.high) / 2)
@@ -164,7 +171,7 @@ def _reversed(robot: Robot, unit: list[Wheel], agrees: Expr, targets: Targets, n
             turn = select(number(limits.high), about, stay, select(about, number(limits.low), stay, turn))
         return select(against, sympy.S.Zero, turn, stay)
 
-    def mirrored(t: Target) -> Target:
-        return Target(chosen(steer, about), chosen(t.rim, times(-1, t.rim)), t.lateral)
+    def mirrored(t: Target, sign: int) -> Target:
+        return Target(times(sign, chosen(steer, about)), chosen(t.rim, times(-1, t.rim)), t.lateral)
 
-    return {w.index: mirrored(targets[w.index]) for w in unit}
+    return {w.index: mirrored(targets[w.index], w.steer_sign) for w in unit}

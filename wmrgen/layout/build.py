@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
 from math import atan2, hypot, pi, remainder
@@ -13,6 +14,7 @@ from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substitut
 from wmrgen.exact.linalg import mean
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
+from wmrgen.layout.domains import needs
 from wmrgen.layout.expressions import PI, Scope, computable, snap, to_poly
 from wmrgen.layout.joints import (
     common_limits,
@@ -24,7 +26,7 @@ from wmrgen.layout.joints import (
     limits_of,
     noise_of,
     refuse_unmodelled,
-    spin_ratios,
+    turn_ratios,
     weight_of,
 )
 from wmrgen.layout.measured import agreed, tolerance_of
@@ -82,7 +84,11 @@ def build(spec: RobotSpec) -> Robot:
     facts = _of_joints(spec, "the robot", scope, several)
     steer_group, spin_group = groups(spec, "steer"), groups(spec, "spin")
     with several:
-        facts["spin_ratios"] = spin_ratios(spec, spin_group, scope)
+        facts["spin_ratios"] = turn_ratios(spec, "spin", spin_group, scope)
+    with several:
+        signs = turn_ratios(spec, "steer", steer_group, scope)
+        if len(signs) == len(wheels):
+            wheels = [replace(w, steer_sign=s.sign) for w, s in zip(wheels, signs, strict=True)]
     with several:
         facts["tolerance"] = tolerance_of(spec.tolerance, wheels, scope)
     if not several.errors:
@@ -91,6 +97,8 @@ def build(spec: RobotSpec) -> Robot:
     for part, laid_out in _PARTS.items():
         with several:
             facts[part] = laid_out(spec, scope, wheels)
+    if not several.errors:
+        facts["needs"] = needs(spec, parameters, scope, several)
     several.end()
     robot = Robot(
         name=spec.name, description=spec.description, source=spec.source, parameters=parameters,

@@ -11,7 +11,7 @@ from wmrgen.exact.evaluate import parameters_in, substituted
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.layout.expressions import Scope
 from wmrgen.layout.records import Encoder, Interval, Noise, Robot, Wheel
-from wmrgen.spec.records import EncoderSpec, Limit, NoiseSpec, Quantity, RobotSpec
+from wmrgen.spec.records import Coupling, EncoderSpec, Limit, NoiseSpec, Quantity, RobotSpec
 
 MOST_WEIGHT = 1000  # of the least: rows that count less are lost in the rounding of a float
 
@@ -143,25 +143,46 @@ def groups(spec: RobotSpec, joint: str) -> tuple[int, ...]:
     return tuple(leader)
 
 
-def spin_ratios(spec: RobotSpec, leaders: Sequence[int], scope: Scope) -> tuple[Exact, ...]:
-    """Per wheel its spin for a spin of 1 of the wheel that leads its set. RobotFileError for a ratio of 0, and where
-    couplings contradict each other."""
+def turn_ratios(spec: RobotSpec, joint: str, leaders: Sequence[int], scope: Scope) -> tuple[Exact, ...]:
+    """Return per wheel how far its joint turns for 1 rad of the wheel that leads its set.
+
+    Args:
+        joint: spin or steer.
+        leaders: the index of the leading wheel, for each wheel.
+
+    Raises:
+        RobotFileError: for a ratio of 0, for steering angles that are neither equal nor opposite, and if couplings
+            contradict each other.
+    """
     names = [w.name for w in spec.wheels]
     turns = dict.fromkeys(leaders, ONE)
-    rest = [c for c in spec.couplings if c.joint == "spin"]
+    rest = [c for c in spec.couplings if c.joint == joint]
     while rest:
         coupling = next(c for c in rest if any(names.index(n) in turns for n in c.wheels))
         rest.remove(coupling)
         ratios = [_ratio(q, scope) for q in coupling.ratios] or [ONE] * len(coupling.wheels)
+        if joint == "steer":
+            _equal_or_opposite(coupling, ratios)
         own = dict(zip(map(names.index, coupling.wheels), ratios, strict=True))
         shaft = next(turns[i] / k for i, k in own.items() if i in turns)
         for i, k in own.items():
             if turns.setdefault(i, shaft * k) != shaft * k:
                 raise RobotFileError(
-                    f"this coupling contradicts the other couplings of {names[i]}.spin", coupling.mark,
+                    f"this coupling contradicts the other couplings of {names[i]}.{joint}", coupling.mark,
                     "Shafts that are geared together in two ratios cannot turn.", "Delete one of them.",
                 )  # fmt: skip
     return tuple(turns[i] for i in range(len(names)))
+
+
+def _equal_or_opposite(coupling: Coupling, ratios: Sequence[Exact]) -> None:
+    """Steering angles may be geared 1 to 1 or 1 to -1: then the angle for a twist has a closed form."""
+    for quantity, ratio in zip(coupling.ratios, ratios, strict=False):
+        if abs(ratio) != abs(ratios[0]):
+            raise RobotFileError(
+                f"steering angles in the ratio {coupling.ratios[0].text} to {quantity.text}", quantity.mark,
+                "The common angle for a twist has a closed form only if the angles are equal or opposite.",
+                "Write ratios of 1 and -1; or delete the coupling: inverse then gives each wheel the angle that fits.",
+            )  # fmt: skip
 
 
 def _ratio(quantity: Quantity, scope: Scope) -> Exact:
@@ -196,6 +217,13 @@ def refuse_unmodelled(spec: RobotSpec, robot: Robot) -> None:
                 f"{what}\nCouple castors with castors, or write one of the two as the other type.",
                 coupling.mark,
             )
+        against = [w for w in castors if joint == "steer" and w.steer_sign != castors[0].steer_sign]
+        if against:
+            raise NotDerivableError(
+                f"{castors[0].name}.steer and {against[0].name}.steer turn against each other, and both are castors\n"
+                "Delete the ratios: castors on one motor turn by equal angles.",
+                coupling.mark,
+            )
         if offset and joint == "spin":
             raise NotDerivableError(
                 f"{offset[0].name}.spin cannot be coupled: {offset[0].name} is steered and has an offset_y, so that "
@@ -212,7 +240,7 @@ def common_limits(spec: RobotSpec, robot: Robot) -> Robot:
     """
     wheels = list(robot.wheels)
     for joint, quantity, members in _coupled(robot):
-        ratios = [robot.spin_ratio(w) if joint == "spin" else ONE for w in members]
+        ratios = [robot.turn_ratio(joint, w) for w in members]
         told = [
             (limit, k) for w, k in zip(members, ratios, strict=True) if (limit := robot.limit(w, quantity))
         ]

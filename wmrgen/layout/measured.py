@@ -19,7 +19,7 @@ from wmrgen.exact.poly import Poly
 from wmrgen.layout.expressions import Scope
 from wmrgen.layout.joints import constant
 from wmrgen.layout.records import Geometry, Wheel
-from wmrgen.layout.tolerance import Near, Tolerance
+from wmrgen.layout.tolerance import Near, Tolerance, rounded_up
 from wmrgen.notation import in_code, listed
 from wmrgen.spec.records import Quantity
 
@@ -86,14 +86,21 @@ def _headings(wheels: list[Wheel], tolerance: Tolerance) -> Agreed:
             text = (
                 f"the headings of {_names(group)} are {_degrees(apart)} apart, {_millimetres(length)} {_OVER}"
             )
-            told.append(Near(text, _last(group), length, _ONE_HEADING, _steps("turned", turns, _degrees)))
+            told.append(
+                Near(text, _last(group), length, length, _ONE_HEADING, _steps("turned", turns, _degrees))
+            )
     for one, other in combinations(groups, 2):
         apart = abs(_angle(one[0], other[0]))
         if apart < SLIP and one[0].kind.fixed_axle:
-            length = apart * tolerance.size
-            off = f"{_degrees(apart)} off that of {_names(one)}, {_millimetres(length)} {_OVER}"
+            angles = {w.index: _angle(wheels[0], w) for w in wheels}
+            span = max(abs(_angle(a, b)) for a, b in combinations((*one, *other), 2))
+            length = _joining(wheels, angles, one, other, tolerance.size) or span * tolerance.size
+            off = f"{_degrees(span)} off that of {_names(one)}, {_millimetres(span * tolerance.size)} {_OVER}"
             text = f"the heading of {_names(other)} is {off}"
-            told.append(Near(text, _last(other), length, _ONE_HEADING))
+            if span > apart + ROUNDING:
+                off = f"{_degrees(span)} apart, {_millimetres(span * tolerance.size)} {_OVER}"
+                text = f"the headings of {_names((*one, *other))} are {off}"
+            told.append(Near(text, _last(other), length, apart * tolerance.size, _ONE_HEADING))
     return moved, told
 
 
@@ -103,7 +110,8 @@ def _lines(fixed: list[Wheel], tolerance: Tolerance) -> Agreed:
     for parallel in _parallel(fixed, 0.0):
         e = parallel[0].nominal
         ahead = {w.index: w.nominal.x * e.ch + w.nominal.y * e.sh for w in parallel}
-        groups = _grouped(parallel, {k: float(place) for k, place in ahead.items()}, tolerance.length)
+        places = {k: float(place) for k, place in ahead.items()}
+        groups = _grouped(parallel, places, tolerance.length)
         for line in groups:
             apart = float(ahead[line[-1].index] - ahead[line[0].index])
             if apart > ROUNDING * tolerance.size:
@@ -111,12 +119,18 @@ def _lines(fixed: list[Wheel], tolerance: Tolerance) -> Agreed:
                 steps = {w.name: to - ahead[w.index] for w in line}
                 moved += (_moved(w, e.ch * steps[w.name], e.sh * steps[w.name]) for w in line)
                 text = f"the axle lines of {_names(line)} are {_millimetres(apart)} apart"
-                told.append(Near(text, _last(line), apart, _ONE_LINE, _steps("moved", steps, _millimetres)))
+                told.append(
+                    Near(text, _last(line), apart, apart, _ONE_LINE, _steps("moved", steps, _millimetres))
+                )
         for one, other in pairwise(groups):
             apart = float(ahead[other[0].index] - ahead[one[-1].index])
             if apart < SLIP * tolerance.size or _side_by_side(one, other):
+                span = float(ahead[other[-1].index] - ahead[one[0].index])
                 text = f"the axle line of {_names(other)} is {_millimetres(apart)} from that of {_names(one)}"
-                told.append(Near(text, _last(other), apart, _ONE_LINE))
+                if span > apart + ROUNDING * tolerance.size:
+                    text = f"the axle lines of {_names((*one, *other))} are {_millimetres(span)} apart"
+                enough = _joining(parallel, places, one, other) or span
+                told.append(Near(text, _last(other), enough, apart, _ONE_LINE))
     return moved, told
 
 
@@ -138,7 +152,7 @@ def _axis(wheels: list[Wheel], tolerance: Tolerance) -> Agreed:
     steps = {w.name: abs(m.pivot - w.pivot) for w, m in zip(wheels, moved, strict=True)}
     apart = max(abs(a.pivot - b.pivot) for a, b in combinations(wheels, 2))
     text = f"the steering axes of {_names(wheels)} are {_millimetres(apart)} apart"
-    return moved, [Near(text, _last(wheels), apart, _ONE_PLACE, _steps("moved", steps, _millimetres))]
+    return moved, [Near(text, _last(wheels), apart, apart, _ONE_PLACE, _steps("moved", steps, _millimetres))]
 
 
 def _axes(turning: list[Wheel], steer_group: Sequence[int], tolerance: Tolerance) -> Iterator[list[int]]:
@@ -170,6 +184,21 @@ def _grouped(wheels: list[Wheel], values: Mapping[int, float], width: float) -> 
         else:
             groups.append([w])
     return groups
+
+
+def _joining(
+    wheels: list[Wheel], values: Mapping[int, float], one: list[Wheel], other: list[Wheel], scale: float = 1.0
+) -> float:
+    """The least distance of values, times ``scale``, that as a width of `_grouped` puts two sets into one. It is not
+    always that of their own ends: a set that begins earlier may take some of them. 0 where none does."""
+    together = {w.index for w in (*one, *other)}
+    distances = {abs(a - b) * scale for a, b in combinations(values.values(), 2)}
+    own = max(abs(values[i] - values[j]) * scale for i, j in combinations(together, 2))
+    for distance in sorted(d for d in distances if d >= own):
+        groups = _grouped(wheels, values, rounded_up(distance) / scale)
+        if any(together <= {w.index for w in group} for group in groups):
+            return distance
+    return 0.0
 
 
 def _angle(a: Wheel, b: Wheel) -> float:

@@ -12,7 +12,8 @@ from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from typing import Generic, NamedTuple, TypeVar
 
-from wmrgen.errors import Mark
+from wmrgen.errors import Mark, UsageError
+from wmrgen.exact.evaluate import number, parameters_in
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.tolerance import EXACT, Near, Tolerance
@@ -111,6 +112,9 @@ class Wheel:
     noise: Mapping[str, Noise] = field(default_factory=dict)
     encoders: Mapping[str, Encoder] = field(default_factory=dict)
     lag: Mapping[str, Exact] = field(default_factory=dict)  # joint -> time constant [s]
+    steer_sign: int = (
+        1  # its steering angle for 1 rad of the wheel that leads its coupled set: 1, or -1 against it
+    )
     ball: str = ""  # of a driven direction of a ball: the ball's name in the robot file
 
     @property
@@ -177,6 +181,28 @@ class Length(NamedTuple):
         return self._replace(working=self.symbolic)
 
 
+class Need(NamedTuple):
+    """What tunable parameters must keep: ``value``, a polynomial of them, positive (``strict``) or not negative.
+
+    ``problem``: what is wrong where it is not; ``mark``: where the robot file has the value.
+    """
+
+    value: Poly
+    strict: bool
+    problem: str
+    mark: Mark
+
+    def broken_at(self, values: Mapping[str, Exact]) -> bool:
+        """Whether it does not hold for these values of the tunable parameters."""
+        value = number(self.value, {name: Poly.of(v) for name, v in values.items()})
+        return value.sign < 0 or (self.strict and not value)
+
+    def where(self, values: Mapping[str, Exact]) -> str:
+        """``radius = 0 and track = 0.4``: those of the values that it depends on."""
+        own = sorted(parameters_in(self.value), key=[*values].index)
+        return " and ".join(f"{name} = {float(values[name]):.6g}" for name in own)
+
+
 @dataclass(frozen=True, slots=True)
 class Trailer:
     """A trailer: ``length`` [m] from its coupling to its axle, ``hitch`` [m] from the axle in front to the coupling."""
@@ -214,7 +240,8 @@ class Robot:
     ``steer_group`` and ``spin_group`` give, per wheel index, the first wheel of its coupled set
     (itself when uncoupled), ``spin_ratios`` its spin for a spin of 1 of that wheel. ``notes``, names in
     backticks, are the snaps made. ``deadband``: share of the limits of the twist that counts as standstill. ``near``:
-    axles that are nearly one, those taken for one within the ``tolerance`` among them.
+    axles that are nearly one, those taken for one within the ``tolerance`` among them. ``needs``: of the tunable
+    parameters, those of parts of a value before those of the whole.
     """
 
     name: str
@@ -241,6 +268,7 @@ class Robot:
     lag: Mapping[str, Exact] = field(default_factory=dict)
     tolerance: Tolerance = EXACT
     near: tuple[Near, ...] = ()
+    needs: tuple[Need, ...] = ()
 
     @property
     def bodies(self) -> tuple[Wheel, ...]:
@@ -256,6 +284,17 @@ class Robot:
     def tunable(self) -> tuple[Parameter, ...]:
         """The parameters that stay inputs of the generated code."""
         return tuple(p for p in self.parameters if p.tunable)
+
+    def refuse(self, values: Mapping[str, Exact]) -> None:
+        """UsageError where tunable parameters have values for which the robot has no geometry; those that are not among
+        ``values`` are nominal."""
+        of = {p.name: values.get(p.name, p.nominal) for p in self.tunable}
+        if any(of[p.name] != p.nominal for p in self.tunable):
+            for need in self.needs:
+                if need.broken_at(of):
+                    raise UsageError(
+                        f"with {need.where(of)}: {need.problem} ({need.mark}). Write other values."
+                    )
 
     @property
     def in_symbols(self) -> Robot:
@@ -327,10 +366,14 @@ class Robot:
         """What the wheel rolls per radian that the first of its coupled set turns [m]."""
         return g.rolling_radius * self.spin_ratio(wheel)
 
-    def ratios(self, names: Sequence[str]) -> tuple[Exact, ...]:
-        """The spins of coupled wheels for a spin of 1 of the first of them; none where they are equal."""
-        spins = [self.spin_ratio(self.wheel(name)) for name in names]
-        return tuple(k / spins[0] for k in spins) if len(set(spins)) > 1 else ()
+    def turn_ratio(self, joint: str, wheel: Wheel) -> Exact:
+        """How far the ``joint`` of a wheel, spin or steer, turns for 1 rad of the first that it is coupled to."""
+        return self.spin_ratio(wheel) if joint == "spin" else Exact(wheel.steer_sign)
+
+    def ratios(self, joint: str, names: Sequence[str]) -> tuple[Exact, ...]:
+        """The turns of a coupled ``joint`` of these wheels for 1 rad of the first; none where they are equal."""
+        turns = [self.turn_ratio(joint, self.wheel(name)) for name in names]
+        return tuple(k / turns[0] for k in turns) if len(set(turns)) > 1 else ()
 
     def wheel(self, name: str) -> Wheel:
         """The wheel called ``name``. KeyError when there is none."""

@@ -3,6 +3,7 @@
 Fixed wheels on several parallel axles cannot all roll in a curve. On even ground such a robot turns as a differential
 drive does whose track is larger: its effective track (Martínez, Mandow, Morales, Pedraza, García-Cerezo 2005 measure
 it as the distance between the centres of rotation of left and right wheels). The wheels of a side stand for one wheel.
+Steered wheels beside them keep their places: they point along the motion that the differential drive leaves.
 """
 
 from __future__ import annotations
@@ -43,10 +44,10 @@ def effective_track(quantity: Quantity | None, scope: Scope, wheels: Sequence[Wh
 def no_track(wheels: Sequence[Wheel]) -> tuple[str, str]:
     """Which robot of these wheels cannot have an effective track, and why; nothing where it can."""
     fixed = [w for w in wheels if w.kind.fixed_axle]
-    others = [w for w in wheels if (w.kind.constrains or w.kind.rolls_across) and w not in fixed]
-    if others:
-        what = f"effective_track of a robot with the {others[0].kind.noun} {others[0].name}"
-        return what, "It says how a robot turns whose wheels are all fixed."
+    across = [w for w in wheels if w.kind.rolls_across]
+    if across:
+        what = f"effective_track of a robot with the {across[0].kind.noun} {across[0].name}"
+        return what, "It says how a robot turns whose wheels cannot move across their rolling direction."
     if not parallel([w.zero_heading for w in fixed]):
         return (
             "effective_track of a robot whose fixed wheels are not parallel",

@@ -30,13 +30,15 @@ EXACT = Tolerance(0.0, 0.0, True)
 class Near(NamedTuple):
     """Axles that are nearly one: ``text`` says which, in backticks, and how near, ``instead`` what to write for one.
 
-    ``tolerance`` [m] takes them for one; ``moves`` says how wheels were moved for that, and is empty where the robot's
-    own is smaller. ``wheel``: the last of them.
+    ``tolerance`` [m] takes them for one: the distance of the two that are farthest apart. ``apart`` [m]: what is
+    between the sets of them that are one already. ``moves`` says how wheels were moved, and is empty where the robot's
+    own tolerance is smaller. ``wheel``: the last of them.
     """
 
     text: str
     wheel: str
     tolerance: float
+    apart: float
     instead: str
     moves: str = ""
 
@@ -52,7 +54,12 @@ class Near(NamedTuple):
         """What to write in the robot file."""
         if self.moves:
             return f"Write {self.instead}; or tolerance: 0, which keeps them apart."
-        enough = f"{max(1, ceil(round(self.tolerance * 1e5, 6))) / 100:.6g} mm"
+        enough = f"{1000 * rounded_up(self.tolerance):.6g} mm"
         return (
             f"If one axle bears them, write {self.instead}, or tolerance: {enough}, which takes them for one."
         )
+
+
+def rounded_up(length: float) -> float:
+    """A length [m] in whole hundredths of a millimetre, as a tolerance is proposed."""
+    return max(1, ceil(round(length * 1e5, 6))) / 1e5

@@ -83,8 +83,8 @@ def skids(subject: Subject) -> Iterator[Finding]:
         names = listed([w.name for w in fixed])
         what = f"{names} stand on parallel axles: the robot turns only by skidding (skid-steer)"
         about = (
-            "Its wheels are not all fixed, so that no effective_track can be said: kinematics are least squares, which "
-            "do not know how far it turns."
+            "Some of its wheels move across their rolling direction, so it has no effective_track: kinematics are "
+            "least squares, which do not know how far it turns."
             if any(no_track(subject.robot.wheels))
             else "Write effective_track: and the track of a differential drive that turns as it does (measured, some "
             "1.5 times its own). Without it kinematics are least squares, which do not know how far it turns."
@@ -208,7 +208,7 @@ def narrow(subject: Subject) -> Iterator[Finding]:
 def _near(robot: Robot) -> list[Near]:
     """What nearly is on one line or at one heading, by more than the noise of floats."""
     size = robot.tolerance.size
-    return [near for near in robot.near if NOISE * size < near.tolerance < SLIP * size]
+    return [near for near in robot.near if NOISE * size < near.apart < SLIP * size]
 
 
 def _doubtful_rank(subject: Subject) -> Iterator[Finding]:

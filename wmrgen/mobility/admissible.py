@@ -131,8 +131,9 @@ def quadrics(robot: Robot) -> list[Array]:
 
 
 def _pivot(w: Wheel) -> Array:
-    """2x3: twist to pivot velocity, in the joint frame at zero steering."""
-    return np.array([along(w, w.zero_heading), along(w, 1j * w.zero_heading)])
+    """2x3: twist to pivot velocity, in the joint frame at zero steering; mirrored for a wheel that turns against the
+    one that leads it, so that coupled wheels have one angle."""
+    return np.array([along(w, w.zero_heading), along(w, 1j * w.zero_heading) * w.steer_sign])
 
 
 def _speed_form(w: Wheel) -> Array:

@@ -14,7 +14,7 @@ from wmrgen.exact.poly import Poly, Row, dot, each
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.layout.skid import driven, parallel
 from wmrgen.mobility.admissible import along, geared
-from wmrgen.mobility.basis import basis, deciding, null_columns, primitive, scaled
+from wmrgen.mobility.basis import basis, deciding, led, null_columns, primitive, scaled
 from wmrgen.mobility.configure import Configuration, configuration, in_metres, steering_for
 from wmrgen.mobility.filtration import growth_vector
 from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
@@ -22,6 +22,7 @@ from wmrgen.mobility.reasons import apart, reasons, skids, verdict
 from wmrgen.mobility.records import Array, Balance, Mobility, Singularity
 from wmrgen.notation import in_code, plain
 
+SAME_ANGLE = 1e-9  # of twice a steering angle [rad]: rounding of doubles, as `layout.skid.parallel` has it
 MOST_WHEELS = 8  # among which minors are written out
 
 
@@ -124,9 +125,12 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
         return []
     a, b = wheels
     lead = at.robot.steer_group
-    if lead[a.index] == lead[b.index] and not parallel([a.zero_heading, b.zero_heading]):
+    if lead[a.index] == lead[b.index] and not _turned_into([a, b], 1j * (b.pivot - a.pivot)):
         return []
-    conditions = (towards(a, b, symbolic_view), towards(b, a, symbolic_view))
+    conditions = (
+        led(at.robot, towards(a, b, symbolic_view)),
+        led(at.robot, towards(b, a, symbolic_view)),
+    )
     what = ": these two no longer determine the motion; another steered wheel does"
     if _may_be_one_line(at.robot):
         what = ", and rank C1 falls from 2 to 1: the robot can turn about any point of that line"
@@ -134,6 +138,14 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
             what = ": these two no longer determine the motion; the coupled spins do"
     text = f"the axles of `{a.name}` and `{b.name}` lie on one line{what}"
     return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
+
+
+def _turned_into(wheels: list[Wheel], direction: complex) -> bool:
+    """Whether one angle of their motor turns all ``wheels`` into ``direction``, forwards or backwards."""
+    if not direction:
+        return parallel([w.zero_heading for w in wheels])
+    angles = [(w.zero_heading.conjugate() * direction / abs(direction)) ** (2 * w.steer_sign) for w in wheels]
+    return all(abs(a - angles[0]) < SAME_ANGLE for a in angles)
 
 
 def towards(a: Wheel, b: Wheel, view: View) -> Poly:
@@ -144,12 +156,13 @@ def towards(a: Wheel, b: Wheel, view: View) -> Poly:
 
 
 def _may_be_one_line(robot: Robot) -> bool:
-    """Whether all steered axles can be: their pivots are on a line, and one angle turns parallel wheels alone."""
+    """Whether all steered axles can be: their pivots are on a line, and one angle of each motor turns its wheels so."""
     steered = [w for w in robot.wheels if w.kind.steers]
     first, *others = (w.pivot for w in steered)
     points = [[(p - first).real, (p - first).imag] for p in others]
+    line = max((p - first for p in others), key=abs)
     return int(np.linalg.matrix_rank(np.array(points), tol=1e-9)) < 2 and all(
-        parallel([w.zero_heading for w in group]) for group in robot.together("steer", steered)
+        _turned_into(group, 1j * line) for group in robot.together("steer", steered)
     )
 
 

@@ -52,12 +52,15 @@ class BasisRow(NamedTuple):
 
 
 def basis(robot: Robot, at: Configuration) -> tuple[BasisRow, ...]:
-    """Constant rows first, then the coupling's own row, then as many steered wheels as the rank needs."""
+    """Constant rows first, then a coupling's ban on turning, then as many steered wheels as the rank needs.
+
+    Any other plane of twists that a coupling leaves depends on lengths: rows of steered wheels have these as symbols.
+    """
     fixed = [_constant(robot, at.unit.row(row), index) for row, index in at.constant]
-    numbers = [at.C1[: len(fixed)]]
-    if at.admissible.normal is not None:
-        fixed.append(_constant(robot, at.unit.row(at.admissible.normal), None))
-        numbers.append(to_array([[p.constant or ZERO for p in at.admissible.normal]]))
+    numbers, normal = [at.C1[: len(fixed)]], at.admissible.normal
+    if normal is not None and not (normal[0] or normal[1]):
+        fixed.append(_constant(robot, at.unit.row(normal), None))
+        numbers.append(to_array([[p.constant or ZERO for p in normal]]))
     numbers.append(at.C1[len(at.constant) :])
     steered = [w for w in robot.wheels if w.kind.steers]
     candidates = [*fixed, *(_slides(robot, w) for w in steered)]
@@ -103,7 +106,9 @@ def led(robot: Robot, p: Poly) -> Poly:
     def value(gen: Gen) -> Poly | None:
         if gen.kind not in ("cos", "sin"):
             return None
-        return Poly.gen(gen.kind, robot.wheels[robot.steer_group[robot.wheel(gen.name).index]].name)
+        w = robot.wheel(gen.name)
+        angle = Poly.gen(gen.kind, robot.wheels[robot.steer_group[w.index]].name)
+        return angle.scale(Exact(w.steer_sign)) if gen.kind == "sin" else angle
 
     return p.substitute(value)
 
@@ -132,7 +137,8 @@ def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> 
 
 def _apart(constant: Array, wheels: list[Wheel], turned: complex) -> float:
     """The smallest singular value of the rows with every steered wheel at its zero angle, or ``turned`` from it."""
-    axles = [along(w, 1j * turned * w.zero_heading)[None, :] for w in wheels]
+    angles = [turned if w.steer_sign > 0 else turned.conjugate() for w in wheels]
+    axles = [along(w, 1j * t * w.zero_heading)[None, :] for w, t in zip(wheels, angles, strict=True)]
     return round(singular_values(np.vstack([constant, *axles]))[-1], 6)
 
 
@@ -172,6 +178,7 @@ def _per_speed(column: Row, steered: tuple[Wheel, ...], robot: Robot) -> Row:
 def _rim(w: Wheel, twist: Row, cosine: int, sine: int) -> Poly:
     """Speed of the pivot of a wheel that rolls, along its heading."""
     (x, y, turn), g = twist, w.symbolic
+    sine *= w.steer_sign
     c, s = g.ch.scale(cosine) - g.sh.scale(sine), g.sh.scale(cosine) + g.ch.scale(sine)
     return c * (x - turn * g.y) + s * (y + turn * g.x)
 

@@ -178,7 +178,8 @@ def _steering(robot: Robot, twist: Array) -> dict[int, complex]:
         fastest = max(members, key=lambda w: abs(pivot_velocity(w, twist)))
         joint = steering_for(fastest, twist) / fastest.zero_heading
         for w in members:
-            headings[w.index] = steering_for(w, twist) if w is fastest else joint * w.zero_heading
+            own = joint if w.steer_sign == fastest.steer_sign else joint.conjugate()
+            headings[w.index] = steering_for(w, twist) if w is fastest else own * w.zero_heading
     pairs, lead, settled = geared(robot), robot.steer_group, set[int]()
     while pairs:  # from wheels that do not steer along the chains, so that no set of wheels turns about twice
         i, k = next(

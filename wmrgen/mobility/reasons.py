@@ -11,14 +11,15 @@ import numpy as np
 from wmrgen.constraints import constrain, nominal_view
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row
-from wmrgen.layout.records import Geometry, Wheel
+from wmrgen.layout.records import Geometry, Robot, Wheel
 from wmrgen.layout.skid import no_track, parallel
 from wmrgen.mobility.admissible import along, coupled_sets
 from wmrgen.mobility.configure import Configuration
 from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import TOLERANCE, Array
-from wmrgen.notation import in_code, turning
+from wmrgen.notation import in_code, steering, turning
 
+_STEPS = (37, -37, 3, -3)  # thousandths of parameters: sqrt(2 - b) has no value beyond b = 2
 SAME = 1e-9
 
 
@@ -117,8 +118,11 @@ def _axles_meet(at: Configuration, wheels: list[Wheel]) -> str:
 def _couplings(at: Configuration) -> list[str]:
     sentences = []
     for joint, names in at.robot.couplings:
-        spins = f"they {turning(at.robot.ratios(names))}"
-        what = "their steering angles are equal" if joint == "steer" else spins
+        ratios = at.robot.ratios(joint, names)
+        equal = "their steering angles are equal"
+        what = (
+            f"they {turning(ratios)}" if joint == "spin" else f"they {steering(ratios)}" if ratios else equal
+        )
         sentences.append(f"{in_code(names)} are coupled: {what}.")
     return sentences
 
@@ -194,6 +198,8 @@ def verdict(at: Configuration) -> str:
         why = "no motion is free of sliding"
     elif skids(at):
         solved = "those of a differential drive of its effective track"
+        if any(w.kind.steers for w in at.robot.wheels):
+            solved = "those of a robot whose fixed wheels are on one axle, the effective track apart"
         if at.robot.effective_track is None:
             solved = "least squares and report the residual"
             if not any(no_track(at.robot.wheels)):
@@ -249,14 +255,11 @@ def _coincidences(at: Configuration) -> list[str]:
     parameters = at.robot.parameters
     if not parameters:
         return []
-    values = {
-        p.name: Poly.of(p.nominal * Fraction(1000 + 37 * (k + 1), 1000)) for k, p in enumerate(parameters)
-    }
-
-    def general(w: Wheel) -> Geometry[Poly]:
-        return w.symbolic.mapped(lambda constant: fix(constant, values))
-
-    at_nominal, at_general = constrain(at.robot, nominal_view), constrain(at.robot, at.unit.view(general))
+    general = next((found for step in _STEPS if (found := _general(at.robot, step))), None)
+    if general is None:
+        return []
+    at_nominal = constrain(at.robot, nominal_view)
+    at_general = constrain(at.robot, at.unit.view(lambda w: general[w.index]))
     nominal = ", ".join(f"{p.name} = {float(p.nominal):.6g}" for p in parameters)
     sentences = []
     for name, ranks in (
@@ -268,6 +271,19 @@ def _coincidences(at: Configuration) -> list[str]:
                 f"The rank of {name} is {ranks[0]} at the given values ({nominal}) and {ranks[1]} for general ones."
             )
     return sentences
+
+
+def _general(robot: Robot, step: int) -> list[Geometry[Poly]] | None:
+    """The wheels where each parameter is off by its own multiple of ``step`` thousandths; None where one has no place
+    then, such as beyond the end of a root's domain."""
+    values = {
+        p.name: Poly.of(p.nominal * Fraction(1000 + step * (k + 1), 1000))
+        for k, p in enumerate(robot.parameters)
+    }
+    try:
+        return [w.symbolic.mapped(lambda constant: fix(constant, values)) for w in robot.wheels]
+    except (ValueError, ZeroDivisionError):
+        return None
 
 
 def _rank(rows: list[Row]) -> int:

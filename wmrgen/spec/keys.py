@@ -247,8 +247,9 @@ ROBOT = Section(
         Field("lag", LAG, "lag of every joint that is commanded, which the state space takes in"),
         Field(
             "effective_track", _LENGTH,
-            "of fixed wheels on several parallel axles, which skid in curves: the robot turns as a differential drive "
-            "with this track does; 1.2 to 2 times that of its wheels, measured",
+            "of fixed wheels on several parallel axles, which skid in curves: the robot turns as if its fixed wheels "
+            "were a differential drive with this track, and steered wheels follow; 1.2 to 2 times the track of its "
+            "wheels, measured",
             aliases={"skid_track": ""}
             | dict.fromkeys(
                 ("track", "track_width", "wheel_separation", "wheelbase", "wheel_base"),

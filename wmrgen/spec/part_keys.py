@@ -142,7 +142,8 @@ COUPLING = Section(
         ),
         Field(
             "ratios", ListOf(Amount(Kind.ANY, "1"), "[1, -17/42]"),
-            "of spins that gears keep in proportion: turns of each per turn of a common shaft, negative against it",
+            "turns of each joint per turn of a common shaft, negative against it: spins in any proportion, steering "
+            "angles equal or opposite ([1, -1]: front and rear wheels steered against each other)",
             default="all 1",
         ),
     ),

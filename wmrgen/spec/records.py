@@ -165,8 +165,8 @@ class WheelSpec:
 
 
 class Coupling(NamedTuple):
-    """Joints of several wheels that are mechanically equal. ``joint``: spin or steer. ``ratios``: of spins, the turns
-    of each per turn of their shaft; none where they are equal."""
+    """Joints of several wheels that a mechanism couples. ``joint``: spin or steer. ``ratios``: the turns of each joint
+    per turn of their shaft; none where they are equal."""
 
     joint: str
     wheels: tuple[str, ...]

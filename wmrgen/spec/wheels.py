@@ -235,13 +235,6 @@ def _coupling(table: Table, types: Mapping[str, WheelType | None], scope: Scope)
     with several:
         ratios += (read_number(item, "a ratio of the coupling", scope) for item in table.items("ratios"))
     several.end()
-    if ratios and joint != "spin":
-        raise table.keys["ratios"].error(
-            "ratios of steering angles",
-            "Wheels whose angles are in proportion have no common ICR in general; what is derived is equal angles.",
-            "Delete the coupling: inverse gives each wheel the angle that fits. Of a front and a rear wheel they are "
-            "opposite where the origin lies halfway between them and vy is 0.",
-        )
     if ratios and len(ratios) != len(names):
         raise table.values["ratios"].error(
             f"{len(ratios)} ratio{'s' * (len(ratios) != 1)} of {len(names)} joints", "Each joint has one.",

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 class Check(NamedTuple):
     """What the value of ``key`` must not be. ``bad`` sees the wheel's nominal `Geometry`.
 
-    ``problem`` has the placeholders {what} (the wheel) and {text} (the value as written).
+    ``problem`` has the placeholders {what} (the wheel) and {text} (the value as written). ``keeps_sign``: what must
+    not reach 0 wherever tunable parameters are, the ``value`` or its ``cosine``; empty where neither says it.
     """
 
     key: str
@@ -22,6 +23,7 @@ class Check(NamedTuple):
     problem: str
     why: str = ""
     instead: str = ""
+    keeps_sign: str = ""
 
 
 class Words(NamedTuple):
@@ -231,6 +233,7 @@ SWEDISH = WheelType(
             "{what} has r_sw = {text}, which is not positive",
             "",
             "r_sw is the radius of a roller: r_sw: 15 mm. Only the function contacts asks for it.",
+            "value",
         ),
         Check(
             "gamma",
@@ -239,6 +242,7 @@ SWEDISH = WheelType(
             "The wheel could not drive: its rim speed would turn the rollers only.",
             "gamma is the angle from the wheel plane to the roller axis at the ground: "
             "0 for an omni wheel, 45 deg or -45 deg for a mecanum wheel.",
+            "cosine",
         ),
     ),
     words=Words(

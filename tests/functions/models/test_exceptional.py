@@ -15,6 +15,8 @@ import sympy
 
 import wmrgen
 from tests.functions.models.robots import CAR_FRONT, CAR_REAR, DIFFERENTIAL, UNICYCLE, derived, p, s
+from tests.report.common import FACTS, page_of
+from wmrgen.backends import report
 from wmrgen.functions.models.exceptional import exceptional
 from wmrgen.functions.models.growth import growing, growth
 from wmrgen.functions.system import System
@@ -147,3 +149,24 @@ def test_what_wheel_angles_reach_is_what_no_integral_forbids(name: str) -> None:
     d = of_gallery(name)
     found = growth(model(d, "configuration"))
     assert found.vector[-1] == len(found.state) - len(d.integrability.integrals)
+
+
+def test_no_page_says_that_nothing_is_singular_where_trailers_are() -> None:
+    page = page_of("tractor_off_axle")
+    assert "No configuration is singular" not in page and "`cart` is jack-knifed" in page
+    assert "No configuration is singular" in page_of("pioneer3dx")
+
+
+CASTORS = """{name: e, type: castor, x: 0.35, y: -0.2, heading: 0, d: 0.25, r: 0.1}
+{name: c, type: castor, x: -0.4, y: 0.15, heading: 0, d: 0.2, r: 0.1}"""
+
+
+def test_castors_on_one_shaft_lose_an_input_where_they_are_parallel() -> None:
+    """At equal angles the field of eta1 is zero, though the rolling rows of both leave that motion free."""
+    d = derived(CASTORS, "couplings: [{equal: [e.spin, c.spin]}]")
+    system = d.system("eta", symbolic=True)
+    (lost,) = system.domain
+    a, c = s("e.steer"), s("c.steer")
+    assert sympy.simplify(lost.expression.subs(a, c)) == 0
+    assert sympy.simplify(sympy.Matrix(system.fields[0]).subs(a, c)) == sympy.zeros(5, 1)
+    assert "No configuration is singular" not in report.emit(d, FACTS)[report.FILE].decode()

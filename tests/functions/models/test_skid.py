@@ -20,6 +20,9 @@ from tests.functions.motion.common import run_cli
 from tests.robots import of_text
 from wmrgen.errors import RobotFileError
 from wmrgen.exact.number import Exact
+from wmrgen.ir.interpret import FLOAT64, evaluate
+from wmrgen.lower import lower
+from wmrgen.robot import Derivation
 
 
 @dataclass(frozen=True)
@@ -164,7 +167,6 @@ WHEEL = "  - {{name: extra, type: {}, x: 0.1, y: {}, heading: {}, r: 0.1{}}}\n"
     [
         ("0", "", "not positive"),
         ("-1.2", "", "not positive"),
-        ("1", WHEEL.format("steered", 0, 0, ""), "steered wheel extra"),
         ("1", WHEEL.format("swedish", 0, 0, ", gamma: 45 deg"), "extra"),
         ("1", WHEEL.format("fixed", 0, 0.1, ""), "not parallel"),
     ],
@@ -190,7 +192,7 @@ def test_a_robot_without_fixed_wheels_has_no_track() -> None:
     [
         ("", True),
         (WHEEL.format("castor", 0, 0, ", d: -0.05"), True),
-        (WHEEL.format("steered", 0, 0, ""), False),
+        (WHEEL.format("steered", 0, 0, ""), True),
         (WHEEL.format("swedish", 0, 0, ", gamma: 45 deg"), False),
     ],
 )
@@ -220,3 +222,44 @@ def test_a_locked_axle_slides_whatever_its_model_in_twist_inputs_is_told(ratio: 
     )
     model = of_text(text).system("twist").text
     assert model.endswith(f"it holds where no steered wheel slides; wheels slide, as they do in {where}")
+
+
+BESIDE = ((0.7, 0.1), (-0.6, -0.35))  # pivots of steered wheels, in the frame of the base
+
+
+@pytest.mark.parametrize(
+    "turning", [(0.6, 0.8), (0.0, -0.9), (-0.4, 0.3)], ids=["curve", "on the spot", "back"]
+)
+@pytest.mark.parametrize("name", BASES)
+def test_steered_wheels_follow_a_base_that_skids(name: str, turning: tuple[float, float]) -> None:
+    """Sides roll at u -+ omega T/2 about the middle of the fixed wheels, and steered wheels along their pivots."""
+    base, track, (u, omega) = BASES[name], 1.1, turning
+    e = complex(cos(base.heading), sin(base.heading))
+    pivots = [complex(*base.at) + e * complex(*p) for p in BESIDE]
+    steered = "".join(
+        f"  - {{name: s{k}, type: steered, x: {p.real!r}, y: {p.imag!r}, heading: 0, r: 0.1}}\n"
+        for k, p in enumerate(pivots)
+    )
+    d = of_text(base.text("1") + steered)
+    assert d.mobility.skids and d.mobility.robot_type is None
+    assert d.driven.mobility.robot_type == (1, 1) and d.driven.mobility.dof == 3
+    xs, ys = ([w[k] for w in base.wheels] for k in (0, 1))
+    middle = complex(*base.at) + e * complex(sum(xs) / len(xs), (max(ys) + min(ys)) / 2)
+    v = u * e - 1j * omega * middle  # of P
+    twist = {"vx": v.real, "vy": v.imag, "omega": omega}
+    out = values(d, "inverse", twist | {"wide": track})
+    assert out["slip"] == pytest.approx(0, abs=1e-9)
+    for k, (_, y, own) in enumerate(base.wheels):
+        side = (u - omega * track / 2 * (1 if y > 0 else -1)) * cos(own)
+        assert out[f"w{k}.spin"] == pytest.approx(side / base.radius, abs=1e-9)
+    for k, p in enumerate(pivots):
+        rolls = (v + 1j * omega * p) * complex(cos(out[f"s{k}.steer"]), -sin(out[f"s{k}.steer"]))
+        assert [rolls.imag, rolls.real] == pytest.approx([0, 0.1 * out[f"s{k}.spin"]], abs=1e-9)
+    back = values(d, "forward", out | {"wide": track})
+    assert [back[n] for n in twist] == pytest.approx([*twist.values()], abs=1e-8)
+    assert back["slip"] == pytest.approx(0, abs=1e-8)
+
+
+def values(d: Derivation, function: str, given: dict[str, float]) -> dict[str, float]:
+    ir = lower(d.formula(function))
+    return evaluate(ir, {p.name: given.get(p.name, 0.0) for p in ir.inputs}, FLOAT64)

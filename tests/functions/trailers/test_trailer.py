@@ -111,17 +111,20 @@ def test_jackknife_is_singular() -> None:
 
 
 def test_jackknife_off_the_axle() -> None:
-    """v_1 = v cos(delta) + h omega sin(delta), delta = theta - theta_1; for a car omega = v tan(psi)/D."""
+    """v_1 = v cos(delta) + h omega sin(delta), delta = theta - theta_1; for a car omega = v tan(psi)/D.
+
+    Lengths that all terms have are left out.
+    """
     d = derived(CAR_REAR, "trailers: [{length: l1, hitch: h}]")
     drive, knife = d.system("trailer", symbolic=True).domain
     delta, psi = ANGLES[0] - ANGLES[1], s("front.steer")
     expected = R * (sympy.cos(delta) + p("h") * sympy.tan(psi) / D * sympy.sin(delta))
-    assert zero(drive.expression - sympy.cos(psi)) and zero(knife.expression - expected)
+    assert zero(drive.expression - sympy.cos(psi)) and zero(knife.expression * R / D - expected)
     tractor = derived(DIFFERENTIAL.replace("x: b", "x: 0"), "trailers: [{length: l1, hitch: h}]")
     (knife,) = tractor.system("trailer", symbolic=True).domain
     right, left = s("right.spin"), s("left.spin")
     v, omega = R * (right + left) / 2, R * (right - left) / (2 * A)
-    assert zero(knife.expression - (v * sympy.cos(delta) + p("h") * omega * sympy.sin(delta)))
+    assert zero(knife.expression * R / (2 * A) - (v * sympy.cos(delta) + p("h") * omega * sympy.sin(delta)))
 
 
 def test_hitch_is_measured_from_the_fixed_axle_not_from_p() -> None:

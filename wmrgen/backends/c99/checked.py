@@ -71,13 +71,14 @@ class Guarded(NamedTuple):
     """A function with what it accepts, and what its outputs are where it accepts nothing.
 
     `prepare` has no ``outputs`` of that kind: it works with the nominal parameters then. ``keeps``: the steering angles
-    that it gives keep their limits, be it measurements that do not.
+    that it gives keep their limits, be it measurements that do not. ``needs``: results that must not be negative.
     """
 
     step: Step
     ranges: tuple[Range, ...]
     outputs: tuple[Safe, ...]
     keeps: bool
+    needs: tuple[str, ...] = ()
 
     @property
     def prepares(self) -> bool:
@@ -116,7 +117,7 @@ def _prepare(module: Module, unit: Unit) -> Guarded | None:
     for port in prepare.inputs:
         low, high = tuned(port, scalar)
         accepted.append(Range(port, _number(low, scalar), _number(high, scalar)))
-    return Guarded(step, tuple(accepted), (), keeps=False)
+    return Guarded(step, tuple(accepted), (), keeps=False, needs=module.needs)
 
 
 def ranges(function: Function, scalar: str, site: Site) -> tuple[Range, ...]:
@@ -206,6 +207,7 @@ def _checked(unit: Unit, guarded: Guarded) -> dict[str, Any]:
         "numbers": _all_of([f"{unit.robot}_is_number({read})" for read, _ in reads]),
         "inside": _all_of([f"{unit.robot}_is_within({read}, {r.low}, {r.high})" for read, r in reads]),
         "call": f"{step.name}({', '.join(step.variables)});",
+        "computed": _all_of(_computed(unit, guarded)) if guarded.needs else [],
         "safe": _nominal(unit.robot)
         if guarded.prepares
         else [_store(unit, guarded, output) for output in guarded.outputs],
@@ -219,6 +221,17 @@ def _nominal(robot: str) -> list[str]:
         "",
         f"{robot}_params_default(&nominal);",
         f"{robot}_prepare(&nominal, prepared);",
+    ]
+
+
+def _computed(unit: Unit, guarded: Guarded) -> list[str]:
+    """Tests of what was prepared: everything is a number, and what must not be negative is not."""
+    (writes,) = (p for p in guarded.step.parameters if p.writes)
+    places = {name: writes.within(place) for name, place in writes.writes.items()}
+    least = _number(0.0, unit.choice.scalar)
+    return [
+        f"({place} >= {least})" if name in guarded.needs else f"{unit.robot}_is_number({place})"
+        for name, place in places.items()
     ]
 
 

@@ -171,8 +171,8 @@ def moves_as_partners(robot: Robot, w: Wheel, twist: Row) -> bool:
 
 
 def move_alike(wheels: list[Wheel], twist: Row) -> bool:
-    """One velocity and one zero heading: each single solution is the common one."""
-    return len({(*pivot(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
+    """One velocity and one zero heading, turned the same way: each single solution is the common one."""
+    return len({(*pivot(w, twist), w.nominal.ch, w.nominal.sh, w.steer_sign) for w in wheels}) == 1
 
 
 def turned_apart(robot: Robot, twist: Row) -> list[list[str]]:

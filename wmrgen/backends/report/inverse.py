@@ -166,7 +166,7 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
     for joint, members in robot.couplings:
         wheels = [robot.wheel(n) for n in members]
         if joint == "spin":
-            ratios = robot.ratios(members)
+            ratios = robot.ratios(joint, members)
             share = "they share the least-squares rate Σ r·(r φ̇) / Σ r²"
             if ratios:
                 share = "each takes its part k of it times the least-squares rate Σ k r·(r φ̇) / Σ (k r)²"
@@ -180,10 +180,14 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
         elif move_alike(wheels, twist):
             same.append(listed(members))
         else:
+            ratios = robot.ratios(joint, members)
+            sums = "the sums over the wheels seen from the first of them"
+            if ratios:
+                against = [n for n, k in zip(members, ratios, strict=True) if k.sign < 0]
+                sums += f", w with the other sign for {listed(against)}, which turns by the opposite angle"
             blocks += [
-                f"{listed(members)} share one angle that need not suit all: the one that leaves least sliding "
-                "turns by half of atan2(Σ 2 u w, Σ (u² − w²)), the sums over the wheels seen from the first of "
-                "them."
+                f"{listed(members)} {minus(notation.steering(ratios))}, which need not suit all: the angle that leaves "
+                f"least sliding turns by half of atan2(Σ 2 u w, Σ (u² − w²)), {sums}."
             ]
     if same:
         blocks += [f"Pivots of wheels that share an angle ({'; '.join(same)}) move alike: ψ⁺ is the same."]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,12 +21,14 @@ from wmrgen.backends.report.markdown import (
     sentence,
     some,
 )
+from wmrgen.backends.report.motion import jackknives
 from wmrgen.backends.report.terms import width, wrapped
 from wmrgen.constraints import XI, symbolic_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row, dot, has_angles
 from wmrgen.functions.models.polynomials import whole
+from wmrgen.functions.models.state_space import forms
 from wmrgen.functions.motion.wheel_speeds import relations
 from wmrgen.kinematics.least_squares import project
 from wmrgen.layout.records import Robot, Wheel
@@ -91,35 +94,50 @@ def _remark(m: Mobility) -> list[str]:
     ]
 
 
-def _growth(d: Derivation) -> tuple[tuple[int, ...], str]:
-    """The growth vector, and what is said of trailers."""
+class _Counted(NamedTuple):
+    """A growth vector, what it counts, and where it holds."""
+
+    vector: tuple[int, ...]
+    states: str
+    where: str
+
+
+def _growth(d: Derivation) -> _Counted:
+    """Without steering, trailers or coupled castors the inputs are the same twists everywhere, and so is the vector."""
     own = d.mobility.growth_vector
     steered = "steering angles" if d.mobility.degree_of_steerability else ""
     included = f", {steered} included" if steered else ""
+    generic = has_angles(p for column in d.mobility.null_space for p in column)
+    where = ", at generic configurations," if generic else ""
     if not d.robot.trailers:
-        return own, included
-    from wmrgen.functions.models.growth import robot_growth
+        return _Counted(own, included, where)
+    from wmrgen.functions.models.exceptional import exceptional
+    from wmrgen.functions.models.growth import growing, growth
 
     try:
-        vector = robot_growth(d.robot, d.mobility, _PRODUCTS).vector
+        system = growing(d.robot, d.mobility)
+        found = growth(system, most=_PRODUCTS)
     except NotDerivableError:
-        return own, f"{included}, trailers left out"
-    return vector, f", {f'{steered} and ' if steered else ''}trailers included"
+        return _Counted(own, f"{included}, trailers left out", where)
+    states = f", {f'{steered} and ' if steered else ''}trailers included"
+    return _Counted(
+        found.vector, states, "" if exceptional(system, found) == () else ", at generic configurations,"
+    )
 
 
 def _verdicts(d: Derivation) -> list[str]:
     """What follows for the motions: how many at once, how many poses, and by how many brackets."""
     m = d.mobility
-    vector, states = _growth(d)
     if not m.ddof:
         return ["Without slip nothing moves: DDOF = DOF = 0."]
+    vector, states, where = _growth(d)
     rolling = "without slip, " if m.degenerate else ""
     velocities = ("one velocity", "two velocities", "three velocities")[m.ddof - 1]
     said = f"{rolling}{velocities} can be chosen at once".capitalize()
     return [
         f"{said} (DDOF = {m.ddof}), and poses of dimension {m.dof} can be reached "
         f"(DOF = {m.dof}). Holonomic means DDOF = DOF, omnidirectional DDOF = 3: the robot is {_called(m)}. "
-        f"The growth vector ({', '.join(map(str, vector))}) counts the dimensions that the inputs span, then "
+        f"The growth vector ({', '.join(map(str, vector))}) counts{where} the dimensions that the inputs span, then "
         f"those with their Lie brackets, one order at a time{states}: the degree of nonholonomy is {len(vector)}."
     ]
 
@@ -208,9 +226,11 @@ def skid(d: Derivation) -> list[str]:
         return []
     pivots = [w.pivot for w in d.driven.robot.wheels if w.kind.fixed_axle]
     x, y = ((min(p) + max(p)) / 2 for p in zip(*((z.real, z.imag) for z in pivots), strict=True))
+    steered = any(w.kind.steers for w in d.robot.wheels)
+    turning = "one does whose fixed wheels" if steered else "a differential drive does whose wheels"
     return [
-        "In a curve these wheels cannot all roll. On even ground the robot turns as a differential drive does whose "
-        "wheels stand the effective track apart, a measured length,",
+        f"In a curve these wheels cannot all roll. On even ground the robot turns as {turning} stand the effective "
+        "track apart on one axle, a measured length,",
         *math(" = ".join(dict.fromkeys(["T_e", latex(track.symbolic), plain(track.nominal)]))),
         f"That drive has DDOF = {d.driven.mobility.ddof} and DOF = {d.driven.mobility.dof}: it is not holonomic.",
         *_actuation(d.driven),
@@ -224,10 +244,7 @@ def singular(d: Derivation) -> list[str]:
     title = "## 9 Singular configurations" + (" and reachable twists" if "reach.svg" in d.figures else "")
     blocks = [title, *pictures(d.figures, "singular.svg", "reach.svg")]
     if not d.mobility.singularities:
-        none = (
-            "No configuration is singular: no rank drops and no angle is undefined, whatever the robot does."
-        )
-        return [*blocks, none]
+        return [*blocks, *_none(d)]
     pivots = [s for s in d.mobility.singularities if s.kind == "icr_on_pivot"]
     blocks += _pivots(d, pivots) if pivots else []
     for s in d.mobility.singularities:
@@ -236,7 +253,25 @@ def singular(d: Derivation) -> list[str]:
             said = capitalised(s.meaning)
             blocks += [said + (where if s.conditions else "")]
             blocks += _conditions(s.conditions, d.robot) if s.conditions else []
-    return blocks
+    return [*blocks, *jackknives(d)]
+
+
+def _none(d: Derivation) -> list[str]:
+    """What is said of a robot whose layout has no singular set, and of its forms of the model that have one."""
+    trailers = jackknives(d)
+    castors = has_angles(p for column in d.mobility.null_space for p in column)
+    if not trailers and not castors and not any(s.domain for s in forms(d.robot, d.mobility).values()):
+        return [
+            "No configuration is singular: no rank drops and no angle is undefined, whatever the robot does."
+        ]
+    layout = "Castors turn the directions in which the robot can move: ranks are those of generic angles of theirs."
+    if not castors:
+        layout = "No rank of the wheels' constraints drops and no steering angle is undefined, whatever the body does."
+    return (
+        [layout, *trailers]
+        if trailers
+        else [f"{layout} Section 8 says where forms of the model do not hold."]
+    )
 
 
 def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:

@@ -191,6 +191,7 @@ def regular(d: Derivation) -> list[str]:
     if space is None:
         return []
     systems = forms(d.robot, d.mobility)
+    trailers = systems.pop("trailer", None)
     sliding = [form for form in systems if rolls_alone(form, d.driven.mobility)]
     always = [form for form, system in systems.items() if form not in sliding and not system.domain]
     files = f"{code(f'{d.robot.name}_ode.casadi')}, {code('ode')} in {code(f'{d.robot.name}.py')}"
@@ -210,6 +211,8 @@ def regular(d: Derivation) -> list[str]:
     if sliding:
         does = "does" if len(sliding) == 1 else "do"
         intro += f" {listed(sliding)} {does} not hold where {where_it_slides(d.driven.mobility)}."
+    if trailers:
+        intro += f" {code('trailer')} has the headings of trailers as states, too; section 9 says where it is singular."
     commands = [p.name for p in space.inputs if p.name.endswith(".steer_command")]
     if commands:
         intro += f" Steering angles follow {listed(commands)} at first order (`lag`)."
@@ -232,6 +235,16 @@ def regular(d: Derivation) -> list[str]:
         intro,
         *(block for form, system in systems.items() for block in _exceptions(form, system, shared)),
     ]
+
+
+def jackknives(d: Derivation) -> list[str]:
+    """Where the form with trailers is singular and the others are not."""
+    systems = forms(d.robot, d.mobility)
+    if "trailer" not in systems:
+        return []
+    body = {domain.text for domain in systems["posture"].domain}
+    own = tuple(domain for domain in systems["trailer"].domain if domain.text not in body)
+    return _exceptions("trailer", systems["trailer"]._replace(domain=own), 0)
 
 
 def _exceptions(form: str, system: System, shared: int) -> list[str]:

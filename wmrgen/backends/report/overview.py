@@ -33,6 +33,10 @@ _SKIDDING = (
     " In a curve its wheels skid, and it turns as a differential drive of its effective track does: with two degrees "
     "of freedom."
 )
+_BESIDE_STEERED = (
+    " In a curve its fixed wheels skid. The robot moves as one whose fixed wheels are on one axle, the effective track "
+    "apart, type ({m}, {s})."
+)
 _LENGTHS = ("d", "l", "r")  # of wheels, in the notation of the book
 _NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".split()
 
@@ -59,7 +63,17 @@ def kind_of_robot(d: Derivation) -> str:
         f"This robot has {notation.listed([_count(n, noun) for noun, n in wheels.items()])}. It is {kind} "
         f"({m.degree_of_mobility}, {m.degree_of_steerability}): {when} it "
         f"{moves if m.degree_of_mobility else 'cannot move'}."
-    ) + (_SKIDDING if robot.effective_track else "")
+    ) + _skidding(d)
+
+
+def _skidding(d: Derivation) -> str:
+    """How a robot with an effective track moves in a curve."""
+    if not d.robot.effective_track:
+        return ""
+    if not any(w.kind.steers for w in d.robot.wheels):
+        return _SKIDDING
+    m = d.driven.mobility
+    return _BESIDE_STEERED.format(m=m.degree_of_mobility, s=m.degree_of_steerability)
 
 
 def _word(n: int) -> str:
@@ -92,9 +106,9 @@ def layout(d: Derivation) -> list[str]:
         couplings = (
             f"{listed(names)} "
             + (
-                minus(notation.turning(robot.ratios(names)))
-                if joint == "spin"
-                else "share one steering angle"
+                minus(
+                    (notation.turning if joint == "spin" else notation.steering)(robot.ratios(joint, names))
+                )
             )
             for joint, names in robot.couplings
         )

@@ -130,13 +130,15 @@ def _rates(robot: Robot) -> list[tuple[Port, Interval | None]]:
 class _Unit(NamedTuple):
     """Wheels that one motor steers.
 
-    ``seen``: per wheel the velocity (u, v) of its pivot along and across it. ``moves``: the sum of
+    ``seen``: per wheel the velocity (u, v) of its pivot along and across it, v mirrored where ``signs`` has -1, for a
+    wheel that turns against the first. ``moves``: the sum of
     the squared speeds of the pivots. ``angles``: the joint angle that rolls each of `WAYS`, on the full turn that
     leaves less of it outside ``limits``.
     """
 
     lead: Wheel
     seen: dict[int, tuple[Expr, Expr]]
+    signs: dict[int, int]
     moves: Expr
     angles: dict[str, Expr]
     limits: Interval | None
@@ -184,7 +186,7 @@ def _unit(robot: Robot, members: list[Wheel], twist: Row, names: Locals) -> _Uni
         angles[way] = names.define(f"{lead.name}_{way}", add(now, select(rim, _ZERO, low, high)))
         if limits is not None:
             angles[way] = _wrapped(angles[way], limits, names, f"{lead.name}_{way}")
-    return _Unit(lead, seen, moves, angles, limits)
+    return _Unit(lead, seen, {w.index: w.steer_sign for w in members}, moves, angles, limits)
 
 
 def _common(
@@ -243,10 +245,10 @@ def _targets(unit: _Unit, direction: Expr, names: Locals) -> dict[int, Target]:
     if unit.limits is None and len(set(unit.seen.values())) == 1:
         speed = names.define(f"{unit.lead.name}_speed", root(unit.moves))
         rim = select(direction, _ZERO, times(-1, speed), speed)
-        return dict.fromkeys(unit.seen, Target(wanted, rim))
+        return {i: Target(times(unit.signs[i], wanted), rim) for i in unit.seen}
     if unit.limits is not None:
         wanted = kept_between(number(unit.limits.low), wanted, number(unit.limits.high))
     key = unit.lead.name
     steer = names.define(f"{key}_target", wanted)
     turn = names.define(f"{key}_turn", subtract(steer, signal(f"{key}.steer")))
-    return {i: turned(steer, turn, u, v) for i, (u, v) in unit.seen.items()}
+    return {i: turned(steer, turn, u, v, unit.signs[i]) for i, (u, v) in unit.seen.items()}

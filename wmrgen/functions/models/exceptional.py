@@ -43,7 +43,7 @@ def exceptional(system: System, growth: Growth) -> tuple[Exceptional, ...] | Non
     None where no minor short enough is known: the vector is that of generic configurations.
     """
     values = {p.name: Poly.of(p.default) for p in system.geometry if p.default is not None}
-    best: tuple[Exceptional, ...] | None = None
+    best: tuple[Poly, ...] | None = None
     for minor in _minors([_in_robot_frame(b.polys) for b in growth.brackets]):
         sets = _zeros(minor, values)
         if best is None or len(sets) < len(best):

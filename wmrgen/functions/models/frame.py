@@ -22,6 +22,7 @@ from wmrgen.constraints import (
 )
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import sqrt_poly
+from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, at_angle, dot, each
 from wmrgen.functions.models.polynomials import angles_in, by_steering, clean, cleaned
 from wmrgen.functions.registry import underivable
@@ -138,8 +139,14 @@ def in_coordinates(frame: Frame, wheel: Wheel, row: Row) -> Row:
     lead = frame.leader(wheel)
     if lead is None or lead.name == wheel.name:
         return row
-    c, s = steer_gens(lead)
+    c, s = _led_by(lead, wheel)
     return each(row, lambda p: at_angle(p, c, s))
+
+
+def _led_by(lead: Wheel, wheel: Wheel) -> tuple[Poly, Poly]:
+    """(cos, sin) of the steering angle of a wheel that turns with ``lead`` or against it."""
+    c, s = steer_gens(lead)
+    return c, s.scale(Exact(wheel.steer_sign))
 
 
 def has_coordinate(frame: Frame, wheel: Wheel) -> bool:
@@ -163,7 +170,7 @@ def steering_rates(frame: Frame, wheel: Wheel) -> dict[str, Poly]:
     """The wheel's steering rate per unit rate of each coordinate."""
     lead = frame.leader(wheel)
     if lead is not None:
-        return {lead.name: ONE}
+        return {lead.name: ONE.scale(Exact(wheel.steer_sign))}
     a, b = _followed(frame, wheel)
     squared = a * a + b * b
     rates = {
@@ -182,7 +189,7 @@ def steering_direction(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
     """(cos, sin) of the wheel's steering angle, times a positive factor."""
     lead = frame.leader(wheel)
     if lead is not None:
-        return steer_gens(lead)
+        return _led_by(lead, wheel)
     a, b = _followed(frame, wheel)
     g, sign = frame.view(wheel), _rolling_sign(frame, wheel, (a, b))
     return (a * g.ch + b * g.sh).scale(sign), (b * g.ch - a * g.sh).scale(sign)

@@ -95,7 +95,20 @@ class Motion(NamedTuple):
             drives = in_code(p.name for p in self.inputs if p.name not in rates)
             text = f"G is unbounded: {drives} no longer determine{'s' * one} the motion"
         columns = self.frame.columns
-        return (*domain_of(condition, text, self.robot), *meeting(self.robot, self.frame.view, columns))
+        own = domain_of(condition, text, self.robot)
+        lost = () if one else self.lost
+        return (*own, *lost, *meeting(self.robot, self.frame.view, columns))
+
+    @property
+    def lost(self) -> tuple[Domain, ...]:
+        """Where coupled castors stand so that a column of the null space vanishes, and with it an input."""
+        castors = {w.name for w in self.robot.wheels if w.kind.swivels}
+        column = next((c for c in self.frame.columns if castors & angles_in(c)), None)
+        if column is None:
+            return ()
+        turning = in_code(sorted(castors & angles_in(column)))
+        text = f"the angles of {turning} let a column of the null space vanish, though the robot can move"
+        return domain_of(Poly.sum(p * p for p in column), text, self.robot)
 
 
 def posture_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Motion:

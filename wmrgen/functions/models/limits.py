@@ -12,6 +12,7 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.constraints import driving_row, steer_gens, working_view
+from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, at_angle, dot, each, triple
 from wmrgen.functions.models.frame import Frame, frame, steering_direction, steering_rates
 from wmrgen.functions.models.polynomials import NEGLIGIBLE
@@ -169,7 +170,7 @@ class _Terms:
 
     def _steer_rate(self, w: Wheel) -> Expr | None:
         if self._is_state(w):
-            return self.rates[f"{self._lead(w).name}.steer"]
+            return times(w.steer_sign, self.rates[f"{self._lead(w).name}.steer"])
         if not w.kind.steers:
             return None
         shares = steering_rates(self.frame, w)
@@ -192,7 +193,8 @@ class _Terms:
     def _turned(self, w: Wheel) -> tuple[Poly, Poly] | None:
         """Cosine and sine of a steering angle; None of a castor whose angle is no state."""
         if self._is_state(w):
-            return steer_gens(self._lead(w))
+            c, s = steer_gens(self._lead(w))
+            return c, s.scale(Exact(w.steer_sign))
         if not w.kind.steers:
             return None
         along, across = map(expression, steering_direction(self.frame, w))

@@ -105,7 +105,7 @@ def eta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Syst
     lines = (s.wheels for s in mobility.singularities if s.kind == "shared_axle")
     shared = (_one_line(robot, a, b, symbolic) for a, b in lines)
     meet = meeting(robot, motion.frame.view, motion.frame.columns)
-    return system_of("dynamics", motion)._replace(domain=(*shared, *meet))
+    return system_of("dynamics", motion)._replace(domain=(*shared, *motion.lost, *meet))
 
 
 def _one_line(robot: Robot, first: str, second: str, symbolic: bool) -> Domain:

@@ -136,9 +136,12 @@ def lines(sheet: Sheet) -> list[str]:
 
 def singular_sets(system: System) -> tuple[str, ...]:
     """Where a model does not hold, a condition each, and why."""
-    domain = (Domain(tidy(d.expression), d.text) for d in system.domain)
-    ports = (*system.state, *system.inputs, *system.geometry)
-    return tuple(_sets(domain, Reader(Text(ports).doprint)))
+    return conditions(sheet_of(system.name, system))
+
+
+def conditions(sheet: Sheet) -> tuple[str, ...]:
+    """The same of a model that is written down."""
+    return tuple(_sets(sheet.domain, Reader(Text(sheet.ports).doprint)))
 
 
 def _sets(domain: Iterable[Domain], printer: Writer) -> list[str]:

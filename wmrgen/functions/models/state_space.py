@@ -135,9 +135,9 @@ def default_state_space(robot: Robot, mobility: Mobility) -> StateSpace | None:
 
 
 def forms(robot: Robot, mobility: Mobility) -> dict[str, System]:
-    """The forms of the model that a robot has, parameters as symbols."""
+    """The forms of the model that a robot has, parameters as symbols; the one with trailers if there are some."""
     systems = {}
-    for form in ("posture", "twist", "eta"):
+    for form in ("posture", "twist", "eta", *(["trailer"] if robot.trailers else [])):
         try:
             systems[form] = system_builder(form)(*driving(robot, mobility), True)
         except NotDerivableError:
@@ -151,7 +151,7 @@ def rolls_alone(form: str, mobility: Mobility) -> bool:
 
 
 def regularity(robot: Robot, mobility: Mobility) -> dict[str, tuple[str, ...]]:
-    """Forms of the model that a robot has, and where they do not hold: nothing of one that does in every motion."""
+    """Forms of the model that a robot has, and where they are singular: nothing of one that holds in every motion."""
     acting = driving(robot, mobility)[1]
     return {
         form: singular_sets(system) + ((where_it_slides(acting),) if rolls_alone(form, acting) else ())

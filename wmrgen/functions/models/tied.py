@@ -7,7 +7,6 @@ those of a synchro drive, go straight in every motion.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import sympy
@@ -20,14 +19,10 @@ from wmrgen.layout.records import Robot, Wheel
 from wmrgen.layout.skid import parallel
 from wmrgen.mobility.admissible import along
 from wmrgen.mobility.analyse import towards
+from wmrgen.mobility.basis import led
 from wmrgen.mobility.ranks import numeric_rank
 from wmrgen.notation import in_code
 from wmrgen.symbolic import add, expression, signal, square
-
-
-def led(robot: Robot, w: Wheel) -> Wheel:
-    """A steered wheel under the name of the one whose angle is its own."""
-    return replace(w, name=robot.wheels[robot.steer_group[w.index]].name)
 
 
 def tied(robot: Robot) -> list[list[Wheel]]:
@@ -35,7 +30,8 @@ def tied(robot: Robot) -> list[list[Wheel]]:
     sets: list[list[Wheel]] = []
     for w in (w for w in robot.wheels if w.kind.steers):
         for members in sets:
-            alike = parallel([members[0].zero_heading, w.zero_heading])
+            same = members[0].steer_sign == w.steer_sign
+            alike = same and parallel([members[0].zero_heading, w.zero_heading])
             if alike and robot.steer_group[w.index] == robot.steer_group[members[0].index]:
                 if all(abs(w.pivot - other.pivot) > NEGLIGIBLE for other in members):
                     members.append(w)
@@ -66,7 +62,7 @@ def meeting(robot: Robot, view: View, columns: Sequence[Row] | None = None) -> t
     if not sets or only_straight(robot):
         return ()
     who, omega = f"{in_code(w.name for m in sets for w in m)}, which turn together", signal("omega")
-    gap = towards(led(robot, sets[0][0]), sets[0][1], view)  # 0 where the axles of the first set are one line
+    gap = led(robot, towards(sets[0][0], sets[0][1], view))  # 0 where the axles of the first set are one line
     if columns is None:
         if len(sets) > 1:
             lines = len(sets) + any(w.kind.fixed_axle for w in robot.wheels)

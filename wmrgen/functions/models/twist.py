@@ -12,12 +12,13 @@ import sympy
 
 from wmrgen.constraints import View, sliding_row, symbolic_view, working_view
 from wmrgen.functions.models.posture import in_world
-from wmrgen.functions.models.tied import led, meeting, only_straight, tied
+from wmrgen.functions.models.tied import meeting, only_straight, tied
 from wmrgen.functions.registry import system, underivable
 from wmrgen.functions.system import System
 from wmrgen.kinematics.records import Formula, Locals, joint_port, parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.layout.skid import no_track, parallel
+from wmrgen.mobility.basis import led
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import POSE, TWIST, Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, over, signal, square, times
@@ -54,7 +55,7 @@ def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
     system, (inputs, columns) = twist_system(robot, mobility), _free(robot, mobility, working_view)
     outputs = []
     for w in (w for members in sets for w in members[: 1 if straight else 2]):
-        row = [expression(p) for p in sliding_row(led(robot, w), working_view(w)).row]
+        row = [expression(led(robot, p)) for p in sliding_row(w, working_view(w)).row]
         terms = (
             times(add(*map(times, row, column)), signal(port.name))
             for port, column in zip(inputs, columns, strict=True)

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.constraints import heading, rolling_row, working_view
+from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row, dot, each, triple
 from wmrgen.functions.registry import function
 from wmrgen.functions.space.wheel_motion import rolling_direction_at
@@ -159,20 +160,23 @@ def steered_turns(
     for members in robot.together("steer", (w for w in robot.wheels if w.kind.steers)):
         lead = members[0]
         seen = [tuple(speeds_at(w, row, (w.working.ch, w.working.sh)) for row in motion) for w in members]
-        pairs = [_jets(velocities) for velocities in seen]
-        alike = all(velocities == seen[0] for velocities in seen)
+        pairs = [_jets(velocities, w.steer_sign) for w, velocities in zip(members, seen, strict=True)]
+        alike = all(
+            v == seen[0] and w.steer_sign == lead.steer_sign for w, v in zip(members, seen, strict=True)
+        )
         x, y = pairs[0] if alike else _doubled(pairs)
         turn = _angle_rates(x, y, lead.name, names, sympy.S.One if alike else sympy.S.Half)
         limits = robot.limit(lead, "steer")
         if limits is not None:
             turn = _held(names, lead, commands[f"{lead.name}.steer"], limits, turn)
-        result |= {w.index: turn for w in members}
+        result |= {w.index: Turn(*(times(w.steer_sign, rate) for rate in turn)) for w in members}
     return result
 
 
-def _jets(velocities: tuple[Velocity, ...]) -> tuple[Jet, Jet]:
+def _jets(velocities: tuple[Velocity, ...], sign: int) -> tuple[Jet, Jet]:
+    """Of a wheel that turns against the first of its set (``sign`` -1) the mirror image."""
     along, across = zip(*velocities, strict=True)
-    return triple(map(expression, along)), triple(map(expression, across))
+    return triple(map(expression, along)), triple(expression(v.scale(Exact(sign))) for v in across)
 
 
 def _doubled(pairs: list[tuple[Jet, Jet]]) -> tuple[Jet, Jet]:

@@ -31,7 +31,9 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, fixed_axle, leading_axle
 from wmrgen.functions.models.inputs import Motion, best_motion
+from wmrgen.functions.models.polynomials import whole, without_lengths
 from wmrgen.functions.models.posture import posture_rates, system_of
+from wmrgen.functions.models.vector_fields import to_poly
 from wmrgen.functions.registry import function, system, underivable
 from wmrgen.functions.system import Domain, System, rate_port
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
@@ -180,10 +182,16 @@ def _jackknives(motion: Motion, on_fixed_axle: bool, convoys: list[list[Towed]])
                 if chain[i].speed is not sympy.S.Zero
             ]
             alone = len(speeds) == 1
-            condition = add(*(v if alone else times(v, signal(u.name)) for v, u in speeds))
+            condition = _cleared(add(*(v if alone else times(v, signal(u.name)) for v, u in speeds)))
             why = "its axle stands still and turns on the spot while it is pulled; beyond, it is pushed backwards"
         domains.append(Domain(condition, f"`{t.name}` is jack-knifed: {why}"))
     return domains
+
+
+def _cleared(condition: Expr) -> Expr:
+    """What is zero where ``condition`` is, without denominators and common lengths."""
+    (cleared,) = whole([without_lengths(to_poly(condition))])
+    return expression(cleared)
 
 
 @function("Tzafestas 2.3.6, (2.70) corrected; off the axle it is ours")

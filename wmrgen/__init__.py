@@ -3,38 +3,61 @@
 >>> import wmrgen
 >>> derivation = wmrgen.derive(wmrgen.load("robots/pioneer3dx.yaml"))
 
-Importing the package loads neither sympy nor casadi nor numpy: `load` and `derive` do, when called.
+Importing the package, and ``dir`` of it, load neither sympy nor casadi nor numpy: `load` and `derive` do, when called.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from os import PathLike
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from wmrgen.errors import NotDerivableError as NotDerivableError
+    from wmrgen.errors import RobotFileError as RobotFileError
     from wmrgen.layout.records import Robot
     from wmrgen.robot import Derivation
     from wmrgen.spec.records import RobotSpec
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "derive", "load"]
+_CLASSES = {  # public name -> module
+    "Derivation": "wmrgen.robot",
+    "NotDerivableError": "wmrgen.errors",
+    "Robot": "wmrgen.layout.records",
+    "RobotFileError": "wmrgen.errors",
+}
+__all__ = ["Derivation", "NotDerivableError", "Robot", "RobotFileError", "__version__", "derive", "load"]
 
 
-def load(path: str | PathLike[str]) -> Robot:
-    """The robot that a file describes. RobotFileError, with the place, where the file cannot be accepted."""
-    return read(path)[1]
+def load(source: str | PathLike[str] | Mapping[str, object]) -> Robot:
+    """Return the robot that a robot file, its text or a mapping describes.
+
+    Args:
+        source: The path of a robot file; or its text, a string with a line break; or a mapping with the keys of a robot
+            file, whose values are numbers or texts as in a file (``0.165``, ``"150 mm"``, ``"pi/2"``).
+
+    Raises:
+        RobotFileError: The robot cannot be accepted. The error names the place: file, line and column, or the path of
+            keys in a mapping, ``wheels[0].r``.
+    """
+    return read(source)[1]
 
 
-def read(path: str | PathLike[str]) -> tuple[RobotSpec, Robot]:
-    """What a file says, each value with its place, and the robot that it describes. RobotFileError as `load`."""
+def read(source: str | PathLike[str] | Mapping[str, object]) -> tuple[RobotSpec, Robot]:
+    """Return what a source of `load` says, each value with its place, and the robot that it describes."""
     from wmrgen.errors import Several
-    from wmrgen.spec.load import read_robot
+    from wmrgen.spec.load import read_mapping, read_robot, read_text
 
     several = Several()
-    spec = read_robot(os.fspath(path), several)
+    if isinstance(source, Mapping):
+        spec = read_mapping(source, several)
+    elif isinstance(source, str) and "\n" in source:
+        spec = read_text(source, "robot.yaml", several)
+    else:
+        spec = read_robot(os.fspath(source), several)
     with several:
         robot = robot_of(spec)
     several.end()
@@ -57,10 +80,30 @@ def robot_of(spec: RobotSpec) -> Robot:
 
 
 def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:
-    """Everything that follows from the robot's layout. NotDerivableError where nothing does.
+    """Return the derivation of a robot, whose parts are computed when they are first asked for.
 
-    ``functions``: only those, instead of the ones that are generated for the robot.
+    Args:
+        robot: From `load`.
+        functions: Names of the only functions that code is made of, instead of those of the robot file.
+
+    Raises:
+        NotDerivableError: When a part is asked for that the robot cannot have.
     """
     from wmrgen.robot import Derivation
 
     return Derivation(robot, functions)
+
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name):
+        """Import a public class when it is first used."""
+        if name not in _CLASSES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from importlib import import_module
+
+        return getattr(import_module(_CLASSES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

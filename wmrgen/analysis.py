@@ -107,6 +107,11 @@ class Analysis:
         return _of_twist(self.constraints.sliding_steered)
 
     @property
+    def C1(self) -> sympy.Matrix:
+        """Sliding rows of all wheels that constrain the robot: C1f above C1s (Siegwart (3.26))."""
+        return sympy.Matrix.vstack(self.C1f, self.C1s)
+
+    @property
     def pfaffian(self) -> sympy.Matrix:
         """A with A (vx, vy, omega, joint rates) = 0; joints in the order of `pfaffian_rates`.
 

@@ -14,15 +14,17 @@ MOST = 20  # errors that a message shows
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A place in a robot file: 1-based line and column, and the text of that line."""
+    """A place in a robot file: 1-based line and column, and the text of that line. ``path``: the keys that lead to a
+    place in a robot that is no file, ``wheels[0].r``; its lines count its values."""
 
     file: str
     line: int
     column: int
     text: str
+    path: str = ""
 
     def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}"
+        return self.path or f"{self.file}:{self.line}:{self.column}"
 
 
 def message(level: str, code: str, what: str, mark: Mark | None, remarks: Iterable[str]) -> str:

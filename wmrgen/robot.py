@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wmrgen.analysis import Analysis
-from wmrgen.backends.registry import BACKENDS, VectorForm
+from wmrgen.backends.registry import BACKENDS, CasadiFunction, CasadiSymbol, VectorForm
 from wmrgen.bounds.assumptions import library
 from wmrgen.bounds.robot import Bounds, bounds
 from wmrgen.constraints import nominal_view, seen
@@ -41,9 +41,11 @@ from wmrgen.program import (
     vector_forms,
     with_calls,
 )  # fmt: skip
-from wmrgen.symbolic import Expr, expression, number, parameter, times
+from wmrgen.symbolic import Expr, expression, number, parameter, signal, times
 
 if TYPE_CHECKING:
+    from types import SimpleNamespace
+
     from wmrgen.functions.models.state_space import StateSpace
     from wmrgen.functions.system import System
 
@@ -116,7 +118,9 @@ class Derivation(Analysis):
         """
         return system_builder(name)(*driving(self.robot, self.mobility), symbolic)
 
-    def state_space(self, form: str | None = None, discrete: str | None = None, dt: Any = None) -> Any:
+    def state_space(
+        self, form: str | None = None, discrete: str | None = None, dt: float | CasadiSymbol | None = None
+    ) -> CasadiFunction:
         """Return a model of motion as a casadi.Function of vectors; p is nominal if a call leaves it out.
 
         Args:
@@ -141,24 +145,24 @@ class Derivation(Analysis):
             raise UsageError(f"dt is {dt}, and there is no step to take. Write discrete='rk4' too.")
         return BACKENDS["casadi"].offers("step")(model, lower(self.formula("odometry")), discrete, dt)
 
-    def rolling(self) -> Any:
+    def rolling(self) -> CasadiFunction | None:
         """casadi.Function (x, u, p) -> g [m/s] of the model in twist inputs, 0 where no steered wheel slides; None
         without steered wheels."""
         return self._of_vectors("rolling", "twist")
 
-    def entries(self, form: str | None = None) -> dict[str, Any]:
+    def entries(self, form: str | None = None) -> dict[str, object]:
         """Of x, u and p of `state_space` and what `rolling` and `limits` give: names, units, bounds, nominal values; of
         the default form what model.json says under ``state_space``."""
         from wmrgen.functions.models.state_space import data, state_space
 
         return data(state_space(self.robot, self.mobility, form))
 
-    def limits(self, form: str | None = None) -> Any:
+    def limits(self, form: str | None = None) -> CasadiFunction | None:
         """casadi.Function (x, u, p) -> h of a form of the model, see `state_space`: what the robot file limits and is
         neither in x nor in u; ``limits`` of `entries` has their bounds. None where there is nothing."""
         return self._of_vectors("limits", form)
 
-    def _of_vectors(self, name: str, form: str | None) -> Any:
+    def _of_vectors(self, name: str, form: str | None) -> CasadiFunction | None:
         """The `vector_form` called ``name`` of a form of the model, as a casadi.Function."""
         from wmrgen.functions.models.state_space import state_space
 
@@ -205,8 +209,8 @@ class Derivation(Analysis):
         Where the geometry allows it, each component of the twist is one product in lowest terms.
         """
         outputs = self.formula_in_symbols("forward").closed()
-        for name, product in zip(TWIST_NAMES, self.twist_in_symbols or (), strict=False):
-            outputs[name] = times(expression(product.factor), expression(product.rest))
+        for k, product in enumerate(self.twist_in_symbols or ()):
+            outputs[TWIST_NAMES[k]] = times(expression(product.factor), expression(product.rest))
         return outputs
 
     @cached_property
@@ -223,6 +227,14 @@ class Derivation(Analysis):
     def dynamics(self) -> dict[str, Expr]:
         """Output name -> expression: rates of the posture model. Named parameters are symbols, see `nominal`."""
         return self.formula_in_symbols("dynamics").closed()
+
+    @property
+    def symbols(self) -> dict[str, Expr]:
+        """Contract name of each input of the functions, and name of each parameter -> its symbol in expressions."""
+        inputs = {
+            p.name: signal(p.name) for f in self.program.formulas for p in f.inputs if p.default is None
+        }
+        return {p.name: parameter(p.name) for p in self.robot.parameters} | inputs
 
     @property
     def nominal(self) -> dict[Expr, Expr]:
@@ -273,24 +285,45 @@ class Derivation(Analysis):
 
     # What backends make of them.
 
-    def model(self) -> dict[str, Any]:
+    def model(self) -> dict[str, object]:
         """The content of model.json."""
         space = self.default_state_space
         return model(self.robot, self.mobility, self.raw_module, self.c_in_operations, self.bounds, space)
 
-    def casadi(self) -> dict[str, Any]:
-        """Function name -> casadi.Function."""
-        functions: dict[str, Any] = BACKENDS["casadi"].offers("functions")(self.module)
+    def casadi(self) -> dict[str, CasadiFunction]:
+        """Function name -> casadi.Function, with inputs and outputs by contract name."""
+        functions: dict[str, CasadiFunction] = BACKENDS["casadi"].offers("functions")(self.module)
         return functions
 
-    def numpy(self) -> Any:
+    def numpy(self) -> SimpleNamespace:
         """The functions, vectorised over NumPy arrays, and the state space over their last axis."""
-        return BACKENDS["numpy"].offers("functions")(self.module, self.vector_forms)
+        functions: SimpleNamespace = BACKENDS["numpy"].offers("functions")(self.module, self.vector_forms)
+        return functions
+
+    def __repr__(self) -> str:
+        """``<Derivation pioneer3dx: type (2, 0), 3 wheels>``"""
+        wheels = self.robot.wheels
+        try:
+            kind = f"type {self.mobility.robot_type}" if self.mobility.robot_type else "degenerate"
+        except NotDerivableError:
+            kind = "not derivable"
+        return f"<Derivation {self.robot.name}: {kind}, {len(wheels)} wheel{'s' * (len(wheels) != 1)}>"
 
     def _repr_latex_(self) -> str:
+        """J1, C1, N and the degrees, for notebooks."""
         from wmrgen.printing import Latex
 
-        return f"$$C_1 N = 0,\\quad N = {Latex().doprint(self.null_space)}$$"
+        m, printed = self.mobility, Latex()
+        matrices = (("J_1", self.J1), ("C_1", self.C1), ("N", self.null_space))
+        lines = [f"{name} &= {printed.doprint(value)}" for name, value in matrices if value.rows * value.cols]
+        degrees = zip(
+            "msM", (m.degree_of_mobility, m.degree_of_steerability, m.degree_of_maneuverability), strict=True
+        )
+        lines.append(
+            r",\quad ".join(rf"\delta_{letter} {'&' * (letter == 'm')}= {n}" for letter, n in degrees)
+        )
+        body = " \\\\\n".join(lines)
+        return f"$$\\begin{{aligned}}\n{body}\n\\end{{aligned}}$$"
 
     @cached_property
     def figures(self) -> dict[str, tuple[str, str]]:

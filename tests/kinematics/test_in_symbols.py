@@ -12,7 +12,7 @@ import sympy
 from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
-from wmrgen.exact.readable import with_sums_of_angles, with_tangents
+from wmrgen.exact.readable import with_sines_squared, with_sums_of_angles, with_tangents
 from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.nodes import Function
 from wmrgen.lower import lower
@@ -203,6 +203,8 @@ def test_angles_are_rewritten_without_a_change_of_value(seed: int) -> None:
     p = Poly.sum(terms)
     assert value(with_tangents(p), at) == pytest.approx(value(p, at), rel=1e-9, abs=1e-9)
     assert value(with_sums_of_angles(p), at) == pytest.approx(value(p, at), rel=1e-9, abs=1e-9)
+    squared = p - p * cosine(B) * cosine(B)
+    assert value(with_sines_squared(squared), at) == pytest.approx(value(squared, at), rel=1e-9, abs=1e-9)
     assert value(with_tangents(p * sine(A).inverse()), at) == pytest.approx(
         value(p, at) / sin_a, rel=1e-9, abs=1e-9
     )
@@ -220,6 +222,10 @@ def test_angles_are_rewritten_without_a_change_of_value(seed: int) -> None:
 )
 def test_sums_of_angles(p: Poly, text: str) -> None:
     assert str(expression(with_sums_of_angles(p))) == text
+
+
+def test_one_less_a_cosine_squared() -> None:
+    assert str(expression(with_sines_squared(C - C * cosine(A) * cosine(A) + B))) == "b + c*sin(a)**2"
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias, cast
 
 from wmrgen.backends.words import C_LIBRARY, CASADI, JAVASCRIPT, PYTHON, RUST, C, Reserved
 from wmrgen.errors import UsageError
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 
 # A function, and its inputs by contract name; a tunable may be left out.
+CasadiFunction: TypeAlias = Any  # casadi.Function; casadi ships no types
+CasadiSymbol: TypeAlias = Any  # casadi.SX or casadi.MX
 Request = tuple[str, Mapping[str, float]]
 
 

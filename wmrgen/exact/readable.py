@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import gcd, lcm
 
 from wmrgen.exact.lowest import Product
-from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Gen, Monomial, Poly
 
 _OTHER = {"cosf": "sinf", "sinf": "cosf"}
@@ -17,7 +17,7 @@ _OTHER = {"cosf": "sinf", "sinf": "cosf"}
 
 def readable(product: Product) -> Product:
     """The same product with sines of sums, tangents, and sums without fractions or common numbers."""
-    factor, rest = (with_sums_of_angles(part) for part in product)
+    factor, rest = (with_sines_squared(with_sums_of_angles(part)) for part in product)
     size = _content(rest)
     factor = factor.scale(size).substitute(_whole_divisor)
     return Product(with_tangents(factor), rest.scale(size.inverse()))
@@ -63,18 +63,19 @@ def _with_tangent(monomial: Monomial) -> Poly:
         cosine = Gen("cosf", "", g.args)
         power = powers[g]
         if powers.get(cosine, 0) * power < 0 and abs(power) == 1:
-            rest = {h: e for h, e in powers.items() if h is not g}
-            rest[cosine] += power
-            kept = tuple(sorted(((h, e) for h, e in rest.items() if e), key=lambda item: item[0].key))
+            others = {h: e for h, e in powers.items() if h is not g} | {cosine: powers[cosine] + power}
             tangent = Poly({((Gen("tan", "", g.args), power),): ONE})
-            return with_tangents(Poly({kept: ONE})) * tangent
+            return with_tangents(Poly({_monomial(others): ONE})) * tangent
     return Poly({monomial: ONE})
 
 
 def _without(powers: dict[Gen, int], inv: Gen, cosine: Gen) -> Monomial:
     """The monomial without ``inv`` and with one ``cosine`` less."""
-    rest = {g: e for g, e in powers.items() if g is not inv} | {cosine: powers[cosine] - 1}
-    return tuple(sorted(((g, e) for g, e in rest.items() if e), key=lambda item: item[0].key))
+    return _monomial({g: e for g, e in powers.items() if g is not inv} | {cosine: powers[cosine] - 1})
+
+
+def _monomial(powers: dict[Gen, int]) -> Monomial:
+    return tuple(sorted(((g, e) for g, e in powers.items() if e), key=lambda item: item[0].key))
 
 
 def _over_cosine(p: Poly, cosine: Gen) -> Poly | None:
@@ -105,6 +106,20 @@ def with_sums_of_angles(p: Poly) -> Poly:
         else:
             done.append(Poly({monomial: coefficient}))
     return Poly.sum(done)
+
+
+def with_sines_squared(p: Poly) -> Poly:
+    """``p`` with 1 - cos**2 as sin**2."""
+    rest, done = dict(p.terms), dict[Monomial, Exact]()
+    for monomial, coefficient in p.ordered:
+        for g in [g for g, e in monomial if g.kind == "cosf" and e == 2]:
+            plain = tuple(power for power in monomial if power[0] is not g)
+            if rest.get(plain) == -coefficient and monomial in rest:
+                del rest[plain], rest[monomial]
+                sine, powers = Gen("sinf", "", g.args), dict(plain)
+                squared = _monomial(powers | {sine: powers.get(sine, 0) + 2})
+                done[squared] = done.get(squared, ZERO) - coefficient
+    return Poly({**rest, **done})
 
 
 def _joined(first: Monomial, second: Monomial, alike: bool) -> Poly | None:

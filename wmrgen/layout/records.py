@@ -6,6 +6,7 @@ frame: x forward, y left, origin P. SI units, radians.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
@@ -232,7 +233,7 @@ class Point(NamedTuple):
     z: Length
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Robot:
     """A layout, ready for derivation.
 
@@ -273,6 +274,11 @@ class Robot:
     def bodies(self) -> tuple[Wheel, ...]:
         """The wheels, of the driven directions of a ball the first."""
         return tuple({w.ball or w.name: w for w in reversed(self.wheels)}.values())[::-1]
+
+    def __repr__(self) -> str:
+        """``<Robot pioneer3dx: 2 fixed, 1 castor>``"""
+        types = Counter(w.type for w in self.wheels)
+        return f"<Robot {self.name}: {', '.join(f'{n} {name}' for name, n in types.items())}>"
 
     @property
     def tunable(self) -> tuple[Parameter, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from wmrgen.spec.expressions import UndeclaredParameter
 from wmrgen.spec.fields import Text, Version
 from wmrgen.spec.joints import read_of_joints
 from wmrgen.spec.keys import ROBOT
+from wmrgen.spec.mapping import tree_of
 from wmrgen.spec.names import Names, robot_name
 from wmrgen.spec.numbers import Scope
 from wmrgen.spec.parts import Reading, read_gains, read_parameters, read_point, read_trailers, read_virtual
@@ -62,6 +63,16 @@ def read_text(text: str, file_name: str, several: Several | None = None) -> Robo
         wrong.end()
         mark, example = Source.of(text, file_name).mark(0, 0), f"A robot file begins {ROBOT.example}."
         raise RobotFileError("the file is empty", mark, "", example, Code.NOT_YAML)
+    return _read(tree, wrong, several)
+
+
+def read_mapping(values: Mapping[str, object], several: Several | None = None) -> RobotSpec:
+    """`read_text` of a robot given as a mapping with the keys of a robot file; places in it are paths of keys."""
+    return _read(tree_of(values), Several(), several)
+
+
+def _read(tree: Node, wrong: Several, several: Several | None) -> RobotSpec:
+    """The robot that a tree describes; ``wrong`` has what is wrong with its YAML."""
     if isinstance(tree, MappingNode) and {key.text for key, _ in tree.entries} >= _OF_A_MODEL:
         raise tree.error(
             "this is a model.json, which `wmrgen derive` writes",

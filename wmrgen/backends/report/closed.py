@@ -16,6 +16,7 @@ from wmrgen.constraints import XI, castor_rate, driving_row, working_view
 from wmrgen.exact.evaluate import parameters_in
 from wmrgen.exact.number import ONE as UNIT
 from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.exact.readable import with_sines_squared
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.sensing import generic_rank
 from wmrgen.kinematics.steer import pivot
@@ -158,7 +159,9 @@ def projected(projection: Projection) -> list[str]:
     """The components that change."""
     parts = zip(projection.twist, XI, TWIST_NAMES, strict=True)
     return [
-        f"{notation.port(n)}^{{*}} &= {broken(p)}" for n, p, q in ((n, p, q) for p, q, n in parts) if p != q
+        f"{notation.port(n)}^{{*}} &= {broken(with_sines_squared(p))}"
+        for n, p, q in ((n, p, q) for p, q, n in parts)
+        if p != q
     ]
 
 

@@ -36,10 +36,10 @@ def _function(d: Derivation, f: Formula) -> list[str]:
     blocks += table(["port", "", "unit", "meaning"], rows, "l")
     if written := model(d, f):
         return [*blocks, *written]
-    f = next((g for g in (d.formula_in_symbols(f.name), f) if _size(g) <= _LONG), None)
-    if f is None:
+    short = [g for g in (d.formula_in_symbols(f.name), f) if _size(g) <= _LONG]
+    if not short:
         return [*blocks, "(The formulas are long; they stand in the code.)"]
-    steps, results = _inlined(f)
+    steps, results = _inlined(short[0])
     names = by_hand([symbol for symbol, _ in steps], [e for _, e in (*steps, *results)])
     memo: dict[Expr, Expr] = {}
     printer = Latex((p for p, _ in ports), mul_symbol=r" \, ")

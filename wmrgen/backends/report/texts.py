@@ -187,7 +187,12 @@ def turning_circle(robot: Robot) -> list[str]:
     behind = ", and L is negative, for it steers behind P" if base.sign < 0 else ""
     if len(steered) == 1:
         return [f"{words}{behind}:", *aligned([rf"\tan{psi_l} {radius}"])]
-    ratio = rf"\frac{{\mathrm{{track}}}}{{\mathrm{{wheelbase}}}} = {notation.decimal(float(track / base))}"
+    named = (symbolic_view(left).y - symbolic_view(right).y) * symbolic_view(left).x.inverse()
+    equal = [
+        r"\frac{\mathrm{track}}{\mathrm{wheelbase}}",
+        *([latex(named)] if named.constant is None else []),
+    ]
+    ratio = " = ".join([*equal, notation.decimal(float(track / base))])
     return [
         f"{words}. The axles of both steered wheels pass through its centre (Ackermann); ψ is the angle of the virtual "
         f"wheel midway{behind}:",

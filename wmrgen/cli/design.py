@@ -110,6 +110,7 @@ def gains(values: Sequence[str] | None, as_json: bool) -> int:
 
 def stability(robot: Path, values: Sequence[str] | None, as_json: bool) -> int:
     """Margin of every edge of the support polygon, and the one about which the robot tips over first."""
+    from wmrgen.functions.space.pendulum import axle
     from wmrgen.functions.space.stability import polygon
 
     with derived(robot, ["stability"]) as derivation:
@@ -119,9 +120,17 @@ def stability(robot: Path, values: Sequence[str] | None, as_json: bool) -> int:
             case["fz"] = GRAVITY
             console.note(f"not given: fz, taken as {float(GRAVITY)}")
         margins = {name: float(v) for name, v in derivation.evaluate("stability", case).items()}
+        two = axle(derivation.robot)
         steer = {w.name: float(case.get(f"{w.name}.steer", ZERO)) for w in derivation.robot.wheels}
         corners = polygon(derivation.robot, steer)
-    result = _result(margins, list(zip(corners, (*corners[1:], corners[0]), strict=True)))
+    pairs = list(zip(corners, (*corners[1:], corners[0]), strict=True))
+    # On one axle: over either wheel, and lengthwise about both.
+    lines = (
+        [(w.name, (w.name, w.name)) for w in two] + [("swing", (two.right.name, two.left.name))]
+        if two
+        else []
+    )
+    result = _result(margins, lines or [(a, (a, b)) for a, b in pairs])
     if as_json:
         console.data(result)
     else:
@@ -129,27 +138,34 @@ def stability(robot: Path, values: Sequence[str] | None, as_json: bool) -> int:
     return 0
 
 
-def _result(margins: dict[str, float], edges: Sequence[tuple[str, str]]) -> dict[str, Any]:
-    """The outputs of ``stability`` by edge of the support polygon, each from one corner to the next."""
-    shown: list[dict[str, Any]] = [{"from": a, "to": b, "margin": margins[f"{a}.margin"]} for a, b in edges]
+def _result(margins: dict[str, float], lines: Sequence[tuple[str, tuple[str, str]]]) -> dict[str, Any]:
+    """The outputs of ``stability`` by line of liftoff, each from one contact to another; ranges if there are some."""
+    shown: list[dict[str, Any]] = [
+        {"from": a, "to": b, "margin": margins[f"{name}.margin"]} for name, (a, b) in lines
+    ]
     first = min(shown, key=lambda e: e["margin"])
     return {
         "liftoff": margins["margin"] <= 0, "margin": margins["margin"], "about": [first["from"], first["to"]],
         "edges": shown,
-        "fx": [margins["fx_min"], margins["fx_max"]], "fy": [margins["fy_min"], margins["fy_max"]],
+        **{f: [margins[f"{f}_min"], margins[f"{f}_max"]] for f in ("fx", "fy") if f"{f}_min" in margins},
     }  # fmt: skip
 
 
+def _line(a: str, b: str) -> str:
+    """A line of liftoff: from one contact to another, or along the rolling direction of one."""
+    return a if a == b else f"{a} - {b}"
+
+
 def _show(result: dict[str, Any]) -> None:
-    names = [f"{e['from']} - {e['to']}" for e in result["edges"]]
+    names = [_line(e["from"], e["to"]) for e in result["edges"]]
     width = max(map(len, (*names, "fx")))
     for name, edge in zip(names, result["edges"], strict=True):
         console.result(f"{name:<{width}}  {edge['margin']:.6g} rad")
-    line = " - ".join(result["about"])
+    line = _line(*result["about"])
     if result["liftoff"]:
         console.result(f"liftoff about the line {line} at {result['margin']:.6g} rad", "bold")
         return
     console.result(f"stands; {result['margin']:.6g} rad to liftoff about the line {line}", "bold")
-    for letter in ("fx", "fy"):
+    for letter in (f for f in ("fx", "fy") if f in result):
         low, high = (f"{v:.6g}" if abs(v) < _NEVER else "any" for v in result[letter])
         console.result(f"{letter:<{width}}  stands from {low} to {high} m/s^2")

@@ -112,6 +112,20 @@ def test_exceptional_vectors(
     assert vector_at(system, point, len(wanted)) == wanted
 
 
+def test_a_minor_is_given_by_its_factors() -> None:
+    """The axle of either deciding module through the pivot of the other: there one rate moves no centre of rotation."""
+    system = model(of_gallery("wpilib_swervebot"))
+    found = growth(system)
+    sets = exceptional(system, found) or ()
+    assert {str(one.condition) for one in sets} == {
+        f"sin({w}_steer) + cos({w}_steer)" for w in ("front_left", "back_right")
+    }
+    assert all(not one.vector for one in sets)
+    point = drawn(system, 4)
+    assert vector_at(system, point, 2) == found.vector == (3, 5)
+    assert vector_at(system, point | {"front_left_steer": -np.pi / 4}, 3) == (3, 4, 5)
+
+
 def test_a_long_hitch_has_a_set_of_its_own() -> None:
     """The minor of these brackets has a zero only if the hitch is longer than the bar."""
     for hitch, everywhere in (("0.25", True), ("1.5", False)):

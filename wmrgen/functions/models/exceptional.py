@@ -10,9 +10,12 @@ is counted from all brackets. Any other minor is given as a condition alone.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from fractions import Fraction
 from itertools import combinations
 from math import prod
 from typing import NamedTuple
+
+import sympy
 
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.linalg import determinant, rank
@@ -25,6 +28,7 @@ from wmrgen.functions.system import System
 from wmrgen.symbolic import Expr, expression
 
 MOST_TERMS = 4_000  # of the entries' product in a minor that is expanded: a tenth of a second
+MOST_FACTORED = 60  # terms of a minor that is factored: a hundredth of a second
 MOST_BRACKETS = 200  # that are formed at an exceptional configuration: a second
 MARGIN = 1e-9  # of rounding
 THETA = Poly.gen("input", "theta")
@@ -80,8 +84,31 @@ def _zeros(minor: Poly, values: Mapping[str, Poly]) -> tuple[Poly, ...]:
         _argument(g) for g, e in powers if (e > 0) != (g.kind == "inv") and not _never_zero(g.alone, values)
     ]
     if len(core.terms) > 1 and not _never_zero(core, values):
-        found.append(whole([without_lengths(core)])[0])
+        parts = whole([without_lengths(part) for part in _factors(core)])
+        found += [part for part in parts if not _never_zero(part, values)]
     return tuple(dict.fromkeys(found))
+
+
+def _factors(p: Poly) -> list[Poly]:
+    """The factors of a short polynomial with rational coefficients, each once; else the polynomial itself."""
+    gens = p.generators
+    powers = {tuple(dict(m).get(g, 0) for g in gens): c for m, c in p.terms.items()}
+    if (
+        len(powers) > MOST_FACTORED
+        or min(map(min, powers)) < 0
+        or not all(c.is_rational for c in powers.values())
+    ):
+        return [p]
+    table = {m: sympy.Rational(c.parts[0].numerator, c.parts[0].denominator) for m, c in powers.items()}
+    _, factors = sympy.Poly.from_dict(table, *(sympy.Dummy() for _ in gens)).factor_list()
+
+    def back(factor: sympy.Poly) -> Poly:
+        terms = ((m, Fraction(int(c.p), int(c.q))) for m, c in factor.terms())
+        return Poly.sum(
+            Poly({tuple((g, e) for g, e in zip(gens, m, strict=True) if e): Exact(c)}) for m, c in terms
+        )
+
+    return [back(factor) for factor, _ in factors]
 
 
 def _argument(g: Gen) -> Poly:

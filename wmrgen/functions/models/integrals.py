@@ -45,8 +45,9 @@ class Integral(NamedTuple):
 def integrals(robot: Robot, mobility: Mobility) -> tuple[Integral, ...]:
     """Relations that the constraints integrate to; where steered wheels decide the motion, those of the pose alone."""
     twists = constant_twists(robot, mobility)
-    if twists is None:  # a subalgebra of se(2) of dimension 2 is that of the translations
-        return (Integral((("theta", 1.0),), "theta = const"),) if mobility.dof == 2 else ()
+    if twists is None:
+        straight = mobility.dof == 2 and not any(turn for _, _, turn in mobility.null_space)
+        return (Integral((("theta", 1.0),), "theta = const"),) if straight else ()
     if mobility.dof == 3:
         return _combinations(robot)
     return (*_posture(twists), *_rolled(robot, twists))

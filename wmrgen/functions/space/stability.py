@@ -28,6 +28,7 @@ import sympy
 from wmrgen.constraints import arm, working_view
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.space.pendulum import axle, hanging_stability
 from wmrgen.functions.space.wheel_motion import (
     AXES,
     FORCE,
@@ -170,8 +171,12 @@ class _Plane(NamedTuple):
 
 @function("criterion of Kelly 4.1.3; the margin is ours", contacts=True)
 def stability(robot: Robot, _: Mobility) -> Formula:
-    """Specific force and present steering angles to the margin of every edge of the support polygon."""
+    """Specific force and present steering angles to the margin of every edge of the support polygon; for a robot on
+    one axle that hangs below it, see `pendulum`."""
     c = centre_of_gravity(robot, "stability")
+    two = axle(robot)
+    if two is not None and robot.cg is not None:
+        return hanging_stability(robot, robot.cg, two)
     names = Locals()
     places = [_spot(w, names) for w in robot.bodies]
     planes = [_plane(e, c, names) for e in edges(robot, places)]

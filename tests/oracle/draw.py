@@ -106,7 +106,7 @@ def _wheel(rng: random.Random, type_: str) -> Wheel:
             [], ["spin", "steer"]))  # fmt: skip
         w["sensed"] = rng.choice((["spin", "steer"], ["spin", "steer"], ["steer"], []))
     elif type_ == "spherical" and x > 0:
-        w["driven"] = [text]
+        w["driven"] = True
     elif type_ != "spherical":
         w["actuated"] = rng.choice((["spin"], ["spin"], []))
         w["sensed"] = rng.choice((["spin"], ["spin"], []))

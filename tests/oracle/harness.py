@@ -37,7 +37,8 @@ def robot_text(layout: Layout, name: str = "sample", polar: bool = False, extra:
         if "driven" in w:
             orientation = ("heading", "beta")
             keys = [key for key in keys if key.partition(":")[0] not in orientation]
-            keys.append(f"driven: [{', '.join(map(str, w['driven']))}]")
+            own = w.get("text", {}).get("heading", repr(float(w["heading"])))
+            keys.append(f"driven: [{own if w['driven'] is True else ', '.join(map(str, w['driven']))}]")
         if "actuated" in w:
             keys.append(f"actuated: [{', '.join(w['actuated'])}]")
         if "sensed" in w:

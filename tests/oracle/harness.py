@@ -51,6 +51,9 @@ def robot_text(layout: Layout, name: str = "sample", polar: bool = False, extra:
         lines.append("couplings:")
         for joint, names in layout["couplings"]:
             lines.append(f"  - equal: [{', '.join(f'{n}.{joint}' for n in names)}]")
+            signs = {w["name"]: w.get("sign", 1) for w in layout["wheels"]}
+            if joint == "steer" and any(signs[n] < 0 for n in names):
+                lines.append(f"    ratios: [{', '.join(str(signs[n]) for n in names)}]")
     return "\n".join(lines) + "\n"
 
 

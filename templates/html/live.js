@@ -57,12 +57,14 @@ class WheelPicture {
     if (wheel.zero && !wheel.swivels) {
       add(this.group, "line", { class: "axle", x1: d, x2: d, y1: -60 * size, y2: 60 * size }, true);
     }
-    if (!wheel.rolls) {
-      add(this.group, "circle", { class: "tyre", r: r || 0.06 * size }, true);
-      return;
+    if (wheel.ball || !wheel.rolls) {
+      const round = { class: "tyre", r: r || 0.06 * size, "fill-opacity": wheel.rolls ? 0.5 : 1 };
+      add(this.group, "circle", round, true);
+      if (!wheel.rolls) return;
+    } else {
+      const box = { x: d - r, y: o - this.width / 2, width: 2 * r, height: this.width, rx: 0.15 * r };
+      add(this.group, "rect", { class: "tyre", ...box }, true);
     }
-    const box = { x: d - r, y: o - this.width / 2, width: 2 * r, height: this.width, rx: 0.15 * r };
-    add(this.group, "rect", { class: "tyre", ...box }, true);
     this.treads = Array.from({ length: TICKS }, () => add(this.group, "line", { class: "tread" }, true));
     if (d || o) add(this.group, "path", { class: "arm", fill: "none", d: `M0 0L${d} 0L${d} ${o}` }, true);
     this.sliding = add(this.group, "line", { class: "slipping", x1: d, y1: o, x2: d, y2: o }, true);

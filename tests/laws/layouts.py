@@ -67,7 +67,7 @@ def wheel(draw: st.DrawFn, kind: str) -> dict[str, Any]:
         "text": {"heading": text},
     }
     if kind == "spherical" and draw(st.booleans()):
-        w["driven"] = [text]
+        w["driven"] = True
     if kind == "swedish":
         w["gamma"] = draw(gammas)
     if kind == "castor":

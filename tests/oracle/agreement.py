@@ -116,10 +116,12 @@ def _check_steering(
     held: list[float] = []
     for group in _groups(layout, "steer", "steered"):
         angle = out[f"{group[0]['name']}.steer"]
-        assert all(abs(out[f"{w['name']}.steer"] - angle) <= tol for w in group)
+        signs = [w.get("sign", 1) * group[0].get("sign", 1) for w in group]
+        turns = list(zip(group, signs, strict=True))
+        assert all(abs(out[f"{w['name']}.steer"] - k * angle) <= tol for w, k in turns)
 
-        def slides(t: float, group: list[Any] = group) -> float:
-            return sum(_lateral(w, t, twist) ** 2 for w in group)
+        def slides(t: float, turns: list[Any] = turns) -> float:
+            return sum(_lateral(w, k * t, twist) ** 2 for w, k in turns)
 
         # a - b cos 2t - c sin 2t, from three angles
         a, b, c = slides(0.0), slides(math.pi / 4), slides(math.pi / 2)
@@ -137,10 +139,11 @@ def _check_steering(
         one = len({(round(w["x"], 9), round(w["y"], 9)) for w in group}) == 1 or not twist[2]
         same = (
             one
+            and len(set(signs)) == 1
             and max(abs(math.remainder(w["heading"] - group[0]["heading"], math.tau)) for w in group) < 1e-9
         )
         if not same or (limits and high - low < WIDE):
-            held += [_lateral(w, angle, twist) for w in group]
+            held += [_lateral(w, k * angle, twist) for w, k in turns]
         if not limits and not _geared(layout, group):
             swing = abs(angle - case[f"{group[0]['name']}.steer"])
             assert swing <= math.pi / 2 + 1e-6, ("swing", swing)

@@ -8,7 +8,8 @@ from typing import Any
 
 Layout = dict[str, Any]
 Wheel = dict[str, Any]
-KINDS = ("none", "steer", "spin", "synchro", "castor steer", "castor spin", "fixed spin", "geared", "mixed")
+KINDS = ("none", "steer", "spin", "synchro", "castor steer", "castor spin", "fixed spin", "geared", "mixed",
+         "opposed", "opposed synchro")  # fmt: skip
 _GAMMAS = (0.0, math.pi / 4, -math.pi / 4, 0.6, -0.9)
 
 
@@ -106,7 +107,7 @@ def _wheel(rng: random.Random, type_: str) -> Wheel:
             [], ["spin", "steer"]))  # fmt: skip
         w["sensed"] = rng.choice((["spin", "steer"], ["spin", "steer"], ["steer"], []))
     elif type_ == "spherical" and x > 0:
-        w["driven"] = [text]
+        w["driven"] = True
     elif type_ != "spherical":
         w["actuated"] = rng.choice((["spin"], ["spin"], []))
         w["sensed"] = rng.choice((["spin"], ["spin"], []))
@@ -115,8 +116,9 @@ def _wheel(rng: random.Random, type_: str) -> Wheel:
 
 def _coupled(rng: random.Random, wheels: list[Wheel], kind: str) -> tuple[list[Wheel], list[Any]]:
     """``wheels`` with those that the coupling needs, and the coupled sets."""
-    type_ = {"steer": "steered", "synchro": "steered", "spin": "steered", "castor steer": "castor",
-             "castor spin": "castor", "fixed spin": "fixed"}.get(kind)  # fmt: skip
+    type_ = {"steer": "steered", "synchro": "steered", "opposed": "steered", "opposed synchro": "steered",
+             "spin": "steered", "castor steer": "castor", "castor spin": "castor", "fixed spin": "fixed",
+             }.get(kind)  # fmt: skip
     if kind in ("geared", "mixed"):
         pool = [w for w in wheels if w["type"] != "spherical"]
         if not any(w["type"] == "steered" for w in pool):
@@ -126,7 +128,7 @@ def _coupled(rng: random.Random, wheels: list[Wheel], kind: str) -> tuple[list[W
         pool = [w for w in wheels if w["type"] == type_]
         extra = _more(rng, str(type_), max(0, rng.randint(2, 3) - len(pool)), pool, wheels)
         pool, wheels = pool + extra, wheels + extra
-    if kind in ("synchro", "geared") or rng.random() < 0.4:
+    if kind in ("synchro", "opposed synchro", "geared") or rng.random() < 0.4:
         _alike(rng, pool, kind)
     if (
         kind in ("spin", "geared", "mixed") and rng.random() < 0.85
@@ -140,11 +142,14 @@ def _coupled(rng: random.Random, wheels: list[Wheel], kind: str) -> tuple[list[W
     members = rng.sample(pool, rng.randint(2, len(pool)))
     for w in pool:
         w["coupled"] = True
-    if kind == "synchro":
+    if kind.startswith("opposed"):
+        for w in members:
+            w["sign"] = rng.choice((1, -1))
+    if kind in ("synchro", "opposed synchro"):
         return wheels, [("steer", members), ("spin", members)]
     if kind == "mixed":
         return wheels, _mixed(rng, pool, members)
-    return wheels, [("steer" if kind in ("steer", "castor steer") else "spin", members)]
+    return wheels, [("steer" if kind in ("steer", "castor steer", "opposed") else "spin", members)]
 
 
 def _mixed(rng: random.Random, pool: list[Wheel], members: list[Wheel]) -> list[Any]:

@@ -133,12 +133,13 @@ def equations(layout: Layout, castors: dict[str, float]) -> Equations:
     """The equations of a layout with its castors at the angles given."""
     lead = oracle.leaders(layout, "steer")
     steered = [w["name"] for w in layout["wheels"] if w["type"] == "steered"]
+    signs = {w["name"]: w.get("sign", 1) for w in layout["wheels"]}  # of the shaft's angle
     groups = list(dict.fromkeys(lead[n] for n in steered))
     rates = oracle.contact_rows(layout, castors)[1]
     left = np.eye(len(rates)) - (rates @ np.linalg.pinv(rates) if rates.size else 0.0)
 
     def at(angle: float, group: str) -> Array:
-        turned = {n: angle for n in steered if lead[n] == group}
+        turned = {n: angle * signs.get(n, 1) for n in steered if lead[n] == group}
         return np.asarray(left @ oracle.contact_rows(layout, castors | turned)[0])
 
     zero = at(0.0, "")

@@ -34,16 +34,21 @@ def robot_text(
         for key, own in (("gamma", "gamma"), ("d", "d"), ("offset_y", "o"), ("r_sw", "r_sw")):
             if w.get(own):
                 geometry[key] = repr(float(w[own]))
-        if "driven" in w:
+        directions = [str(d) for d in w["driven"]] if isinstance(w.get("driven"), list) else []
+        if w.get("driven"):
             geometry = {key: value for key, value in geometry.items() if key not in ("heading", "beta")}
+            own = w.get("text", {}).get("heading", repr(float(w["heading"])))
+            geometry |= {f"driven{k}": d for k, d in enumerate(directions or [own])}
         if tunable:
             parameters |= {f"{w['name']}_{key}": value for key, value in geometry.items()}
             geometry = {key: f"{w['name']}_{key}" for key in geometry}
-        keys = [f"name: {w['name']}", f"type: {w['type']}", *(f"{k}: {v}" for k, v in geometry.items())]
+        driven = [value for key, value in geometry.items() if key.startswith("driven")]
+        given = (f"{k}: {v}" for k, v in geometry.items() if not k.startswith("driven"))
+        keys = [f"name: {w['name']}", f"type: {w['type']}", *given]
         if w.get("weight"):
             keys.append(f"weight: {float(w['weight'])!r}")
-        if "driven" in w:
-            keys.append(f"driven: [{', '.join(map(str, w['driven']))}]")
+        if driven:
+            keys.append(f"driven: [{', '.join(driven)}]")
         if "actuated" in w:
             keys.append(f"actuated: [{', '.join(w['actuated'])}]")
         if "sensed" in w:
@@ -56,6 +61,9 @@ def robot_text(
         lines.append("couplings:")
         for joint, names in layout["couplings"]:
             lines.append(f"  - equal: [{', '.join(f'{n}.{joint}' for n in names)}]")
+            signs = {w["name"]: w.get("sign", 1) for w in layout["wheels"]}
+            if joint == "steer" and any(signs[n] < 0 for n in names):
+                lines.append(f"    ratios: [{', '.join(str(signs[n]) for n in names)}]")
     head = [f"wmrgen: 1\nname: {name}"]
     if parameters:
         head += ["parameters:", *(f"  {k}: {{value: {v}, tunable: true}}" for k, v in parameters.items())]

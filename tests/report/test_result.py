@@ -61,7 +61,7 @@ def test_the_twist_of_measured_rates(name: str) -> None:
         if "spin" in w.sensed:
             rows.append([cos(h), sin(h), x * sin(h) - y * cos(h)])
             rates.append(r * spin * cos(gamma))
-        if not w.kind.rollers:
+        if w.kind.sliding_row:
             rows.append([-sin(h), cos(h), x * cos(h) + y * sin(h)])
             rates.append(0.0)
     twist = np.linalg.lstsq(np.array(rows), np.array(rates), rcond=None)[0]

@@ -221,7 +221,7 @@ def test_a_robot_that_skids() -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_track_is_between_wheels_that_roll_forward(name: str) -> None:
-    wheels = [w for w in of_gallery(name).robot.wheels if w.kind.constrains or w.kind.rollers]
+    wheels = [w for w in of_gallery(name).robot.wheels if w.kind.constrains or w.kind.rolls_across]
     pairs = [
         (a, b)
         for k, a in enumerate(wheels)

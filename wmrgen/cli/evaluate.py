@@ -191,7 +191,10 @@ def exactly(
     module = modules.raw_module
     try:
         return [evaluate_module(module, function.name, case, EXACT) for case in cases]
-    except (ZeroDivisionError, ValueError) as error:  # of the interpreter: a quotient or a root without a value
+    except (
+        ZeroDivisionError,
+        ValueError,
+    ) as error:  # of the interpreter: a quotient or a root without a value
         raise UsageError(f"{error}: there is no value at these inputs") from error
 
 

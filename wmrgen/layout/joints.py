@@ -161,7 +161,7 @@ def turn_ratios(spec: RobotSpec, joint: str, leaders: Sequence[int], scope: Scop
         coupling = next(c for c in rest if any(names.index(n) in turns for n in c.wheels))
         rest.remove(coupling)
         ratios = [_ratio(q, scope) for q in coupling.ratios] or [ONE] * len(coupling.wheels)
-        if joint == "steer":
+        if joint == "steer" and coupling.ratios:
             _equal_or_opposite(coupling, ratios)
         own = dict(zip(map(names.index, coupling.wheels), ratios, strict=True))
         shaft = next(turns[i] / k for i, k in own.items() if i in turns)
@@ -176,7 +176,7 @@ def turn_ratios(spec: RobotSpec, joint: str, leaders: Sequence[int], scope: Scop
 
 def _equal_or_opposite(coupling: Coupling, ratios: Sequence[Exact]) -> None:
     """Steering angles may be geared 1 to 1 or 1 to -1: then the angle for a twist has a closed form."""
-    for quantity, ratio in zip(coupling.ratios, ratios, strict=False):
+    for quantity, ratio in zip(coupling.ratios, ratios, strict=True):
         if abs(ratio) != abs(ratios[0]):
             raise RobotFileError(
                 f"steering angles in the ratio {coupling.ratios[0].text} to {quantity.text}", quantity.mark,

@@ -52,13 +52,25 @@ class BasisRow(NamedTuple):
 
 
 def basis(robot: Robot, at: Configuration) -> tuple[BasisRow, ...]:
-    """Constant rows first, then a coupling's ban on turning, then as many steered wheels as the rank needs.
+    """Constant rows first, then the coupling's own row, then as many steered wheels as the rank needs.
 
-    Any other plane of twists that a coupling leaves depends on lengths: rows of steered wheels have these as symbols.
+    A coupling's ban on turning is a constant. The row of any other plane that it leaves has lengths in it, as numbers:
+    rows of steered wheels, which have them as symbols, replace it if their angles are free.
     """
+    normal = at.admissible.normal
+    if normal is not None and (normal[0] or normal[1]):
+        rows = _spanning(robot, at, None)
+        angles = {robot.steer_group[w.index] for w in deciding(rows)}
+        if len(angles) <= at.steerability:
+            return rows
+    return _spanning(robot, at, normal)
+
+
+def _spanning(robot: Robot, at: Configuration, normal: Row | None) -> tuple[BasisRow, ...]:
+    """Rows that span C1, ``normal`` among them where it is given."""
     fixed = [_constant(robot, at.unit.row(row), index) for row, index in at.constant]
-    numbers, normal = [at.C1[: len(fixed)]], at.admissible.normal
-    if normal is not None and not (normal[0] or normal[1]):
+    numbers = [at.C1[: len(fixed)]]
+    if normal is not None:
         fixed.append(_constant(robot, at.unit.row(normal), None))
         numbers.append(to_array([[p.constant or ZERO for p in normal]]))
     numbers.append(at.C1[len(at.constant) :])

@@ -136,7 +136,7 @@ def _coupled(at: Configuration) -> list[str]:
     if normal is not None:
         if normal[0] or normal[1]:
             sentences.append(f"{who} a plane of twists only.")
-        elif "steer" in joints:
+        elif "steer" in joints and all(w.steer_sign > 0 for w in at.robot.wheels):
             sentences.append(
                 "With equal steering the axles stay parallel: only translation remains, omega = 0."
             )

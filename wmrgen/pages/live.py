@@ -52,7 +52,8 @@ def _axle(derivation: Derivation) -> dict[str, float]:
 
 
 def _wheel(wheel: Wheel) -> dict[str, Any]:
-    """``turns``: its heading, that of steer 0, is a joint. ``zero``: it cannot move across its rolling direction."""
+    """``turns``: its heading, that of steer 0, is a joint. ``zero``: it cannot move across its rolling direction.
+    ``ball``: it is round, or one driven direction of what is round."""
     g, kind = wheel.nominal, wheel.kind
     lengths = {name: float(getattr(g, name)) for name in ("x", "y", "r", "d", "o")}
     return {
@@ -64,6 +65,7 @@ def _wheel(wheel: Wheel) -> dict[str, Any]:
         "zero": kind.sliding_row,
         "swivels": kind.swivels,
         "rolls": kind.has_spin,
+        "ball": kind.glyph.ball,
     }
 
 

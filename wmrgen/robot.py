@@ -238,7 +238,7 @@ class Derivation(Analysis):
 
     def casadi(self) -> dict[str, Any]:
         """Function name -> casadi.Function."""
-        functions: dict[str, Any] = BACKENDS["casadi"].offers("functions")(self.module)
+        functions: dict[str, Any] = BACKENDS["casadi"].offers("functions")(self.module, self.raw_module)
         return functions
 
     def numpy(self) -> Any:

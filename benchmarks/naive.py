@@ -4,11 +4,17 @@ and sliding rows of the wheels, put into `ca.solve`. They share no code with the
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
 from typing import Any
 
 import casadi as ca
+
+import wmrgen
+from wmrgen.robot import Derivation
 
 Values = Mapping[str, Any]  # parameters by name: numbers or SX
 Rows = list[tuple[list[Any], Any]]  # coefficients of vx, vy, omega, and what they sum to
@@ -250,3 +256,57 @@ def counts(function: ca.Function) -> tuple[int, int]:
     outputs = ca.vertcat(*function.call(inputs))
     jacobian = ca.Function("jacobian", inputs, [ca.jacobian(outputs, ca.vertcat(*inputs))])
     return function.n_instructions(), jacobian.n_instructions()
+
+
+def pairs(
+    layout: Layout, derivation: Derivation, tunable: bool
+) -> dict[str, tuple[ca.Function, ca.Function]]:
+    """Functions of wmrgen and the same typed: `ode`, `forward`, and `inverse` if no wheel steers.
+
+    Args:
+        layout: The robot.
+        derivation: Its derivation, from ``layout.text(tunable)``.
+        tunable: Whether parameters are inputs.
+
+    Returns:
+        By name the function of wmrgen and the typed one, with the same inputs and outputs.
+    """
+    naive, every = Naive(layout, tunable), derivation.casadi()
+    form = "trailer" if layout.trailers else None
+    entries, ode, forward = derivation.entries(form), derivation.state_space(form), every["forward"]
+    state, inputs = ([e["name"] for e in entries[key]] for key in "xu")
+    found = {
+        "ode": (ode, naive.ode(state, inputs)),
+        "forward": (forward, naive.forward(forward.name_in())),
+    }
+    if all(w.type != "steered" for w in layout.wheels):
+        inverse = _spins(every["inverse"])
+        found["inverse"] = inverse, naive.inverse(inverse.name_in())
+    return found
+
+
+def _spins(inverse: ca.Function) -> ca.Function:
+    """`inverse` without the slip of a twist that wheels forbid."""
+    inputs, names = inverse.sx_in(), inverse.name_out()
+    results = zip(names, inverse.call(inputs), strict=True)
+    spins = {name: value for name, value in results if name.endswith(".spin")}
+    return ca.Function("spins", inputs, list(spins.values()), inverse.name_in(), list(spins))
+
+
+# ---- the tables
+
+
+def table() -> Iterator[str]:
+    """Instructions of every function and of its Jacobian, beside those of what is typed."""
+    yield "| layout | parameters | function | wmrgen | typed | Jacobian, wmrgen | typed |"
+    yield "|---|---|---|---:|---:|---:|---:|"
+    with tempfile.TemporaryDirectory() as folder:
+        for layout, tunable in product(LAYOUTS, (True, False)):
+            path = Path(folder) / f"{layout.name}.yaml"
+            path.write_text(layout.text(tunable), encoding="utf-8")
+            what = "tunable" if tunable else "numbers"
+            for name, functions in pairs(layout, wmrgen.derive(wmrgen.load(path)), tunable).items():
+                (own, own_jacobian), (typed, typed_jacobian) = map(counts, functions)
+                yield (
+                    f"| {layout.name} | {what} | {name} | {own} | {typed} | {own_jacobian} | {typed_jacobian} |"
+                )

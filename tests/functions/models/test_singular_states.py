@@ -176,7 +176,8 @@ parameters: {ahead: {value: 0.3, tunable: true}, trail: {value: -0.05, tunable: 
 limits: {spin: 20, steer_rate: 9, steer: 3}
 %s
 wheels:
-  - {name: a, type: castor, x: ahead, y: 0.2, heading: zero, d: trail, offset_y: aside, r: 0.05, actuated: [spin, steer]}
+  - {name: a, type: castor, x: ahead, y: 0.2, heading: zero, d: trail, offset_y: aside, r: 0.05,
+     actuated: [spin, steer]}
   - {name: b, type: castor, x: -0.25, y: -0.1, heading: -0.7, d: 2*ahead, r: 0.07, actuated: [spin]}
   - {name: c, type: castor, x: 0.1, y: -0.3, heading: 2, d: 0.04, offset_y: -aside, r: 0.06, actuated: [steer]}
   - {name: idle, type: castor, x: 0, y: 0.3, heading: 0, d: 0.03, r: 0.02, actuated: []}

@@ -333,6 +333,17 @@ def test_a_free_exact_step_of_lags() -> None:
         assert np.array_equal(after, derivation.state_space("twist", "exact", dt)(x, u, [])[0].full())
 
 
+def test_the_default_of_a_robot_with_trailers_has_them() -> None:
+    """As states; in forms without them a line says so."""
+    derivation = of_gallery("car_with_trailers")
+    states = [e["name"] for e in derivation.entries()["x"]]
+    assert derivation.entries()["form"] == "trailer" and states[-2:] == ["trailer1.theta", "trailer2.theta"]
+    for form in ("posture", "twist", "eta"):
+        entries = derivation.entries(form)
+        assert all("trailer" not in e["name"] for e in entries["x"])
+        assert entries["text"].endswith("trailers are in the form trailer alone")
+
+
 def test_a_plan_that_chooses_its_time() -> None:
     """Time-optimal: 1 m ahead at no more than 1.2 m/s."""
     derivation = of_gallery("pioneer3dx")

@@ -6,7 +6,18 @@ import argparse
 import platform
 import sys
 
-from benchmarks import accuracy, budgets, calibration, counts, figures, kernels, mutants, solvers, speed
+from benchmarks import (
+    accuracy,
+    budgets,
+    calibration,
+    counts,
+    figures,
+    kernels,
+    mutants,
+    naive,
+    solvers,
+    speed,
+)
 
 SECTIONS = {
     "start": lambda chosen: speed.start(chosen.runs),
@@ -14,6 +25,7 @@ SECTIONS = {
     "formats": lambda chosen: speed.formats(min(chosen.runs, 3)),
     "check": lambda chosen: speed.check(chosen.runs),
     "counts": lambda chosen: counts.table(),
+    "casadi": lambda chosen: naive.table(),
     "kernels": lambda chosen: kernels.table(),
     "accuracy": lambda chosen: accuracy.table(),
     "budgets": lambda chosen: budgets.run(chosen.update),

@@ -81,6 +81,7 @@ def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
         site=(where := site(derivation)),
         constants=constants(derivation.robot, where),
         vectors=derivation.vector_forms,
+        written=derivation.raw_module,
     )
 
 

@@ -11,7 +11,7 @@ import sympy
 from wmrgen.exact.evaluate import pi_rational
 from wmrgen.exact.number import ONE, ZERO, Exact, exact_sqrt, sqrt_rational
 from wmrgen.ir.build import Builder
-from wmrgen.ir.nodes import Function, Named, Op, places, renumbered
+from wmrgen.ir.nodes import Function, Named, Node, Op, places, pruned, renumbered
 from wmrgen.kinematics.records import Call, Formula
 from wmrgen.symbolic import Expr, Input, Local, Nearest, Parameter
 
@@ -23,11 +23,24 @@ _OPERATIONS: dict[type, Op] = {
 TINY = Exact(Fraction(1, 10**12))  # divisors of geometry are kept as far from zero
 
 
-def lower(formula: Formula, calls: bool = False) -> Function:
-    """The formula as an IR function. ``calls``: results of kernels are calls, see `kernels_of`."""
-    lowering = _Lowering(formula, formula.calls if calls else ())
+def lower(formula: Formula, calls: bool = False, as_written: bool = False) -> Function:
+    """The formula as an IR function.
+
+    Args:
+        formula: Inputs, intermediate results and outputs in symbols.
+        calls: Results of kernels are calls, see `kernels_of`.
+        as_written: Every intermediate result is computed once, as it is written. Otherwise constant factors and signs
+            move through them.
+    """
+    lowering = _Lowering(formula, formula.calls if calls else (), as_written)
     results = [lowering.node(expr) for _, expr in formula.outputs]
     ports = tuple(port for port, _ in formula.outputs)
+    if as_written:
+        nodes, place = lowering.joined()
+        whole = Function(
+            formula.name, formula.inputs, nodes, ports, tuple(place[r] for r in results), formula.text
+        )
+        return replace(pruned(whole), limits=formula.limits, in_place=formula.in_place)
     function = lowering.builder.function(formula.name, formula.inputs, ports, results, formula.text)
     return replace(function, named=lowering.named(results), limits=formula.limits, in_place=formula.in_place)
 
@@ -41,9 +54,13 @@ def kernels_of(formulas: Sequence[Formula]) -> tuple[Function, ...]:
 class _Lowering:
     """Expressions to node ids, each distinct expression once."""
 
-    def __init__(self, formula: Formula, calls: Sequence[Call] = ()) -> None:
+    def __init__(self, formula: Formula, calls: Sequence[Call] = (), as_written: bool = False) -> None:
         self.name = formula.name
         self.builder = Builder()
+        self.as_written = as_written
+        self.standing: dict[
+            int, int
+        ] = {}  # the input that stands for an intermediate result -> the node of that
         self.memo: dict[Expr, int] = {}
         self.names = {p.name.replace(".", "_"): p.name for p in formula.inputs}
         self.locals, self.quantities = dict(formula.locals), dict(formula.quantities)
@@ -110,7 +127,24 @@ class _Lowering:
             return self.builder.result(result, number) if len(call.results) > 1 else result
         if expr not in self.locals:
             raise ValueError(f"{self.name} uses {expr.name}, which is none of its intermediate results")
-        return self.node(self.locals[expr])
+        value = self.node(self.locals[expr])
+        if not self.as_written or not self.builder.nodes[value].args:
+            return value
+        stands = self.builder.input(f"={expr.name}")  # no port's name
+        self.standing[stands] = value
+        return stands
+
+    def joined(self) -> tuple[tuple[Node, ...], list[int]]:
+        """The nodes, with intermediate results in place of what stands for them, and where each is."""
+        nodes: list[Node] = []
+        place: list[int] = []
+        for i, node in enumerate(self.builder.nodes):
+            if i in self.standing:
+                place.append(place[self.standing[i]])
+            else:
+                place.append(len(nodes))
+                nodes.append(node.over(tuple(place[arg] for arg in node.args)))
+        return tuple(nodes), place
 
     def _add(self, expr: Expr) -> int:
         return self.builder.sum(self.node(a) for a in expr.args)
@@ -158,10 +192,15 @@ class _Lowering:
 
     def _geometric(self, a: int) -> bool:
         geometric = self.geometric
-        for node in self.builder.nodes[len(geometric) : a + 1]:
-            geometric.append(
-                all(geometric[k] for k in node.args) if node.name is None else node.name in self.parameters
-            )
+        for i, node in enumerate(self.builder.nodes[len(geometric) : a + 1], len(geometric)):
+            if i in self.standing:
+                geometric.append(geometric[self.standing[i]])
+            else:
+                geometric.append(
+                    all(geometric[k] for k in node.args)
+                    if node.name is None
+                    else node.name in self.parameters
+                )
         return geometric[a]
 
     def _tan(self, expr: Expr) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -11,6 +11,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import Kind, declaration
 from wmrgen.functions.registry import standard as standard_functions
 from wmrgen.ir.calls import keep_outputs, select, self_contained
+from wmrgen.ir.geometry import unguarded
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.pipeline import optimise
 from wmrgen.kinematics.records import Formula
@@ -18,7 +19,7 @@ from wmrgen.layout.records import Robot
 from wmrgen.lower import kernels_of, lower
 from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Limits
+from wmrgen.ports import Limits, Role
 
 if TYPE_CHECKING:
     from wmrgen.functions.models.state_space import StateSpace
@@ -148,7 +149,7 @@ def _joints(robot: Robot, every: bool = False) -> tuple[str, ...]:
     own = [
         {"spin", "steer"}
         if every
-        else {*w.actuated, *w.sensed, *w.encoders, *(name.removesuffix("_rate") for name in w.limits)}
+        else {*w.actuated, *w.sensed, *w.encoders, *(name.partition("_")[0] for name in w.limits)}
         for w in robot.wheels
     ]
     steered = {lead for w, lead in zip(robot.wheels, robot.steer_group, strict=True) if own[w.index]}
@@ -198,7 +199,7 @@ def vector_form(robot: Robot, space: StateSpace, name: str) -> VectorForm | None
     }[name]
     if formula is None:
         return None
-    (function,) = self_contained(optimise((lower(formula),), robot.name))
+    function, *others = _equivalents(formula, robot.name)
     vectors = tuple(tuple(p.name for p in ports) for ports in (space.state, space.inputs, space.geometry))
     nominal = tuple(float(p.default) for p in space.geometry if p.default is not None)
     bounds = tuple(
@@ -206,4 +207,17 @@ def vector_form(robot: Robot, space: StateSpace, name: str) -> VectorForm | None
         for ports in (space.state, space.inputs, space.limits)
         for end in (0, 1)
     )
-    return VectorForm(name, function, vectors, result, nominal, bounds)
+    return VectorForm(name, function, vectors, result, nominal, bounds, tuple(others))
+
+
+def _equivalents(formula: Formula, name: str) -> Iterator[Function]:
+    """``formula`` in operations, without guards of geometry: optimised for given geometry, for geometry that varies
+    as other inputs do, and as it is written."""
+    plain = unguarded(lower(formula))
+    yield from self_contained(optimise((plain,), name))
+    roles = {port.name: port for port in plain.inputs}
+    if any(port.role is Role.GEOMETRY for port in plain.inputs):
+        varying = tuple(replace(p, role=Role.STATE) if p.role is Role.GEOMETRY else p for p in plain.inputs)
+        (varied,) = optimise((replace(plain, inputs=varying),), name).functions
+        yield replace(varied, inputs=tuple(roles[port.name] for port in varied.inputs))
+    yield unguarded(lower(formula, as_written=True))

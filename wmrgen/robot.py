@@ -292,7 +292,8 @@ class Derivation(Analysis):
 
     def casadi(self) -> dict[str, CasadiFunction]:
         """Function name -> casadi.Function, with inputs and outputs by contract name."""
-        functions: dict[str, CasadiFunction] = BACKENDS["casadi"].offers("functions")(self.module)
+        offer = BACKENDS["casadi"].offers("functions")
+        functions: dict[str, CasadiFunction] = offer(self.module, self.raw_module)
         return functions
 
     def numpy(self) -> SimpleNamespace:

@@ -6,13 +6,18 @@ Tunable parameters are the last inputs and default to their nominal values.
 SX evaluates both branches of every choice, and its derivative of a branch that is not taken is 0 times
 that branch's derivative: NaN where that is infinite. So sqrt and atan2 get harmless arguments at the
 points where they have no derivative; there the derivative given is 0.
+
+Divisors that depend on parameters alone have no guard here, as they have in C: a radius, a wheelbase or a castor offset
+must not be 0, which robot files are checked for. With other values of p the caller vouches for it.
 """
 
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from dataclasses import replace
+from functools import lru_cache, reduce
 from typing import Any, NamedTuple
 
 import casadi as ca
@@ -21,9 +26,12 @@ from numpy.typing import NDArray
 
 from wmrgen.backends.registry import Facts, Request, VectorForm
 from wmrgen.errors import UsageError
+from wmrgen.exact.number import ONE
 from wmrgen.ir.calls import complete, defaults, self_contained
-from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.geometry import unguarded
+from wmrgen.ir.nodes import Function, Module, Op, uses_of
 from wmrgen.ir.rounding import to_float64
+from wmrgen.ports import Role
 
 _BLOCK = 4096  # columns that are computed at a time
 
@@ -42,12 +50,19 @@ def _apply(op: Op, args: list[ca.SX]) -> ca.SX:
 def to_casadi(function: Function, name: str) -> ca.Function:
     """``function`` (without PREPARED inputs) as SX function ``name``."""
     symbols = {port.name: ca.SX.sym(port.name) for port in function.inputs}
+    tangents, quotients = _tangents(function), _quotients(function)
     values: list[ca.SX] = []
-    for node in function.nodes:
+    for i, node in enumerate(function.nodes):
         if node.value is not None:
             values.append(ca.SX(to_float64(node.value)))
         elif node.op is Op.INPUT:
             values.append(symbols[node.name or ""])
+        elif i in tangents:
+            angle, factors = tangents[i]
+            values.append(reduce(operator.mul, (values[k] for k in factors), ca.tan(values[angle])))
+        elif i in quotients:
+            above, below = quotients[i]
+            values.append(values[above] / values[below])
         else:
             values.append(_apply(node.op, [values[a] for a in node.args]))
     nominal = defaults(function)
@@ -64,11 +79,68 @@ def to_casadi(function: Function, name: str) -> ca.Function:
     )
 
 
-def functions(module: Module) -> dict[str, ca.Function]:
-    """``<robot>_<function>`` by function name; `prepare` is part of each."""
-    return {
-        f.name: to_casadi(f, ca.Function.fix_name(f"{module.name}_{f.name}")) for f in self_contained(module)
-    }
+def _tangents(function: Function) -> dict[int, tuple[int, list[int]]]:
+    """Quotients of a product with a sine by its cosine, both used nowhere else -> the angle and the other factors."""
+    nodes, uses = function.nodes, uses_of(function)
+    found = {}
+    for i, node in enumerate(nodes):
+        below = nodes[node.args[1]] if node.op is Op.DIV and uses[node.args[1]] == 1 else None
+        if below is None or below.op is not Op.COS:
+            continue
+        sines, rest, stack = 0, [], [node.args[0]]
+        while stack:
+            k = stack.pop()
+            if uses[k] == 1 and nodes[k].op is Op.SIN and nodes[k].args == below.args and not sines:
+                sines = 1
+            elif uses[k] == 1 and nodes[k].op is Op.MUL:
+                stack += nodes[k].args
+            else:
+                rest.append(k)
+        if sines:
+            found[i] = (below.args[0], rest)
+    return found
+
+
+def _quotients(function: Function) -> dict[int, tuple[int, int]]:
+    """Products with a reciprocal that nothing else uses -> dividend and divisor: `prepare` is no function of its own
+    here, and a quotient is one instruction, as a product is."""
+    nodes, uses = function.nodes, uses_of(function)
+    found = {}
+    for i, node in enumerate(nodes):
+        for factor, other in (node.args, node.args[::-1]) if node.op is Op.MUL else ():
+            above = nodes[nodes[other].args[0]] if nodes[other].op is Op.DIV and uses[other] == 1 else None
+            if above is not None and above.value == ONE:
+                found[i] = factor, nodes[other].args[1]
+    return found
+
+
+def functions(module: Module, written: Module | None = None) -> dict[str, ca.Function]:
+    """Return ``<robot>_<function>`` by function name; `prepare` is part of each.
+
+    Args:
+        module: The optimised functions.
+        written: The same functions as they were lowered. If parameters are inputs, the shorter of the two is taken:
+            `module` moves what depends on parameters alone to `prepare`, which saves nothing here.
+    """
+    plain = {f.name: f for f in written.functions} if written else {}
+    return {f.name: _function(f, plain.get(f.name), module.name) for f in self_contained(module)}
+
+
+def _function(function: Function, written: Function | None, robot: str) -> ca.Function:
+    name = ca.Function.fix_name(f"{robot}_{function.name}")
+    ours = to_casadi(unguarded(function), name)
+    if written is None or all(port.role is not Role.GEOMETRY for port in function.inputs):
+        return ours
+    plain = unguarded(written)
+    if {node.name for node in plain.nodes if node.op is Op.INPUT} - {port.name for port in function.inputs}:
+        return ours
+    theirs = to_casadi(replace(plain, inputs=function.inputs), name)
+
+    def size(f: ca.Function) -> tuple[int, int]:
+        inputs = f.sx_in()
+        return _size(inputs, ca.vertcat(*f.call(inputs)))
+
+    return min(ours, theirs, key=size)
 
 
 class OfColumns(NamedTuple):
@@ -116,7 +188,7 @@ def sensitivity(
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     """``<robot>_<function>.casadi`` for ``casadi.Function.load``; the bytes `Function.save` would write."""
-    every = functions(module) | {v.name: of_vectors(v, module.name) for v in facts.vectors}
+    every = functions(module, facts.written) | {v.name: of_vectors(v, module.name) for v in facts.vectors}
     return {f"{module.name}_{name}.casadi": content(function) for name, function in every.items()}
 
 
@@ -130,7 +202,7 @@ def content(function: ca.Function) -> bytes:
 def evaluate(module: Module, requests: Sequence[Request]) -> list[dict[str, float]]:
     """Outputs by contract name of each request, in float64."""
     asked = {name for name, _ in requests}
-    called = {f.name: (f, to_casadi(f, "f")) for f in self_contained(module) if f.name in asked}
+    called = {f.name: (f, to_casadi(unguarded(f), "f")) for f in self_contained(module) if f.name in asked}
     results = []
     for name, case in requests:
         function, call = called[name]
@@ -193,12 +265,24 @@ def of_vectors(vector: VectorForm, robot: str) -> OfVectors:
     named = {
         e: v[i] for v, entries in zip(vectors, vector.vectors, strict=True) for i, e in enumerate(entries)
     }
-    inputs = [named[port.name] for port in vector.function.inputs]
-    rates = to_casadi(vector.function, vector.function.name).call(inputs)
+    results = []
+    for function in (vector.function, *vector.others):
+        inputs = [named[port.name] for port in function.inputs]
+        results.append(ca.densify(ca.vertcat(*to_casadi(function, function.name).call(inputs))))
+    shortest = min(results, key=lambda result: _size(vectors, result))
     return _of_vectors(
         ca.Function.fix_name(f"{robot}_{vector.name}"), dict(zip("xup", vectors, strict=True)),
-        {vector.result: ca.densify(ca.vertcat(*rates))}, vector.nominal,
+        {vector.result: shortest}, vector.nominal,
     )  # fmt: skip
+
+
+def _size(inputs: Sequence[ca.SX], result: ca.SX) -> tuple[int, int]:
+    """Instructions of a result with its Jacobian, which an optimiser calls in each iteration; of the Jacobian."""
+    jacobian = ca.jacobian(result, ca.vertcat(*inputs))
+    rates, derivatives = (
+        ca.Function("f", list(inputs), [value]).n_instructions() for value in (result, jacobian)
+    )
+    return rates + derivatives, derivatives
 
 
 # One step of CasADi's; collocation: Radau's, three points, by a Newton method that CasADi writes in C, too.

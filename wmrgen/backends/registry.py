@@ -35,8 +35,9 @@ class Place(NamedTuple):
 
 class VectorForm(NamedTuple):
     """A ``function`` of the vectors x, u and p to the vector ``result``: the contract names of the entries of each;
-    it may do without some. ``nominal``: the entries of p. ``bounds``: least and most of x, of u and of what `limits`
-    gives, in this order. ``name`` of what backends make of it."""
+    it may do without some. ``others``: the same function in other operations, of which there may be fewer if
+    derivatives count. ``nominal``: the entries of p. ``bounds``: least and most of x, of u and of what `limits` gives,
+    in this order. ``name`` of what backends make of it."""
 
     name: str
     function: Function
@@ -44,6 +45,7 @@ class VectorForm(NamedTuple):
     result: str
     nominal: tuple[float, ...]
     bounds: tuple[tuple[float, ...], ...]
+    others: tuple[Function, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +57,7 @@ class Facts:
     ``bound_lines``: what is proved of the code, for the backend whose code that is. ``site``: what the robot
     file says about inputs. ``options``: what the user chose of what the backend takes. ``places``: where the code of
     other backends computes what (for the report). ``vectors``: the model of the robot as x' = f(x, u, p), where it has
-    one, and what has to be 0 where it holds.
+    one, and what has to be 0 where it holds. ``written``: the functions as they were lowered, not optimised.
     """
 
     description: str = ""
@@ -69,6 +71,7 @@ class Facts:
     options: Mapping[str, str | bool] = field(default_factory=dict)
     places: tuple[Place, ...] = ()
     vectors: tuple[VectorForm, ...] = ()
+    written: Module | None = None
 
 
 class Backend(Protocol):

@@ -100,7 +100,7 @@ def _step(
         return 0
     if span is None:
         raise UsageError(
-            "there is no --dt. Write --dt 0.05 [s], or -o FILE for a step with dt as its fourth input."
+            "a step takes --dt. Write --dt 0.05 [s], or -o FILE for a step with dt as its fourth input."
         )
     space = state_space(derivation.robot, derivation.mobility, form)
     groups = (space.state, space.inputs, space.geometry)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import sympy
@@ -25,6 +26,7 @@ class System(NamedTuple):
 
     ``fields[k][i]``: component i of g_k, an exact expression in the state and in ``geometry``: the tunable
     parameters, or in the symbolic view all of them; the symbol of those is ``parameter(port.name)``.
+    ``code``: the same rates by way of the twist, in the fewest operations; None if the fields say it as shortly.
     """
 
     name: str
@@ -34,6 +36,7 @@ class System(NamedTuple):
     fields: tuple[tuple[Expr, ...], ...]
     geometry: tuple[Port, ...] = ()
     domain: tuple[Domain, ...] = ()
+    code: Formula | None = None
 
     @property
     def G(self) -> sympy.Matrix:
@@ -49,14 +52,11 @@ class System(NamedTuple):
     def formula(self, guards: bool = True) -> Formula:
         """State and inputs to the rates of the state. Where a divisor of the model vanishes its quotient reads 0, but
         without ``guards``, which cost an optimiser time."""
-        names = Locals()
-        memo: dict[Expr, Expr] = {}
-        outputs = tuple(
-            (rate_port(port), guarded(rate, names, memo) if guards else rate)
-            for port, rate in zip(self.state, self.rates, strict=True)
-        )
         inputs = (*self.state, *self.inputs, *self.geometry)
-        return names.formula(self.name, inputs, outputs, self.text)
+        rates = tuple(zip(map(rate_port, self.state), self.rates, strict=True))
+        plain = self.code or Formula(self.name, inputs, (), rates, self.text)
+        plain = replace(plain, name=self.name, inputs=inputs, text=self.text)
+        return with_guards(plain) if guards else plain
 
 
 class Lag(NamedTuple):
@@ -128,6 +128,18 @@ def guarded(expr: Expr, names: Locals, memo: dict[Expr, Expr]) -> Expr:
         result = _rebuilt(expr, args)
     memo[expr] = result
     return result
+
+
+def with_guards(formula: Formula) -> Formula:
+    """``formula`` with every quotient 0 where its divisor, not of geometry alone, is: see `guarded`."""
+    names, memo = Locals(), dict[Expr, Expr]()
+    for symbol, value in formula.locals:
+        names.define(symbol.name, guarded(value, names, memo))
+    names.calls = [
+        call._replace(args=tuple(guarded(a, names, memo) for a in call.args)) for call in formula.calls
+    ]
+    outputs = [(port, guarded(value, names, memo)) for port, value in formula.outputs]
+    return names.formula(formula.name, formula.inputs, outputs, formula.text)
 
 
 def _divides(expr: Expr) -> bool:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.linear_program import Coefficient
-from wmrgen.ir.nodes import Function, Op, Role
+from wmrgen.ir.nodes import Function, Op, Role, pruned, rebuilt
 
 Monomial = tuple[tuple[int, int], ...]  # ((builder's node, power), ...) by node
 Form = dict[Monomial, Exact]  # a sum of monomials with non-zero coefficients
@@ -23,6 +23,15 @@ def geometry_only(function: Function) -> list[bool]:
     for node in function.nodes:
         early.append(node.name in names if node.op is Op.INPUT else all(early[arg] for arg in node.args))
     return early
+
+
+def unguarded(function: Function) -> Function:
+    """``function`` without what keeps divisors of geometry alone off zero: for callers who vouch for their geometry."""
+    early, builder, built = geometry_only(function), Builder(), list[int]()
+    for i, node in enumerate(function.nodes):
+        args = [built[arg] for arg in node.args]
+        built.append(args[0] if node.op is Op.AT_LEAST and early[i] else builder.again(node, args))
+    return pruned(rebuilt(function, builder.nodes, dict(enumerate(built))))
 
 
 def times(a: Monomial, b: Monomial, power: int = 1) -> Monomial:

@@ -121,7 +121,7 @@ def _reference(
 Pass = Callable[[Function], Function]
 
 BEFORE_HOIST: tuple[Pass, ...] = (
-    reduce_strength, factor, share_linear_forms, regroup_products, settle_signs,
+    reduce_strength, factor, share_linear_forms, settle_signs, regroup_products,
 )  # fmt: skip
 AFTER_HOIST: tuple[Pass, ...] = (drop_dead_code, schedule)
 

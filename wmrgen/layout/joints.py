@@ -128,7 +128,7 @@ def _positive(what: str, quantity: Quantity, scope: Scope, instead: str = _COUNT
 
 # ---- couplings: groups that turn as one, and limits that all their members keep
 
-_LIMITED = {"steer": ("steer", "steer_rate"), "spin": ("spin",)}
+_LIMITED = {"steer": ("steer", "steer_rate", "steer_acceleration"), "spin": ("spin", "spin_rate")}
 
 
 def groups(spec: RobotSpec, joint: str) -> tuple[int, ...]:

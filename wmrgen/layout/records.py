@@ -319,11 +319,12 @@ class Robot:
         return {p.name: p.working for p in self.parameters if not p.tunable}
 
     def limit(self, wheel: Wheel, quantity: str) -> Interval | None:
-        """The wheel's own limit of ``steer``, ``steer_rate`` or ``spin``, else the robot's.
+        """The wheel's own limit of ``steer``, ``steer_rate``, ``steer_acceleration``, ``spin`` or ``spin_rate``, else
+        the robot's.
 
         The robot's is a limit of commands: a joint that turns along has none but its own.
         """
-        joint = "spin" if quantity == "spin" else "steer"
+        joint = quantity.partition("_")[0]
         return wheel.limits.get(quantity) or (self.limits.get(quantity) if wheel.commands(joint) else None)
 
     def limit_of(self, name: str) -> Interval | None:

@@ -44,8 +44,16 @@ LIMITS = Section(
             "rate of a steering angle, which steer_toward keeps",
             joint="steer",
         ),
+        Field(
+            "spin_rate", Interval(Kind.ANGULAR_ACCELERATION), "acceleration of a wheel about its axle", joint="spin",
+            aliases=dict.fromkeys(("spin_acceleration", "wheel_acceleration"), ""),
+        ),
+        Field(
+            "steer_acceleration", Interval(Kind.ANGULAR_ACCELERATION), "how fast steer_rate may change", joint="steer",
+            aliases=dict.fromkeys(("steer_rate_rate", "steering_acceleration"), ""),
+        ),
     ),
-)
+)  # fmt: skip
 
 
 def _noise_of(kind: Kind, example: str) -> Section:

@@ -131,6 +131,7 @@ def bounded(entries: list[dict[str, Any]], values: np.ndarray) -> bool:
             "vx omega right.spin front_left.spin front_right.steer_rate mid.steer",
         ),
         (TWINS, "posture", "vx vy omega a.spin b.spin a.steer a.steer_rate"),
+        (CASTORS, None, "a.spin b.spin a.steer_rate b.steer_rate"),
         ("kuka_youbot", None, "vx vy omega br.spin"),
         ("textbook_tricycle", None, "vx omega"),
         ("wpilib_swervebot", None, "front_left.spin front_right.spin back_left.spin back_right.spin"),
@@ -159,9 +160,12 @@ def test_a_model_keeps_its_limits_where_the_robot_does(robot: str, form: str | N
 
 
 def test_what_a_model_has_no_variable_for_is_named() -> None:
-    """Angles of castors are no states of the twist form, so their spins are none of its limits: they are named."""
-    d = of_text(CASTORS)
-    assert d.entries()["absent_limits"] == [
+    """Angles of idle castors are no states of the twist form, so their own limits are none of its: they are named."""
+    idle = CASTORS.replace(
+        "actuated: [spin, steer]}", "actuated: [], limits: {spin: 9, steer: 1, steer_rate: 2}}"
+    )
+    entries = of_text(idle).entries("twist")
+    assert entries["absent_limits"] == [
         "a.spin",
         "b.spin",
         "a.steer",
@@ -169,9 +173,39 @@ def test_what_a_model_has_no_variable_for_is_named() -> None:
         "b.steer",
         "b.steer_rate",
     ]
-    assert d.limits() is None
-    entries = d.entries("posture")
+    entries = of_text(CASTORS).entries("posture")
     assert not entries["absent_limits"] and [e["name"] for e in entries["limits"]]
+
+
+def test_how_fast_joints_may_change_is_in_every_form() -> None:
+    """At entries of u and h; a joint that has such a limit alone is one of h, without bounds. Coupled ones share it."""
+    more = "spin_rate: 30, steer_acceleration: [-4, 5]"
+    wheels = (CAR % "").replace("steer_rate: [-2, 1.5]}", f"steer_rate: [-2, 1.5], {more}}}")
+    wheels = wheels.replace("limits: {spin: 12}", "limits: {spin: 12, spin_rate: 3}")
+    entries = of_text(wheels).entries("posture")
+    rates = {
+        e["name"]: (e["rate_lower"], e["rate_upper"])
+        for key in ("u", "limits")
+        for e in entries[key]
+        if "rate_lower" in e
+    }
+    assert rates == {
+        "left.spin": (-30, 30), "right.spin": (-30, 30), "front_left.spin": (-3, 3), "vx": (-4, 4),
+        "front_left.steer_rate": (-4, 5), "front_right.steer_rate": (-4, 5),
+    }  # fmt: skip
+    alone = of_text(wheels.replace("spin: 9, ", "").replace("spin: 12, ", "")).entries("twist")
+    spins = [e for e in alone["limits"] if e["name"].endswith(".spin")]
+    assert [e["name"] for e in spins] == ["left.spin", "right.spin", "front_left.spin"]
+    assert all(e["lower"] is None and e["rate_upper"] > 0 for e in spins)
+    robot = of_text(wheels).robot
+    limit = robot.limit_of("front_left.spin_rate")
+    assert limit is not None and (float(limit.low), float(limit.high)) == (-3, 3)
+    coupled = (
+        "couplings: [{equal: [left.spin, right.spin], ratios: [1, -2]}]\nlimits: {spin_rate: 8}\nwheels:"
+    )
+    robot = of_text((CAR % "").replace(LIMITS, "").replace("wheels:", coupled)).robot
+    low, high = ((v.low, v.high) if (v := robot.limit(w, "spin_rate")) else None for w in robot.wheels[:2])
+    assert (low, high) == ((-4, 4), (-8, 8))
 
 
 def test_how_fast_a_twist_may_change_stands_at_the_twist() -> None:

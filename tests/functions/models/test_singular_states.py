@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from math import cos, sin
 
 import casadi
@@ -11,7 +12,7 @@ import sympy
 
 from tests.functions.models.test_state_space import nominal
 from tests.ir.defined import findings
-from tests.robots import of_gallery, of_text
+from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen.backends.report.motion import regular
 
 
@@ -167,14 +168,70 @@ def test_wheels_that_turn_together_say_nothing_twice(case: str) -> None:
         assert full == all(abs(c) > 1e-12 for c in conditions)
 
 
-@pytest.mark.parametrize("name", ["tidybot2", "nomad_xr4000"])
+SWINGING = """\
+wmrgen: 1
+name: swinging
+parameters: {ahead: {value: 0.3, tunable: true}, trail: {value: -0.05, tunable: true},
+             aside: {value: 0.02, tunable: true}, zero: {value: 0.4, tunable: true}}
+limits: {spin: 20, steer_rate: 9, steer: 3}
+%s
+wheels:
+  - {name: a, type: castor, x: ahead, y: 0.2, heading: zero, d: trail, offset_y: aside, r: 0.05,
+     actuated: [spin, steer]}
+  - {name: b, type: castor, x: -0.25, y: -0.1, heading: -0.7, d: 2*ahead, r: 0.07, actuated: [spin]}
+  - {name: c, type: castor, x: 0.1, y: -0.3, heading: 2, d: 0.04, offset_y: -aside, r: 0.06, actuated: [steer]}
+  - {name: idle, type: castor, x: 0, y: 0.3, heading: 0, d: 0.03, r: 0.02, actuated: []}
+"""
+
+
+@pytest.mark.parametrize("name", ["tidybot2", "nomad_xr4000", "swinging", "together"])
 def test_driven_castors_have_a_model_without_singular_angles(name: str) -> None:
-    derivation = of_gallery(name)
+    """Their angles are states, with the rates at which contacts do not slide; their speeds and rates are limits. Of
+    castors that swing together the rate is the first one's, and `rolling` is what the others slide."""
+    together = "couplings: [{equal: [a.steer, c.steer]}]" if name == "together" else ""
+    limits = "limits: {spin: 20, steer_rate: 9, steer: 3}\n"
+    if name in ROBOTS:
+        text = ROBOTS[name].read_text(encoding="utf-8")
+        derivation = of_text(re.sub("limits:.*\n", "", text) + limits)
+    else:
+        derivation = of_text(SWINGING % together)
     space = derivation.default_state_space
-    assert space is not None and (space.form, space.singular) == ("twist", ())
-    assert derivation.system("posture").domain
-    rates = derivation.state_space()([0, 0, 0.5], [0.3, -0.2, 0.7], nominal(derivation)).full().ravel()
-    assert rates == pytest.approx([0.3 * cos(0.5) + 0.2 * sin(0.5), 0.3 * sin(0.5) - 0.2 * cos(0.5), 0.7])
+    assert space is not None and (space.form, space.singular, space.limited.absent) == ("twist", (), ())
+    robot, entries = derivation.robot, derivation.entries()
+    castors = [w for w in robot.wheels if w.actuated and (w.name, name) != ("c", "together")]
+    assert [e["name"] for e in entries["x"][3:]] == [f"{w.name}.steer" for w in castors]
+    for w, e in zip(castors, entries["x"][3:], strict=True):
+        assert (e["lower"], e["upper"]) == ((-3, 3) if "steer" in w.actuated else (None, None))
+    f, h, g, p = derivation.state_space(), derivation.limits(), derivation.rolling(), nominal(derivation)
+    assert (g is None) == (name != "together")
+    random = np.random.default_rng(5)
+    for turn in (0, np.pi / 2, -np.pi, 0.3, None):
+        angles = random.uniform(-3, 3, len(castors)) if turn is None else np.full(len(castors), turn)
+        x, u = [0, 0, 0.5, *angles], random.uniform(-1, 1, 3)
+        rates = f(x, u, p).full().ravel()
+        v, omega = complex(*u[:2]), u[2]
+        moved = v * np.exp(0.5j)
+        assert rates[:3] == pytest.approx([moved.real, moved.imag, omega])
+        limited = dict(zip([e["name"] for e in entries["limits"]], h(x, u, p).full().ravel(), strict=True))
+        bounds = {e["name"]: (e["lower"], e["upper"]) for e in entries["limits"]}
+        slides = {}
+        for w in (w for w in robot.wheels if w.actuated):
+            k = [c.name for c in castors].index("a" if (w.name, name) == ("c", "together") else w.name)
+            e = w.zero_heading * np.exp(1j * angles[k])
+            arm = float(w.nominal.d) * e + float(w.nominal.o) * 1j * e
+            contact = (v + 1j * omega * w.pivot + 1j * (omega + rates[3 + k]) * arm) / e
+            slides[f"{w.name}.slide"] = contact.imag
+            if "spin" in w.actuated:
+                assert limited[f"{w.name}.spin"] == pytest.approx(contact.real / float(w.nominal.r))
+                assert bounds[f"{w.name}.spin"] == (-20, 20)
+            if "steer" in w.actuated and w in castors:
+                assert limited[f"{w.name}.steer_rate"] == pytest.approx(rates[3 + k])
+                assert bounds[f"{w.name}.steer_rate"] == (-9, 9)
+        follows = slides.pop("c.slide") if name == "together" else 0.0
+        assert list(slides.values()) == pytest.approx([0] * len(slides), abs=1e-12)
+        if g is not None:
+            assert [e["name"] for e in entries["constraints"]] == ["c.slide"]
+            assert g(x, u, p).full().ravel() == pytest.approx([follows], abs=1e-12)
 
 
 @pytest.mark.slow

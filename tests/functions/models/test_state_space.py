@@ -267,7 +267,7 @@ def test_parameters_that_are_not_given_are_nominal() -> None:
             assert np.array_equal(function.call([[0, 0, 0], [1, 2]])[0].full(), whole)
             other = function(x=[0, 0, 0], u=[1, 2], p=[0.2, 0.1])[name].full()
             assert not np.array_equal(other, whole)
-    assert np.array_equal(free(u=[1, 2], dt=0.1)["A"].full(), fixed(u=[1, 2])["A"].full())
+    assert free(u=[1, 2], dt=0.1)["A"].full() == pytest.approx(fixed(u=[1, 2])["A"].full(), abs=1e-15)
     assert np.isnan(free(x=[0, 0, 0], u=[1, 2], p=p)["xnext"].full()).any()  # a step takes time
     swerve = of_gallery("wpilib_swervebot").state_space()
     assert np.isfinite(swerve(x=[0] * 7, u=[1] * 7)["xdot"].full()).all()
@@ -331,6 +331,17 @@ def test_a_free_exact_step_of_lags() -> None:
         after = free(x, u, [], dt)[0].full()
         assert after.ravel()[3] == pytest.approx(0.5 - 0.4 * np.exp(-dt / 0.15), abs=1e-14)
         assert np.array_equal(after, derivation.state_space("twist", "exact", dt)(x, u, [])[0].full())
+
+
+def test_the_default_of_a_robot_with_trailers_has_them() -> None:
+    """As states; in forms without them a line says so."""
+    derivation = of_gallery("car_with_trailers")
+    states = [e["name"] for e in derivation.entries()["x"]]
+    assert derivation.entries()["form"] == "trailer" and states[-2:] == ["trailer1.theta", "trailer2.theta"]
+    for form in ("posture", "twist", "eta"):
+        entries = derivation.entries(form)
+        assert all("trailer" not in e["name"] for e in entries["x"])
+        assert entries["text"].endswith("trailers are in the form trailer alone")
 
 
 def test_a_plan_that_chooses_its_time() -> None:

@@ -39,7 +39,7 @@ def model(
         Literal["posture", "configuration", "twist", "eta", "zeta", "trailer", "chained"] | None,
         option(
             "Driven speeds, all joints, twist, null-space inputs, front wheel, trailers, chained; without it twist "
-            "where two axles steer, castors are driven or wheels skid, else posture.",
+            "where two axles steer, castors are driven or wheels skid, else trailer or posture.",
         ),
     ] = None,
     discrete: Annotated[

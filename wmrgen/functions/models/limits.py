@@ -60,7 +60,8 @@ def limited(
     h = terms.locals.formula("limits", ports, outputs, text)
     bounds = {p.name: _bound(robot, p.name) for p in (*entries, *(p for p, _ in outputs))}
     bounds |= {p.name: terms.range(p.name) for p in entries if p.name.endswith((".steer", ".steer_command"))}
-    changes = {n: _bound(robot, f"{n}_rate") for n in TWIST_NAMES if f"{n}_rate" in robot.limits}
+    shown = [p.name for p in (*entries, *(p for p, _ in outputs))]
+    changes = {n: _bound(robot, rate) for n in shown if (rate := _rate_of(n)) and robot.limit_of(rate)}
     return Limited(bounds, changes, h if outputs else None, tuple(absent))
 
 
@@ -73,9 +74,23 @@ def _limits(robot: Robot) -> Iterator[tuple[Port, set[str]]]:
         wheels = [w for w in robot.wheels if (w.has_spin if joint == "spin" else w.turns)]
         for members in robot.together(joint, wheels):
             for quantity in quantities:
-                if robot.limit(members[0], quantity):
+                rate = _RATES.get(quantity)
+                if robot.limit(members[0], quantity) or (rate and robot.limit(members[0], rate)):
                     port = joint_port(members[0], quantity, Role.COMMAND)
                     yield port, {f"{w.name}.{quantity}" for w in members}
+
+
+_RATES = {
+    **{name: f"{name}_rate" for name in TWIST_NAMES},
+    "spin": "spin_rate",
+    "steer_rate": "steer_acceleration",
+}
+
+
+def _rate_of(name: str) -> str:
+    """The limit of how fast an entry may change: ``vx`` -> ``vx_rate``; "" if robot files have none."""
+    owner, dot, quantity = name.rpartition(".")
+    return f"{owner}{dot}{_RATES[quantity]}" if quantity in _RATES else ""
 
 
 def _bound(robot: Robot, name: str) -> Bound:

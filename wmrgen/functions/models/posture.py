@@ -23,8 +23,17 @@ from dataclasses import replace
 
 import sympy
 
-from wmrgen.constraints import along, heading, symbolic_view, working_view
-from wmrgen.exact.poly import Poly, at_angle, dot
+from wmrgen.constraints import (
+    along,
+    castor_rate,
+    driving_row,
+    heading,
+    steer_gens,
+    symbolic_view,
+    working_view,
+)
+from wmrgen.exact.number import ONE
+from wmrgen.exact.poly import Poly, Row, at_angle, common_powers, dot, triple
 from wmrgen.functions.models.frame import (
     ZERO,
     Frame,
@@ -35,17 +44,17 @@ from wmrgen.functions.models.frame import (
     steering_rates,
 )
 from wmrgen.functions.models.inputs import Eta, Motion, best_motion, eta_motion
-from wmrgen.functions.models.polynomials import clean, domain_of, essential, quotient
+from wmrgen.functions.models.polynomials import angles_in, clean, domain_of, essential, quotient
 from wmrgen.functions.models.tied import meeting
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.registry import function, system, underivable
-from wmrgen.functions.system import Domain, System, guarded, rate_port
-from wmrgen.kinematics.records import Formula, Locals, joint_port, substituted
+from wmrgen.functions.system import Domain, System, rate_port
+from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, substituted
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.analyse import towards
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import POSE, TWIST_NAMES, Port, Role, output
-from wmrgen.symbolic import Expr, add, expression, rotated, signal, square, subtract, times
+from wmrgen.symbolic import Expr, add, expression, rotated, signal, square, subtract
 
 _COURSE = "course"  # stands for zeta - theta
 ZETA_STATE = (
@@ -69,33 +78,7 @@ def posture_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> 
 @function("Tzafestas (2.28), (2.38), (2.46), (2.55), (2.56a); AA274")
 def posture(robot: Robot, mobility: Mobility) -> Formula:
     """State and driven speeds to the rates of the posture."""
-    motion, names = best_motion(robot, mobility), Locals()
-    model = system_of("posture", motion)
-    rates, _ = posture_rates(model, motion, names)
-    outputs = zip(map(rate_port, model.state), rates, strict=True)
-    return names.formula("posture", (*model.state, *model.inputs, *model.geometry), outputs, model.text)
-
-
-def posture_rates(
-    model: System, motion: Motion, names: Locals
-) -> tuple[tuple[Expr, ...], tuple[Expr, Expr, Expr]]:
-    """The rates of the posture model of a motion, and the twist of P in the robot frame, by named results."""
-    memo: dict[Expr, Expr] = {}
-    vx, vy, omega = (_summed(motion, i, names, memo) for i in range(3))
-    velocity = names.turned("velocity", (vx, vy), signal("theta"))
-    joints = (guarded(rate, names, memo) for rate in model.rates[3:])
-    return (*velocity, omega, *joints), (vx, vy, omega)
-
-
-def _summed(motion: Motion, i: int, names: Locals, memo: dict[Expr, Expr]) -> Expr:
-    """Component i of the twist of P, all inputs together."""
-    terms = [
-        times(expression(t[i]), signal(u.name)) for t, u in zip(motion.twists, motion.inputs, strict=True)
-    ]
-    total = add(*terms)
-    if total is sympy.S.Zero:
-        return total
-    return names.define(f"body_{TWIST_NAMES[i]}", guarded(total, names, memo))
+    return posture_system(robot, mobility).formula()
 
 
 @system("eta")
@@ -145,22 +128,91 @@ def system_of(
 ) -> System:
     """The model of a motion: x y theta, steering coordinates, castors (None: those that matter), wheel angles."""
     castors = motion.swivels if castors is None else castors
-    coordinates = motion.frame.wheels
     state = (
         *POSE,
-        *(joint_port(w, "steer", Role.STATE) for w in (*coordinates, *castors)),
+        *(joint_port(w, "steer", Role.STATE) for w in (*motion.frame.wheels, *castors)),
         *(Port(f"{w.name}.angle", Role.STATE, "rad", "angle rolled about the axle") for w in rolling),
     )
-    fields = []
-    for k, port in enumerate(motion.inputs):
-        steers = (Poly.of(int(port.name == f"{w.name}.steer_rate")) for w in coordinates)
-        swivels = (_per_input(motion, castor_row(motion.frame, w), k) for w in castors)
-        spins = (_wheel_rate(motion, w, k) for w in rolling)
-        joints = (expression(p) for p in (*steers, *swivels, *spins))
-        vx, vy, omega = motion.twists[k]
-        fields.append((*in_world((expression(vx), expression(vy), expression(omega))), *joints))
-    geometry = motion.frame.geometry
-    return System(name, motion.text, state, motion.inputs, tuple(fields), geometry, motion.domain)
+    shares = _shares(motion, castors, rolling)
+    fields = tuple(
+        (*in_world(triple(map(expression, twist))), *(expression(share[k]) for share in shares))
+        for k, twist in enumerate(motion.twists)
+    )
+    names, geometry = Locals(), motion.frame.geometry
+    outputs = zip(map(rate_port, state), posture_rates(motion, names, castors, rolling)[0], strict=True)
+    code = names.formula(name, (*state, *motion.inputs, *geometry), outputs, motion.text)
+    return System(name, motion.text, state, motion.inputs, fields, geometry, motion.domain, code)
+
+
+def posture_rates(
+    motion: Motion, names: Locals, castors: tuple[Wheel, ...], rolling: tuple[Wheel, ...] = ()
+) -> tuple[tuple[Expr, ...], tuple[Expr, Expr, Expr]]:
+    """The rates of `system_of` by way of the twist of P in the robot frame, and that twist, by named results."""
+    twist, velocity = _twist(motion, names)
+    frame, joints = motion.frame, []
+    joints += [signal_poly(f"{w.name}.steer_rate") for w in frame.wheels]
+    for w, share in zip(
+        (*castors, *rolling), _shares(motion, castors, rolling)[len(frame.wheels) :], strict=True
+    ):
+        own = Poly.sum(p * signal_poly(u.name) for p, u in zip(share, motion.inputs, strict=True))
+        swings = len(joints) < len(frame.wheels) + len(castors)
+        by_twist = castor_rate(w, frame.view(w), twist) if swings else _spin(frame, w, twist)
+        joints.append(own if len(own.terms) < 2 or by_twist is None else by_twist)
+    return (*velocity, *map(expression, (twist[2], *joints))), triple(map(expression, twist))
+
+
+def _twist(motion: Motion, names: Locals) -> tuple[Row, tuple[Expr, Expr]]:
+    """The twist of P in the robot frame, and its velocity in the world frame."""
+    sums = _sums(motion, names)
+    twist = triple(names.short(f"body_{name}", p) for name, p in zip(TWIST_NAMES, sums, strict=True))
+    for w in motion.frame.wheels:  # a velocity that keeps its direction to a steered wheel turns with it
+        c, s = steer_gens(w)
+        vx, vy, _ = sums
+        ahead, left = clean(vx * c + vy * s, vy * c - vx * s)
+        if w.name in angles_in((vx, vy)) and w.name not in angles_in((ahead, left)):
+            course = add(signal("theta"), signal(f"{w.name}.steer"))
+            return twist, names.turned("velocity", (expression(ahead), expression(left)), course)
+    return twist, names.turned("velocity", (expression(twist[0]), expression(twist[1])), signal("theta"))
+
+
+def _sums(motion: Motion, names: Locals) -> list[Poly]:
+    """The components of the twist. What an input is multiplied by in all of them, such as its wheel's radius, and other
+    inputs are not, is multiplied once."""
+    powers = [common_powers(twist) for twist in motion.twists]
+    moving = [own for own, twist in zip(powers, motion.twists, strict=True) if any(twist)]
+    sums = [Poly({})] * 3
+    for own, twist, u in zip(powers, motion.twists, motion.inputs, strict=True):
+        alone = {g: e for g, e in own.items() if e and any(g not in other for other in moving)}
+        scaled = signal_poly(u.name)
+        if alone and any(twist):
+            scale = Poly({tuple(sorted(alone.items())): ONE})
+            twist = triple(p * scale.inverse() for p in twist)
+            scaled = names.poly(f"{u.name}_scaled", expression(scale * scaled))
+        sums = [total + p * scaled for total, p in zip(sums, twist, strict=True)]
+    return sums
+
+
+def _spin(frame: Frame, w: Wheel, twist: Row) -> Poly | None:
+    """The rate about the axle under a twist; None of a wheel whose angle is no coordinate."""
+    if not has_coordinate(frame, w):
+        return None
+    g, lead = frame.view(w), frame.leader(w)
+    rim = dot(in_coordinates(frame, w, driving_row(w, g)), twist)
+    if w.kind.steers and lead is not None:
+        rim = rim - g.o * signal_poly(f"{lead.name}.steer_rate")
+    return rim * g.rolling_radius.inverse()
+
+
+def _shares(motion: Motion, castors: tuple[Wheel, ...], rolling: tuple[Wheel, ...]) -> list[list[Poly]]:
+    """Rates of steering coordinates, castors and wheel angles per unit of each input."""
+    return [
+        *(
+            [Poly.of(int(u.name == f"{w.name}.steer_rate")) for u in motion.inputs]
+            for w in motion.frame.wheels
+        ),
+        *(_per_input(motion, castor_row(motion.frame, w)) for w in castors),
+        *(_wheel_rates(motion, w) for w in rolling),
+    ]
 
 
 def in_world(twist: tuple[Expr, Expr, Expr]) -> tuple[Expr, Expr, Expr]:
@@ -170,20 +222,23 @@ def in_world(twist: tuple[Expr, Expr, Expr]) -> tuple[Expr, Expr, Expr]:
     return *rotated(sympy.cos(theta), sympy.sin(theta), vx, vy), omega
 
 
-def _wheel_rate(motion: Motion, w: Wheel, k: int) -> Poly:
-    """(rim speed - o steer_rate) / r; the steering of castors stands in their rim speed already."""
+def _wheel_rates(motion: Motion, w: Wheel) -> list[Poly]:
+    """(rim speed - o steer_rate) / r by input; the steering of castors is part of their rim speed."""
     g = motion.frame.view(w)
-    rim = _per_input(motion, rim_row(motion.frame, w), k)
+    rims = _per_input(motion, rim_row(motion.frame, w))
     if w.kind.steers and g.o:
-        name = motion.inputs[k].name.removesuffix(".steer_rate")
-        rim = rim - g.o * steering_rates(motion.frame, w).get(name, ZERO)
-    return clean(rim * g.rolling_radius.inverse())[0]
+        turns = steering_rates(motion.frame, w)
+        rims = [
+            rim - g.o * turns.get(u.name.removesuffix(".steer_rate"), ZERO)
+            for rim, u in zip(rims, motion.inputs, strict=True)
+        ]
+    return [clean(rim * g.rolling_radius.inverse())[0] for rim in rims]
 
 
-def _per_input(motion: Motion, row: Eta, k: int) -> Poly:
-    """row . eta for one input."""
-    above = Poly.sum(p * e for p, e in zip(row, motion.etas[k], strict=True))
-    return quotient(clean(above)[0], motion.divisor)
+def _per_input(motion: Motion, row: Eta) -> list[Poly]:
+    """row . eta for each input."""
+    above = (Poly.sum(p * e for p, e in zip(row, eta, strict=True)) for eta in motion.etas)
+    return [quotient(clean(p)[0], motion.divisor) for p in above]
 
 
 @system("zeta")

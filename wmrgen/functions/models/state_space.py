@@ -48,14 +48,12 @@ class StateSpace(NamedTuple):
 
 def default_form(robot: Robot, mobility: Mobility) -> str:
     """Twist inputs, which are regular in every motion, where two axles or more steer, castors are driven or parallel
-    wheels slide whatever the robot does; else driven speeds (`posture`)."""
+    wheels slide whatever the robot does; else driven speeds: `trailer` for a robot with trailers, or `posture`."""
     castors = any(w.kind.swivels and w.actuated for w in robot.wheels)
     several = mobility.degree_of_steerability > 1 or mobility.degenerate or castors
-    return (
-        "twist"
-        if several and parallel([w.zero_heading for w in robot.wheels if w.kind.fixed_axle])
-        else "posture"
-    )
+    if several and parallel([w.zero_heading for w in robot.wheels if w.kind.fixed_axle]):
+        return "twist"
+    return "trailer" if robot.trailers else "posture"
 
 
 def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> StateSpace:
@@ -69,6 +67,7 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
     limits, at_once = limited(robot, mobility, form, system, following), _at_once(robot, following)
     text = of_commands(system.text, following)
     text += f"; it leaves out the lag of {listed(at_once)}" if at_once else ""
+    text += "; trailers are in the form trailer alone" if robot.trailers and form != "trailer" else ""
     never = [name for name, (low, high) in limits.bounds.items() if low > high]
     text += f"; no {listed(never)} keeps the limits of all wheels that follow" if never else ""
     return StateSpace(

@@ -2,73 +2,118 @@
 
 Robots that steer two axles or more have no chart of steering coordinates that covers turning on the spot and driving
 sideways alike. Here the angles of the modules are states, their rates and the twist are inputs, and rolling is a
-constraint g(x, u) = 0: that no steered wheel slides. Where fixed wheels leave a sideways velocity, it follows from the
-others; where they leave none that people drive with (skid-steer), it is the one of least sliding.
+constraint g(x, u) = 0: that no steered wheel slides. The angles of driven castors are states, too. Their rates follow
+from the twist, d steer' = -(sliding row) . xi, which no angle makes singular; wheel speeds and steering rates are
+limits h(x, u). Where fixed wheels leave a sideways velocity, it follows from the others; where they leave none that
+people drive with (skid-steer), it is the one of least sliding.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import sympy
 
-from wmrgen.constraints import View, sliding_row, symbolic_view, working_view
+from wmrgen.constraints import View, heading, sliding_row, symbolic_view, working_view
+from wmrgen.exact.poly import triple
 from wmrgen.functions.models.posture import in_world
 from wmrgen.functions.models.tied import meeting, only_straight, tied
 from wmrgen.functions.registry import system, underivable
-from wmrgen.functions.system import System
+from wmrgen.functions.system import System, rate_port
 from wmrgen.kinematics.records import Formula, Locals, joint_port, parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.layout.skid import no_track, parallel
 from wmrgen.mobility.basis import led
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, TWIST, Port, Role, output
-from wmrgen.symbolic import Expr, add, expression, over, signal, square, times
+from wmrgen.ports import POSE, TWIST, TWIST_NAMES, Port, Role, output
+from wmrgen.symbolic import Expr, add, expression, over, signal, square, subtract, times
 
 Column = tuple[Expr, Expr, Expr]
 
 
 @system("twist")
 def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
-    """State x y theta and the angles of steered wheels; inputs the components of the twist that fixed wheels leave, and
-    steering rates. NotDerivableError where fixed wheels point in different directions."""
+    """State x y theta and the angles of steered wheels and driven castors; inputs the components of the twist that
+    fixed wheels leave, and steering rates. NotDerivableError where fixed wheels point in different directions."""
     view = symbolic_view if symbolic else working_view
     inputs, columns = _free(robot, mobility, view)
-    steered = _steered(robot)
+    steered, castors = _steered(robot), _driven_castors(robot)
     still = (sympy.S.Zero,) * len(steered)
-    turns = ((*(sympy.S.Zero,) * 3, *still[:k], sympy.S.One, *still[k + 1 :]) for k in range(len(steered)))
+    turns = (
+        (*(sympy.S.Zero,) * 3, *still[:k], sympy.S.One, *still[k + 1 :], *(sympy.S.Zero,) * len(castors))
+        for k in range(len(steered))
+    )
+    swings = [[_swing_rate(robot, w, view, column) for w in castors] for column in columns]
+    state = (*POSE, *(joint_port(w, "steer", Role.STATE) for w in (*steered, *castors)))
+    rates = tuple(joint_port(w, "steer_rate", Role.COMMAND) for w in steered)
+    geometry = parameter_ports(robot) if symbolic else tunable_ports(robot)
+    text = f"model in twist inputs{_condition(robot, mobility)}"
+    names = Locals()
+    twist = _named_twist(inputs, columns, names)
+    velocity = names.turned("velocity", twist[:2], signal("theta"))
+    swung = (_swing_rate(robot, w, view, twist) for w in castors)
+    values = (*velocity, twist[2], *(signal(port.name) for port in rates), *swung)
+    outputs = zip(map(rate_port, state), values, strict=True)
     return System(
         "twist",
-        f"model in twist inputs{_condition(robot, mobility)}",
-        (*POSE, *(joint_port(w, "steer", Role.STATE) for w in steered)),
-        (*inputs, *(joint_port(w, "steer_rate", Role.COMMAND) for w in steered)),
-        (*((*in_world(column), *still) for column in columns), *turns),
-        parameter_ports(robot) if symbolic else tunable_ports(robot),
+        text,
+        state,
+        (*inputs, *rates),
+        (*((*in_world(c), *still, *swing) for c, swing in zip(columns, swings, strict=True)), *turns),
+        geometry,
         meeting(robot, view),
+        names.formula("twist", (*state, *inputs, *rates, *geometry), outputs, text),
     )
+
+
+def _named_twist(inputs: Sequence[Port], columns: Sequence[Column], names: Locals) -> Column:
+    """The twist of P, robot frame: inputs themselves, or by name what follows from them."""
+    sums = (
+        add(*(times(column[i], signal(u.name)) for column, u in zip(columns, inputs, strict=True)))
+        for i in range(3)
+    )
+    return triple(
+        names.define(f"body_{name}", e) if e.args else e for name, e in zip(TWIST_NAMES, sums, strict=True)
+    )
+
+
+def _swing(robot: Robot, w: Wheel, view: View, twist: Column) -> Expr:
+    """d times the steering rate at which the contact of a castor does not slide: -(sliding row) . xi, the velocity of
+    the point at d of its pivot along its axle (Siegwart (3.18)). No angle makes it singular."""
+    g, (vx, vy, omega) = view(w), twist
+    (c, s), (x, y) = (expression(led(robot, p)) for p in heading(w, g)), (expression(g.x), expression(g.y))
+    ahead, left = subtract(vx, times(y, omega)), add(vy, times(x, omega))
+    return subtract(times(s, ahead), add(times(c, left), times(expression(g.d), omega)))
 
 
 def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
-    """g(x, u): by how much steered wheels slide [m/s] (Siegwart (3.16)) under state and inputs of `twist_system`; None
-    where nothing steers. Of wheels that turn together as many as say all, see `tied`: one and the yaw rate, or two."""
+    """g(x, u): by how much wheels slide [m/s] (Siegwart (3.16)) under state and inputs of `twist_system`; None where
+    none can. Of steered wheels that turn together as many as say all, see `tied`: one and the yaw rate, or two. Of
+    driven castors that swing together all but the first, whose rate is that of all."""
     sets, straight = tied(robot), only_straight(robot)
-    if not sets:
+    swinging = [members for members in robot.together("steer", _swiveling(robot)) if len(members) > 1]
+    if not sets and not swinging:
         return None
     system, (inputs, columns) = twist_system(robot, mobility), _free(robot, mobility, working_view)
+    names = Locals()
+    twist = _named_twist(inputs, columns, names)
     outputs = []
     for w in (w for members in sets for w in members[: 1 if straight else 2]):
         row = [expression(led(robot, p)) for p in sliding_row(w, working_view(w)).row]
-        terms = (
-            times(add(*map(times, row, column)), signal(port.name))
-            for port, column in zip(inputs, columns, strict=True)
-        )
-        outputs.append(
-            (output(f"{w.name}.slide", "m/s", "velocity of the contact along the axle"), add(*terms))
-        )
-    if straight:
+        outputs.append((_slide_port(w), add(*map(times, row, twist))))
+    for first, *others in swinging:
+        rate = _swing_rate(robot, first, working_view, twist)
+        for w in others:
+            swing = _swing(robot, w, working_view, twist)
+            outputs.append((_slide_port(w), subtract(times(expression(working_view(w).d), rate), swing)))
+    if sets and straight:
         outputs.append((TWIST[2], signal(TWIST[2].name)))
     ports = (*system.state, *system.inputs, *system.geometry)
-    return Locals().formula(
-        "sliding", ports, outputs, "velocity at which each steered wheel slides, 0 where it rolls"
-    )
+    return names.formula("sliding", ports, outputs, "velocity at which each wheel slides, 0 where it rolls")
+
+
+def _slide_port(w: Wheel) -> Port:
+    return output(f"{w.name}.slide", "m/s", "velocity of the contact along the axle")
 
 
 def goes_straight(mobility: Mobility) -> bool:
@@ -84,6 +129,22 @@ def where_it_slides(mobility: Mobility) -> str:
 def _steered(robot: Robot) -> list[Wheel]:
     """The first of each set of steered wheels that turn together."""
     return [w for w in robot.wheels if w.kind.steers and robot.steer_group[w.index] == w.index]
+
+
+def _swing_rate(robot: Robot, w: Wheel, view: View, twist: Column) -> Expr:
+    """The steering rate of a castor [rad/s]."""
+    return over(_swing(robot, w, view, twist), expression(view(w).d))
+
+
+def _swiveling(robot: Robot) -> list[Wheel]:
+    """Castors of sets that swing together, one of which at least is driven: their speeds depend on their angles."""
+    groups = {robot.steer_group[w.index] for w in robot.wheels if w.kind.swivels and w.actuated}
+    return [w for w in robot.wheels if robot.steer_group[w.index] in groups]
+
+
+def _driven_castors(robot: Robot) -> list[Wheel]:
+    """The first of each such set."""
+    return [members[0] for members in robot.together("steer", _swiveling(robot))]
 
 
 def _condition(robot: Robot, mobility: Mobility) -> str:

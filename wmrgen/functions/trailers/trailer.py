@@ -35,7 +35,7 @@ from wmrgen.functions.models.polynomials import whole, without_lengths
 from wmrgen.functions.models.posture import posture_rates, system_of
 from wmrgen.functions.models.vector_fields import to_poly
 from wmrgen.functions.registry import function, system, underivable
-from wmrgen.functions.system import Domain, System, rate_port
+from wmrgen.functions.system import Domain, System, rate_port, with_guards
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Length, Robot, Trailer
 from wmrgen.mobility.records import Mobility
@@ -107,6 +107,8 @@ def convoy(motion: Motion, axle: Axle, twist: Sequence[Expr], names: Locals | No
             x, y = axle.coupling(hitch)
             coupling = subtract(vx, times(y, omega)), add(vy, times(x, omega))
         angle = hitch_angle(motion.robot, i)
+        if names is not None and coupling[1].args:
+            coupling = coupling[0], names.define(f"{t.name}.across", coupling[1])
         if names is None:
             speed, across = rotated(sympy.cos(angle), sympy.sin(angle), *coupling)
         else:
@@ -158,13 +160,18 @@ def towing_system(motion: Motion, mobility: Mobility) -> System:
         convoy(motion, axle or THROUGH_P, [expression(p) for p in twist], None) for twist in motion.twists
     ]
     posture = system_of("trailer", motion)
+    state, names = (*posture.state, *state_ports(trailers)), Locals()
+    rates, twist = posture_rates(motion, names, motion.swivels)
+    rates = (*rates, *(a.turn for a in convoy(motion, axle or THROUGH_P, twist, names)))
+    outputs = zip(map(rate_port, state), rates, strict=True)
     return posture._replace(
         text=f"body and {len(trailers)} trailer{'' if len(trailers) == 1 else 's'}: {motion.text}",
-        state=(*posture.state, *state_ports(trailers)),
+        state=state,
         fields=tuple(
             (*field, *(a.turn for a in chain)) for field, chain in zip(posture.fields, convoys, strict=True)
         ),
         domain=(*posture.domain, *_jackknives(motion, axle is not None, convoys)),
+        code=names.formula("trailer", (*state, *motion.inputs, *posture.geometry), outputs, motion.text),
     )
 
 
@@ -200,20 +207,18 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
     require_trailers(robot, mobility)
     motion = best_motion(robot, mobility)
     axle = leading_axle(robot, mobility, motion.frame.view)
-    names = Locals()
-    posture = system_of("posture", motion)
-    rates, twist = posture_rates(posture, motion, names)
+    model, names = towing_system(motion, mobility), Locals()
+    rates, twist = posture_rates(motion, names, motion.swivels)
     axles = convoy(motion, axle, twist, names)
-    headings = state_ports(robot.trailers)
     rates = (*rates, *(a.turn for a in axles))
-    outputs = [(rate_port(p), e) for p, e in zip((*posture.state, *headings), rates, strict=True)]
+    outputs = [(rate_port(p), e) for p, e in zip(model.state, rates, strict=True)]
     speed = "speed of the trailer's axle; 0 when jack-knifed"
     outputs += [
         (output(f"{t.name}.speed", "m/s", speed), a.speed) for t, a in zip(robot.trailers, axles, strict=True)
     ]
-    inputs = (*posture.state, *headings, *motion.inputs, *tunable_ports(robot))
+    inputs = (*model.state, *model.inputs, *model.geometry)
     text = f"rates of a body with trailers (one is jack-knifed where its speed is 0): {motion.text}"
-    return names.formula("trailer", inputs, outputs, text)
+    return with_guards(names.formula("trailer", inputs, outputs, text))
 
 
 # ---- where trailers stand

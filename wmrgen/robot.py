@@ -29,6 +29,7 @@ from wmrgen.mobility.analyse import driving
 from wmrgen.model_json import model
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.program import (
+    WITHOUT_SLIP,
     Program,
     asked,
     for_c,
@@ -238,7 +239,16 @@ class Derivation(Analysis):
     @cached_property
     def module(self) -> Module:
         """The functions with every output of the contract, optimised, kernels in operations."""
-        return inlined_calls(select(self._kept_whole, {f.name: f.name for f in self.program.formulas}))
+        return self._in_operations_of({f.name: f.name for f in self.program.formulas})
+
+    @cached_property
+    def array_module(self) -> Module:
+        """`module`, and its `forward` and `inverse` without slip: `forward_twist` and `inverse_joints`."""
+        names = [name for f in self.program.formulas for name in (f.name, WITHOUT_SLIP.get(f.name)) if name]
+        return self._in_operations_of({name: name for name in names})
+
+    def _in_operations_of(self, names: dict[str, str]) -> Module:
+        return inlined_calls(select(self._kept_whole, names))
 
     @cached_property
     def c_module(self) -> Module:
@@ -278,7 +288,7 @@ class Derivation(Analysis):
 
     def numpy(self) -> Any:
         """The functions, vectorised over NumPy arrays, and the state space over their last axis."""
-        return BACKENDS["numpy"].offers("functions")(self.module, self.vector_forms)
+        return BACKENDS["arrays"].offers("functions")(self.array_module, self.vector_forms)
 
     def _repr_latex_(self) -> str:
         from wmrgen.printing import Latex

@@ -68,7 +68,7 @@ class Textbook:
 
     def numpy(self) -> Any:
         """The functions, vectorised over NumPy arrays."""
-        from wmrgen.backends.numpy import functions
+        from wmrgen.backends.arrays import functions
 
         return functions(self.module)
 

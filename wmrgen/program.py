@@ -120,6 +120,8 @@ def optimised(module: Module, meaning: Module) -> Module:
     return replace(whole, functions=(*whole.functions, *parts))
 
 
+# Functions that also exist without their output slip, and what those are called in Python.
+WITHOUT_SLIP = {"forward": "forward_twist", "inverse": "inverse_joints"}
 _IN_C = {
     "forward": {"forward_twist": "forward", "forward_residual": "forward_slip"},
     "inverse": {"inverse_joints": "inverse", "inverse_residual": "inverse_slip"},

@@ -31,6 +31,7 @@ from wmrgen.model_json import model
 from wmrgen.needs import with_needs
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.program import (
+    WITHOUT_SLIP,
     Program,
     asked,
     for_c,
@@ -256,7 +257,16 @@ class Derivation(Analysis):
     @cached_property
     def module(self) -> Module:
         """The functions with every output of the contract, optimised, kernels in operations."""
-        return inlined_calls(select(self._kept_whole, {f.name: f.name for f in self.program.formulas}))
+        return self._in_operations_of({f.name: f.name for f in self.program.formulas})
+
+    @cached_property
+    def array_module(self) -> Module:
+        """`module`, and its `forward` and `inverse` without slip: `forward_twist` and `inverse_joints`."""
+        names = [name for f in self.program.formulas for name in (f.name, WITHOUT_SLIP.get(f.name)) if name]
+        return self._in_operations_of({name: name for name in names})
+
+    def _in_operations_of(self, names: dict[str, str]) -> Module:
+        return inlined_calls(select(self._kept_whole, names))
 
     @cached_property
     def c_module(self) -> Module:
@@ -298,7 +308,9 @@ class Derivation(Analysis):
 
     def numpy(self) -> SimpleNamespace:
         """The functions, vectorised over NumPy arrays, and the state space over their last axis."""
-        functions: SimpleNamespace = BACKENDS["numpy"].offers("functions")(self.module, self.vector_forms)
+        functions: SimpleNamespace = BACKENDS["arrays"].offers("functions")(
+            self.array_module, self.vector_forms
+        )
         return functions
 
     def __repr__(self) -> str:

@@ -46,9 +46,9 @@ def test_derive_writes_its_files(wmrgen_cli: Cli, robot_file: Path, tmp_path: Pa
     assert wmrgen_cli("check", robot_file, "-o", tmp_path / "out").code == 1
 
 
-def test_it_needs_the_operations_that_have_a_text_for_numpy() -> None:
+def test_it_needs_the_operations_that_have_a_text_for_arrays() -> None:
     """As docs/ARCHITECTURE.md says."""
-    assert set(FORMS) == {op for op in OPERATIONS.values() if op.numpy and not op.infix}
+    assert set(FORMS) == {op for op in OPERATIONS.values() if op.arrays and not op.infix}
 
 
 @pytest.mark.usefixtures("lua")
@@ -101,7 +101,7 @@ def test_an_unknown_word_lists_the_backends(wmrgen_cli: Cli, robot_file: Path) -
         Entry("c99", "other", "module", "other"),
         Entry("other", "other", "module", "c"),
         Entry("other", "other", "module", "exact"),
-        Entry("other", "other", "module", "other", files=ENTRY.files + BACKENDS["numpy"].files),
+        Entry("other", "other", "module", "other", files=ENTRY.files + BACKENDS["arrays"].files),
     ],
 )
 def test_what_is_taken_is_refused(entry: Entry) -> None:

@@ -17,7 +17,7 @@ from tests.c.harness import COMPILERS, STRICT, Program
 from tests.ir.common import optimised, verify_function
 from tests.ir.defined import RULES, Fact, facts, findings
 from tests.tools import need
-from wmrgen.backends import casadi, numpy, rust
+from wmrgen.backends import arrays, casadi, rust
 from wmrgen.backends.registry import Facts
 from wmrgen.backends.rust.emit import library
 from wmrgen.backends.rust.functions import unit
@@ -60,7 +60,7 @@ def excess() -> Iterator[Op]:
     yield Op(
         "excess", 2, lambda a, b: a - b if b < a else a - a, rounds=True,
         many=lambda a, b: np.maximum(a - b, 0.0), cost="additions",
-        c="fdim{f}({0}, {1})", includes=("<math.h>",), numpy="np.maximum({0} - {1}, 0.0)",
+        c="fdim{f}({0}, {1})", includes=("<math.h>",), arrays="xp.maximum({0} - {1}, 0.0)",
         casadi=lambda ca, a, b: ca.fmax(a - b, 0),
         interval=excess_range, slopes=excess_slopes,
     )  # fmt: skip
@@ -205,15 +205,15 @@ def test_rust_declares_it_and_has_the_bits_of_the_interpreter(excess: Op) -> Non
     assert rust.evaluate(module, [("rates", p) for p in points()], **DEFAULT.words()) == expectation
 
 
-def test_numpy_and_casadi_compute_it(excess: Op) -> None:
+def test_arrays_and_casadi_compute_it(excess: Op) -> None:
     module = optimise((made(excess),), "outside")
     expectation = [evaluate(module.functions[0], p, FLOAT64) for p in points()]
     requests = [("rates", p) for p in points()]
-    assert numpy.evaluate(module, requests) == expectation
+    assert arrays.evaluate(module, requests) == expectation
     for result, wanted in zip(casadi.evaluate(module, requests), expectation, strict=True):
         assert result == pytest.approx(wanted, rel=1e-15, abs=1e-300)
-    source = numpy.emit(module, Facts())["outside.py"].decode()
-    assert source.count("np.maximum(") == 3
+    source = arrays.emit(module, Facts())["outside.py"].decode()
+    assert source.count("xp.maximum(") == 3
 
 
 def test_a_name_stands_for_one_operation(excess: Op) -> None:

@@ -23,7 +23,7 @@ from wmrgen.backends.registry import BACKENDS
 # stages to readers stands right of the facade.
 ROOMS = (
     "errors shipped exact ports notation artifacts compiler render"
-    " ir selftest interface loop backends backends/registry backends/c99 backends/casadi backends/numpy"
+    " ir selftest interface loop backends backends/registry backends/c99 backends/casadi backends/arrays"
     " backends/rust backends/javascript backends/packages"
     " wheels spec layout importing constraints symbolic printing mobility kinematics"
     " functions functions/models functions/trailers functions/motion"

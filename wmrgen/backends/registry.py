@@ -95,12 +95,12 @@ class Files(NamedTuple):
 class Entry(NamedTuple):
     """A backend.
 
-    ``module`` is its import path; ``source`` the attribute of Derivation that it reads: ``module``, ``c_module``, or
-    ``itself`` (a backend for readers). ``word``: what `wmrgen eval --backend` calls it; nothing where it computes
-    nothing. ``files``: what it writes. ``reserved``: words that its language keeps. ``options``: of what `derive` and
-    `eval` let the user choose, the names that it takes; ``switches``: the same of `derive` alone. ``proved``: the
-    proofs are about its code, and it writes them down. ``package``: it writes only where `derive --package` asks for
-    it.
+    ``module`` is its import path; ``source`` the attribute of Derivation that it reads: ``module``, ``array_module``,
+    ``c_module``, or ``itself`` (a backend for readers). ``word``: what `wmrgen eval --backend` calls it; nothing where
+    it computes nothing. ``files``: what it writes. ``reserved``: words that its language keeps. ``options``: of what
+    `derive` and `eval` let the user choose, the names that it takes; ``switches``: the same of `derive` alone.
+    ``proved``: the proofs are about its code, and it writes them down. ``package``: it writes only where
+    `derive --package` asks for it.
     """
 
     name: str
@@ -193,8 +193,8 @@ for _entry in (
         reserved=(C, C_LIBRARY), options=("scalar", "math", "target"), switches=("fuzz",), proved=True,
     ),
     Entry(
-        "numpy", "wmrgen.backends.numpy", "module", "numpy",
-        files=(Files(("{robot}.py",), "the functions for NumPy, over arrays of samples"),),
+        "arrays", "wmrgen.backends.arrays", "array_module", "numpy",
+        files=(Files(("{robot}.py",), "the functions for NumPy, JAX, PyTorch and CuPy, over arrays of samples"),),
         reserved=(PYTHON,),
     ),
     Entry(

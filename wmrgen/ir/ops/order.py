@@ -25,7 +25,7 @@ def _size(w: Walk, i: int, a: int) -> Value:
 
 Op.ABS = Op(
     "abs", 1, abs, many=np.abs, parity=1, cost="signs",
-    c="fabs{f}({0})", rust="wmrgen_abs({0})", javascript="Math.abs({0})", includes=("<math.h>",), numpy="np.abs({0})",
+    c="fabs{f}({0})", rust="wmrgen_abs({0})", javascript="Math.abs({0})", includes=("<math.h>",), arrays="xp.abs({0})",
     casadi="OP_FABS",
     interval=iv.absolute, lemma=_size,
     running=lambda unit, a: Bounded(np.abs(a.value), a.error),
@@ -64,14 +64,14 @@ Op.MIN = Op(
     "min", 2, lambda a, b: a if a < b else b, many=np.minimum, commutative=True, cost="comparisons",
     # fminf would be a library call on most targets, and leaves the sign of zero open.
     c=Conditional("({0} < {1}) ? {0} : {1}"), rust=Conditional("if {0} < {1} {{ {0} }} else {{ {1} }}"),
-    numpy="np.minimum({0}, {1})", casadi="OP_FMIN",
+    arrays="_minimum(xp, {0}, {1})", casadi="OP_FMIN",
     interval=iv.smaller, lemma=_smaller,
     running=lambda unit, a, b: _extreme_error(a, b, np.where(a.value < b.value, a.value, b.value)),
 )  # fmt: skip
 Op.MAX = Op(
     "max", 2, lambda a, b: b if a < b else a, many=np.maximum, commutative=True, cost="comparisons",
     c=Conditional("({0} < {1}) ? {1} : {0}"), rust=Conditional("if {0} < {1} {{ {1} }} else {{ {0} }}"),
-    numpy="np.maximum({0}, {1})", casadi="OP_FMAX",
+    arrays="_maximum(xp, {0}, {1})", casadi="OP_FMAX",
     interval=iv.larger, lemma=_larger,
     running=lambda unit, a, b: _extreme_error(a, b, np.where(b.value < a.value, a.value, b.value)),
 )  # fmt: skip
@@ -134,7 +134,7 @@ Op.SELECT = Op(
     "select", 4, lambda a, b, x, y: x if a < b else y, many=lambda a, b, x, y: np.where(a < b, x, y),
     cost="comparisons",
     c=Conditional("({0} < {1}) ? {2} : {3}"), rust=Conditional("if {0} < {1} {{ {2} }} else {{ {3} }}"),
-    numpy=Conditional("np.where({0} < {1}, {2}, {3})"), casadi=_casadi_choice,
+    arrays=Conditional("_select(xp, {0}, {1}, {2}, {3})"), casadi=_casadi_choice,
     interval=iv.chosen, lemma=_choice, running=_choice_error,
 )  # fmt: skip
 
@@ -172,7 +172,7 @@ Op.CLAMP = Op(
     "clamp", 2, lambda a, m: m if m < a else -m if a < -m else a, _clamped,
     many=lambda a, m: np.clip(a, -m, m), cost="comparisons",
     c="wmrgen_clamp({0}, {1})", javascript="_clamp({0}, {1})", includes=("<stdint.h>",),
-    numpy="np.clip({0}, -{1}, {1})", casadi=_casadi_clamp,
+    arrays="_clamp(xp, {0}, {1})", casadi=_casadi_clamp,
     interval=_clamped_range, lemma=_clamp, running=_clamp_error,
 )  # fmt: skip
 
@@ -199,7 +199,7 @@ Op.WITH_SIGN_OF = Op(
     many=lambda a, b: np.where(np.signbit(b), -a, a), cost="signs",
     c="wmrgen_with_sign_of({0}, {1})", javascript=Conditional("_is_negative({1}) ? -({0}) : {0}"),
     includes=("<stdint.h>",),
-    numpy=Conditional("np.where(np.signbit({1}), np.negative({0}), {0})"), casadi=_casadi_with_sign,
+    arrays=Conditional("_with_sign_of(xp, {0}, {1})"), casadi=_casadi_with_sign,
     interval=iv.either_sign, lemma=_with_sign, running=_with_sign_error,
 )  # fmt: skip
 
@@ -235,6 +235,6 @@ Op.AT_LEAST = Op(
     lambda a, m: math.copysign(m, a) if abs(a) < m else a,
     many=lambda a, m: np.where(np.abs(a) < m, np.copysign(m, a), a), cost="comparisons",
     c="wmrgen_at_least({0}, {1})", javascript="_at_least({0}, {1})", includes=("<stdint.h>",),
-    numpy=Conditional("np.where(np.abs({0}) < {1}, np.copysign({1}, {0}), {0})"), casadi=_casadi_at_least,
+    arrays=Conditional("_at_least(xp, {0}, {1})"), casadi=_casadi_at_least,
     interval=_at_least_range, lemma=_at_least, running=_at_least_error,
 )  # fmt: skip

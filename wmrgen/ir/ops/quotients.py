@@ -107,7 +107,7 @@ def _casadi_root(ca: Any, x: Any) -> Any:
 Op.SQRT = Op(
     "sqrt", 1, _exact_root, lambda a: math.sqrt(a) if a >= 0 else math.nan, rounds=True, many=np.sqrt,
     opaque=True, modular=False, fold=exact_sqrt, cost="roots",
-    c="sqrt{f}({0})", includes=("<math.h>",), numpy="np.sqrt({0})", casadi=_casadi_root,
+    c="sqrt{f}({0})", includes=("<math.h>",), arrays="_sqrt(xp, {0})", casadi=_casadi_root,
     interval=iv.root, lemma=_root, running=_root_error,
 )  # fmt: skip
 Op.ISQRT = Op(

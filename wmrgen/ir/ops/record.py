@@ -37,11 +37,12 @@ class Op:
     is odd where ``parity`` is -1, even where it is 1, and true where ``fold`` gives a value: what builders make of
     constants.
 
-    Text. ``infix`` is the sign of an operator that all languages have. ``c`` and ``numpy`` are formats over the
-    arguments by position, ``{f}`` the suffix of C's float functions; ``includes`` the headers that this takes. ``rust``
-    is what Rust writes where it is not what C writes, as a call is; ``javascript`` the same, where C's functions are
-    members of Math. ``casadi`` is the name of one of CasADi's operations, or a function of the module and the
-    arguments.
+    Text. ``infix`` is the sign of an operator that all languages have. ``c`` and ``arrays`` are formats over the
+    arguments by position. ``{f}`` is the suffix of C's float functions, ``xp`` the array namespace of the arguments
+    (https://data-apis.org/array-api); functions of arrays with ``_`` in front are defined in templates/arrays.
+    ``includes`` the headers that C's text takes. ``rust`` is what Rust writes where it is not what C writes, as a call
+    is; ``javascript`` the same, where C's functions are members of Math. ``casadi`` is the name of one of CasADi's
+    operations, or a function of the module and the arguments.
 
     Bounds. ``interval`` encloses the results of intervals, ``slopes`` the derivatives in each argument. ``lemma`` says
     what a walk over boxes records, see `wmrgen.ir.ops.analysis.Value`; ``running`` the error of one value per point.
@@ -66,7 +67,7 @@ class Op:
     rust: str = ""
     javascript: str = ""
     includes: tuple[str, ...] = ()
-    numpy: str = ""
+    arrays: str = ""
     casadi: str | Rule = ""
     cost: str = ""  # a field of `wmrgen.ir.nodes.Cost`
     interval: Rule | None = None

@@ -104,7 +104,7 @@ Op.ROUNDING_ERROR = Op(
     "rounding_error", 2, lambda a, b: a - a, _two_sum, lambda a, b: _two_sum(a, b, nearest_float32),
     many=lambda a, b: (a - ((a + b) - ((a + b) - a))) + (b - ((a + b) - a)), opaque=True, rounds=True, cost="additions",
     javascript="_rounding_error({0}, {1})",
-    numpy="(({0} - (({0} + {1}) - (({0} + {1}) - {0}))) + ({1} - (({0} + {1}) - {0})))",
+    arrays="(({0} - (({0} + {1}) - (({0} + {1}) - {0}))) + ({1} - (({0} + {1}) - {0})))",
     casadi=lambda ca, a, b: ca.SX(0.0),
     interval=_error_within, lemma=_error_of_sum, running=_error_of_sums,
 )  # fmt: skip

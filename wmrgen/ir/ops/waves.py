@@ -84,7 +84,7 @@ Op.SIN = Op(
     "sin", 1, lambda a: _exactly("mpf_sin", a) if a else ZERO,
     lambda a: math.sin(a) if math.isfinite(a) else math.nan, rounds=True, many=np.sin,
     opaque=True, parity=-1, fold=lambda a: None if a else ZERO, cost="sines", ulps=1.0,
-    c="sin{f}({0})", includes=("<math.h>",), numpy="np.sin({0})", casadi="OP_SIN",
+    c="sin{f}({0})", includes=("<math.h>",), arrays="xp.sin({0})", casadi="OP_SIN",
     interval=iv.sine, lemma=_sine,
     running=lambda unit, a: _wave_error(unit, a, np.sin(a.value), np.cos(a.value)),
 )  # fmt: skip
@@ -92,7 +92,7 @@ Op.COS = Op(
     "cos", 1, lambda a: _exactly("mpf_cos", a) if a else ONE,
     lambda a: math.cos(a) if math.isfinite(a) else math.nan, rounds=True, many=np.cos,
     opaque=True, parity=1, fold=lambda a: None if a else ONE, cost="sines", ulps=1.0,
-    c="cos{f}({0})", includes=("<math.h>",), numpy="np.cos({0})", casadi="OP_COS",
+    c="cos{f}({0})", includes=("<math.h>",), arrays="xp.cos({0})", casadi="OP_COS",
     interval=iv.cosine, lemma=_cosine,
     running=lambda unit, a: _wave_error(unit, a, np.cos(a.value), np.sin(a.value)),
 )  # fmt: skip
@@ -122,7 +122,7 @@ def _slope_error(unit: Array, a: Bounded) -> Bounded:
 Op.ATAN = Op(
     "atan", 1, lambda a: _exactly("mpf_atan", a) if a else ZERO, math.atan, rounds=True, many=np.arctan,
     opaque=True, parity=-1, fold=lambda a: None if a else ZERO, cost="arctangents", ulps=1.0,
-    c="atan{f}({0})", includes=("<math.h>",), numpy="np.arctan({0})", casadi="OP_ATAN",
+    c="atan{f}({0})", includes=("<math.h>",), arrays="xp.atan({0})", casadi="OP_ATAN",
     interval=iv.slope_angle, lemma=_slope, running=_slope_error,
 )  # fmt: skip
 Op.IATAN = Op(
@@ -183,7 +183,7 @@ def _casadi_direction(ca: Any, y: Any, x: Any) -> Any:
 Op.ATAN2 = Op(
     "atan2", 2, _exact_direction, math.atan2, rounds=True, many=np.arctan2,
     opaque=True, fold=lambda y, x: ZERO if not y and x.sign >= 0 else None, cost="arctangents", ulps=2.0,
-    c="atan2{f}({0}, {1})", includes=("<math.h>",), numpy="np.arctan2({0}, {1})", casadi=_casadi_direction,
+    c="atan2{f}({0}, {1})", includes=("<math.h>",), arrays="_atan2(xp, {0}, {1})", casadi=_casadi_direction,
     interval=iv.arctangent, lemma=_direction,
     running=_direction_error,
 )  # fmt: skip

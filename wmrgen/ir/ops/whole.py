@@ -39,7 +39,7 @@ Op.RINT = Op(
     "rint", 1, lambda a: Exact(round(a.rational())),
     lambda a: float(round(a)) if abs(a) < 2.0**52 else a, many=np.rint, modular=False, parity=-1,
     fold=lambda a: Exact(round(a.parts[0])) if a.is_rational else None, cost="roundings",
-    javascript="_rint({0})", numpy="np.rint({0})", casadi=_casadi_nearest,
+    javascript="_rint({0})", arrays="xp.round({0})", casadi=_casadi_nearest,
     interval=iv.whole, lemma=_nearest, running=_nearest_error,
 )  # fmt: skip
 
@@ -72,7 +72,7 @@ Op.FLIP = Op(
     lambda a, n: -a if math.isfinite(n) and n % 2 == 1 else a,
     many=lambda a, n: np.where(n % 2 == 1, -a, a), cost="signs",
     javascript=Conditional("({1}) % 2 ? -({0}) : {0}"),
-    numpy=Conditional("np.where(np.mod({1}, 2) == 1, np.negative({0}), {0})"), casadi=_casadi_flip,
+    arrays=Conditional("_flip(xp, {0}, {1})"), casadi=_casadi_flip,
     interval=iv.either_sign, lemma=_flip, running=_flip_error,
 )  # fmt: skip
 Op.NEGATE_IF_ODD = Op(

@@ -1,15 +1,16 @@
-"""NumPy: ``<robot>.py``, a plain module vectorised over samples; and the same functions without a file.
+"""Arrays: ``<robot>.py``, a plain module over arrays of samples; and the same functions for NumPy without a file.
 
-Arguments are the contract names with ``_`` for the dot (``left_spin``); results are dictionaries by
-contract name. Arguments broadcast against each other; every result has the broadcast shape. The state space takes
-vectors x, u, p along the last axis, whose entries STATE, INPUTS and PARAMETERS name; LBX to UBU are their bounds, LBH
-and UBH those of `limits`.
+The module uses the array namespace of its arguments (https://data-apis.org/array-api): NumPy, JAX, PyTorch or CuPy.
+Arguments are the contract names with ``_`` for the dot (``left_spin``); results are dictionaries by contract name.
+Arguments broadcast against each other; every result has the broadcast shape. The state space takes vectors x, u, p
+along the last axis, whose entries STATE, INPUTS and PARAMETERS name; LBX to UBU are their bounds, LBH and UBH those of
+`limits`.
 """
 
 from __future__ import annotations
 
 import keyword
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import islice
 from types import SimpleNamespace
 from typing import Any
@@ -34,16 +35,23 @@ def _literal(value: Exact) -> str:
 
 _STYLE = Style(
     literal=_literal,
-    form=lambda op: op.numpy,
+    form=lambda op: op.arrays,
     declare="{0} = {1}",
     temporary="_t{0}",  # no port or parameter begins with an underscore
     named="_{}".format,
 )
 
 
+# Operations of arrays and numbers whose result must be an array of the type of the arrays.
+_MIXED = ("select", "with_sign_of", "at_least", "flip", "atan2")
+# Operations that are written otherwise where arrays have derivatives.
+_STEEP = ("sqrt", "atan2", "max", "min", "clamp", "at_least")
+_OWN = ("xp", "arguments")  # names of the generated functions
+
+
 def argument_names(function: Function) -> dict[str, str]:
     """Contract name -> Python argument."""
-    return variables(function, lambda name: name == "np" or keyword.iskeyword(name))
+    return variables(function, lambda name: name in _OWN or keyword.iskeyword(name))
 
 
 # ---- as text
@@ -74,6 +82,7 @@ def _printed(function: Function) -> dict[str, Any]:
     """A function of the generated module, as finished lines."""
     names = argument_names(function)
     code = body(function, names.__getitem__, _STYLE)
+    results = _apart(code.results, names.values())
     return {
         "name": function.name,
         "signature": [
@@ -83,8 +92,18 @@ def _printed(function: Function) -> dict[str, Any]:
         "document": _document(function, names),
         "lines": code.statements,
         "arguments": list(names.values()),
-        "results": [f'"{p.name}": {text}' for p, text in zip(function.outputs, code.results, strict=True)],
+        "results": [f'"{p.name}": {text}' for p, text in zip(function.outputs, results, strict=True)],
+        "needs": {op.name for op in code.ops},
     }
+
+
+def _apart(results: Sequence[str], arguments: Iterable[str]) -> list[str]:
+    """``results`` so that no two are the same array, and none is an argument: arrays of NumPy can be changed."""
+    taken, apart = set(arguments), []
+    for text in results:
+        apart.append(f"{text} * 1.0" if text in taken else text)
+        taken.add(text)
+    return apart
 
 
 def _entries(vectors: Sequence[VectorForm]) -> dict[str, tuple[Any, ...]]:
@@ -98,7 +117,7 @@ def _entries(vectors: Sequence[VectorForm]) -> dict[str, tuple[Any, ...]]:
 
 def _tuple(values: tuple[Any, ...]) -> str:
     """As Python reads it, which has no word for infinite floats."""
-    words = [f"{v!r}" if isinstance(v, str) else f"{v!r}".replace("inf", "np.inf") for v in values]
+    words = [f"{v!r}" if isinstance(v, str) else f"{v!r}".replace("inf", 'float("inf")') for v in values]
     return f"({', '.join(words)}{',' * (len(words) == 1)})"
 
 
@@ -119,20 +138,32 @@ def _of_vectors(vector: VectorForm) -> dict[str, Any]:
     }
     code = body(vector.function, places.__getitem__, _STYLE)
     document = _described_vectors(vector)
-    return {"name": vector.name, "document": document, "lines": code.statements, "results": code.results}
+    return {
+        "name": vector.name,
+        "document": document,
+        "lines": code.statements,
+        "results": code.results,
+        "needs": {op.name for op in code.ops},
+    }
 
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
-    """``<robot>.py``, which needs nothing but NumPy."""
+    """``<robot>.py``, which needs nothing but the library of its arrays."""
+    functions = [_printed(function) for function in self_contained(module)]
+    vectors = [_of_vectors(vector) for vector in facts.vectors]
+    needs = {name for printed in (*functions, *vectors) for name in printed["needs"]}
     text = render(
-        "numpy/module.py.j2",
+        "arrays/module.py.j2",
         robot=module.name,
         description=_plain(facts.description),
         wheels=[_plain(line) for line in facts.wheel_lines],
         meta=facts,
-        functions=[_printed(function) for function in self_contained(module)],
+        functions=functions,
         constants=[f"{name} = {_tuple(value)}" for name, value in _entries(facts.vectors).items()],
-        vectors=[_of_vectors(vector) for vector in facts.vectors],
+        vectors=vectors,
+        needs=needs,
+        likes=not needs.isdisjoint(_MIXED),
+        differentiates=not needs.isdisjoint(_STEEP),
     )
     return {f"{module.name}.py": text.encode()}
 

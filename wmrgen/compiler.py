@@ -25,6 +25,11 @@ _HOW = "Install one (Debian, Ubuntu: apt-get install gcc; macOS: xcode-select --
 # Contraction to fused multiply-add is off so that results are those of the printed operations. Not optimised: a program
 # is run once, and ends before a compiler has improved it.
 DEFAULT_FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
+# Of arrays of states: vectors of the processor, without what would change a result.
+LIBRARY_FLAGS = (
+    "-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-fPIC",
+    "-shared",
+)  # fmt: skip
 _TIMEOUT = 300
 _DATE = re.compile(rb"(/(?:CreationDate|ModDate) ?)\(D:[^)]*\)")
 _STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -131,6 +136,24 @@ def compile_program(
     libraries = () if "-c" in flags else ("-lm",)
     _run([compiler, *flags, "-o", str(program), *paths, *libraries], f"the C compiler {compiler}")
     return program
+
+
+def load_library(files: Mapping[str, str], source: str, cc: str | None = None) -> Any:
+    """Compile ``source`` of ``files`` (name -> text) to a shared library; return it as a ctypes.CDLL.
+
+    EnvironmentFailure if there is no compiler, or if it fails.
+    """
+    import ctypes
+
+    compiler = find_compiler(cc)
+    with _folder_of(files) as folder:
+        library = folder / "library.so"
+        command = [compiler, *LIBRARY_FLAGS, "-o", str(library), str(folder / source), "-lm"]
+        _run(command, f"the C compiler {compiler}")
+        try:
+            return ctypes.CDLL(str(library))
+        except OSError as error:
+            raise EnvironmentFailure(f"the compiled library cannot be loaded: {error}") from error
 
 
 def run_program(program: Path, stdin: str, env: Mapping[str, str] | None = None) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING, SupportsFloat
@@ -25,16 +25,18 @@ if TYPE_CHECKING:
 MODEL = "model.json"
 
 
-def artifacts(derivation: Derivation, choice: Choice = DEFAULT, fuzz: bool = False) -> dict[str, bytes]:
+def artifacts(
+    derivation: Derivation, choice: Choice = DEFAULT, switches: Collection[str] = ()
+) -> dict[str, bytes]:
     """File name -> content of everything that stands in ``DIR/<name>/``, the manifest aside.
 
-    ``choice`` is of the generated C; ``fuzz`` adds a fuzzing harness to it.
+    ``choice`` is of the generated C. ``switches``: fuzz adds a fuzzing harness to it, batch functions over arrays.
     """
     model = (json.dumps(derivation.model(), indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
     common = facts(derivation, choice, model)
     files = {MODEL: model}
     for entry in sorted(unasked(), key=lambda entry: entry.source == "itself"):  # readers come last
-        written = _written(entry, derivation, common, choice, fuzz)
+        written = _written(entry, derivation, common, choice, switches)
         clash = files.keys() & written.keys()
         if clash:
             raise ValueError(f"backend {entry.name} writes {sorted(clash)} again")
@@ -46,11 +48,14 @@ def artifacts(derivation: Derivation, choice: Choice = DEFAULT, fuzz: bool = Fal
 
 
 def _written(
-    entry: Entry, derivation: Derivation, common: Facts, choice: Choice, fuzz: bool = False
+    entry: Entry, derivation: Derivation, common: Facts, choice: Choice, switches: Collection[str] = ()
 ) -> dict[str, bytes]:
     """What a backend writes."""
-    chosen = {**choice._asdict(), "fuzz": fuzz}
-    options = {name: chosen[name] for name in (*entry.options, *entry.switches)}
+    chosen = choice._asdict()
+    options = {
+        **{name: chosen[name] for name in entry.options},
+        **{name: name in switches for name in entry.switches},
+    }
     lines = _bound_lines(derivation, choice) if entry.proved else ()
     own = replace(common, options=options, bound_lines=lines)
     return entry.load().emit(getattr(derivation, entry.source), own)

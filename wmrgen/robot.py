@@ -18,7 +18,7 @@ from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import system_builder
 from wmrgen.ir.calls import inlined_calls, select
 from wmrgen.ir.interpret import EXACT, evaluate
-from wmrgen.ir.kernels.choice import DEFAULT, Choice
+from wmrgen.ir.kernels.choice import DEFAULT, HOST, Choice, choice
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.kinematics.forward import readable_twist
 from wmrgen.kinematics.inverse import readable_spins
@@ -321,6 +321,15 @@ class Derivation(Analysis):
         except NotDerivableError:
             kind = "not derivable"
         return f"<Derivation {self.robot.name}: {kind}, {len(wheels)} wheel{'s' * (len(wheels) != 1)}>"
+
+    def compiled(self, scalar: str = "double") -> Any:
+        """The functions of `numpy` as C, compiled here for arrays: a compiler of the system is needed.
+
+        ``scalar``: double, or float, whose sines the processor computes for several states at once.
+        """
+        module = self.array_module
+        compute = BACKENDS["c99"].offers("compiled")(module, choice(scalar, target=HOST))
+        return BACKENDS["arrays"].offers("functions")(module, (), lambda f, inputs: compute(f.name, inputs))
 
     def _repr_latex_(self) -> str:
         """J1, C1, N and the degrees, for notebooks."""

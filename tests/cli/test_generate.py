@@ -231,3 +231,15 @@ def test_every_function_that_a_robot_cannot_have_is_told_where_it_is_asked_for(
     line = text.count("\n") - 1
     assert places[-2:] == [f"{line}:18", f"{line + 1}:3"], done.err
     assert "has no desaturate:" in done.err and "no wheel has an encoder" in done.err
+
+
+def test_batch_is_noted(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
+    """`--batch` writes the functions over arrays; `check` expects them."""
+    out = tmp_path / "out"
+    assert wmrgen_cli("derive", robot_file, "-o", out, "--batch").code == 0
+    assert {"pair_many.h", "pair_many.c"} <= tree(out / "pair").keys()
+    assert wmrgen_cli("check", robot_file, "-o", out).code == 0
+    (out / "pair" / "pair_many.c").unlink()
+    assert wmrgen_cli("check", robot_file, "-o", out).code == 1
+    assert wmrgen_cli("derive", robot_file, "-o", out).code == 0
+    assert "pair_many.h" not in tree(out / "pair")

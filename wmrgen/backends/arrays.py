@@ -181,7 +181,10 @@ def _columns(function: Function, inputs: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _callable(function: Function) -> Callable[..., dict[str, Any]]:
+Columns = Callable[[Function, Mapping[str, Any]], dict[str, Any]]
+
+
+def _callable(function: Function, columns: Columns) -> Callable[..., dict[str, Any]]:
     names = argument_names(function)
     contract = {argument: name for name, argument in names.items()}
     nominal = {port.name: to_float64(port.default) for port in function.inputs if port.default is not None}
@@ -201,7 +204,7 @@ def _callable(function: Function) -> Callable[..., dict[str, Any]]:
         missing = [argument for argument, name in contract.items() if name not in inputs]
         if missing:
             raise TypeError(f"{function.name}() needs {', '.join(missing)}")
-        return _columns(function, inputs)
+        return columns(function, inputs)
 
     call.__name__ = call.__qualname__ = function.name
     call.__doc__ = "\n".join(_document(function, names))
@@ -225,10 +228,21 @@ def _callable_of_vectors(vector: VectorForm) -> Callable[..., NDArray[np.float64
     return call
 
 
-def functions(module: Module, vectors: Sequence[VectorForm] = ()) -> SimpleNamespace:
-    """The functions of ``module`` as attributes, as in the generated file; no text is executed."""
+def functions(
+    module: Module, vectors: Sequence[VectorForm] = (), columns: Columns = _columns
+) -> SimpleNamespace:
+    """Return the functions of ``module`` as attributes, as in the generated file; no text is executed.
+
+    Args:
+        module: The functions.
+        vectors: The state space as functions of x, u and p.
+        columns: Computes the outputs of a function for arrays by contract name.
+
+    Returns:
+        One attribute for each function, and the constants of the state space.
+    """
     return SimpleNamespace(
-        **{function.name: _callable(function) for function in self_contained(module)},
+        **{function.name: _callable(function, columns) for function in self_contained(module)},
         **{vector.name: _callable_of_vectors(vector) for vector in vectors},
         **_entries(vectors),
     )

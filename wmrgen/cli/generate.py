@@ -39,6 +39,7 @@ def derive(
     math: str | None,
     target: str,
     fuzz: bool,
+    batch: bool,
     package: Sequence[str] | None,
     html: bool,
     pdf: bool,
@@ -53,6 +54,7 @@ def derive(
         kinds = of_kinds(package)
     chosen = choice(scalar, math, target)
     formats = [name for name, wanted in (("html", html), ("pdf", pdf)) if wanted]
+    switches = [name for name, wanted in (("fuzz", fuzz), ("batch", batch)) if wanted]
     results: list[tuple[Derivation, dict[str, bytes]]] = []
     with console.progress() as step:
         files_read = _load_all(robots)
@@ -63,7 +65,7 @@ def derive(
         for spec, robot in files_read:
             step(f"deriving {robot.name} ({len(results) + 1} of {len(robots)})")
             derivation = derived(spec, robot)
-            files = artifacts(derivation, chosen, fuzz)
+            files = artifacts(derivation, chosen, switches)
             if formats:
                 from wmrgen.pages.formats import formatted
 
@@ -74,10 +76,10 @@ def derive(
         for d, files in results
         for kind in kinds
     ]
-    options = _options(chosen, fuzz, formats)
+    options = _options(chosen, switches, formats)
     written = [write_tree(out / d.robot.name, files, options) for d, files in results]
     for folder, files in packages:
-        write_tree(folder, files, _options(chosen, fuzz))
+        write_tree(folder, files, _options(chosen, switches))
     if as_json:
         models = [files[MODEL].decode().rstrip("\n") for _, files in results]
         console.result(models[0] if len(models) == 1 else '{"robots": [\n' + ",\n".join(models) + "\n]}")
@@ -89,10 +91,10 @@ def derive(
     return 0
 
 
-def _options(choice: Choice, fuzz: bool, formats: Sequence[str] = ()) -> dict[str, str]:
+def _options(choice: Choice, switches: Sequence[str], formats: Sequence[str] = ()) -> dict[str, str]:
     """What the manifest of a folder notes of how its files were made."""
-    said = {"fuzz": "yes" if fuzz else "", "formats": " ".join(formats)}
-    return choice.words() | {key: words for key, words in said.items() if words}
+    said = dict.fromkeys(switches, "yes") | ({"formats": " ".join(formats)} if formats else {})
+    return choice.words() | said
 
 
 def derived(spec: RobotSpec, robot: Robot) -> Derivation:
@@ -240,13 +242,14 @@ def _differing_robot(path: Path, out: Path) -> tuple[str, list[Difference]]:
     stale: list[Difference] = []
     for folder in (out / robot.name, *(folder for folder in folders if folder.is_dir())):
         words = made_with(folder)
-        choice, fuzz, formats = noted_choice(words), "fuzz" in words, words.get("formats", "").split()
-        files = artifacts(derivation, choice, fuzz)
+        choice, formats = noted_choice(words), words.get("formats", "").split()
+        switches = [name for name in ("fuzz", "batch") if name in words]
+        files = artifacts(derivation, choice, switches)
         if folder in folders:
             files = packaged(folders[folder], derivation, choice, files)
         if formats:
             files |= _noted_formats(derivation, files, folder, formats)
-        stale += differences(folder, files, _options(choice, fuzz, formats))
+        stale += differences(folder, files, _options(choice, switches, formats))
     return robot.name, stale
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from wmrgen.backends.c99.emit import emit, sources
 from wmrgen.backends.registry import Place, Request
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Module
 
-__all__ = ["emit", "evaluate", "places", "sources"]
+__all__ = ["compiled", "emit", "evaluate", "places", "sources"]
 
 
 def evaluate(module: Module, requests: Sequence[Request], **words: str) -> list[dict[str, float]]:
@@ -18,6 +19,13 @@ def evaluate(module: Module, requests: Sequence[Request], **words: str) -> list[
     from wmrgen.backends.c99.driver import evaluate_c
 
     return evaluate_c(module, requests, Choice(**words))
+
+
+def compiled(module: Module, choice: Choice) -> Callable[[str, Mapping[str, Any]], dict[str, Any]]:
+    """The functions of ``module`` over arrays, see `wmrgen.backends.c99.batch.compiled`."""
+    from wmrgen.backends.c99.batch import compiled
+
+    return compiled(module, choice)
 
 
 # ---- on which lines the C that is printed computes what: for the report, which never sees the C itself

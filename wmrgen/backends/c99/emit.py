@@ -36,8 +36,9 @@ _WAVES = {Op.SIN, Op.COS, Op.ATAN, Op.ATAN2}
 
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
-    """File name -> content. Options are those of `Choice`, and ``fuzz``: a fuzzing harness too."""
-    choice = Choice(**{key: str(word) for key, word in facts.options.items() if key != "fuzz"})
+    """File name -> content. Options are those of `Choice`; ``fuzz``: a fuzzing harness too; ``batch``: the functions
+    over arrays of states too."""
+    choice = Choice(**{key: str(word) for key, word in facts.options.items() if key in Choice._fields})
     functions = unit(module, choice)
     header, source, pair = printed(functions, facts)
     common = _common(functions, facts, pair)
@@ -48,6 +49,10 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
         from wmrgen.backends.c99.fuzz import fuzz
 
         apart["_fuzz.c"] = fuzz(module, functions, facts.site, common)
+    if facts.options.get("batch"):
+        from wmrgen.backends.c99.batch import batch
+
+        files["_many.h"], files["_many.c"] = batch(functions, common)
     named = {module.name + ending: text for ending, text in files.items()}
     named |= {f"{TEST}/{module.name}{ending}": text for ending, text in apart.items()}
     if module.joints:

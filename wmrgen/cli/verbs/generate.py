@@ -42,6 +42,9 @@ def derive(
     math: Math = None,
     target: Target = "m4f",
     fuzz: Annotated[bool, typer.Option("--fuzz", help="Write a libFuzzer harness of the C too.")] = False,
+    batch: Annotated[
+        bool, typer.Option("--batch", help="Write the C functions over arrays of states too.")
+    ] = False,
     package: Annotated[
         list[str] | None,
         option(

@@ -53,6 +53,11 @@ class Textbook:
         """The functions, optimised."""
         return optimise(self.raw_module.functions, NAME)
 
+    @property
+    def array_module(self) -> Module:
+        """The functions for the module over arrays: those of `module`, for none has a residual to leave out."""
+        return self.module
+
     @cached_property
     def c_module(self) -> Module:
         """The functions for C: all of them, with calls of kernels where formulas name them."""

@@ -53,6 +53,7 @@ generate: setup
 	$(BIN)/wmrgen textbook -o generated
 	$(BIN)/wmrgen schema --markdown > docs/robot_file.md
 	$(BIN)/wmrgen schema > robots/robot.schema.json
+	$(BIN)/python -m tests.packaging.python_page
 
 # docs/, README and the reports as a site, build/docs/docs/index.html.
 docs: $(VENV)/.docs

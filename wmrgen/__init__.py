@@ -10,14 +10,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from functools import partial
 from os import PathLike
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from wmrgen.errors import NotDerivableError as NotDerivableError
     from wmrgen.errors import RobotFileError as RobotFileError
+    from wmrgen.errors import Several
     from wmrgen.layout.records import Robot
     from wmrgen.robot import Derivation
     from wmrgen.spec.records import RobotSpec
@@ -43,21 +45,28 @@ def load(source: str | PathLike[str] | Mapping[str, object]) -> Robot:
         RobotFileError: The robot cannot be accepted. The error names the place: file, line and column, or the path of
             keys in a mapping, ``wheels[0].r``.
     """
-    return read(source)[1]
-
-
-def read(source: str | PathLike[str] | Mapping[str, object]) -> tuple[RobotSpec, Robot]:
-    """Return what a source of `load` says, each value with its place, and the robot that it describes."""
-    from wmrgen.errors import Several
     from wmrgen.spec.load import read_mapping, read_robot, read_text
 
-    several = Several()
     if isinstance(source, Mapping):
-        spec = read_mapping(source, several)
-    elif isinstance(source, str) and "\n" in source:
-        spec = read_text(source, "robot.yaml", several)
-    else:
-        spec = read_robot(os.fspath(source), several)
+        return _laid_out(partial(read_mapping, source))[1]
+    if isinstance(source, str) and "\n" in source:
+        return _laid_out(partial(read_text, source, "robot.yaml"))[1]
+    return _laid_out(partial(read_robot, os.fspath(source)))[1]
+
+
+def read(path: str | PathLike[str]) -> tuple[RobotSpec, Robot]:
+    """Return what a file says, each value with its place, and the robot that it describes. RobotFileError as `load`."""
+    from wmrgen.spec.load import read_robot
+
+    return _laid_out(partial(read_robot, os.fspath(path)))
+
+
+def _laid_out(spec_of: Callable[[Several], RobotSpec]) -> tuple[RobotSpec, Robot]:
+    """What a source says and the robot that it describes; the errors of both as one."""
+    from wmrgen.errors import Several
+
+    several = Several()
+    spec = spec_of(several)
     with several:
         robot = robot_of(spec)
     several.end()

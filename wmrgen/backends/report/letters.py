@@ -35,6 +35,7 @@ _PRODUCTS = 60  # terms of a determinant of three rows
 _ROWS = 12  # of which three are chosen
 _WORK = 120  # terms of a numerator and of the determinant, times the number of their generators: 0.1 s
 _WIDEST = 900  # glyphs of what is printed in place of numbers
+_MOST = 150  # terms of the twist: even of six glyphs each, more are wider than that
 _SHORT = 300  # glyphs of what is printed beside the rule
 _DIGITS = 10**6  # of numerators and denominators
 _LINE = 112  # glyphs of a line of a model
@@ -116,7 +117,7 @@ def square(d: Derivation, rows: list[Measured]) -> list[str]:
 def in_letters(d: Derivation) -> list[str]:
     """The twist of measured joints in the named parameters, lengths and angles, where it is short; and its numbers."""
     products = d.twist_in_symbols
-    if products is None:
+    if products is None or sum(len(p.rest.terms) for p in products) > _MOST:
         return []
     ports = symbol_names(d.formula("forward").inputs)
     shorter_ones, added = _with_sums_inside(products)

@@ -60,6 +60,12 @@ def test_no_more_instructions_than_what_is_typed(layout: str, tunable: bool, nam
         assert own <= most
 
 
+@pytest.mark.parametrize("layout", [layout for layout, _, _ in FORWARD if layout not in CHOOSES])
+def test_forward_with_everything_tunable_takes_no_more_either(layout: str) -> None:
+    for most, own in zip(*map(counts, reversed(both(NAMES[layout], True, "forward"))), strict=True):
+        assert own <= most
+
+
 # ---- models of the gallery, typed as a specialist types them
 
 

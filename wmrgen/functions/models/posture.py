@@ -164,7 +164,9 @@ def posture_rates(
 def _twist(motion: Motion, names: Locals) -> tuple[Row, tuple[Expr, Expr]]:
     """The twist of P in the robot frame, and its velocity in the world frame."""
     sums = _sums(motion, names)
-    twist = triple(names.short(f"body_{name}", p) for name, p in zip(TWIST_NAMES, sums, strict=True))
+    twist = triple(
+        names.poly(f"body_{name}", p) if p else p for name, p in zip(TWIST_NAMES, sums, strict=True)
+    )
     for w in motion.frame.wheels:  # a velocity that keeps its direction to a steered wheel turns with it
         c, s = steer_gens(w)
         vx, vy, _ = sums

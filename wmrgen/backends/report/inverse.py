@@ -183,7 +183,7 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
             ratios = robot.ratios(joint, members)
             how, sums = "share one angle", "the sums over the wheels seen from the first of them"
             if ratios:
-                how = minus(notation.steering(ratios)) + ": one angle"
+                how = minus(notation.steering(ratios)) + " by one angle"
                 against = [n for n, k in zip(members, ratios, strict=True) if k.sign < 0]
                 sums += f", w with the other sign for {listed(against)}"
             blocks += [

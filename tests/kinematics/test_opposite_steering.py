@@ -82,6 +82,9 @@ def drawn(seed: int) -> list[Wheel]:
     ]
 
 
+BICYCLE = [Wheel("front", 0.5 + 0j, 0.0, 0.1, 1), Wheel("rear", -0.3 + 0j, 0.0, 0.1, -1)]
+
+
 def text(wheels: list[Wheel], tunable: bool = False, more: str = "", rest: str = "") -> str:
     parameters, lines = [], []
 
@@ -154,10 +157,11 @@ def test_a_twist_that_no_angle_rolls_is_slid_least(seed: int, tmp_path: Path) ->
 
 @pytest.mark.parametrize("form", ["posture", "twist", "eta"])
 @pytest.mark.parametrize("tunable", [False, True])
-@pytest.mark.parametrize("seed", SEEDS[:3])
-def test_models_move_as_the_wheels_roll(seed: int, tunable: bool, form: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("wheels", [*map(drawn, SEEDS[:3]), BICYCLE])
+def test_models_move_as_the_wheels_roll(
+    wheels: list[Wheel], tunable: bool, form: str, tmp_path: Path
+) -> None:
     """x, y and theta at theta = 0 change by the twist, the angle by its rate; other lengths than the nominal ones."""
-    wheels = drawn(seed)
     d, t = derivation(tmp_path, text(wheels, tunable)), 0.3
     other = [w._replace(pivot=w.pivot * 1.05, r=w.r * 0.95) for w in wheels] if tunable else wheels
     lengths = {
@@ -235,7 +239,6 @@ AXLE = "".join(
     f"  - {{name: {n}, type: fixed, x: AT, y: {y}, heading: 0, r: 0.1}}\n"
     for n, y in (("left", 0.3), ("right", -0.3))
 )
-BICYCLE = [Wheel("front", 0.5 + 0j, 0.0, 0.1, 1), Wheel("rear", -0.3 + 0j, 0.0, 0.1, -1)]
 
 
 @pytest.mark.parametrize(("x", "kind"), [("0.1", (1, 1)), ("0.0", None)])

@@ -181,13 +181,14 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
             same.append(listed(members))
         else:
             ratios = robot.ratios(joint, members)
-            sums = "the sums over the wheels seen from the first of them"
+            how, sums = "share one angle", "the sums over the wheels seen from the first of them"
             if ratios:
+                how = minus(notation.steering(ratios)) + " by one angle"
                 against = [n for n, k in zip(members, ratios, strict=True) if k.sign < 0]
-                sums += f", w with the other sign for {listed(against)}, which turns by the opposite angle"
+                sums += f", w with the other sign for {listed(against)}"
             blocks += [
-                f"{listed(members)} {minus(notation.steering(ratios))}, which need not suit all: the angle that leaves "
-                f"least sliding turns by half of atan2(Σ 2 u w, Σ (u² − w²)), {sums}."
+                f"{listed(members)} {how} that need not suit all: the one that leaves least sliding turns by half of "
+                f"atan2(Σ 2 u w, Σ (u² − w²)), {sums}."
             ]
     if same:
         blocks += [f"Pivots of wheels that share an angle ({'; '.join(same)}) move alike: ψ⁺ is the same."]

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_f6c27fbb12493fc6)
+#if !defined(CAR_WITH_TRAILERS_PAIR_2afc0d3f3b04034c)
 #error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -359,11 +359,11 @@ void car_with_trailers_posture(
     const wmrgen_vector rear = wmrgen_vector_at(in->rear.speed, pose->theta);
     const wmrgen_vector front = wmrgen_vector_at(1.0f, in->front.steer);
     const float over1 = (fabsf(front.x) < 1e-09f) ? 0.0f : (1.0f / wmrgen_at_least(front.x, 1e-09f));
-    const float t0 = 0.71428573f * (front.y * (in->rear.speed * over1));
+    const float body_omega = 0.71428573f * (front.y * (in->rear.speed * over1));
 
     out->x_rate = rear.x;
     out->y_rate = rear.y;
-    out->theta_rate = t0;
+    out->theta_rate = body_omega;
     out->front.steer_rate = in->front.steer_rate;
 }
 
@@ -375,16 +375,16 @@ void car_with_trailers_trailer(
     const wmrgen_vector rear = wmrgen_vector_at(in->rear.speed, pose->theta);
     const wmrgen_vector front = wmrgen_vector_at(1.0f, in->front.steer);
     const float over1 = (fabsf(front.x) < 1e-09f) ? 0.0f : (1.0f / wmrgen_at_least(front.x, 1e-09f));
-    const float t0 = 0.71428573f * (front.y * (in->rear.speed * over1));
-    const wmrgen_vector t1 = wmrgen_vector_at(in->rear.speed, pose->theta - in->trailer1.theta);
-    const wmrgen_vector t2 = wmrgen_vector_at(t1.x, in->trailer1.theta - in->trailer2.theta);
+    const float body_omega = 0.71428573f * (front.y * (in->rear.speed * over1));
+    const wmrgen_vector t0 = wmrgen_vector_at(in->rear.speed, pose->theta - in->trailer1.theta);
+    const wmrgen_vector t1 = wmrgen_vector_at(t0.x, in->trailer1.theta - in->trailer2.theta);
 
     out->x_rate = rear.x;
     out->y_rate = rear.y;
-    out->theta_rate = t0;
+    out->theta_rate = body_omega;
     out->front.steer_rate = in->front.steer_rate;
-    out->trailer1.theta_rate = 0.90909094f * t1.y;
-    out->trailer2.theta_rate = 1.1111112f * t2.y;
-    out->trailer1.speed = t1.x;
-    out->trailer2.speed = t2.x;
+    out->trailer1.theta_rate = 0.90909094f * t0.y;
+    out->trailer2.theta_rate = 1.1111112f * t1.y;
+    out->trailer1.speed = t0.x;
+    out->trailer2.speed = t1.x;
 }

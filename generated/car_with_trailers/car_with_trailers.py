@@ -451,14 +451,14 @@ def posture(x, y, theta, front_steer, rear_speed, front_steer_rate):
     _t0 = xp.cos(front_steer)
     _divisor1 = _at_least(xp, _t0, 1e-09)
     _over1 = _select(xp, xp.abs(_t0), 1e-09, 0.0, 1.0 / _divisor1)
-    _t1 = 0.7142857142857143 * (xp.sin(front_steer) * (rear_speed * _over1))
+    _body_omega = 0.7142857142857143 * (xp.sin(front_steer) * (rear_speed * _over1))
     return _results(
         xp,
         arguments,
         {
             "x_rate": rear_speed * xp.cos(theta),
             "y_rate": rear_speed * xp.sin(theta),
-            "theta_rate": _t1,
+            "theta_rate": _body_omega,
             "front.steer_rate": front_steer_rate * 1.0,
         },
     )
@@ -491,24 +491,24 @@ def trailer(x, y, theta, front_steer, trailer1_theta, trailer2_theta, rear_speed
     _t0 = xp.cos(front_steer)
     _divisor1 = _at_least(xp, _t0, 1e-09)
     _over1 = _select(xp, xp.abs(_t0), 1e-09, 0.0, 1.0 / _divisor1)
-    _t1 = 0.7142857142857143 * (xp.sin(front_steer) * (rear_speed * _over1))
-    _t2 = theta - trailer1_theta
-    _trailer1_pull_x = rear_speed * xp.cos(_t2)
-    _trailer1_turn = 0.9090909090909091 * (rear_speed * xp.sin(_t2))
-    _t3 = trailer1_theta - trailer2_theta
-    _trailer2_turn = 1.1111111111111112 * (_trailer1_pull_x * xp.sin(_t3))
+    _body_omega = 0.7142857142857143 * (xp.sin(front_steer) * (rear_speed * _over1))
+    _t1 = theta - trailer1_theta
+    _trailer1_pull_x = rear_speed * xp.cos(_t1)
+    _trailer1_turn = 0.9090909090909091 * (rear_speed * xp.sin(_t1))
+    _t2 = trailer1_theta - trailer2_theta
+    _trailer2_turn = 1.1111111111111112 * (_trailer1_pull_x * xp.sin(_t2))
     return _results(
         xp,
         arguments,
         {
             "x_rate": rear_speed * xp.cos(theta),
             "y_rate": rear_speed * xp.sin(theta),
-            "theta_rate": _t1,
+            "theta_rate": _body_omega,
             "front.steer_rate": front_steer_rate * 1.0,
             "trailer1.theta_rate": _trailer1_turn,
             "trailer2.theta_rate": _trailer2_turn,
             "trailer1.speed": _trailer1_pull_x,
-            "trailer2.speed": _trailer1_pull_x * xp.cos(_t3),
+            "trailer2.speed": _trailer1_pull_x * xp.cos(_t2),
         },
     )
 

@@ -21,7 +21,7 @@
 
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_f6c27fbb12493fc6)
+#if !defined(CAR_WITH_TRAILERS_PAIR_2afc0d3f3b04034c)
 #error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 

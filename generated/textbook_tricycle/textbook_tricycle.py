@@ -416,11 +416,11 @@ def ode(x, u, p=NOMINAL):
     xp, (x, u, p) = _arrays(x, u, p)
     shape = _leading(x=x, u=u, p=p)
     _t0 = 0.11 * (u[..., 0] * xp.cos(x[..., 3]))
-    _t1 = 0.07857142857142857 * (u[..., 0] * xp.sin(x[..., 3]))
+    _body_omega = 0.07857142857142857 * (u[..., 0] * xp.sin(x[..., 3]))
     results = [
         xp.cos(x[..., 2]) * _t0,
         _t0 * xp.sin(x[..., 2]),
-        _t1,
+        _body_omega,
         u[..., 1],
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

@@ -439,14 +439,14 @@ def ode(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _body_vx = (u[..., 0] + u[..., 2]) * (0.5 * p[..., 1])
     _velocity_cos = xp.cos(x[..., 2])
-    _t0 = p[..., 1] * u[..., 1]
+    _body_vy = p[..., 1] * u[..., 1]
     _velocity_sin = xp.sin(x[..., 2])
-    _t1 = _body_vx * _velocity_cos - _t0 * _velocity_sin
-    _t2 = _body_vx * _velocity_sin + _velocity_cos * _t0
+    _t0 = _body_vx * _velocity_cos - _body_vy * _velocity_sin
+    _t1 = _body_vx * _velocity_sin + _velocity_cos * _body_vy
     _body_omega = (u[..., 2] - u[..., 0]) * (0.5 * (p[..., 1] * (1.0 / p[..., 0])))
     results = [
+        _t0,
         _t1,
-        _t2,
         _body_omega,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

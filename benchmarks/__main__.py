@@ -6,7 +6,18 @@ import argparse
 import platform
 import sys
 
-from benchmarks import accuracy, budgets, calibration, counts, figures, kernels, mutants, solvers, speed
+from benchmarks import (
+    accuracy,
+    batches,
+    budgets,
+    calibration,
+    counts,
+    figures,
+    kernels,
+    mutants,
+    solvers,
+    speed,
+)
 
 SECTIONS = {
     "start": lambda chosen: speed.start(chosen.runs),
@@ -23,6 +34,7 @@ SECTIONS = {
 ASKED = {
     "mutants": lambda chosen: mutants.run(chosen.count, chosen.seed),
     "coverage": lambda chosen: calibration.table(chosen.count),
+    "batches": lambda chosen: batches.table(chosen.runs),
     "solvers": lambda chosen: solvers.table(chosen.runs),
 }
 

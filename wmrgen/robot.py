@@ -288,7 +288,7 @@ class Derivation(Analysis):
 
     def numpy(self) -> Any:
         """The functions, vectorised over NumPy arrays, and the state space over their last axis."""
-        return BACKENDS["arrays"].offers("functions")(self.array_module, self.vector_forms)
+        return BACKENDS["numpy"].offers("functions")(self.array_module, self.vector_forms)
 
     def compiled(self, scalar: str = "double") -> Any:
         """The functions of `numpy` as C, compiled here for arrays: a compiler of the system is needed.
@@ -297,7 +297,7 @@ class Derivation(Analysis):
         """
         module = self.array_module
         compute = BACKENDS["c99"].offers("compiled")(module, choice(scalar, target=HOST))
-        return BACKENDS["arrays"].offers("functions")(module, (), lambda f, inputs: compute(f.name, inputs))
+        return BACKENDS["numpy"].offers("functions")(module, (), lambda f, inputs: compute(f.name, inputs))
 
     def _repr_latex_(self) -> str:
         from wmrgen.printing import Latex

@@ -8,6 +8,7 @@ import sys
 
 from benchmarks import (
     accuracy,
+    batches,
     budgets,
     calibration,
     counts,
@@ -35,6 +36,7 @@ SECTIONS = {
 ASKED = {
     "mutants": lambda chosen: mutants.run(chosen.count, chosen.seed),
     "coverage": lambda chosen: calibration.table(chosen.count),
+    "batches": lambda chosen: batches.table(chosen.runs),
     "solvers": lambda chosen: solvers.table(chosen.runs),
 }
 

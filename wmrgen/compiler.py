@@ -27,8 +27,8 @@ _HOW = "Install one (Debian, Ubuntu: apt-get install gcc; macOS: xcode-select --
 DEFAULT_FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
 # Of arrays of states: vectors of the processor, without what would change a result.
 LIBRARY_FLAGS = (
-    "-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-fPIC",
-    "-shared",
+    "-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-shared",
+    "-fPIC", "-fno-semantic-interposition",  # without the latter nothing is inlined
 )  # fmt: skip
 _TIMEOUT = 300
 _DATE = re.compile(rb"(/(?:CreationDate|ModDate) ?)\(D:[^)]*\)")

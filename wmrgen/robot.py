@@ -308,7 +308,7 @@ class Derivation(Analysis):
 
     def numpy(self) -> SimpleNamespace:
         """The functions, vectorised over NumPy arrays, and the state space over their last axis."""
-        functions: SimpleNamespace = BACKENDS["arrays"].offers("functions")(
+        functions: SimpleNamespace = BACKENDS["numpy"].offers("functions")(
             self.array_module, self.vector_forms
         )
         return functions
@@ -329,7 +329,7 @@ class Derivation(Analysis):
         """
         module = self.array_module
         compute = BACKENDS["c99"].offers("compiled")(module, choice(scalar, target=HOST))
-        return BACKENDS["arrays"].offers("functions")(module, (), lambda f, inputs: compute(f.name, inputs))
+        return BACKENDS["numpy"].offers("functions")(module, (), lambda f, inputs: compute(f.name, inputs))
 
     def _repr_latex_(self) -> str:
         """J1, C1, N and the degrees, for notebooks."""

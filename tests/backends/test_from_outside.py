@@ -101,7 +101,7 @@ def test_an_unknown_word_lists_the_backends(wmrgen_cli: Cli, robot_file: Path) -
         Entry("c99", "other", "module", "other"),
         Entry("other", "other", "module", "c"),
         Entry("other", "other", "module", "exact"),
-        Entry("other", "other", "module", "other", files=ENTRY.files + BACKENDS["arrays"].files),
+        Entry("other", "other", "module", "other", files=ENTRY.files + BACKENDS["numpy"].files),
     ],
 )
 def test_what_is_taken_is_refused(entry: Entry) -> None:

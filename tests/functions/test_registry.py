@@ -123,7 +123,7 @@ from wmrgen.exact.number import Exact
 d = wmrgen.derive(wmrgen.load(sys.argv[2]))
 case = {"vx": 3.0, "omega": -5.0}
 print(d.evaluate("half_twist", {"vx": Exact(3), "omega": Exact(-5)})["half.omega"])
-for name in ("arrays", "casadi", "c99"):
+for name in ("numpy", "casadi", "c99"):
     entry = BACKENDS[name]
     print(entry.load().evaluate(getattr(d, entry.source), [("half_twist", case)])[0]["half.omega"])
 files = artifacts(d)

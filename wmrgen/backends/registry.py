@@ -194,7 +194,7 @@ for _entry in (
         reserved=(C, C_LIBRARY), options=("scalar", "math", "target"), switches=("fuzz", "batch"), proved=True,
     ),
     Entry(
-        "arrays", "wmrgen.backends.arrays", "array_module", "numpy",
+        "numpy", "wmrgen.backends.arrays", "array_module", "numpy",
         files=(Files(("{robot}.py",), "the functions for NumPy, JAX, PyTorch and CuPy, over arrays of samples"),),
         reserved=(PYTHON,),
     ),

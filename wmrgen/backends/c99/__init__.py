@@ -22,8 +22,8 @@ def evaluate(module: Module, requests: Sequence[Request], **words: str) -> list[
 
 
 def compiled(module: Module, choice: Choice) -> Callable[[str, Mapping[str, Any]], dict[str, Any]]:
-    """The functions of ``module`` over arrays, see `wmrgen.backends.c99.batch.compiled`."""
-    from wmrgen.backends.c99.batch import compiled
+    """The functions of ``module`` over arrays, see `wmrgen.backends.c99.library.compiled`."""
+    from wmrgen.backends.c99.library import compiled
 
     return compiled(module, choice)
 

@@ -65,11 +65,6 @@ class Textbook:
         meaning = self.raw_module.functions
         return optimise(functions, NAME, kernels=kernels_of(self.formulas), meaning=meaning)
 
-    @property
-    def array_module(self) -> Module:
-        """The functions for arrays: those of `module`."""
-        return self.module
-
     def casadi(self) -> dict[str, Any]:
         """Function name -> casadi.Function."""
         from wmrgen.backends.casadi import functions

@@ -322,7 +322,7 @@ class Derivation(Analysis):
             kind = "not derivable"
         return f"<Derivation {self.robot.name}: {kind}, {len(wheels)} wheel{'s' * (len(wheels) != 1)}>"
 
-    def compiled(self, scalar: str = "double") -> Any:
+    def compiled(self, scalar: str = "double") -> SimpleNamespace:
         """The functions of `numpy` as C, compiled here for arrays: a compiler of the system is needed.
 
         ``scalar``: double, or float, whose sines the processor computes for several states at once.

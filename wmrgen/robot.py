@@ -329,7 +329,9 @@ class Derivation(Analysis):
         """
         module = self.array_module
         compute = BACKENDS["c99"].offers("compiled")(module, choice(scalar, target=HOST))
-        return BACKENDS["numpy"].offers("functions")(module, (), lambda f, inputs: compute(f.name, inputs))
+        offer = BACKENDS["numpy"].offers("functions")
+        functions: SimpleNamespace = offer(module, (), lambda f, inputs: compute(f.name, inputs))
+        return functions
 
     def _repr_latex_(self) -> str:
         """J1, C1, N and the degrees, for notebooks."""

@@ -9,7 +9,7 @@ from functools import cache
 import pytest
 
 from tests.robots import of_gallery
-from wmrgen.backends import casadi, numpy
+from wmrgen.backends import arrays, casadi
 from wmrgen.ir.interpret import EXACT, FLOAT32, FLOAT64, evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import TARGETS
@@ -42,7 +42,7 @@ def inverses(robot: str, case: Case) -> Iterator[tuple[str, Case]]:
         if name == "casadi":
             yield name, casadi.evaluate(module, [("inverse", case)])[0]
         elif name == "numpy":
-            yield name, numpy.evaluate(module, [("inverse", case)])[0]
+            yield name, arrays.evaluate(module, [("inverse", case)])[0]
         else:
             kind = EXACT if name == "exact" else FLOAT64 if name == "double" else FLOAT32
             found = evaluate_module(module, "inverse", case, kind)

@@ -15,7 +15,7 @@ from scipy.linalg import expm
 from tests.conftest import GALLERY, ROOT
 from tests.pages.chromium import seen
 from wmrgen import derive, load
-from wmrgen.backends import numpy
+from wmrgen.backends import arrays
 from wmrgen.pages import live
 from wmrgen.pages.document import Report, broken, page
 from wmrgen.robot import Derivation
@@ -251,7 +251,7 @@ def _towed(d: Derivation, driven: dict[str, float], time: float) -> dict[str, tu
 
 
 def _called(d: Derivation, function: str, values: dict[str, float]) -> dict[str, float]:
-    return numpy.evaluate(d.module, [(function, values)])[0]
+    return arrays.evaluate(d.module, [(function, values)])[0]
 
 
 def _transform(text: str) -> tuple[float, float, float]:

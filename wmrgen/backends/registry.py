@@ -188,7 +188,7 @@ for _entry in (
                 "test vectors with exact results, for the machine it is to run on",
             ),
             Files(("test/{robot}_fuzz.c",)),
-            Files(("{robot}_many.h", "{robot}_many.c"), "the functions over arrays of states"),
+            Files(("{robot}_many.h", "{robot}_many.c")),
             Files(("example/main.c",), "the loop from sensors to motors, a figure of eight"),
         ),
         reserved=(C, C_LIBRARY), options=("scalar", "math", "target"), switches=("fuzz", "batch"), proved=True,

@@ -14,7 +14,8 @@ All forms have the same value. The one with the fewest operations is taken.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import sympy
@@ -29,9 +30,10 @@ from wmrgen.kinematics.records import Locals
 from wmrgen.symbolic import Expr, Input, expression, times
 
 Twist = tuple[Expr, Expr, Expr]
-# Terms of a component beyond which it is not written out, and no common divisor is looked for. Six omni wheels with a
-# length each have some 1,000 terms: written out they take 610 operations, step by step 130.
-MOST_TERMS = 400
+# Terms of a component beyond which it is not written out, and no common divisor is looked for. Four omni wheels with a
+# length each have 64 of them. Six have 216: written out they take 610 operations, step by step 130, and the common
+# divisors of their eighteen parameters took four seconds.
+MOST_TERMS = 100
 _ONE = Poly.of(1)
 
 
@@ -58,20 +60,14 @@ def solve_symbolic(rows: Sequence[Measured], names: Locals) -> Solution:
         names: Intermediate results that the values of the rows refer to.
     """
     merged = merge(rows)
-    twists: list[Callable[[Sequence[Measured], Locals], list[Expr]]]
-    if len(merged.rows) == 3:
-        twists = [_square_steps]
-        if _size([list(row) for row, _, _ in merged.rows], [z for _, z, _ in merged.rows]) <= MOST_TERMS:
-            twists.append(_square_written_out)
-    else:
-        twists = [_steps]
-        if _size(*normal_equations(merged.rows)) <= MOST_TERMS:
-            twists.append(_written_out)
+    solve, own = _square_steps if len(merged.rows) == 3 else _steps, names.copy()
+    twists = [(solve(merged.rows, own), own)]
+    products = written_out(rows)
+    if products is not None:
+        twists.append(([_expression(p) for p in products], names.copy()))
     forms, weights = [form for form, _ in merged.differences], [weight for _, weight in merged.differences]
     solutions = []
-    for solve in twists:
-        own = names.copy()
-        twist = solve(merged.rows, own)
+    for twist, own in twists:
         if len(merged.rows) > 3:
             other = own.copy()
             slip, fitted = _norm_of_errors(rows, twist, other)
@@ -111,37 +107,11 @@ def _proportion(row: Row, other: Row) -> Exact | None:
     return ratios.pop() if len(ratios) == 1 else None
 
 
-def _size(matrix: Sequence[Sequence[Poly]], values: Sequence[Poly]) -> int:
-    """A bound on the terms of a component: T**2 M for T terms in an entry of the matrix and M in one of the values."""
-    return max(len(p.terms) for row in matrix for p in row) ** 2 * max(1, *(len(p.terms) for p in values))
-
-
 # ---- the twist
 
 
-def _square_written_out(rows: Sequence[Measured], _: Locals) -> list[Expr]:
-    """adj(H) z / det(H), in lowest terms."""
-    return [_expression(p) for p in _square_fractions(rows)]
-
-
-def _square_fractions(rows: Sequence[Measured]) -> list[Product]:
-    matrix = [[unrelated(p) for p in row] for row, _, _ in rows]
-    return _fractions(matrix, [unrelated(z) for _, z, _ in rows])
-
-
-def _written_out(rows: Sequence[Measured], _: Locals) -> list[Expr]:
-    """adj(H^T W H) H^T W z / det(H^T W H), in lowest terms."""
-    return [_expression(p) for p in _normal_fractions(rows)]
-
-
-def _normal_fractions(rows: Sequence[Measured]) -> list[Product]:
-    plain = [(triple(map(unrelated, row)), unrelated(z), weight) for row, z, weight in rows]
-    normal, moment = normal_equations(plain)
-    return _fractions([[shorter(p) for p in row] for row in normal], moment)
-
-
 def written_out(rows: Sequence[Measured]) -> list[Product] | None:
-    """Return the least-squares twist of rows of rank 3 for readers: each component as one product in lowest terms.
+    """Return the least-squares twist of rows of rank 3, each component as one product in lowest terms.
 
     Args:
         rows: Measured rows [m/s over m/s, m/s, rad/s], geometry in symbols, no joint angle in a row.
@@ -149,15 +119,19 @@ def written_out(rows: Sequence[Measured]) -> list[Product] | None:
     Returns:
         vx, vy [m/s] and omega [rad/s]; None where a component has more than `MOST_TERMS` terms.
     """
-    own = merge(rows).rows
-    if len(own) == 3:
-        size = _size([list(row) for row, _, _ in own], [z for _, z, _ in own])
-        return _square_fractions(own) if size <= MOST_TERMS else None
-    return _normal_fractions(own) if _size(*normal_equations(own)) <= MOST_TERMS else None
+    plain = [(triple(map(unrelated, row)), unrelated(z), weight) for row, z, weight in merge(rows).rows]
+    if len(plain) == 3:
+        matrix, values = [list(row) for row, _, _ in plain], [z for _, z, _ in plain]
+    else:
+        normal, values = normal_equations(plain)
+        matrix = [[shorter(p) for p in row] for row in normal]
+    # An entry of the adjugate has T**2 terms for T terms in an entry of the matrix.
+    entry, value = (max(len(p.terms) for p in entries) for entries in (chain(*matrix), values))
+    return _by_cramer(matrix, values) if entry**2 * value <= MOST_TERMS else None
 
 
-def _fractions(matrix: Sequence[Sequence[Poly]], values: Sequence[Poly]) -> list[Product]:
-    """matrix^-1 values, each component as geometry times a sum, by Cramer's rule."""
+def _by_cramer(matrix: Sequence[Sequence[Poly]], values: Sequence[Poly]) -> list[Product]:
+    """matrix^-1 values, each component as geometry times a sum: adjugate over determinant, in lowest terms."""
     det = shorter(determinant(matrix))
     results = []
     for row in adjugate(matrix):

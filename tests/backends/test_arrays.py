@@ -100,6 +100,9 @@ def test_names_that_clash_or_are_keywords() -> None:
 
 NAMES = [path.stem for path in GALLERY]
 FEW = everyday(NAMES, ["pioneer3dx", "wpilib_swervebot"])
+# JAX takes seconds to compile a function: one robot of each kind, and all functions of one of them in depth.
+KINDS = ["pioneer3dx", "wpilib_swervebot", "ackermann_car", "kuka_youbot", "nomad_xr4000"]
+UNDER_JAX = everyday(KINDS, ["pioneer3dx"])
 Columns = dict[str, np.ndarray]
 
 
@@ -140,12 +143,13 @@ def jax() -> Any:
         yield jax
 
 
-@pytest.mark.parametrize("name", FEW)
+@pytest.mark.parametrize("name", UNDER_JAX)
 def test_jax(name: str, tmp_path: Path, jax: Any) -> None:
     """Functions can be compiled and mapped; derivatives are finite, at standstill and in float32 too."""
     for function, call, arguments, expectation in tried(of_gallery(name).array_module, tmp_path):
-        if not DEEP and function.name not in ("inverse", "forward", "odometry"):
-            continue  # JAX takes seconds to compile a function
+        whole = DEEP and name == "pioneer3dx"
+        if not whole and function.name not in ("inverse", "forward", "odometry"):
+            continue
         mapped = jax.vmap(lambda inputs, call=call: call(**inputs))
         agree(jax.jit(call)(**arguments), expectation, 1e-9)
         agree(jax.jit(mapped)(arguments), expectation, 1e-9)
@@ -158,7 +162,7 @@ def test_jax(name: str, tmp_path: Path, jax: Any) -> None:
                     assert slope.dtype == kind
 
 
-@pytest.mark.parametrize("name", FEW)
+@pytest.mark.parametrize("name", UNDER_JAX)
 @pytest.mark.parametrize("function", ["inverse", "forward", "odometry"])
 def test_derivatives_are_slopes(name: str, function: str, tmp_path: Path, jax: Any) -> None:
     """Central differences away from standstill and from jumps of a steering angle."""

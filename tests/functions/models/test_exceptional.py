@@ -83,11 +83,12 @@ def test_a_vector_that_holds_everywhere_does(name: str) -> None:
 @pytest.mark.parametrize(
     ("d", "form", "condition", "wanted"),
     [
-        (
+        pytest.param(
             of_gallery("car_with_trailers"),
             None,
             sympy.cos(s("theta") - s("trailer1.theta")),
             (2, 3, 4, 5, 5, 6),
+            marks=pytest.mark.slow,
         ),
         (of_gallery("bicycle"), "configuration", sympy.sin(s("front.steer")), (2, 3, 5, 5, 6)),
         (of_gallery("textbook_two_steer"), None, sympy.cos(s("front.steer")), (3, 4, 5)),

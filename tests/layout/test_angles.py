@@ -145,7 +145,7 @@ def test_the_root_of_a_tunable_parameter_that_is_zero(
     for a, root in (("0", "0"), ("0.01", "0.1")):
         plain = robot("0", root)
         wanted = json.loads(wmrgen_cli("eval", plain, "forward", *spins, "--json").out)
-        tunable = robot("{value: 0, tunable: true}", "sqrt(a)")
+        tunable = robot("{value: 0, tunable: [0, 0.01]}", "sqrt(a)")
         assert wmrgen_cli("derive", tunable, "-o", tmp_path / "out").code == 0
         for backend in ("exact", "casadi", "numpy", "c"):
             done = wmrgen_cli("eval", tunable, "forward", *spins, f"a={a}", "--backend", backend, "--json")

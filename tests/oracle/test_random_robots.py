@@ -45,7 +45,7 @@ def test_a_random_robot(kind: str, seed: int, tmp_path: Path) -> None:
     compare(layout, Model.of(robot_text(layout), tmp_path, functions=functions), seed)
 
 
-@pytest.mark.parametrize(("kind", "seed"), drawn(6, 1, step=2))
+@pytest.mark.parametrize(("kind", "seed"), drawn(6, 1, step=8))
 def test_a_random_robot_with_everything_tunable(kind: str, seed: int, tmp_path: Path) -> None:
     """Every length and angle stays a symbol: closed forms in lowest terms have the values of the oracle."""
     layout = robot(seed, kind)

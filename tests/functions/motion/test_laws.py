@@ -75,17 +75,17 @@ HAVING = {
     ).split(),
     "vaf": (
         "clearpath_do100 clearpath_r100 festo_robotino kuka_youbot lekiwi nexus_4wd ssl_parsian "
-        "textbook_omnidirectional omni_k mecanum"
+        "textbook_omnidirectional textbook_tribolo omni_k mecanum"
     ).split(),
     "compatibility": (
         "ackermann_car agilex_ranger car_with_trailers care_o_bot_4 clearpath_a200 clearpath_do100 clearpath_r100 "
         "jpl_osr kelly_4ws kuka_youbot locked_bicycle neobotix_mpo_700 nexus_4wd nomad_xr4000 pr2 ssl_parsian "
-        "synchro_drive textbook_two_steer tidybot2 wpilib_swervebot car skewed four_ws mecanum"
+        "synchro_drive textbook_two_spheres textbook_two_steer tidybot2 wpilib_swervebot car skewed four_ws mecanum"
     ).split(),
     "heading": (
         "andino clearpath_a200 clearpath_do100 clearpath_r100 festo_robotino kuka_youbot lekiwi locked_bicycle mir_100 "
         "neobotix_mp_400 nexus_4wd pioneer3dx ssl_parsian textbook_differential textbook_omnidirectional "
-        "tractor_off_axle turtlebot3_burger omni_k mecanum"
+        "textbook_tribolo tractor_off_axle turtlebot3_burger omni_k mecanum"
     ).split(),
 }
 

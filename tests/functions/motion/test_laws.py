@@ -75,7 +75,7 @@ HAVING = {
     ).split(),
     "vaf": (
         "clearpath_do100 clearpath_r100 festo_robotino kuka_youbot lekiwi nexus_4wd ssl_parsian "
-        "textbook_omnidirectional textbook_tribolo omni_k mecanum"
+        "textbook_omnidirectional textbook_tribolo textbook_two_spheres omni_k mecanum"
     ).split(),
     "compatibility": (
         "ackermann_car agilex_ranger car_with_trailers care_o_bot_4 clearpath_a200 clearpath_do100 clearpath_r100 "
@@ -85,7 +85,7 @@ HAVING = {
     "heading": (
         "andino clearpath_a200 clearpath_do100 clearpath_r100 festo_robotino kuka_youbot lekiwi locked_bicycle mir_100 "
         "neobotix_mp_400 nexus_4wd pioneer3dx ssl_parsian textbook_differential textbook_omnidirectional "
-        "textbook_tribolo tractor_off_axle turtlebot3_burger omni_k mecanum"
+        "textbook_tribolo textbook_two_spheres tractor_off_axle turtlebot3_burger omni_k mecanum"
     ).split(),
 }
 

@@ -61,8 +61,9 @@ DRIVEN = (
 
 @pytest.mark.slow
 def test_who_has_a_model_in_wheel_speeds() -> None:
-    """And the car with trailers, whose model has a virtual wheel."""
-    assert {n for n in ROBOTS if speeds(n)} == {*DRIVEN, "car_with_trailers"}
+    """And the car with trailers, whose model has a virtual wheel, and the two robots on driven balls."""
+    others = {"car_with_trailers", "textbook_tribolo", "textbook_two_spheres"}
+    assert {n for n in ROBOTS if speeds(n)} == {*DRIVEN, *others}
 
 
 @pytest.mark.parametrize("name", DRIVEN)

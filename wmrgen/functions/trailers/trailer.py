@@ -181,7 +181,7 @@ def _jackknives(motion: Motion, on_fixed_axle: bool, convoys: list[list[Towed]])
     for i, t in enumerate(motion.robot.trailers):
         if not in_view(t.hitch, motion.frame.symbolic) and (i or on_fixed_axle):
             condition: Expr = sympy.cos(hitch_angle(motion.robot, i))
-            why = "what pulls it stands square to it and cannot move it"
+            why = "what pulls it stands square to it"
         else:
             speeds = [
                 (chain[i].speed, u)

@@ -212,7 +212,7 @@ def regular(d: Derivation) -> list[str]:
         does = "does" if len(sliding) == 1 else "do"
         intro += f" {listed(sliding)} {does} not hold where {where_it_slides(d.driven.mobility)}."
     if trailers:
-        intro += f" {code('trailer')} has the headings of trailers as states, too; section 9 says where it is singular."
+        intro += f" {code('trailer')} has trailers, too (section 9: where it is singular)."
     commands = [p.name for p in space.inputs if p.name.endswith(".steer_command")]
     if commands:
         intro += f" Steering angles follow {listed(commands)} at first order (`lag`)."

@@ -52,8 +52,7 @@ def test_pages_are_small_enough(reports: list[Report]) -> None:
 def test_reports_are_a_few_screens_long(
     reports: list[Report], derivations: dict[str, Derivation], tmp_path: Path
 ) -> None:
-    """Six of 900 px, eight where several wheels are free to steer; numerics stand folded below. Each trailer may add 45
-    px, the formula of its singular set."""
+    """Six of 900 px, eight where several wheels are free to steer; numerics stand folded below."""
     bare = [Report(report.name, report.files) for report in reports]
     script = """
     const tops = [...document.querySelectorAll("h1")].map((e) => [e.textContent, e.getBoundingClientRect().top]);
@@ -62,8 +61,7 @@ def test_reports_are_a_few_screens_long(
     screens, console = seen(page(bare), script, tmp_path)
     assert console == [] and screens.keys() >= derivations.keys()
     for name, d in derivations.items():
-        most = (8 if d.mobility.degree_of_steerability > 1 else 6) + 0.05 * len(d.robot.trailers)
-        assert 3 < screens[name] <= most, (name, screens[name])
+        assert 3 < screens[name] <= (8 if d.mobility.degree_of_steerability > 1 else 6), (name, screens[name])
 
 
 def test_texts_formulas_and_figures(reports: list[Report], tmp_path: Path) -> None:

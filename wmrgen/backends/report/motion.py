@@ -244,7 +244,13 @@ def jackknives(d: Derivation) -> list[str]:
         return []
     body = {domain.text for domain in systems["posture"].domain}
     own = tuple(domain for domain in systems["trailer"].domain if domain.text not in body)
-    return _exceptions("trailer", systems["trailer"]._replace(domain=own), 0)
+    blocks = _exceptions("trailer", systems["trailer"]._replace(domain=own), 0)
+    start, end = "```math\n\\begin{aligned}\n", "\n\\end{aligned}\n```"
+    sentences, formulas = blocks[::2], blocks[1::2]
+    if len(sentences) < 2 or any("\\\\" in f or not f.startswith(start) for f in formulas):
+        return blocks
+    # One display for all trailers: their conditions are a row each.
+    return [" ".join(sentences), *aligned([f.removeprefix(start).removesuffix(end) for f in formulas])]
 
 
 def _exceptions(form: str, system: System, shared: int) -> list[str]:

@@ -17,7 +17,7 @@ from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import system_builder
 from wmrgen.ir.calls import inlined_calls, select
-from wmrgen.ir.interpret import EXACT, evaluate
+from wmrgen.ir.interpret import EXACT, Arithmetic, evaluate
 from wmrgen.ir.kernels.choice import DEFAULT, HOST, Choice, choice
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.kinematics.forward import readable_twist
@@ -119,6 +119,13 @@ class Derivation(Analysis):
         """
         return system_builder(name)(*driving(self.robot, self.mobility), symbolic)
 
+    @cached_property
+    def forms(self) -> dict[str, System]:
+        """The forms of the model that the robot has, every named parameter as a symbol."""
+        from wmrgen.functions.models.state_space import forms
+
+        return forms(self.robot, self.mobility)
+
     def state_space(
         self, form: str | None = None, discrete: str | None = None, dt: float | CasadiSymbol | None = None
     ) -> CasadiFunction:
@@ -182,13 +189,24 @@ class Derivation(Analysis):
         """`default_state_space` as functions of vectors: rates and, where there are some, constraints."""
         return vector_forms(self.robot, self.default_state_space)
 
-    def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
+    def evaluate(
+        self, name: str, values: Mapping[str, Exact], arithmetic: Arithmetic = EXACT
+    ) -> dict[str, Exact]:
         """Any function at exact values. Inputs left out are 0, parameters nominal; UsageError for parameters without a
-        geometry."""
+        geometry.
+
+        Args:
+            name: The function.
+            values: Input -> value in SI units.
+            arithmetic: One over numbers of the field.
+
+        Returns:
+            Output -> value in SI units.
+        """
         self.robot.refuse(values)
         function = self._in_operations(name)
         missing = {p.name: ZERO for p in function.inputs if p.default is None}
-        return evaluate(function, missing | dict(values), EXACT)
+        return evaluate(function, missing | dict(values), arithmetic)
 
     def _in_operations(self, name: str) -> Function:
         """Any function, not optimised."""

@@ -5,6 +5,7 @@ An element a + b sqrt2 + c sqrt3 + d sqrt6 is four integers over one common deno
 
 from __future__ import annotations
 
+import sys
 from fractions import Fraction
 from functools import cache, total_ordering
 from math import gcd, isqrt, lcm, prod
@@ -12,6 +13,7 @@ from math import gcd, isqrt, lcm, prod
 Rational = int | Fraction
 _DIGITS = 60
 _NONE = (0, 0, 0, 0)
+_MODULUS = sys.hash_info.modulus
 
 
 @cache
@@ -19,6 +21,17 @@ def sqrt_rational(n: int, digits: int = _DIGITS) -> Fraction:
     """sqrt(n) rounded down to ``digits`` decimals, as a fraction."""
     scale = 10**digits
     return Fraction(isqrt(n * scale * scale), scale)
+
+
+def _hash_of_ratio(num: int, den: int) -> int:
+    """The hash of the equal int or Fraction, num / den in lowest terms, den > 0.
+
+    As the Python manual has it under "Hashing of numeric types"; to build a Fraction would search for the greatest
+    common divisor once more.
+    """
+    if den % _MODULUS == 0:
+        return sys.hash_info.inf if num > 0 else -sys.hash_info.inf
+    return hash(num * pow(den, -1, _MODULUS))
 
 
 @total_ordering
@@ -162,8 +175,7 @@ class Exact:
     def __hash__(self) -> int:
         if self._hash is None:
             a, b, c, d = self.num
-            rational = a if self.den == 1 else Fraction(a, self.den)
-            self._hash = hash((self.num, self.den) if b or c or d else rational)
+            self._hash = hash((self.num, self.den)) if b or c or d else _hash_of_ratio(a, self.den)
         return self._hash
 
     def rational(self, digits: int = _DIGITS) -> Fraction:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -26,7 +26,7 @@ class System(NamedTuple):
 
     ``fields[k][i]``: component i of g_k, an exact expression in the state and in ``geometry``: the tunable
     parameters, or in the symbolic view all of them; the symbol of those is ``parameter(port.name)``.
-    ``code``: the same rates by way of the twist, in the fewest operations; None if the fields say it as shortly.
+    ``code`` returns the same rates by way of the twist, in the fewest operations; None if the fields say it as shortly.
     """
 
     name: str
@@ -36,7 +36,7 @@ class System(NamedTuple):
     fields: tuple[tuple[Expr, ...], ...]
     geometry: tuple[Port, ...] = ()
     domain: tuple[Domain, ...] = ()
-    code: Formula | None = None
+    code: Callable[[], Formula] | None = None
 
     @property
     def G(self) -> sympy.Matrix:
@@ -53,9 +53,11 @@ class System(NamedTuple):
         """State and inputs to the rates of the state. Where a divisor of the model vanishes its quotient reads 0, but
         without ``guards``, which cost an optimiser time."""
         inputs = (*self.state, *self.inputs, *self.geometry)
-        rates = tuple(zip(map(rate_port, self.state), self.rates, strict=True))
-        plain = self.code or Formula(self.name, inputs, (), rates, self.text)
-        plain = replace(plain, name=self.name, inputs=inputs, text=self.text)
+        if self.code:
+            plain = replace(self.code(), name=self.name, inputs=inputs, text=self.text)
+        else:
+            rates = tuple(zip(map(rate_port, self.state), self.rates, strict=True))
+            plain = Formula(self.name, inputs, (), rates, self.text)
         return with_guards(plain) if guards else plain
 
 

@@ -27,10 +27,14 @@ def geometry_only(function: Function) -> list[bool]:
 
 def unguarded(function: Function) -> Function:
     """``function`` without what keeps divisors of geometry alone off zero: for callers who vouch for their geometry."""
-    early, builder, built = geometry_only(function), Builder(), list[int]()
+    early = geometry_only(function)
+    guards = {i for i, node in enumerate(function.nodes) if node.op is Op.AT_LEAST and early[i]}
+    if not guards:
+        return function
+    builder, built = Builder(), list[int]()
     for i, node in enumerate(function.nodes):
         args = [built[arg] for arg in node.args]
-        built.append(args[0] if node.op is Op.AT_LEAST and early[i] else builder.again(node, args))
+        built.append(args[0] if i in guards else builder.again(node, args))
     return pruned(rebuilt(function, builder.nodes, dict(enumerate(built))))
 
 
@@ -57,11 +61,12 @@ def accumulate(form: Form, monomial: Monomial, value: Exact) -> None:
 class Scalars:
     """The geometry-only nodes of a function as canonical sums of monomials."""
 
-    __slots__ = ("_builder", "_forms", "_function")
+    __slots__ = ("_builder", "_forms", "_function", "_singles")
 
     def __init__(self, function: Function, builder: Builder, early: list[bool]) -> None:
         self._function, self._builder = function, builder
         self._forms: dict[int, Form] = {}
+        self._singles: dict[int, tuple[Exact, Monomial]] = {}
         for i, geometry in enumerate(early):
             if geometry:
                 self._forms[i] = self._form(i)
@@ -84,7 +89,7 @@ class Scalars:
                     c = scalar.get((), ZERO)
                     return {m: c * value for m, value in other.items()} if c else {}
         if node.op in (Op.MUL, Op.DIV):
-            (p, a), (q, b) = self.single(args[0]), self.single(args[1])
+            (p, a), (q, b) = map(self.factors, node.args)
             if not p:
                 return {}
             power = 1 if node.op is Op.MUL else -1
@@ -100,6 +105,12 @@ class Scalars:
     def form(self, i: int) -> Form:
         """Node ``i`` of the function, geometry-only, as a sum of monomials."""
         return self._forms[i]
+
+    def factors(self, i: int) -> tuple[Exact, Monomial]:
+        """Node ``i`` of the function, geometry-only, as one constant times one monomial."""
+        if i not in self._singles:
+            self._singles[i] = self.single(self._forms[i])
+        return self._singles[i]
 
     def single(self, form: Form) -> tuple[Exact, Monomial]:
         """``form`` as one constant times one monomial; a sum becomes an atom of its own."""

@@ -22,7 +22,6 @@ from wmrgen.ir.nodes import Function, Module, Op, Role
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
 
 Number = Exact | Fraction | int | float
-_LONGEST, _DIGITS = 30_000, 9_000  # bits and decimals of a number
 
 
 class Arithmetic(NamedTuple):
@@ -36,21 +35,32 @@ def _exact(value: Number) -> Exact:
     return Exact(Fraction(value)) if isinstance(value, float) else Exact.of(value)
 
 
-def _short(a: Exact) -> Exact:
-    """``a``, or 9,000 digits of it where it has twice as many: sines have 60, and what is made of them grows."""
-    if a.den.bit_length() < 2 * _LONGEST:
-        return a
-    value = a.rational(_DIGITS)
-    places = _LONGEST - value.numerator.bit_length() + value.denominator.bit_length()
-    return Exact(Fraction((value.numerator << places) // value.denominator, 1 << places)) if places > 0 else a
+def _shortened(value: Exact, digits: int) -> Exact:
+    """``value``, or its first ``digits`` digits where its denominator has more than twice as many."""
+    longest = digits * 10 // 3  # in bits
+    if value.den.bit_length() < 2 * longest:
+        return value
+    near = value.rational(digits)
+    places = longest - near.numerator.bit_length() + near.denominator.bit_length()
+    return (
+        Exact(Fraction((near.numerator << places) // near.denominator, 1 << places)) if places > 0 else value
+    )
 
 
-@cache
-def _in_the_field(op: Op) -> Callable[..., Exact]:
-    meaning = op.exact
-    if meaning is None:
-        raise KeyError(f"{op} is an operation of floats alone")
-    return lambda *args: _short(meaning(*args))
+def in_the_field(digits: int) -> Arithmetic:
+    """Exact arithmetic, except that a number with more than twice as many digits keeps that many.
+
+    The sine of an odd angle has 60 digits, and every product of such numbers is longer.
+    """
+
+    @cache
+    def of(op: Op) -> Callable[..., Exact]:
+        meaning = op.exact
+        if meaning is None:
+            raise KeyError(f"{op} is an operation of floats alone")
+        return lambda *args: _shortened(meaning(*args), digits)
+
+    return Arithmetic(_exact, of)
 
 
 def _enter64(value: Number) -> float:
@@ -61,7 +71,7 @@ def _enter32(value: Number) -> float:
     return nearest_float32(value) if isinstance(value, float) else to_float32(Exact.of(value))
 
 
-EXACT = Arithmetic(_exact, _in_the_field)
+EXACT = in_the_field(2_000)
 FLOAT64 = Arithmetic(_enter64, attrgetter("float64"))
 FLOAT32 = Arithmetic(_enter32, attrgetter("float32"))
 

@@ -170,10 +170,10 @@ def _parts(
         return [(node.args[0], -value, monomial)]
     a, b = node.args
     if node.op is Op.DIV:
-        c, m = scalars.single(scalars.form(b))
+        c, m = scalars.factors(b)
         return [(a, value / c, times(monomial, m, -1))]
     scalar, other = (a, b) if shape.early[a] else (b, a)
-    c, m = scalars.single(scalars.form(scalar))
+    c, m = scalars.factors(scalar)
     return [(other, value * c, times(monomial, m))] if c else []
 
 

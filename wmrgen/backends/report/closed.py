@@ -17,6 +17,7 @@ from wmrgen.exact.evaluate import parameters_in
 from wmrgen.exact.number import ONE as UNIT
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.exact.readable import with_sines_squared
+from wmrgen.ir.interpret import in_the_field
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.sensing import generic_rank
 from wmrgen.kinematics.steer import pivot
@@ -257,10 +258,15 @@ def _in_numbers(d: Derivation) -> list[str]:
     rates = [p for p in d.formula("forward").inputs if p.default is None]
     if any(not p.name.endswith(".spin") for p in rates):
         return []
-    twists = [d.evaluate("forward", {p.name: UNIT}) for p in rates]
-    spins = [Poly.gen("input", p.name) for p in rates]
-    sums = ((n, Poly.sum(s.scale(t[n]) for s, t in zip(spins, twists, strict=True))) for n in TWIST_NAMES)
-    return aligned(f"{notation.port(name)} &= {broken(total_)}" for name, total_ in sums)
+    shown, rest = rates[:_TERMS], [r"+\cdots"] * (len(rates) > _TERMS)
+    arithmetic = in_the_field(60)  # far more digits than a report shows
+    twists = [d.evaluate("forward", {p.name: UNIT}, arithmetic) for p in shown]
+    spins = [Poly.gen("input", p.name) for p in shown]
+    lines = []
+    for name in TWIST_NAMES:
+        value = Poly.sum(spin.scale(twist[name]) for spin, twist in zip(spins, twists, strict=True))
+        lines.append(f"{notation.port(name)} &= {wrapped([*summands(terms(value)), *rest])}")
+    return aligned(lines)
 
 
 def _closed(d: Derivation) -> list[str]:

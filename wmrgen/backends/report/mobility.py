@@ -28,7 +28,6 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row, dot, has_angles
 from wmrgen.functions.models.polynomials import whole
-from wmrgen.functions.models.state_space import forms
 from wmrgen.functions.motion.wheel_speeds import relations
 from wmrgen.kinematics.least_squares import project
 from wmrgen.layout.records import Robot, Wheel
@@ -260,7 +259,7 @@ def _none(d: Derivation) -> list[str]:
     """What is said of a robot whose layout has no singular set, and of its forms of the model that have one."""
     trailers = jackknives(d)
     castors = has_angles(p for column in d.mobility.null_space for p in column)
-    if not trailers and not castors and not any(s.domain for s in forms(d.robot, d.mobility).values()):
+    if not trailers and not castors and not any(s.domain for s in d.forms.values()):
         return [
             "No configuration is singular: no rank drops and no angle is undefined, whatever the robot does."
         ]

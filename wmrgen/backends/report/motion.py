@@ -15,7 +15,7 @@ from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.models.inputs import posture_motion
 from wmrgen.functions.models.sheet import LONGEST, tidy
-from wmrgen.functions.models.state_space import forms, rolls_alone
+from wmrgen.functions.models.state_space import rolls_alone
 from wmrgen.functions.models.twist import goes_straight, where_it_slides
 from wmrgen.functions.system import System
 from wmrgen.functions.trailers.trailer import state_ports, turns
@@ -190,7 +190,7 @@ def regular(d: Derivation) -> list[str]:
     space = d.default_state_space
     if space is None:
         return []
-    systems = forms(d.robot, d.mobility)
+    systems = dict(d.forms)
     trailers = systems.pop("trailer", None)
     sliding = [form for form in systems if rolls_alone(form, d.driven.mobility)]
     always = [form for form, system in systems.items() if form not in sliding and not system.domain]
@@ -239,32 +239,32 @@ def regular(d: Derivation) -> list[str]:
 
 def jackknives(d: Derivation) -> list[str]:
     """Where the form with trailers is singular and the others are not."""
-    systems = forms(d.robot, d.mobility)
-    if "trailer" not in systems:
+    if "trailer" not in d.forms:
         return []
-    body = {domain.text for domain in systems["posture"].domain}
-    own = tuple(domain for domain in systems["trailer"].domain if domain.text not in body)
-    blocks = _exceptions("trailer", systems["trailer"]._replace(domain=own), 0)
-    start, end = "```math\n\\begin{aligned}\n", "\n\\end{aligned}\n```"
-    sentences, formulas = blocks[::2], blocks[1::2]
-    if len(sentences) < 2 or any("\\\\" in f or not f.startswith(start) for f in formulas):
-        return blocks
-    # One display for all trailers: their conditions are a row each.
-    return [" ".join(sentences), *aligned([f.removeprefix(start).removesuffix(end) for f in formulas])]
+    of_the_body = {domain.text for domain in d.forms["posture"].domain}
+    system = d.forms["trailer"]
+    own = tuple(domain for domain in system.domain if domain.text not in of_the_body)
+    return _exceptions("trailer", system._replace(domain=own), 0)
 
 
 def _exceptions(form: str, system: System, shared: int) -> list[str]:
     """Where a form does not hold, and why; of eta the first ``shared`` conditions stand elsewhere."""
     names = symbol_names((*system.state, *system.inputs, *system.geometry))
-    blocks = []
+    blocks, reasons, equations = [], [], []
     for k, domain in enumerate(system.domain):
-        why = sentence(domain.text.replace(": ", ", for ", 1))
+        why = sentence(domain.text.replace(": ", ", because ", 1))
         if form == "eta" and k < shared:
             blocks += [f"{code(form)} does not hold where {why}. Section 9 has the condition."]
-            continue
-        if size(domain.expression) > _CONDITION:
+        elif size(domain.expression) > _CONDITION:
             blocks += [f"{code(form)} does not hold where a long expression vanishes: {why}."]
-            continue
-        parts = summands(gathered(terms(tidy(domain.expression), names)))
-        blocks += [f"{code(form)} does not hold where {why}:", *aligned([f"0 &= {wrapped(parts)}"])]
+        else:
+            parts = summands(gathered(terms(tidy(domain.expression), names)))
+            reasons.append(why)
+            equations.append(f"0 &= {wrapped(parts)}")
+    if equations:
+        each = " (one equation each)" if len(equations) > 1 else ""
+        blocks += [
+            f"{code(form)} does not hold where {'; or where '.join(reasons)}{each}:",
+            *aligned(equations),
+        ]
     return blocks

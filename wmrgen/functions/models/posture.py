@@ -138,9 +138,13 @@ def system_of(
         (*in_world(triple(map(expression, twist))), *(expression(share[k]) for share in shares))
         for k, twist in enumerate(motion.twists)
     )
-    names, geometry = Locals(), motion.frame.geometry
-    outputs = zip(map(rate_port, state), posture_rates(motion, names, castors, rolling)[0], strict=True)
-    code = names.formula(name, (*state, *motion.inputs, *geometry), outputs, motion.text)
+    geometry = motion.frame.geometry
+
+    def code() -> Formula:
+        names = Locals()
+        outputs = zip(map(rate_port, state), posture_rates(motion, names, castors, rolling)[0], strict=True)
+        return names.formula(name, (*state, *motion.inputs, *geometry), outputs, motion.text)
+
     return System(name, motion.text, state, motion.inputs, fields, geometry, motion.domain, code)
 
 

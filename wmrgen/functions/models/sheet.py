@@ -136,7 +136,9 @@ def lines(sheet: Sheet) -> list[str]:
 
 def singular_sets(system: System) -> tuple[str, ...]:
     """Where a model does not hold, a condition each, and why."""
-    return conditions(sheet_of(system.name, system))
+    ports = (*system.state, *system.inputs, *system.geometry)
+    domain = (Domain(tidy(d.expression), d.text) for d in system.domain)
+    return tuple(_sets(domain, Reader(Text(ports).doprint)))
 
 
 def conditions(sheet: Sheet) -> tuple[str, ...]:

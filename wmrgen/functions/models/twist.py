@@ -48,12 +48,16 @@ def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sy
     rates = tuple(joint_port(w, "steer_rate", Role.COMMAND) for w in steered)
     geometry = parameter_ports(robot) if symbolic else tunable_ports(robot)
     text = f"model in twist inputs{_condition(robot, mobility)}"
-    names = Locals()
-    twist = _named_twist(inputs, columns, names)
-    velocity = names.turned("velocity", twist[:2], signal("theta"))
-    swung = (_swing_rate(robot, w, view, twist) for w in castors)
-    values = (*velocity, twist[2], *(signal(port.name) for port in rates), *swung)
-    outputs = zip(map(rate_port, state), values, strict=True)
+
+    def code() -> Formula:
+        names = Locals()
+        twist = _named_twist(inputs, columns, names)
+        velocity = names.turned("velocity", twist[:2], signal("theta"))
+        swung = (_swing_rate(robot, w, view, twist) for w in castors)
+        values = (*velocity, twist[2], *(signal(port.name) for port in rates), *swung)
+        outputs = zip(map(rate_port, state), values, strict=True)
+        return names.formula("twist", (*state, *inputs, *rates, *geometry), outputs, text)
+
     return System(
         "twist",
         text,
@@ -62,7 +66,7 @@ def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sy
         (*((*in_world(c), *still, *swing) for c, swing in zip(columns, swings, strict=True)), *turns),
         geometry,
         meeting(robot, view),
-        names.formula("twist", (*state, *inputs, *rates, *geometry), outputs, text),
+        code,
     )
 
 

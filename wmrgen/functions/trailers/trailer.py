@@ -33,6 +33,7 @@ from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, fixed_axle, le
 from wmrgen.functions.models.inputs import Motion, best_motion
 from wmrgen.functions.models.polynomials import whole, without_lengths
 from wmrgen.functions.models.posture import posture_rates, system_of
+from wmrgen.functions.models.sheet import LONGEST
 from wmrgen.functions.models.vector_fields import to_poly
 from wmrgen.functions.registry import function, system, underivable
 from wmrgen.functions.system import Domain, System, rate_port, with_guards
@@ -40,6 +41,7 @@ from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Length, Robot, Trailer
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import POSE, Port, Role, output
+from wmrgen.printing import size
 from wmrgen.symbolic import (
     Expr,
     add,
@@ -160,10 +162,15 @@ def towing_system(motion: Motion, mobility: Mobility) -> System:
         convoy(motion, axle or THROUGH_P, [expression(p) for p in twist], None) for twist in motion.twists
     ]
     posture = system_of("trailer", motion)
-    state, names = (*posture.state, *state_ports(trailers)), Locals()
-    rates, twist = posture_rates(motion, names, motion.swivels)
-    rates = (*rates, *(a.turn for a in convoy(motion, axle or THROUGH_P, twist, names)))
-    outputs = zip(map(rate_port, state), rates, strict=True)
+    state = (*posture.state, *state_ports(trailers))
+
+    def code() -> Formula:
+        names = Locals()
+        rates, twist = posture_rates(motion, names, motion.swivels)
+        rates = (*rates, *(a.turn for a in convoy(motion, axle or THROUGH_P, twist, names)))
+        outputs = zip(map(rate_port, state), rates, strict=True)
+        return names.formula("trailer", (*state, *motion.inputs, *posture.geometry), outputs, motion.text)
+
     return posture._replace(
         text=f"body and {len(trailers)} trailer{'' if len(trailers) == 1 else 's'}: {motion.text}",
         state=state,
@@ -171,7 +178,7 @@ def towing_system(motion: Motion, mobility: Mobility) -> System:
             (*field, *(a.turn for a in chain)) for field, chain in zip(posture.fields, convoys, strict=True)
         ),
         domain=(*posture.domain, *_jackknives(motion, axle is not None, convoys)),
-        code=names.formula("trailer", (*state, *motion.inputs, *posture.geometry), outputs, motion.text),
+        code=code,
     )
 
 
@@ -196,7 +203,9 @@ def _jackknives(motion: Motion, on_fixed_axle: bool, convoys: list[list[Towed]])
 
 
 def _cleared(condition: Expr) -> Expr:
-    """What is zero where ``condition`` is, without denominators and common lengths."""
+    """What is zero where ``condition`` is, without denominators and common lengths; as it is where it is too long."""
+    if size(condition) > LONGEST:
+        return condition
     (cleared,) = whole([without_lengths(to_poly(condition))])
     return expression(cleared)
 

@@ -17,7 +17,7 @@ from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import system_builder
 from wmrgen.ir.calls import inlined_calls, select
-from wmrgen.ir.interpret import EXACT, Arithmetic, evaluate
+from wmrgen.ir.interpret import EXACT, evaluate, in_the_field
 from wmrgen.ir.kernels.choice import DEFAULT, HOST, Choice, choice
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.kinematics.forward import readable_twist
@@ -189,16 +189,14 @@ class Derivation(Analysis):
         """`default_state_space` as functions of vectors: rates and, where there are some, constraints."""
         return vector_forms(self.robot, self.default_state_space)
 
-    def evaluate(
-        self, name: str, values: Mapping[str, Exact], arithmetic: Arithmetic = EXACT
-    ) -> dict[str, Exact]:
+    def evaluate(self, name: str, values: Mapping[str, Exact], digits: int | None = None) -> dict[str, Exact]:
         """Any function at exact values. Inputs left out are 0, parameters nominal; UsageError for parameters without a
         geometry.
 
         Args:
             name: The function.
             values: Input -> value in SI units.
-            arithmetic: One over numbers of the field.
+            digits: What intermediate results keep where they have more than twice as many. None: 2,000.
 
         Returns:
             Output -> value in SI units.
@@ -206,7 +204,7 @@ class Derivation(Analysis):
         self.robot.refuse(values)
         function = self._in_operations(name)
         missing = {p.name: ZERO for p in function.inputs if p.default is None}
-        return evaluate(function, missing | dict(values), arithmetic)
+        return evaluate(function, missing | dict(values), in_the_field(digits) if digits else EXACT)
 
     def _in_operations(self, name: str) -> Function:
         """Any function, not optimised."""

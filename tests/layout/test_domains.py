@@ -229,7 +229,7 @@ def grid(low: Fraction, high: Fraction, count: int = 20) -> Iterator[Fraction]:
     return (low + (high - low) * k / count for k in range(count + 1))
 
 
-@settings(max_examples=examples(300), deadline=None)
+@settings(max_examples=examples(120), deadline=None)
 @given(st.recursive(_LEAVES, _grown, max_leaves=6))
 def test_verdicts_are_those_of_dense_sampling(text: str) -> None:
     """c = a - b/2 is 0 nominally. A point of the grid that is wrong is refused; what is refused is wrong near the point

@@ -6,6 +6,7 @@ bracket of an input with every field of the order before, and counts singular va
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -29,20 +30,29 @@ def of_gallery(name: str) -> Derivation:
     return wmrgen.derive(wmrgen.load(ROBOTS / f"{name}.yaml"))
 
 
-def vector_at(system: System, point: dict[str, float], orders: int) -> tuple[int, ...]:
-    """Dimensions by order at a point, by sympy and NumPy."""
+@cache
+def bracketed(system: System, orders: int) -> list[Any]:
+    """By order: a function of the state whose rows are the fields and their brackets up to that order, by sympy."""
     symbols = [s(port.name) for port in system.state]
     values = {
         p(port.name): sympy.Float(float(port.default)) for port in system.geometry if port.default is not None
     }
     inputs = [sympy.Matrix([sympy.sympify(e).xreplace(values) for e in f]) for f in system.fields]
-    reached, newest, dims = [*inputs], [*inputs], []
+    reached, newest, functions = [*inputs], [*inputs], []
     for order in range(1, orders + 1):
         if order > 1:
             newest = [b.jacobian(symbols) * a - a.jacobian(symbols) * b for b in newest for a in inputs]
             reached += newest
-        at = sympy.lambdify([symbols], [list(f) for f in reached], "numpy")
-        rows = np.array(at([point[str(q.name)] for q in symbols]), float)
+        functions.append(sympy.lambdify([symbols], [list(f) for f in reached], "numpy"))
+    return functions
+
+
+def vector_at(system: System, point: dict[str, float], orders: int) -> tuple[int, ...]:
+    """Dimensions by order at a point, by NumPy."""
+    state = [point[str(s(port.name).name)] for port in system.state]
+    dims: list[int] = []
+    for fields in bracketed(system, orders):
+        rows = np.array(fields(state), float)
         sizes = np.linalg.norm(rows, axis=1, keepdims=True)
         rows = rows / np.where(sizes > 1e-9, sizes, np.inf)
         dims.append(int(np.linalg.matrix_rank(rows, tol=1e-9)))

@@ -17,7 +17,6 @@ from wmrgen.exact.evaluate import parameters_in
 from wmrgen.exact.number import ONE as UNIT
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.exact.readable import with_sines_squared
-from wmrgen.ir.interpret import in_the_field
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.sensing import generic_rank
 from wmrgen.kinematics.steer import pivot
@@ -259,8 +258,8 @@ def _in_numbers(d: Derivation) -> list[str]:
     if any(not p.name.endswith(".spin") for p in rates):
         return []
     shown, rest = rates[:_TERMS], [r"+\cdots"] * (len(rates) > _TERMS)
-    arithmetic = in_the_field(60)  # far more digits than a report shows
-    twists = [d.evaluate("forward", {p.name: UNIT}, arithmetic) for p in shown]
+    digits = 60  # far more than a report shows
+    twists = [d.evaluate("forward", {p.name: UNIT}, digits) for p in shown]
     spins = [Poly.gen("input", p.name) for p in shown]
     lines = []
     for name in TWIST_NAMES:

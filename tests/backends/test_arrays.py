@@ -145,7 +145,7 @@ def jax() -> Any:
 
 @pytest.mark.parametrize("name", UNDER_JAX)
 def test_jax(name: str, tmp_path: Path, jax: Any) -> None:
-    """Functions can be compiled and mapped; derivatives are finite, at standstill too, in float32 (the smaller range)."""
+    """Functions can be compiled and mapped; derivatives are finite in float32, at standstill too."""
     for function, call, arguments, expectation in tried(of_gallery(name).array_module, tmp_path):
         usual = function.name in ("inverse", "forward", "odometry")
         if not usual and not (DEEP and name == "pioneer3dx"):

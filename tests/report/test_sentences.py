@@ -449,7 +449,7 @@ wheels:
     ("robot", "said", "unsaid"),
     [
         (NAMES, "limits `omega`, too, which is neither a state nor an input of", "neither states"),
-        (NAMES, "G is unbounded, for `left.spin` no longer determines the motion:", "`e`d"),
+        (NAMES, "G is unbounded, because `left.spin` no longer determines the motion:", "`e`d"),
         (NAMES, "`C1` imposes no sliding constraint", "`C₁`"),
         (NAMES, "* The axle lines of `left` and `right` are 0.4 mm apart, within", ". The axle lines"),
         (LETTERS, "\\begin{bmatrix}\n1 \\\\\n0 \\\\\n0\n\\end", "3-100"),  # cleared of 0.03 - r

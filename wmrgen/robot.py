@@ -23,6 +23,7 @@ from wmrgen.ir.nodes import Function, Module
 from wmrgen.kinematics.forward import readable_twist
 from wmrgen.kinematics.inverse import readable_spins
 from wmrgen.kinematics.least_squares import project
+from wmrgen.kinematics.pose import arc
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot
 from wmrgen.lower import lower
@@ -151,7 +152,7 @@ class Derivation(Analysis):
             return model
         if discrete is None:
             raise UsageError(f"dt is {dt}, and there is no step to take. Write discrete='rk4' too.")
-        return BACKENDS["casadi"].offers("step")(model, lower(self.formula("odometry")), discrete, dt)
+        return BACKENDS["casadi"].offers("step")(model, lower(arc()), discrete, dt)
 
     def rolling(self) -> CasadiFunction | None:
         """casadi.Function (x, u, p) -> g [m/s] of the model in twist inputs, 0 where no steered wheel slides; None

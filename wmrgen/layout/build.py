@@ -15,12 +15,12 @@ from wmrgen.exact.linalg import mean
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.domains import needs
+from wmrgen.layout.encoders import encoders_of, refuse_ambiguous
 from wmrgen.layout.expressions import PI, Scope, computable, snap, to_poly
 from wmrgen.layout.joints import (
     common_limits,
     constant,
     deadband_of,
-    encoders_of,
     groups,
     lag_of,
     limits_of,
@@ -107,7 +107,9 @@ def build(spec: RobotSpec) -> Robot:
         functions=tuple(f.name for f in spec.functions), **facts,
     )  # fmt: skip
     refuse_unmodelled(spec, robot)
-    return common_limits(spec, robot)
+    robot = common_limits(spec, robot)
+    refuse_ambiguous(spec, robot)
+    return robot
 
 
 def _parameters(spec: RobotSpec, several: Several) -> tuple[Parameter, ...]:

@@ -17,6 +17,7 @@ from wmrgen.exact.evaluate import number, parameters_in
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.tolerance import EXACT, Near, Tolerance
+from wmrgen.ports import Reading
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 T = TypeVar("T", Poly, Exact)
@@ -80,10 +81,10 @@ class Noise(NamedTuple):
 
 
 class Encoder(NamedTuple):
-    """A counter: ``turn`` counts per turn of the joint, negative where it counts down; it wraps at 2**``bits``."""
+    """A counter of a joint: ``turn`` counts per turn of the joint, negative where it counts down."""
 
     turn: Exact
-    bits: int
+    reading: Reading
 
 
 @dataclass(frozen=True, slots=True)

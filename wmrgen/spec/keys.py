@@ -29,6 +29,7 @@ from wmrgen.spec.part_keys import (
     LIMITS,
     NOISE,
     RATE_NOISE,
+    STEERING_COUNTER,
     TRAILER,
     VIRTUAL,
 )
@@ -280,7 +281,8 @@ SECTIONS = {
     "`spin` and `steer_rate` of `noise`": RATE_NOISE,
     "`steer` of `noise`": ANGLE_NOISE,
     "`encoder`, of the robot or of a wheel": ENCODER,
-    "Each joint of `encoder`": COUNTER,
+    "`spin` of `encoder`": COUNTER,
+    "`steer` of `encoder`": STEERING_COUNTER,
     "`lag`, of the robot or of a wheel": LAG,
     "A parameter with more than a value": PARAMETER,
     "Each of `couplings`": COUPLING,

@@ -118,13 +118,18 @@ class NoiseSpec(NamedTuple):
 
 
 class EncoderSpec(NamedTuple):
-    """A counter of ``joint``, spin or steer: ``counts`` per turn of its shaft, which turns ``gear`` times as far."""
+    """A counter of ``joint``, spin or steer: ``counts`` per turn of its shaft, which turns ``gear`` times as far.
+
+    It wraps at 2**``bits`` or at ``modulus``. ``offset``: reading of an absolute encoder where the joint is at 0.
+    """
 
     joint: str
     counts: Quantity
     gear: Quantity | None
     reversed: bool
     bits: Quantity | None
+    modulus: Quantity | None = None
+    offset: Quantity | None = None
 
 
 @dataclass(frozen=True, slots=True)

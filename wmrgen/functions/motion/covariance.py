@@ -38,7 +38,7 @@ from wmrgen.functions.models.polynomials import by_angle
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import JOINT_ROLE, forward, nominal_rank
 from wmrgen.kinematics.least_squares import Matrix, named_normal, normal_equations, pseudo_inverse
-from wmrgen.kinematics.pose import increments
+from wmrgen.kinematics.pose import increments, wrapped
 from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, slip_port, tunable_ports
 from wmrgen.kinematics.sensing import (
     EDGE,
@@ -218,7 +218,8 @@ def odometry_covariance(_: Robot, __: Mobility) -> Formula:
     """Pose and its covariance after a step at a twist of this covariance."""
     names = Locals()
     steps = increments(names)
-    pose = zip(POSE, (add(signal(p.name), e) for p, e in zip(POSE, steps, strict=True)), strict=True)
+    x, y, theta = (add(signal(p.name), e) for p, e in zip(POSE, steps, strict=True))
+    pose = zip(POSE, (x, y, wrapped(names.define("theta_whole", theta))), strict=True)
     dx, dy = names.define("x_step", steps[0]), names.define("y_step", steps[1])
     before = {p.name: signal(p.name) for p in (*POSE_COVARIANCE, *TWIST_COVARIANCE)}
     (xx, xy, yy), by_rate = _of_velocity(before, names)

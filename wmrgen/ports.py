@@ -82,6 +82,7 @@ POSE = (
     Port("y", Role.STATE, "m", "position of P in the world frame"),
     Port("theta", Role.STATE, "rad", "heading of the robot, counter-clockwise from world x"),
 )
+GYRO = Port("gyro", Role.COMMAND, "rad/s", "reading of the yaw-rate sensor, positive counter-clockwise")
 DT = Port("dt", Role.COMMAND, "s", "duration of the step")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -67,6 +68,13 @@ class Derivation(Analysis):
     def itself(self) -> Derivation:
         """What backends for readers (report, drawing) are given."""
         return self
+
+    @cached_property
+    def without_gyro(self) -> Derivation:
+        """The derivation of the robot as its joints alone show it."""
+        if self.robot.gyro is None:
+            return self
+        return Derivation(replace(self.robot, gyro=None), self._functions)
 
     @cached_property
     def driven(self) -> Derivation:

@@ -10,8 +10,8 @@ from wmrgen.errors import NotDerivableError, RobotFileError, Several
 from wmrgen.exact.evaluate import parameters_in, substituted
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.layout.expressions import Scope
-from wmrgen.layout.records import Interval, Noise, Robot, Wheel
-from wmrgen.spec.records import Coupling, Limit, NoiseSpec, Quantity, RobotSpec
+from wmrgen.layout.records import Gyro, Interval, Noise, Robot, Wheel
+from wmrgen.spec.records import Coupling, GyroSpec, Limit, NoiseSpec, Quantity, RobotSpec
 
 MOST_WEIGHT = 1000  # of the least: rows that count less are lost in the rounding of a float
 
@@ -105,6 +105,12 @@ def positive(what: str, quantity: Quantity, scope: Scope, instead: str) -> Exact
             f"{what} is {quantity.text}, which is not positive", quantity.mark, "", instead
         )  # fmt: skip
     return value
+
+
+def gyro_of(gyro: GyroSpec, scope: Scope) -> Gyro:
+    """The yaw-rate sensor. RobotFileError for noise or a weight that no sensor has."""
+    weight = ONE if gyro.weight is None else weight_of("the gyro", gyro.weight, scope)
+    return Gyro(weight, noise_of([gyro.noise], scope)[gyro.noise.joint])
 
 
 # ---- couplings: groups that turn as one, and limits that all their members keep

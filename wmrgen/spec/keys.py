@@ -25,6 +25,7 @@ from wmrgen.spec.part_keys import (
     COUPLING,
     ENCODER,
     GAINS,
+    GYRO,
     LAG,
     LIMITS,
     NOISE,
@@ -244,6 +245,10 @@ ROBOT = Section(
             "deadband", Amount(Kind.ANY, "1"),
             "share of the limits of vx, vy and omega below which limit_twist takes a twist for standstill", default="0",
         ),
+        Field(
+            "gyro", GYRO, "a yaw-rate sensor, a row of forward, its covariance and odometry_from_angles; its noise",
+            aliases=dict.fromkeys(("imu", "yaw_rate_sensor", "gyroscope"), ""),
+        ),
         Field("encoder", ENCODER, "encoders of every joint that is sensed, for joints_from_counts"),
         Field("lag", LAG, "lag of every joint that is commanded, which the state space takes in"),
         Field(
@@ -283,6 +288,7 @@ SECTIONS = {
     "`encoder`, of the robot or of a wheel": ENCODER,
     "`spin` of `encoder`": COUNTER,
     "`steer` of `encoder`": STEERING_COUNTER,
+    "`gyro`": GYRO,
     "`lag`, of the robot or of a wheel": LAG,
     "A parameter with more than a value": PARAMETER,
     "Each of `couplings`": COUPLING,

@@ -86,6 +86,20 @@ NOISE = Section(
     ),
 )
 
+GYRO = Section(
+    "gyro",
+    "gyro: {constant: 0.005 rad/s}",
+    (
+        *RATE_NOISE.fields,
+        Field(
+            "weight", Amount(Kind.ANY, "1"),
+            "how much it counts in forward: 1 is as much as a wheel at the mean distance of the sensed wheels from "
+            "their middle; 100 is taken for a tenth of that noise",
+            default="1",
+        ),
+    ),
+)  # fmt: skip
+
 WRAPS = Choice(
     (("bits",), ("modulus",)),
     ("has {keys}", "Both say where the counter wraps.", "Keep one of them."),

@@ -132,6 +132,13 @@ class EncoderSpec(NamedTuple):
     offset: Quantity | None = None
 
 
+class GyroSpec(NamedTuple):
+    """A yaw-rate sensor; ``weight``: None is 1."""
+
+    noise: NoiseSpec
+    weight: Quantity | None
+
+
 @dataclass(frozen=True, slots=True)
 class WheelSpec:
     """One entry of ``wheels``, or one driven direction of a ball. Exactly one placement (l, alpha) or (x, y); beta or
@@ -230,6 +237,7 @@ class RobotSpec:
     limits: tuple[Limit, ...] = ()
     noise: tuple[NoiseSpec, ...] = ()
     encoders: tuple[EncoderSpec, ...] = ()
+    gyro: GyroSpec | None = None
     lag: tuple[tuple[str, Quantity], ...] = ()  # joint, time constant
     virtual: tuple[VirtualSpec, ...] = ()
     trailers: tuple[TrailerSpec, ...] = ()

@@ -5,7 +5,7 @@ What stands for motors and sensors follows commands at once; a program of one's 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from math import pi
 
 from wmrgen.backends.c99.counters import FUNCTION as COUNTS
@@ -13,8 +13,8 @@ from wmrgen.backends.c99.records import Unit
 from wmrgen.backends.c99.text import comment_lines
 from wmrgen.ir.interpret import FLOAT64, evaluate
 from wmrgen.ir.nodes import Module
-from wmrgen.loop import Stage, loop
-from wmrgen.ports import Reading
+from wmrgen.loop import Loop, Stage, loop
+from wmrgen.ports import GYRO, Reading
 from wmrgen.render import render
 
 STEPS, PER_SECOND = 6000, 100  # a minute
@@ -50,7 +50,7 @@ def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
         prepare=[*(f"{step.call()};" for step in before), *_homed(module, unit)],
         sensing=sensing,
         acting=acting,
-        hardware=[*_hardware(module, unit)],
+        hardware=[*_hardware(module, unit, variables), *_turned(stages, variables)],
         counts="counters" in variables,
         wraps=any(not reading.wraps_as_integer for reading in _readings(module, unit).values()),
         steps=STEPS,
@@ -71,8 +71,10 @@ def _number(unit: Unit, value: float) -> str:
     return f"{value:.9g}" + ("f" if unit.choice.scalar == "float" else "")
 
 
-def _hardware(module: Module, unit: Unit) -> Iterator[str]:
+def _hardware(module: Module, unit: Unit, variables: Collection[str]) -> Iterator[str]:
     """The statements of motors and sensors: joints are what is commanded, and encoders count them."""
+    if "wheels" not in variables:  # no joint is sensed
+        return
     readings = _readings(module, unit)
     if readings:
         yield "counters_before = counters;"
@@ -92,6 +94,13 @@ def _hardware(module: Module, unit: Unit) -> Iterator[str]:
             else:
                 turned = f"(int32_t)(commands.{joint} * {per_radian})"
                 yield f"counters.{joint} = {_shown(f'{reading.offset or 0}', turned, reading)};"
+
+
+def _turned(stages: Loop, variables: Collection[str]) -> Iterator[str]:
+    """The statement of a gyro, which shows the yaw rate that is commanded."""
+    if GYRO.name in variables:
+        (twist,) = (s.variables["twist"] for s in stages.acts if s.function == "inverse")
+        yield f"{GYRO.name} = {twist}.omega;"
 
 
 def _readings(module: Module, unit: Unit) -> dict[str, Reading]:

@@ -34,7 +34,7 @@ from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.sensing import sensed_joints
 from wmrgen.layout.records import Encoder, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import DT, POSE, TWIST, Limits, Port, Role, output
+from wmrgen.ports import DT, GYRO, POSE, TWIST, Limits, Port, Role, output
 from wmrgen.symbolic import (
     Compensated,
     Expr,
@@ -114,7 +114,12 @@ def odometry_from_angles(robot: Robot, _: Mobility) -> Formula:
     values: dict[str, Expr] = {}
     for p in measured.inputs:
         wheel, dot, joint = p.name.rpartition(".")
-        if not dot:
+        if p.name == GYRO.name:
+            ports.append(
+                Port("gyro_step", Role.COMMAND, "rad", "integral of the yaw-rate sensor since the last step")
+            )
+            values[p.name] = signal("gyro_step")
+        elif not dot:
             ports.append(p)
         elif joint == "spin":
             ports.append(Port(f"{wheel}.spin_step", Role.COMMAND, "rad", f"angle {_STEP}"))

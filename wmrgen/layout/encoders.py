@@ -41,7 +41,9 @@ def _encoder(what: str, e: EncoderSpec, scope: Scope) -> Encoder:
     turn = positive(f"counts of {what}", e.counts, scope, _COUNTS_DOWN)
     if e.gear is not None:
         turn = turn * positive(f"gear of {what}", e.gear, scope, _COUNTS_DOWN)
-    if e.modulus is not None:
+    if e.modulus is None and e.bits is None and e.offset is not None:
+        modulus = _whole("counts", what, e.counts, scope, 2, MOST_MODULUS)
+    elif e.modulus is not None:
         modulus = _whole("modulus", what, e.modulus, scope, 2, MOST_MODULUS)
     else:
         bits = MOST_BITS if e.bits is None else _whole("bits", what, e.bits, scope, FEWEST_BITS, MOST_BITS)

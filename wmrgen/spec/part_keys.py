@@ -131,13 +131,14 @@ _COUNTER = (
 COUNTER = Section("the encoder of a joint", "spin: {counts: 4096, gear: 30}", _COUNTER, (WRAPS,))
 STEERING_COUNTER = Section(
     "the encoder of a steering angle",
-    "steer: {counts: 16384, modulus: 16384, offset: 512}",
+    "steer: {counts: 16384, offset: 512}",
     (
         *_COUNTER,
         Field(
             "offset", Amount(Kind.ANY, "1"),
-            "what an absolute encoder shows where steer is 0; without it the encoder is incremental, and the angle "
-            "starts from the one in wheels",
+            "what an absolute encoder shows where steer is 0; it wraps at counts, after a turn of its shaft, unless "
+            "bits or modulus says otherwise. Without it the encoder is incremental, and the angle starts from that in "
+            "wheels",
             example="512", aliases=dict.fromkeys(("zero", "absolute", "home"), ""),
         ),
     ),

@@ -20,7 +20,7 @@ NAME = "joints_from_counts"
 WHEEL = "{{name: {0}, type: {1}, x: {2}, y: 0, heading: 0, r: 0.1, encoder: {{{3}}}, {4}}}"
 SPIN = "spin: {counts: 4096, gear: 61/2, reversed: true, bits: 16}"
 STEER = "steer: {counts: 1000, gear: 3}"
-ABSOLUTE = "steer: {counts: 3000, modulus: 3000, offset: 17}"
+ABSOLUTE = "steer: {counts: 3000, offset: 17}"
 
 
 def derived(*wheels: str) -> Derivation:
@@ -125,6 +125,7 @@ def test_modulus_and_turn() -> None:
 @pytest.mark.parametrize(
     ("encoder", "limits", "refused"),
     [("counts: 4096, bits: 12, offset: 9", "", ""),
+     ("counts: 4096, offset: 9", "", ""), ("counts: 4096, gear: 2, offset: 9", "", "without limits"),
      ("counts: 4096, bits: 14, offset: 9", "", ""),
      ("counts: 4096, bits: 12, offset: 9", "limits: {steer: 180 deg}", ""),
      ("counts: 4096, bits: 12, offset: 9", "limits: {steer: 270 deg}", "from -270 to 270 deg"),

@@ -19,6 +19,7 @@ from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot, triple
 from wmrgen.exact.readable import readable
 from wmrgen.kinematics.closed_form import Solution, solve_symbolic, written_out
+from wmrgen.kinematics.gyro import YawRate
 from wmrgen.kinematics.least_squares import (
     Matrix,
     Measured,
@@ -29,7 +30,7 @@ from wmrgen.kinematics.least_squares import (
 )
 from wmrgen.kinematics.records import Formula, Locals, slip_port, tunable_ports
 from wmrgen.kinematics.rigid import fit_rigid
-from wmrgen.kinematics.sensing import Twist, YawRate, measurements, sensed_ports, solve_general
+from wmrgen.kinematics.sensing import Twist, measurements, sensed_ports, solve_general
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import decide, unit_of
 from wmrgen.ports import TWIST, Port, Role

@@ -3,8 +3,7 @@
 A wheel with a sliding row measures it, and a wheel whose spin is sensed its rolling row. Both together measure the
 velocity of the contact point B: v_B = (r spin + o steer_rate) e - d steer_rate n. One row measures one component.
 Rows count as their wheel's ``weight`` says, the largest taken for 1: the twist has the least sum of weight
-(row . xi - value)**2, whose root is the residual. A gyro measures the yaw rate, the row [0 0 1]. Its residual is made a
-velocity by the mean distance of the sensed wheels from their middle: a gyro of weight 1 counts as a wheel does there.
+(row . xi - value)**2, whose root is the residual. A gyro is one more row, see `kinematics.gyro`.
 
 In general the normal matrix N = H^T W H of the rows moves with the steering, and one division at run time solves it. N
 is symmetric and perhaps singular. With c1, c2, det its invariants and adj its adjugate, the Moore-Penrose inverse is
@@ -33,6 +32,7 @@ from wmrgen.exact.linalg import cofactor, determinant, symmetric
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly, Row, dot, has_angles, triple
 from wmrgen.ir.interval import smallest
+from wmrgen.kinematics.gyro import YawRate, yaw_rate
 from wmrgen.kinematics.least_squares import Matrix, Measured, named_normal, normal_equations
 from wmrgen.kinematics.ranges import range_of, ranges_of
 from wmrgen.kinematics.records import Locals, joint_port, signal_poly
@@ -87,18 +87,6 @@ class Component(NamedTuple):
     def rows(self) -> list[Measured]:
         """The one row."""
         return [(self.row, self.value, self.weight)]
-
-
-class YawRate(NamedTuple):
-    """What a gyro measures: omega = value [rad/s]. Rows are in m/s, so it counts ``weight`` [m**2]."""
-
-    value: Poly
-    weight: Exact
-
-    @property
-    def rows(self) -> list[Measured]:
-        """The row [0 0 1]."""
-        return [((Poly({}), Poly({}), Poly.of(1)), self.value, self.weight)]
 
 
 class Measurements(NamedTuple):
@@ -186,10 +174,7 @@ def measurements(robot: Robot, names: Locals | None = None) -> Measurements:
         tuple(c._replace(weight=c.weight / largest) for c in contacts),
         tuple(c._replace(weight=c.weight / largest) for c in components),
     )
-    if robot.gyro is None:
-        return measured
-    weight = robot.gyro.weight * spread_of(measured.wheels)
-    return measured._replace(gyro=YawRate(signal_poly(GYRO.name), weight))
+    return measured._replace(gyro=yaw_rate(robot, measured.wheels))
 
 
 def sensed_ports(robot: Robot) -> tuple[Port, ...]:
@@ -269,19 +254,6 @@ def reach_of(wheels: Sequence[Wheel]) -> Exact:
     shapes = [w.nominal for w in wheels]
     total = sum((g.x * g.x + g.y * g.y + g.d * g.d + g.o * g.o for g in shapes), Exact(0))
     return total / len(wheels) if total else ONE
-
-
-def spread_of(wheels: Sequence[Wheel]) -> Exact:
-    """The mean square distance of the measured wheels from their middle, offsets included; 1 if that is 0.
-
-    It does not depend on where P is, and neither does the twist that a gyro of this weight helps to find.
-    """
-    shapes = [w.nominal for w in wheels]
-    if not shapes:
-        return ONE
-    x, y = (sum((getattr(g, k) for g in shapes), Exact(0)) / len(shapes) for k in ("x", "y"))
-    total = sum(((g.x - x) ** 2 + (g.y - y) ** 2 + g.d * g.d + g.o * g.o for g in shapes), Exact(0))
-    return total / len(shapes) if total else ONE
 
 
 def generic_rank(measured: Measurements) -> int:

@@ -37,6 +37,7 @@ from wmrgen.exact.poly import Gen, Poly, Row, derivative, dot
 from wmrgen.functions.models.polynomials import by_angle
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward, nominal_rank
+from wmrgen.kinematics.gyro import YawRate
 from wmrgen.kinematics.least_squares import Matrix, named_normal, normal_equations, pseudo_inverse
 from wmrgen.kinematics.pose import increments, wrapped
 from wmrgen.kinematics.records import Formula, Locals, signal_poly, slip_port, tunable_ports
@@ -46,7 +47,6 @@ from wmrgen.kinematics.sensing import (
     Component,
     Contact,
     Measurements,
-    YawRate,
     adjugate,
     generic_rank,
     measurements,

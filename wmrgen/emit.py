@@ -16,7 +16,7 @@ from wmrgen.backends.registry import BACKENDS, Entry, Facts, unasked
 from wmrgen.bounds.robot import header_lines, reach
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.ports import JOINTS, TWIST, TWIST_NAMES, Site
+from wmrgen.ports import GYRO, JOINTS, TWIST, TWIST_NAMES, Site
 
 if TYPE_CHECKING:
     from wmrgen.backends.packages import Package
@@ -103,7 +103,7 @@ def site(derivation: Derivation) -> Site:
     A virtual wheel steers between the wheels that it stands for.
     """
     robot = derivation.robot
-    names = [name for name in robot.limits if name in TWIST_NAMES]
+    names = [*(name for name in robot.limits if name in TWIST_NAMES), GYRO.name]
     for w in robot.wheels:
         joints = ("spin",) * w.has_spin + ("steer", "steer_rate") * w.turns
         names += [f"{w.name}.{joint}" for joint in joints]
@@ -119,7 +119,7 @@ def site(derivation: Derivation) -> Site:
     return Site(numbers, pivots, reach(robot, derivation.c_in_operations, numbers))
 
 
-_LIMITED = {port.name: port for port in TWIST} | JOINTS
+_LIMITED = {port.name: port for port in (*TWIST, GYRO)} | JOINTS
 
 
 def constants(robot: Robot, where: Site) -> tuple[tuple[str, float, str], ...]:

@@ -13,7 +13,7 @@ from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import has_system, system_builder
 from wmrgen.ir.nodes import Module, count
-from wmrgen.layout.records import Interval, Robot, Wheel
+from wmrgen.layout.records import Encoder, Gyro, Interval, Robot, Wheel
 from wmrgen.mobility.analyse import driving
 from wmrgen.mobility.records import Mobility, Rank, Singularity
 from wmrgen.notation import plain
@@ -99,6 +99,7 @@ def _identity(robot: Robot) -> dict[str, Any]:
         "couplings": [_coupling(robot, joint, wheels) for joint, wheels in robot.couplings],
         "limits": _limits(robot.limits),
         **_of_joints(robot),
+        **_gyro(robot.gyro),
         **({"effective_track": float(track.nominal)} if (track := robot.effective_track) else {}),
         **({"deadband": float(robot.deadband)} if robot.deadband else {}),
         "notes": [plain(note) for note in robot.notes],
@@ -180,10 +181,22 @@ def _of_joints(part: Robot | Wheel) -> dict[str, Any]:
     parts = ("proportional", "constant")
     facts = {
         "noise": {joint: {p: float(getattr(n, p)) for p in parts} for joint, n in part.noise.items()},
-        "encoder": {j: {"counts_per_turn": float(e.turn), "bits": e.bits} for j, e in part.encoders.items()},
+        "encoder": {joint: _encoder(e) for joint, e in part.encoders.items()},
         "lag": {joint: float(time) for joint, time in part.lag.items()},
     }
     return {key: of_joints for key, of_joints in facts.items() if of_joints}
+
+
+def _gyro(gyro: Gyro | None) -> dict[str, Any]:
+    if gyro is None:
+        return {}
+    noise = {part: float(getattr(gyro.noise, part)) for part in ("proportional", "constant")}
+    return {"gyro": {"weight": float(gyro.weight), "noise": noise}}
+
+
+def _encoder(e: Encoder) -> dict[str, Any]:
+    offset = {} if e.reading.offset is None else {"offset": e.reading.offset}
+    return {"counts_per_turn": float(e.turn), "modulus": e.reading.modulus, **offset}
 
 
 def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:

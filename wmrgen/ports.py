@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from fractions import Fraction
+from typing import NamedTuple
 
 from wmrgen.exact.number import Exact
 
@@ -30,13 +31,30 @@ class Limits(StrEnum):
     )
 
 
+class Reading(NamedTuple):
+    """What an encoder shows: a whole number from 0 to ``modulus`` - 1. ``offset``: the reading of an absolute encoder
+    where its joint is at 0; None for an incremental one, which starts anywhere."""
+
+    modulus: int
+    offset: int | None = None
+
+    @property
+    def width(self) -> int:
+        """The bits of the smallest unsigned integer that holds it: 8, 16 or 32."""
+        return next(w for w in (8, 16, 32) if self.modulus <= 1 << w)
+
+    @property
+    def wraps_as_integer(self) -> bool:
+        """Whether it wraps where that integer does."""
+        return self.modulus == 1 << self.width
+
+
 @dataclass(frozen=True, slots=True)
 class Port:
     """A named input or output: contract name (``vx``, ``left.spin``), role, unit, one line of text.
 
     ``default`` is the nominal value of a tunable parameter, else None; ``range``: the values that it may have, see
-    `usual_range` for one without. ``bits``: how wide the counter is that a port reads, a whole number; 0 of what is no
-    counter.
+    `usual_range` for one without. ``reading``: of the encoder whose difference a port takes; None if there is none.
     """
 
     name: str
@@ -44,7 +62,7 @@ class Port:
     unit: str
     text: str = ""
     default: Exact | None = None
-    bits: int = 0
+    reading: Reading | None = None
     range: tuple[Exact, Exact] | None = None
 
 
@@ -64,6 +82,7 @@ POSE = (
     Port("y", Role.STATE, "m", "position of P in the world frame"),
     Port("theta", Role.STATE, "rad", "heading of the robot, counter-clockwise from world x"),
 )
+GYRO = Port("gyro", Role.COMMAND, "rad/s", "reading of the yaw-rate sensor, positive counter-clockwise")
 DT = Port("dt", Role.COMMAND, "s", "duration of the step")
 
 

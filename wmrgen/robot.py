@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,7 @@ from wmrgen.ir.nodes import Function, Module
 from wmrgen.kinematics.forward import readable_twist
 from wmrgen.kinematics.inverse import readable_spins
 from wmrgen.kinematics.least_squares import project
+from wmrgen.kinematics.pose import arc
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot
 from wmrgen.lower import lower
@@ -66,6 +68,13 @@ class Derivation(Analysis):
     def itself(self) -> Derivation:
         """What backends for readers (report, drawing) are given."""
         return self
+
+    @cached_property
+    def without_gyro(self) -> Derivation:
+        """The derivation of the robot as its joints alone show it."""
+        if self.robot.gyro is None:
+            return self
+        return Derivation(replace(self.robot, gyro=None), self._functions)
 
     @cached_property
     def driven(self) -> Derivation:
@@ -151,7 +160,7 @@ class Derivation(Analysis):
             return model
         if discrete is None:
             raise UsageError(f"dt is {dt}, and there is no step to take. Write discrete='rk4' too.")
-        return BACKENDS["casadi"].offers("step")(model, lower(self.formula("odometry")), discrete, dt)
+        return BACKENDS["casadi"].offers("step")(model, lower(arc()), discrete, dt)
 
     def rolling(self) -> CasadiFunction | None:
         """casadi.Function (x, u, p) -> g [m/s] of the model in twist inputs, 0 where no steered wheel slides; None

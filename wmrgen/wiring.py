@@ -117,7 +117,7 @@ def _swapped(joints: Joints, spins: Sequence[str], swaps: Mapping[str, tuple[str
 def _seen(d: Derivation, joints: Joints, size: float) -> str:
     """The motion of these wheel speeds in words."""
     exact = {name: Exact(Fraction(value).limit_denominator(10**9)) for name, value in joints.items()}
-    twist = d.evaluate("forward", exact)
+    twist = d.without_gyro.evaluate("forward", exact)
     parts = [float(twist[name]) * scale for name, scale in zip(TWIST_NAMES, (1.0, 1.0, size), strict=True)]
     largest = max(map(abs, parts))
     if largest < _NEGLIGIBLE:

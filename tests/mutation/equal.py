@@ -1,9 +1,9 @@
 """Mutants that no input tells from the original at the proved tolerance: they are not faults.
 
 The mutant is computed, in float32 as it stands, at thousands of inputs, far more and other ones than the self-test
-has. It is set aside only where none of them gives an output further from the exact value than rounding may bring the
-original (`wmrgen.selftest.rounding_bounds`): an even function's sign, a guard that no geometry of the robot reaches,
-a term of a series below the last bit.
+has, and beside the thresholds of the function, which few of them meet. It is set aside only where none of them gives an
+output further from the exact value than rounding may bring the original (`wmrgen.selftest.rounding_bounds`): an even
+function's sign, a guard that no geometry of the robot reaches, a term of a series below the last bit.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from wmrgen.interface import arguments
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Function, Module, Role, contract
 from wmrgen.ir.ops.analysis import Bounded
+from wmrgen.selftest.points import near_thresholds
 from wmrgen.selftest.rounding_bounds import UNITS, bounds
 from wmrgen.selftest.vectors import prepared_of
 
@@ -157,18 +158,24 @@ class Judge:
         )
 
     def _cases(self, function: Function) -> Cases:
-        ports = contract(function)
-        columns = {
-            name: Bounded(np.full(POINTS, b.value[0]), np.broadcast_to(b.error, (2, POINTS)))
-            for name, b in prepared_of(self.module, "float").items()
-        }
+        ports, fixed = contract(function), prepared_of(self.module, "float")
+        drawn = []
         random = np.random.default_rng(20)
         for port in ports:
             size = 30.0 if port.name.endswith(".spin") else _TYPICAL.get(port.unit, 1.0)
             scale = 2.0 ** random.integers(-6, 2, POINTS) * (random.random(POINTS) > 0.05)
-            values = (size * scale * random.uniform(-1, 1, POINTS)).astype(np.float32).astype(np.float64)
-            columns[port.name] = Bounded(values, np.zeros((2, POINTS)))
-        bounded = function.outputs_of(bounds(function, columns, "float", POINTS))
+            drawn.append((size * scale * random.uniform(-1, 1, POINTS)).astype(np.float32).astype(np.float64))
+        rows = np.array(drawn).T.reshape(POINTS, len(ports))
+        near = near_thresholds(function, ports, rows, {name: b.value for name, b in fixed.items()})
+        rows = np.vstack([rows, *(point for _, point in near)])
+        count = len(rows)
+        columns = {
+            name: Bounded(np.full(count, b.value[0]), np.broadcast_to(b.error, (2, count)))
+            for name, b in fixed.items()
+        }
+        for port, values in zip(ports, rows.T, strict=True):
+            columns[port.name] = Bounded(values, np.zeros((2, count)))
+        bounded = function.outputs_of(bounds(function, columns, "float", count))
         good = [b.error[0] <= 2.0**13 * UNITS["float"] * (1 + np.abs(b.value)) for b in bounded.values()]
         prepared = [p.name for p in function.inputs if p.role is Role.PREPARED]
         given = {"prepared": {name: columns[name].value.astype(np.float32) for name in prepared}}

@@ -1,6 +1,8 @@
 """Weighted least squares over sensed rows, in plain numpy; layouts that try every way in which `forward` solves them.
 
-Wheels have a ``weight`` beside the keys of `tests.oracle.oracle`; the largest of a measuring wheel counts as 1.
+Wheels have a ``weight`` beside the keys of `tests.oracle.oracle`; the largest of a measuring wheel counts as 1. A
+layout may have a ``gyro`` of this weight, the row [0 0 1]: 1 is a wheel at the mean square distance of those that
+measure from their middle.
 """
 
 from __future__ import annotations
@@ -55,7 +57,14 @@ def rows(robot: Layout, sensed: dict[str, float]) -> tuple[Array, Array, Array]:
     parts = [(oracle.measured_rows({"wheels": [w]}, sensed), w.get("weight", 1.0)) for w in robot["wheels"]]
     weights = np.concatenate([np.full(len(h), weight) for (h, _), weight in parts])
     h, z = np.vstack([h for (h, _), _ in parts]), np.concatenate([z for (_, z), _ in parts])
-    return h, z, weights / weights.max() if len(weights) else weights
+    weights = weights / weights.max() if len(weights) else weights
+    if "gyro" not in robot:
+        return h, z, weights
+    measuring = [w for w, (part, _) in zip(robot["wheels"], parts, strict=True) if len(part[0])]
+    places, offsets = ([[w.get(k, 0.0) for k in keys] for w in measuring] for keys in ("xy", "do"))
+    spread = float(np.var(places, axis=0).sum() + np.mean(np.square(offsets), axis=0).sum())
+    weight = robot["gyro"] * (spread or 1.0)
+    return np.vstack([h, [0.0, 0.0, 1.0]]), np.append(z, sensed["gyro"]), np.append(weights, weight)
 
 
 def forward(robot: Layout, sensed: dict[str, float]) -> tuple[Array, float]:

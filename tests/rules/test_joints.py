@@ -77,7 +77,7 @@ name: probed
 wheels:
   - {name: a, type: steered, x: 0.3,  y: 0.3, heading: 0, r: 0.1, actuated: [spin]}
   - {name: b, type: steered, x: -0.3, y: 0.3, heading: 0, r: 0.1, actuated: [steer]}
-  - {name: tail, type: castor, x: 0, y: 0, heading: 0, d: -0.03, r: 0.05, encoder: {steer: {counts: 100}}}
+  - {name: tail, type: castor, x: 0, y: 0, heading: 0, d: -0.03, r: 0.05, encoder: {steer: {counts: 100, offset: 0}}}
   - {name: fast, type: castor, x: 0, y: 0, heading: 0, d: -0.03, r: 0.05, limits: {spin: 40}}
   - {name: loose, type: steered, x: 0.1, y: 0, heading: 0, r: 0.05, actuated: []}
 couplings: [{equal: [a.steer, b.steer]}]

@@ -26,7 +26,7 @@ from wmrgen.ir.kernels.trigonometry import Worst, worst
 from wmrgen.ir.nodes import Function, Limits, Op, Port, Role
 from wmrgen.ir.rounding import to_float32, to_float64, tuned
 from wmrgen.layout.records import Robot
-from wmrgen.ports import TWIST_NAMES, timeless
+from wmrgen.ports import GYRO, TWIST_NAMES, timeless
 
 _EXPONENT = 0x7FF << 52  # of a double
 _LEAST = 2.0**-1000
@@ -140,7 +140,7 @@ _POSE = {
 }  # fmt: skip
 BEYOND = 4.0
 _JOINTS = ("spin", "steer", "steer_rate")
-_RATES = {"spin_step": "spin", "steer_step": "steer_rate"}
+_RATES = {"spin_step": "spin", "gyro_step": "gyro"}
 _EXAMPLES = {"vx": "1.0", "omega": "2.0", "spin": "20.0", "steer_rate": "2.0", "steer": "60 deg"}
 
 Range = tuple[float, float]
@@ -196,7 +196,7 @@ class Domain:
             self.declared[name] = _floats(limit.low, limit.high)
             return self.declared[name]
         if joint.endswith("_step"):  # an angle that wheels turn in a step
-            rate = self._range(replace(port, name=f"{owner}.{_RATES[joint]}"))
+            rate = self._range(replace(port, name=f"{owner}.{_RATES[joint]}".removeprefix(".")))
             return rate and inside(*(end * _POSE["dt"][1] for end in rate))
         if joint == "steer_wanted":  # as `inverse` gives it
             return self.commanded.get(f"{owner}.steer")
@@ -210,6 +210,8 @@ class Domain:
 def domain(robot: Robot) -> Domain:
     """The declared limits, those of a wheel before those of the robot."""
     declared = {name: _floats(i.low, i.high) for name, i in robot.limits.items() if name in TWIST_NAMES}
+    if (gyro := robot.limit_of(GYRO.name)) is not None:
+        declared[GYRO.name] = _floats(gyro.low, gyro.high)
     for wheel in robot.wheels:
         for joint in _JOINTS:
             limit = robot.limit(wheel, joint)

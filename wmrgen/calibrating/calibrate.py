@@ -105,6 +105,7 @@ class Calibration:
 
 def problem_of(derivation: Derivation, one_clock: bool = False) -> Problem:
     """What a robot's `forward` leaves to estimate. UsageError where nothing is tunable."""
+    derivation = derivation.without_gyro  # logs have no column for it
     robot = derivation.robot
     if not robot.tunable:
         raise UsageError(

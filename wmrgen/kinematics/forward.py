@@ -19,6 +19,7 @@ from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot, triple
 from wmrgen.exact.readable import readable
 from wmrgen.kinematics.closed_form import Solution, solve_symbolic, written_out
+from wmrgen.kinematics.gyro import YawRate
 from wmrgen.kinematics.least_squares import (
     Matrix,
     Measured,
@@ -27,9 +28,9 @@ from wmrgen.kinematics.least_squares import (
     normal_equations,
     pseudo_inverse,
 )
-from wmrgen.kinematics.records import Formula, Locals, joint_port, slip_port, tunable_ports
+from wmrgen.kinematics.records import Formula, Locals, slip_port, tunable_ports
 from wmrgen.kinematics.rigid import fit_rigid
-from wmrgen.kinematics.sensing import Twist, measurements, sensed_joints, solve_general
+from wmrgen.kinematics.sensing import Twist, measurements, sensed_ports, solve_general
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import decide, unit_of
 from wmrgen.ports import TWIST, Port, Role
@@ -40,7 +41,6 @@ MOST_TERMS = 400  # of the twist in tunable parameters: beyond, it is computed s
 LONG_NUMBER = (
     10**15
 )  # no length is written so; the sine of an angle that has no name is a fraction of 40 digits
-JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
 
 
 class NominalRank(NamedTuple):
@@ -56,18 +56,17 @@ def forward(robot: Robot) -> Formula:
     measured = measurements(robot, names)
     if measured.constant_normal:
         twist, slip, names = _constant(measured.rows, robot, names)
-    elif not measured.components:
+    elif measured.rigid:
         twist, slip = fit_rigid(measured.contacts, names)
     else:
         twist, slip = solve_general(measured, names)
     kind = "weighted least-squares" if measured.weighted else "least-squares"
-    inputs = tuple(joint_port(w, j, JOINT_ROLE[j]) for w in robot.wheels for j in sensed_joints(w))
     outputs = (
         *zip(TWIST, twist, strict=True),
         (slip_port(f"norm of the {kind} residual over all known rows"), slip),
     )
     text = f"sensed joint rates to the twist of P in the robot frame, {kind.replace('-', ' ')}"
-    return names.formula("forward", (*inputs, *tunable_ports(robot)), outputs, text)
+    return names.formula("forward", (*sensed_ports(robot), *tunable_ports(robot)), outputs, text)
 
 
 def readable_twist(robot: Robot) -> list[Product] | None:
@@ -102,9 +101,10 @@ def disagreement(robot: Robot) -> Formula | None:
     fitted = names.adopt(twist, {})
     outputs: list[tuple[Port, Expr]] = []
     for measured in measurements(robot).all:
-        wheel = measured.wheel
-        radius = expression(wheel.working.rolling_radius) if "spin" in wheel.sensed else sympy.S.One
-        nominal = number(wheel.nominal.rolling_radius) if "spin" in wheel.sensed else sympy.S.One
+        wheel = None if isinstance(measured, YawRate) else measured.wheel
+        rolls = wheel is not None and "spin" in wheel.sensed
+        radius = expression(wheel.working.rolling_radius) if wheel and rolls else sympy.S.One
+        nominal = number(wheel.nominal.rolling_radius) if wheel and rolls else sympy.S.One
         for row, value, weight in measured.rows:
             explained = add(*(times(expression(p), fitted[v.name]) for p, v in zip(row, TWIST, strict=True)))
             off = over(times(nominal, root(number(weight)), subtract(expression(value), explained)), radius)

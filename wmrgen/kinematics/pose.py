@@ -10,7 +10,8 @@ everywhere.
 
 Odometry is the exact SE(2) exponential, smooth through omega = 0. A constant twist moves P along an arc whose chord
 points along theta + h and is dt sinc(h) times the velocity, h = omega dt / 2. sinc(h) = sin(h)/h, and for |h| < 3/64
-its series to h**6: the first term left out, h**8 / 9!, is then below 6.5e-17, half the last place of a double.
+its series to h**6: the first term left out, h**8 / 9!, is then below 6.5e-17, half the last place of a double. The
+heading is kept in [-pi, pi], because a float that counts turns loses the steps of a robot that turns one way for long.
 """
 
 from __future__ import annotations
@@ -24,7 +25,19 @@ from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, 
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import DT, POSE, TWIST, Port, Role
-from wmrgen.symbolic import Expr, absolute, add, expression, maximum, select, signal, square, subtract
+from wmrgen.symbolic import (
+    Expr,
+    Nearest,
+    absolute,
+    add,
+    expression,
+    maximum,
+    select,
+    signal,
+    square,
+    subtract,
+    times,
+)
 
 # The largest h with h**8 / 9! <= 2**-53, rounded down to few bits: a float holds it.
 SWITCH = sympy.Rational(3, 64)
@@ -110,10 +123,29 @@ def increments(names: Locals) -> tuple[Expr, Expr, Expr]:
     return chord * subtract(vx * c, vy * s), chord * add(vx * s, vy * c), omega * dt
 
 
+def wrapped(angle: Expr) -> Expr:
+    """The angle less whole turns, in [-pi, pi]; an angle that is there already keeps its bits."""
+    turns = Nearest(times(1 / (2 * sympy.pi), angle))
+    return subtract(angle, times(2 * sympy.pi, turns))
+
+
+def after(names: Locals) -> tuple[Expr, Expr, Expr]:
+    """x, y and theta after a step of dt at the twist, theta in [-pi, pi]."""
+    x, y, theta = (add(signal(port.name), step) for port, step in zip(POSE, increments(names), strict=True))
+    return x, y, wrapped(names.define("theta_whole", theta))
+
+
 def odometry() -> Formula:
-    """x y theta vx vy omega dt to the pose after dt."""
+    """x y theta vx vy omega dt to the pose after dt, theta in [-pi, pi]."""
     names = Locals()
-    steps = increments(names)
-    outputs = ((port, add(signal(port.name), step)) for port, step in zip(POSE, steps, strict=True))
-    text = "pose after driving a constant twist for dt"
-    return names.formula("odometry", (*POSE, *TWIST, DT), outputs, text)
+    pose = after(names)
+    text = "pose after driving a constant twist for dt, heading in [-pi, pi]"
+    return names.formula("odometry", (*POSE, *TWIST, DT), zip(POSE, pose, strict=True), text)
+
+
+def arc() -> Formula:
+    """The same with the heading as it is, so that it has no jump and counts turns."""
+    names = Locals()
+    pose = (add(signal(port.name), step) for port, step in zip(POSE, increments(names), strict=True))
+    text = "pose after driving a constant twist for dt, whole turns counted"
+    return names.formula("arc", (*POSE, *TWIST, DT), zip(POSE, pose, strict=True), text)

@@ -3,7 +3,7 @@
 A wheel with a sliding row measures it, and a wheel whose spin is sensed its rolling row. Both together measure the
 velocity of the contact point B: v_B = (r spin + o steer_rate) e - d steer_rate n. One row measures one component.
 Rows count as their wheel's ``weight`` says, the largest taken for 1: the twist has the least sum of weight
-(row . xi - value)**2, whose root is the residual.
+(row . xi - value)**2, whose root is the residual. A gyro is one more row, see `kinematics.gyro`.
 
 In general the normal matrix N = H^T W H of the rows moves with the steering, and one division at run time solves it. N
 is symmetric and perhaps singular. With c1, c2, det its invariants and adj its adjugate, the Moore-Penrose inverse is
@@ -32,11 +32,13 @@ from wmrgen.exact.linalg import cofactor, determinant, symmetric
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly, Row, dot, has_angles, triple
 from wmrgen.ir.interval import smallest
+from wmrgen.kinematics.gyro import YawRate, yaw_rate
 from wmrgen.kinematics.least_squares import Matrix, Measured, named_normal, normal_equations
 from wmrgen.kinematics.ranges import range_of, ranges_of
-from wmrgen.kinematics.records import Locals, signal_poly
+from wmrgen.kinematics.records import Locals, joint_port, signal_poly
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import generic, independent, nominal_at, numeric_rank
+from wmrgen.ports import GYRO, Port, Role
 from wmrgen.symbolic import (
     Expr,
     Local,
@@ -53,6 +55,7 @@ from wmrgen.symbolic import (
 
 FLOOR = Exact(Fraction(1, 10**12))
 EDGE = Exact(Fraction(1, 10**6))
+JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
 Twist = tuple[Expr, Expr, Expr]
 
 
@@ -87,21 +90,32 @@ class Component(NamedTuple):
 
 
 class Measurements(NamedTuple):
-    """All that the sensed joints of ``robot`` measure."""
+    """All that the sensed joints of ``robot`` measure, and its gyro."""
 
     robot: Robot
     contacts: tuple[Contact, ...]
     components: tuple[Component, ...]
+    gyro: YawRate | None = None
 
     @property
     def wheels(self) -> tuple[Wheel, ...]:
         """Those that measure something."""
-        return tuple(c.wheel for c in self.all)
+        return tuple(c.wheel for c in self.of_wheels)
 
     @property
-    def all(self) -> tuple[Contact | Component, ...]:
-        """Contacts, then components: the order of the rows."""
+    def of_wheels(self) -> tuple[Contact | Component, ...]:
+        """Contacts, then components."""
         return (*self.contacts, *self.components)
+
+    @property
+    def all(self) -> tuple[Contact | Component | YawRate, ...]:
+        """Contacts, components, the gyro: the order of the rows."""
+        return (*self.of_wheels, *(() if self.gyro is None else (self.gyro,)))
+
+    @property
+    def rigid(self) -> bool:
+        """Whether every measurement is the velocity of a contact point."""
+        return not self.components and self.gyro is None
 
     @property
     def rows(self) -> list[Measured]:
@@ -134,7 +148,7 @@ def sensed_joints(w: Wheel) -> tuple[str, ...]:
 
 
 def measurements(robot: Robot, names: Locals | None = None) -> Measurements:
-    """What the sensed joints measure of the twist. Passive castors and spheres measure nothing.
+    """What the sensed joints and the gyro measure of the twist. Passive castors and spheres measure nothing.
 
     With ``names`` the velocities that wheels roll at their angles are intermediate results. The largest weight is 1.
     """
@@ -155,11 +169,18 @@ def measurements(robot: Robot, names: Locals | None = None) -> Measurements:
         elif w.kind.sliding_row:
             components.append(Component(w, sliding_row(w, g).row, -(g.d * rate), w.weight))
     largest = max((*(c.weight for c in contacts), *(c.weight for c in components)), default=ONE)
-    return Measurements(
+    measured = Measurements(
         robot,
         tuple(c._replace(weight=c.weight / largest) for c in contacts),
         tuple(c._replace(weight=c.weight / largest) for c in components),
     )
+    return measured._replace(gyro=yaw_rate(robot, measured.wheels))
+
+
+def sensed_ports(robot: Robot) -> tuple[Port, ...]:
+    """The inputs of `forward` that sensors show: joints in the order of the file, then the gyro."""
+    joints = (joint_port(w, j, JOINT_ROLE[j]) for w in robot.wheels for j in sensed_joints(w))
+    return (*joints, *(() if robot.gyro is None else (GYRO,)))
 
 
 def _contact(w: Wheel, spin: Poly, rate: Poly, names: Locals | None) -> Contact:
@@ -225,7 +246,7 @@ def _named_rows(measured: Measurements, names: Locals) -> list[Measured]:
             for k, column, p in zip("xyw", ("vx", "vy", "omega"), c.row, strict=True)
         )
         rows.append(((x, y, w), c.value, c.weight))
-    return rows
+    return [*rows, *(() if measured.gyro is None else measured.gyro.rows)]
 
 
 def reach_of(wheels: Sequence[Wheel]) -> Exact:

@@ -15,13 +15,14 @@ from wmrgen.exact.linalg import mean
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.domains import needs
+from wmrgen.layout.encoders import encoders_of, refuse_ambiguous
 from wmrgen.layout.expressions import PI, Scope, computable, snap, to_poly
 from wmrgen.layout.joints import (
     common_limits,
     constant,
     deadband_of,
-    encoders_of,
     groups,
+    gyro_of,
     lag_of,
     limits_of,
     noise_of,
@@ -41,7 +42,7 @@ from wmrgen.layout.records import (
     Wheel,
 )
 from wmrgen.layout.skid import effective_track, parallel
-from wmrgen.ports import usual_range
+from wmrgen.ports import GYRO, usual_range
 from wmrgen.spec.records import (
     Neg,
     Num,
@@ -107,7 +108,9 @@ def build(spec: RobotSpec) -> Robot:
         functions=tuple(f.name for f in spec.functions), **facts,
     )  # fmt: skip
     refuse_unmodelled(spec, robot)
-    return common_limits(spec, robot)
+    robot = common_limits(spec, robot)
+    refuse_ambiguous(spec, robot)
+    return robot
 
 
 def _parameters(spec: RobotSpec, several: Several) -> tuple[Parameter, ...]:
@@ -305,11 +308,15 @@ def _check_names(spec: RobotSpec, several: Several) -> None:
     names = {
         f"{part.name}{ending}".lower() for group, endings in parts for part in group for ending in endings
     }
+    names |= {GYRO.name} if spec.gyro else set()
     for p in spec.parameters:
         with several:
             if p.name.lower() in names:
                 raise RobotFileError(
-                    f"parameter {p.name} has the name of a joint", p.value.mark, "", "Write another name."
+                    f"parameter {p.name} has the name of a sensed value",
+                    p.value.mark,
+                    "",
+                    "Write another name.",
                 )
 
 
@@ -340,6 +347,7 @@ def _trailer(t: TrailerSpec, scope: Scope) -> Trailer:
 _PARTS: dict[str, Callable[[RobotSpec, Scope, list[Wheel]], Any]] = {  # of a Robot
     "virtual": lambda spec, scope, wheels: tuple(_virtual(v, wheels, scope) for v in spec.virtual),
     "trailers": lambda spec, scope, _: tuple(_trailer(t, scope) for t in spec.trailers),
+    "gyro": lambda spec, scope, _: spec.gyro and gyro_of(spec.gyro, scope),
     "cg": lambda spec, scope, _: spec.cg and Point(*map(scope.length, (spec.cg.x, spec.cg.y, spec.cg.z))),
     "gains": lambda spec, scope, _: {name: scope.length(quantity) for name, quantity in spec.gains},
     "deadband": lambda spec, scope, _: ZERO if spec.deadband is None else deadband_of(spec.deadband, scope),

@@ -1,5 +1,5 @@
-"""What a robot file says of joints and commands, as exact constants: limits, weights, deadband, noise, encoders,
-lag; and what couplings make of single wheels."""
+"""What a robot file says of joints and commands, as exact constants: limits, weights, deadband, noise, lag;
+and what couplings make of single wheels."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from wmrgen.errors import NotDerivableError, RobotFileError, Several
 from wmrgen.exact.evaluate import parameters_in, substituted
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.layout.expressions import Scope
-from wmrgen.layout.records import Encoder, Interval, Noise, Robot, Wheel
-from wmrgen.spec.records import Coupling, EncoderSpec, Limit, NoiseSpec, Quantity, RobotSpec
+from wmrgen.layout.records import Gyro, Interval, Noise, Robot, Wheel
+from wmrgen.spec.records import Coupling, GyroSpec, Limit, NoiseSpec, Quantity, RobotSpec
 
 MOST_WEIGHT = 1000  # of the least: rows that count less are lost in the rounding of a float
 
@@ -89,41 +89,28 @@ def noise_of(noise: Iterable[NoiseSpec], scope: Scope) -> dict[str, Noise]:
     }
 
 
-def encoders_of(whose: str, encoders: Iterable[EncoderSpec], scope: Scope) -> dict[str, Encoder]:
-    """Counters. RobotFileError for counts or a gear that are not positive, and for another width than 16 or 32."""
-    return {e.joint: _encoder(f"the {e.joint} encoder of {whose}", e, scope) for e in encoders}
-
-
-def _encoder(what: str, e: EncoderSpec, scope: Scope) -> Encoder:
-    counts = _positive(f"counts of {what}", e.counts, scope)
-    turn = counts if e.gear is None else counts * _positive(f"gear of {what}", e.gear, scope)
-    bits = Exact(32) if e.bits is None else constant(f"bits of {what}", e.bits, scope)
-    if e.bits is not None and bits not in (Exact(16), Exact(32)):
-        raise RobotFileError(
-            f"bits of {what} is {e.bits.text}, neither 16 nor 32", e.bits.mark,
-            "A counter is read as an unsigned integer of that width.", "Write bits: 16 or bits: 32.",
-        )  # fmt: skip
-    return Encoder(-turn if e.reversed else turn, int(float(bits)))
-
-
 def lag_of(whose: str, lag: Iterable[tuple[str, Quantity]], scope: Scope) -> dict[str, Exact]:
     """Time constants [s]. RobotFileError for one that is not positive."""
     instead = (
         "Write a time such as 150 ms, or delete the key: without a lag the angle is commanded by its rate."
     )
-    return {j: _positive(f"{j} lag of {whose}", time, scope, instead) for j, time in lag}
+    return {j: positive(f"{j} lag of {whose}", time, scope, instead) for j, time in lag}
 
 
-_COUNTS_DOWN = "Write a positive number; reversed: true says that the encoder counts down."
-
-
-def _positive(what: str, quantity: Quantity, scope: Scope, instead: str = _COUNTS_DOWN) -> Exact:
+def positive(what: str, quantity: Quantity, scope: Scope, instead: str) -> Exact:
+    """The value of a constant. RobotFileError where it is not positive; ``instead``: what to write."""
     value = constant(what, quantity, scope)
     if value.sign <= 0:
         raise RobotFileError(
             f"{what} is {quantity.text}, which is not positive", quantity.mark, "", instead
         )  # fmt: skip
     return value
+
+
+def gyro_of(gyro: GyroSpec, scope: Scope) -> Gyro:
+    """The yaw-rate sensor. RobotFileError for noise or a weight that no sensor has."""
+    weight = ONE if gyro.weight is None else weight_of("the gyro", gyro.weight, scope)
+    return Gyro(weight, noise_of([gyro.noise], scope)[gyro.noise.joint])
 
 
 # ---- couplings: groups that turn as one, and limits that all their members keep

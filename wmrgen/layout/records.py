@@ -17,6 +17,7 @@ from wmrgen.exact.evaluate import number, parameters_in
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.tolerance import EXACT, Near, Tolerance
+from wmrgen.ports import GYRO, Reading
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 T = TypeVar("T", Poly, Exact)
@@ -80,10 +81,17 @@ class Noise(NamedTuple):
 
 
 class Encoder(NamedTuple):
-    """A counter: ``turn`` counts per turn of the joint, negative where it counts down; it wraps at 2**``bits``."""
+    """A counter of a joint: ``turn`` counts per turn of the joint, negative where it counts down."""
 
     turn: Exact
-    bits: int
+    reading: Reading
+
+
+class Gyro(NamedTuple):
+    """A yaw-rate sensor. ``weight``: how much it counts, in proportion to the wheels (`kinematics.sensing`)."""
+
+    weight: Exact
+    noise: Noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,6 +274,7 @@ class Robot:
     noise: Mapping[str, Noise] = field(default_factory=dict)
     encoders: Mapping[str, Encoder] = field(default_factory=dict)
     lag: Mapping[str, Exact] = field(default_factory=dict)
+    gyro: Gyro | None = None
     tolerance: Tolerance = EXACT
     near: tuple[Near, ...] = ()
     needs: tuple[Need, ...] = ()
@@ -328,8 +337,11 @@ class Robot:
         return wheel.limits.get(quantity) or (self.limits.get(quantity) if wheel.commands(joint) else None)
 
     def limit_of(self, name: str) -> Interval | None:
-        """The limit of a quantity by its contract name: ``vx``, or ``left.spin`` as `limit` has it."""
+        """The limit of a quantity by its contract name: ``vx``, ``gyro`` as omega has one, or ``left.spin`` as `limit`
+        has it."""
         owner, _, quantity = name.rpartition(".")
+        if name == GYRO.name:
+            return self.limits.get("omega") if self.gyro else None
         if not owner:
             return self.limits.get(name)
         return next((self.limit(w, quantity) for w in self.wheels if w.name == owner), None)

@@ -8,8 +8,9 @@ from math import degrees, pi
 
 import numpy as np
 
+from wmrgen.exact.number import ONE, ZERO
 from wmrgen.kinematics.sensing import generic_rank, measurements
-from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.records import Gyro, Noise, Robot, Wheel
 from wmrgen.layout.skid import driven
 from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.mobility import analyse
@@ -110,7 +111,8 @@ def _alike(robot: Robot, joint: str) -> list[list[Wheel]]:
     "WMR022",
     "odometry lacks a sensor",
     """The sensed joints do not tell the whole twist, though the wheels would if all their joints were sensed: `forward`
-    and `odometry` give the smallest twist that fits. What is actuated is sensed unless the file says otherwise.""",
+    and `odometry` give the smallest twist that fits. What is actuated is sensed unless the file says otherwise. Two
+    tracking wheels show how a point of the robot moves; with a yaw-rate sensor (`gyro:`) that is the whole twist.""",
     PAIR.removesuffix("}\n") + ", sensed: []}\n",
     PAIR,
 )
@@ -125,12 +127,22 @@ def unsensed(subject: Subject) -> Iterator[Finding]:
             subject.mark(blind[0]),
             f"the sensed joints tell {seen} of the 3 components of the twist, all joints would tell {possible}",
             f"Write sensed: [{', '.join(blind[0].kind.joints)}] where there is a sensor: "
-            f"{listed([w.name for w in blind])} {'lacks' if len(blind) == 1 else 'lack'} one.",
+            f"{listed([w.name for w in blind])} {'lacks' if len(blind) == 1 else 'lack'} one.{_with_a_gyro(robot)}",
         )
 
 
+def _with_a_gyro(robot: Robot) -> str:
+    """The advice to add a yaw-rate sensor, where that is all that is lacking."""
+    noiseless = Gyro(ONE, Noise(ZERO, ZERO))
+    if robot.gyro is not None or _seen(driven(replace(robot, gyro=noiseless))) < 3:
+        return ""
+    return (
+        " Or write gyro: {constant: 0.005 rad/s} at the top of the file if the robot has a yaw-rate sensor."
+    )
+
+
 def _seen(robot: Robot) -> int:
-    """How many components of the twist the sensed joints tell."""
+    """How many components of the twist the sensed joints and the gyro tell."""
     measured = measurements(robot)
     return generic_rank(measured) if measured.all else 0
 

@@ -93,7 +93,7 @@ def _towed(derivation: Derivation, motion: Motion) -> Function:
 
 def code(derivation: Derivation) -> str:
     """A JavaScript expression of the functions that drive it."""
-    module = select(derivation.module, {name: name for name in FUNCTIONS})
+    module = select(derivation.without_gyro.module, {name: name for name in FUNCTIONS})
     if motion := _towing(derivation):
         module = replace(module, functions=(*module.functions, _towed(derivation, motion)))
     return str(BACKENDS["javascript"].offers("expression")(module))

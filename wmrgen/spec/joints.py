@@ -9,7 +9,7 @@ from typing import Any
 from wmrgen.errors import Several
 from wmrgen.spec.fields import Interval, Section
 from wmrgen.spec.numbers import Scope
-from wmrgen.spec.part_keys import LIMITS
+from wmrgen.spec.part_keys import LIMITS, WRAPS
 from wmrgen.spec.quantities import read_quantity
 from wmrgen.spec.records import EncoderSpec, Limit, Neg, NoiseSpec, Quantity
 from wmrgen.spec.tables import Table, table_of
@@ -69,8 +69,14 @@ def _noise(joint: str, table: Table, what: str, scope: Scope, several: Several) 
 def _encoder(joint: str, table: Table, what: str, scope: Scope, several: Several) -> EncoderSpec | None:
     of, name = _of(joint, table, f"encoder of {what}", several), f"the encoder of {joint}"
     of.require_all(name, several)
-    counts, gear, bits = (of.amount(key, name, scope) for key in ("counts", "gear", "bits"))
-    return None if counts is None else EncoderSpec(joint, counts, gear, of.word("reversed"), bits)
+    of.choose(WRAPS, name)
+    counts, gear, bits, modulus = (
+        of.amount(key, name, scope) for key in ("counts", "gear", "bits", "modulus")
+    )
+    offset = of.amount("offset", name, scope) if "offset" in of.section.keys else None
+    if counts is None:
+        return None
+    return EncoderSpec(joint, counts, gear, of.word("reversed"), bits, modulus, offset)
 
 
 def _lag(joint: str, table: Table, what: str, scope: Scope, several: Several) -> tuple[str, Quantity]:

@@ -16,7 +16,15 @@ from wmrgen.spec.keys import ROBOT
 from wmrgen.spec.mapping import tree_of
 from wmrgen.spec.names import Names, robot_name
 from wmrgen.spec.numbers import Scope
-from wmrgen.spec.parts import Reading, read_gains, read_parameters, read_point, read_trailers, read_virtual
+from wmrgen.spec.parts import (
+    Reading,
+    read_gains,
+    read_gyro,
+    read_parameters,
+    read_point,
+    read_trailers,
+    read_virtual,
+)
 from wmrgen.spec.reader import read_tree
 from wmrgen.spec.records import FunctionSpec, RobotSpec
 from wmrgen.spec.tables import Table, table_of
@@ -170,6 +178,7 @@ _PARTS: dict[str, Callable[[Reading], Any]] = {  # of a RobotSpec
     "limits": lambda r: read_of_joints("limits", r.table, "the robot", r.scope, r.several),
     "noise": lambda r: read_of_joints("noise", r.table, "the robot", r.scope, r.several),
     "encoders": lambda r: read_of_joints("encoder", r.table, "the robot", r.scope, r.several),
+    "gyro": read_gyro,
     "lag": lambda r: read_of_joints("lag", r.table, "the robot", r.scope, r.several),
     "virtual": read_virtual,
     "trailers": read_trailers,

@@ -86,32 +86,70 @@ NOISE = Section(
     ),
 )
 
-COUNTER = Section(
-    "the encoder of a joint",
-    "spin: {counts: 4096, gear: 30}",
+GYRO = Section(
+    "gyro",
+    "gyro: {constant: 0.005 rad/s}",
     (
+        *RATE_NOISE.fields,
         Field(
-            "counts", Amount(Kind.ANY, "1"), "counts per turn of the encoder's shaft, all four edges of a quadrature",
-            required=True, example="4096", aliases=dict.fromkeys(("cpr", "ticks", "resolution", "ppr", "lines"), ""),
-            missing=("It turns counts into an angle.", "Write counts: and the counts per turn, such as counts: 4096."),
+            "weight", Amount(Kind.ANY, "1"),
+            "how much it counts in forward: 1 is as much as a wheel at the mean distance of the sensed wheels from "
+            "their middle; 100 is taken for a tenth of that noise",
+            default="1",
         ),
-        Field(
-            "gear", Amount(Kind.ANY, "1"), "turns of the encoder's shaft per turn of the joint", default="1",
-            example="30", aliases=dict.fromkeys(("ratio", "gear_ratio", "gearing", "reduction"), ""),
-        ),
-        Field(
-            "reversed", Word(YES, "false"), "it counts down where the joint turns in its positive direction",
-            aliases=dict.fromkeys(("inverted", "invert", "reverse"), ""),
-        ),
-        Field("bits", Amount(Kind.ANY, "1"), "width of the counter, which wraps: 16 or 32", default="32", example="16"),
     ),
+)  # fmt: skip
+
+WRAPS = Choice(
+    (("bits",), ("modulus",)),
+    ("has {keys}", "Both say where the counter wraps.", "Keep one of them."),
+    optional=True,
+)
+_COUNTER = (
+    Field(
+        "counts", Amount(Kind.ANY, "1"), "counts per turn of the encoder's shaft, all four edges of a quadrature",
+        required=True, example="4096", aliases=dict.fromkeys(("cpr", "ticks", "resolution", "ppr", "lines"), ""),
+        missing=("It turns counts into an angle.", "Write counts: and the counts per turn, such as counts: 4096."),
+    ),
+    Field(
+        "gear", Amount(Kind.ANY, "1"), "turns of the encoder's shaft per turn of the joint", default="1",
+        example="30", aliases=dict.fromkeys(("ratio", "gear_ratio", "gearing", "reduction"), ""),
+    ),
+    Field(
+        "reversed", Word(YES, "false"), "it counts down where the joint turns in its positive direction",
+        aliases=dict.fromkeys(("inverted", "invert", "reverse"), ""),
+    ),
+    Field(
+        "bits", Amount(Kind.ANY, "1"), "width of the counter, from 8 to 32: it wraps at 2**bits", default="32",
+        example="16",
+    ),
+    Field(
+        "modulus", Amount(Kind.ANY, "1"), "where a counter wraps that wraps elsewhere: it counts from 0 to modulus - 1",
+        example="9000", aliases=dict.fromkeys(("wraps", "wrap", "rollover"), ""),
+    ),
+)  # fmt: skip
+COUNTER = Section("the encoder of a joint", "spin: {counts: 4096, gear: 30}", _COUNTER, (WRAPS,))
+STEERING_COUNTER = Section(
+    "the encoder of a steering angle",
+    "steer: {counts: 16384, offset: 512}",
+    (
+        *_COUNTER,
+        Field(
+            "offset", Amount(Kind.ANY, "1"),
+            "what an absolute encoder shows where steer is 0; it wraps at counts, after a turn of its shaft, unless "
+            "bits or modulus says otherwise. Without it the encoder is incremental, and the angle starts from that in "
+            "wheels",
+            example="512", aliases=dict.fromkeys(("zero", "absolute", "home"), ""),
+        ),
+    ),
+    (WRAPS,),
 )  # fmt: skip
 ENCODER = Section(
     "encoder",
     "encoder: {spin: {counts: 4096, gear: 30, reversed: true, bits: 16}, steer: {counts: 16384}}",
     (
         Field("spin", COUNTER, "on the motor or the axle of the wheel", joint="spin"),
-        Field("steer", COUNTER, "of the steering angle; it stands at 0 where steer is 0", joint="steer"),
+        Field("steer", STEERING_COUNTER, "of the steering angle, incremental or absolute", joint="steer"),
     ),
 )
 

@@ -12,9 +12,18 @@ from wmrgen.spec.fields import Mapped
 from wmrgen.spec.keys import PARAMETER, ROBOT
 from wmrgen.spec.names import Names, parameter_name, wheel_name
 from wmrgen.spec.numbers import Facts, Kind, Scope, facts_of
-from wmrgen.spec.part_keys import CG, GAINS, TRAILER, VIRTUAL
+from wmrgen.spec.part_keys import CG, GAINS, GYRO, TRAILER, VIRTUAL
 from wmrgen.spec.quantities import of_one_kind, parse_value, read_quantity
-from wmrgen.spec.records import ParameterSpec, PointSpec, Quantity, TrailerSpec, VirtualSpec, parameters_in
+from wmrgen.spec.records import (
+    GyroSpec,
+    NoiseSpec,
+    ParameterSpec,
+    PointSpec,
+    Quantity,
+    TrailerSpec,
+    VirtualSpec,
+    parameters_in,
+)
 from wmrgen.spec.tables import Table, mapping_of, read_number, severed, table_of
 from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, quoted, scalar_of
 from wmrgen.spec.wheels import wheel_called
@@ -32,6 +41,21 @@ class Reading(NamedTuple):
     names: Names
     types: Mapping[str, WheelType | None]
     several: Several
+
+
+def read_gyro(reading: Reading) -> GyroSpec | None:
+    """The yaw-rate sensor, where the robot has one."""
+    node, what = reading.table.get("gyro"), "the gyro"
+    if node is None:
+        return None
+    with reading.several:
+        table = table_of(node, GYRO, reading.several)
+        constant, proportional, weight = (
+            _amount(table, key, what, reading.scope, reading.several)
+            for key in ("constant", "proportional", "weight")
+        )
+        return GyroSpec(NoiseSpec("gyro", proportional, constant), weight)
+    return None
 
 
 def read_trailers(reading: Reading) -> tuple[TrailerSpec, ...]:

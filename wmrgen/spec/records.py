@@ -118,13 +118,25 @@ class NoiseSpec(NamedTuple):
 
 
 class EncoderSpec(NamedTuple):
-    """A counter of ``joint``, spin or steer: ``counts`` per turn of its shaft, which turns ``gear`` times as far."""
+    """A counter of ``joint``, spin or steer: ``counts`` per turn of its shaft, which turns ``gear`` times as far.
+
+    It wraps at 2**``bits`` or at ``modulus``. ``offset``: reading of an absolute encoder where the joint is at 0.
+    """
 
     joint: str
     counts: Quantity
     gear: Quantity | None
     reversed: bool
     bits: Quantity | None
+    modulus: Quantity | None = None
+    offset: Quantity | None = None
+
+
+class GyroSpec(NamedTuple):
+    """A yaw-rate sensor; ``weight``: None is 1."""
+
+    noise: NoiseSpec
+    weight: Quantity | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,6 +237,7 @@ class RobotSpec:
     limits: tuple[Limit, ...] = ()
     noise: tuple[NoiseSpec, ...] = ()
     encoders: tuple[EncoderSpec, ...] = ()
+    gyro: GyroSpec | None = None
     lag: tuple[tuple[str, Quantity], ...] = ()  # joint, time constant
     virtual: tuple[VirtualSpec, ...] = ()
     trailers: tuple[TrailerSpec, ...] = ()

@@ -20,6 +20,7 @@ NAME = "joints_from_counts"
 WHEEL = "{{name: {0}, type: {1}, x: {2}, y: 0, heading: 0, r: 0.1, encoder: {{{3}}}, {4}}}"
 SPIN = "spin: {counts: 4096, gear: 61/2, reversed: true, bits: 16}"
 STEER = "steer: {counts: 1000, gear: 3}"
+ABSOLUTE = "steer: {counts: 3000, offset: 17}"
 
 
 def derived(*wheels: str) -> Derivation:
@@ -35,14 +36,16 @@ def test_rates_and_angles() -> None:
         fixed(SPIN),
         WHEEL.format("b", "steered", 1, f"{STEER}, spin: {{counts: 512}}", ""),
         WHEEL.format("c", "castor", 2, STEER, "d: 0.1, actuated: [spin, steer]"),
-        WHEEL.format("e", "castor", 3, STEER, "d: 0.1"),
+        WHEEL.format("e", "castor", 3, ABSOLUTE, "d: 0.1, actuated: [steer]"),
     )
     counts = {"a.spin_counts": 300, "b.spin_counts": -7, "b.steer_counts": 500, "c.steer_counts": -250,
-              "c.steer_rate_counts": 12, "e.steer_counts": 0}  # fmt: skip
+              "e.steer_counts": 250, "e.steer_rate_counts": 12}  # fmt: skip
     wanted = {
         "a.spin": -300 / (4096 * 30.5) * math.tau / 0.01, "b.spin": -7 / 512 * math.tau / 0.01, "b.steer": math.pi / 3,
-        "c.steer": -math.pi / 6, "c.steer_rate": 12 / 3000 * math.tau / 0.01, "e.steer": 0.0,
+        "c.steer": math.pi / 3 - math.pi / 6, "c.steer_rate": -250 / 3000 * math.tau / 0.01,
+        "e.steer": math.pi / 6, "e.steer_rate": 12 / 3000 * math.tau / 0.01,
     }  # fmt: skip
+    counts |= {"b.steer": 0.0, "c.steer": math.pi / 3}
     assert d.numpy().joints_from_counts(**counts, dt=0.01) == pytest.approx(wanted, rel=1e-12)
     case = {n: float(v) for n, v in counts.items()} | {"dt": 0.01}
     (in_c,) = evaluate_c(d.c_module, [(NAME, case)], Choice())
@@ -64,7 +67,7 @@ def test_no_time_passes() -> None:
 
 def test_angles_alone_take_no_time() -> None:
     d = derived(WHEEL.format("b", "steered", 1, STEER, ""))
-    assert [p.name for p in d.formula(NAME).inputs] == ["b.steer_counts"]
+    assert [p.name for p in d.formula(NAME).inputs] == ["b.steer", "b.steer_counts"]
 
 
 def test_who_has_no_encoder(tmp_path: Path) -> None:
@@ -78,7 +81,10 @@ def test_who_has_no_encoder(tmp_path: Path) -> None:
     ("encoder", "problem"),
     [("spin: {gear: 3}", "has no counts"), ("spin: {counts: 0}", "counts of the spin encoder of a is 0,"),
      ("spin: {counts: 10, gear: -3}", "gear of the spin encoder of a is -3,"),
-     ("spin: {counts: 10, bits: 24}", "neither 16 nor 32"),
+     ("spin: {counts: 10, bits: 7}", "from 8 to 32"), ("spin: {counts: 10, bits: 24.5}", "from 8 to 32"),
+     ("spin: {counts: 10, modulus: 1}", "from 2 to 2147483648"),
+     ("spin: {counts: 10, modulus: 90, bits: 8}", "has bits and modulus"),
+     ("spin: {counts: 10, offset: 3}", "unknown key 'offset'"),
      ("spin: {counts: 10 mm}", "has a unit"), ("spin: {cpr: 10}", "Did you mean counts"),
      ("steer: {counts: 10}", "unknown key 'steer'"), ("counts: 10", "unknown key 'counts'"),
      ("spin: 10", "must be a mapping"),
@@ -98,9 +104,8 @@ def test_encoders_of_the_robot(tmp_path: Path) -> None:
         ).replace("weight: 1.0", "encoder: {spin: {counts: 50}}")
     )
     ports = derive(load(tmp_path / "robot.yaml"), [NAME]).formula(NAME).inputs
-    assert {p.name: p.bits for p in ports} == {
-        "w0.spin_counts": 32, "w0.steer_counts": 16, "w0.steer_rate_counts": 16, "w1.steer_counts": 16,
-        "w1.steer_rate_counts": 16, "w2.spin_counts": 32, "dt": 0,
+    assert {p.name: p.reading.modulus for p in ports if p.reading} == {
+        "w0.spin_counts": 2**32, "w0.steer_counts": 2**16, "w1.steer_counts": 2**16, "w2.spin_counts": 2**32,
     }  # fmt: skip
     same = dict.fromkeys(("w0.spin_counts", "w2.spin_counts"), 10.0)
     zero = {p.name: 0.0 for p in ports} | same | {"dt": 1.0}
@@ -108,8 +113,32 @@ def test_encoders_of_the_robot(tmp_path: Path) -> None:
     assert result["w2.spin"] == pytest.approx(2 * result["w0.spin"]) == pytest.approx(math.tau / 5)
 
 
-def test_width_and_turn() -> None:
+def test_modulus_and_turn() -> None:
     encoders = derived(fixed(SPIN)).robot.wheels[0].encoders
-    assert {j: (float(e.turn), e.bits) for j, e in encoders.items()} == {"spin": (-4096 * 30.5, 16)}
+    assert {j: (float(e.turn), e.reading) for j, e in encoders.items()} == {
+        "spin": (-4096 * 30.5, (2**16, None))
+    }
     (plain,) = derived(fixed("spin: {counts: 7}")).robot.wheels[0].encoders.values()
-    assert (float(plain.turn), plain.bits) == (7.0, 32)
+    assert (float(plain.turn), plain.reading.modulus) == (7.0, 2**32)
+
+
+@pytest.mark.parametrize(
+    ("encoder", "limits", "refused"),
+    [("counts: 4096, bits: 12, offset: 9", "", ""),
+     ("counts: 4096, offset: 9", "", ""), ("counts: 4096, gear: 2, offset: 9", "", "without limits"),
+     ("counts: 4096, bits: 14, offset: 9", "", ""),
+     ("counts: 4096, bits: 12, offset: 9", "limits: {steer: 180 deg}", ""),
+     ("counts: 4096, bits: 12, offset: 9", "limits: {steer: 270 deg}", "from -270 to 270 deg"),
+     ("counts: 4096, gear: 3, bits: 12, offset: 9", "limits: {steer: 59 deg}", ""),
+     ("counts: 4096, gear: 3, bits: 12, offset: 9", "limits: {steer: [0, 90 deg]}", "from 0 to 90 deg"),
+     ("counts: 4096, gear: 3, bits: 12, offset: 9", "", "without limits"),
+     ("counts: 2048, gear: 150/7, bits: 16", "", "")],
+)  # fmt: skip
+def test_an_absolute_encoder_shows_the_range_of_its_joint(encoder: str, limits: str, refused: str) -> None:
+    wheel = WHEEL.format("b", "steered", 1, f"steer: {{{encoder}}}", limits)
+    if not refused:
+        derived(wheel)
+        return
+    with pytest.raises(RobotFileError) as caught:
+        derived(wheel)
+    assert refused in str(caught.value)

@@ -5,7 +5,7 @@ What stands for motors and sensors follows commands at once; a program of one's 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from math import pi
 
 from wmrgen.backends.c99.counters import FUNCTION as COUNTS
@@ -13,7 +13,8 @@ from wmrgen.backends.c99.records import Unit
 from wmrgen.backends.c99.text import comment_lines
 from wmrgen.ir.interpret import FLOAT64, evaluate
 from wmrgen.ir.nodes import Module
-from wmrgen.loop import Stage, loop
+from wmrgen.loop import Loop, Stage, loop
+from wmrgen.ports import GYRO, Reading
 from wmrgen.render import render
 
 STEPS, PER_SECOND = 6000, 100  # a minute
@@ -46,11 +47,12 @@ def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
         **common,
         about=comment_lines(ABOUT.format(robot=unit.robot, rate=PER_SECOND)),
         variables=[(kind, name) for name, kind in variables.items()],
-        prepare=[f"{step.call()};" for step in before],
+        prepare=[*(f"{step.call()};" for step in before), *_homed(module, unit)],
         sensing=sensing,
         acting=acting,
-        hardware=[*_hardware(module, unit)],
+        hardware=[*_hardware(module, unit, variables), *_turned(stages, variables)],
         counts="counters" in variables,
+        wraps=any(not reading.wraps_as_integer for reading in _readings(module, unit).values()),
         steps=STEPS,
         dt=_number(unit, 1 / PER_SECOND),
         speed=_number(unit, SPEED),
@@ -58,31 +60,62 @@ def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
     )
 
 
+def _homed(module: Module, unit: Unit) -> Iterator[str]:
+    """The statements that put absolute encoders where their joints are at 0."""
+    for joint, reading in _readings(module, unit).items():
+        if reading.offset:
+            yield f"counters.{joint} = {reading.offset}u;"
+
+
 def _number(unit: Unit, value: float) -> str:
     return f"{value:.9g}" + ("f" if unit.choice.scalar == "float" else "")
 
 
-def _hardware(module: Module, unit: Unit) -> Iterator[str]:
+def _hardware(module: Module, unit: Unit, variables: Collection[str]) -> Iterator[str]:
     """The statements of motors and sensors: joints are what is commanded, and encoders count them."""
-    bits = {}
-    if unit.counting is not None:
-        bits = {port.name: port.bits for port in module.function(COUNTS).inputs if port.bits}
+    if "wheels" not in variables:  # no joint is sensed
+        return
+    readings = _readings(module, unit)
+    if readings:
         yield "counters_before = counters;"
     for joint in unit.joints:
-        rate, width = f"{joint}_rate", bits.get(f"{joint}_counts")
+        rate, reading = f"{joint}_rate", readings.get(joint)
         swivels = rate in unit.joints  # its rate is what is commanded
-        if width is None and swivels:
+        if reading is None and swivels:
             yield f"wheels.{joint} += dt * commands.{rate};"
-        elif width is None:
+        elif reading is None and joint.removesuffix("_rate") not in readings:
             yield f"wheels.{joint} = commands.{joint};"
-        elif swivels or joint.endswith(".spin"):
+        elif reading is not None:
             per_radian = _number(unit, _counts(module, f"{joint}_counts"))
-            moved = f"commands.{rate if swivels else joint}"
-            counted = f"counted(dt * {moved} * {per_radian}, &uncounted.{joint})"
-            yield f"counters.{joint} = (uint{width}_t)(counters.{joint} + (uint{width}_t){counted});"
-        elif joint.endswith(".steer"):
-            per_radian = _number(unit, _counts(module, f"{joint}_counts"))
-            yield f"counters.{joint} = (uint{width}_t)(int{width}_t)(commands.{joint} * {per_radian});"
+            if swivels or joint.endswith(".spin"):
+                moved = f"commands.{rate if swivels else joint}"
+                counted = f"counted(dt * {moved} * {per_radian}, &uncounted.{joint})"
+                yield f"counters.{joint} = {_shown(f'counters.{joint}', counted, reading)};"
+            else:
+                turned = f"(int32_t)(commands.{joint} * {per_radian})"
+                yield f"counters.{joint} = {_shown(f'{reading.offset or 0}', turned, reading)};"
+
+
+def _turned(stages: Loop, variables: Collection[str]) -> Iterator[str]:
+    """The statement of a gyro, which shows the yaw rate that is commanded."""
+    if GYRO.name in variables:
+        (twist,) = (s.variables["twist"] for s in stages.acts if s.function == "inverse")
+        yield f"{GYRO.name} = {twist}.omega;"
+
+
+def _readings(module: Module, unit: Unit) -> dict[str, Reading]:
+    """Spin or steer of a wheel -> what its encoder shows."""
+    inputs = module.function(COUNTS).inputs if unit.counting is not None else ()
+    each = {port.name.removesuffix("_counts"): port.reading for port in inputs if port.reading}
+    return {joint: reading for joint, reading in each.items() if not joint.endswith("_rate")}
+
+
+def _shown(start: str, counts: str, reading: Reading) -> str:
+    """The reading of an encoder that counted on from ``start``."""
+    unsigned = f"uint{reading.width}_t"
+    if reading.wraps_as_integer:
+        return f"({unsigned})({start} + (uint32_t){counts})"
+    return f"({unsigned})wrapped((int32_t){start} + {counts}, {reading.modulus}l)"
 
 
 def _counts(module: Module, port: str) -> float:

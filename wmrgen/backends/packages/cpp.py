@@ -11,6 +11,7 @@ from wmrgen.interface import Argument, arguments, members
 from wmrgen.ir.nodes import Function, Module, Role
 from wmrgen.loop import Stage
 from wmrgen.loop import loop as stages_of
+from wmrgen.ports import GYRO
 from wmrgen.render import render
 
 _PREPARED = Argument("prepared", "prepared", {}, {})
@@ -132,7 +133,7 @@ def loop(module: Module, scalar: str, covariances: bool = True) -> Loop:
             variable = called.get(argument.name, argument.name)
             variable = _ONE.get(variable, variable)
             words.append(f"{'' if argument.by_value else '&'}{variable}")
-            if not argument.by_value:
+            if not argument.by_value or variable == GYRO.name:
                 variables[variable] = f"{module.name}_{argument.kind}" if argument.kind else scalar
         return Call(f"{module.name}_{name}", tuple(words), variables)
 

@@ -19,6 +19,7 @@ from wmrgen.backends.registry import Facts
 from wmrgen.errors import UsageError
 from wmrgen.interface import members
 from wmrgen.ir.nodes import Module
+from wmrgen.ports import GYRO
 from wmrgen.render import render
 
 SOURCES = "src"
@@ -61,6 +62,7 @@ def _of_arduino(module: Module, scalar: str) -> Mapping[str, object]:
         "types": [f"{module.name}_{kind}" for kind in members(module)],
         "functions": [f"{module.name}_{f.name}" for f in module.functions if f.outputs],
         "variables": list(steps.variables.items()),
+        "gyro": GYRO.name in steps.variables,
         "prepare": [f"{call.text()};" for call in steps.prepare],
         "step": [f"{call.text()};" for call in (*steps.sense, *steps.act)],
     }

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from wmrgen.backends.packages.cpp import loop
 from wmrgen.ir.nodes import Module
-from wmrgen.ports import POSE_COVARIANCE, TWIST_COVARIANCE
+from wmrgen.ports import GYRO, POSE_COVARIANCE, TWIST_COVARIANCE
 
 _QUANTITIES = {
     "spin": ("spin", "velocity"),
@@ -45,6 +45,7 @@ def context(module: Module, scalar: str) -> Mapping[str, object]:
         "ros": f"{module.name.lower()}_kinematics",
         "joints": joints,
         "variables": list(steps.variables.items()),
+        "gyro": GYRO.name in steps.variables,
         "prepare": [f"{call.text()};" for call in steps.prepare],
         "sense": [call.text("_checked") for call in steps.sense],
         "act": [call.text("_checked") for call in steps.act],

@@ -198,7 +198,7 @@ def closed_forward(d: Derivation) -> list[str]:
         numbers = _closed(d)
         return [*_rule(d, numbers), *numbers]
     by = [_BY_WEIGHT] if measured.weighted else []
-    if not measured.components:
+    if measured.rigid:
         return [*_rigid_motion(len(measured.contacts)), *(by if len(measured.contacts) > 1 else [])]
     best = "The twist that explains all measurements best, with H and z of section 7:"
     if generic_rank(measured) < 3:
@@ -237,7 +237,7 @@ def _rule(d: Derivation, numbers: list[str]) -> list[str]:
     named = {name for row, value, _ in measured.rows for p in (*row, value) for name in parameters_in(p)}
     if not (d.determined and named):
         return []
-    if measured.components or measured.weighted:
+    if not measured.rigid or measured.weighted:
         square = len(distinct(measured)) == 3
         below = "; below it the same with the numbers of this robot" if numbers else ""
         return [

@@ -45,7 +45,7 @@ def forward(d: Derivation) -> list[str]:
     if not measured.rows:
         return [*blocks, "No row of section 2 has joint rates that are all sensed."]
     blocks += _sources(measured)
-    if not measured.constant_normal and not measured.components:
+    if not measured.constant_normal and measured.rigid:
         return [*blocks, *_rigid(d, measured.contacts)]
     rows = distinct(measured)
     once = ", the same equation of several wheels once" if len(rows) < len(measured.rows) else ""
@@ -105,6 +105,11 @@ def _sources(measured: Measurements) -> list[str]:
         alone = [c.wheel for c in measured.components if c.wheel.kind.sliding_row == (kind == "sliding")]
         if alone:
             sources.append(f"{some(alone)} give{'' if len(alone) > 1 else 's'} the {kind} row alone.")
+    if measured.gyro is not None:
+        sources.append(
+            "The gyro gives the row [0 0 1]. Its residual in rad/s is a velocity at the mean distance of the sensed "
+            f"wheels from their middle, so that it has the weight {float(measured.gyro.weight):.4g} m²."
+        )
     return [
         "Each row of section 2 whose joint rates are all sensed is a measurement of ξ, in m/s, with "
         f"{'the weight of its wheel' if measured.weighted else 'equal weight'}. {' '.join(sources)}",

@@ -42,7 +42,7 @@ def motion(d: Derivation) -> list[str]:
         "## 8 Odometry and the posture model",
         "A constant twist moves P along an arc (`odometry`). Its chord has the direction in which P moves half-way "
         "through, and is shorter than the arc by the factor sinc σ, for which near σ = 0 the code has a series "
-        "([numerics.md](numerics.md)). The pose after Δt is exactly",
+        "([numerics.md](numerics.md)). The pose after Δt is exactly, θ' less whole turns,",
         *aligned([
             r"x' &= x + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\cos(\theta+\sigma) - v_y\sin(\theta+\sigma)\right)",
             r"y' &= y + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\sin(\theta+\sigma) + v_y\cos(\theta+\sigma)\right)",

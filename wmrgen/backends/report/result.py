@@ -11,7 +11,7 @@ from wmrgen.backends.report.further import wanted
 from wmrgen.backends.report.markdown import code, listed, pictures, table, written
 from wmrgen.backends.report.overview import kind_of_robot
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.ports import TWIST_NAMES
+from wmrgen.ports import GYRO, TWIST_NAMES
 from wmrgen.robot import Derivation
 from wmrgen.wiring import admissible
 
@@ -67,30 +67,31 @@ def example(d: Derivation) -> list[tuple[str, Texts, Texts]]:
     or cannot move."""
     if not any(w.actuated for w in d.robot.wheels):
         return []
-    tried = ((twist, joints, _again(d, joints)) for twist, joints in islice(_driven(d), _TRIED))
+    tried = ((twist, joints, _again(d, twist, joints)) for twist, joints in islice(_driven(d), _TRIED))
     first = next(tried, None)
     if first is None:
         return []
     repeated = (t for t in chain([first], tried) if not t[2] or t[2] == _each(_six, t[0]))
     twist, joints, again = next(repeated, first)
-    digits = next((k for k in range(_FEW, _EVERY) if _again(d, joints, k) == again), _EVERY)
+    digits = next((k for k in range(_FEW, _EVERY) if _again(d, twist, joints, k) == again), _EVERY)
     own = {n: v for n, v in joints.items() if d.robot.wheel(n.rpartition(".")[0]).actuated}
     steps = [("inverse", _each(_six, twist), _each(_short, own, digits))]
     if again:
-        steps.append(("forward", _each(_short, _measured(d, joints), digits), again))
+        steps.append(("forward", _each(_short, _measured(d, twist, joints), digits), again))
     pose = d.evaluate("odometry", {**twist, "dt": ONE})
     return [*steps, ("odometry", {**_each(_six, twist), "dt": "1"}, _each(_short, pose))]
 
 
-def _measured(d: Derivation, joints: Values) -> Values:
-    """What `forward` is told of the joints; nothing where that is too much for a line."""
+def _measured(d: Derivation, twist: Values, joints: Values) -> Values:
+    """What sensors show `forward` of a twist and its joints; nothing where that is too much for a line."""
     sensed = [p.name for p in d.formula("forward").inputs if p.default is None]
-    return {n: joints.get(n, ZERO) for n in sensed} if len(sensed) <= _MANY else {}
+    shown = {**joints, GYRO.name: twist["omega"]}
+    return {n: shown.get(n, ZERO) for n in sensed} if len(sensed) <= _MANY else {}
 
 
-def _again(d: Derivation, joints: Values, digits: int = _EVERY) -> Texts:
+def _again(d: Derivation, driven: Values, joints: Values, digits: int = _EVERY) -> Texts:
     """The twist of the measurements that joints give, where these are printed with so many digits."""
-    measured = _measured(d, joints)
+    measured = _measured(d, driven, joints)
     twist = measured and d.evaluate("forward", {n: _read(_short(v, digits)) for n, v in measured.items()})
     return {n: _six(twist[n]) for n in TWIST_NAMES if twist}
 

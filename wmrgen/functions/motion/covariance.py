@@ -36,10 +36,11 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row, derivative, dot
 from wmrgen.functions.models.polynomials import by_angle
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.forward import JOINT_ROLE, forward, nominal_rank
+from wmrgen.kinematics.forward import forward, nominal_rank
+from wmrgen.kinematics.gyro import YawRate
 from wmrgen.kinematics.least_squares import Matrix, named_normal, normal_equations, pseudo_inverse
-from wmrgen.kinematics.pose import increments
-from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, slip_port, tunable_ports
+from wmrgen.kinematics.pose import increments, wrapped
+from wmrgen.kinematics.records import Formula, Locals, signal_poly, slip_port, tunable_ports
 from wmrgen.kinematics.sensing import (
     EDGE,
     FLOOR,
@@ -51,10 +52,11 @@ from wmrgen.kinematics.sensing import (
     measurements,
     reach_of,
     sensed_joints,
+    sensed_ports,
 )
 from wmrgen.layout.records import Noise, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import DT, POSE, POSE_COVARIANCE, TWIST, TWIST_COVARIANCE, Limits, Port
+from wmrgen.ports import DT, GYRO, POSE, POSE_COVARIANCE, TWIST, TWIST_COVARIANCE, Limits, Port
 from wmrgen.symbolic import (
     Expr,
     add,
@@ -85,7 +87,8 @@ class _Block(NamedTuple):
 )
 def forward_covariance(robot: Robot, _: Mobility) -> Formula:
     """Sensed joints, the twist that they give where their errors depend on it, and its slip to its covariance."""
-    if not any(robot.noise_of(w, j) for w in robot.wheels for j in sensed_joints(w)):
+    joints = (robot.noise_of(w, j) for w in robot.wheels for j in sensed_joints(w))
+    if not any(joints) and (robot.gyro is None or not any(robot.gyro.noise)):
         raise underivable(
             robot,
             "forward_covariance",
@@ -118,15 +121,18 @@ def forward_covariance(robot: Robot, _: Mobility) -> Formula:
 def _inputs(robot: Robot, names: Locals, slips: bool) -> list[Port]:
     """Sensed joints; the twist as far as errors depend on it; slip; tunable parameters."""
     used = {symbol for _, value in names.items for symbol in value.free_symbols}
-    joints = [joint_port(w, j, JOINT_ROLE[j]) for w in robot.wheels for j in sensed_joints(w)]
     twist = [port for port in TWIST if signal(port.name) in used]
     slip = [slip_port("residual of forward")] if slips else []
-    return [*joints, *twist, *slip, *tunable_ports(robot)]
+    return [*sensed_ports(robot), *twist, *slip, *tunable_ports(robot)]
 
 
-def _block(measured: Contact | Component, robot: Robot, names: Locals) -> _Block:
-    w = measured.wheel
+def _block(measured: Contact | Component | YawRate, robot: Robot, names: Locals) -> _Block:
     rows = measured.rows
+    if isinstance(measured, YawRate):
+        assert robot.gyro is not None
+        variance = _variance(GYRO.name, robot.gyro.noise, names)
+        return _Block([row for row, _, _ in rows], measured.weight, [[names.short("gyro_c00", variance)]])
+    w = measured.wheel
     errors = [dot(row, XI) - value for row, value, _ in rows]
     size = range(len(rows))
     noise = [[Poly({}) for _ in size] for _ in size]
@@ -135,7 +141,7 @@ def _block(measured: Contact | Component, robot: Robot, names: Locals) -> _Block
         moved = [_by_joint(e, w, joint) for e in errors]
         if deviation is None or not any(moved):
             continue
-        variance = _variance(w, joint, deviation, names)
+        variance = _variance(f"{w.name}.{joint}", deviation, names)
         for i in size:
             for j in size:
                 noise[i][j] = noise[i][j] + moved[i] * moved[j] * variance
@@ -151,10 +157,10 @@ def _by_joint(value: Poly, w: Wheel, joint: str) -> Poly:
     return derivative(value, lambda g: Poly.of(1) if g == port else Poly({}))
 
 
-def _variance(w: Wheel, joint: str, noise: Noise, names: Locals) -> Poly:
-    value = signal_poly(f"{w.name}.{joint}")
+def _variance(port: str, noise: Noise, names: Locals) -> Poly:
+    value = signal_poly(port)
     share, least = noise.proportional * noise.proportional, noise.constant * noise.constant
-    return names.short(f"{w.name}_{joint}_variance", (value * value).scale(share) + least)
+    return names.short(f"{port}_variance", (value * value).scale(share) + least)
 
 
 def _constant_inverse(measured: Measurements, names: Locals) -> Matrix:
@@ -218,7 +224,8 @@ def odometry_covariance(_: Robot, __: Mobility) -> Formula:
     """Pose and its covariance after a step at a twist of this covariance."""
     names = Locals()
     steps = increments(names)
-    pose = zip(POSE, (add(signal(p.name), e) for p, e in zip(POSE, steps, strict=True)), strict=True)
+    x, y, theta = (add(signal(p.name), e) for p, e in zip(POSE, steps, strict=True))
+    pose = zip(POSE, (x, y, wrapped(names.define("theta_whole", theta))), strict=True)
     dx, dy = names.define("x_step", steps[0]), names.define("y_step", steps[1])
     before = {p.name: signal(p.name) for p in (*POSE_COVARIANCE, *TWIST_COVARIANCE)}
     (xx, xy, yy), by_rate = _of_velocity(before, names)

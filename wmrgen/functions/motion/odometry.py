@@ -1,6 +1,7 @@
 """Odometry over many steps: `odometry_increment`, what a step adds to the pose, `odometry_compensated`, and
 `odometry_from_angles`, for sensors that give positions: the angles that wheels turned take the place of their rates
-over the time, so that a step is exact at constant rates whatever it lasted.
+over the time, so that a step is exact at constant rates whatever it lasted. Wheels that steer do so during the step:
+the function takes the middle of the angles before and after it, and errs by the square of what was steered.
 
 `odometry` gives the pose after a step. In float it stands still where a step is less than half a unit in the last
 place of the pose: at 100 m that is 3.8 um, the way of 3 mm/s in 1.3 ms. Whoever has a double to add in adds the
@@ -14,29 +15,30 @@ The last is a float and computed without error (Knuth's TwoSum), whatever the si
 step takes off one turn at most, in two parts, 201/32, which leaves nothing to round, and the rest of 2 pi.
 
 `joints_from_counts` makes of what encoders count the joint rates and angles that `forward` takes. A turn of a joint is
-counts * gear counts, so that a difference of n counts in dt is the rate 2 pi n / (counts gear dt), and a steering
-encoder that stands at 0 where steer is 0 shows the angle 2 pi n / (counts gear). Counters wrap: their difference is a
-whole number of the counter's width, which is the caller's to take.
+counts * gear counts, so that a difference of n counts in dt is the rate 2 pi n / (counts gear dt). It adds the angle
+2 pi n / (counts gear) to a steering angle, which is kept at whole counts: steps add up without error. The counts of an
+absolute encoder from its offset are the angle itself. Readings wrap: differences are those of whole numbers, which are
+the caller's to take.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import sympy
 
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.pose import SHORTEST, increments, odometry
+from wmrgen.kinematics.pose import SHORTEST, increments, odometry, wrapped
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.sensing import sensed_joints
 from wmrgen.layout.records import Encoder, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import DT, POSE, TWIST, Limits, Port, Role, output
+from wmrgen.ports import DT, GYRO, POSE, TWIST, Limits, Port, Role, output
 from wmrgen.symbolic import (
     Compensated,
     Expr,
+    Nearest,
     add,
     maximum,
     number,
@@ -67,6 +69,7 @@ _RESTS = tuple(
     Port(f"{p.name}_rest", Role.STATE, p.unit, f"what roundings have left out of {p.name}; 0 at the start")
     for p in POSE
 )
+_HALF = sympy.Rational(1, 2)
 _MOST_OF_TURN = sympy.Rational(201, 32)  # 2 pi less 0.0019, in eight bits
 
 
@@ -99,75 +102,103 @@ def _wrapped(theta: Expr, names: Locals) -> tuple[Expr, Expr]:
     return Compensated(near, last), rounding_error(near, last)
 
 
-_STEPS = {
-    "spin": ("spin_step", "angle that the wheel turned about its axle since the last step"),
-    "steer_rate": ("steer_step", "angle that the wheel was steered since the last step, counter-clockwise"),
-}
+_LAST = "at the last step"
+_STEP = "that the wheel turned about its axle since the last step"
 
 
 @function("Siegwart (3.24), (3.26); Konstantinov, case of constant speeds", limits=Limits.MEASURED)
 def odometry_from_angles(robot: Robot, _: Mobility) -> Formula:
     """The pose after a step in which sensed wheels turned by these angles, each at its constant rate."""
     names, measured = Locals(), forward(robot)
-    steps = {p.name: _as_step(p) for p in measured.inputs}
-    values = names.adopt(measured, {name: signal(port.name) for name, port in steps.items()})
-    twist = {p.name: names.define(f"{p.name}_step", values[p.name]) for p in TWIST}
+    ports: list[Port] = []
+    values: dict[str, Expr] = {}
+    for p in measured.inputs:
+        wheel, dot, joint = p.name.rpartition(".")
+        if p.name == GYRO.name:
+            ports.append(
+                Port("gyro_step", Role.COMMAND, "rad", "integral of the yaw-rate sensor since the last step")
+            )
+            values[p.name] = signal("gyro_step")
+        elif not dot:
+            ports.append(p)
+        elif joint == "spin":
+            ports.append(Port(f"{wheel}.spin_step", Role.COMMAND, "rad", f"angle {_STEP}"))
+            values[p.name] = signal(ports[-1].name)
+        elif joint == "steer":
+            last = replace(p, name=f"{p.name}_last", text=f"{p.text}, {_LAST}")
+            ports += [p, last]
+            turned = wrapped(names.define(f"{wheel}_apart", subtract(signal(p.name), signal(last.name))))
+            turned = names.define(f"{wheel}_turned", turned)
+            values[p.name] = names.define(f"{wheel}_middle", add(signal(last.name), times(turned, _HALF)))
+            values[f"{wheel}.steer_rate"] = turned
+    fitted = names.adopt(measured, values)
+    twist = {p.name: names.define(f"{p.name}_step", fitted[p.name]) for p in TWIST}
     after = names.adopt(odometry(), {**twist, "dt": sympy.S.One})
     return names.formula(
         "odometry_from_angles",
-        (*POSE, *steps.values()),
+        (*POSE, *ports),
         ((p, after[p.name]) for p in POSE),
-        "pose after wheels turned by these angles, at present steering angles",
+        "pose after wheels turned by these angles while they steered from the last angles to the present ones",
     )
 
 
-def _as_step(port: Port) -> Port:
-    """The angle in place of a rate; other ports as they are."""
-    wheel, _, joint = port.name.rpartition(".")
-    if joint not in _STEPS:
-        return port
-    name, text = _STEPS[joint]
-    return Port(f"{wheel}.{name}", Role.COMMAND, "rad", text)
+_DIFFERENCE = "counts since the last step, the difference of a reading that may wrap"
+_FROM_OFFSET = "counts from the offset of the absolute encoder, the difference of a reading that may wrap"
 
 
-_DIFFERENCE = "counts since the last step, the difference of a counter that may wrap"
-_COUNTERS = {  # joint -> its encoder, what is counted, whether it is a rate
-    "spin": ("spin", _DIFFERENCE, True),
-    "steer": ("steer", "counts of the steering encoder, 0 where steer is 0", False),
-    "steer_rate": ("steer", _DIFFERENCE, True),
-}
-
-
-@function("ours; the texts have none")
+@function("ours; the texts have none", in_place=True)
 def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
     """Counts of encoders to the joint rates and angles that they show."""
-    joints = [(w, joint, encoder) for w in robot.wheels for joint, encoder in _counted(robot, w)]
-    if not joints:
-        raise underivable(
-            robot,
-            "joints_from_counts",
-            "no wheel has an encoder; write encoder: {spin: {counts: 4096, gear: 30}}",
-        )
     names = Locals()
-    passes = 1 / maximum(signal("dt"), SHORTEST)
-    rate = names.define("per_time", select(sympy.S.Zero, signal("dt"), passes, sympy.S.Zero))
-    counters, outputs = [], []
-    for w, joint, encoder in joints:
-        name = f"{w.name}.{joint}_counts"
-        counters.append(Port(name, Role.COMMAND, "", _COUNTERS[joint][1], bits=encoder.bits))
-        angle = times(2 * sympy.pi / number(encoder.turn), signal(name))
-        outputs.append(
-            (joint_port(w, joint, Role.COMMAND), times(rate, angle) if _COUNTERS[joint][2] else angle)
-        )
     step = replace(DT, text="duration of the step; without any, rates are 0")
+    passes = 1 / maximum(signal("dt"), SHORTEST)
+    rate = select(sympy.S.Zero, signal("dt"), passes, sympy.S.Zero)
+    per_time = names.define("per_time", rate)
+    states: list[Port] = []
+    counts: list[Port] = []
+    outputs: list[tuple[Port, Expr]] = []
+
+    def counted(w: Wheel, joint: str, encoder: Encoder, text: str) -> Expr:
+        """The angle of an input, counts of ``joint``."""
+        port = Port(f"{w.name}.{joint}_counts", Role.COMMAND, "", text, reading=encoder.reading)
+        counts.append(port)
+        return times(_radians_of(encoder), signal(port.name))
+
+    for w in robot.wheels:
+        spin, steer = (robot.encoder_of(w, joint) for joint in ("spin", "steer"))
+        if spin is not None:
+            angle = counted(w, "spin", spin, _DIFFERENCE)
+            outputs.append((joint_port(w, "spin", Role.COMMAND), times(per_time, angle)))
+        if steer is None:
+            continue
+        has_rate = "steer_rate" in sensed_joints(w)
+        if steer.reading.offset is None:
+            angle = counted(w, "steer", steer, _DIFFERENCE)
+            states.append(joint_port(w, "steer", Role.STATE))
+            shown = _counted_on(w, steer)
+        else:
+            shown = counted(w, "steer", steer, _FROM_OFFSET)
+            angle = counted(w, "steer_rate", steer, _DIFFERENCE) if has_rate else sympy.S.Zero
+        outputs.append((joint_port(w, "steer", Role.COMMAND), shown))
+        if has_rate:
+            outputs.append((joint_port(w, "steer_rate", Role.COMMAND), times(per_time, angle)))
+    if not outputs:
+        why = "no wheel has an encoder; write encoder: {spin: {counts: 4096, gear: 30}}"
+        raise underivable(robot, "joints_from_counts", why)
+    timed = any(port.unit == "rad/s" for port, _ in outputs)
     text = "counts of encoders to the joint rates and angles that forward takes"
-    dt = (step,) if any(_COUNTERS[joint][2] for _, joint, _ in joints) else ()
-    return names.formula("joints_from_counts", (*counters, *dt), outputs, text)
+    return names.formula("joints_from_counts", (*states, *counts, *([step] if timed else [])), outputs, text)
 
 
-def _counted(robot: Robot, w: Wheel) -> Iterator[tuple[str, Encoder]]:
-    """The joints whose value an encoder shows: its own, and a steering rate where `forward` takes one."""
-    for joint, (shows, _, _) in _COUNTERS.items():
-        encoder = robot.encoder_of(w, shows)
-        if encoder is not None and (joint != "steer_rate" or joint in sensed_joints(w)):
-            yield joint, encoder
+def _radians_of(encoder: Encoder) -> Expr:
+    """A count as an angle of the joint [rad]."""
+    return 2 * sympy.pi / number(encoder.turn)
+
+
+def _counted_on(w: Wheel, encoder: Encoder) -> Expr:
+    """The angle of the last step and what was counted since: a whole number of counts, so that no rounding adds up.
+
+    In float that holds up to two million counts from 0: three roundings of the quotient are then below half a count.
+    """
+    turned = times(number(encoder.turn) / (2 * sympy.pi), signal(f"{w.name}.steer"))
+    return times(_radians_of(encoder), add(Nearest(turned), signal(f"{w.name}.steer_counts")))

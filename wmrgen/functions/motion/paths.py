@@ -29,7 +29,7 @@ from wmrgen.exact.evaluate import number as nominal_number
 from wmrgen.exact.poly import Poly, Row, triple
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.pose import SHORTEST, odometry
+from wmrgen.kinematics.pose import SHORTEST, arc
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.kinematics.sensing import measurements
 from wmrgen.layout.records import Robot
@@ -84,7 +84,7 @@ def motion(robot: Robot, _: Mobility) -> Formula:
     """Sensed joint rates held for dt: the pose after it, exactly (a straight line or an arc)."""
     names = Locals()
     joints, twist = driven(robot, names)
-    step = odometry()
+    step = arc()
     end = names.adopt(step, dict(zip(TWIST_NAMES, twist, strict=True)))
     return names.formula(
         "motion",
@@ -149,7 +149,7 @@ def reach(_: Robot, __: Mobility) -> Formula:
     x, y, theta, dt = (signal(n) for n in ("x", "y", "theta", "dt"))
     # Unit speed for unit time along the same arc: its chord is sinc(theta / 2), series and switch point included.
     unit = {n: sympy.Integer(n in ("vx", "dt")) for n in ("x", "y", "theta", "vx", "vy", "dt")}
-    names.adopt(odometry(), unit | {"omega": theta})
+    names.adopt(arc(), unit | {"omega": theta})
     sinc, h = local("chord"), local("half_turn")
     c, s = names.define("cos_half", sympy.cos(h)), names.define("sin_half", sympy.sin(h))
     time = names.define("time_kept", maximum(dt, SHORTEST))
@@ -172,6 +172,7 @@ def reach(_: Robot, __: Mobility) -> Formula:
 @function("Konstantinov (6); Tzafestas (2.36)")
 def heading(robot: Robot, _: Mobility) -> Formula:
     """Wheel angles turned since the heading was theta, to the heading now."""
+    robot = replace(robot, gyro=None)  # its angle is no state of the wheels
     measured = measurements(robot)
     if not measured.constant_normal:
         raise underivable(

@@ -8,6 +8,9 @@ the twist and castors that stand in a row share its parts (a, b); turned by the 
 (u, w) = (a c + b s, b c - a s), and with the offset d and the lateral offset o
 
     rolling row . xi = u - o omega        sliding row . xi = w + d omega        (Siegwart (3.17), (3.18))
+
+A twist does not say how fast it changes, so steering stands: a steered wheel whose rolling row has a ``steer_rate`` gets
+0. `steer_toward` commands the rate, and the spin that it takes.
 """
 
 from __future__ import annotations
@@ -154,10 +157,10 @@ def _joints(
     if w.kind.steers:
         target = targets[w.index]
         rim = subtract(target.rim, expression(g.o * twist[2])) if g.o else target.rim
-        return Joints(rim, g.r, target.steer, spin=target.spin)
+        return Joints(rim, g.r, target.steer, sympy.S.Zero if w.rolls_when_steered else None, target.spin)
     if w.kind.swivels:
         rate, rolling = swivels[w.index], seen[w.index].rolling
-        rim_speed = rolling - g.o * rate if g.o else rolling
+        rim_speed = rolling - g.steer_arm * rate if g.steer_arm else rolling
         return Joints(expression(rim_speed), g.r, None, expression(rate))
     rolling = dot(rolling_row(w, g).row, twist)
     return Joints(expression(rolling), g.rolling_radius)

@@ -59,6 +59,11 @@ class Geometry(Generic[T]):
         """r cos gamma [m]: speed in the rolling row per spin. Without rollers gamma is 0."""
         return self.r * self.cg
 
+    @property
+    def steer_arm(self) -> T:
+        """Speed in the rolling row per steering rate [m]: how far the wheel rolls for 1 rad of steering alone."""
+        return self.o
+
 
 class Interval(NamedTuple):
     """low <= quantity <= high, SI units."""
@@ -132,6 +137,11 @@ class Wheel:
     def turns(self) -> bool:
         """Its rolling direction is a joint."""
         return self.kind.turns
+
+    @property
+    def rolls_when_steered(self) -> bool:
+        """Steering alone turns its spin joint: `inverse` chooses its angle, and its contact lies beside the axis."""
+        return self.kind.steers and bool(self.nominal.steer_arm)
 
     @property
     def pivot(self) -> complex:

@@ -68,9 +68,10 @@ def _hardware(module: Module, unit: Unit) -> Iterator[str]:
     if unit.counting is not None:
         bits = {port.name: port.bits for port in module.function(COUNTS).inputs if port.bits}
         yield "counters_before = counters;"
+    chosen = {port.name for port in module.function("inverse").outputs}
     for joint in unit.joints:
         rate, width = f"{joint}_rate", bits.get(f"{joint}_counts")
-        swivels = rate in unit.joints  # its rate is what is commanded
+        swivels = rate in unit.joints and joint not in chosen  # its rate is what is commanded
         if width is None and swivels:
             yield f"wheels.{joint} += dt * commands.{rate};"
         elif width is None:

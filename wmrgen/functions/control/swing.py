@@ -10,6 +10,12 @@ so that it stands at ``wanted``, to the bit, as soon as that can be reached. No 
 170 degrees leads through zero, as steering stops have it; `inverse` gives the angle that is nearest. An angle outside
 the limits of ``steer`` counts as at the limit.
 
+A wheel beside its steering axis (offset o, Siegwart (3.12)) rolls while it swings. Its rate and its spin are
+
+    steer_rate = (steer' - steer) / dt    spin' = spin - o steer_rate / r
+
+so that `forward` finds in the commands the twist that `inverse` was given. Without time there is no rate.
+
 `compensate_steering` rolls a wheel, until it points where it should, as fast as its pivot moves along the way that it
 points now: of the velocity that `inverse` commands, r spin along the angle ``steer``, that is
 
@@ -27,16 +33,30 @@ from dataclasses import replace
 
 import sympy
 
+from wmrgen.constraints import working_view
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.records import Formula, Locals, joint_port
+from wmrgen.kinematics.pose import rate_per_change
+from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.kinematics.steer import present
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import DT, Limits, Port, Role
-from wmrgen.symbolic import Expr, add, kept_between, maximum, minimum, number, signal, subtract, times
+from wmrgen.symbolic import (
+    Expr,
+    add,
+    expression,
+    kept_between,
+    maximum,
+    minimum,
+    number,
+    signal,
+    subtract,
+    times,
+)
 
 _STEP = replace(DT, text="duration of the step; what is below 0 counts as 0")
 _WANTED = "steering angle that is to be reached, as inverse commands it"
+_DRIVING = "wheel speed without its share of the steering, as inverse commands it"
 
 
 @function("ours; the texts have none", limits=Limits.COMMANDED)
@@ -45,14 +65,36 @@ def steer_toward(robot: Robot, _: Mobility) -> Formula:
     rates = _rates(robot)
     names = Locals()
     step = names.define("step", maximum(signal(DT.name), sympy.S.Zero))
-    outputs = [
-        (joint_port(w, "steer", Role.COMMAND), _next(w, limit, robot.limit(w, "steer"), step))
-        for w, limit in rates
-    ]
-    standing = [joint_port(w, "steer", Role.STATE) for w, limit in rates if limit is not None]
-    wanted = [Port(f"{w.name}.steer_wanted", Role.COMMAND, "rad", _WANTED) for w, _ in rates]
+    per_time: Expr | None = None
+    inputs, outputs = list[Port](), list[tuple[Port, Expr]]()
+    for w, limit in rates:
+        if limit is not None or w.rolls_when_steered:
+            inputs.append(joint_port(w, "steer", Role.STATE))
+    for w, limit in rates:
+        steer = _next(w, limit, robot.limit(w, "steer"), step)
+        inputs.append(Port(f"{w.name}.steer_wanted", Role.COMMAND, "rad", _WANTED))
+        if not w.rolls_when_steered:
+            outputs.append((joint_port(w, "steer", Role.COMMAND), steer))
+            continue
+        inputs.append(Port(f"{w.name}.spin_wanted", Role.COMMAND, "rad/s", _DRIVING))
+        per_time = names.define("per_time", rate_per_change(step)) if per_time is None else per_time
+        steer = names.define(f"{w.name}_next", steer)
+        rate = times(per_time, subtract(steer, present(w, robot.limit(w, "steer"))))
+        if limit is not None:
+            rate = kept_between(number(limit.low), rate, number(limit.high))
+        rate = names.define(f"{w.name}_rate", rate)
+        g = working_view(w)
+        share = times(expression(g.steer_arm * g.rolling_radius.inverse()), rate)
+        values = {
+            "spin": subtract(signal(f"{w.name}.spin_wanted"), share),
+            "steer": steer,
+            "steer_rate": rate,
+        }
+        outputs += [(joint_port(w, joint, Role.COMMAND), value) for joint, value in values.items()]
     text = "present and wanted steering angles to those commanded next, inside the limits of steer_rate"
-    return names.formula("steer_toward", (*standing, *wanted, _STEP), outputs, text)
+    if per_time is not None:
+        text += "; rates, and wheel speeds with what steering turns wheels beside their axes"
+    return names.formula("steer_toward", (*inputs, _STEP, *tunable_ports(robot)), outputs, text)
 
 
 @function("Siegwart (3.12) at the present angle; cosineScale of WPILib", limits=Limits.ASKED, in_place=True)
@@ -106,7 +148,7 @@ def _rates(robot: Robot) -> list[tuple[Wheel, Interval | None]]:
     if not rates:
         raise underivable(robot, "steer_toward", "no wheel is steered")
     limited = [(w, limit) for w, limit in rates if limit is not None]
-    if not limited:
+    if not limited and not any(w.rolls_when_steered for w, _ in rates):
         raise underivable(
             robot, "steer_toward", "its steering has no limit of rate; write limits: {steer_rate: 2} [rad/s]"
         )

@@ -28,7 +28,7 @@ import sympy
 
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.pose import SHORTEST, increments, odometry
+from wmrgen.kinematics.pose import increments, odometry, rate_per_change
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.sensing import sensed_joints
 from wmrgen.layout.records import Encoder, Robot, Wheel
@@ -38,7 +38,6 @@ from wmrgen.symbolic import (
     Compensated,
     Expr,
     add,
-    maximum,
     number,
     rounding_error,
     select,
@@ -149,8 +148,7 @@ def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
             "no wheel has an encoder; write encoder: {spin: {counts: 4096, gear: 30}}",
         )
     names = Locals()
-    passes = 1 / maximum(signal("dt"), SHORTEST)
-    rate = names.define("per_time", select(sympy.S.Zero, signal("dt"), passes, sympy.S.Zero))
+    rate = names.define("per_time", rate_per_change(signal("dt")))
     counters, outputs = [], []
     for w, joint, encoder in joints:
         name = f"{w.name}.{joint}_counts"

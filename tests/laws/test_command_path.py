@@ -15,7 +15,7 @@ import pytest
 from tests.laws.common import NAMES, admissible, gallery
 from tests.oracle import oracle
 from tests.oracle.harness import named, twist_of
-from tests.robots import of_gallery
+from tests.robots import of_gallery, of_text
 from wmrgen.errors import NotDerivableError
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
 from wmrgen.robot import Derivation
@@ -46,15 +46,14 @@ def check(d: Derivation, layout: dict[str, Any], twist: Any, commands: Case) -> 
     """No wheel slides at ``twist``, `forward` finds it, and joints keep their limits."""
     for w in layout["wheels"]:
         spin, steer, rate = (commands.get(f"{w['name']}.{joint}", 0.0) for joint in LIMITED)
+        spin -= w.get("per_steer", 0.0) * rate  # what the gears of the module turn
         for kind, row, per_spin, per_rate in oracle.wheel_rows(w, steer):
             if w["type"] != "castor":
                 assert row @ twist + per_spin * spin + per_rate * rate == pytest.approx(0.0, abs=1e-9), kind
     found = call(d, "forward", commands)
     assert found["slip"] == pytest.approx(0.0, abs=1e-9)
-    if (
-        oracle.forward(layout, {p.name: commands.get(p.name, 0.0) for p in d.formula("forward").inputs})[2]
-        == 3
-    ):
+    sensed = {p.name: commands.get(p.name, 0.0) for p in d.formula("forward").inputs}
+    if oracle.forward(layout, sensed)[2] == 3:
         np.testing.assert_allclose(twist_of(found), twist, atol=1e-9)
     for wheel in d.robot.wheels:
         for joint in LIMITED:
@@ -86,3 +85,50 @@ def test_a_twist_that_turns_is_driven_while_it_turns(name: str) -> None:
         if k:  # the first step swings to where the motion begins
             check(d, layout, twist, commands)
         now |= {name: value for name, value in commands.items() if name in now}
+
+
+GEARED = [
+    {"name": "fl", "type": "steered", "x": 0.3, "y": 0.25, "heading": 0.0, "r": 0.05, "per_steer": 0.7},
+    {
+        "name": "fr",
+        "type": "steered",
+        "x": 0.3,
+        "y": -0.25,
+        "heading": 0.0,
+        "r": 0.05,
+        "per_steer": -1.5,
+        "o": 0.01,
+    },
+    {"name": "rear", "type": "steered", "x": -0.3, "y": 0.0, "heading": 0.0, "r": 0.05},
+]
+
+
+def geared() -> Derivation:
+    """A swerve drive whose modules couple drive and steering, with encoders on the motors."""
+    keys = [{("offset_y" if k == "o" else k): v for k, v in w.items()} for w in GEARED]
+    wheels = [f"  - {{{', '.join(f'{k}: {v}' for k, v in w.items())}}}" for w in keys]
+    encoder = "encoder: {spin: {counts: 100, gear: 6}, steer: {counts: 400}}"
+    text = "\n".join(["wmrgen: 1", "name: geared", encoder, "wheels:", *wheels])
+    return of_text(f"{text}\n", ["inverse", "forward", "steer_toward", "joints_from_counts"])
+
+
+def test_the_gears_of_a_module_are_driven_along() -> None:
+    d, now = geared(), {f"{w['name']}.steer": 0.0 for w in GEARED}
+    for k in range(STEPS):
+        angle = 1.5 * k * DT
+        twist = np.array([0.5 * math.cos(angle), 0.5 * math.sin(angle), 0.3])
+        commands = commanded(d, named(twist), now)
+        if k:
+            check(d, {"wheels": GEARED, "couplings": []}, twist, commands)
+        now = {name: commands[name] for name in now}
+
+
+def test_counters_of_a_module_that_steers_on_the_spot_show_standstill() -> None:
+    """The motor turns by per_steer for 1 rad of the wheel that stands under its axis: the robot does not move."""
+    d, turned = geared(), 0.1
+    counts = {p.name: 0.0 for p in d.formula("joints_from_counts").inputs} | {"dt": DT}
+    counts |= {f"fl.{joint}_counts": 400 * turned / math.tau for joint in ("steer", "steer_rate")}
+    counts["fl.spin_counts"] = 600 * 0.7 * turned / math.tau
+    joints = call(d, "joints_from_counts", counts) | {f"{n}.steer": 0.0 for n in ("fr", "rear")}
+    assert joints["fl.spin"] == pytest.approx(0.7 * turned / DT)
+    np.testing.assert_allclose(list(call(d, "forward", joints).values()), 0.0, atol=1e-12)

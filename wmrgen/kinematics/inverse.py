@@ -9,8 +9,8 @@ the twist and castors that stand in a row share its parts (a, b); turned by the 
 
     rolling row . xi = u - o omega        sliding row . xi = w + d omega        (Siegwart (3.17), (3.18))
 
-A twist does not say how fast it changes, so steering stands: a steered wheel whose rolling row has a ``steer_rate`` gets
-0. `steer_toward` commands the rate, and the spin that it takes.
+A twist does not say how fast it changes, so steering stands: a steered wheel whose rolling row has a ``steer_rate``
+gets 0. `steer_toward` commands the rate, and the spin that it takes.
 """
 
 from __future__ import annotations

@@ -136,7 +136,8 @@ def _narrow(ranges: str, shift: str) -> list[str]:
 def _swinging(shift: str) -> list[str]:
     """What `inverse`, which knows angles and no rates of them, leaves out beside the steering axis."""
     words = (
-        "These speeds are those at a constant angle: while ψ changes, the rolling row takes another −o ψ̇ / r."
+        "These speeds are those at a constant angle: while ψ changes, the rolling row takes another −o ψ̇ / r, which "
+        "`steer_toward` adds."
     )
     return [words] if shift else []
 

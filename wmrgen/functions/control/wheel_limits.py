@@ -142,7 +142,7 @@ def _room(robot: Robot, w: Wheel, joint: str) -> Interval | None:
             else f"takes {float(share):.4g} rad/s of its spin and"
         )
         why = (
-            f"steering {w.name} beside its axis (offset_y) {taken} leaves no room inside its limit of spin; "
+            f"steering {w.name} {taken} leaves no room inside its limit of spin; "
             "write a smaller limits: {steer_rate: …}"
         )
         raise underivable(robot, "desaturate", why)

@@ -132,3 +132,59 @@ def test_counters_of_a_module_that_steers_on_the_spot_show_standstill() -> None:
     joints = call(d, "joints_from_counts", counts) | {f"{n}.steer": 0.0 for n in ("fr", "rear")}
     assert joints["fl.spin"] == pytest.approx(0.7 * turned / DT)
     np.testing.assert_allclose(list(call(d, "forward", joints).values()), 0.0, atol=1e-12)
+
+
+CAR = """\
+wmrgen: 1
+name: car
+wheels:
+  - {{name: fl, type: steered, x: 1.645, y: 0.495, heading: {heading}, r: 0.22, limits: {{steer: {stops}}}}}
+  - {{name: fr, type: steered, x: 1.645, y: -0.495, heading: 0, r: 0.22, limits: {{steer: [-35 deg, 35 deg]}}}}
+  - {{name: rl, type: fixed, x: {rear}, y: 0.521, heading: 0, r: 0.285}}
+  - {{name: rr, type: fixed, x: {rear}, y: -0.521, heading: 0, r: 0.285}}
+limits: {{vx: 3, omega: 2, spin: 15}}
+"""
+
+
+def cars() -> list[tuple[Derivation, dict[str, Any]]]:
+    """Cars of the gallery, one with stops that differ, and one that P is no axle of."""
+    texts = [
+        CAR.format(heading=0, stops="[-35 deg, 35 deg]", rear=0),
+        CAR.format(heading="10 deg", stops="[-40 deg, 10 deg]", rear=-0.6),
+    ]
+    found = [
+        (of_gallery(n, "inverse", "forward", "limit_twist"), gallery(n)[1])
+        for n in ("f1tenth", "ackermann_car")
+    ]
+    for text in texts:
+        d = of_text(text, ["inverse", "forward", "limit_twist"])
+        wheels = [
+            {"name": w.name, "type": w.type, "x": w.pivot.real, "y": w.pivot.imag, "heading": w.heading,
+             "r": float(w.nominal.r)} for w in d.robot.wheels
+        ]  # fmt: skip
+        found.append((d, {"wheels": wheels, "couplings": []}))
+    return found
+
+
+@pytest.mark.parametrize("car", range(4))
+def test_what_limit_twist_gives_is_inside_the_steering_stops(car: int) -> None:
+    """Whatever is asked, `inverse` drives the result exactly; what the stops allow is kept."""
+    (d, layout), source = cars()[car], np.random.default_rng(3)
+    present = {f"{w['name']}.steer": 0.0 for w in layout["wheels"] if w["type"] == "steered"}
+    cut = 0
+    for asked in source.uniform(-1.0, 1.0, (60, 3)) * (1.0, 0.0, 2.0):
+        kept = call(d, "limit_twist", named(asked))
+        found = twist_of(kept)
+        commands = call(d, "inverse", kept | present)
+        assert commands["slip"] == pytest.approx(0.0, abs=1e-9)
+        check(d, layout, found, commands)
+        np.testing.assert_allclose(twist_of(call(d, "limit_twist", kept)), found, atol=1e-12)
+        stops = [d.robot.limit(w, "steer") for w in d.robot.wheels if w.kind.steers]
+        turned = [commands[name] for name in present]
+        at_a_stop = any(
+            min(abs(t - float(e)) for e in s) < 1e-6 for s, t in zip(stops, turned, strict=True) if s
+        )
+        cut += at_a_stop
+        assert at_a_stop or found[2] * asked[0] == pytest.approx(found[0] * asked[2], abs=1e-9)
+        present = {name: commands[name] for name in present}
+    assert 10 < cut < 60

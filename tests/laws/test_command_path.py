@@ -15,7 +15,7 @@ import pytest
 from tests.laws.common import NAMES, admissible, gallery
 from tests.oracle import oracle
 from tests.oracle.harness import named, twist_of
-from tests.robots import of_gallery, of_text
+from tests.robots import of_gallery, of_text, with_functions
 from wmrgen.errors import NotDerivableError
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
 from wmrgen.robot import Derivation
@@ -188,3 +188,22 @@ def test_what_limit_twist_gives_is_inside_the_steering_stops(car: int) -> None:
         assert at_a_stop or found[2] * asked[0] == pytest.approx(found[0] * asked[2], abs=1e-9)
         present = {name: commands[name] for name in present}
     assert 10 < cut < 60
+
+
+@pytest.mark.parametrize("car", range(4))
+def test_fixed_wheels_roll_about_the_centre_that_the_steering_has(car: int) -> None:
+    """Whatever was commanded: at the angles of another twist the wheels drive a multiple of that one, without slip."""
+    source = np.random.default_rng(5)
+    d = with_functions(cars()[car][0], ["inverse", "forward", "limit_twist", "compensate_steering"])
+    steered = [w.name for w in d.robot.wheels if w.kind.steers]
+    rest = {f"{n}.steer": 0.0 for n in steered}
+    for asked, other in source.uniform(-1.0, 1.0, (30, 2, 3)) * (1.0, 0.0, 0.3):
+        wanted, there = (call(d, "limit_twist", named(t)) for t in (asked, other))
+        commands, stand = (call(d, "inverse", t | rest) for t in (wanted, there))
+        now = {f"{n}.steer": stand[f"{n}.steer"] for n in steered}
+        spins = call(d, "compensate_steering", commands | {f"{k}_now": v for k, v in now.items()})
+        found = call(d, "forward", commands | spins | now)
+        assert found["slip"] == pytest.approx(0.0, abs=1e-9)
+        np.testing.assert_allclose(np.cross(twist_of(found), twist_of(there)), 0.0, atol=1e-9)
+        same = call(d, "compensate_steering", commands | {f"{k}_now": commands[k] for k in now})
+        assert same == pytest.approx({k: commands[k] for k in same}, abs=1e-9)

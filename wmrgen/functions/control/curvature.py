@@ -69,7 +69,7 @@ class Reach(NamedTuple):
 
     def _inside(self, v: Expr, omega: Expr) -> Expr:
         """The yaw rate nearest to ``omega`` at the speed ``v``."""
-        if self.left is not None and self.right == times(-1, self.left):
+        if self.left is not None and self.right == -self.left:
             most = times(self.left, absolute(v))
             return kept_between(times(-1, most), omega, most)
         for bound, forwards, backwards in ((self.left, minimum, maximum), (self.right, maximum, minimum)):

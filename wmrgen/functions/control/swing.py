@@ -34,6 +34,7 @@ from dataclasses import replace
 import sympy
 
 from wmrgen.constraints import working_view
+from wmrgen.functions.control.axle_speeds import axle_speeds, car_axle
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.pose import rate_per_change
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
@@ -98,21 +99,46 @@ def steer_toward(robot: Robot, _: Mobility) -> Formula:
 
 
 @function("Siegwart (3.12) at the present angle; cosineScale of WPILib", limits=Limits.ASKED, in_place=True)
-def compensate_steering(robot: Robot, _: Mobility) -> Formula:
-    """Every ``<wheel>.spin`` of a wheel that steers and drives, times the cosine of what it has yet to swing."""
-    driven = [w for w in robot.wheels if w.kind.steers and "spin" in w.actuated]
-    if not driven:
-        raise underivable(robot, "compensate_steering", "no wheel is steered and driven")
+def compensate_steering(robot: Robot, mobility: Mobility) -> Formula:
+    """Every ``<wheel>.spin`` of a wheel that steers and drives, times the cosine of what it has yet to swing.
+
+    Of a car with other driven wheels, all roll about the centre that the present angles have, see `axle_speeds`.
+    """
+    steered = [w for w in robot.wheels if w.kind.steers]
+    driven = [w for w in robot.wheels if "spin" in w.actuated and (w.kind.steers or w.kind.fixed_axle)]
+    if not steered or not driven:
+        raise underivable(robot, "compensate_steering", "no wheel is steered, or none is driven")
+    names = Locals()
+    axle = car_axle(robot, mobility)
+    text = "wheel speeds while wheels swing: those of their pivots along the present steering angles"
+    if axle is not None and (len(driven) > 1 or not driven[0].kind.steers):
+        spins = [joint_port(w, "spin", Role.COMMAND) for w in driven]
+        angles = [port for w in steered for port in (joint_port(w, "steer", Role.COMMAND), _present(w))]
+        speeds = axle_speeds(robot, axle, driven, names)
+        text = "wheel speeds while wheels swing, about the centre of rotation that the present steering angles have"
+        return names.formula(
+            "compensate_steering",
+            (*spins, *angles, *tunable_ports(robot)),
+            zip(spins, speeds, strict=True),
+            text,
+        )
+    unsteered = [w.name for w in driven if not w.kind.steers]
+    if unsteered:
+        why = f"{unsteered[0]} is driven and does not steer, and the robot is not steered as a car"
+        raise underivable(robot, "compensate_steering", why)
     inputs, outputs = dict[Port, None](), list[tuple[Port, Expr]]()
     for w in driven:
         lead = _lead(robot, w)
         spin, steer = joint_port(w, "spin", Role.COMMAND), joint_port(lead, "steer", Role.COMMAND)
-        now = Port(f"{lead.name}.steer_now", Role.STATE, "rad", "steering angle as it is")
+        now = _present(lead)
         inputs |= dict.fromkeys((spin, steer, now))
         along = sympy.cos(subtract(signal(steer.name), signal(now.name)), evaluate=False)
         outputs.append((spin, times(signal(spin.name), along)))
-    text = "wheel speeds while wheels swing: those of their pivots along the present steering angles"
-    return Locals().formula("compensate_steering", inputs, outputs, text)
+    return names.formula("compensate_steering", inputs, outputs, text)
+
+
+def _present(w: Wheel) -> Port:
+    return Port(f"{w.name}.steer_now", Role.STATE, "rad", "steering angle as it is")
 
 
 def _lead(robot: Robot, w: Wheel) -> Wheel:

@@ -79,7 +79,7 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
         outputs += [(joint_port(robot.wheels[i], n, Role.COMMAND), v) for n, v in commands if v is not None]
     outputs.append(
         (
-            slip_port(f"sliding that the ground must give: RMS over the constraining wheels{_held(targets)}"),
+            slip_port("norm of the speeds at which wheels slide when this twist is driven"),
             _slip(projection, targets, [*residuals, *turned_unlike(robot, joints, speeds)]),
         )
     )
@@ -100,25 +100,17 @@ def readable_spins(robot: Robot, mobility: Mobility) -> dict[str, Expr]:
     return spins
 
 
-def _held(targets: dict[int, Target]) -> str:
-    return ", plus that over held steering" if any(t.lateral is not None for t in targets.values()) else ""
-
-
 def _slip(projection: Projection, targets: dict[int, Target], coupled: list[list[Expr]]) -> Expr:
-    """What slides: the forbidden part of the twist, steered wheels held back, and each group of coupled wheels.
+    """Norm of what slides: the forbidden part of the twist, steered wheels held back, and groups of coupled wheels.
 
-    Mean squares [m/s] add up; ``coupled``: per group what its common rate leaves over.
+    ``coupled``: per group what its common rate leaves over [m/s].
     """
     forbidden = norm(projection.residuals, projection.weight)
     held = [t.lateral for t in targets.values() if t.lateral is not None]
-    means = [
-        times(sympy.Rational(1, len(speeds)), add(*(square(v) for v in speeds)))
-        for speeds in (held, *coupled)
-        if speeds
-    ]
-    if not means:
+    sliding = [square(v) for speeds in (held, *coupled) for v in speeds]
+    if not sliding:
         return forbidden
-    return root(add(*([] if forbidden.is_zero else [square(forbidden)]), *means))
+    return root(add(*([] if forbidden.is_zero else [square(forbidden)]), *sliding))
 
 
 def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Poly], list[list[Expr]]]:

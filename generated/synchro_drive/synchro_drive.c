@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_daae92d35f7e4e63)
+#if !defined(SYNCHRO_DRIVE_PAIR_d6ef5bbeeec47054)
 #error "this file and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -243,7 +243,7 @@ void synchro_drive_inverse_slip(
 {
     (void)wheels;
 
-    *slip = fabsf(0.3f * twist->omega);
+    *slip = fabsf(0.51961523f * twist->omega);
 }
 
 void synchro_drive_forward(const synchro_drive_wheels *wheels, synchro_drive_twist *twist)

@@ -29,7 +29,7 @@
 
 #define SYNCHRO_DRIVE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define SYNCHRO_DRIVE_MODEL_HASH "ca53a49909aa89c00fc7a8eb53af7271" /**< digest of the model */
-#define SYNCHRO_DRIVE_PAIR_daae92d35f7e4e63 1 /**< header and source of one run have the same */
+#define SYNCHRO_DRIVE_PAIR_d6ef5bbeeec47054 1 /**< header and source of one run have the same */
 #define SYNCHRO_DRIVE_WHEELS 3 /**< how many wheels the robot has */
 #define SYNCHRO_DRIVE_W1_X 0.3f /**< [m] pivot, forward of P */
 #define SYNCHRO_DRIVE_W1_Y 0.0f /**< [m] pivot, to the left of P */

@@ -120,8 +120,8 @@ def rolling_direction(wheel: Wheel, g: Geometry[Poly]) -> tuple[Poly, Poly]:
 def rolling_row(wheel: Wheel, g: Geometry[Poly]) -> ConstraintRow:
     """Siegwart (3.12), (3.15), (3.17) and, for a Swedish wheel, (3.19)."""
     rates = [((wheel.index, "spin"), -g.rolling_radius)]
-    if wheel.turns and g.o:
-        rates.append(((wheel.index, "steer"), -g.o))
+    if wheel.turns and g.steer_arm:
+        rates.append(((wheel.index, "steer"), -g.steer_arm))
     return ConstraintRow(wheel, "rolling", _plus(along(rolling_direction(wheel, g), g), -g.o), tuple(rates))
 
 
@@ -140,9 +140,9 @@ def castor_rate(wheel: Wheel, g: Geometry[Poly], twist: Row) -> Poly:
 def driving_row(wheel: Wheel, g: Geometry[Poly]) -> Row:
     """Rim speed per twist, without the steering rate: that of a castor follows from its sliding row."""
     row = rolling_row(wheel, g).row
-    if not wheel.kind.swivels or not g.o:
+    if not wheel.kind.swivels or not g.steer_arm:
         return row
-    slide, share = sliding_row(wheel, g).row, g.o * g.d.inverse()
+    slide, share = sliding_row(wheel, g).row, g.steer_arm * g.d.inverse()
     return row[0] + share * slide[0], row[1] + share * slide[1], row[2] + share * slide[2]
 
 

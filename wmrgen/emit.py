@@ -178,9 +178,10 @@ def wheel_line(wheel: Wheel) -> str:
         (bool(g.r), "r", g.r, "m"),
         (bool(g.d), "d", g.d, "m"),
         (bool(g.o), "offset_y", g.o, "m"),
+        (bool(g.per_steer), "per_steer", g.per_steer, ""),
         (kind.rollers, "gamma", degrees(wheel.gamma), "deg"),
     )
-    parts = [f"{name} {_number(value)} {unit}" for occurs, name, value, unit in quantities if occurs]
+    parts = [f"{name} {_number(value)} {unit}".rstrip() for occurs, name, value, unit in quantities if occurs]
     return ", ".join([f"{wheel.name}: {wheel.type}", *parts])
 
 

@@ -165,6 +165,8 @@ def _wheel(w: Wheel) -> dict[str, Any]:
         entry["d"] = float(g.d)
     if w.turns:
         entry["offset_y"] = float(g.o)
+    if g.per_steer:
+        entry["per_steer"] = float(g.per_steer)
     entry["actuated"], entry["sensed"] = list(w.actuated), list(w.sensed)
     if w.weight != ONE:
         entry["weight"] = float(w.weight)

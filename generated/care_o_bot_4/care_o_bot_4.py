@@ -161,7 +161,7 @@ def inverse(vx, vy, omega, fl_steer, b_steer, fr_steer):
         b.steer [rad] steering angle, counter-clockwise from the zero of the robot file
         fr.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         fr.steer [rad] steering angle, counter-clockwise from the zero of the robot file
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega, fl_steer, b_steer, fr_steer)
     vx, vy, omega, fl_steer, b_steer, fr_steer = arguments

@@ -148,7 +148,7 @@ def inverse(vx, vy, omega, radius=0.0759):
         front_right.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         rear_left.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         rear_right.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega, radius)
     vx, vy, omega, radius = arguments

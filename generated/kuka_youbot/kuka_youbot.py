@@ -155,7 +155,7 @@ def inverse(vx, vy, omega, radius=0.05):
         fr.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         bl.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         br.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega, radius)
     vx, vy, omega, radius = arguments

@@ -154,7 +154,7 @@ def inverse(vx, vy, omega, castor1_steer, castor2_steer, castor3_steer, castor4_
         castor3.steer_rate [rad/s] steering rate, counter-clockwise
         castor4.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         castor4.steer_rate [rad/s] steering rate, counter-clockwise
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega, castor1_steer, castor2_steer, castor3_steer, castor4_steer)
     vx, vy, omega, castor1_steer, castor2_steer, castor3_steer, castor4_steer = arguments

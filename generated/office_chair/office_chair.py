@@ -150,7 +150,7 @@ def inverse(vx, vy, omega, c1_steer, c2_steer, c3_steer, c4_steer, c5_steer):
         c4.steer_rate [rad/s] steering rate, counter-clockwise
         c5.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         c5.steer_rate [rad/s] steering rate, counter-clockwise
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega, c1_steer, c2_steer, c3_steer, c4_steer, c5_steer)
     vx, vy, omega, c1_steer, c2_steer, c3_steer, c4_steer, c5_steer = arguments

@@ -161,7 +161,7 @@ def inverse(vx, vy, omega, w1_steer, w2_steer, w3_steer):
         w2.steer [rad] steering angle, counter-clockwise from the zero of the robot file
         w3.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         w3.steer [rad] steering angle, counter-clockwise from the zero of the robot file
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega, w1_steer, w2_steer, w3_steer)
     vx, vy, omega, w1_steer, w2_steer, w3_steer = arguments
@@ -184,7 +184,7 @@ def inverse(vx, vy, omega, w1_steer, w2_steer, w3_steer):
             "w2.steer": _w1_nearest * 1.0,
             "w3.spin": _t6 * 1.0,
             "w3.steer": _w1_nearest * 1.0,
-            "slip": xp.abs(0.3 * omega),
+            "slip": xp.abs(0.5196152422706631 * omega),
         },
     )
 

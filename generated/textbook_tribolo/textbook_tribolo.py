@@ -153,7 +153,7 @@ def inverse(vx, vy, omega):
         left.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         rear.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         right.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega)
     vx, vy, omega = arguments

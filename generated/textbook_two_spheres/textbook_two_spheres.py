@@ -171,7 +171,7 @@ def inverse(vx, vy, omega, castor_steer, l=0.4, r=0.1):
         right_2.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         castor.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         castor.steer_rate [rad/s] steering rate, counter-clockwise
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega, castor_steer, l, r)
     vx, vy, omega, castor_steer, l, r = arguments

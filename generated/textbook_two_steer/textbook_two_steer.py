@@ -168,7 +168,7 @@ def inverse(vx, vy, omega, front_steer, rear_steer):
         front.steer [rad] steering angle, counter-clockwise from the zero of the robot file
         rear.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         rear.steer [rad] steering angle, counter-clockwise from the zero of the robot file
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega, front_steer, rear_steer)
     vx, vy, omega, front_steer, rear_steer = arguments

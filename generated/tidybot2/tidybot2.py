@@ -154,7 +154,7 @@ def inverse(vx, vy, omega, caster_1_steer, caster_2_steer, caster_3_steer, caste
         caster_3.steer_rate [rad/s] steering rate, counter-clockwise
         caster_4.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         caster_4.steer_rate [rad/s] steering rate, counter-clockwise
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega, caster_1_steer, caster_2_steer, caster_3_steer, caster_4_steer)
     vx, vy, omega, caster_1_steer, caster_2_steer, caster_3_steer, caster_4_steer = arguments

@@ -131,7 +131,7 @@ def inverse(vx, vy, omega):
         omega [rad/s] yaw rate, counter-clockwise
     Returns:
         wheel.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega)
     vx, vy, omega = arguments

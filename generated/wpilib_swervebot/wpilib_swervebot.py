@@ -172,7 +172,7 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer, back_left_steer,
         back_left.steer [rad] steering angle, counter-clockwise from the zero of the robot file
         back_right.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         back_right.steer [rad] steering angle, counter-clockwise from the zero of the robot file
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] norm of the speeds at which wheels slide when this twist is driven
     """
     xp, arguments = _arrays(vx, vy, omega, front_left_steer, front_right_steer, back_left_steer, back_right_steer)
     vx, vy, omega, front_left_steer, front_right_steer, back_left_steer, back_right_steer = arguments

@@ -57,10 +57,10 @@ def _groups(layout: Layout, joint: str, *types: str) -> list[list[dict[str, Any]
     return list(found.values())
 
 
-def _rms(layout: Layout, wheels: list[Any], difference: Array) -> float:
+def _norm(layout: Layout, wheels: list[Any], difference: Array) -> float:
     del layout
     speeds = [oracle.point_velocity(np.array([w["x"], w["y"]]), difference) for w in wheels]
-    return math.sqrt(sum(float(v @ v) for v in speeds) / len(speeds))
+    return math.sqrt(sum(float(v @ v) for v in speeds))
 
 
 def drive(layout: Layout, freedom: Freedom, twist: Array) -> Driven:
@@ -72,18 +72,18 @@ def drive(layout: Layout, freedom: Freedom, twist: Array) -> Driven:
         _, n, contact = oracle.geometry(fixed[0], 0.0)
         lateral = float(n @ oracle.point_velocity(contact, twist))
         taken = np.array([*(n * lateral), 0.0])
-        return Driven(twist - taken, abs(lateral), True)
+        return Driven(twist - taken, math.sqrt(len(fixed)) * abs(lateral), True)
     if freedom.translates and freedom.mobility + freedom.steerability + rank == 2:
         steered = [w for w in layout["wheels"] if w["type"] == "steered"]
         centre = np.mean([[w["x"], w["y"]] for w in steered], axis=0)
         left = np.array([*oracle.point_velocity(centre, twist), 0.0])
-        return Driven(left, _rms(layout, steered, twist - left), True)
+        return Driven(left, _norm(layout, steered, twist - left), True)
     if rank == 1 and not moving and (freedom.mobility, freedom.steerability) in CAMPION:
         points = [oracle.row(d, np.array([w["x"], w["y"]])) for w in layout["wheels"] for d in np.eye(2)]
         weight = np.array(points)
         allowed = oracle.null(rows[0])
         left = allowed @ np.linalg.lstsq(weight @ allowed, weight @ twist, rcond=None)[0]
-        return Driven(left, _rms(layout, layout["wheels"], twist - left), True)
+        return Driven(left, _norm(layout, layout["wheels"], twist - left), True)
     return Driven(twist, 0.0, False)
 
 
@@ -96,10 +96,10 @@ def check_inverse(layout: Layout, freedom: Freedom, case: Case, out: Case, tol: 
     squares += _check_castors(layout, way.twist, case, out, tol * scale)
     squares += _check_spins(layout, way, case, out, tol * scale)
     if held:
-        squares.append(float(np.mean(np.square(held))))
+        squares.append(float(np.sum(np.square(held))))
     fixed = [w for w in layout["wheels"] if w["type"] == "fixed"]
     if not way.projected and fixed:
-        squares.append(float(np.sum((oracle.sliding_rows(layout, "fixed", {}) @ twist) ** 2)) / len(fixed))
+        squares.append(float(np.sum((oracle.sliding_rows(layout, "fixed", {}) @ twist) ** 2)))
     wanted = math.sqrt(way.distance**2 + sum(squares))
     assert abs(out["slip"] - wanted) <= tol * scale + 1e-7 * wanted, ("slip", out["slip"], wanted)
 
@@ -167,7 +167,7 @@ def _check_castors(layout: Layout, twist: Array, case: Case, out: Case, tol: flo
         rate = -float(offsets @ slide) / float(offsets @ offsets)
         for w in group:
             assert abs(out[f"{w['name']}.steer_rate"] - rate) * min(map(abs, offsets)) <= tol, "steer_rate"
-        squares.append(float(np.mean((np.array(slide) + offsets * rate) ** 2)) if len(group) > 1 else 0.0)
+        squares.append(float(np.sum((np.array(slide) + offsets * rate) ** 2)) if len(group) > 1 else 0.0)
     return squares
 
 
@@ -189,7 +189,6 @@ def _rim(w: dict[str, Any], twist: Array, case: Case, out: Case) -> tuple[float,
 def _check_spins(layout: Layout, way: Driven, case: Case, out: Case, tol: float) -> list[float]:
     """Spins; what a common one leaves of the rolling rows; chained wheels roll the same way round."""
     squares: list[float] = []
-    fixed = max(sum(w["type"] == "fixed" for w in layout["wheels"]), 1)
     for group in _groups(layout, "spin", "fixed", "steered", "castor", "swedish"):
         rims, radii = map(np.array, zip(*(_rim(w, way.twist, case, out) for w in group), strict=True))
         spin = float(radii @ rims) / float(radii @ radii)
@@ -199,10 +198,10 @@ def _check_spins(layout: Layout, way: Driven, case: Case, out: Case, tol: float)
             continue
         rest = float(np.sum((rims - radii * spin) ** 2))
         if any(w["type"] in ("steered", "castor") for w in group):
-            squares.append(rest / len(group))
+            squares.append(rest)
             _check_way(layout, group, rims * radii, tol)
         elif not way.projected:
-            squares.append(rest / fixed)
+            squares.append(rest)
     return squares
 
 

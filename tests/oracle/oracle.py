@@ -109,6 +109,8 @@ def joint_rates(wheel: Wheel, twist: Array, steer: float) -> dict[str, float]:
         r, _, rate = rows["sliding"]
         steer_rate = out[f"{name}.steer_rate"] = -float(r @ twist) / rate
     r, spin, rate = rows["rolling"]
+    if wheel["type"] == "steered" and rate:
+        out[f"{name}.steer_rate"] = 0.0
     out[f"{name}.spin"] = -(float(r @ twist) + rate * steer_rate) / spin
     return out
 

@@ -230,7 +230,7 @@ couplings: [{equal: [fl.steer, fr.steer]}, {equal: [bl.steer, br.steer]}]
 def test_roots_and_radii_that_are_one_length() -> None:
     page = page_written(COUPLED)
     assert r"\frac{v_{Ax}\cos\psi + v_{Ay}\sin\psi}{r}" in page
-    assert r"\mathrm{slip} = \left|\sqrt{2}\,\mathit{half}\;\omega\right|" in page
+    assert r"\mathrm{slip} = \left|2\sqrt{2}\,\mathit{half}\;\omega\right|" in page
 
 
 def test_no_letter_of_a_result_has_two_meanings() -> None:

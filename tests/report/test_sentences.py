@@ -52,7 +52,7 @@ def test_what_slides_is_said_once_and_without_a_sign(heading: int, letter: str) 
               for k, sign in enumerate(("", "-"))]  # fmt: skip
     text = page_written(f"wmrgen: 1\nname: sample\nwheels: [{', '.join(wheels)}]\n").partition("## 6 ")[2]
     assert (
-        f"`slip` is |v<sub>{letter}</sub>|, the speed" in text
+        f"`slip` is √2 |v<sub>{letter}</sub>|, the norm" in text
         and text.count("`slip`") == 2
         and "|-" not in text
     )
@@ -463,7 +463,7 @@ wheels:
         (LOCKED, "Without slip nothing moves: DDOF = DOF = 0.", "holonomic, but not"),
         (LOCKED, "a degenerate layout, (0, 0): without slip it cannot move.", "steering adds"),
         (SPINNING, r"\dot{x} &= 0 \\", r"\left(0\right)"),
-        (SPINNING, r"\mathrm{slip} = \sqrt{v_y^2 + v_x^2}", "2\\,"),
+        (SPINNING, r"\mathrm{slip} = \sqrt{2\left[ v_y^2 + v_x^2 \right]}", "2\\,"),
         (PARALLEL, "3 relations must hold", "of compatibility"),  # they hold straight ahead alone
         (PARALLEL, "0 & 1 & 0.5 \\\\\n1 & 0 & 0.3", r"0 & 1 & \frac{1}{2} \\[4pt]" + "\n1 & 0"),
         (
@@ -473,7 +473,7 @@ wheels:
         ),
         (
             CHAIN,
-            r"\mathrm{slip} = \sqrt{\left(v_y-\frac{\omega}{2}\right)^2 + \overline{\varepsilon^2}}",
+            r"\mathrm{slip} = \sqrt{2\,\left(v_y-\frac{\omega}{2}\right)^2 + \sum \varepsilon^2}",
             "square of",
         ),
         (SIDES, "`a` and `b` turn at one speed; `c` and `e` turn at one speed.", "of their single"),

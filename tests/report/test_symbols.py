@@ -147,7 +147,7 @@ def test_coupled_wheels_have_one_angle() -> None:
     """Speeds of wheels that turn and steer together are equal, whatever the angle; their slip has no root."""
     page = page_of("synchro_drive")
     assert r"0 &= \dot{\varphi}_{\mathrm{w1}}-\dot{\varphi}_{\mathrm{w2}} " in page
-    assert r"\mathrm{slip} = \left|l\;\omega\right|" in page and r"\sqrt{{l}" not in page
+    assert r"\mathrm{slip} = \left|\sqrt{3}\,l\;\omega\right|" in page and r"\sqrt{{l}" not in page
 
 
 @pytest.mark.parametrize("name", ["care_o_bot_4", "kelly_4ws", "textbook_two_steer", "wpilib_swervebot"])

@@ -15,6 +15,7 @@ from wmrgen.bounds.lengths import SMALL_ANGLE
 from wmrgen.ir.calls import hand_through, inline_prepare, inlined_calls
 from wmrgen.ir.interval import outside
 from wmrgen.ir.nodes import Function, Module
+from wmrgen.kinematics.ranges import steering_spin
 from wmrgen.layout.records import Robot
 from wmrgen.ports import overshot
 
@@ -130,8 +131,20 @@ def _function(function: Function, where: Domain, outcomes: Outcomes) -> Function
     )
     if function.name == "inverse":
         where.commanded.update({o.name: (o.low, o.high) for o in outputs})
+        _add_steering(where)
     alarms = tuple(dict.fromkeys(f"{function.nodes[i].op}: {what}" for i, what in outcome.alarms))
     return FunctionBound(function.name, ranges, outputs, alarms)
+
+
+def _add_steering(where: Domain) -> None:
+    """`steer_toward` commands steering rates that `inverse` leaves at 0, and adds to spins what they take."""
+    for w in where.robot.wheels:
+        spin, rate = f"{w.name}.spin", f"{w.name}.steer_rate"
+        if w.rolls_when_steered and rate in where.commanded:
+            del where.commanded[rate]
+            low, high = where.commanded[spin]
+            share = _up(float(steering_spin(where.robot, w) or 0))
+            where.commanded[spin] = low - share, high + share
 
 
 def _output(claim: Claim, name: str, unit: str) -> OutputBound:

@@ -8,6 +8,9 @@ the twist and castors that stand in a row share its parts (a, b); turned by the 
 (u, w) = (a c + b s, b c - a s), and with the offset d and the lateral offset o
 
     rolling row . xi = u - o omega        sliding row . xi = w + d omega        (Siegwart (3.17), (3.18))
+
+A twist does not say how fast it changes, so steering stands: a steered wheel whose rolling row has a ``steer_rate``
+gets 0. `steer_toward` commands the rate, and the spin that it takes.
 """
 
 from __future__ import annotations
@@ -76,7 +79,7 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
         outputs += [(joint_port(robot.wheels[i], n, Role.COMMAND), v) for n, v in commands if v is not None]
     outputs.append(
         (
-            slip_port(f"sliding that the ground must give: RMS over the constraining wheels{_held(targets)}"),
+            slip_port("norm of the speeds at which wheels slide when this twist is driven"),
             _slip(projection, targets, [*residuals, *turned_unlike(robot, joints, speeds)]),
         )
     )
@@ -97,25 +100,17 @@ def readable_spins(robot: Robot, mobility: Mobility) -> dict[str, Expr]:
     return spins
 
 
-def _held(targets: dict[int, Target]) -> str:
-    return ", plus that over held steering" if any(t.lateral is not None for t in targets.values()) else ""
-
-
 def _slip(projection: Projection, targets: dict[int, Target], coupled: list[list[Expr]]) -> Expr:
-    """What slides: the forbidden part of the twist, steered wheels held back, and each group of coupled wheels.
+    """Norm of what slides: the forbidden part of the twist, steered wheels held back, and groups of coupled wheels.
 
-    Mean squares [m/s] add up; ``coupled``: per group what its common rate leaves over.
+    ``coupled``: per group what its common rate leaves over [m/s].
     """
     forbidden = norm(projection.residuals, projection.weight)
     held = [t.lateral for t in targets.values() if t.lateral is not None]
-    means = [
-        times(sympy.Rational(1, len(speeds)), add(*(square(v) for v in speeds)))
-        for speeds in (held, *coupled)
-        if speeds
-    ]
-    if not means:
+    sliding = [square(v) for speeds in (held, *coupled) for v in speeds]
+    if not sliding:
         return forbidden
-    return root(add(*([] if forbidden.is_zero else [square(forbidden)]), *means))
+    return root(add(*([] if forbidden.is_zero else [square(forbidden)]), *sliding))
 
 
 def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Poly], list[list[Expr]]]:
@@ -154,10 +149,10 @@ def _joints(
     if w.kind.steers:
         target = targets[w.index]
         rim = subtract(target.rim, expression(g.o * twist[2])) if g.o else target.rim
-        return Joints(rim, g.r, target.steer, spin=target.spin)
+        return Joints(rim, g.r, target.steer, sympy.S.Zero if w.rolls_when_steered else None, target.spin)
     if w.kind.swivels:
         rate, rolling = swivels[w.index], seen[w.index].rolling
-        rim_speed = rolling - g.o * rate if g.o else rolling
+        rim_speed = rolling - g.steer_arm * rate if g.steer_arm else rolling
         return Joints(expression(rim_speed), g.r, None, expression(rate))
     rolling = dot(rolling_row(w, g).row, twist)
     return Joints(expression(rolling), g.rolling_radius)

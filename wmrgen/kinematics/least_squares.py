@@ -9,6 +9,9 @@ that component of the velocity is taken away. Coupled steering that keeps all ax
 centroid of the wheels keeps its velocity. Distances are velocities of contact points [m/s], so they do not change with
 the frame or the unit of length. A degenerate robot (skid-steer) would have next to nothing to drive: it keeps the
 commanded twist, its wheels follow in the least-squares sense, and the sliding is reported.
+
+slip is the norm of the speeds at which wheels slide, as the residual of `forward` is: a mean would hide one wheel that
+slides fast behind others, and a maximum would not add up to the residual that `forward` measures of the same motion.
 """
 
 from __future__ import annotations
@@ -149,14 +152,14 @@ def project(robot: Robot, mobility: Mobility) -> Projection:
     if len(picked.chosen) == 1 and mobility.rank_C1f.value == 1:
         nx, ny, k = sliding_row(fixed[0], working_view(fixed[0])).row
         lateral = dot((nx, ny, k), XI)
-        return Projection((XI[0] - nx * lateral, XI[1] - ny * lateral, XI[2]), (lateral,), ONE)
+        return Projection((XI[0] - nx * lateral, XI[1] - ny * lateral, XI[2]), (lateral,), Exact(len(fixed)))
     if picked.normal is not None and not picked.normal[0] and not picked.normal[1]:
         return _translate(robot)
     if len(picked.chosen) == 1 and not mobility.degenerate and not has_angles(mobility.basis_rows[0]):
         return _nearest(robot, mobility.basis_rows[0])
     residuals = [dot(sliding_row(w, working_view(w)).row, XI) for w in fixed]
     residuals += _spin_residuals(robot)
-    return Projection(XI, tuple(residuals), ONE / max(len(fixed), 1))
+    return Projection(XI, tuple(residuals), ONE)
 
 
 def _nearest(robot: Robot, row: Row) -> Projection:
@@ -174,7 +177,7 @@ def _nearest(robot: Robot, row: Row) -> Projection:
     violation = dot(row, XI)
     factor = violation * size.inverse()
     twist = triple(t - d * factor for t, d in zip(XI, direction, strict=True))
-    return Projection(twist, (violation * fix(sqrt_poly(size.inverse()), {}),), ONE)
+    return Projection(twist, (violation * fix(sqrt_poly(size.inverse()), {}),), Exact(len(wheels)))
 
 
 def _spin_residuals(robot: Robot) -> list[Poly]:
@@ -195,7 +198,7 @@ def _translate(robot: Robot) -> Projection:
     """Rotation taken away about the centroid of the steered wheels."""
     wheels = [working_view(w) for w in robot.wheels if w.kind.steers]
     gx, gy = mean([g.x for g in wheels]), mean([g.y for g in wheels])
-    spread = mean([(g.x - gx) ** 2 + (g.y - gy) ** 2 for g in wheels])
+    spread = Poly.sum((g.x - gx) ** 2 + (g.y - gy) ** 2 for g in wheels)
     root = fix(sqrt_poly(spread), {})
     omega = XI[2]
     return Projection((XI[0] - omega * gy, XI[1] + omega * gx, Poly({})), (omega * root,), ONE)

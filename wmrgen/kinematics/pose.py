@@ -44,6 +44,12 @@ SWITCH = sympy.Rational(3, 64)
 WORST_ERROR = float(SWITCH) ** 8 / 362880
 SHORTEST = sympy.Rational(1, 10**9)  # [s] a duration below counts as this, a chord this short as none
 
+
+def rate_per_change(dt: Expr) -> Expr:
+    """1 / ``dt`` [1/s], and 0 where no time passed."""
+    return select(sympy.S.Zero, dt, 1 / maximum(dt, SHORTEST), sympy.S.Zero)
+
+
 RATES = (
     Port("x_rate", Role.COMMAND, "m/s", "velocity of P along world x"),
     Port("y_rate", Role.COMMAND, "m/s", "velocity of P along world y"),

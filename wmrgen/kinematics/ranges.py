@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 from functools import reduce
 
 import numpy as np
@@ -11,7 +12,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Interval
-from wmrgen.layout.records import Robot
+from wmrgen.layout.records import Robot, Wheel
 
 Ranges = Mapping[str, Interval]
 
@@ -31,6 +32,19 @@ def range_of(poly: Poly, ranges: Ranges) -> Interval:
         factors = [_power(_generator(g, ranges), e) for g, e in monomial]
         total = iv.plus(total, reduce(iv.times, factors, _point(coefficient)))
     return total
+
+
+def steering_spin(robot: Robot, w: Wheel) -> Exact | None:
+    """Return the largest spin [rad/s] that steering alone takes of a wheel; None without a limit of its steer_rate."""
+    limit, g = robot.limit(w, "steer_rate"), w.working
+    if limit is None:
+        return None
+    share = g.steer_arm * g.rolling_radius.inverse()
+    if share.constant is not None:
+        most = abs(share.constant)
+    else:
+        most = Exact(Fraction(float(max(abs(end[0]) for end in range_of(share, ranges_of(robot))))))
+    return most * max(abs(limit.low), abs(limit.high))
 
 
 def _point(value: Exact) -> Interval:

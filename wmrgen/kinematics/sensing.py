@@ -142,7 +142,7 @@ def contact_rows(bx: Poly, by: Poly, wx: Poly, wy: Poly, weight: Exact) -> list[
 def sensed_joints(w: Wheel) -> tuple[str, ...]:
     """The joints of a wheel that are inputs of ``forward``."""
     joints: list[str] = [j for j in ("spin", "steer") if j in w.sensed]
-    if "steer" in joints and (w.kind.swivels or w.nominal.o):
+    if "steer" in joints and (w.kind.swivels or w.nominal.steer_arm):
         joints.append("steer_rate")
     return tuple(joints)
 
@@ -164,7 +164,7 @@ def measurements(robot: Robot, names: Locals | None = None) -> Measurements:
         if spin is not None and w.kind.sliding_row:
             contacts.append(_contact(w, spin, rate, names))
         elif spin is not None:
-            speed = g.rolling_radius * spin + g.o * rate
+            speed = g.rolling_radius * spin + g.steer_arm * rate
             components.append(Component(w, rolling_row(w, g).row, speed, w.weight))
         elif w.kind.sliding_row:
             components.append(Component(w, sliding_row(w, g).row, -(g.d * rate), w.weight))
@@ -187,10 +187,10 @@ def _contact(w: Wheel, spin: Poly, rate: Poly, names: Locals | None) -> Contact:
     """Both rows of a wheel, solved for the velocity of its contact point."""
     g = working_view(w)
     c, s = heading(w, g)
-    if names is not None and w.turns and not g.d and not g.o:
+    if names is not None and w.turns and not g.d and not g.steer_arm:
         wx, wy = _rolled(w, names)
         return Contact(w, g.x, g.y, g.r * wx, g.r * wy, w.weight)
-    (bx, by), along, across = arm(g, c, s), g.r * spin + g.o * rate, -(g.d * rate)
+    (bx, by), along, across = arm(g, c, s), g.r * spin + g.steer_arm * rate, -(g.d * rate)
     return Contact(w, g.x + bx, g.y + by, along * c - across * s, along * s + across * c, w.weight)
 
 

@@ -192,7 +192,7 @@ def refuse_unmodelled(spec: RobotSpec, robot: Robot) -> None:
         members = next(s for s in sets if robot.wheel(coupling.wheels[0]) in s)
         steered = [w for w in members if w.kind.steers]
         castors = [w for w in members if w.kind.swivels]
-        offset = [w for w in steered if w.nominal.o]
+        offset = [w for w in steered if w.rolls_when_steered]
         joint = coupling.joint
         if steered and castors:
             what = (
@@ -213,9 +213,9 @@ def refuse_unmodelled(spec: RobotSpec, robot: Robot) -> None:
             )
         if offset and joint == "spin":
             raise NotDerivableError(
-                f"{offset[0].name}.spin cannot be coupled: {offset[0].name} is steered and has an offset_y, so that "
-                "it also turns while it is steered, and steering alone would move the robot\n"
-                f"Leave {offset[0].name}.spin out of the coupling, or set its offset_y to 0.",
+                f"{offset[0].name}.spin cannot be coupled: {offset[0].name} is steered and has an offset_y or "
+                "per_steer, so that it also turns while it is steered, and steering alone would move the robot\n"
+                f"Leave {offset[0].name}.spin out of the coupling, or delete its offset_y and per_steer.",
                 coupling.mark,
             )
 

@@ -22,7 +22,7 @@ from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 T = TypeVar("T", Poly, Exact)
 U = TypeVar("U", Poly, Exact)
-_COSINES = ("ch", "sh", "cg", "sg")  # the constants of a wheel that are no lengths
+_RATIOS = ("ch", "sh", "cg", "sg", "per_steer")  # the constants of a wheel that are no lengths
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +32,7 @@ class Geometry(Generic[T]):
     (x, y): pivot A [m]. (ch, sh): cosine and sine of the zero heading alpha + beta - pi/2.
     (cg, sg): cosine and sine of gamma, wheel plane to roller axis at the ground. r: wheel radius [m];
     d: castor offset along the rolling direction e [m]; o: lateral offset along n [m]; r_sw: roller radius [m].
+    per_steer: turn of the spin joint for 1 rad of steering while the wheel does not roll.
     """
 
     x: T
@@ -44,6 +45,7 @@ class Geometry(Generic[T]):
     d: T
     o: T
     r_sw: T
+    per_steer: T
 
     def mapped(self, function: Callable[[T], U]) -> Geometry[U]:
         """Every constant put through a function."""
@@ -52,13 +54,19 @@ class Geometry(Generic[T]):
     def seen_from(self, x: Fraction, y: Fraction, unit: Fraction) -> Geometry[T]:
         """The same wheel in a frame with its origin in (x, y) [m], and lengths in ``unit`` [m]."""
         moved, per = replace(self, x=self.x - x, y=self.y - y), 1 / unit
-        lengths = [f.name for f in fields(self) if f.name not in _COSINES]
+        lengths = [f.name for f in fields(self) if f.name not in _RATIOS]
         return replace(moved, **{name: getattr(moved, name) * per for name in lengths})
 
     @property
     def rolling_radius(self) -> T:
         """r cos gamma [m]: speed in the rolling row per spin. Without rollers gamma is 0."""
         return self.r * self.cg
+
+    @property
+    def steer_arm(self) -> T:
+        """Speed in the rolling row per steering rate [m]: -r times the turn of the spin joint for 1 rad of steering
+        alone, by the contact beside the axis and by the gears of the drive."""
+        return self.o - self.rolling_radius * self.per_steer
 
 
 class Interval(NamedTuple):
@@ -140,6 +148,11 @@ class Wheel:
     def turns(self) -> bool:
         """Its rolling direction is a joint."""
         return self.kind.turns
+
+    @property
+    def rolls_when_steered(self) -> bool:
+        """Steering alone turns its spin joint, and `inverse` chooses its angle: see `Geometry.steer_arm`."""
+        return self.kind.steers and bool(self.nominal.steer_arm)
 
     @property
     def pivot(self) -> complex:

@@ -77,7 +77,7 @@ def _driving_row(w: Wheel, at: Configuration) -> Array:
     g = w.nominal
     heading = steering_for(w, at.admissible.sample) if w.kind.steers else w.zero_heading
     row: Array = along(w, heading * complex(float(g.cg), float(g.sg))) - np.array([0.0, 0.0, float(g.o)])
-    return row - float(g.o) * _swivelling_row(w) if w.kind.swivels else row
+    return row - float(g.steer_arm) * _swivelling_row(w) if w.kind.swivels else row
 
 
 def _swivelling_row(w: Wheel) -> Array:

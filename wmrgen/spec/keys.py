@@ -130,6 +130,16 @@ WHEEL = Section(
             ),
         ),
         Field(
+            "per_steer", Amount(Kind.ANY, "1"),
+            "coupling of a swerve module: turn of the drive joint, seen at the wheel, for 1 rad of steering while the "
+            "wheel does not roll",
+            default="0", aliases=dict.fromkeys(("coupling_ratio", "azimuth_coupling", "couple_ratio"), ""),
+            misfit=(
+                "per_steer couples a drive to the steering of its wheel, and this wheel has none.",
+                _NO_STEERING_AXIS,
+            ),
+        ),
+        Field(
             "r_sw", _LENGTH, "roller radius, for the function contacts",
             aliases=dict.fromkeys(("roller_radius", "r_roller"), ""),
             misfit=("r_sw is the roller radius; only swedish wheels have rollers.", f"{_NO_ROLLERS} r_sw."),

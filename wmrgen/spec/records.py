@@ -161,6 +161,7 @@ class WheelSpec:
     d: Quantity | None = None
     offset_y: Quantity | None = None
     r_sw: Quantity | None = None
+    per_steer: Quantity | None = None
     weight: Quantity | None = None
     actuated: tuple[str, ...] = ()  # defaults already applied
     sensed: tuple[str, ...] = ()

@@ -25,7 +25,7 @@ def register(kind: WheelType) -> None:
 
 def _contradictions(kind: WheelType) -> tuple[tuple[bool, str], ...]:
     """What no wheel can be: whether ``kind`` says it, and why none can."""
-    off_axis = kind.takes("d") or kind.takes("offset_y")
+    off_axis = any(kind.takes(key) for key in ("d", "offset_y", "per_steer"))
     return (
         (kind.turns and not kind.sliding_row,
          "a wheel that steers needs a sliding row, which decides its angle or its rate"),
@@ -35,7 +35,7 @@ def _contradictions(kind: WheelType) -> tuple[tuple[bool, str], ...]:
         (kind.has_spin and "r" not in kind.required, "a wheel with a spin needs r among its required keys"),
         (kind.turns and "d" in kind.keys and not kind.swivels,
          "a wheel that steers has d among its required keys, as a castor, or not at all"),
-        (off_axis and not kind.turns, "d and offset_y are seen from a steering axis, and it has none"),
+        (off_axis and not kind.turns, "d, offset_y and per_steer are seen from a steering axis, and it has none"),
         (kind.rollers and kind.sliding_row, "a wheel with rollers (gamma) slides across them: sliding_row=False"),
         (not kind.constrains and not kind.words.free, "words.free must say why it constrains no twist"),
     )  # fmt: skip

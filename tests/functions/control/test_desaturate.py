@@ -148,3 +148,14 @@ def test_one_wheel_without_a_limit_is_named() -> None:
     three = MECANUM.replace("}", ", limits: {spin: 4}}", 3)
     with pytest.raises(NotDerivableError, match="br has no limit of spin"):
         _ = derived(robot_text(three), "desaturate").program
+
+
+def test_room_for_steering_beside_the_axis() -> None:
+    """What `steer_toward` adds of its own, 0.02 / 0.05 * 3 rad/s, stays free of the limit of spin."""
+    beside = SWERVE.replace("r: 0.05}", "r: 0.05, offset_y: 0.02}")
+    text = robot_text(beside, "limits: {spin: 8, steer_rate: [-2, 3]}")
+    d = derived(text, "desaturate", "steer_toward")
+    fast = {f"{n}.spin": 50.0 for n in CORNERS}
+    assert call(d, "desaturate", fast)["fl.spin"] == pytest.approx(8 - 1.2)
+    with pytest.raises(NotDerivableError, match="no room inside its limit of spin"):
+        _ = derived(robot_text(beside, "limits: {spin: 1, steer_rate: 3}"), "desaturate").program

@@ -178,7 +178,7 @@ def test_the_wheels_of_one_motor_are_seen_as_one() -> None:
 @pytest.mark.parametrize(
     ("wheels", "lines", "why"),
     [
-        (SWERVE.replace("}", ", actuated: [steer]}"), (), "no wheel is steered and driven"),
+        (SWERVE.replace("}", ", actuated: [steer]}"), (), "no wheel is steered, or none is driven"),
         (SWERVE.replace("}", ", offset_y: 0.02}"), (), r"fl rolls beside its steering axis \(offset_y\)"),
         (SWERVE, ("couplings:", "  - {equal: [fl.spin, br.spin]}"), "fl and br turn as one and steer each"),
     ],

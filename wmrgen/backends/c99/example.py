@@ -78,9 +78,10 @@ def _hardware(module: Module, unit: Unit, variables: Collection[str]) -> Iterato
     readings = _readings(module, unit)
     if readings:
         yield "counters_before = counters;"
+    chosen = {port.name for port in module.function("inverse").outputs}
     for joint in unit.joints:
         rate, reading = f"{joint}_rate", readings.get(joint)
-        swivels = rate in unit.joints  # its rate is what is commanded
+        swivels = rate in unit.joints and joint not in chosen  # its rate is what is commanded
         if reading is None and swivels:
             yield f"wheels.{joint} += dt * commands.{rate};"
         elif reading is None and joint.removesuffix("_rate") not in readings:

@@ -179,7 +179,7 @@ def _steered(robot: Robot, w: Wheel, limit: Interval | None) -> Measure:
 def _castor(w: Wheel, spin: Interval | None, rate: Interval | None) -> list[Measure]:
     """The largest rates of a castor, whatever its angle: r spin = e.v + (o/d) n.v and -d steer_rate = n.v + d omega."""
     x, y, r = w.pivot.real, w.pivot.imag, float(w.nominal.r)
-    d, o = abs(float(w.nominal.d)), float(w.nominal.o)
+    d, o = abs(float(w.nominal.d)), float(w.nominal.steer_arm)
 
     def largest(t: Twist, joint: str) -> float:
         v = hypot(t[0] - y * t[2], t[1] + x * t[2])

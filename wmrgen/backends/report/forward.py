@@ -92,11 +92,13 @@ def _sources(measured: Measurements) -> list[str]:
     sources = []
     if measured.contacts:
         wheels = [c.wheel for c in measured.contacts]
-        offset, trail = any(w.nominal.o for w in wheels), any(w.nominal.d for w in wheels)
+        offset, geared, trail = (
+            any(getattr(w.nominal, key) for w in wheels) for key in ("steer_arm", "per_steer", "d")
+        )
         sources.append(
             f"{some(wheels)} give{'' if len(wheels) > 1 else 's'} both rows. Turned into the robot's axes they say "
             "how fast the contact point B moves: v + ω ẑ × B = "
-            + ("(r φ̇ + o ψ̇) e" if offset else "r φ̇ e")
+            + (f"(r φ̇ + {'(o − r k)' if geared else 'o'} ψ̇) e" if offset else "r φ̇ e")
             + (" − d ψ̇ n" if trail else "")
             + ", with e the rolling direction"
             + (" and n = ẑ × e." if trail else ".")

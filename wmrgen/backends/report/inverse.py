@@ -64,7 +64,10 @@ def _projection(projection: Projection, alone: bool) -> list[str]:
     zero = [n for n, p in zip(TWIST_NAMES, projection.twist, strict=True) if not p]
     if away == zero:
         names = notation.listed([_WORDS[n] for n in zero])
+        count = int(float(projection.weight))
         slip = f"; `slip` is |{names}|, the speed [m/s] at which they would slide"
+        if count > 1:
+            slip = f"; `slip` is √{count} |{names}|, the norm of the speeds [m/s] at which {count} wheels would slide"
         said = alone and forms_of(projection) in ([XI[0]], [XI[1]])
         return [f"The wheels forbid {names}, which is taken away first{slip * said}."]
     return [
@@ -136,7 +139,8 @@ def _narrow(ranges: str, shift: str) -> list[str]:
 def _swinging(shift: str) -> list[str]:
     """What `inverse`, which knows angles and no rates of them, leaves out beside the steering axis."""
     words = (
-        "These speeds are those at a constant angle: while ψ changes, the rolling row takes another −o ψ̇ / r."
+        "These speeds are those at a constant angle: while ψ changes, the rolling row takes another −o ψ̇ / r, which "
+        "`steer_toward` adds."
     )
     return [words] if shift else []
 

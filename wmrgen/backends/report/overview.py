@@ -180,6 +180,8 @@ def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
          lambda w: plain(w.nominal.r_sw) if w.nominal.r_sw else None),
         ("d", any(w.kind.swivels for w in wheels), lambda w: plain(w.nominal.d) if w.kind.swivels else None),
         ("offset o", any(w.nominal.o for w in wheels), lambda w: plain(w.nominal.o) if w.turns else None),
+        ("per steer", any(w.nominal.per_steer for w in wheels),
+         lambda w: plain(w.nominal.per_steer) if w.turns else None),
         ("weight", any(w.weight != ONE for w in wheels), lambda w: plain(w.weight)),
     )  # fmt: skip
     shown = [(head, cell) for head, occurs, cell in columns if occurs]
@@ -197,6 +199,8 @@ def _legend(robot: Robot) -> str:
          "direction"),
         (any(w.nominal.o for w in robot.wheels), "o is the lateral offset of the contact point along the axle, which "
          "the book does not have"),
+        (any(w.nominal.per_steer for w in robot.wheels), "per steer, k, is the turn of the drive joint for 1 rad of "
+         "steering while the wheel does not roll: the gears of the module couple them"),
         (len(robot.bodies) < len(kinds), "a ball that is driven in two directions has two rows, _1 and _2"),
         (any(k.rollers for k in kinds), "γ is the angle from the wheel plane to the axis of the roller that touches "
          "the ground"),

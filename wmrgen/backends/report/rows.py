@@ -35,6 +35,10 @@ def wheel_rows(d: Derivation) -> list[str]:
         plural = "s" if len(wheels) > 1 else ""
         blocks += [f"**{title}{plural}** ({some(wheels)}). {intro}", *general_rows(kind, offset)]
         blocks += [kind.words.note] if kind.words.note else []
+        if any(w.nominal.per_steer for w in wheels):
+            blocks.append(
+                "Steering turns the drive joint by k for 1 rad, so that the wheel rolls r (φ̇ − k ψ̇)."
+            )
         blocks += _worked(d, wheels) if kind.directed else []
     return blocks
 
@@ -170,8 +174,8 @@ def _pfaffian(d: Derivation) -> list[str]:
     if not c.joints:
         return []
     castors = [w for w in d.robot.wheels if w.kind.swivels]
-    turning = castors or [w for w in d.robot.wheels if w.nominal.o]
-    offset = any(w.nominal.o for w in turning)
+    turning = castors or [w for w in d.robot.wheels if w.nominal.steer_arm]
+    offset, geared = (any(getattr(w.nominal, key) for w in turning) for key in ("steer_arm", "per_steer"))
     last = (" −O" if offset else " 0", " 0", " D") if turning else ("", "", "")
     rows = [f"J₁ −J₂{last[0]}" if c.rolling else "", f"C₁ 0{last[1]}" if c.sliding_fixed or c.sliding_steered else "",
             f"C<sub>c</sub> 0{last[2]}" if castors else ""]  # fmt: skip
@@ -181,7 +185,7 @@ def _pfaffian(d: Derivation) -> list[str]:
     )
     if castors:
         words += ", with the sliding rows of the castors, C<sub>c</sub> ξ + D ψ̇ = 0, and D = diag(d)"
-    return [words + (", O = diag(o)." if offset else ".")]
+    return [words + (f", O = diag({'o − r k' if geared else 'o'})." if offset else ".")]
 
 
 def null_space(d: Derivation) -> list[str]:

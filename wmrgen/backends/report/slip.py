@@ -11,7 +11,7 @@ from wmrgen.backends.report.letters import multiples, squares
 from wmrgen.backends.report.markdown import aligned, code, listed, math
 from wmrgen.backends.report.terms import width
 from wmrgen.constraints import XI
-from wmrgen.exact.evaluate import sqrt_poly
+from wmrgen.exact.evaluate import fix, sqrt_poly
 from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.kinematics.least_squares import Projection
 from wmrgen.kinematics.steer import NARROW, turning_points
@@ -39,11 +39,9 @@ def left_by_couplings(robot: Robot, twist: Row) -> dict[str, str]:
         return {}
     castors = any(robot.wheel(n).kind.swivels for names in unlike for n in names)
     swivels = ", or between d ψ̇ and its sideways speed" * castors
-    several = len(unlike) > 1
     return {
-        r"\sum " * several
-        + r"\overline{\varepsilon^2}": "ε, what a common rate leaves between r φ̇ and the rim speed "
-        f"of a coupled wheel{swivels}, a bar being the mean over {' and that over '.join(map(listed, unlike))}"
+        r"\sum \varepsilon^2": "ε, what a common rate leaves between r φ̇ and the rim speed "
+        f"of a coupled wheel{swivels}, summed over {' and over '.join(map(listed, unlike))}"
     }
 
 
@@ -60,12 +58,12 @@ def left_by_steering(robot: Robot, twist: Row) -> dict[str, str]:
     speed = " or ".join(text for there, text in ways if there)
     why = " or ".join(text for there, text in ((limited, "a limit"), (shared, "a coupling")) if there)
     which = code(held[0]) if len(held) == 1 else "a steered wheel"
-    mean = f", a bar being the mean over {listed(held)}" * (len(held) > 1)
+    summed = f", summed over {listed(held)}" * (len(held) > 1)
     return {
-        r"\overline{v_\perp^2}"
-        if mean
+        r"\sum v_\perp^2"
+        if summed
         else r"v_\perp^2": f"v<sub>⊥</sub> = {speed}, the speed across {which} where "
-        f"{why} keeps it from the heading that rolls{mean}"
+        f"{why} keeps it from the heading that rolls{summed}"
     }
 
 
@@ -92,11 +90,9 @@ def slip(
         return blocks
     words = f"`slip` is the sliding speed [m/s] {forced}"
     if len(forms) == 1:
-        return [*blocks, f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]
-    over = (
-        "root mean square over the fixed wheels" if projection.weight != 1 else "root of the sum of squares"
-    )
-    return [*blocks, f"{words}, {over}:", *_root(*_mean_square(projection))]
+        times = fix(sqrt_poly(Poly.of(projection.weight)), {})
+        return [*blocks, f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(times * forms[0])}\right|")]
+    return [*blocks, f"{words}, root of the sum of squares:", *_root(*_mean_square(projection))]
 
 
 def _root(sums: list[str], total: str) -> list[str]:
@@ -118,9 +114,10 @@ def _mean_square(projection: Projection) -> tuple[list[str], str]:
     each = min(counts.values()) if len(set(counts.values())) == 1 else 1
     parts = multiples(counts, each)
     mean = " + ".join([*parts[:_MANY], *[r"\cdots"] * (len(parts) > _MANY)])
-    if len(forms) == 1 or projection.weight * each == 1:
+    if projection.weight * each == 1:
         return sums, mean
-    return sums, rf"{latex(Poly.of(projection.weight * each))}\left[ {mean} \right]"
+    factor = latex(Poly.of(projection.weight * each))
+    return sums, rf"{factor}\left[ {mean} \right]" if len(parts) > 1 else rf"{factor}\,{mean}"
 
 
 def _admissible(steered: bool, held: bool) -> str:

@@ -10,6 +10,12 @@ so that it stands at ``wanted``, to the bit, as soon as that can be reached. No 
 170 degrees leads through zero, as steering stops have it; `inverse` gives the angle that is nearest. An angle outside
 the limits of ``steer`` counts as at the limit.
 
+A wheel beside its steering axis (offset o, Siegwart (3.12)) rolls while it swings. Its rate and its spin are
+
+    steer_rate = (steer' - steer) / dt    spin' = spin - o steer_rate / r
+
+so that `forward` finds in the commands the twist that `inverse` was given. Without time there is no rate.
+
 `compensate_steering` rolls a wheel, until it points where it should, as fast as its pivot moves along the way that it
 points now: of the velocity that `inverse` commands, r spin along the angle ``steer``, that is
 
@@ -27,16 +33,31 @@ from dataclasses import replace
 
 import sympy
 
+from wmrgen.constraints import working_view
+from wmrgen.functions.control.axle_speeds import axle_speeds, car_axle
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.records import Formula, Locals, joint_port
+from wmrgen.kinematics.pose import rate_per_change
+from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.kinematics.steer import present
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import DT, Limits, Port, Role
-from wmrgen.symbolic import Expr, add, kept_between, maximum, minimum, number, signal, subtract, times
+from wmrgen.symbolic import (
+    Expr,
+    add,
+    expression,
+    kept_between,
+    maximum,
+    minimum,
+    number,
+    signal,
+    subtract,
+    times,
+)
 
 _STEP = replace(DT, text="duration of the step; what is below 0 counts as 0")
 _WANTED = "steering angle that is to be reached, as inverse commands it"
+_DRIVING = "wheel speed without its share of the steering, as inverse commands it"
 
 
 @function("ours; the texts have none", limits=Limits.COMMANDED)
@@ -45,32 +66,79 @@ def steer_toward(robot: Robot, _: Mobility) -> Formula:
     rates = _rates(robot)
     names = Locals()
     step = names.define("step", maximum(signal(DT.name), sympy.S.Zero))
-    outputs = [
-        (joint_port(w, "steer", Role.COMMAND), _next(w, limit, robot.limit(w, "steer"), step))
-        for w, limit in rates
-    ]
-    standing = [joint_port(w, "steer", Role.STATE) for w, limit in rates if limit is not None]
-    wanted = [Port(f"{w.name}.steer_wanted", Role.COMMAND, "rad", _WANTED) for w, _ in rates]
+    per_time: Expr | None = None
+    inputs, outputs = list[Port](), list[tuple[Port, Expr]]()
+    for w, limit in rates:
+        if limit is not None or w.rolls_when_steered:
+            inputs.append(joint_port(w, "steer", Role.STATE))
+    for w, limit in rates:
+        steer = _next(w, limit, robot.limit(w, "steer"), step)
+        inputs.append(Port(f"{w.name}.steer_wanted", Role.COMMAND, "rad", _WANTED))
+        if not w.rolls_when_steered:
+            outputs.append((joint_port(w, "steer", Role.COMMAND), steer))
+            continue
+        inputs.append(Port(f"{w.name}.spin_wanted", Role.COMMAND, "rad/s", _DRIVING))
+        per_time = names.define("per_time", rate_per_change(step)) if per_time is None else per_time
+        steer = names.define(f"{w.name}_next", steer)
+        rate = times(per_time, subtract(steer, present(w, robot.limit(w, "steer"))))
+        if limit is not None:
+            rate = kept_between(number(limit.low), rate, number(limit.high))
+        rate = names.define(f"{w.name}_rate", rate)
+        g = working_view(w)
+        share = times(expression(g.steer_arm * g.rolling_radius.inverse()), rate)
+        values = {
+            "spin": subtract(signal(f"{w.name}.spin_wanted"), share),
+            "steer": steer,
+            "steer_rate": rate,
+        }
+        outputs += [(joint_port(w, joint, Role.COMMAND), value) for joint, value in values.items()]
     text = "present and wanted steering angles to those commanded next, inside the limits of steer_rate"
-    return names.formula("steer_toward", (*standing, *wanted, _STEP), outputs, text)
+    if per_time is not None:
+        text += "; rates, and wheel speeds with what steering turns wheels beside their axes"
+    return names.formula("steer_toward", (*inputs, _STEP, *tunable_ports(robot)), outputs, text)
 
 
 @function("Siegwart (3.12) at the present angle; cosineScale of WPILib", limits=Limits.ASKED, in_place=True)
-def compensate_steering(robot: Robot, _: Mobility) -> Formula:
-    """Every ``<wheel>.spin`` of a wheel that steers and drives, times the cosine of what it has yet to swing."""
-    driven = [w for w in robot.wheels if w.kind.steers and "spin" in w.actuated]
-    if not driven:
-        raise underivable(robot, "compensate_steering", "no wheel is steered and driven")
+def compensate_steering(robot: Robot, mobility: Mobility) -> Formula:
+    """Every ``<wheel>.spin`` of a wheel that steers and drives, times the cosine of what it has yet to swing.
+
+    Of a car with other driven wheels, all roll about the centre that the present angles have, see `axle_speeds`.
+    """
+    steered = [w for w in robot.wheels if w.kind.steers]
+    driven = [w for w in robot.wheels if "spin" in w.actuated and (w.kind.steers or w.kind.fixed_axle)]
+    if not steered or not driven:
+        raise underivable(robot, "compensate_steering", "no wheel is steered, or none is driven")
+    names = Locals()
+    axle = car_axle(robot, mobility)
+    text = "wheel speeds while wheels swing: those of their pivots along the present steering angles"
+    if axle is not None and (len(driven) > 1 or not driven[0].kind.steers):
+        spins = [joint_port(w, "spin", Role.COMMAND) for w in driven]
+        angles = [port for w in steered for port in (joint_port(w, "steer", Role.COMMAND), _present(w))]
+        speeds = axle_speeds(robot, axle, driven, names)
+        text = "wheel speeds while wheels swing, about the centre of rotation that the present steering angles have"
+        return names.formula(
+            "compensate_steering",
+            (*spins, *angles, *tunable_ports(robot)),
+            zip(spins, speeds, strict=True),
+            text,
+        )
+    unsteered = [w.name for w in driven if not w.kind.steers]
+    if unsteered:
+        why = f"{unsteered[0]} is driven and does not steer, and the robot is not steered as a car"
+        raise underivable(robot, "compensate_steering", why)
     inputs, outputs = dict[Port, None](), list[tuple[Port, Expr]]()
     for w in driven:
         lead = _lead(robot, w)
         spin, steer = joint_port(w, "spin", Role.COMMAND), joint_port(lead, "steer", Role.COMMAND)
-        now = Port(f"{lead.name}.steer_now", Role.STATE, "rad", "steering angle as it is")
+        now = _present(lead)
         inputs |= dict.fromkeys((spin, steer, now))
         along = sympy.cos(subtract(signal(steer.name), signal(now.name)), evaluate=False)
         outputs.append((spin, times(signal(spin.name), along)))
-    text = "wheel speeds while wheels swing: those of their pivots along the present steering angles"
-    return Locals().formula("compensate_steering", inputs, outputs, text)
+    return names.formula("compensate_steering", inputs, outputs, text)
+
+
+def _present(w: Wheel) -> Port:
+    return Port(f"{w.name}.steer_now", Role.STATE, "rad", "steering angle as it is")
 
 
 def _lead(robot: Robot, w: Wheel) -> Wheel:
@@ -106,7 +174,7 @@ def _rates(robot: Robot) -> list[tuple[Wheel, Interval | None]]:
     if not rates:
         raise underivable(robot, "steer_toward", "no wheel is steered")
     limited = [(w, limit) for w, limit in rates if limit is not None]
-    if not limited:
+    if not limited and not any(w.rolls_when_steered for w, _ in rates):
         raise underivable(
             robot, "steer_toward", "its steering has no limit of rate; write limits: {steer_rate: 2} [rad/s]"
         )

@@ -18,10 +18,11 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.exact.number import Exact
+from wmrgen.functions.control.curvature import reach
 from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, scaled
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.least_squares import project
-from wmrgen.kinematics.records import Formula, Locals
+from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Interval, Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import DT, TWIST, TWIST_NAMES, Limits, Port, Role
@@ -40,24 +41,34 @@ _STEP = replace(DT, text="time since the last command; what is below 0 counts as
 def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     """A twist inside the limits of vx, vy and omega, along the same path; nothing below the ``deadband``.
 
-    scale = 1 / max(1, component / limit over all three), or 0 where the largest of these is below the deadband.
+    scale = 1 / max(1, component / limit over all three), or 0 where the largest of these is below the deadband. Of a
+    car the yaw rate is cut first to what its steering stops allow at that speed, see `curvature`.
     """
-    limits = _limits(robot, mobility, "limit_twist", "", "{vx: 1, omega: 2}")
+    names = Locals()
+    bends = reach(robot, mobility, names)
+    limits = _limits(robot, mobility, "limit_twist", "", "{vx: 1, omega: 2}", needed=bends is None)
     missing = [name for name, limit in limits.items() if limit is None]
     if robot.deadband and missing:
         why = f"its deadband is a share of limits, and {missing[0]} has none"
         raise underivable(robot, "limit_twist", why)
-    names = Locals()
-    components = ((signal(name), limit) for name, limit in limits.items())
+    asked: dict[str, Expr] = {name: signal(name) for name in limits}
+    if bends is not None:
+        parts = zip(TWIST_NAMES, bends.cut(names), strict=True)
+        asked = {name: names.define(f"{name}_bent", part) for name, part in parts if name in limits}
+    components = ((asked[name], limit) for name, limit in limits.items())
     load = names.define("load", most(sympy.S.Zero if robot.deadband else sympy.S.One, components))
     scale: Expr = 1 / load
     text = "a twist to the fastest one along the same path that keeps the limits of vx, vy and omega"
+    if bends is not None:
+        text += ", the path bent no more than the steering stops allow"
     if robot.deadband:
         scale = select(load, number(robot.deadband), sympy.S.Zero, 1 / maximum(sympy.S.One, load))
         text += f"; below {float(robot.deadband):g} of them in all components it is standstill"
     scale = names.define("scale", scale)
-    twist = {name: scaled(signal(name), limit, scale) for name, limit in limits.items()}
-    return names.formula("limit_twist", TWIST, _whole(twist), text)
+    twist = {name: scaled(asked[name], limit, scale) for name, limit in limits.items()}
+    return names.formula(
+        "limit_twist", (*TWIST, *(tunable_ports(robot) if bends else ())), _whole(twist), text
+    )
 
 
 @function("ours; the texts have none", limits=Limits.COMMANDED, in_place=True)
@@ -92,17 +103,17 @@ def _whole(twist: dict[str, Expr]) -> list[tuple[Port, Expr]]:
 
 
 def _limits(
-    robot: Robot, mobility: Mobility, what: str, ending: str, example: str
+    robot: Robot, mobility: Mobility, what: str, ending: str, example: str, needed: bool = True
 ) -> dict[str, Interval | None]:
     """Limits of vx, vy and omega, or of their rates, for each that the robot can drive.
 
-    NotDerivableError where there is none, or a one-sided one.
+    NotDerivableError where there is none and one is ``needed``, or for a one-sided one.
     """
     limits = {name: robot.limits.get(f"{name}{ending}") for name in TWIST_NAMES}
     limits["vy"] = limits["vy"] or limits["vx"]
     driven = zip(limits, project(robot, mobility).twist, strict=True)
     limits = {name: limits[name] for name, component in driven if component}
-    if not any(limits.values()):
+    if needed and not any(limits.values()):
         of = "the rates of vx, vy and omega" if ending else "vx, vy and omega"
         raise underivable(robot, what, f"it has no limits of {of}; write limits: {example}")
     refuse_one_sided(robot, what, ((f"{name}{ending}", limit) for name, limit in limits.items()))

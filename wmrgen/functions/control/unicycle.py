@@ -56,7 +56,7 @@ def reference(robot: Robot, mobility: Mobility, name: str) -> Axle:
     """
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     ref = axle_of(fixed, working_view) if fixed else THROUGH_P
-    if _drives(robot, mobility, ref) or _skids(robot, mobility, fixed):
+    if drives(robot, mobility, ref) or _skids(robot, mobility, fixed):
         return ref
     why = "the axles of its wheels do not let it turn and drive straight at will"
     if not mobility.degenerate and not fixed:
@@ -64,7 +64,7 @@ def reference(robot: Robot, mobility: Mobility, name: str) -> Axle:
     raise underivable(robot, name, f"it would need to drive (v, 0, omega), but {why}")
 
 
-def _drives(robot: Robot, mobility: Mobility, ref: Axle) -> bool:
+def drives(robot: Robot, mobility: Mobility, ref: Axle) -> bool:
     """True when both unit motions of Q lie in the (linear) set of admissible twists."""
     admissible = mobility.admissible
     if not admissible.linear or not len(admissible.basis):

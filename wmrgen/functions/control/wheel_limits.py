@@ -25,6 +25,7 @@ from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Row
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import joint_commands
+from wmrgen.kinematics.ranges import steering_spin
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.steer import (
     QUARTER,
@@ -66,7 +67,8 @@ def desaturate(robot: Robot, _: Mobility) -> Formula:
     """Every ``<wheel>.spin`` (and ``<castor>.steer_rate``) that `inverse` commands, times one ``scale`` <= 1.
 
     scale = 1 / max(1, rate / limit over all limited joints). Wheels that nothing drives turn along; what they would
-    exceed counts where their own ``limits`` name it.
+    exceed counts where their own ``limits`` name it. A wheel that rolls while it is steered keeps what its limit of
+    steer_rate takes of its spin for `steer_toward`, which comes after.
     """
     rates = _rates(robot)
     names = Locals()
@@ -122,9 +124,29 @@ def _rates(robot: Robot) -> list[tuple[Port, Interval | None]]:
         )  # fmt: skip
     joints = [(w, "spin") for w in robot.wheels if w.has_spin]
     joints += [(w, "steer_rate") for w in robot.wheels if w.kind.swivels]
-    rates = [(joint_port(w, joint, Role.COMMAND), robot.limit(w, joint)) for w, joint in joints]
+    rates = [(joint_port(w, joint, Role.COMMAND), _room(robot, w, joint)) for w, joint in joints]
     refuse_one_sided(robot, "desaturate", ((port.name, limit) for port, limit in rates))
     return rates
+
+
+def _room(robot: Robot, w: Wheel, joint: str) -> Interval | None:
+    """The limit of a joint rate, of a spin without what `steer_toward` may add. NotDerivableError if that is all."""
+    limit = robot.limit(w, joint)
+    if limit is None or joint != "spin" or not w.rolls_when_steered:
+        return limit
+    share = steering_spin(robot, w)
+    if share is None or not (limit.low + share).sign < 0 < (limit.high - share).sign:
+        taken = (
+            "with no limit of steer_rate"
+            if share is None
+            else f"takes {float(share):.4g} rad/s of its spin and"
+        )
+        why = (
+            f"steering {w.name} {taken} leaves no room inside its limit of spin; "
+            "write a smaller limits: {steer_rate: …}"
+        )
+        raise underivable(robot, "desaturate", why)
+    return Interval(limit.low + share, limit.high - share)
 
 
 class _Unit(NamedTuple):

@@ -219,8 +219,8 @@ def _candidates(frame: Frame) -> Iterator[tuple[str, Callable[[], Drive]]]:
 def _spin(frame: Frame, w: Wheel) -> Drive:
     g = frame.view(w)
     offsets = {}
-    if w.kind.steers and g.o:
-        offsets = {name: g.o * rate for name, rate in steering_rates(frame, w).items()}
+    if w.kind.steers and g.steer_arm:
+        offsets = {name: g.steer_arm * rate for name, rate in steering_rates(frame, w).items()}
     return Drive(joint_port(w, "spin", Role.COMMAND), rim_row(frame, w), g.rolling_radius, offsets)
 
 

@@ -200,9 +200,9 @@ class _Terms:
                 return None
             c, s = turned
             row = each(row, lambda p: at_angle(p, c, s))
-        rim, rate = dot(row, self._twist), self._steer_rate(w) if w.kind.steers and g.o else None
+        rim, rate = dot(row, self._twist), self._steer_rate(w) if w.kind.steers and g.steer_arm else None
         if rate is not None:
-            rim = rim - g.o * self.locals.poly(f"{w.name}_rate", rate)
+            rim = rim - g.steer_arm * self.locals.poly(f"{w.name}_rate", rate)
         return expression(rim * g.rolling_radius.inverse())
 
     def _turned(self, w: Wheel) -> tuple[Poly, Poly] | None:

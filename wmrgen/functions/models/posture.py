@@ -205,7 +205,7 @@ def _spin(frame: Frame, w: Wheel, twist: Row) -> Poly | None:
     g, lead = frame.view(w), frame.leader(w)
     rim = dot(in_coordinates(frame, w, driving_row(w, g)), twist)
     if w.kind.steers and lead is not None:
-        rim = rim - g.o * signal_poly(f"{lead.name}.steer_rate")
+        rim = rim - g.steer_arm * signal_poly(f"{lead.name}.steer_rate")
     return rim * g.rolling_radius.inverse()
 
 
@@ -232,10 +232,10 @@ def _wheel_rates(motion: Motion, w: Wheel) -> list[Poly]:
     """(rim speed - o steer_rate) / r by input; the steering of castors is part of their rim speed."""
     g = motion.frame.view(w)
     rims = _per_input(motion, rim_row(motion.frame, w))
-    if w.kind.steers and g.o:
+    if w.kind.steers and g.steer_arm:
         turns = steering_rates(motion.frame, w)
         rims = [
-            rim - g.o * turns.get(u.name.removesuffix(".steer_rate"), ZERO)
+            rim - g.steer_arm * turns.get(u.name.removesuffix(".steer_rate"), ZERO)
             for rim, u in zip(rims, motion.inputs, strict=True)
         ]
     return [clean(rim * g.rolling_radius.inverse())[0] for rim in rims]

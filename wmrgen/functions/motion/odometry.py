@@ -29,7 +29,7 @@ import sympy
 
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.pose import SHORTEST, increments, odometry, wrapped
+from wmrgen.kinematics.pose import increments, odometry, rate_per_change, wrapped
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.sensing import sensed_joints
 from wmrgen.layout.records import Encoder, Robot, Wheel
@@ -40,7 +40,6 @@ from wmrgen.symbolic import (
     Expr,
     Nearest,
     add,
-    maximum,
     number,
     rounding_error,
     select,
@@ -151,9 +150,7 @@ def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
     """Counts of encoders to the joint rates and angles that they show."""
     names = Locals()
     step = replace(DT, text="duration of the step; without any, rates are 0")
-    passes = 1 / maximum(signal("dt"), SHORTEST)
-    rate = select(sympy.S.Zero, signal("dt"), passes, sympy.S.Zero)
-    per_time = names.define("per_time", rate)
+    per_time = names.define("per_time", rate_per_change(signal("dt")))
     states: list[Port] = []
     counts: list[Port] = []
     outputs: list[tuple[Port, Expr]] = []

@@ -144,6 +144,6 @@ def _time(robot: Robot, w: Wheel, swing: Exact) -> Exact:
 
 def _held(w: Wheel, swing: Exact, dt: Exact) -> Exact:
     """A wheel beside its steering axis rolls while it turns, so that the robot stands: r spin = -o steer_rate."""
-    if not w.nominal.o or not dt:
+    if not w.nominal.steer_arm or not dt:
         return ZERO
-    return -(w.nominal.o * swing) / (w.nominal.r * dt)
+    return -(w.nominal.steer_arm * swing) / (w.nominal.r * dt)

@@ -209,7 +209,7 @@ def slip_inverse(robot: Robot, _: Mobility) -> Formula:
         rate = signal_poly(f"{w.name}.steer_rate") if _swings(w) else Poly({})
         if w.has_spin:
             inputs.append(_slip_port(w, "slip_x"))
-            rim = dot(rolling_row(w, g).row, XI) - g.o * rate + signal_poly(f"{w.name}.slip_x")
+            rim = dot(rolling_row(w, g).row, XI) - g.steer_arm * rate + signal_poly(f"{w.name}.slip_x")
             spin = expression(rim * g.rolling_radius.inverse())
             outputs.append((joint_port(w, "spin", Role.COMMAND), spin))
         if w.kind.sliding_row:
@@ -223,4 +223,4 @@ def slip_inverse(robot: Robot, _: Mobility) -> Formula:
 
 def _swings(w: Wheel) -> bool:
     """True where the steering rate moves the contact."""
-    return w.turns and bool(w.nominal.d or w.nominal.o)
+    return w.turns and bool(w.nominal.d or w.nominal.steer_arm)

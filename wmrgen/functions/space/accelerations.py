@@ -91,7 +91,7 @@ def accelerations(robot: Robot, mobility: Mobility) -> Formula:
 
 def _offset(w: Wheel) -> bool:
     """True for a steered wheel whose contact lies beside its steering axis."""
-    return w.kind.steers and bool(working_view(w).o)
+    return w.kind.steers and bool(working_view(w).steer_arm)
 
 
 def motion_of(driven: Row) -> Motion:
@@ -139,11 +139,11 @@ def _rims(
     else:
         e = rolling_direction_at(w, names.define(f"{w.name}_commanded", commands[f"{w.name}.steer"]), names)
     (along, across), (change, _) = speeds_at(w, motion.twist, e), speeds_at(w, motion.rate, e)
-    turn, o = turns[w.index], expression(g.o)
+    turn, o, arm = turns[w.index], expression(g.o), expression(g.steer_arm)
     omega, omega1 = expression(motion.twist[2]), expression(motion.rate[2])
-    rim = subtract(expression(along), times(o, add(omega, turn.rate)))
+    rim = subtract(expression(along), add(times(o, omega), times(arm, turn.rate)))
     swept = add(expression(change), times(expression(across), turn.rate))
-    return rim, subtract(swept, times(o, add(omega1, turn.acceleration)))
+    return rim, subtract(swept, add(times(o, omega1), times(arm, turn.acceleration)))
 
 
 def speeds_at(w: Wheel, twist: Row, e: tuple[Poly, Poly]) -> Velocity:

@@ -86,6 +86,7 @@ def printed(unit: Unit, facts: Facts = NO_FACTS) -> tuple[str, str, str]:
     needs = {op.name for op in ops}
     includes = {
         "<float.h>": unit.rounds,
+        "<stddef.h>": bool(unit.joints),
         "<math.h>": any("<math.h>" in op.includes for op in ops),
         "<stdint.h>": any("<stdint.h>" in op.includes for op in ops),
     }
@@ -225,7 +226,7 @@ def _arithmetic_notes(unit: Unit) -> list[str]:
     notes = [
         f"Scalars are {choice.scalar}. No loops, recursion, heap or globals: every function may be called from "
         "anywhere. Results are bit for bit those of the printed operations where the compiler contracts "
-        "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to "
+        "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0 or 16). Inputs up to "
         f"{LARGEST_INPUT[choice.scalar]} in magnitude{angles} give finite results; beyond, squares may overflow. NaN "
         "is not caught: some outputs may come out as numbers all the same, a steering angle at its limit for one. "
         "Check inputs, or take the functions of the _checked files.",

@@ -238,19 +238,21 @@ def _arithmetic_notes(unit: Unit) -> list[str]:
         notes.append(_accuracy_note(choice.target, unit.written))
     if Op.CALL in ops:
         notes.append(
-            "The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several calls "
-            "are called: the least flash, the same results to the bit; calls cost time and stack."
+            "The kernels at the top of the C file are inlined. Compiled with -Os, -Oz or -DWMRGEN_SMALL those with "
+            "several calls are called: the least flash, the same results to the bit; calls cost time and stack."
         )
     calls = [f"{step.name}()" for step in unit.steps if step.small]
     if calls:
         notes.append(
-            f"With -DWMRGEN_SMALL {' and '.join(calls)} also call{'s' * (len(calls) == 1)} the function that gives the "
+            f"Then {' and '.join(calls)} also call{'s' * (len(calls) == 1)} the function that gives the "
             "same results and more, instead of computing them again."
         )
     if Op.FMA in ops:
         notes.append(
             "Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf is one "
-            "instruction; for others there are --target host, m0 and avr."
+            "instruction; for others there are --target host, m0 and avr. Another processor with an FPU goes by way of "
+            "double, to the same bits (of numbers that are not subnormal) and in more time. An AVR and processors "
+            "without an FPU are refused at compile time."
         )
     if not ops.isdisjoint({Op.IMUL, Op.IDIV, Op.ISQRT}):
         notes.append(

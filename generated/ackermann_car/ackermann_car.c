@@ -7,10 +7,11 @@
  */
 #include "ackermann_car.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_a32d2cf62686df5c)
+#if !defined(ACKERMANN_CAR_PAIR_11c5d2cdbf28068d)
 #error "this file and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,43 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+static inline float wmrgen_fma(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        if ((lost < 0.0) || (lost > 0.0)) {
+            sum.bits += ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+        }
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -122,11 +157,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -144,18 +179,18 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t0 = wmrgen_fma(angle, 0.31830987f, 12582912.0f);
     const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t2 = wmrgen_fma(t1, 8.742278e-08f, wmrgen_fma(-t1, 3.1415927f, angle));
     const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
+    const float t6 = wmrgen_fma(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = wmrgen_fma(t4, t6, (-0.0013888585f));
+    const float t8 = wmrgen_fma(t4, t7, 0.041666657f);
+    const float t9 = wmrgen_fma(t4, t8, (-0.5f));
 
-    result.x = fmaf(t5, t9, t3);
+    result.x = wmrgen_fma(t5, t9, t3);
     result.y = t3 * wmrgen_sine(t2);
     return result;
 }
@@ -168,15 +203,15 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 {
     const float t0 = q * q;
     const float t1 = q * t0;
-    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
-    const float t3 = fmaf(t0, t2, 0.04390253f);
-    const float t4 = fmaf(t0, t3, (-0.0762479f));
-    const float t5 = fmaf(t0, t4, 0.10709304f);
-    const float t6 = fmaf(t0, t5, (-0.14225537f));
-    const float t7 = fmaf(t0, t6, 0.1999624f);
-    const float t8 = fmaf(t0, t7, (-0.33333313f));
+    const float t2 = wmrgen_fma(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = wmrgen_fma(t0, t2, 0.04390253f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.0762479f));
+    const float t5 = wmrgen_fma(t0, t4, 0.10709304f);
+    const float t6 = wmrgen_fma(t0, t5, (-0.14225537f));
+    const float t7 = wmrgen_fma(t0, t6, 0.1999624f);
+    const float t8 = wmrgen_fma(t0, t7, (-0.33333313f));
 
-    return fmaf(t1, t8, q);
+    return wmrgen_fma(t1, t8, q);
 }
 #endif
 
@@ -186,12 +221,12 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -203,7 +238,7 @@ typedef char ackermann_car_wheels_are_joints[
 
 float *ackermann_car_joint(ackermann_car_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)ACKERMANN_CAR_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)ACKERMANN_CAR_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void ackermann_car_inverse(
@@ -242,17 +277,18 @@ void ackermann_car_inverse_slip(
     const float t1 = 2.5f * twist->omega;
     /* t of front_left */
     const float front_left_t = wmrgen_clamp(t1 / wmrgen_at_least(front_left_p, 1e-20f), 0.83909965f);
-    const float t2 = sqrtf(fmaf(front_left_t, front_left_t, 1.0f));
-    const float t3 = fmaf(-front_left_p, front_left_t, t1) / t2;
+    const float t2 = sqrtf(wmrgen_fma(front_left_t, front_left_t, 1.0f));
+    const float t3 = wmrgen_fma(-front_left_p, front_left_t, t1) / t2;
     const float front_right_p = twist->vx + t0; /* p of front_right */
     /* t of front_right */
     const float front_right_t = wmrgen_clamp(t1 / wmrgen_at_least(front_right_p, 1e-20f), 0.83909965f);
-    const float t4 = sqrtf(fmaf(front_right_t, front_right_t, 1.0f));
-    const float t5 = fmaf(-front_right_p, front_right_t, t1) / t4;
-    const float t6 = fabsf(twist->vy);
-    const float t7 = sqrtf(fmaf(t6, t6, 0.5f * fmaf(t3, t3, t5 * t5)));
+    const float t4 = wmrgen_fma(-front_right_p, front_right_t, t1);
+    const float t5 = wmrgen_fma(front_right_t, front_right_t, 1.0f);
+    const float t6 = t4 / sqrtf(t5);
+    const float t7 = fabsf(twist->vy);
+    const float t8 = wmrgen_fma(t7, t7, 0.5f * wmrgen_fma(t3, t3, t6 * t6));
 
-    *slip = t7;
+    *slip = sqrtf(t8);
 }
 
 void ackermann_car_forward(const ackermann_car_wheels *wheels, ackermann_car_twist *twist)
@@ -263,31 +299,35 @@ void ackermann_car_forward(const ackermann_car_wheels *wheels, ackermann_car_twi
 #else
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
     /* omega in H, row of front_right */
-    const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y));
+    const float front_right_rw = wmrgen_fma(2.5f, front_right.x, -(0.75f * front_right.y));
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
-    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* omega in H, row of front_left */
-    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f)); /* HtH[2][2] */
-    const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
-    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
-    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
-    const float t0 = fmaf(front_left.x, front_left.y, front_right.x * front_right.y);
-    const float t1 = fmaf(front_left.y, front_left_rw, front_right.y * front_right_rw);
-    const float adj02 = fmaf(n11, t1, -(n12 * t0)); /* adj(HtH)[0][2] */
-    const float t2 = wheels->rear_right.spin - wheels->rear_left.spin;
-    const float b2 = 0.225f * t2; /* Htz[2] */
-    const float t3 = wheels->rear_left.spin + wheels->rear_right.spin;
-    const float b0 = 0.3f * t3; /* Htz[0] */
-    const float adj01 = fmaf(n22, t0, -(n12 * t1)); /* adj(HtH)[0][1] */
-    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f)); /* HtH[0][0] */
-    const float det = fmaf(-t1, adj02, fmaf(adj00, n00, -(t0 * adj01))); /* det(HtH) */
-    const float t4 = (det < 2.25f) ? 2.25f : det;
-    const float t5 = 1.0f / t4;
-    const float p1 = fmaf(b0, adj01, b2 * fmaf(t0, t1, -(n12 * n00))); /* (adj(HtH) Htz)[1] */
-    const float p2 = fmaf(b0, adj02, b2 * fmaf(n11, n00, -(t0 * t0))); /* (adj(HtH) Htz)[2] */
+    /* omega in H, row of front_left */
+    const float front_left_rw = wmrgen_fma(0.75f, front_left.y, 2.5f * front_left.x);
+    const float t0 = wmrgen_fma(front_left_rw, front_left_rw, 1.125f);
+    const float n22 = wmrgen_fma(front_right_rw, front_right_rw, t0); /* HtH[2][2] */
+    const float n12 = wmrgen_fma(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
+    /* HtH[1][1] */
+    const float n11 = wmrgen_fma(front_right.x, front_right.x, wmrgen_fma(front_left.x, front_left.x, 2.0f));
+    const float adj00 = wmrgen_fma(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
+    const float t1 = wmrgen_fma(front_left.x, front_left.y, front_right.x * front_right.y);
+    const float t2 = wmrgen_fma(front_left.y, front_left_rw, front_right.y * front_right_rw);
+    const float adj02 = wmrgen_fma(n11, t2, -(n12 * t1)); /* adj(HtH)[0][2] */
+    const float t3 = wheels->rear_right.spin - wheels->rear_left.spin;
+    const float b2 = 0.225f * t3; /* Htz[2] */
+    const float t4 = wheels->rear_left.spin + wheels->rear_right.spin;
+    const float b0 = 0.3f * t4; /* Htz[0] */
+    const float adj01 = wmrgen_fma(n22, t1, -(n12 * t2)); /* adj(HtH)[0][1] */
+    /* HtH[0][0] */
+    const float n00 = wmrgen_fma(front_right.y, front_right.y, wmrgen_fma(front_left.y, front_left.y, 2.0f));
+    const float det = wmrgen_fma(-t2, adj02, wmrgen_fma(adj00, n00, -(t1 * adj01))); /* det(HtH) */
+    const float t5 = (det < 2.25f) ? 2.25f : det;
+    const float t6 = 1.0f / t5;
+    const float p1 = wmrgen_fma(b0, adj01, b2 * wmrgen_fma(t1, t2, -(n12 * n00))); /* (adj(HtH) Htz)[1] */
+    const float p2 = wmrgen_fma(b0, adj02, b2 * wmrgen_fma(n11, n00, -(t1 * t1))); /* (adj(HtH) Htz)[2] */
 
-    twist->vx = fmaf(adj00, b0, adj02 * b2) * t5;
-    twist->vy = t5 * p1;
-    twist->omega = t5 * p2;
+    twist->vx = wmrgen_fma(adj00, b0, adj02 * b2) * t6;
+    twist->vy = t6 * p1;
+    twist->omega = t6 * p2;
 #endif
 }
 
@@ -298,44 +338,49 @@ void ackermann_car_forward_slip(
 {
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
     /* omega in H, row of front_right */
-    const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y));
+    const float front_right_rw = wmrgen_fma(2.5f, front_right.x, -(0.75f * front_right.y));
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
-    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* omega in H, row of front_left */
-    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f)); /* HtH[2][2] */
-    const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
-    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
-    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
-    const float t0 = fmaf(front_left.x, front_left.y, front_right.x * front_right.y);
-    const float t1 = fmaf(front_left.y, front_left_rw, front_right.y * front_right_rw);
-    const float adj02 = fmaf(n11, t1, -(n12 * t0)); /* adj(HtH)[0][2] */
-    const float t2 = wheels->rear_right.spin - wheels->rear_left.spin;
-    const float b2 = 0.225f * t2; /* Htz[2] */
-    const float t3 = wheels->rear_left.spin + wheels->rear_right.spin;
-    const float b0 = 0.3f * t3; /* Htz[0] */
-    const float adj01 = fmaf(n22, t0, -(n12 * t1)); /* adj(HtH)[0][1] */
-    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f)); /* HtH[0][0] */
-    const float det = fmaf(-t1, adj02, fmaf(adj00, n00, -(t0 * adj01))); /* det(HtH) */
-    const float t4 = (det < 2.25f) ? 2.25f : det;
-    const float t5 = 1.0f / t4;
-    const float vx_fit = fmaf(adj00, b0, adj02 * b2) * t5;
-    const float p1 = fmaf(b0, adj01, b2 * fmaf(t0, t1, -(n12 * n00))); /* (adj(HtH) Htz)[1] */
-    const float vy_fit = t5 * p1;
-    const float p2 = fmaf(b0, adj02, b2 * fmaf(n11, n00, -(t0 * t0))); /* (adj(HtH) Htz)[2] */
-    const float omega_fit = t5 * p2;
-    const float t6 = (-0.75f) * omega_fit;
-    const float error_0 = fmaf(0.3f, wheels->rear_left.spin, -vx_fit) - t6;
-    const float error_2 = fmaf(0.3f, wheels->rear_right.spin, t6 - vx_fit);
-    const float t7 = fmaf(front_left.y, vx_fit, -(front_left.x * vy_fit));
-    const float error_4 = fmaf(-front_left_rw, omega_fit, t7);
-    const float t8 = fmaf(error_4, error_4, fmaf(error_0, error_0, error_2 * error_2));
-    const float t9 = fmaf(front_right.y, vx_fit, -(front_right.x * vy_fit));
-    const float error_5 = fmaf(-front_right_rw, omega_fit, t9);
-    const float t10 = (2.0f * (vy_fit * vy_fit)) + fmaf(error_5, error_5, t8);
+    /* omega in H, row of front_left */
+    const float front_left_rw = wmrgen_fma(0.75f, front_left.y, 2.5f * front_left.x);
+    const float t0 = wmrgen_fma(front_left_rw, front_left_rw, 1.125f);
+    const float n22 = wmrgen_fma(front_right_rw, front_right_rw, t0); /* HtH[2][2] */
+    const float n12 = wmrgen_fma(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
+    /* HtH[1][1] */
+    const float n11 = wmrgen_fma(front_right.x, front_right.x, wmrgen_fma(front_left.x, front_left.x, 2.0f));
+    const float adj00 = wmrgen_fma(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
+    const float t1 = wmrgen_fma(front_left.x, front_left.y, front_right.x * front_right.y);
+    const float t2 = wmrgen_fma(front_left.y, front_left_rw, front_right.y * front_right_rw);
+    const float adj02 = wmrgen_fma(n11, t2, -(n12 * t1)); /* adj(HtH)[0][2] */
+    const float t3 = wheels->rear_right.spin - wheels->rear_left.spin;
+    const float b2 = 0.225f * t3; /* Htz[2] */
+    const float t4 = wheels->rear_left.spin + wheels->rear_right.spin;
+    const float b0 = 0.3f * t4; /* Htz[0] */
+    const float adj01 = wmrgen_fma(n22, t1, -(n12 * t2)); /* adj(HtH)[0][1] */
+    /* HtH[0][0] */
+    const float n00 = wmrgen_fma(front_right.y, front_right.y, wmrgen_fma(front_left.y, front_left.y, 2.0f));
+    const float det = wmrgen_fma(-t2, adj02, wmrgen_fma(adj00, n00, -(t1 * adj01))); /* det(HtH) */
+    const float t5 = (det < 2.25f) ? 2.25f : det;
+    const float t6 = 1.0f / t5;
+    const float vx_fit = wmrgen_fma(adj00, b0, adj02 * b2) * t6;
+    const float p1 = wmrgen_fma(b0, adj01, b2 * wmrgen_fma(t1, t2, -(n12 * n00))); /* (adj(HtH) Htz)[1] */
+    const float vy_fit = t6 * p1;
+    const float p2 = wmrgen_fma(b0, adj02, b2 * wmrgen_fma(n11, n00, -(t1 * t1))); /* (adj(HtH) Htz)[2] */
+    const float omega_fit = t6 * p2;
+    const float t7 = wmrgen_fma(0.3f, wheels->rear_left.spin, -vx_fit);
+    const float t8 = (-0.75f) * omega_fit;
+    const float error_0 = t7 - t8;
+    const float error_2 = wmrgen_fma(0.3f, wheels->rear_right.spin, t8 - vx_fit);
+    const float t9 = wmrgen_fma(error_0, error_0, error_2 * error_2);
+    const float t10 = wmrgen_fma(front_left.y, vx_fit, -(front_left.x * vy_fit));
+    const float error_4 = wmrgen_fma(-front_left_rw, omega_fit, t10);
+    const float t11 = wmrgen_fma(front_right.y, vx_fit, -(front_right.x * vy_fit));
+    const float error_5 = wmrgen_fma(-front_right_rw, omega_fit, t11);
+    const float t12 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t9));
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
     twist->omega = omega_fit;
-    *slip = sqrtf(t10);
+    *slip = sqrtf((2.0f * (vy_fit * vy_fit)) + t12);
 }
 
 void ackermann_car_odometry(ackermann_car_pose *pose, const ackermann_car_twist *twist, float dt)
@@ -343,11 +388,11 @@ void ackermann_car_odometry(ackermann_car_pose *pose, const ackermann_car_twist 
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
 
-    pose->x = t2;
-    pose->y = t3;
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
     pose->theta = pose->theta + t0;
 }

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_a32d2cf62686df5c)
+#if !defined(ACKERMANN_CAR_PAIR_11c5d2cdbf28068d)
 #error "this file and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

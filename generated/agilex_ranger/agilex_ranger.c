@@ -7,10 +7,11 @@
  */
 #include "agilex_ranger.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_d26740bb2e5b0579)
+#if !defined(AGILEX_RANGER_PAIR_84d2a0d3db5ea474)
 #error "this file and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,43 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+static inline float wmrgen_fma(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        if ((lost < 0.0) || (lost > 0.0)) {
+            sum.bits += ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+        }
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -122,11 +157,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -144,9 +179,9 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
+    const float t0 = wmrgen_fma(angle, 0.63661975f, 25165824.0f);
     const float t1 = t0 - 25165824.0f;
-    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
+    const float t2 = wmrgen_fma(t1, 4.371139e-08f, wmrgen_fma(-t1, 1.5707964f, angle));
     const float t3 = wmrgen_negate_if_odd(size, t0);
 
     result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
@@ -162,15 +197,15 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 {
     const float t0 = q * q;
     const float t1 = q * t0;
-    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
-    const float t3 = fmaf(t0, t2, 0.04390253f);
-    const float t4 = fmaf(t0, t3, (-0.0762479f));
-    const float t5 = fmaf(t0, t4, 0.10709304f);
-    const float t6 = fmaf(t0, t5, (-0.14225537f));
-    const float t7 = fmaf(t0, t6, 0.1999624f);
-    const float t8 = fmaf(t0, t7, (-0.33333313f));
+    const float t2 = wmrgen_fma(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = wmrgen_fma(t0, t2, 0.04390253f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.0762479f));
+    const float t5 = wmrgen_fma(t0, t4, 0.10709304f);
+    const float t6 = wmrgen_fma(t0, t5, (-0.14225537f));
+    const float t7 = wmrgen_fma(t0, t6, 0.1999624f);
+    const float t8 = wmrgen_fma(t0, t7, (-0.33333313f));
 
-    return fmaf(t1, t8, q);
+    return wmrgen_fma(t1, t8, q);
 }
 #endif
 
@@ -195,9 +230,9 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t0 = fabsf(x);
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
-    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
     const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
+    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
     result.spin = t3;
     result.steer = t4;
@@ -211,12 +246,12 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -228,7 +263,7 @@ typedef char agilex_ranger_wheels_are_joints[
 
 float *agilex_ranger_joint(agilex_ranger_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)AGILEX_RANGER_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)AGILEX_RANGER_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void agilex_ranger_inverse(
@@ -236,46 +271,47 @@ void agilex_ranger_inverse(
     const agilex_ranger_wheels *now,
     agilex_ranger_wheels *out)
 {
-    /* v_Ax of front_left, v_Ax of rear_left */
-    const float front_left_x = fmaf(1.1920929e-09f, twist->omega, fmaf((-0.28f), twist->omega, twist->vx));
+    const float t0 = wmrgen_fma((-0.28f), twist->omega, twist->vx);
+    const float front_left_x = wmrgen_fma(1.1920929e-09f, twist->omega, t0); /* v_Ax of front_left, v_Ax of rear_left */
     /* v_Ay of front_left, v_Ay of front_right */
-    const float front_left_y = fmaf(1.1920929e-08f, twist->omega, fmaf(0.45f, twist->omega, twist->vy));
+    const float front_left_y = wmrgen_fma(1.1920929e-08f, twist->omega, wmrgen_fma(0.45f, twist->omega, twist->vy));
     const wmrgen_wheel front_left = wmrgen_steer_along(
         front_left_x, front_left_y, wmrgen_clamp(now->front_left.steer, 1.57f), 1.0f);
-    const float t0 = (1.6572665f < front_left.steer) ? (front_left.steer - 3.1415927f) : front_left.steer;
-    const float t1 = (front_left.steer < (-1.6572665f)) ? (front_left.steer + 3.1415927f) : t0;
-    const float front_left_target = wmrgen_clamp(t1, 1.57f);
-    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, front_left_target - front_left.steer);
+    const float t1 = (1.6572665f < front_left.steer) ? (front_left.steer - 3.1415927f) : front_left.steer;
+    const float t2 = (front_left.steer < (-1.6572665f)) ? (front_left.steer + 3.1415927f) : t1;
+    const float front_left_target = wmrgen_clamp(t2, 1.57f);
+    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, front_left_target - front_left.steer);
     /* v_Ax of front_right, v_Ax of rear_right */
-    const float front_right_x = fmaf((-1.1920929e-09f), twist->omega, fmaf(0.28f, twist->omega, twist->vx));
+    const float front_right_x = wmrgen_fma((-1.1920929e-09f), twist->omega, wmrgen_fma(0.28f, twist->omega, twist->vx));
     const wmrgen_wheel front_right = wmrgen_steer_along(
         front_right_x, front_left_y, wmrgen_clamp(now->front_right.steer, 1.57f), 1.0f);
-    const float t3 = (1.6572665f < front_right.steer) ? (front_right.steer - 3.1415927f) : front_right.steer;
-    const float t4 = (front_right.steer < (-1.6572665f)) ? (front_right.steer + 3.1415927f) : t3;
-    const float front_right_target = wmrgen_clamp(t4, 1.57f);
-    const wmrgen_vector t5 = wmrgen_vector_at(1.0f, front_right_target - front_right.steer);
+    const float t4 = (1.6572665f < front_right.steer) ? (front_right.steer - 3.1415927f) : front_right.steer;
+    const float t5 = (front_right.steer < (-1.6572665f)) ? (front_right.steer + 3.1415927f) : t4;
+    const float front_right_target = wmrgen_clamp(t5, 1.57f);
+    const wmrgen_vector t6 = wmrgen_vector_at(1.0f, front_right_target - front_right.steer);
+    const float t7 = wmrgen_fma((-0.45f), twist->omega, twist->vy);
     /* v_Ay of rear_left, v_Ay of rear_right */
-    const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy));
+    const float rear_left_y = wmrgen_fma((-1.1920929e-08f), twist->omega, t7);
     const wmrgen_wheel rear_left = wmrgen_steer_along(
         front_left_x, rear_left_y, wmrgen_clamp(now->rear_left.steer, 1.57f), 1.0f);
-    const float t6 = (1.6572665f < rear_left.steer) ? (rear_left.steer - 3.1415927f) : rear_left.steer;
-    const float t7 = (rear_left.steer < (-1.6572665f)) ? (rear_left.steer + 3.1415927f) : t6;
-    const float rear_left_target = wmrgen_clamp(t7, 1.57f);
-    const wmrgen_vector t8 = wmrgen_vector_at(1.0f, rear_left_target - rear_left.steer);
+    const float t8 = (1.6572665f < rear_left.steer) ? (rear_left.steer - 3.1415927f) : rear_left.steer;
+    const float t9 = (rear_left.steer < (-1.6572665f)) ? (rear_left.steer + 3.1415927f) : t8;
+    const float rear_left_target = wmrgen_clamp(t9, 1.57f);
+    const wmrgen_vector t10 = wmrgen_vector_at(1.0f, rear_left_target - rear_left.steer);
     const wmrgen_wheel rear_right = wmrgen_steer_along(
         front_right_x, rear_left_y, wmrgen_clamp(now->rear_right.steer, 1.57f), 1.0f);
-    const float t9 = (1.6572665f < rear_right.steer) ? (rear_right.steer - 3.1415927f) : rear_right.steer;
-    const float t10 = (rear_right.steer < (-1.6572665f)) ? (rear_right.steer + 3.1415927f) : t9;
-    const float rear_right_target = wmrgen_clamp(t10, 1.57f);
-    const wmrgen_vector t11 = wmrgen_vector_at(1.0f, rear_right_target - rear_right.steer);
+    const float t11 = (1.6572665f < rear_right.steer) ? (rear_right.steer - 3.1415927f) : rear_right.steer;
+    const float t12 = (rear_right.steer < (-1.6572665f)) ? (rear_right.steer + 3.1415927f) : t11;
+    const float rear_right_target = wmrgen_clamp(t12, 1.57f);
+    const wmrgen_vector t13 = wmrgen_vector_at(1.0f, rear_right_target - rear_right.steer);
 
-    out->front_left.spin = 8.333333f * (front_left.spin * t2.x);
+    out->front_left.spin = 8.333333f * (front_left.spin * t3.x);
     out->front_left.steer = front_left_target;
-    out->front_right.spin = 8.333333f * (front_right.spin * t5.x);
+    out->front_right.spin = 8.333333f * (front_right.spin * t6.x);
     out->front_right.steer = front_right_target;
-    out->rear_left.spin = 8.333333f * (rear_left.spin * t8.x);
+    out->rear_left.spin = 8.333333f * (rear_left.spin * t10.x);
     out->rear_left.steer = rear_left_target;
-    out->rear_right.spin = 8.333333f * (rear_right.spin * t11.x);
+    out->rear_right.spin = 8.333333f * (rear_right.spin * t13.x);
     out->rear_right.steer = rear_right_target;
 }
 
@@ -284,41 +320,42 @@ void agilex_ranger_inverse_slip(
     const agilex_ranger_wheels *wheels,
     float *slip)
 {
-    /* v_Ax of front_left, v_Ax of rear_left */
-    const float front_left_x = fmaf(1.1920929e-09f, twist->omega, fmaf((-0.28f), twist->omega, twist->vx));
+    const float t0 = wmrgen_fma((-0.28f), twist->omega, twist->vx);
+    const float front_left_x = wmrgen_fma(1.1920929e-09f, twist->omega, t0); /* v_Ax of front_left, v_Ax of rear_left */
     /* v_Ay of front_left, v_Ay of front_right */
-    const float front_left_y = fmaf(1.1920929e-08f, twist->omega, fmaf(0.45f, twist->omega, twist->vy));
-    const float t0 = wmrgen_clamp(wheels->front_left.steer, 1.57f);
-    const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, t0, 1.0f);
-    const float t1 = (1.6572665f < front_left.steer) ? (front_left.steer - 3.1415927f) : front_left.steer;
-    const float t2 = (front_left.steer < (-1.6572665f)) ? (front_left.steer + 3.1415927f) : t1;
-    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, wmrgen_clamp(t2, 1.57f) - front_left.steer);
-    const float t4 = front_left.spin * t3.y;
+    const float front_left_y = wmrgen_fma(1.1920929e-08f, twist->omega, wmrgen_fma(0.45f, twist->omega, twist->vy));
+    const float t1 = wmrgen_clamp(wheels->front_left.steer, 1.57f);
+    const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, t1, 1.0f);
+    const float t2 = (1.6572665f < front_left.steer) ? (front_left.steer - 3.1415927f) : front_left.steer;
+    const float t3 = (front_left.steer < (-1.6572665f)) ? (front_left.steer + 3.1415927f) : t2;
+    const wmrgen_vector t4 = wmrgen_vector_at(1.0f, wmrgen_clamp(t3, 1.57f) - front_left.steer);
+    const float t5 = front_left.spin * t4.y;
     /* v_Ax of front_right, v_Ax of rear_right */
-    const float front_right_x = fmaf((-1.1920929e-09f), twist->omega, fmaf(0.28f, twist->omega, twist->vx));
-    const float t5 = wmrgen_clamp(wheels->front_right.steer, 1.57f);
-    const wmrgen_wheel front_right = wmrgen_steer_along(front_right_x, front_left_y, t5, 1.0f);
-    const float t6 = (1.6572665f < front_right.steer) ? (front_right.steer - 3.1415927f) : front_right.steer;
-    const float t7 = (front_right.steer < (-1.6572665f)) ? (front_right.steer + 3.1415927f) : t6;
-    const wmrgen_vector t8 = wmrgen_vector_at(1.0f, wmrgen_clamp(t7, 1.57f) - front_right.steer);
-    const float t9 = front_right.spin * t8.y;
+    const float front_right_x = wmrgen_fma((-1.1920929e-09f), twist->omega, wmrgen_fma(0.28f, twist->omega, twist->vx));
+    const float t6 = wmrgen_clamp(wheels->front_right.steer, 1.57f);
+    const wmrgen_wheel front_right = wmrgen_steer_along(front_right_x, front_left_y, t6, 1.0f);
+    const float t7 = (1.6572665f < front_right.steer) ? (front_right.steer - 3.1415927f) : front_right.steer;
+    const float t8 = (front_right.steer < (-1.6572665f)) ? (front_right.steer + 3.1415927f) : t7;
+    const wmrgen_vector t9 = wmrgen_vector_at(1.0f, wmrgen_clamp(t8, 1.57f) - front_right.steer);
+    const float t10 = front_right.spin * t9.y;
+    const float t11 = wmrgen_fma((-0.45f), twist->omega, twist->vy);
     /* v_Ay of rear_left, v_Ay of rear_right */
-    const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy));
+    const float rear_left_y = wmrgen_fma((-1.1920929e-08f), twist->omega, t11);
     const wmrgen_wheel rear_left = wmrgen_steer_along(
         front_left_x, rear_left_y, wmrgen_clamp(wheels->rear_left.steer, 1.57f), 1.0f);
-    const float t10 = (1.6572665f < rear_left.steer) ? (rear_left.steer - 3.1415927f) : rear_left.steer;
-    const float t11 = (rear_left.steer < (-1.6572665f)) ? (rear_left.steer + 3.1415927f) : t10;
-    const wmrgen_vector t12 = wmrgen_vector_at(1.0f, wmrgen_clamp(t11, 1.57f) - rear_left.steer);
-    const float t13 = rear_left.spin * t12.y;
-    const float t14 = wmrgen_clamp(wheels->rear_right.steer, 1.57f);
-    const wmrgen_wheel rear_right = wmrgen_steer_along(front_right_x, rear_left_y, t14, 1.0f);
-    const float t15 = (1.6572665f < rear_right.steer) ? (rear_right.steer - 3.1415927f) : rear_right.steer;
-    const float t16 = (rear_right.steer < (-1.6572665f)) ? (rear_right.steer + 3.1415927f) : t15;
-    const wmrgen_vector t17 = wmrgen_vector_at(1.0f, wmrgen_clamp(t16, 1.57f) - rear_right.steer);
-    const float t18 = rear_right.spin * t17.y;
-    const float t19 = fmaf(t18, t18, fmaf(t13, t13, fmaf(t4, t4, t9 * t9)));
+    const float t12 = (1.6572665f < rear_left.steer) ? (rear_left.steer - 3.1415927f) : rear_left.steer;
+    const float t13 = (rear_left.steer < (-1.6572665f)) ? (rear_left.steer + 3.1415927f) : t12;
+    const wmrgen_vector t14 = wmrgen_vector_at(1.0f, wmrgen_clamp(t13, 1.57f) - rear_left.steer);
+    const float t15 = rear_left.spin * t14.y;
+    const float t16 = wmrgen_fma(t15, t15, wmrgen_fma(t5, t5, t10 * t10));
+    const float t17 = wmrgen_clamp(wheels->rear_right.steer, 1.57f);
+    const wmrgen_wheel rear_right = wmrgen_steer_along(front_right_x, rear_left_y, t17, 1.0f);
+    const float t18 = (1.6572665f < rear_right.steer) ? (rear_right.steer - 3.1415927f) : rear_right.steer;
+    const float t19 = (rear_right.steer < (-1.6572665f)) ? (rear_right.steer + 3.1415927f) : t18;
+    const wmrgen_vector t20 = wmrgen_vector_at(1.0f, wmrgen_clamp(t19, 1.57f) - rear_right.steer);
+    const float t21 = rear_right.spin * t20.y;
 
-    *slip = sqrtf(0.25f * t19);
+    *slip = sqrtf(0.25f * wmrgen_fma(t21, t21, t16));
 }
 
 void agilex_ranger_forward(const agilex_ranger_wheels *wheels, agilex_ranger_twist *twist)
@@ -335,7 +372,7 @@ void agilex_ranger_forward(const agilex_ranger_wheels *wheels, agilex_ranger_twi
     const float t1 = front_left.x + rear_left.x;
     const float t2 = rear_left.y + rear_right.y;
     const float t3 = front_left.y + front_right.y;
-    const float omega_fit = fmaf(0.048059806f, t3 - t2, 0.029903881f * (t0 - t1));
+    const float omega_fit = wmrgen_fma(0.048059806f, t3 - t2, 0.029903881f * (t0 - t1));
 
     twist->vx = 0.03f * (t0 + t1);
     twist->vy = 0.03f * (t2 + t3);
@@ -358,28 +395,29 @@ void agilex_ranger_forward_slip(
     const float t2 = rear_left.y + rear_right.y;
     const float t3 = front_left.y + front_right.y;
     const float vy_fit = 0.03f * (t2 + t3);
-    const float omega_fit = fmaf(0.048059806f, t3 - t2, 0.029903881f * (t0 - t1));
+    const float omega_fit = wmrgen_fma(0.048059806f, t3 - t2, 0.029903881f * (t0 - t1));
     const float t4 = 0.28f * omega_fit;
     const float t5 = -(vx_fit - t4);
-    const float t6 = fmaf(0.12f, front_left.x, t5);
+    const float t6 = wmrgen_fma(0.12f, front_left.x, t5);
     const float t7 = 0.45f * omega_fit;
     const float t8 = -(vy_fit + t7);
-    const float t9 = fmaf(0.12f, front_left.y, t8);
+    const float t9 = wmrgen_fma(0.12f, front_left.y, t8);
     const float t10 = -(vx_fit + t4);
-    const float t11 = fmaf(0.12f, front_right.x, t10);
-    const float t12 = fmaf(0.12f, front_right.y, t8);
-    const float t13 = fmaf(t12, t12, fmaf(t11, t11, fmaf(t6, t6, t9 * t9)));
-    const float t14 = fmaf(0.12f, rear_left.x, t5);
-    const float t15 = -(vy_fit - t7);
-    const float t16 = fmaf(0.12f, rear_left.y, t15);
-    const float t17 = fmaf(0.12f, rear_right.x, t10);
-    const float t18 = fmaf(t17, t17, fmaf(t16, t16, fmaf(t14, t14, t13)));
-    const float t19 = fmaf(0.12f, rear_right.y, t15);
+    const float t11 = wmrgen_fma(0.12f, front_right.x, t10);
+    const float t12 = wmrgen_fma(t11, t11, wmrgen_fma(t6, t6, t9 * t9));
+    const float t13 = wmrgen_fma(0.12f, front_right.y, t8);
+    const float t14 = wmrgen_fma(0.12f, rear_left.x, t5);
+    const float t15 = wmrgen_fma(t14, t14, wmrgen_fma(t13, t13, t12));
+    const float t16 = -(vy_fit - t7);
+    const float t17 = wmrgen_fma(0.12f, rear_left.y, t16);
+    const float t18 = wmrgen_fma(0.12f, rear_right.x, t10);
+    const float t19 = wmrgen_fma(t18, t18, wmrgen_fma(t17, t17, t15));
+    const float t20 = wmrgen_fma(0.12f, rear_right.y, t16);
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
     twist->omega = omega_fit;
-    *slip = sqrtf(fmaf(t19, t19, t18));
+    *slip = sqrtf(wmrgen_fma(t20, t20, t19));
 }
 
 void agilex_ranger_odometry(agilex_ranger_pose *pose, const agilex_ranger_twist *twist, float dt)
@@ -387,11 +425,11 @@ void agilex_ranger_odometry(agilex_ranger_pose *pose, const agilex_ranger_twist 
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
 
-    pose->x = t2;
-    pose->y = t3;
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
     pose->theta = pose->theta + t0;
 }

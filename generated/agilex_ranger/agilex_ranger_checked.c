@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(AGILEX_RANGER_PAIR_d26740bb2e5b0579)
+#if !defined(AGILEX_RANGER_PAIR_84d2a0d3db5ea474)
 #error "this file and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_d26740bb2e5b0579)
+#if !defined(AGILEX_RANGER_PAIR_84d2a0d3db5ea474)
 #error "this file and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(ANDINO_PAIR_5ec90c92ca1d674b)
+#if !defined(ANDINO_PAIR_7f56672851877c71)
 #error "this file and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

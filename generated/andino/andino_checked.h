@@ -21,7 +21,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_5ec90c92ca1d674b)
+#if !defined(ANDINO_PAIR_7f56672851877c71)
 #error "this file and andino.h were not generated together: copy both"
 #endif
 

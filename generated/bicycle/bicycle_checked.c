@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(BICYCLE_PAIR_065d409bb6559e9b)
+#if !defined(BICYCLE_PAIR_c12aa78c723bde20)
 #error "this file and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

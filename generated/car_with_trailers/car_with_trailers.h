@@ -30,7 +30,7 @@
 
 #define CAR_WITH_TRAILERS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CAR_WITH_TRAILERS_MODEL_HASH "46781bfe5be1c2a9cc3e7081988811c5" /**< digest of the model */
-#define CAR_WITH_TRAILERS_PAIR_50a1168f0c3c6c19 1 /**< header and source of one run have the same */
+#define CAR_WITH_TRAILERS_PAIR_4b0b2d2f7800e83d 1 /**< header and source of one run have the same */
 #define CAR_WITH_TRAILERS_WHEELS 4 /**< how many wheels the robot has */
 #define CAR_WITH_TRAILERS_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define CAR_WITH_TRAILERS_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */
@@ -142,7 +142,7 @@ enum car_with_trailers_joint {
 };
 
 /** Points to a joint by its number in enum car_with_trailers_joint, for loops over all;
- * to the first for other numbers. */
+ * NULL for other numbers. */
 float *car_with_trailers_joint(car_with_trailers_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -208,22 +208,25 @@ void car_with_trailers_trailer(
 
 /* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
- * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
- * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
- * angle at its limit for one. Check inputs, or take the functions of the _checked files.
+ * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0 or 16). Inputs
+ * up to 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond,
+ * squares may overflow. NaN is not caught: some outputs may come out as numbers all the same, a
+ * steering angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file
  * refuses them where the compiler tells of them, else it forbids regrouping where it can. Run the
  * self-test with your compiler and flags: test/car_with_trailers_selftest.c.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
- * calls are called: the least flash, the same results to the bit; calls cost time and stack.
- * With -DWMRGEN_SMALL car_with_trailers_forward() also calls the function that gives the same
- * results and more, instead of computing them again.
+ * The kernels at the top of the C file are inlined. Compiled with -Os, -Oz or -DWMRGEN_SMALL those
+ * with several calls are called: the least flash, the same results to the bit; calls cost time and
+ * stack.
+ * Then car_with_trailers_forward() also calls the function that gives the same results and more,
+ * instead of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
- * is one instruction; for others there are --target host, m0 and avr.
+ * is one instruction; for others there are --target host, m0 and avr. Another processor with an FPU
+ * goes by way of double, to the same bits (of numbers that are not subnormal) and in more time. An
+ * AVR and processors without an FPU are refused at compile time.
  *
  * Proved for |vx| <= 2, |omega| <= 1, |front_left.steer, front_right.steer| <= 0.698132, and with
  * these ranges of inputs that have no limits: |vy| <= 2, |rear_left.spin, rear_right.spin| <=

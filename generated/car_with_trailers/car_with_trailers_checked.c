@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_50a1168f0c3c6c19)
+#if !defined(CAR_WITH_TRAILERS_PAIR_4b0b2d2f7800e83d)
 #error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

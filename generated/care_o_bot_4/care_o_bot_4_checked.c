@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_c570dc07c1b5c1cc)
+#if !defined(CARE_O_BOT_4_PAIR_088d64786ee85c5a)
 #error "this file and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -30,7 +30,7 @@
 
 #define CLEARPATH_A200_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_A200_MODEL_HASH "a835a864c25f272b3a3208e7368e86ab" /**< digest of the model */
-#define CLEARPATH_A200_PAIR_7ed8a586b24cc30c 1 /**< header and source of one run have the same */
+#define CLEARPATH_A200_PAIR_fdc0c56cf5f73c9a 1 /**< header and source of one run have the same */
 #define CLEARPATH_A200_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_A200_FRONT_LEFT_X 0.256f /**< [m] pivot, forward of P */
 #define CLEARPATH_A200_FRONT_LEFT_Y 0.2775f /**< [m] pivot, to the left of P */
@@ -86,7 +86,7 @@ enum clearpath_a200_joint {
 };
 
 /** Points to a joint by its number in enum clearpath_a200_joint, for loops over all;
- * to the first for other numbers. */
+ * NULL for other numbers. */
 float *clearpath_a200_joint(clearpath_a200_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.
@@ -122,20 +122,23 @@ void clearpath_a200_odometry(
 
 /* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
- * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
- * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
- * angle at its limit for one. Check inputs, or take the functions of the _checked files.
+ * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0 or 16). Inputs
+ * up to 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond,
+ * squares may overflow. NaN is not caught: some outputs may come out as numbers all the same, a
+ * steering angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file
  * refuses them where the compiler tells of them, else it forbids regrouping where it can. Run the
  * self-test with your compiler and flags: test/clearpath_a200_selftest.c.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
- * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -Os, -Oz or -DWMRGEN_SMALL those
+ * with several calls are called: the least flash, the same results to the bit; calls cost time and
+ * stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
- * is one instruction; for others there are --target host, m0 and avr.
+ * is one instruction; for others there are --target host, m0 and avr. Another processor with an FPU
+ * goes by way of double, to the same bits (of numbers that are not subnormal) and in more time. An
+ * AVR and processors without an FPU are refused at compile time.
  *
  * Proved for |vx| <= 1, |omega| <= 2, and with these ranges of inputs that have no limits: |vy| <=
  * 1, |front_left.spin, front_right.spin, rear_left.spin, rear_right.spin| <= 9.41854, |x| <= 100,

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_A200_PAIR_7ed8a586b24cc30c)
+#if !defined(CLEARPATH_A200_PAIR_fdc0c56cf5f73c9a)
 #error "this file and clearpath_a200.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

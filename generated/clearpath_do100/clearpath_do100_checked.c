@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_DO100_PAIR_78a351ec62b6e4fd)
+#if !defined(CLEARPATH_DO100_PAIR_7cb3614c80eb6c5b)
 #error "this file and clearpath_do100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_R100_PAIR_d0bae485a28d595c)
+#if !defined(CLEARPATH_R100_PAIR_6456933cbba79563)
 #error "this file and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

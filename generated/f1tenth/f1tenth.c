@@ -7,10 +7,11 @@
  */
 #include "f1tenth.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_5ed52ffa373f4248)
+#if !defined(F1TENTH_PAIR_025c8f6dc672d0e2)
 #error "this file and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,43 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+static inline float wmrgen_fma(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        if ((lost < 0.0) || (lost > 0.0)) {
+            sum.bits += ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+        }
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -122,11 +157,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -144,18 +179,18 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t0 = wmrgen_fma(angle, 0.31830987f, 12582912.0f);
     const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t2 = wmrgen_fma(t1, 8.742278e-08f, wmrgen_fma(-t1, 3.1415927f, angle));
     const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
+    const float t6 = wmrgen_fma(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = wmrgen_fma(t4, t6, (-0.0013888585f));
+    const float t8 = wmrgen_fma(t4, t7, 0.041666657f);
+    const float t9 = wmrgen_fma(t4, t8, (-0.5f));
 
-    result.x = fmaf(t5, t9, t3);
+    result.x = wmrgen_fma(t5, t9, t3);
     result.y = t3 * wmrgen_sine(t2);
     return result;
 }
@@ -168,15 +203,15 @@ WMRGEN_ONCE float wmrgen_arctangent(float q)
 {
     const float t0 = q * q;
     const float t1 = q * t0;
-    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
-    const float t3 = fmaf(t0, t2, 0.04390253f);
-    const float t4 = fmaf(t0, t3, (-0.0762479f));
-    const float t5 = fmaf(t0, t4, 0.10709304f);
-    const float t6 = fmaf(t0, t5, (-0.14225537f));
-    const float t7 = fmaf(t0, t6, 0.1999624f);
-    const float t8 = fmaf(t0, t7, (-0.33333313f));
+    const float t2 = wmrgen_fma(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = wmrgen_fma(t0, t2, 0.04390253f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.0762479f));
+    const float t5 = wmrgen_fma(t0, t4, 0.10709304f);
+    const float t6 = wmrgen_fma(t0, t5, (-0.14225537f));
+    const float t7 = wmrgen_fma(t0, t6, 0.1999624f);
+    const float t8 = wmrgen_fma(t0, t7, (-0.33333313f));
 
-    return fmaf(t1, t8, q);
+    return wmrgen_fma(t1, t8, q);
 }
 #endif
 
@@ -186,12 +221,12 @@ WMRGEN_ONCE float wmrgen_arctangent(float q)
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -203,7 +238,7 @@ typedef char f1tenth_wheels_are_joints[
 
 float *f1tenth_joint(f1tenth_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)F1TENTH_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)F1TENTH_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void f1tenth_inverse(const f1tenth_twist *twist, const f1tenth_wheels *now, f1tenth_wheels *out)
@@ -222,10 +257,11 @@ void f1tenth_inverse_slip(const f1tenth_twist *twist, const f1tenth_wheels *whee
     (void)wheels;
     const float front_q = 0.3302f * twist->omega; /* q of front */
     const float front_t = wmrgen_clamp(front_q / wmrgen_at_least(twist->vx, 1e-20f), 0.4452287f); /* t of front */
-    const float t0 = fmaf(-twist->vx, front_t, front_q) / sqrtf(fmaf(front_t, front_t, 1.0f));
-    const float t1 = fabsf(fmaf((-0.17145f), twist->omega, twist->vy));
+    const float t0 = wmrgen_fma(-twist->vx, front_t, front_q) / sqrtf(wmrgen_fma(front_t, front_t, 1.0f));
+    const float t1 = wmrgen_fma((-0.17145f), twist->omega, twist->vy);
+    const float t2 = fabsf(t1);
 
-    *slip = sqrtf(fmaf(t1, t1, t0 * t0));
+    *slip = sqrtf(wmrgen_fma(t2, t2, t0 * t0));
 }
 
 void f1tenth_forward(const f1tenth_wheels *wheels, f1tenth_twist *twist)
@@ -236,43 +272,43 @@ void f1tenth_forward(const f1tenth_wheels *wheels, f1tenth_twist *twist)
 #else
     const wmrgen_vector front = wmrgen_direction(wheels->front.steer);
     const float t0 = front.x * front.x;
-    const float n22 = fmaf(0.025201563f, t0, 0.029395102f); /* HtH[2][2] */
-    const float n12 = fmaf(0.15875f, t0, (-0.17145f)); /* HtH[1][2] */
+    const float n22 = wmrgen_fma(0.025201563f, t0, 0.029395102f); /* HtH[2][2] */
+    const float n12 = wmrgen_fma(0.15875f, t0, (-0.17145f)); /* HtH[1][2] */
     const float n11 = t0 + 1.0f; /* HtH[1][1] */
-    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
+    const float adj00 = wmrgen_fma(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
     const float t1 = front.y * front.x;
     const float t2 = t1 * t1;
-    const float n00 = fmaf(front.y, front.y, 1.0f); /* HtH[0][0] */
-    const float t3 = adj00 + fmaf(n00, n22, -(0.025201563f * t2));
-    const float adj22 = fmaf(n00, n11, -t2); /* adj(HtH)[2][2] */
+    const float n00 = wmrgen_fma(front.y, front.y, 1.0f); /* HtH[0][0] */
+    const float t3 = adj00 + wmrgen_fma(n00, n22, -(0.025201563f * t2));
+    const float adj22 = wmrgen_fma(n00, n11, -t2); /* adj(HtH)[2][2] */
     const float c2 = adj22 + t3;
     const float t4 = (c2 < 1e-12f) ? 1e-12f : c2;
     const float over_c2 = 1.0f / t4;
     const float t5 = adj00 * wheels->rear.spin;
-    const float t6 = 0.05f * fmaf(-t5, over_c2, wheels->rear.spin);
+    const float t6 = 0.05f * wmrgen_fma(-t5, over_c2, wheels->rear.spin);
     const float t7 = n00 + n11;
     const float c1 = t7 + n22;
     const float t8 = 0.05f * wheels->rear.spin;
-    const float size2 = fmaf(36.632275f, t3, adj22);
-    const float size1 = fmaf(36.632275f, n22, t7);
+    const float size2 = wmrgen_fma(36.632275f, t3, adj22);
+    const float size1 = wmrgen_fma(36.632275f, n22, t7);
     const float edge3 = 2.7298332e-08f * (size1 * size2);
     const float t9 = n12 * t1;
-    const float adj01 = fmaf(n22, t1, -(0.15875f * t9)); /* adj(HtH)[0][1] */
-    const float adj02 = fmaf(0.15875f, n11 * t1, -t9); /* adj(HtH)[0][2] */
-    const float det = fmaf(n00, adj00, t1 * fmaf((-0.15875f), adj02, -adj01)); /* det(HtH) */
+    const float adj01 = wmrgen_fma(n22, t1, -(0.15875f * t9)); /* adj(HtH)[0][1] */
+    const float adj02 = wmrgen_fma(0.15875f, n11 * t1, -t9); /* adj(HtH)[0][2] */
+    const float det = wmrgen_fma(n00, adj00, t1 * wmrgen_fma((-0.15875f), adj02, -adj01)); /* det(HtH) */
     const float t10 = (det < 1e-12f) ? 1e-12f : det;
     const float t11 = 0.05f / t10;
-    const float t12 = (edge3 < det) ? (t5 * t11) : (over_c2 * fmaf(c1, t6, -(n00 * t8)));
+    const float t12 = (edge3 < det) ? (t5 * t11) : (over_c2 * wmrgen_fma(c1, t6, -(n00 * t8)));
     const float edge2 = 0.000001f * (size1 * size1);
     const float t13 = (c1 < 1e-12f) ? 1e-12f : c1;
     const float vx_fit = (edge2 < size2) ? t12 : (t8 / t13);
     const float t14 = adj01 * wheels->rear.spin;
     const float t15 = t1 * wheels->rear.spin;
-    const float t16 = (edge3 < det) ? (t11 * t14) : (over_c2 * (0.05f * fmaf(-c1, over_c2 * t14, t15)));
+    const float t16 = (edge3 < det) ? (t11 * t14) : (over_c2 * (0.05f * wmrgen_fma(-c1, over_c2 * t14, t15)));
     const float vy_fit = (edge2 < size2) ? t16 : 0.0f;
     const float t17 = adj02 * wheels->rear.spin;
-    const float t18 = 0.05f * fmaf(0.15875f, t15, -(c1 * (over_c2 * t17)));
-    const float t19 = (edge3 < det) ? (t11 * t17) : (over_c2 * t18);
+    const float t18 = wmrgen_fma(0.15875f, t15, -(c1 * (over_c2 * t17)));
+    const float t19 = (edge3 < det) ? (t11 * t17) : (over_c2 * (0.05f * t18));
     const float omega_fit = (edge2 < size2) ? t19 : 0.0f;
 
     twist->vx = vx_fit;
@@ -285,54 +321,55 @@ void f1tenth_forward_slip(const f1tenth_wheels *wheels, f1tenth_twist *twist, fl
 {
     const wmrgen_vector front = wmrgen_direction(wheels->front.steer);
     const float t0 = front.x * front.x;
-    const float n22 = fmaf(0.025201563f, t0, 0.029395102f); /* HtH[2][2] */
-    const float n12 = fmaf(0.15875f, t0, (-0.17145f)); /* HtH[1][2] */
+    const float n22 = wmrgen_fma(0.025201563f, t0, 0.029395102f); /* HtH[2][2] */
+    const float n12 = wmrgen_fma(0.15875f, t0, (-0.17145f)); /* HtH[1][2] */
     const float n11 = t0 + 1.0f; /* HtH[1][1] */
-    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
+    const float adj00 = wmrgen_fma(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
     const float t1 = front.y * front.x;
     const float t2 = t1 * t1;
-    const float n00 = fmaf(front.y, front.y, 1.0f); /* HtH[0][0] */
-    const float t3 = adj00 + fmaf(n00, n22, -(0.025201563f * t2));
-    const float adj22 = fmaf(n00, n11, -t2); /* adj(HtH)[2][2] */
+    const float n00 = wmrgen_fma(front.y, front.y, 1.0f); /* HtH[0][0] */
+    const float t3 = adj00 + wmrgen_fma(n00, n22, -(0.025201563f * t2));
+    const float adj22 = wmrgen_fma(n00, n11, -t2); /* adj(HtH)[2][2] */
     const float c2 = adj22 + t3;
     const float t4 = (c2 < 1e-12f) ? 1e-12f : c2;
     const float over_c2 = 1.0f / t4;
     const float t5 = adj00 * wheels->rear.spin;
-    const float t6 = 0.05f * fmaf(-t5, over_c2, wheels->rear.spin);
+    const float t6 = 0.05f * wmrgen_fma(-t5, over_c2, wheels->rear.spin);
     const float t7 = n00 + n11;
     const float c1 = t7 + n22;
     const float t8 = 0.05f * wheels->rear.spin;
-    const float size2 = fmaf(36.632275f, t3, adj22);
-    const float size1 = fmaf(36.632275f, n22, t7);
+    const float size2 = wmrgen_fma(36.632275f, t3, adj22);
+    const float size1 = wmrgen_fma(36.632275f, n22, t7);
     const float edge3 = 2.7298332e-08f * (size1 * size2);
     const float t9 = n12 * t1;
-    const float adj01 = fmaf(n22, t1, -(0.15875f * t9)); /* adj(HtH)[0][1] */
-    const float adj02 = fmaf(0.15875f, n11 * t1, -t9); /* adj(HtH)[0][2] */
-    const float det = fmaf(n00, adj00, t1 * fmaf((-0.15875f), adj02, -adj01)); /* det(HtH) */
+    const float adj01 = wmrgen_fma(n22, t1, -(0.15875f * t9)); /* adj(HtH)[0][1] */
+    const float adj02 = wmrgen_fma(0.15875f, n11 * t1, -t9); /* adj(HtH)[0][2] */
+    const float det = wmrgen_fma(n00, adj00, t1 * wmrgen_fma((-0.15875f), adj02, -adj01)); /* det(HtH) */
     const float t10 = (det < 1e-12f) ? 1e-12f : det;
     const float t11 = 0.05f / t10;
-    const float t12 = (edge3 < det) ? (t5 * t11) : (over_c2 * fmaf(c1, t6, -(n00 * t8)));
+    const float t12 = (edge3 < det) ? (t5 * t11) : (over_c2 * wmrgen_fma(c1, t6, -(n00 * t8)));
     const float edge2 = 0.000001f * (size1 * size1);
     const float t13 = (c1 < 1e-12f) ? 1e-12f : c1;
     const float vx_fit = (edge2 < size2) ? t12 : (t8 / t13);
     const float t14 = adj01 * wheels->rear.spin;
     const float t15 = t1 * wheels->rear.spin;
-    const float t16 = (edge3 < det) ? (t11 * t14) : (over_c2 * (0.05f * fmaf(-c1, over_c2 * t14, t15)));
+    const float t16 = (edge3 < det) ? (t11 * t14) : (over_c2 * (0.05f * wmrgen_fma(-c1, over_c2 * t14, t15)));
     const float vy_fit = (edge2 < size2) ? t16 : 0.0f;
     const float t17 = adj02 * wheels->rear.spin;
-    const float t18 = 0.05f * fmaf(0.15875f, t15, -(c1 * (over_c2 * t17)));
-    const float t19 = (edge3 < det) ? (t11 * t17) : (over_c2 * t18);
+    const float t18 = wmrgen_fma(0.15875f, t15, -(c1 * (over_c2 * t17)));
+    const float t19 = (edge3 < det) ? (t11 * t17) : (over_c2 * (0.05f * t18));
     const float omega_fit = (edge2 < size2) ? t19 : 0.0f;
     const float t20 = -vy_fit;
-    const float error_2 = fmaf(front.y, vx_fit, front.x * fmaf((-0.15875f), omega_fit, t20));
-    const float error_1 = fmaf(0.17145f, omega_fit, t20);
+    const float t21 = front.x * wmrgen_fma((-0.15875f), omega_fit, t20);
+    const float error_2 = wmrgen_fma(front.y, vx_fit, t21);
+    const float error_1 = wmrgen_fma(0.17145f, omega_fit, t20);
     const float error_0 = t8 - vx_fit;
-    const float t21 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
+    const float t22 = wmrgen_fma(error_0, error_0, error_1 * error_1);
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
     twist->omega = omega_fit;
-    *slip = sqrtf(t21);
+    *slip = sqrtf(wmrgen_fma(error_2, error_2, t22));
 }
 
 void f1tenth_odometry(f1tenth_pose *pose, const f1tenth_twist *twist, float dt)
@@ -340,12 +377,12 @@ void f1tenth_odometry(f1tenth_pose *pose, const f1tenth_twist *twist, float dt)
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
 
-    pose->x = t2;
-    pose->y = t3;
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
     pose->theta = pose->theta + t0;
 }
 
@@ -374,13 +411,14 @@ void f1tenth_limit_acceleration(f1tenth_twist *twist, const f1tenth_twist *wante
     const float time = (t0 < t2) ? t2 : t0;
     const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t3 = 0.9999995f * (step / time);
-    const float t4 = (step < time) ? fmaf(vx_change, t3, twist->vx) : wanted->vx;
-    const float t5 = (step < time) ? fmaf(vy_change, t3, twist->vy) : wanted->vy;
-    const float t6 = (step < time) ? fmaf(t3, wanted->omega - twist->omega, twist->omega) : wanted->omega;
+    const float t4 = (step < time) ? wmrgen_fma(vx_change, t3, twist->vx) : wanted->vx;
+    const float t5 = (step < time) ? wmrgen_fma(vy_change, t3, twist->vy) : wanted->vy;
+    const float t6 = wmrgen_fma(t3, wanted->omega - twist->omega, twist->omega);
+    const float t7 = (step < time) ? t6 : wanted->omega;
 
     twist->vx = t4;
     twist->vy = t5;
-    twist->omega = t6;
+    twist->omega = t7;
 }
 
 void f1tenth_steer_toward(

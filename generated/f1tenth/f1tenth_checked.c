@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(F1TENTH_PAIR_5ed52ffa373f4248)
+#if !defined(F1TENTH_PAIR_025c8f6dc672d0e2)
 #error "this file and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

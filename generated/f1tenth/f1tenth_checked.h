@@ -21,7 +21,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_5ed52ffa373f4248)
+#if !defined(F1TENTH_PAIR_025c8f6dc672d0e2)
 #error "this file and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_615156441a4988ab)
+#if !defined(FESTO_ROBOTINO_PAIR_e83f75b28f38d102)
 #error "this file and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -7,10 +7,11 @@
  */
 #include "jpl_osr.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(JPL_OSR_PAIR_c4f542853c359be9)
+#if !defined(JPL_OSR_PAIR_3521cdcfaa07e1b4)
 #error "this file and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,43 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+static inline float wmrgen_fma(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        if ((lost < 0.0) || (lost > 0.0)) {
+            sum.bits += ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+        }
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -111,11 +146,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -133,9 +168,9 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
+    const float t0 = wmrgen_fma(angle, 0.63661975f, 25165824.0f);
     const float t1 = t0 - 25165824.0f;
-    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
+    const float t2 = wmrgen_fma(t1, 4.371139e-08f, wmrgen_fma(-t1, 1.5707964f, angle));
     const float t3 = wmrgen_negate_if_odd(size, t0);
 
     result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
@@ -151,15 +186,15 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 {
     const float t0 = q * q;
     const float t1 = q * t0;
-    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
-    const float t3 = fmaf(t0, t2, 0.04390253f);
-    const float t4 = fmaf(t0, t3, (-0.0762479f));
-    const float t5 = fmaf(t0, t4, 0.10709304f);
-    const float t6 = fmaf(t0, t5, (-0.14225537f));
-    const float t7 = fmaf(t0, t6, 0.1999624f);
-    const float t8 = fmaf(t0, t7, (-0.33333313f));
+    const float t2 = wmrgen_fma(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = wmrgen_fma(t0, t2, 0.04390253f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.0762479f));
+    const float t5 = wmrgen_fma(t0, t4, 0.10709304f);
+    const float t6 = wmrgen_fma(t0, t5, (-0.14225537f));
+    const float t7 = wmrgen_fma(t0, t6, 0.1999624f);
+    const float t8 = wmrgen_fma(t0, t7, (-0.33333313f));
 
-    return fmaf(t1, t8, q);
+    return wmrgen_fma(t1, t8, q);
 }
 #endif
 
@@ -184,9 +219,9 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t0 = fabsf(x);
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
-    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
     const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
+    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
     result.spin = t3;
     result.steer = t4;
@@ -200,12 +235,12 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -217,7 +252,7 @@ typedef char jpl_osr_wheels_are_joints[
 
 float *jpl_osr_joint(jpl_osr_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)JPL_OSR_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)JPL_OSR_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void jpl_osr_inverse(const jpl_osr_twist *twist, const jpl_osr_wheels *now, jpl_osr_wheels *out)
@@ -267,15 +302,15 @@ void jpl_osr_forward(const jpl_osr_wheels *wheels, jpl_osr_twist *twist)
     const float t1 = left_front.x + left_back.x;
     const float t2 = wheels->left_middle.spin + wheels->right_middle.spin;
     const float t3 = wheels->left_middle.spin - wheels->right_middle.spin;
-    const float t4 = fmaf(0.69960475f, t1 - t0, t3);
+    const float t4 = wmrgen_fma(0.69960475f, t1 - t0, t3);
     const float t5 = left_back.y + right_back.y;
     const float t6 = left_front.y + right_front.y;
-    const float vy_fit = fmaf((-0.00038280358f), t4, fmaf(0.012049109f, t5, 0.012932735f * t6));
-    const float omega_fit = fmaf((-0.031900298f), t4, fmaf(0.03606121f, t6, -(0.037574265f * t5)));
+    const float t7 = wmrgen_fma(0.012049109f, t5, 0.012932735f * t6);
+    const float t8 = wmrgen_fma(0.03606121f, t6, -(0.037574265f * t5));
 
     twist->vx = 0.0125f * (t0 + (t1 + t2));
-    twist->vy = vy_fit;
-    twist->omega = omega_fit;
+    twist->vy = wmrgen_fma((-0.00038280358f), t4, t7);
+    twist->omega = wmrgen_fma((-0.031900298f), t4, t8);
 #endif
 }
 
@@ -290,36 +325,40 @@ void jpl_osr_forward_slip(const jpl_osr_wheels *wheels, jpl_osr_twist *twist, fl
     const float t2 = wheels->left_middle.spin + wheels->right_middle.spin;
     const float vx_fit = 0.0125f * (t0 + (t1 + t2));
     const float t3 = wheels->left_middle.spin - wheels->right_middle.spin;
-    const float t4 = fmaf(0.69960475f, t1 - t0, t3);
+    const float t4 = wmrgen_fma(0.69960475f, t1 - t0, t3);
     const float t5 = left_back.y + right_back.y;
     const float t6 = left_front.y + right_front.y;
-    const float vy_fit = fmaf((-0.00038280358f), t4, fmaf(0.012049109f, t5, 0.012932735f * t6));
-    const float omega_fit = fmaf((-0.031900298f), t4, fmaf(0.03606121f, t6, -(0.037574265f * t5)));
-    const float t7 = -fmaf(0.274f, omega_fit, vy_fit);
-    const float t8 = fmaf(0.075f, right_front.y, t7);
-    const float t9 = fmaf(0.075f, left_front.y, t7);
-    const float t10 = 0.177f * omega_fit;
-    const float t11 = -(vx_fit - t10);
-    const float t12 = fmaf(0.075f, left_front.x, t11);
-    const float t13 = -(vx_fit + t10);
-    const float t14 = fmaf(0.075f, right_front.x, t13);
-    const float t15 = fmaf(t8, t8, fmaf(t14, t14, fmaf(t12, t12, t9 * t9)));
-    const float t16 = fmaf(0.075f, left_back.x, t11);
-    const float t17 = -fmaf((-0.31f), omega_fit, vy_fit);
-    const float t18 = fmaf(0.075f, left_back.y, t17);
-    const float t19 = fmaf(0.075f, right_back.x, t13);
-    const float t20 = fmaf(t19, t19, fmaf(t18, t18, fmaf(t16, t16, t15)));
-    const float t21 = fmaf(0.075f, right_back.y, t17);
-    const float t22 = (-0.253f) * omega_fit;
-    const float t23 = fmaf(0.075f, wheels->left_middle.spin, -vx_fit);
-    const float t24 = t23 - t22;
-    const float t25 = fmaf(0.075f, wheels->right_middle.spin, t22 - vx_fit);
-    const float t26 = fmaf(t25, t25, fmaf(t24, t24, fmaf(t21, t21, t20)));
+    const float t7 = wmrgen_fma(0.012049109f, t5, 0.012932735f * t6);
+    const float vy_fit = wmrgen_fma((-0.00038280358f), t4, t7);
+    const float t8 = wmrgen_fma(0.03606121f, t6, -(0.037574265f * t5));
+    const float omega_fit = wmrgen_fma((-0.031900298f), t4, t8);
+    const float t9 = -wmrgen_fma(0.274f, omega_fit, vy_fit);
+    const float t10 = wmrgen_fma(0.075f, right_front.y, t9);
+    const float t11 = wmrgen_fma(0.075f, left_front.y, t9);
+    const float t12 = 0.177f * omega_fit;
+    const float t13 = -(vx_fit - t12);
+    const float t14 = wmrgen_fma(0.075f, left_front.x, t13);
+    const float t15 = -(vx_fit + t12);
+    const float t16 = wmrgen_fma(0.075f, right_front.x, t15);
+    const float t17 = wmrgen_fma(t16, t16, wmrgen_fma(t14, t14, t11 * t11));
+    const float t18 = wmrgen_fma(0.075f, left_back.x, t13);
+    const float t19 = wmrgen_fma(t18, t18, wmrgen_fma(t10, t10, t17));
+    const float t20 = -wmrgen_fma((-0.31f), omega_fit, vy_fit);
+    const float t21 = wmrgen_fma(0.075f, left_back.y, t20);
+    const float t22 = wmrgen_fma(0.075f, right_back.x, t15);
+    const float t23 = wmrgen_fma(t22, t22, wmrgen_fma(t21, t21, t19));
+    const float t24 = wmrgen_fma(0.075f, right_back.y, t20);
+    const float t25 = (-0.253f) * omega_fit;
+    const float t26 = wmrgen_fma(0.075f, wheels->left_middle.spin, -vx_fit);
+    const float t27 = t26 - t25;
+    const float t28 = wmrgen_fma(t27, t27, wmrgen_fma(t24, t24, t23));
+    const float t29 = wmrgen_fma(0.075f, wheels->right_middle.spin, t25 - vx_fit);
+    const float t30 = (2.0f * (vy_fit * vy_fit)) + wmrgen_fma(t29, t29, t28);
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
     twist->omega = omega_fit;
-    *slip = sqrtf((2.0f * (vy_fit * vy_fit)) + t26);
+    *slip = sqrtf(t30);
 }
 
 void jpl_osr_odometry(jpl_osr_pose *pose, const jpl_osr_twist *twist, float dt)
@@ -327,11 +366,11 @@ void jpl_osr_odometry(jpl_osr_pose *pose, const jpl_osr_twist *twist, float dt)
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
 
-    pose->x = t2;
-    pose->y = t3;
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
     pose->theta = pose->theta + t0;
 }

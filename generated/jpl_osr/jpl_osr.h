@@ -32,7 +32,7 @@
 
 #define JPL_OSR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define JPL_OSR_MODEL_HASH "546dd5148817b2390743f7f6ea6050f2" /**< digest of the model */
-#define JPL_OSR_PAIR_c4f542853c359be9 1 /**< header and source of one run have the same */
+#define JPL_OSR_PAIR_3521cdcfaa07e1b4 1 /**< header and source of one run have the same */
 #define JPL_OSR_WHEELS 6 /**< how many wheels the robot has */
 #define JPL_OSR_LEFT_FRONT_X 0.274f /**< [m] pivot, forward of P */
 #define JPL_OSR_LEFT_FRONT_Y 0.177f /**< [m] pivot, to the left of P */
@@ -111,7 +111,7 @@ enum jpl_osr_joint {
 };
 
 /** Points to a joint by its number in enum jpl_osr_joint, for loops over all;
- * to the first for other numbers. */
+ * NULL for other numbers. */
 float *jpl_osr_joint(jpl_osr_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -144,22 +144,25 @@ void jpl_osr_odometry(jpl_osr_pose *pose, const jpl_osr_twist *twist, float dt);
 
 /* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
- * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
- * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
- * angle at its limit for one. Check inputs, or take the functions of the _checked files.
+ * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0 or 16). Inputs
+ * up to 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond,
+ * squares may overflow. NaN is not caught: some outputs may come out as numbers all the same, a
+ * steering angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file
  * refuses them where the compiler tells of them, else it forbids regrouping where it can. Run the
  * self-test with your compiler and flags: test/jpl_osr_selftest.c.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
- * calls are called: the least flash, the same results to the bit; calls cost time and stack.
- * With -DWMRGEN_SMALL jpl_osr_forward() also calls the function that gives the same results and
- * more, instead of computing them again.
+ * The kernels at the top of the C file are inlined. Compiled with -Os, -Oz or -DWMRGEN_SMALL those
+ * with several calls are called: the least flash, the same results to the bit; calls cost time and
+ * stack.
+ * Then jpl_osr_forward() also calls the function that gives the same results and more, instead of
+ * computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
- * is one instruction; for others there are --target host, m0 and avr.
+ * is one instruction; for others there are --target host, m0 and avr. Another processor with an FPU
+ * goes by way of double, to the same bits (of numbers that are not subnormal) and in more time. An
+ * AVR and processors without an FPU are refused at compile time.
  */
 
 #endif /* WMRGEN_JPL_OSR_H */

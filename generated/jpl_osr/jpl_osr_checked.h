@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_c4f542853c359be9)
+#if !defined(JPL_OSR_PAIR_3521cdcfaa07e1b4)
 #error "this file and jpl_osr.h were not generated together: copy both"
 #endif
 

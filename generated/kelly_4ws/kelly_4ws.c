@@ -7,10 +7,11 @@
  */
 #include "kelly_4ws.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_90e1981faa8fc14c)
+#if !defined(KELLY_4WS_PAIR_e40e794373c0f8d3)
 #error "this file and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,43 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+static inline float wmrgen_fma(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        if ((lost < 0.0) || (lost > 0.0)) {
+            sum.bits += ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+        }
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -111,11 +146,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -133,18 +168,18 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t0 = wmrgen_fma(angle, 0.31830987f, 12582912.0f);
     const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t2 = wmrgen_fma(t1, 8.742278e-08f, wmrgen_fma(-t1, 3.1415927f, angle));
     const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
+    const float t6 = wmrgen_fma(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = wmrgen_fma(t4, t6, (-0.0013888585f));
+    const float t8 = wmrgen_fma(t4, t7, 0.041666657f);
+    const float t9 = wmrgen_fma(t4, t8, (-0.5f));
 
-    result.x = fmaf(t5, t9, t3);
+    result.x = wmrgen_fma(t5, t9, t3);
     result.y = t3 * wmrgen_sine(t2);
     return result;
 }
@@ -157,15 +192,15 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 {
     const float t0 = q * q;
     const float t1 = q * t0;
-    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
-    const float t3 = fmaf(t0, t2, 0.04390253f);
-    const float t4 = fmaf(t0, t3, (-0.0762479f));
-    const float t5 = fmaf(t0, t4, 0.10709304f);
-    const float t6 = fmaf(t0, t5, (-0.14225537f));
-    const float t7 = fmaf(t0, t6, 0.1999624f);
-    const float t8 = fmaf(t0, t7, (-0.33333313f));
+    const float t2 = wmrgen_fma(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = wmrgen_fma(t0, t2, 0.04390253f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.0762479f));
+    const float t5 = wmrgen_fma(t0, t4, 0.10709304f);
+    const float t6 = wmrgen_fma(t0, t5, (-0.14225537f));
+    const float t7 = wmrgen_fma(t0, t6, 0.1999624f);
+    const float t8 = wmrgen_fma(t0, t7, (-0.33333313f));
 
-    return fmaf(t1, t8, q);
+    return wmrgen_fma(t1, t8, q);
 }
 #endif
 
@@ -190,9 +225,9 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t0 = fabsf(x);
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
-    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
     const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
+    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
     result.spin = t3;
     result.steer = t4;
@@ -206,12 +241,12 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -223,7 +258,7 @@ typedef char kelly_4ws_wheels_are_joints[
 
 float *kelly_4ws_joint(kelly_4ws_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)KELLY_4WS_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)KELLY_4WS_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void kelly_4ws_inverse(
@@ -232,25 +267,25 @@ void kelly_4ws_inverse(
     kelly_4ws_wheels *out)
 {
     /* v_Ax of w1, v_Ax of w3 */
-    const float w1_x = fmaf(1.1920929e-08f, twist->omega, fmaf((-0.3f), twist->omega, twist->vx));
-    const float w1_y = fmaf(0.5f, twist->omega, twist->vy); /* v_Ay of w1, v_Ay of w2 */
+    const float w1_x = wmrgen_fma(1.1920929e-08f, twist->omega, wmrgen_fma((-0.3f), twist->omega, twist->vx));
+    const float w1_y = wmrgen_fma(0.5f, twist->omega, twist->vy); /* v_Ay of w1, v_Ay of w2 */
     const wmrgen_wheel w1 = wmrgen_steer_along(w1_x, w1_y, now->w1.steer, 1.0f);
     const float t0 = 0.7f * twist->omega;
     const float t1 = -t0;
     /* v_Ax of w2, v_Ax of w4 */
-    const float w2_x = fmaf((-1.1920929e-08f), twist->omega, fmaf(0.3f, twist->omega, twist->vx));
+    const float w2_x = wmrgen_fma((-1.1920929e-08f), twist->omega, wmrgen_fma(0.3f, twist->omega, twist->vx));
     const wmrgen_wheel w2 = wmrgen_steer_along(w2_x, w1_y, now->w2.steer, 1.0f);
-    const float w3_y = fmaf((-0.5f), twist->omega, twist->vy); /* v_Ay of w3, v_Ay of w4 */
+    const float w3_y = wmrgen_fma((-0.5f), twist->omega, twist->vy); /* v_Ay of w3, v_Ay of w4 */
     const wmrgen_wheel w3 = wmrgen_steer_along(w1_x, w3_y, now->w3.steer, 1.0f);
     const wmrgen_wheel w4 = wmrgen_steer_along(w2_x, w3_y, now->w4.steer, 1.0f);
 
-    out->w1.spin = fmaf(10.0f, w1.spin, t1);
+    out->w1.spin = wmrgen_fma(10.0f, w1.spin, t1);
     out->w1.steer = w1.steer;
-    out->w2.spin = fmaf(10.0f, w2.spin, t0);
+    out->w2.spin = wmrgen_fma(10.0f, w2.spin, t0);
     out->w2.steer = w2.steer;
-    out->w3.spin = fmaf(10.0f, w3.spin, t1);
+    out->w3.spin = wmrgen_fma(10.0f, w3.spin, t1);
     out->w3.steer = w3.steer;
-    out->w4.spin = fmaf(10.0f, w4.spin, t0);
+    out->w4.spin = wmrgen_fma(10.0f, w4.spin, t0);
     out->w4.steer = w4.steer;
 }
 
@@ -271,23 +306,23 @@ void kelly_4ws_forward(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist)
     float slip;
     kelly_4ws_forward_slip(wheels, twist, &slip);
 #else
-    const float t0 = fmaf(0.07f, wheels->w1.steer_rate, 0.1f * wheels->w1.spin);
-    const float t1 = fmaf(0.1f, wheels->w2.spin, -(0.07f * wheels->w2.steer_rate));
+    const float t0 = wmrgen_fma(0.07f, wheels->w1.steer_rate, 0.1f * wheels->w1.spin);
+    const float t1 = wmrgen_fma(0.1f, wheels->w2.spin, -(0.07f * wheels->w2.steer_rate));
     const wmrgen_vector w2 = wmrgen_direction(wheels->w2.steer);
     const wmrgen_vector w1 = wmrgen_direction(wheels->w1.steer);
-    const float t2 = fmaf(t0, w1.y, t1 * w2.y);
-    const float t3 = fmaf(0.07f, wheels->w3.steer_rate, 0.1f * wheels->w3.spin);
-    const float t4 = fmaf(0.1f, wheels->w4.spin, -(0.07f * wheels->w4.steer_rate));
+    const float t2 = wmrgen_fma(t0, w1.y, t1 * w2.y);
+    const float t3 = wmrgen_fma(0.07f, wheels->w3.steer_rate, 0.1f * wheels->w3.spin);
+    const float t4 = wmrgen_fma(0.1f, wheels->w4.spin, -(0.07f * wheels->w4.steer_rate));
     const wmrgen_vector w4 = wmrgen_direction(wheels->w4.steer);
     const wmrgen_vector w3 = wmrgen_direction(wheels->w3.steer);
-    const float t5 = fmaf(t3, w3.y, t4 * w4.y);
-    const float t6 = fmaf(w2.x, t1, w4.x * t4);
-    const float t7 = fmaf(w1.x, t0, w3.x * t3);
+    const float t5 = wmrgen_fma(t3, w3.y, t4 * w4.y);
+    const float t6 = wmrgen_fma(w2.x, t1, w4.x * t4);
+    const float t7 = wmrgen_fma(w1.x, t0, w3.x * t3);
     const float t8 = wheels->w2.spin - wheels->w1.spin - wheels->w3.spin;
     const float t9 = wheels->w1.steer_rate + wheels->w2.steer_rate;
     const float t10 = wheels->w4.steer_rate + (wheels->w3.steer_rate + t9);
-    const float t11 = fmaf(0.028f, wheels->w4.spin + t8, -(0.0196f * t10));
-    const float moment = (2.0f * (t2 - t5)) + fmaf(1.2f, t6 - t7, t11);
+    const float t11 = wmrgen_fma(0.028f, wheels->w4.spin + t8, -(0.0196f * t10));
+    const float moment = (2.0f * (t2 - t5)) + wmrgen_fma(1.2f, t6 - t7, t11);
     const float sum_wy = t5 + t2;
     const float t12 = w3.y - w4.y;
     const float t13 = w1.y - w2.y;
@@ -297,40 +332,41 @@ void kelly_4ws_forward(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist)
     const float t15 = w1.x + w3.x;
     const float t16 = w2.x + w4.x;
     const float sum_fy = 0.07f * (t15 - t16);
-    const float t17 = fmaf(sum_wx, sum_fy, fmaf(t14, sum_wy, moment));
-    const float inertia = fmaf(0.168f, t16 + t15, fmaf(0.28f, t12 - t13, 5.5184f));
-    const float t18 = fmaf(-sum_fy, sum_fy, fmaf(t14, sum_fx, inertia));
+    const float t17 = wmrgen_fma(sum_wx, sum_fy, wmrgen_fma(t14, sum_wy, moment));
+    const float inertia = wmrgen_fma(0.168f, t16 + t15, wmrgen_fma(0.28f, t12 - t13, 5.5184f));
+    const float t18 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t14, sum_fx, inertia));
     const float omega_fit = t17 / t18;
+    const float t19 = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
 
-    twist->vx = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
-    twist->vy = 0.25f * fmaf(t14, omega_fit, sum_wy);
+    twist->vx = t19;
+    twist->vy = 0.25f * wmrgen_fma(t14, omega_fit, sum_wy);
     twist->omega = omega_fit;
 #endif
 }
 
 void kelly_4ws_forward_slip(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist, float *slip)
 {
-    const float t0 = fmaf(0.07f, wheels->w1.steer_rate, 0.1f * wheels->w1.spin);
-    const float t1 = fmaf(0.1f, wheels->w2.spin, -(0.07f * wheels->w2.steer_rate));
+    const float t0 = wmrgen_fma(0.07f, wheels->w1.steer_rate, 0.1f * wheels->w1.spin);
+    const float t1 = wmrgen_fma(0.1f, wheels->w2.spin, -(0.07f * wheels->w2.steer_rate));
     const wmrgen_vector w2 = wmrgen_direction(wheels->w2.steer);
     const float w2_wy = t1 * w2.y;
     const wmrgen_vector w1 = wmrgen_direction(wheels->w1.steer);
-    const float t2 = fmaf(t0, w1.y, w2_wy);
-    const float t3 = fmaf(0.07f, wheels->w3.steer_rate, 0.1f * wheels->w3.spin);
-    const float t4 = fmaf(0.1f, wheels->w4.spin, -(0.07f * wheels->w4.steer_rate));
+    const float t2 = wmrgen_fma(t0, w1.y, w2_wy);
+    const float t3 = wmrgen_fma(0.07f, wheels->w3.steer_rate, 0.1f * wheels->w3.spin);
+    const float t4 = wmrgen_fma(0.1f, wheels->w4.spin, -(0.07f * wheels->w4.steer_rate));
     const wmrgen_vector w4 = wmrgen_direction(wheels->w4.steer);
     const float w4_wy = t4 * w4.y;
     const wmrgen_vector w3 = wmrgen_direction(wheels->w3.steer);
-    const float t5 = fmaf(t3, w3.y, w4_wy);
+    const float t5 = wmrgen_fma(t3, w3.y, w4_wy);
     const float w4_wx = w4.x * t4;
-    const float t6 = fmaf(w2.x, t1, w4_wx);
+    const float t6 = wmrgen_fma(w2.x, t1, w4_wx);
     const float w3_wx = w3.x * t3;
-    const float t7 = fmaf(w1.x, t0, w3_wx);
+    const float t7 = wmrgen_fma(w1.x, t0, w3_wx);
     const float t8 = wheels->w2.spin - wheels->w1.spin - wheels->w3.spin;
     const float t9 = wheels->w1.steer_rate + wheels->w2.steer_rate;
     const float t10 = wheels->w4.steer_rate + (wheels->w3.steer_rate + t9);
-    const float t11 = fmaf(0.028f, wheels->w4.spin + t8, -(0.0196f * t10));
-    const float moment = (2.0f * (t2 - t5)) + fmaf(1.2f, t6 - t7, t11);
+    const float t11 = wmrgen_fma(0.028f, wheels->w4.spin + t8, -(0.0196f * t10));
+    const float moment = (2.0f * (t2 - t5)) + wmrgen_fma(1.2f, t6 - t7, t11);
     const float sum_wy = t5 + t2;
     const float t12 = w3.y - w4.y;
     const float t13 = w1.y - w2.y;
@@ -340,35 +376,36 @@ void kelly_4ws_forward_slip(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twi
     const float t15 = w1.x + w3.x;
     const float t16 = w2.x + w4.x;
     const float sum_fy = 0.07f * (t15 - t16);
-    const float t17 = fmaf(sum_wx, sum_fy, fmaf(t14, sum_wy, moment));
-    const float inertia = fmaf(0.168f, t16 + t15, fmaf(0.28f, t12 - t13, 5.5184f));
-    const float t18 = fmaf(-sum_fy, sum_fy, fmaf(t14, sum_fx, inertia));
+    const float t17 = wmrgen_fma(sum_wx, sum_fy, wmrgen_fma(t14, sum_wy, moment));
+    const float inertia = wmrgen_fma(0.168f, t16 + t15, wmrgen_fma(0.28f, t12 - t13, 5.5184f));
+    const float t18 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t14, sum_fx, inertia));
     const float omega_fit = t17 / t18;
-    const float t19 = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
-    const float t20 = 0.25f * fmaf(t14, omega_fit, sum_wy);
+    const float t19 = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
+    const float t20 = 0.25f * wmrgen_fma(t14, omega_fit, sum_wy);
     const float t21 = 0.3f * omega_fit;
     const float t22 = t21 - t19;
     const float t23 = 0.07f * omega_fit;
-    const float error_0 = fmaf(w1.x, t23, fmaf(w1.x, t0, t22));
+    const float error_0 = wmrgen_fma(w1.x, t23, wmrgen_fma(w1.x, t0, t22));
     const float t24 = (-0.5f) * omega_fit;
     const float t25 = t24 - t20;
-    const float error_1 = fmaf(w1.y, t23, fmaf(t0, w1.y, t25));
-    const float t26 = t19 + t21;
-    const float error_2 = fmaf(-w2.x, t23, fmaf(w2.x, t1, -t26));
-    const float t27 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
-    const float error_3 = fmaf(-w2.y, t23, w2_wy + t25);
-    const float error_4 = fmaf(w3.x, t23, w3_wx + t22);
-    const float t28 = fmaf(error_4, error_4, fmaf(error_3, error_3, t27));
+    const float error_1 = wmrgen_fma(w1.y, t23, wmrgen_fma(t0, w1.y, t25));
+    const float t26 = wmrgen_fma(error_0, error_0, error_1 * error_1);
+    const float t27 = t19 + t21;
+    const float error_2 = wmrgen_fma(-w2.x, t23, wmrgen_fma(w2.x, t1, -t27));
+    const float error_3 = wmrgen_fma(-w2.y, t23, w2_wy + t25);
+    const float t28 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t26));
+    const float error_4 = wmrgen_fma(w3.x, t23, w3_wx + t22);
     const float t29 = t20 + t24;
-    const float error_5 = fmaf(w3.y, t23, fmaf(t3, w3.y, -t29));
-    const float error_6 = fmaf(-w4.x, t23, w4_wx - t26);
-    const float t30 = fmaf(error_6, error_6, fmaf(error_5, error_5, t28));
-    const float error_7 = fmaf(-w4.y, t23, w4_wy - t29);
+    const float error_5 = wmrgen_fma(w3.y, t23, wmrgen_fma(t3, w3.y, -t29));
+    const float t30 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t28));
+    const float error_6 = wmrgen_fma(-w4.x, t23, w4_wx - t27);
+    const float error_7 = wmrgen_fma(-w4.y, t23, w4_wy - t29);
+    const float t31 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t30));
 
     twist->vx = t19;
     twist->vy = t20;
     twist->omega = omega_fit;
-    *slip = sqrtf(fmaf(error_7, error_7, t30));
+    *slip = sqrtf(t31);
 }
 
 void kelly_4ws_odometry(kelly_4ws_pose *pose, const kelly_4ws_twist *twist, float dt)
@@ -376,11 +413,11 @@ void kelly_4ws_odometry(kelly_4ws_pose *pose, const kelly_4ws_twist *twist, floa
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
 
-    pose->x = t2;
-    pose->y = t3;
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
     pose->theta = pose->theta + t0;
 }

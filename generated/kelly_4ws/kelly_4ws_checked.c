@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(KELLY_4WS_PAIR_90e1981faa8fc14c)
+#if !defined(KELLY_4WS_PAIR_e40e794373c0f8d3)
 #error "this file and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

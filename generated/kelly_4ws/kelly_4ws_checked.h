@@ -21,7 +21,7 @@
 
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_90e1981faa8fc14c)
+#if !defined(KELLY_4WS_PAIR_e40e794373c0f8d3)
 #error "this file and kelly_4ws.h were not generated together: copy both"
 #endif
 

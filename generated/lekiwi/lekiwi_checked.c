@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(LEKIWI_PAIR_b8d9a2915ddb0043)
+#if !defined(LEKIWI_PAIR_d8dcfe80e2e1bd65)
 #error "this file and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(LOCKED_BICYCLE_PAIR_9669788a2d1a77d0)
+#if !defined(LOCKED_BICYCLE_PAIR_6ad31adbc483bea0)
 #error "this file and locked_bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

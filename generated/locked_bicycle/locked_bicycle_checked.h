@@ -21,7 +21,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_9669788a2d1a77d0)
+#if !defined(LOCKED_BICYCLE_PAIR_6ad31adbc483bea0)
 #error "this file and locked_bicycle.h were not generated together: copy both"
 #endif
 

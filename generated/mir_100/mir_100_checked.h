@@ -21,7 +21,7 @@
 
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_0d999091e61a7205)
+#if !defined(MIR_100_PAIR_7989319e0793ff36)
 #error "this file and mir_100.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_f3a165e3d3019668)
+#if !defined(NEOBOTIX_MP_400_PAIR_d8e34a7ec5c265cd)
 #error "this file and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

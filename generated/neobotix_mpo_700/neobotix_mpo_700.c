@@ -7,10 +7,11 @@
  */
 #include "neobotix_mpo_700.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_e16f29d59d1ddf51)
+#if !defined(NEOBOTIX_MPO_700_PAIR_bf71addfb993904f)
 #error "this file and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,43 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+static inline float wmrgen_fma(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        if ((lost < 0.0) || (lost > 0.0)) {
+            sum.bits += ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+        }
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -111,11 +146,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -133,18 +168,18 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t0 = wmrgen_fma(angle, 0.31830987f, 12582912.0f);
     const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t2 = wmrgen_fma(t1, 8.742278e-08f, wmrgen_fma(-t1, 3.1415927f, angle));
     const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
+    const float t6 = wmrgen_fma(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = wmrgen_fma(t4, t6, (-0.0013888585f));
+    const float t8 = wmrgen_fma(t4, t7, 0.041666657f);
+    const float t9 = wmrgen_fma(t4, t8, (-0.5f));
 
-    result.x = fmaf(t5, t9, t3);
+    result.x = wmrgen_fma(t5, t9, t3);
     result.y = t3 * wmrgen_sine(t2);
     return result;
 }
@@ -157,15 +192,15 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 {
     const float t0 = q * q;
     const float t1 = q * t0;
-    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
-    const float t3 = fmaf(t0, t2, 0.04390253f);
-    const float t4 = fmaf(t0, t3, (-0.0762479f));
-    const float t5 = fmaf(t0, t4, 0.10709304f);
-    const float t6 = fmaf(t0, t5, (-0.14225537f));
-    const float t7 = fmaf(t0, t6, 0.1999624f);
-    const float t8 = fmaf(t0, t7, (-0.33333313f));
+    const float t2 = wmrgen_fma(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = wmrgen_fma(t0, t2, 0.04390253f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.0762479f));
+    const float t5 = wmrgen_fma(t0, t4, 0.10709304f);
+    const float t6 = wmrgen_fma(t0, t5, (-0.14225537f));
+    const float t7 = wmrgen_fma(t0, t6, 0.1999624f);
+    const float t8 = wmrgen_fma(t0, t7, (-0.33333313f));
 
-    return fmaf(t1, t8, q);
+    return wmrgen_fma(t1, t8, q);
 }
 #endif
 
@@ -190,9 +225,9 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t0 = fabsf(x);
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
-    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
     const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
+    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
     result.spin = t3;
     result.steer = t4;
@@ -206,12 +241,12 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -223,7 +258,7 @@ typedef char neobotix_mpo_700_wheels_are_joints[
 
 float *neobotix_mpo_700_joint(neobotix_mpo_700_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)NEOBOTIX_MPO_700_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)NEOBOTIX_MPO_700_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void neobotix_mpo_700_inverse(
@@ -231,28 +266,30 @@ void neobotix_mpo_700_inverse(
     const neobotix_mpo_700_wheels *now,
     neobotix_mpo_700_wheels *out)
 {
+    const float t0 = wmrgen_fma((-0.19f), twist->omega, twist->vx);
     /* v_Ax of front_left, v_Ax of back_left */
-    const float front_left_x = fmaf((-2.3841857e-09f), twist->omega, fmaf((-0.19f), twist->omega, twist->vx));
+    const float front_left_x = wmrgen_fma((-2.3841857e-09f), twist->omega, t0);
     /* v_Ay of front_left, v_Ay of front_right */
-    const float front_left_y = fmaf(5.3644182e-09f, twist->omega, fmaf(0.24f, twist->omega, twist->vy));
+    const float front_left_y = wmrgen_fma(5.3644182e-09f, twist->omega, wmrgen_fma(0.24f, twist->omega, twist->vy));
     const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, now->front_left.steer, 1.0f);
-    const float t0 = 0.5f * twist->omega;
-    const float t1 = -t0;
+    const float t1 = 0.5f * twist->omega;
+    const float t2 = -t1;
+    const float t3 = wmrgen_fma((-0.24f), twist->omega, twist->vy);
     /* v_Ay of back_left, v_Ay of back_right */
-    const float back_left_y = fmaf((-5.3644182e-09f), twist->omega, fmaf((-0.24f), twist->omega, twist->vy));
+    const float back_left_y = wmrgen_fma((-5.3644182e-09f), twist->omega, t3);
     const wmrgen_wheel back_left = wmrgen_steer_along(front_left_x, back_left_y, now->back_left.steer, 1.0f);
     /* v_Ax of back_right, v_Ax of front_right */
-    const float back_right_x = fmaf(2.3841857e-09f, twist->omega, fmaf(0.19f, twist->omega, twist->vx));
+    const float back_right_x = wmrgen_fma(2.3841857e-09f, twist->omega, wmrgen_fma(0.19f, twist->omega, twist->vx));
     const wmrgen_wheel back_right = wmrgen_steer_along(back_right_x, back_left_y, now->back_right.steer, 1.0f);
     const wmrgen_wheel front_right = wmrgen_steer_along(back_right_x, front_left_y, now->front_right.steer, 1.0f);
 
-    out->front_left.spin = fmaf(11.111111f, front_left.spin, t1);
+    out->front_left.spin = wmrgen_fma(11.111111f, front_left.spin, t2);
     out->front_left.steer = front_left.steer;
-    out->back_left.spin = fmaf(11.111111f, back_left.spin, t1);
+    out->back_left.spin = wmrgen_fma(11.111111f, back_left.spin, t2);
     out->back_left.steer = back_left.steer;
-    out->back_right.spin = fmaf(11.111111f, back_right.spin, t0);
+    out->back_right.spin = wmrgen_fma(11.111111f, back_right.spin, t1);
     out->back_right.steer = back_right.steer;
-    out->front_right.spin = fmaf(11.111111f, front_right.spin, t0);
+    out->front_right.spin = wmrgen_fma(11.111111f, front_right.spin, t1);
     out->front_right.steer = front_right.steer;
 }
 
@@ -273,39 +310,40 @@ void neobotix_mpo_700_forward(const neobotix_mpo_700_wheels *wheels, neobotix_mp
     float slip;
     neobotix_mpo_700_forward_slip(wheels, twist, &slip);
 #else
-    const float t0 = fmaf(0.045f, wheels->front_left.steer_rate, 0.09f * wheels->front_left.spin);
-    const float t1 = fmaf(0.09f, wheels->front_right.spin, -(0.045f * wheels->front_right.steer_rate));
+    const float t0 = wmrgen_fma(0.045f, wheels->front_left.steer_rate, 0.09f * wheels->front_left.spin);
+    const float t1 = wmrgen_fma(0.09f, wheels->front_right.spin, -(0.045f * wheels->front_right.steer_rate));
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
-    const float t2 = fmaf(t0, front_left.y, t1 * front_right.y);
-    const float t3 = fmaf(0.045f, wheels->back_left.steer_rate, 0.09f * wheels->back_left.spin);
-    const float t4 = fmaf(0.09f, wheels->back_right.spin, -(0.045f * wheels->back_right.steer_rate));
+    const float t2 = wmrgen_fma(t0, front_left.y, t1 * front_right.y);
+    const float t3 = wmrgen_fma(0.045f, wheels->back_left.steer_rate, 0.09f * wheels->back_left.spin);
+    const float t4 = wmrgen_fma(0.09f, wheels->back_right.spin, -(0.045f * wheels->back_right.steer_rate));
     const wmrgen_vector back_right = wmrgen_direction(wheels->back_right.steer);
     const wmrgen_vector back_left = wmrgen_direction(wheels->back_left.steer);
-    const float t5 = fmaf(t3, back_left.y, t4 * back_right.y);
-    const float t6 = fmaf(back_right.x, t4, front_right.x * t1);
-    const float t7 = fmaf(front_left.x, t0, back_left.x * t3);
+    const float t5 = wmrgen_fma(t3, back_left.y, t4 * back_right.y);
+    const float t6 = wmrgen_fma(back_right.x, t4, front_right.x * t1);
+    const float t7 = wmrgen_fma(front_left.x, t0, back_left.x * t3);
     const float t8 = wheels->back_right.spin - wheels->front_left.spin;
     const float t9 = wheels->front_right.spin + (t8 - wheels->back_left.spin);
     const float t10 = wheels->front_left.steer_rate + wheels->back_left.steer_rate;
     const float t11 = wheels->front_right.steer_rate + (wheels->back_right.steer_rate + t10);
-    const float t12 = fmaf(0.76f, t6 - t7, fmaf(0.0162f, t9, -(0.0081f * t11)));
+    const float t12 = wmrgen_fma(0.76f, t6 - t7, wmrgen_fma(0.0162f, t9, -(0.0081f * t11)));
     const float sum_wy = t5 + t2;
     const float t13 = back_left.y - back_right.y;
     const float t14 = front_left.y - front_right.y;
     const float sum_fx = (-0.045f) * (t13 + t14);
     const float t15 = -sum_fx;
+    const float t16 = wmrgen_fma(t15, sum_wy, wmrgen_fma(0.96f, t2 - t5, t12));
     const float sum_wx = t6 + t7;
-    const float t16 = front_left.x + back_left.x;
-    const float t17 = back_right.x + front_right.x;
-    const float sum_fy = 0.045f * (t16 - t17);
-    const float t18 = fmaf(sum_wx, sum_fy, fmaf(t15, sum_wy, fmaf(0.96f, t2 - t5, t12)));
-    const float inertia = fmaf(0.0684f, t17 + t16, fmaf(0.0864f, t13 - t14, 1.5316f));
-    const float t19 = fmaf(-sum_fy, sum_fy, fmaf(t15, sum_fx, inertia));
-    const float omega_fit = t18 / t19;
+    const float t17 = front_left.x + back_left.x;
+    const float t18 = back_right.x + front_right.x;
+    const float sum_fy = 0.045f * (t17 - t18);
+    const float inertia = wmrgen_fma(0.0684f, t18 + t17, wmrgen_fma(0.0864f, t13 - t14, 1.5316f));
+    const float t19 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t15, sum_fx, inertia));
+    const float omega_fit = wmrgen_fma(sum_wx, sum_fy, t16) / t19;
+    const float t20 = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
 
-    twist->vx = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
-    twist->vy = 0.25f * fmaf(t15, omega_fit, sum_wy);
+    twist->vx = t20;
+    twist->vy = 0.25f * wmrgen_fma(t15, omega_fit, sum_wy);
     twist->omega = omega_fit;
 #endif
 }
@@ -315,65 +353,66 @@ void neobotix_mpo_700_forward_slip(
     neobotix_mpo_700_twist *twist,
     float *slip)
 {
-    const float t0 = fmaf(0.045f, wheels->front_left.steer_rate, 0.09f * wheels->front_left.spin);
-    const float t1 = fmaf(0.09f, wheels->front_right.spin, -(0.045f * wheels->front_right.steer_rate));
+    const float t0 = wmrgen_fma(0.045f, wheels->front_left.steer_rate, 0.09f * wheels->front_left.spin);
+    const float t1 = wmrgen_fma(0.09f, wheels->front_right.spin, -(0.045f * wheels->front_right.steer_rate));
     const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
     const float front_right_wy = t1 * front_right.y;
     const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
-    const float t2 = fmaf(t0, front_left.y, front_right_wy);
-    const float t3 = fmaf(0.045f, wheels->back_left.steer_rate, 0.09f * wheels->back_left.spin);
-    const float t4 = fmaf(0.09f, wheels->back_right.spin, -(0.045f * wheels->back_right.steer_rate));
+    const float t2 = wmrgen_fma(t0, front_left.y, front_right_wy);
+    const float t3 = wmrgen_fma(0.045f, wheels->back_left.steer_rate, 0.09f * wheels->back_left.spin);
+    const float t4 = wmrgen_fma(0.09f, wheels->back_right.spin, -(0.045f * wheels->back_right.steer_rate));
     const wmrgen_vector back_right = wmrgen_direction(wheels->back_right.steer);
     const float back_right_wy = t4 * back_right.y;
     const wmrgen_vector back_left = wmrgen_direction(wheels->back_left.steer);
-    const float t5 = fmaf(t3, back_left.y, back_right_wy);
+    const float t5 = wmrgen_fma(t3, back_left.y, back_right_wy);
     const float front_right_wx = front_right.x * t1;
-    const float t6 = fmaf(back_right.x, t4, front_right_wx);
+    const float t6 = wmrgen_fma(back_right.x, t4, front_right_wx);
     const float back_left_wx = back_left.x * t3;
-    const float t7 = fmaf(front_left.x, t0, back_left_wx);
+    const float t7 = wmrgen_fma(front_left.x, t0, back_left_wx);
     const float t8 = wheels->back_right.spin - wheels->front_left.spin;
     const float t9 = wheels->front_right.spin + (t8 - wheels->back_left.spin);
     const float t10 = wheels->front_left.steer_rate + wheels->back_left.steer_rate;
     const float t11 = wheels->front_right.steer_rate + (wheels->back_right.steer_rate + t10);
-    const float t12 = fmaf(0.76f, t6 - t7, fmaf(0.0162f, t9, -(0.0081f * t11)));
+    const float t12 = wmrgen_fma(0.76f, t6 - t7, wmrgen_fma(0.0162f, t9, -(0.0081f * t11)));
     const float sum_wy = t5 + t2;
     const float t13 = back_left.y - back_right.y;
     const float t14 = front_left.y - front_right.y;
     const float sum_fx = (-0.045f) * (t13 + t14);
     const float t15 = -sum_fx;
+    const float t16 = wmrgen_fma(t15, sum_wy, wmrgen_fma(0.96f, t2 - t5, t12));
     const float sum_wx = t6 + t7;
-    const float t16 = front_left.x + back_left.x;
-    const float t17 = back_right.x + front_right.x;
-    const float sum_fy = 0.045f * (t16 - t17);
-    const float t18 = fmaf(sum_wx, sum_fy, fmaf(t15, sum_wy, fmaf(0.96f, t2 - t5, t12)));
-    const float inertia = fmaf(0.0684f, t17 + t16, fmaf(0.0864f, t13 - t14, 1.5316f));
-    const float t19 = fmaf(-sum_fy, sum_fy, fmaf(t15, sum_fx, inertia));
-    const float omega_fit = t18 / t19;
-    const float t20 = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
-    const float t21 = 0.25f * fmaf(t15, omega_fit, sum_wy);
+    const float t17 = front_left.x + back_left.x;
+    const float t18 = back_right.x + front_right.x;
+    const float sum_fy = 0.045f * (t17 - t18);
+    const float inertia = wmrgen_fma(0.0684f, t18 + t17, wmrgen_fma(0.0864f, t13 - t14, 1.5316f));
+    const float t19 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t15, sum_fx, inertia));
+    const float omega_fit = wmrgen_fma(sum_wx, sum_fy, t16) / t19;
+    const float t20 = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
+    const float t21 = 0.25f * wmrgen_fma(t15, omega_fit, sum_wy);
     const float t22 = 0.19f * omega_fit;
     const float t23 = t22 - t20;
     const float t24 = 0.045f * omega_fit;
-    const float error_0 = fmaf(front_left.x, t24, fmaf(front_left.x, t0, t23));
+    const float error_0 = wmrgen_fma(front_left.x, t24, wmrgen_fma(front_left.x, t0, t23));
     const float t25 = (-0.24f) * omega_fit;
     const float t26 = t25 - t21;
-    const float error_1 = fmaf(front_left.y, t24, fmaf(t0, front_left.y, t26));
-    const float error_2 = fmaf(back_left.x, t24, back_left_wx + t23);
-    const float t27 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
+    const float error_1 = wmrgen_fma(front_left.y, t24, wmrgen_fma(t0, front_left.y, t26));
+    const float t27 = wmrgen_fma(error_0, error_0, error_1 * error_1);
+    const float error_2 = wmrgen_fma(back_left.x, t24, back_left_wx + t23);
     const float t28 = t21 + t25;
-    const float error_3 = fmaf(back_left.y, t24, fmaf(t3, back_left.y, -t28));
-    const float t29 = t20 + t22;
-    const float error_4 = fmaf(-back_right.x, t24, fmaf(back_right.x, t4, -t29));
-    const float t30 = fmaf(error_4, error_4, fmaf(error_3, error_3, t27));
-    const float error_5 = fmaf(-back_right.y, t24, back_right_wy - t28);
-    const float error_6 = fmaf(-front_right.x, t24, front_right_wx - t29);
-    const float t31 = fmaf(error_6, error_6, fmaf(error_5, error_5, t30));
-    const float error_7 = fmaf(-front_right.y, t24, front_right_wy + t26);
+    const float error_3 = wmrgen_fma(back_left.y, t24, wmrgen_fma(t3, back_left.y, -t28));
+    const float t29 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t27));
+    const float t30 = t20 + t22;
+    const float error_4 = wmrgen_fma(-back_right.x, t24, wmrgen_fma(back_right.x, t4, -t30));
+    const float error_5 = wmrgen_fma(-back_right.y, t24, back_right_wy - t28);
+    const float t31 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t29));
+    const float error_6 = wmrgen_fma(-front_right.x, t24, front_right_wx - t30);
+    const float error_7 = wmrgen_fma(-front_right.y, t24, front_right_wy + t26);
+    const float t32 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t31));
 
     twist->vx = t20;
     twist->vy = t21;
     twist->omega = omega_fit;
-    *slip = sqrtf(fmaf(error_7, error_7, t31));
+    *slip = sqrtf(t32);
 }
 
 void neobotix_mpo_700_odometry(
@@ -384,11 +423,11 @@ void neobotix_mpo_700_odometry(
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
 
-    pose->x = t2;
-    pose->y = t3;
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
     pose->theta = pose->theta + t0;
 }

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_e16f29d59d1ddf51)
+#if !defined(NEOBOTIX_MPO_700_PAIR_bf71addfb993904f)
 #error "this file and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_e16f29d59d1ddf51)
+#if !defined(NEOBOTIX_MPO_700_PAIR_bf71addfb993904f)
 #error "this file and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

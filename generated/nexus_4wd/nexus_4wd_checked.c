@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEXUS_4WD_PAIR_9f1bcd7d9820b9dc)
+#if !defined(NEXUS_4WD_PAIR_da9f95777b904149)
 #error "this file and nexus_4wd.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

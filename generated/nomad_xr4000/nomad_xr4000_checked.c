@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NOMAD_XR4000_PAIR_9b04633b1d70cba3)
+#if !defined(NOMAD_XR4000_PAIR_354a9df1be2240cb)
 #error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

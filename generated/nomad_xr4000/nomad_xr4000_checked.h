@@ -21,7 +21,7 @@
 
 #include "nomad_xr4000.h"
 
-#if !defined(NOMAD_XR4000_PAIR_9b04633b1d70cba3)
+#if !defined(NOMAD_XR4000_PAIR_354a9df1be2240cb)
 #error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 

@@ -7,10 +7,11 @@
  */
 #include "pioneer3dx.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PIONEER3DX_PAIR_bc9c5e71b5e5bfd3)
+#if !defined(PIONEER3DX_PAIR_352c304608c3b3d8)
 #error "this file and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,43 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+static inline float wmrgen_fma(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        if ((lost < 0.0) || (lost > 0.0)) {
+            sum.bits += ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+        }
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -122,11 +157,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -144,18 +179,18 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t0 = wmrgen_fma(angle, 0.31830987f, 12582912.0f);
     const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t2 = wmrgen_fma(t1, 8.742278e-08f, wmrgen_fma(-t1, 3.1415927f, angle));
     const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
+    const float t6 = wmrgen_fma(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = wmrgen_fma(t4, t6, (-0.0013888585f));
+    const float t8 = wmrgen_fma(t4, t7, 0.041666657f);
+    const float t9 = wmrgen_fma(t4, t8, (-0.5f));
 
-    result.x = fmaf(t5, t9, t3);
+    result.x = wmrgen_fma(t5, t9, t3);
     result.y = t3 * wmrgen_sine(t2);
     return result;
 }
@@ -167,12 +202,12 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 WMRGEN_KERNEL float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -184,7 +219,7 @@ typedef char pioneer3dx_wheels_are_joints[
 
 float *pioneer3dx_joint(pioneer3dx_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)PIONEER3DX_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)PIONEER3DX_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void pioneer3dx_params_default(pioneer3dx_params *params)
@@ -268,12 +303,12 @@ void pioneer3dx_odometry(pioneer3dx_pose *pose, const pioneer3dx_twist *twist, f
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
 
-    pose->x = t2;
-    pose->y = t3;
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
     pose->theta = pose->theta + t0;
 }
 
@@ -296,7 +331,7 @@ void pioneer3dx_forward_covariance(
 {
     const float t0 = wheels->left.spin * wheels->left.spin;
     const float t1 = wheels->right.spin * wheels->right.spin;
-    const float t2 = fmaf(t0 + t1, prepared->k6, prepared->k4);
+    const float t2 = wmrgen_fma(t0 + t1, prepared->k6, prepared->k4);
 
     twist_covariance->vxvx = t2;
     twist_covariance->vxvy = 0.0f;
@@ -316,47 +351,50 @@ void pioneer3dx_odometry_covariance(
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float x_step = fmaf(twist->vx, t1.x, -(twist->vy * t1.y)) * chord;
-    const float y_step = chord * fmaf(twist->vx, t1.y, t1.x * twist->vy);
+    const float x_step = t2 * chord;
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
+    const float y_step = chord * t3;
     const float chord_x = t1.x * chord;
     const float chord_y = t1.y * chord;
-    const float by_omega_x = fmaf(twist_covariance->vxomega, chord_x, -(twist_covariance->vyomega * chord_y));
-    const float t2 = 0.5f * dt;
-    const float x_heading = fmaf(by_omega_x, t2, pose_covariance->xtheta);
-    const float t3 = -y_step;
-    const float t4 = dt * twist_covariance->omegaomega;
-    const float t5 = dt * t4;
-    const float heading_variance = fmaf(0.25f, t5, pose_covariance->thetatheta);
-    const float x_turned = fmaf(t3, heading_variance, x_heading);
-    const float t6 = fmaf(t3, x_heading + x_turned, pose_covariance->xx);
-    const float t7 = chord_y * twist_covariance->vxvy;
-    const float by_vx_x = fmaf(chord_x, twist_covariance->vxvx, -t7);
-    const float t8 = -chord_y;
-    const float t9 = chord_x * twist_covariance->vxvy;
-    const float by_vy_x = fmaf(t8, twist_covariance->vyvy, t9);
-    const float t10 = fmaf(t8, by_vy_x, fmaf(chord_x, by_vx_x, t6));
-    const float by_omega_y = fmaf(twist_covariance->vxomega, chord_y, chord_x * twist_covariance->vyomega);
-    const float y_heading = fmaf(t2, by_omega_y, pose_covariance->ytheta);
-    const float t11 = fmaf(x_step, x_turned, fmaf(t3, y_heading, pose_covariance->xy));
-    const float t12 = fmaf(chord_x, by_vy_x, fmaf(chord_y, by_vx_x, t11));
-    const float t13 = 0.5f * t4;
-    const float t14 = fmaf(t2, fmaf(t3, t13, by_omega_x), x_turned);
-    const float y_turned = fmaf(x_step, heading_variance, y_heading);
-    const float t15 = fmaf(x_step, y_heading + y_turned, pose_covariance->yy);
-    const float t16 = fmaf(chord_y, fmaf(chord_y, twist_covariance->vxvx, t9), t15);
-    const float t17 = fmaf(chord_x, fmaf(chord_x, twist_covariance->vyvy, t7), t16);
-    const float t18 = fmaf(t2, fmaf(x_step, t13, by_omega_y), y_turned);
+    const float by_omega_x = wmrgen_fma(twist_covariance->vxomega, chord_x, -(twist_covariance->vyomega * chord_y));
+    const float t4 = 0.5f * dt;
+    const float x_heading = wmrgen_fma(by_omega_x, t4, pose_covariance->xtheta);
+    const float t5 = -y_step;
+    const float t6 = dt * twist_covariance->omegaomega;
+    const float t7 = dt * t6;
+    const float heading_variance = wmrgen_fma(0.25f, t7, pose_covariance->thetatheta);
+    const float x_turned = wmrgen_fma(t5, heading_variance, x_heading);
+    const float t8 = wmrgen_fma(t5, x_heading + x_turned, pose_covariance->xx);
+    const float t9 = chord_y * twist_covariance->vxvy;
+    const float by_vx_x = wmrgen_fma(chord_x, twist_covariance->vxvx, -t9);
+    const float t10 = -chord_y;
+    const float t11 = chord_x * twist_covariance->vxvy;
+    const float by_vy_x = wmrgen_fma(t10, twist_covariance->vyvy, t11);
+    const float t12 = wmrgen_fma(t10, by_vy_x, wmrgen_fma(chord_x, by_vx_x, t8));
+    const float by_omega_y = wmrgen_fma(twist_covariance->vxomega, chord_y, chord_x * twist_covariance->vyomega);
+    const float y_heading = wmrgen_fma(t4, by_omega_y, pose_covariance->ytheta);
+    const float t13 = wmrgen_fma(t5, y_heading, pose_covariance->xy);
+    const float t14 = wmrgen_fma(chord_y, by_vx_x, wmrgen_fma(x_step, x_turned, t13));
+    const float t15 = 0.5f * t6;
+    const float t16 = wmrgen_fma(t4, wmrgen_fma(t5, t15, by_omega_x), x_turned);
+    const float y_turned = wmrgen_fma(x_step, heading_variance, y_heading);
+    const float t17 = wmrgen_fma(x_step, y_heading + y_turned, pose_covariance->yy);
+    const float by_vx_y = wmrgen_fma(chord_y, twist_covariance->vxvx, t11);
+    const float by_vy_y = wmrgen_fma(chord_x, twist_covariance->vyvy, t9);
+    const float t18 = wmrgen_fma(chord_x, by_vy_y, wmrgen_fma(chord_y, by_vx_y, t17));
+    const float t19 = wmrgen_fma(t4, wmrgen_fma(x_step, t15, by_omega_y), y_turned);
 
     pose->x = pose->x + x_step;
     pose->y = pose->y + y_step;
     pose->theta = pose->theta + t0;
-    pose_covariance->xx = t10;
-    pose_covariance->xy = t12;
-    pose_covariance->xtheta = t14;
-    pose_covariance->yy = t17;
-    pose_covariance->ytheta = t18;
-    pose_covariance->thetatheta = pose_covariance->thetatheta + t5;
+    pose_covariance->xx = t12;
+    pose_covariance->xy = wmrgen_fma(chord_x, by_vy_x, t14);
+    pose_covariance->xtheta = t16;
+    pose_covariance->yy = t18;
+    pose_covariance->ytheta = t19;
+    pose_covariance->thetatheta = pose_covariance->thetatheta + t7;
 }
 
 void pioneer3dx_odometry_from_angles(
@@ -370,9 +408,9 @@ void pioneer3dx_odometry_from_angles(
     const wmrgen_vector t2 = wmrgen_direction(pose->theta + half_turn);
     const float t3 = 0.5f * wmrgen_sinc(half_turn);
 
-    pose->x = fmaf(t0 * t2.x, t3, pose->x);
-    pose->y = fmaf(t3, t0 * t2.y, pose->y);
-    pose->theta = fmaf(-t1, prepared->k3, pose->theta);
+    pose->x = wmrgen_fma(t0 * t2.x, t3, pose->x);
+    pose->y = wmrgen_fma(t3, t0 * t2.y, pose->y);
+    pose->theta = wmrgen_fma(-t1, prepared->k3, pose->theta);
 }
 
 void pioneer3dx_limit_twist(pioneer3dx_twist *twist)
@@ -402,8 +440,8 @@ void pioneer3dx_limit_acceleration(
     const float time = (t0 < t2) ? t2 : t0;
     const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t3 = 0.9999995f * (step / time);
-    const float t4 = (step < time) ? fmaf(vx_change, t3, twist->vx) : wanted->vx;
-    const float t5 = (step < time) ? fmaf(omega_change, t3, twist->omega) : wanted->omega;
+    const float t4 = (step < time) ? wmrgen_fma(vx_change, t3, twist->vx) : wanted->vx;
+    const float t5 = (step < time) ? wmrgen_fma(omega_change, t3, twist->omega) : wanted->omega;
 
     twist->vx = t4;
     twist->vy = 0.0f;

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PIONEER3DX_PAIR_bc9c5e71b5e5bfd3)
+#if !defined(PIONEER3DX_PAIR_352c304608c3b3d8)
 #error "this file and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

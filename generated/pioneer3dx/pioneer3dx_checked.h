@@ -26,7 +26,7 @@
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_bc9c5e71b5e5bfd3)
+#if !defined(PIONEER3DX_PAIR_352c304608c3b3d8)
 #error "this file and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -7,10 +7,11 @@
  */
 #include "pr2.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_1cfedd44f915a127)
+#if !defined(PR2_PAIR_348bc62dee501280)
 #error "this file and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,43 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+static inline float wmrgen_fma(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        if ((lost < 0.0) || (lost > 0.0)) {
+            sum.bits += ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+        }
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -111,11 +146,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -133,18 +168,18 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t0 = wmrgen_fma(angle, 0.31830987f, 12582912.0f);
     const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t2 = wmrgen_fma(t1, 8.742278e-08f, wmrgen_fma(-t1, 3.1415927f, angle));
     const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
+    const float t6 = wmrgen_fma(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = wmrgen_fma(t4, t6, (-0.0013888585f));
+    const float t8 = wmrgen_fma(t4, t7, 0.041666657f);
+    const float t9 = wmrgen_fma(t4, t8, (-0.5f));
 
-    result.x = fmaf(t5, t9, t3);
+    result.x = wmrgen_fma(t5, t9, t3);
     result.y = t3 * wmrgen_sine(t2);
     return result;
 }
@@ -157,15 +192,15 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 {
     const float t0 = q * q;
     const float t1 = q * t0;
-    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
-    const float t3 = fmaf(t0, t2, 0.04390253f);
-    const float t4 = fmaf(t0, t3, (-0.0762479f));
-    const float t5 = fmaf(t0, t4, 0.10709304f);
-    const float t6 = fmaf(t0, t5, (-0.14225537f));
-    const float t7 = fmaf(t0, t6, 0.1999624f);
-    const float t8 = fmaf(t0, t7, (-0.33333313f));
+    const float t2 = wmrgen_fma(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = wmrgen_fma(t0, t2, 0.04390253f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.0762479f));
+    const float t5 = wmrgen_fma(t0, t4, 0.10709304f);
+    const float t6 = wmrgen_fma(t0, t5, (-0.14225537f));
+    const float t7 = wmrgen_fma(t0, t6, 0.1999624f);
+    const float t8 = wmrgen_fma(t0, t7, (-0.33333313f));
 
-    return fmaf(t1, t8, q);
+    return wmrgen_fma(t1, t8, q);
 }
 #endif
 
@@ -190,9 +225,9 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t0 = fabsf(x);
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
-    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
     const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
+    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
     result.spin = t3;
     result.steer = t4;
@@ -206,12 +241,12 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -223,44 +258,44 @@ typedef char pr2_wheels_are_joints[
 
 float *pr2_joint(pr2_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)PR2_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)PR2_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void pr2_inverse(const pr2_twist *twist, const pr2_wheels *now, pr2_wheels *out)
 {
-    /* v_Ax of fl_l, v_Ax of bl_l */
-    const float fl_l_x = fmaf(2.1696092e-09f, twist->omega, fmaf((-0.2246f), twist->omega, twist->vx));
+    const float t0 = wmrgen_fma((-0.2246f), twist->omega, twist->vx);
+    const float fl_l_x = wmrgen_fma(2.1696092e-09f, twist->omega, t0); /* v_Ax of fl_l, v_Ax of bl_l */
     /* v_Ay of fl_l, v_Ay of fr_l */
-    const float fl_l_y = fmaf((-2.1696092e-09f), twist->omega, fmaf(0.2246f, twist->omega, twist->vy));
+    const float fl_l_y = wmrgen_fma((-2.1696092e-09f), twist->omega, wmrgen_fma(0.2246f, twist->omega, twist->vy));
     const wmrgen_wheel fl_l = wmrgen_steer_along(fl_l_x, fl_l_y, now->fl_l.steer, 1.0f);
-    const float t0 = 13.370414f * fl_l.spin;
-    const float t1 = 0.6551503f * twist->omega;
+    const float t1 = 13.370414f * fl_l.spin;
+    const float t2 = 0.6551503f * twist->omega;
     /* v_Ax of fr_l, v_Ax of br_l */
-    const float fr_l_x = fmaf((-2.1696092e-09f), twist->omega, fmaf(0.2246f, twist->omega, twist->vx));
+    const float fr_l_x = wmrgen_fma((-2.1696092e-09f), twist->omega, wmrgen_fma(0.2246f, twist->omega, twist->vx));
     const wmrgen_wheel fr_l = wmrgen_steer_along(fr_l_x, fl_l_y, now->fr_l.steer, 1.0f);
-    const float t2 = 13.370414f * fr_l.spin;
-    /* v_Ay of bl_l, v_Ay of br_l */
-    const float bl_l_y = fmaf(2.1696092e-09f, twist->omega, fmaf((-0.2246f), twist->omega, twist->vy));
+    const float t3 = 13.370414f * fr_l.spin;
+    const float t4 = wmrgen_fma((-0.2246f), twist->omega, twist->vy);
+    const float bl_l_y = wmrgen_fma(2.1696092e-09f, twist->omega, t4); /* v_Ay of bl_l, v_Ay of br_l */
     const wmrgen_wheel bl_l = wmrgen_steer_along(fl_l_x, bl_l_y, now->bl_l.steer, 1.0f);
-    const float t3 = 13.370414f * bl_l.spin;
+    const float t5 = 13.370414f * bl_l.spin;
     const wmrgen_wheel br_l = wmrgen_steer_along(fr_l_x, bl_l_y, now->br_l.steer, 1.0f);
-    const float t4 = 13.370414f * br_l.spin;
+    const float t6 = 13.370414f * br_l.spin;
 
-    out->fl_l.spin = t0 - t1;
+    out->fl_l.spin = t1 - t2;
     out->fl_l.steer = fl_l.steer;
-    out->fl_r.spin = t0 + t1;
+    out->fl_r.spin = t1 + t2;
     out->fl_r.steer = fl_l.steer;
-    out->fr_l.spin = t2 - t1;
+    out->fr_l.spin = t3 - t2;
     out->fr_l.steer = fr_l.steer;
-    out->fr_r.spin = t1 + t2;
+    out->fr_r.spin = t2 + t3;
     out->fr_r.steer = fr_l.steer;
-    out->bl_l.spin = t3 - t1;
+    out->bl_l.spin = t5 - t2;
     out->bl_l.steer = bl_l.steer;
-    out->bl_r.spin = t1 + t3;
+    out->bl_r.spin = t2 + t5;
     out->bl_r.steer = bl_l.steer;
-    out->br_l.spin = t4 - t1;
+    out->br_l.spin = t6 - t2;
     out->br_l.steer = br_l.steer;
-    out->br_r.spin = t1 + t4;
+    out->br_r.spin = t2 + t6;
     out->br_r.steer = br_l.steer;
 }
 
@@ -290,23 +325,23 @@ void pr2_forward(const pr2_wheels *wheels, pr2_twist *twist)
     const float t1 = fr_l.y - fr_r.y + (fl_l.y - fl_r.y);
     const float sum_fx = (-0.049f) * (t0 + t1);
     const float t2 = -sum_fx;
-    const float t3 = fmaf(0.049f, wheels->bl_l.steer_rate, 0.074792f * wheels->bl_l.spin);
-    const float t4 = fmaf(0.074792f, wheels->bl_r.spin, -(0.049f * wheels->bl_r.steer_rate));
-    const float t5 = fmaf(0.049f, wheels->br_l.steer_rate, 0.074792f * wheels->br_l.spin);
-    const float t6 = fmaf(t5, br_l.y, fmaf(t3, bl_l.y, t4 * bl_r.y));
-    const float t7 = fmaf(0.074792f, wheels->br_r.spin, -(0.049f * wheels->br_r.steer_rate));
-    const float t8 = fmaf(t7, br_r.y, t6);
-    const float t9 = fmaf(0.049f, wheels->fl_l.steer_rate, 0.074792f * wheels->fl_l.spin);
-    const float t10 = fmaf(0.074792f, wheels->fl_r.spin, -(0.049f * wheels->fl_r.steer_rate));
-    const float t11 = fmaf(0.049f, wheels->fr_l.steer_rate, 0.074792f * wheels->fr_l.spin);
-    const float t12 = fmaf(t11, fr_l.y, fmaf(t9, fl_l.y, t10 * fl_r.y));
-    const float t13 = fmaf(0.074792f, wheels->fr_r.spin, -(0.049f * wheels->fr_r.steer_rate));
-    const float t14 = fmaf(t13, fr_r.y, t12);
+    const float t3 = wmrgen_fma(0.049f, wheels->bl_l.steer_rate, 0.074792f * wheels->bl_l.spin);
+    const float t4 = wmrgen_fma(0.074792f, wheels->bl_r.spin, -(0.049f * wheels->bl_r.steer_rate));
+    const float t5 = wmrgen_fma(0.049f, wheels->br_l.steer_rate, 0.074792f * wheels->br_l.spin);
+    const float t6 = wmrgen_fma(t5, br_l.y, wmrgen_fma(t3, bl_l.y, t4 * bl_r.y));
+    const float t7 = wmrgen_fma(0.074792f, wheels->br_r.spin, -(0.049f * wheels->br_r.steer_rate));
+    const float t8 = wmrgen_fma(t7, br_r.y, t6);
+    const float t9 = wmrgen_fma(0.049f, wheels->fl_l.steer_rate, 0.074792f * wheels->fl_l.spin);
+    const float t10 = wmrgen_fma(0.074792f, wheels->fl_r.spin, -(0.049f * wheels->fl_r.steer_rate));
+    const float t11 = wmrgen_fma(0.049f, wheels->fr_l.steer_rate, 0.074792f * wheels->fr_l.spin);
+    const float t12 = wmrgen_fma(t11, fr_l.y, wmrgen_fma(t9, fl_l.y, t10 * fl_r.y));
+    const float t13 = wmrgen_fma(0.074792f, wheels->fr_r.spin, -(0.049f * wheels->fr_r.steer_rate));
+    const float t14 = wmrgen_fma(t13, fr_r.y, t12);
     const float sum_wy = t8 + t14;
-    const float t15 = fmaf(br_l.x, t5, fmaf(fr_l.x, t11, fr_r.x * t13));
-    const float t16 = fmaf(br_r.x, t7, t15);
-    const float t17 = fmaf(bl_l.x, t3, fmaf(fl_l.x, t9, fl_r.x * t10));
-    const float t18 = fmaf(bl_r.x, t4, t17);
+    const float t15 = wmrgen_fma(br_l.x, t5, wmrgen_fma(fr_l.x, t11, fr_r.x * t13));
+    const float t16 = wmrgen_fma(br_r.x, t7, t15);
+    const float t17 = wmrgen_fma(bl_l.x, t3, wmrgen_fma(fl_l.x, t9, fl_r.x * t10));
+    const float t18 = wmrgen_fma(bl_r.x, t4, t17);
     const float t19 = wheels->fl_r.spin - wheels->fl_l.spin - wheels->fr_l.spin;
     const float t20 = wheels->bl_r.spin + (wheels->fr_r.spin + t19 - wheels->bl_l.spin);
     const float t21 = wheels->br_r.spin + (t20 - wheels->br_l.spin);
@@ -314,18 +349,20 @@ void pr2_forward(const pr2_wheels *wheels, pr2_twist *twist)
     const float t23 = wheels->fr_r.steer_rate + (wheels->fr_l.steer_rate + t22);
     const float t24 = wheels->bl_r.steer_rate + (wheels->bl_l.steer_rate + t23);
     const float t25 = wheels->br_r.steer_rate + (wheels->br_l.steer_rate + t24);
-    const float moment = fmaf(1.7968f, t14 + (t16 - t18) - t8, fmaf(0.029318465f, t21, -(0.019208f * t25)));
+    const float t26 = wmrgen_fma(0.029318465f, t21, -(0.019208f * t25));
+    const float moment = wmrgen_fma(1.7968f, t14 + (t16 - t18) - t8, t26);
     const float sum_wx = t16 + t18;
-    const float t26 = br_l.x - br_r.x + (fr_l.x - fr_r.x);
-    const float t27 = bl_l.x - bl_r.x + (fl_l.x - fl_r.x);
-    const float sum_fy = 0.049f * (t26 + t27);
-    const float t28 = fmaf(sum_wx, sum_fy, fmaf(t2, sum_wy, moment));
-    const float inertia = fmaf(0.1760864f, t0 + (t27 - t26 - t1), 6.6106443f);
-    const float t29 = fmaf(-sum_fy, sum_fy, fmaf(t2, sum_fx, inertia));
-    const float omega_fit = t28 / t29;
+    const float t27 = br_l.x - br_r.x + (fr_l.x - fr_r.x);
+    const float t28 = bl_l.x - bl_r.x + (fl_l.x - fl_r.x);
+    const float sum_fy = 0.049f * (t27 + t28);
+    const float t29 = wmrgen_fma(sum_wx, sum_fy, wmrgen_fma(t2, sum_wy, moment));
+    const float inertia = wmrgen_fma(0.1760864f, t0 + (t28 - t27 - t1), 6.6106443f);
+    const float t30 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t2, sum_fx, inertia));
+    const float omega_fit = t29 / t30;
+    const float t31 = 0.125f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
 
-    twist->vx = 0.125f * fmaf(sum_fy, omega_fit, sum_wx);
-    twist->vy = 0.125f * fmaf(t2, omega_fit, sum_wy);
+    twist->vx = t31;
+    twist->vy = 0.125f * wmrgen_fma(t2, omega_fit, sum_wy);
     twist->omega = omega_fit;
 #endif
 }
@@ -344,75 +381,81 @@ void pr2_forward_slip(const pr2_wheels *wheels, pr2_twist *twist, float *slip)
     const float t1 = fr_l.y - fr_r.y + (fl_l.y - fl_r.y);
     const float sum_fx = (-0.049f) * (t0 + t1);
     const float t2 = -sum_fx;
-    const float t3 = fmaf(0.049f, wheels->bl_l.steer_rate, 0.074792f * wheels->bl_l.spin);
-    const float t4 = fmaf(0.074792f, wheels->bl_r.spin, -(0.049f * wheels->bl_r.steer_rate));
+    const float t3 = wmrgen_fma(0.049f, wheels->bl_l.steer_rate, 0.074792f * wheels->bl_l.spin);
+    const float t4 = wmrgen_fma(0.074792f, wheels->bl_r.spin, -(0.049f * wheels->bl_r.steer_rate));
     const float bl_r_wy = t4 * bl_r.y;
-    const float t5 = fmaf(0.049f, wheels->br_l.steer_rate, 0.074792f * wheels->br_l.spin);
-    const float t6 = fmaf(0.074792f, wheels->br_r.spin, -(0.049f * wheels->br_r.steer_rate));
-    const float t7 = fmaf(t6, br_r.y, fmaf(t5, br_l.y, fmaf(t3, bl_l.y, bl_r_wy)));
-    const float t8 = fmaf(0.049f, wheels->fl_l.steer_rate, 0.074792f * wheels->fl_l.spin);
-    const float t9 = fmaf(0.074792f, wheels->fl_r.spin, -(0.049f * wheels->fl_r.steer_rate));
-    const float fl_r_wy = t9 * fl_r.y;
-    const float t10 = fmaf(0.049f, wheels->fr_l.steer_rate, 0.074792f * wheels->fr_l.spin);
-    const float t11 = fmaf(0.074792f, wheels->fr_r.spin, -(0.049f * wheels->fr_r.steer_rate));
-    const float t12 = fmaf(t11, fr_r.y, fmaf(t10, fr_l.y, fmaf(t8, fl_l.y, fl_r_wy)));
-    const float sum_wy = t7 + t12;
-    const float fr_r_wx = fr_r.x * t11;
-    const float t13 = fmaf(br_r.x, t6, fmaf(br_l.x, t5, fmaf(fr_l.x, t10, fr_r_wx)));
-    const float fl_r_wx = fl_r.x * t9;
-    const float t14 = fmaf(bl_r.x, t4, fmaf(bl_l.x, t3, fmaf(fl_l.x, t8, fl_r_wx)));
-    const float t15 = wheels->fl_r.spin - wheels->fl_l.spin - wheels->fr_l.spin;
-    const float t16 = wheels->bl_r.spin + (wheels->fr_r.spin + t15 - wheels->bl_l.spin);
-    const float t17 = wheels->br_r.spin + (t16 - wheels->br_l.spin);
-    const float t18 = wheels->fl_l.steer_rate + wheels->fl_r.steer_rate;
-    const float t19 = wheels->fr_r.steer_rate + (wheels->fr_l.steer_rate + t18);
-    const float t20 = wheels->bl_r.steer_rate + (wheels->bl_l.steer_rate + t19);
-    const float t21 = wheels->br_r.steer_rate + (wheels->br_l.steer_rate + t20);
-    const float moment = fmaf(1.7968f, t12 + (t13 - t14) - t7, fmaf(0.029318465f, t17, -(0.019208f * t21)));
-    const float sum_wx = t13 + t14;
-    const float t22 = br_l.x - br_r.x + (fr_l.x - fr_r.x);
-    const float t23 = bl_l.x - bl_r.x + (fl_l.x - fl_r.x);
-    const float sum_fy = 0.049f * (t22 + t23);
-    const float t24 = fmaf(sum_wx, sum_fy, fmaf(t2, sum_wy, moment));
-    const float inertia = fmaf(0.1760864f, t0 + (t23 - t22 - t1), 6.6106443f);
-    const float t25 = fmaf(-sum_fy, sum_fy, fmaf(t2, sum_fx, inertia));
-    const float omega_fit = t24 / t25;
-    const float t26 = 0.125f * fmaf(sum_fy, omega_fit, sum_wx);
-    const float t27 = 0.125f * fmaf(t2, omega_fit, sum_wy);
-    const float t28 = 0.2246f * omega_fit;
-    const float t29 = t28 - t26;
-    const float t30 = 0.049f * omega_fit;
-    const float error_0 = t29 + fmaf(fl_l.x, t8, fl_l.x * t30);
-    const float t31 = t27 + t28;
-    const float error_1 = fmaf(t8, fl_l.y, fl_l.y * t30) - t31;
-    const float error_2 = t29 + fmaf(-fl_r.x, t30, fl_r_wx);
-    const float t32 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
-    const float error_3 = fmaf(-fl_r.y, t30, fl_r_wy) - t31;
-    const float t33 = t26 + t28;
-    const float error_4 = fmaf(fr_l.x, t10, fr_l.x * t30) - t33;
-    const float t34 = fmaf(error_4, error_4, fmaf(error_3, error_3, t32));
-    const float error_5 = fmaf(t10, fr_l.y, fr_l.y * t30) - t31;
-    const float error_6 = fmaf(-fr_r.x, t30, fr_r_wx) - t33;
-    const float t35 = fmaf(error_6, error_6, fmaf(error_5, error_5, t34));
-    const float error_7 = fmaf(t11, fr_r.y, -(fr_r.y * t30)) - t31;
-    const float error_8 = t29 + fmaf(bl_l.x, t3, bl_l.x * t30);
-    const float t36 = fmaf(error_8, error_8, fmaf(error_7, error_7, t35));
-    const float t37 = t28 - t27;
-    const float error_9 = t37 + fmaf(t3, bl_l.y, bl_l.y * t30);
-    const float error_10 = t29 + fmaf(bl_r.x, t4, -(bl_r.x * t30));
-    const float t38 = fmaf(error_10, error_10, fmaf(error_9, error_9, t36));
-    const float error_11 = t37 + fmaf(-bl_r.y, t30, bl_r_wy);
-    const float error_12 = fmaf(br_l.x, t5, br_l.x * t30) - t33;
-    const float t39 = fmaf(error_12, error_12, fmaf(error_11, error_11, t38));
-    const float error_13 = t37 + fmaf(t5, br_l.y, br_l.y * t30);
-    const float error_14 = fmaf(br_r.x, t6, -(br_r.x * t30)) - t33;
-    const float t40 = fmaf(error_14, error_14, fmaf(error_13, error_13, t39));
-    const float error_15 = t37 + fmaf(t6, br_r.y, -(br_r.y * t30));
+    const float t5 = wmrgen_fma(0.049f, wheels->br_l.steer_rate, 0.074792f * wheels->br_l.spin);
+    const float t6 = wmrgen_fma(t5, br_l.y, wmrgen_fma(t3, bl_l.y, bl_r_wy));
+    const float t7 = wmrgen_fma(0.074792f, wheels->br_r.spin, -(0.049f * wheels->br_r.steer_rate));
+    const float t8 = wmrgen_fma(t7, br_r.y, t6);
+    const float t9 = wmrgen_fma(0.049f, wheels->fl_l.steer_rate, 0.074792f * wheels->fl_l.spin);
+    const float t10 = wmrgen_fma(0.074792f, wheels->fl_r.spin, -(0.049f * wheels->fl_r.steer_rate));
+    const float fl_r_wy = t10 * fl_r.y;
+    const float t11 = wmrgen_fma(0.049f, wheels->fr_l.steer_rate, 0.074792f * wheels->fr_l.spin);
+    const float t12 = wmrgen_fma(t11, fr_l.y, wmrgen_fma(t9, fl_l.y, fl_r_wy));
+    const float t13 = wmrgen_fma(0.074792f, wheels->fr_r.spin, -(0.049f * wheels->fr_r.steer_rate));
+    const float t14 = wmrgen_fma(t13, fr_r.y, t12);
+    const float sum_wy = t8 + t14;
+    const float fr_r_wx = fr_r.x * t13;
+    const float t15 = wmrgen_fma(br_l.x, t5, wmrgen_fma(fr_l.x, t11, fr_r_wx));
+    const float t16 = wmrgen_fma(br_r.x, t7, t15);
+    const float fl_r_wx = fl_r.x * t10;
+    const float t17 = wmrgen_fma(bl_l.x, t3, wmrgen_fma(fl_l.x, t9, fl_r_wx));
+    const float t18 = wmrgen_fma(bl_r.x, t4, t17);
+    const float t19 = wheels->fl_r.spin - wheels->fl_l.spin - wheels->fr_l.spin;
+    const float t20 = wheels->bl_r.spin + (wheels->fr_r.spin + t19 - wheels->bl_l.spin);
+    const float t21 = wheels->br_r.spin + (t20 - wheels->br_l.spin);
+    const float t22 = wheels->fl_l.steer_rate + wheels->fl_r.steer_rate;
+    const float t23 = wheels->fr_r.steer_rate + (wheels->fr_l.steer_rate + t22);
+    const float t24 = wheels->bl_r.steer_rate + (wheels->bl_l.steer_rate + t23);
+    const float t25 = wheels->br_r.steer_rate + (wheels->br_l.steer_rate + t24);
+    const float t26 = wmrgen_fma(0.029318465f, t21, -(0.019208f * t25));
+    const float moment = wmrgen_fma(1.7968f, t14 + (t16 - t18) - t8, t26);
+    const float sum_wx = t16 + t18;
+    const float t27 = br_l.x - br_r.x + (fr_l.x - fr_r.x);
+    const float t28 = bl_l.x - bl_r.x + (fl_l.x - fl_r.x);
+    const float sum_fy = 0.049f * (t27 + t28);
+    const float t29 = wmrgen_fma(sum_wx, sum_fy, wmrgen_fma(t2, sum_wy, moment));
+    const float inertia = wmrgen_fma(0.1760864f, t0 + (t28 - t27 - t1), 6.6106443f);
+    const float t30 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t2, sum_fx, inertia));
+    const float omega_fit = t29 / t30;
+    const float t31 = 0.125f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
+    const float t32 = 0.125f * wmrgen_fma(t2, omega_fit, sum_wy);
+    const float t33 = 0.2246f * omega_fit;
+    const float t34 = t33 - t31;
+    const float t35 = 0.049f * omega_fit;
+    const float error_0 = t34 + wmrgen_fma(fl_l.x, t9, fl_l.x * t35);
+    const float t36 = t32 + t33;
+    const float error_1 = wmrgen_fma(t9, fl_l.y, fl_l.y * t35) - t36;
+    const float t37 = wmrgen_fma(error_0, error_0, error_1 * error_1);
+    const float error_2 = t34 + wmrgen_fma(-fl_r.x, t35, fl_r_wx);
+    const float error_3 = wmrgen_fma(-fl_r.y, t35, fl_r_wy) - t36;
+    const float t38 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t37));
+    const float t39 = t31 + t33;
+    const float error_4 = wmrgen_fma(fr_l.x, t11, fr_l.x * t35) - t39;
+    const float error_5 = wmrgen_fma(t11, fr_l.y, fr_l.y * t35) - t36;
+    const float t40 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t38));
+    const float error_6 = wmrgen_fma(-fr_r.x, t35, fr_r_wx) - t39;
+    const float error_7 = wmrgen_fma(t13, fr_r.y, -(fr_r.y * t35)) - t36;
+    const float t41 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t40));
+    const float error_8 = t34 + wmrgen_fma(bl_l.x, t3, bl_l.x * t35);
+    const float t42 = t33 - t32;
+    const float error_9 = t42 + wmrgen_fma(t3, bl_l.y, bl_l.y * t35);
+    const float t43 = wmrgen_fma(error_9, error_9, wmrgen_fma(error_8, error_8, t41));
+    const float error_10 = t34 + wmrgen_fma(bl_r.x, t4, -(bl_r.x * t35));
+    const float error_11 = t42 + wmrgen_fma(-bl_r.y, t35, bl_r_wy);
+    const float t44 = wmrgen_fma(error_11, error_11, wmrgen_fma(error_10, error_10, t43));
+    const float error_12 = wmrgen_fma(br_l.x, t5, br_l.x * t35) - t39;
+    const float error_13 = t42 + wmrgen_fma(t5, br_l.y, br_l.y * t35);
+    const float t45 = wmrgen_fma(error_13, error_13, wmrgen_fma(error_12, error_12, t44));
+    const float error_14 = wmrgen_fma(br_r.x, t7, -(br_r.x * t35)) - t39;
+    const float error_15 = t42 + wmrgen_fma(t7, br_r.y, -(br_r.y * t35));
+    const float t46 = wmrgen_fma(error_15, error_15, wmrgen_fma(error_14, error_14, t45));
 
-    twist->vx = t26;
-    twist->vy = t27;
+    twist->vx = t31;
+    twist->vy = t32;
     twist->omega = omega_fit;
-    *slip = sqrtf(fmaf(error_15, error_15, t40));
+    *slip = sqrtf(t46);
 }
 
 void pr2_odometry(pr2_pose *pose, const pr2_twist *twist, float dt)
@@ -420,11 +463,11 @@ void pr2_odometry(pr2_pose *pose, const pr2_twist *twist, float dt)
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
 
-    pose->x = t2;
-    pose->y = t3;
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
     pose->theta = pose->theta + t0;
 }

@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_1cfedd44f915a127)
+#if !defined(PR2_PAIR_348bc62dee501280)
 #error "this file and pr2.h were not generated together: copy both"
 #endif
 

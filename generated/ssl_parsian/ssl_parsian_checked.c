@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SSL_PARSIAN_PAIR_a45be7961cea2b83)
+#if !defined(SSL_PARSIAN_PAIR_42a6a10e2cf0efd7)
 #error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_a45be7961cea2b83)
+#if !defined(SSL_PARSIAN_PAIR_42a6a10e2cf0efd7)
 #error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_daae92d35f7e4e63)
+#if !defined(SYNCHRO_DRIVE_PAIR_043c90e7bd5e9b2b)
 #error "this file and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

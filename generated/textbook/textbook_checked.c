@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_PAIR_77cd6c9b6d497ffb)
+#if !defined(TEXTBOOK_PAIR_e72e5fc7c974ca6c)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

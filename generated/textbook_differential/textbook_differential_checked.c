@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_8eb452bcb9e177fb)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_a7c517930aea9767)
 #error "this file and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_9c19919686db066b)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_1c4bf1e1762f5270)
 #error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_9c19919686db066b)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_1c4bf1e1762f5270)
 #error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

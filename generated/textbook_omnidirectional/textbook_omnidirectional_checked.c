@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_6b158516cb5dede9)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_1c3e8ef39eed1b84)
 #error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

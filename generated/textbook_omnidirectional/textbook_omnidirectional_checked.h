@@ -21,7 +21,7 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_6b158516cb5dede9)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_1c3e8ef39eed1b84)
 #error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TRIBOLO_PAIR_fa8af38f9f87958c)
+#if !defined(TEXTBOOK_TRIBOLO_PAIR_b0826a9378cb97b1)
 #error "this file and textbook_tribolo.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "textbook_tribolo.h"
 
-#if !defined(TEXTBOOK_TRIBOLO_PAIR_fa8af38f9f87958c)
+#if !defined(TEXTBOOK_TRIBOLO_PAIR_b0826a9378cb97b1)
 #error "this file and textbook_tribolo.h were not generated together: copy both"
 #endif
 

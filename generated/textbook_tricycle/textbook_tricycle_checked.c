@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_ea7664a55585a30f)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_dcce5533e5071573)
 #error "this file and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TIDYBOT2_PAIR_a3433b1713d0b319)
+#if !defined(TIDYBOT2_PAIR_5372e85cd0e70ac6)
 #error "this file and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_a3433b1713d0b319)
+#if !defined(TIDYBOT2_PAIR_5372e85cd0e70ac6)
 #error "this file and tidybot2.h were not generated together: copy both"
 #endif
 

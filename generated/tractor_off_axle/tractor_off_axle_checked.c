@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_539582ea8842a3f2)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_16800d04a0c67b80)
 #error "this file and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

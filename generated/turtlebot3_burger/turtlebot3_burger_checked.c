@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_6d0e4b82c85bfcf9)
+#if !defined(TURTLEBOT3_BURGER_PAIR_2cedaa18675476ff)
 #error "this file and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_6d0e4b82c85bfcf9)
+#if !defined(TURTLEBOT3_BURGER_PAIR_2cedaa18675476ff)
 #error "this file and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

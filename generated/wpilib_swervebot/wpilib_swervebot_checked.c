@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_0bbce0e4465d356b)
+#if !defined(WPILIB_SWERVEBOT_PAIR_2dbcd6fb1477412e)
 #error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ACKERMANN_CAR_PAIR_a32d2cf62686df5c)
+#if !defined(ACKERMANN_CAR_PAIR_11c5d2cdbf28068d)
 #error "this file and ackermann_car.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(BICYCLE_PAIR_065d409bb6559e9b)
+#if !defined(BICYCLE_PAIR_c12aa78c723bde20)
 #error "this file and bicycle.h were not generated together: copy both"
 #endif
 

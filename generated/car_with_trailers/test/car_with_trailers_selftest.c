@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_50a1168f0c3c6c19)
+#if !defined(CAR_WITH_TRAILERS_PAIR_4b0b2d2f7800e83d)
 #error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 

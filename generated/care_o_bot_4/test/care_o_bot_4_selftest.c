@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CARE_O_BOT_4_PAIR_c570dc07c1b5c1cc)
+#if !defined(CARE_O_BOT_4_PAIR_088d64786ee85c5a)
 #error "this file and care_o_bot_4.h were not generated together: copy both"
 #endif
 

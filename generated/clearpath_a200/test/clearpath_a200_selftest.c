@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_A200_PAIR_7ed8a586b24cc30c)
+#if !defined(CLEARPATH_A200_PAIR_fdc0c56cf5f73c9a)
 #error "this file and clearpath_a200.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_DO100_PAIR_78a351ec62b6e4fd)
+#if !defined(CLEARPATH_DO100_PAIR_7cb3614c80eb6c5b)
 #error "this file and clearpath_do100.h were not generated together: copy both"
 #endif
 

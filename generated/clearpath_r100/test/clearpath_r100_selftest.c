@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_R100_PAIR_d0bae485a28d595c)
+#if !defined(CLEARPATH_R100_PAIR_6456933cbba79563)
 #error "this file and clearpath_r100.h were not generated together: copy both"
 #endif
 

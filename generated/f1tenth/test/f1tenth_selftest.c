@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_5ed52ffa373f4248)
+#if !defined(F1TENTH_PAIR_025c8f6dc672d0e2)
 #error "this file and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(FESTO_ROBOTINO_PAIR_615156441a4988ab)
+#if !defined(FESTO_ROBOTINO_PAIR_e83f75b28f38d102)
 #error "this file and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(JPL_OSR_PAIR_c4f542853c359be9)
+#if !defined(JPL_OSR_PAIR_3521cdcfaa07e1b4)
 #error "this file and jpl_osr.h were not generated together: copy both"
 #endif
 

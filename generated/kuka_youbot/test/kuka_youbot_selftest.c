@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KUKA_YOUBOT_PAIR_5f980622fee62f05)
+#if !defined(KUKA_YOUBOT_PAIR_614462d1db9317c7)
 #error "this file and kuka_youbot.h were not generated together: copy both"
 #endif
 

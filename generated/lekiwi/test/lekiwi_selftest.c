@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LEKIWI_PAIR_b8d9a2915ddb0043)
+#if !defined(LEKIWI_PAIR_d8dcfe80e2e1bd65)
 #error "this file and lekiwi.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEOBOTIX_MP_400_PAIR_f3a165e3d3019668)
+#if !defined(NEOBOTIX_MP_400_PAIR_d8e34a7ec5c265cd)
 #error "this file and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

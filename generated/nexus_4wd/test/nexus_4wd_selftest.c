@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEXUS_4WD_PAIR_9f1bcd7d9820b9dc)
+#if !defined(NEXUS_4WD_PAIR_da9f95777b904149)
 #error "this file and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(OFFICE_CHAIR_PAIR_d5de759651c2c5c6)
+#if !defined(OFFICE_CHAIR_PAIR_457b1d55cbe84a89)
 #error "this file and office_chair.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SYNCHRO_DRIVE_PAIR_daae92d35f7e4e63)
+#if !defined(SYNCHRO_DRIVE_PAIR_043c90e7bd5e9b2b)
 #error "this file and synchro_drive.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_PAIR_77cd6c9b6d497ffb)
+#if !defined(TEXTBOOK_PAIR_e72e5fc7c974ca6c)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_8eb452bcb9e177fb)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_a7c517930aea9767)
 #error "this file and textbook_differential.h were not generated together: copy both"
 #endif
 

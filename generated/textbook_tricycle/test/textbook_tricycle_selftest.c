@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_ea7664a55585a30f)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_dcce5533e5071573)
 #error "this file and textbook_tricycle.h were not generated together: copy both"
 #endif
 

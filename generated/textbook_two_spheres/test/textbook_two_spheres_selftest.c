@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_5d00f11c9560c091)
+#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_de35ebc02bae49e0)
 #error "this file and textbook_two_spheres.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_fcb721bf645b3d59)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_c307c6b985e2dc3e)
 #error "this file and textbook_two_steer.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(UNICYCLE_PAIR_2e33535215ba4d86)
+#if !defined(UNICYCLE_PAIR_8aace058c72c021a)
 #error "this file and unicycle.h were not generated together: copy both"
 #endif
 

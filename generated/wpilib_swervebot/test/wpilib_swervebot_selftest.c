@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_0bbce0e4465d356b)
+#if !defined(WPILIB_SWERVEBOT_PAIR_2dbcd6fb1477412e)
 #error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

@@ -3,7 +3,10 @@
 counters, wheels      what encoders count, and what the joints do
 twist, pose           how the robot moves, and where it is, with covariances of both where there is noise to tell of
 wanted, driven        the twist that somebody wants, and what is left of it by the limits of acceleration
-commands              what the joints are to do
+commands, before      what the joints are to do, and what they were to do in the step before
+
+Steering starts from the last commands, not from the measured angles: the error of a measurement (a count of an encoder,
+the lag of a motor) would become the next command, and modules would creep at rest.
 """
 
 from __future__ import annotations
@@ -28,10 +31,10 @@ _SENSES: tuple[tuple[str, Mapping[str, str]], ...] = (
 _ACTS: tuple[tuple[str, Mapping[str, str]], ...] = (
     ("limit_twist", {"twist": "wanted"}),
     ("limit_acceleration", {"twist": "driven"}),
-    ("inverse", {"twist": "driven", "now": "wheels", "out": "commands"}),
+    ("inverse", {"twist": "driven", "now": "commands", "out": "commands"}),
     ("desaturate", {"wheels": "commands"}),
     ("compensate_steering", {"wheels": "commands", "now": "wheels"}),
-    ("steer_toward", {"now": "wheels", "wanted": "commands", "out": "commands"}),
+    ("steer_toward", {"now": "before", "wanted": "commands", "out": "commands"}),
 )
 
 

@@ -137,7 +137,8 @@ def for_c(module: Module, robot: Robot, functions: Iterable[str], passive: bool)
     """
     chosen = [_IN_C.get(name, {name: name}) for name in functions]
     whole = select(module, {part: name for names in chosen for part, name in names.items()})
-    joints = _joints(robot)
+    scaled = {port.name for f in whole.functions if f.limits is Limits.ASKED for port in f.inputs}
+    joints = _joints(robot, scaled)
     absent = frozenset(_joints(robot, every=True)) - set(joints)
     steps = tuple(part for f in whole.functions for part in _parts(f, absent, passive))
     kept = select(replace(whole, functions=steps), {f.name: f.name for f in steps})
@@ -145,13 +146,17 @@ def for_c(module: Module, robot: Robot, functions: Iterable[str], passive: bool)
     return replace(kept, joints=tuple(name for name in joints if name in named))
 
 
-def _joints(robot: Robot, every: bool = False) -> tuple[str, ...]:
-    """Contract names of the joints that are driven, sensed or have a limit or encoder of their own, in the file's
-    order; and the steering angles of wheels with such a joint, or coupled to one, which `inverse` goes by."""
+def _joints(robot: Robot, scaled: Collection[str] = (), every: bool = False) -> tuple[str, ...]:
+    """Contract names of the joints that are driven, sensed or have an encoder, in the file's order; of those that have
+    a limit of their own and are among ``scaled``, the joint rates that functions bring inside their limits; and the
+    steering angles of wheels with such a joint, or coupled to one, which `inverse` goes by."""
     own = [
         {"spin", "steer"}
         if every
-        else {*w.actuated, *w.sensed, *w.encoders, *(name.partition("_")[0] for name in w.limits)}
+        else {
+            *(*w.actuated, *w.sensed, *w.encoders),
+            *(name.partition("_")[0] for name in w.limits if f"{w.name}.{name}" in scaled),
+        }
         for w in robot.wheels
     ]
     steered = {lead for w, lead in zip(robot.wheels, robot.steer_group, strict=True) if own[w.index]}

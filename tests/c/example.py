@@ -1,4 +1,4 @@
-"""The example of a robot, run on the host or built for a board, and the drive that it should be by another code."""
+"""The example of a robot, run on the host or built for a board, and the figure that it should drive by another code."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from wmrgen.backends.c99 import emit
 from wmrgen.backends.registry import Facts
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.emit import site
+from wmrgen.robot import Derivation
 
-STEPS, DT, SPEED, TURNING = 6000, 0.01, 0.25, 4 * np.pi / 60
+STEPS, DT = 6000, 0.01
 WHEELS = {
     "pair": """
 parameters: {radius: {value: 0.0975, tunable: true}}
@@ -66,53 +67,60 @@ limits: {vx: 1, omega: 4, spin: 40, vx_rate: 1, omega_rate: 1}
 functions: [limit_twist, limit_acceleration, desaturate]
 """,
 }  # fmt: skip
-RATES = {"pair": (1.0, 2.0), "swerve": (4.0, 8.0), "car": (1.0, 1.0)}  # of vx and omega
+# Without the loop from sensors to motors: what a step wants, and the pose that is measured.
+HOOKED = """
+#define {upper}_EXAMPLE_MAIN
+#define main drive
+#include "example/main.c"
+#undef main
+"""
+PRINTED = """
+#include <stdio.h>
+static void record(void)
+{
+    printf("%.9g %.9g %.9g %.9g %.9g %.9g\\n", (double)pose.x, (double)pose.y, (double)pose.theta,
+        (double)wanted.vx, (double)wanted.vy, (double)wanted.omega);
+}
+"""
+MAIN = "int main(void) { return drive(); }\n"
 
 
-def written(folder: Path, robot: str, target: str = "m4f") -> list[str]:
-    """The files of ``robot`` in ``folder``; its C files, the example among them, which has its main called `drive`."""
+def driven(robot: str, folder: Path) -> Derivation:
+    """A robot of `WHEELS`, called ``driven``."""
     (folder / "driven.yaml").write_text(f"wmrgen: 1\nname: driven\n{WHEELS[robot]}")
-    d = derive(load(folder / "driven.yaml"))
-    options = {"target": target}
-    put(folder, emit(d.c_module, Facts(site=site(d), options=options)))
+    return derive(load(folder / "driven.yaml"))
+
+
+def written(folder: Path, d: Derivation, program: str, target: str = "m4f") -> list[str]:
+    """The C files of a robot in ``folder``: ``program`` behind its example, whose main is called `drive` and calls
+    `record` in every step, before the motors."""
+    put(folder, emit(d.c_module, Facts(site=site(d), options={"target": target})))
     text = (folder / "example/main.c").read_text()
     assert text.count("    hardware();\n}") == text.count("int main(void)") == 1
     text = text.replace("    hardware();\n}", "    record();\n    hardware();\n}")
-    text = text.replace("int main(void)", "int drive(void);\nint drive(void)")
     text = text.replace("static void step(void)", "static void record(void);\nstatic void step(void)")
+    text = text.replace("int main(void)", "int main(void);\nint main(void)")
     (folder / "example/main.c").write_text(text)
-    return ["driven.c", "program.c"]
+    (folder / "program.c").write_text(HOOKED.format(upper=d.robot.name.upper()) + program)
+    return [f"{d.robot.name}.c", "program.c"]
 
 
-PRINTED = """
-#include "example/main.c"
-#include <stdio.h>
-static void record(void) { printf("%.9g %.9g %.9g\\n", (double)pose.x, (double)pose.y, (double)pose.theta); }
-int main(void) { return drive(); }
-"""
-
-
-def poses(folder: Path, robot: str, target: str = "m4f") -> np.ndarray:
-    """Where the robot is at each step, as its odometry has it: STEPS x 3 [m, m, rad]."""
-    sources = written(folder, robot, target)
-    (folder / "program.c").write_text(PRINTED)
-    flags = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
+def recorded(folder: Path, d: Derivation, target: str = "m4f", program: str = PRINTED + MAIN) -> np.ndarray:
+    """Each step of the example: x, y, theta as measured [m, m, rad], and the wanted twist [m/s, m/s, rad/s]."""
+    sources = written(folder, d, program, target)
+    flags = ("-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
     printed = run_program(compile_program(folder, sources, None, flags), "")
     return np.array([[float(v) for v in line.split()] for line in printed.splitlines()])
 
 
-def simulated(robot: str) -> np.ndarray:
-    """The same of a point that drives the commanded twists, which change as fast as `RATES` let them.
+def integrated(twists: np.ndarray) -> np.ndarray:
+    """The poses of a point that drives ``twists``, steps x 3, from one to the next.
 
-    What a step commands is measured in the next one. The turn in a step is small: its matrix exponential as a series.
+    The turn in a step is small: its matrix exponential as a series.
     """
-    rates = RATES.get(robot, (np.inf, np.inf))
-    twist, place, path = np.zeros(2), np.eye(3), []
-    for k in range(STEPS):
-        a = DT * np.array([[0, -twist[1], twist[0]], [twist[1], 0, 0], [0, 0, 0]])
-        place = place @ (np.eye(3) + a + a @ a / 2 + a @ a @ a / 6)
+    place, path = np.eye(3), []
+    for vx, vy, omega in twists:
         path.append((place[0, 2], place[1, 2], np.arctan2(place[1, 0], place[0, 0])))
-        change = np.array([SPEED, TURNING if k < STEPS // 2 else -TURNING]) - twist
-        time = np.max(np.abs(change) / rates)
-        twist = twist + change * min(1.0, DT / time if time else 1.0)
+        a = DT * np.array([[0, -omega, vx], [omega, 0, vy], [0, 0, 0]])
+        place = place @ (np.eye(3) + a + a @ a / 2 + a @ a @ a / 6)
     return np.array(path)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
 
 from tests.backends.modules import MODULES, mecanum, swerve, tunable
 from tests.c.harness import COMPILERS, EACH, STRICT, Program, gallery
+from tests.tools import need
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.driver import evaluate_c
 from wmrgen.backends.registry import Facts
-from wmrgen.compiler import compile_program, find_compiler
+from wmrgen.compiler import compile_program, find_compiler, run_program
 from wmrgen.errors import EnvironmentFailure
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Module
@@ -104,3 +106,75 @@ def test_evaluate_in_both_scalars() -> None:
     assert single[0] == single[1] and double[0] == double[1]
     assert single[0] != double[0]
     assert single[0]["front_left.spin"] == pytest.approx(double[0]["front_left.spin"], rel=1e-6)
+
+
+def compiled(folder: Path, *words: str) -> bytes:
+    """The object of a swerve drive for a processor with a fused multiply-add, compiled by ``words``."""
+    write(folder, swerve())
+    subprocess.run([*words, "-std=c99", "-c", "swerve.c", "-o", "swerve.o"], cwd=folder, check=True)
+    return (folder / "swerve.o").read_bytes()
+
+
+@pytest.mark.parametrize("compiler", EACH)
+def test_options_for_size_call_the_kernels(compiler: str, tmp_path: Path) -> None:
+    """-Os gives what -DWMRGEN_SMALL asks for, and less than with kernels inlined."""
+    small, fast = compiled(tmp_path, compiler, "-Os"), compiled(tmp_path, compiler, "-O2")
+    assert small == compiled(tmp_path, compiler, "-Os", "-DWMRGEN_SMALL")
+    assert len(small) < len(fast)
+
+
+@pytest.mark.parametrize("compiler", EACH)
+def test_a_processor_without_the_instruction_does_not_call_fmaf(compiler: str, tmp_path: Path) -> None:
+    bare = "-U__FP_FAST_FMAF", "-U__FMA__", "-U__ARM_FEATURE_FMA", "-U__riscv_flen"
+    assert b"fmaf" not in compiled(tmp_path, compiler, "-O1", *bare)
+
+
+# Floats of few bits, of sizes up to 2**30 apart: many sums lie half way between two floats.
+AGAINST_LIBRARY = """
+#include "swerve.c"
+#include <string.h>
+static uint32_t state = 1U;
+static uint32_t drawn(void) { state = state * 1664525U + 1013904223U; return state >> 8; }
+static float number(void)
+{
+    uint32_t bits = (drawn() << 9) & ((drawn() & 1U) ? 0x807f0000U : 0x807fffffU);
+    float value;
+    bits |= (97U + drawn() % 60U) << 23;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+int main(void)
+{
+    int k, wrong = 0, twice = 0;
+    for (k = 0; k < 2000000; ++k) {
+        const float a = number(), b = number(), c = number(), once = fmaf(a, b, c);
+        wrong += wmrgen_fma(a, b, c) != once;
+        twice += (float)((double)a * (double)b + (double)c) != once;
+    }
+    return (wrong == 0 && twice > 0) ? 0 : 1;
+}
+"""
+
+
+@pytest.mark.parametrize("compiler", EACH)
+def test_without_the_instruction_sums_are_those_of_the_library(compiler: str, tmp_path: Path) -> None:
+    write(tmp_path, swerve())
+    (tmp_path / "main.c").write_text(AGAINST_LIBRARY)
+    flags = ("-std=c99", "-O2", "-ffp-contract=off", "-U__FP_FAST_FMAF", "-U__FMA__", "-U__ARM_FEATURE_FMA")
+    run_program(compile_program(tmp_path, ["main.c"], compiler, flags), "")
+
+
+@pytest.mark.parametrize(
+    ("words", "target"),
+    [(("arm-none-eabi-gcc", "-mcpu=cortex-m0", "-mthumb"), "m0"), (("avr-gcc", "-mmcu=atmega328p"), "avr")],
+    ids=["m0", "avr"],
+)
+def test_a_processor_without_floating_point_is_refused(
+    words: tuple[str, ...], target: str, tmp_path: Path
+) -> None:
+    need(words[0])
+    write(tmp_path, swerve())
+    done = subprocess.run([*words, "-c", "swerve.c"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode != 0 and f"--target {target}" in done.stderr
+    write(tmp_path, swerve(), Choice(target=target))
+    subprocess.run([*words, "-std=c99", "-c", "swerve.c"], cwd=tmp_path, check=True)

@@ -143,6 +143,9 @@ int main()
             return 2;
         }}
     }}
+    if ({0}_joint(&wheels, -1) != nullptr || {0}_joint(&wheels, {2}_JOINTS) != nullptr) {{
+        return 5;
+    }}
     static_assert(robot::view(wheels).size() == {2}_JOINTS);
     return *robot::view(constant)[0] > 0.124F && twist.omega > 0.1249F ? 0 : 3;
 }}

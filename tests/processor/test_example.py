@@ -1,4 +1,4 @@
-"""The example of a robot on an emulated board: after its figure of eight the pose has the bits of the host."""
+"""The example of a robot on an emulated board: after its figure the pose has the bits of the host."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.example import poses, written
+from tests.c.example import driven, recorded, written
 from tests.processor.test_boards import BOARDS, on_qemu
 
 CHECK = """
-#include "example/main.c"
 #include <stdint.h>
 #include <string.h>
 int check(void);
@@ -32,12 +31,12 @@ int check(void)
 @pytest.mark.slow
 @BOARDS
 @pytest.mark.parametrize("robot", ["pair", "swerve"])
-def test_a_figure_of_eight(robot: str, processor: str, board: str, tmp_path: Path) -> None:
+def test_its_figure(robot: str, processor: str, board: str, tmp_path: Path) -> None:
     """Sixty seconds at 100 Hz."""
-    end = poses(tmp_path, robot, processor)[-1]
-    files = written(tmp_path, robot, processor)
+    d = driven(robot, tmp_path)
+    end = recorded(tmp_path, d, processor)[-1, :3]
     words = [f"{struct.unpack('<I', struct.pack('<f', value))[0]:#x}u" for value in end]
-    (tmp_path / "program.c").write_text(CHECK.format(words=", ".join(words)))
+    files = written(tmp_path, d, CHECK.format(words=", ".join(words)), processor)
     assert "the same" in on_qemu(tmp_path, files, processor, board)
-    (tmp_path / "program.c").write_text(CHECK.format(words=", ".join([words[1], words[0], words[2]])))
+    files = written(tmp_path, d, CHECK.format(words=", ".join([words[1], words[0], words[2]])), processor)
     assert "different" in on_qemu(tmp_path, files, processor, board)

@@ -29,8 +29,8 @@ DEVIATIONS = (
     ),
     Deviation(
         MISRA, "misra-c2012-19.2", r"\w+\.c",
-        "`wmrgen_negate_if_odd()`, `wmrgen_with_sign_of()` and `wmrgen_at_least()` read the bits of floats through "
-        "unions",
+        "`wmrgen_negate_if_odd()`, `wmrgen_with_sign_of()`, `wmrgen_at_least()` and `wmrgen_fused()` read the bits of "
+        "floats through unions",
         "Turning a sign by the parity of a whole number or by another sign takes one exclusive or and no branch. C99 "
         "defines it for types of one size (6.5.2.3), and `memcpy` would be a call. `--target host` has no such "
         "function.",

@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from tests.c.harness import COMPILERS
+from tests.robots import of_text
 from tests.rules.probe import printed
+from wmrgen.interface import members
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 
@@ -84,6 +86,13 @@ couplings: [{equal: [a.steer, b.steer]}]
 limits: {vx: 1, vy: 1, spin: 14, steer_rate: 4}
 functions: [desaturate, compensate_steering, steer_toward, joints_from_counts]
 """
+TURN = """
+wmrgen: 1
+name: probed
+wheels:
+  - {{name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}}
+  - {{name: other, type: {wheel}{own}}}
+"""
 ONE_TYPE = """
     const probed_twist sideways = {0.0f, 0.5f, 0.0f};
     const probed_counters before = {{0}};
@@ -110,6 +119,19 @@ ONE_TYPE = """
 def test_every_joint_that_the_loop_reads_is_of_the_shared_type(tmp_path: Path) -> None:
     """Without a struct of one function alone, which the example would leave at 0, dt in it too."""
     assert printed(tmp_path, COUPLED, ONE_TYPE) == ""
+
+
+def test_a_limit_of_a_passive_joint_changes_no_type() -> None:
+    """Neither in C nor in Rust, which both go by the joints of the module."""
+    wheels = (
+        "castor, d: 0.03, x: 0.4, y: 0, heading: 0, r: 0.05",
+        "steered, x: 0.4, y: 0, heading: 0, r: 0.05, actuated: []",
+    )
+    for wheel in wheels:
+        plain = of_text(TURN.format(wheel=wheel, own="")).c_module
+        limited = of_text(TURN.format(wheel=wheel, own=", limits: {steer_rate: 4}")).c_module
+        assert plain.joints == limited.joints == ("left.spin",)
+        assert members(plain) == members(limited)
 
 
 @pytest.mark.parametrize("function", ["posture", "configuration"])

@@ -189,7 +189,7 @@ for _entry in (
             ),
             Files(("test/{robot}_fuzz.c",)),
             Files(("{robot}_many.h", "{robot}_many.c")),
-            Files(("example/main.c",), "the loop from sensors to motors, a figure of eight"),
+            Files(("example/main.c",), "the loop from sensors to motors, on a figure that the robot can drive"),
         ),
         reserved=(C, C_LIBRARY), options=("scalar", "math", "target"), switches=("fuzz", "batch"), proved=True,
     ),

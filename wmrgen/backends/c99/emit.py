@@ -86,6 +86,7 @@ def printed(unit: Unit, facts: Facts = NO_FACTS) -> tuple[str, str, str]:
     needs = {op.name for op in ops}
     includes = {
         "<float.h>": unit.rounds,
+        "<stddef.h>": bool(unit.joints),
         "<math.h>": any("<math.h>" in op.includes for op in ops),
         "<stdint.h>": any("<stdint.h>" in op.includes for op in ops),
     }
@@ -225,7 +226,7 @@ def _arithmetic_notes(unit: Unit) -> list[str]:
     notes = [
         f"Scalars are {choice.scalar}. No loops, recursion, heap or globals: every function may be called from "
         "anywhere. Results are bit for bit those of the printed operations where the compiler contracts "
-        "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to "
+        "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0 or 16). Inputs up to "
         f"{LARGEST_INPUT[choice.scalar]} in magnitude{angles} give finite results; beyond, squares may overflow. NaN "
         "is not caught: some outputs may come out as numbers all the same, a steering angle at its limit for one. "
         "Check inputs, or take the functions of the _checked files.",
@@ -237,19 +238,21 @@ def _arithmetic_notes(unit: Unit) -> list[str]:
         notes.append(_accuracy_note(choice.target, unit.written))
     if Op.CALL in ops:
         notes.append(
-            "The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several calls "
-            "are called: the least flash, the same results to the bit; calls cost time and stack."
+            "The kernels at the top of the C file are inlined. Compiled with -Os, -Oz or -DWMRGEN_SMALL those with "
+            "several calls are called: the least flash, the same results to the bit; calls cost time and stack."
         )
     calls = [f"{step.name}()" for step in unit.steps if step.small]
     if calls:
         notes.append(
-            f"With -DWMRGEN_SMALL {' and '.join(calls)} also call{'s' * (len(calls) == 1)} the function that gives the "
+            f"Then {' and '.join(calls)} also call{'s' * (len(calls) == 1)} the function that gives the "
             "same results and more, instead of computing them again."
         )
     if Op.FMA in ops:
         notes.append(
             "Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf is one "
-            "instruction; for others there are --target host, m0 and avr."
+            "instruction; for others there are --target host, m0 and avr. Another processor with an FPU goes by way of "
+            "double, to the same bits (of numbers that are not subnormal) and in more time. An AVR and processors "
+            "without an FPU are refused at compile time."
         )
     if not ops.isdisjoint({Op.IMUL, Op.IDIV, Op.ISQRT}):
         notes.append(

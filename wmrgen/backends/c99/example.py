@@ -6,23 +6,24 @@ What stands for motors and sensors follows commands at once; a program of one's 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from math import pi
 
 from wmrgen.backends.c99.counters import FUNCTION as COUNTS
-from wmrgen.backends.c99.records import Unit
+from wmrgen.backends.c99.figure import DURATION, figure
+from wmrgen.backends.c99.records import Step, Unit
 from wmrgen.backends.c99.text import comment_lines
 from wmrgen.ir.interpret import FLOAT64, evaluate
 from wmrgen.ir.nodes import Module
 from wmrgen.loop import Loop, Stage, loop
-from wmrgen.ports import GYRO, Reading
+from wmrgen.ports import GYRO, TWIST_NAMES, Reading
 from wmrgen.render import render
 
-STEPS, PER_SECOND = 6000, 100  # a minute
-SPEED = 0.25  # m/s, where the limits of the robot allow it
+PER_SECOND = 100
+STEPS = DURATION * PER_SECOND
+STARTING = 3 * PER_SECOND  # steps in which it speeds up, and comes to rest
 ABOUT = (
-    "A figure of eight in a minute, {rate} steps a second: sensors to twist and pose, a commanded twist to motors. "
-    "hardware() stands for both: motors that follow at once. Put your drivers in its place. From the folder of "
-    "{robot}.c: cc example/main.c {robot}.c -lm"
+    "{figure} {rate} steps a second: sensors to twist and pose, a commanded twist to motors. hardware() stands for "
+    "both: motors that follow at once. Put your drivers in its place, and begin with commands as the joints stand. "
+    "From the folder of {robot}.c: cc -D{upper}_EXAMPLE_MAIN example/main.c {robot}.c -lm"
 )
 
 
@@ -30,6 +31,7 @@ def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
     """The text of the file; ``unit``: the C functions of ``module``, ``common``: what every template is told."""
     steps = {step.name.removeprefix(f"{unit.robot}_"): step for step in unit.every}
     stages = loop(module, steps)
+    drawn = figure(module)
     variables: dict[str, str] = {"wanted": f"{unit.robot}_twist"}
 
     def call(stage: Stage) -> str:
@@ -41,11 +43,14 @@ def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
     sensing, acting = ([call(stage) for stage in part] for part in (stages.senses, stages.acts))
     before = unit.before([steps[stage.function] for stage in (*stages.senses, *stages.acts)])
     variables |= {name: kind for step in before for name, kind in step.variables.items()}
+    acting = [*_kept(steps, variables), *acting]
     variables.pop("dt", None)
     return render(
         "c99/example.c.j2",
         **common,
-        about=comment_lines(ABOUT.format(robot=unit.robot, rate=PER_SECOND)),
+        about=comment_lines(
+            ABOUT.format(figure=drawn.text, robot=unit.robot, upper=unit.robot.upper(), rate=PER_SECOND)
+        ),
         variables=[(kind, name) for name, kind in variables.items()],
         prepare=[*(f"{step.call()};" for step in before), *_homed(module, unit)],
         sensing=sensing,
@@ -55,8 +60,9 @@ def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
         wraps=any(not reading.wraps_as_integer for reading in _readings(module, unit).values()),
         steps=STEPS,
         dt=_number(unit, 1 / PER_SECOND),
-        speed=_number(unit, SPEED),
-        turning=_number(unit, 4 * pi * PER_SECOND / STEPS),
+        starting=STARTING,
+        parts={name: _number(unit, part) for name, part in zip(TWIST_NAMES, drawn[:3], strict=True) if part},
+        one=_number(unit, 1.0),
     )
 
 
@@ -67,8 +73,21 @@ def _homed(module: Module, unit: Unit) -> Iterator[str]:
             yield f"counters.{joint} = {reading.offset}u;"
 
 
+def _kept(steps: Mapping[str, Step], variables: Collection[str]) -> Iterator[str]:
+    """Statements before the commands: what `steer_toward` starts from, and what `inverse` only reads."""
+    if "before" in variables:
+        yield "before = commands;"
+    if "inverse" in steps:
+        parameters = steps["inverse"].parameters
+        commanded = {member for p in parameters for member in p.writes.values()}
+        for member in (m for p in parameters if p.name == "now" for m in p.reads.values()):
+            if member not in commanded:
+                yield f"commands.{member} = wheels.{member};"
+
+
 def _number(unit: Unit, value: float) -> str:
-    return f"{value:.9g}" + ("f" if unit.choice.scalar == "float" else "")
+    text = f"{value:.9g}"
+    return text + ("" if set(text) & set(".e") else ".0") + ("f" if unit.choice.scalar == "float" else "")
 
 
 def _hardware(module: Module, unit: Unit, variables: Collection[str]) -> Iterator[str]:
@@ -76,12 +95,12 @@ def _hardware(module: Module, unit: Unit, variables: Collection[str]) -> Iterato
     if "wheels" not in variables:  # no joint is sensed
         return
     readings = _readings(module, unit)
+    commanded = {p.name for f in module.functions if f.name == "inverse" for p in f.outputs}
     if readings:
         yield "counters_before = counters;"
-    chosen = {port.name for port in module.function("inverse").outputs}
     for joint in unit.joints:
         rate, reading = f"{joint}_rate", readings.get(joint)
-        swivels = rate in unit.joints and joint not in chosen  # its rate is what is commanded
+        swivels = rate in unit.joints and joint not in commanded  # its rate is what is commanded
         if reading is None and swivels:
             yield f"wheels.{joint} += dt * commands.{rate};"
         elif reading is None and joint.removesuffix("_rate") not in readings:

@@ -7,10 +7,11 @@
  */
 #include "bicycle.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_0f4770928f240127)
+#if !defined(BICYCLE_PAIR_0fb7ed0f53ff3571)
 #error "this file and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,44 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+#define wmrgen_fma(a, b, c) wmrgen_fused((a), (b), (c))
+static inline float wmrgen_fused(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        const uint64_t one = ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+
+        sum.bits += ((lost < 0.0) || (lost > 0.0)) ? one : 0U;
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -122,11 +158,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -144,18 +180,18 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t0 = wmrgen_fma(angle, 0.31830987f, 12582912.0f);
     const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t2 = wmrgen_fma(t1, 8.742278e-08f, wmrgen_fma(-t1, 3.1415927f, angle));
     const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
+    const float t6 = wmrgen_fma(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = wmrgen_fma(t4, t6, (-0.0013888585f));
+    const float t8 = wmrgen_fma(t4, t7, 0.041666657f);
+    const float t9 = wmrgen_fma(t4, t8, (-0.5f));
 
-    result.x = fmaf(t5, t9, t3);
+    result.x = wmrgen_fma(t5, t9, t3);
     result.y = t3 * wmrgen_sine(t2);
     return result;
 }
@@ -168,15 +204,15 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 {
     const float t0 = q * q;
     const float t1 = q * t0;
-    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
-    const float t3 = fmaf(t0, t2, 0.04390253f);
-    const float t4 = fmaf(t0, t3, (-0.0762479f));
-    const float t5 = fmaf(t0, t4, 0.10709304f);
-    const float t6 = fmaf(t0, t5, (-0.14225537f));
-    const float t7 = fmaf(t0, t6, 0.1999624f);
-    const float t8 = fmaf(t0, t7, (-0.33333313f));
+    const float t2 = wmrgen_fma(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = wmrgen_fma(t0, t2, 0.04390253f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.0762479f));
+    const float t5 = wmrgen_fma(t0, t4, 0.10709304f);
+    const float t6 = wmrgen_fma(t0, t5, (-0.14225537f));
+    const float t7 = wmrgen_fma(t0, t6, 0.1999624f);
+    const float t8 = wmrgen_fma(t0, t7, (-0.33333313f));
 
-    return fmaf(t1, t8, q);
+    return wmrgen_fma(t1, t8, q);
 }
 #endif
 
@@ -201,9 +237,9 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t0 = fabsf(x);
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
-    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
     const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
+    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
     result.spin = t3;
     result.steer = t4;
@@ -217,12 +253,12 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -234,7 +270,7 @@ typedef char bicycle_wheels_are_joints[
 
 float *bicycle_joint(bicycle_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)BICYCLE_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)BICYCLE_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void bicycle_inverse(const bicycle_twist *twist, const bicycle_wheels *now, bicycle_wheels *out)
@@ -258,7 +294,7 @@ void bicycle_inverse_slip(const bicycle_twist *twist, const bicycle_wheels *whee
     const float t4 = front.spin * t3.y;
     const float t5 = fabsf(twist->vy);
 
-    *slip = sqrtf(fmaf(t5, t5, t4 * t4));
+    *slip = sqrtf(wmrgen_fma(t5, t5, t4 * t4));
 }
 
 void bicycle_forward(const bicycle_wheels *wheels, bicycle_twist *twist)
@@ -276,23 +312,23 @@ void bicycle_forward(const bicycle_wheels *wheels, bicycle_twist *twist)
     const float n11 = t3 + 1.0f; /* HtH[1][1] */
     const float t4 = n00 * n11;
     const float adj00 = 1.21f * t3; /* adj(HtH)[0][0] */
-    const float t5 = fmaf(1.21f, n00 * t3, adj00);
-    const float c2 = t5 + fmaf((-2.21f), t1, t4);
+    const float t5 = wmrgen_fma(1.21f, n00 * t3, adj00);
+    const float c2 = t5 + wmrgen_fma((-2.21f), t1, t4);
     const float t6 = (c2 < 1e-12f) ? 1e-12f : c2;
     const float over_c2 = 1.0f / t6;
     const float t7 = adj00 * wheels->rear.spin;
-    const float t8 = 0.34f * fmaf(-t7, over_c2, wheels->rear.spin);
+    const float t8 = 0.34f * wmrgen_fma(-t7, over_c2, wheels->rear.spin);
     const float t9 = t2 + 2.0f;
-    const float c1 = fmaf(2.21f, t3, t9);
+    const float c1 = wmrgen_fma(2.21f, t3, t9);
     const float t10 = 0.34f * wheels->rear.spin;
-    const float size2 = fmaf(1.6528926f, t5, fmaf((-3.0f), t1, t4));
-    const float size1 = fmaf(3.0f, t3, t9);
+    const float size2 = wmrgen_fma(1.6528926f, t5, wmrgen_fma((-3.0f), t1, t4));
+    const float size1 = wmrgen_fma(3.0f, t3, t9);
     const float edge3 = 6.05e-07f * (size1 * size2);
-    const float t11 = fmaf(n11, t0, -(t3 * t0));
-    const float det = fmaf(n00, adj00, t0 * ((-1.21f) * t11)); /* det(HtH) */
+    const float t11 = wmrgen_fma(n11, t0, -(t3 * t0));
+    const float det = wmrgen_fma(n00, adj00, t0 * ((-1.21f) * t11)); /* det(HtH) */
     const float t12 = (det < 1e-12f) ? 1e-12f : det;
     const float t13 = 0.34f / t12;
-    const float t14 = (edge3 < det) ? (t7 * t13) : (over_c2 * fmaf(c1, t8, -(n00 * t10)));
+    const float t14 = (edge3 < det) ? (t7 * t13) : (over_c2 * wmrgen_fma(c1, t8, -(n00 * t10)));
     const float edge2 = 0.000001f * (size1 * size1);
     const float t15 = (c1 < 1e-12f) ? 1e-12f : c1;
     const float vx_fit = (edge2 < size2) ? t14 : (t10 / t15);
@@ -300,8 +336,8 @@ void bicycle_forward(const bicycle_wheels *wheels, bicycle_twist *twist)
     const float t17 = (edge3 < det) ? 0.0f : (over_c2 * (0.34f * t16));
     const float vy_fit = (edge2 < size2) ? t17 : 0.0f;
     const float t18 = 1.1f * t11 * wheels->rear.spin;
-    const float t19 = 0.34f * fmaf(1.1f, t16, -(c1 * (over_c2 * t18)));
-    const float t20 = (edge3 < det) ? (t13 * t18) : (over_c2 * t19);
+    const float t19 = wmrgen_fma(1.1f, t16, -(c1 * (over_c2 * t18)));
+    const float t20 = (edge3 < det) ? (t13 * t18) : (over_c2 * (0.34f * t19));
     const float omega_fit = (edge2 < size2) ? t20 : 0.0f;
 
     twist->vx = vx_fit;
@@ -321,23 +357,23 @@ void bicycle_forward_slip(const bicycle_wheels *wheels, bicycle_twist *twist, fl
     const float n11 = t3 + 1.0f; /* HtH[1][1] */
     const float t4 = n00 * n11;
     const float adj00 = 1.21f * t3; /* adj(HtH)[0][0] */
-    const float t5 = fmaf(1.21f, n00 * t3, adj00);
-    const float c2 = t5 + fmaf((-2.21f), t1, t4);
+    const float t5 = wmrgen_fma(1.21f, n00 * t3, adj00);
+    const float c2 = t5 + wmrgen_fma((-2.21f), t1, t4);
     const float t6 = (c2 < 1e-12f) ? 1e-12f : c2;
     const float over_c2 = 1.0f / t6;
     const float t7 = adj00 * wheels->rear.spin;
-    const float t8 = 0.34f * fmaf(-t7, over_c2, wheels->rear.spin);
+    const float t8 = 0.34f * wmrgen_fma(-t7, over_c2, wheels->rear.spin);
     const float t9 = t2 + 2.0f;
-    const float c1 = fmaf(2.21f, t3, t9);
+    const float c1 = wmrgen_fma(2.21f, t3, t9);
     const float t10 = 0.34f * wheels->rear.spin;
-    const float size2 = fmaf(1.6528926f, t5, fmaf((-3.0f), t1, t4));
-    const float size1 = fmaf(3.0f, t3, t9);
+    const float size2 = wmrgen_fma(1.6528926f, t5, wmrgen_fma((-3.0f), t1, t4));
+    const float size1 = wmrgen_fma(3.0f, t3, t9);
     const float edge3 = 6.05e-07f * (size1 * size2);
-    const float t11 = fmaf(n11, t0, -(t3 * t0));
-    const float det = fmaf(n00, adj00, t0 * ((-1.21f) * t11)); /* det(HtH) */
+    const float t11 = wmrgen_fma(n11, t0, -(t3 * t0));
+    const float det = wmrgen_fma(n00, adj00, t0 * ((-1.21f) * t11)); /* det(HtH) */
     const float t12 = (det < 1e-12f) ? 1e-12f : det;
     const float t13 = 0.34f / t12;
-    const float t14 = (edge3 < det) ? (t7 * t13) : (over_c2 * fmaf(c1, t8, -(n00 * t10)));
+    const float t14 = (edge3 < det) ? (t7 * t13) : (over_c2 * wmrgen_fma(c1, t8, -(n00 * t10)));
     const float edge2 = 0.000001f * (size1 * size1);
     const float t15 = (c1 < 1e-12f) ? 1e-12f : c1;
     const float vx_fit = (edge2 < size2) ? t14 : (t10 / t15);
@@ -345,17 +381,18 @@ void bicycle_forward_slip(const bicycle_wheels *wheels, bicycle_twist *twist, fl
     const float t17 = (edge3 < det) ? 0.0f : (over_c2 * (0.34f * t16));
     const float vy_fit = (edge2 < size2) ? t17 : 0.0f;
     const float t18 = 1.1f * t11 * wheels->rear.spin;
-    const float t19 = 0.34f * fmaf(1.1f, t16, -(c1 * (over_c2 * t18)));
-    const float t20 = (edge3 < det) ? (t13 * t18) : (over_c2 * t19);
+    const float t19 = wmrgen_fma(1.1f, t16, -(c1 * (over_c2 * t18)));
+    const float t20 = (edge3 < det) ? (t13 * t18) : (over_c2 * (0.34f * t19));
     const float omega_fit = (edge2 < size2) ? t20 : 0.0f;
-    const float error_2 = fmaf(front.y, vx_fit, front.x * fmaf((-1.1f), omega_fit, -vy_fit));
+    const float t21 = front.x * wmrgen_fma((-1.1f), omega_fit, -vy_fit);
+    const float error_2 = wmrgen_fma(front.y, vx_fit, t21);
     const float error_0 = t10 - vx_fit;
-    const float t21 = fmaf(error_2, error_2, fmaf(error_0, error_0, vy_fit * vy_fit));
+    const float t22 = wmrgen_fma(error_0, error_0, vy_fit * vy_fit);
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
     twist->omega = omega_fit;
-    *slip = sqrtf(t21);
+    *slip = sqrtf(wmrgen_fma(error_2, error_2, t22));
 }
 
 void bicycle_odometry(bicycle_pose *pose, const bicycle_twist *twist, float dt)
@@ -363,13 +400,14 @@ void bicycle_odometry(bicycle_pose *pose, const bicycle_twist *twist, float dt)
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
-    const float t4 = fmaf(0.15915494f, theta_whole, 12582912.0f) - 12582912.0f;
+    const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
+    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
-    pose->x = t2;
-    pose->y = t3;
-    pose->theta = fmaf((-6.2831855f), t4, theta_whole);
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
+    pose->theta = t5;
 }

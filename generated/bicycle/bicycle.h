@@ -28,7 +28,7 @@
 
 #define BICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define BICYCLE_MODEL_HASH "03243267325a77fb1b999b2c2caa5cbf" /**< digest of the model */
-#define BICYCLE_PAIR_0f4770928f240127 1 /**< header and source of one run have the same */
+#define BICYCLE_PAIR_0fb7ed0f53ff3571 1 /**< header and source of one run have the same */
 #define BICYCLE_WHEELS 2 /**< how many wheels the robot has */
 #define BICYCLE_REAR_X 0.0f /**< [m] pivot, forward of P */
 #define BICYCLE_REAR_Y 0.0f /**< [m] pivot, to the left of P */
@@ -77,7 +77,7 @@ enum bicycle_joint {
 };
 
 /** Points to a joint by its number in enum bicycle_joint, for loops over all;
- * to the first for other numbers. */
+ * NULL for other numbers. */
 float *bicycle_joint(bicycle_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -114,22 +114,25 @@ void bicycle_odometry(bicycle_pose *pose, const bicycle_twist *twist, float dt);
 
 /* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
- * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
- * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
- * angle at its limit for one. Check inputs, or take the functions of the _checked files.
+ * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0 or 16). Inputs
+ * up to 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond,
+ * squares may overflow. NaN is not caught: some outputs may come out as numbers all the same, a
+ * steering angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file
  * refuses them where the compiler tells of them, else it forbids regrouping where it can. Run the
  * self-test with your compiler and flags: test/bicycle_selftest.c.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
- * calls are called: the least flash, the same results to the bit; calls cost time and stack.
- * With -DWMRGEN_SMALL bicycle_forward() also calls the function that gives the same results and
- * more, instead of computing them again.
+ * The kernels at the top of the C file are inlined. Compiled with -Os, -Oz or -DWMRGEN_SMALL those
+ * with several calls are called: the least flash, the same results to the bit; calls cost time and
+ * stack.
+ * Then bicycle_forward() also calls the function that gives the same results and more, instead of
+ * computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
- * is one instruction; for others there are --target host, m0 and avr.
+ * is one instruction; for others there are --target host, m0 and avr. Another processor with an FPU
+ * goes by way of double, to the same bits (of numbers that are not subnormal) and in more time. An
+ * AVR and processors without an FPU are refused at compile time.
  *
  * Proved for |vx| <= 8, |omega| <= 4, |front.steer| <= 1.0472, and with these ranges of inputs that
  * have no limits: |vy| <= 8, |rear.spin| <= 23.5295, |x| <= 100, |y| <= 100, |theta| <= 12.5664, 0

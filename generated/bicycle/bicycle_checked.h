@@ -21,7 +21,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_0f4770928f240127)
+#if !defined(BICYCLE_PAIR_0fb7ed0f53ff3571)
 #error "this file and bicycle.h were not generated together: copy both"
 #endif
 

@@ -7,10 +7,11 @@
  */
 #include "care_o_bot_4.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_d8be34c5d58c9b76)
+#if !defined(CARE_O_BOT_4_PAIR_c20c1c61e70041bc)
 #error "this file and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,44 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+#define wmrgen_fma(a, b, c) wmrgen_fused((a), (b), (c))
+static inline float wmrgen_fused(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        const uint64_t one = ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+
+        sum.bits += ((lost < 0.0) || (lost > 0.0)) ? one : 0U;
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -111,11 +147,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -133,9 +169,9 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
+    const float t0 = wmrgen_fma(angle, 0.63661975f, 25165824.0f);
     const float t1 = t0 - 25165824.0f;
-    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
+    const float t2 = wmrgen_fma(t1, 4.371139e-08f, wmrgen_fma(-t1, 1.5707964f, angle));
     const float t3 = wmrgen_negate_if_odd(size, t0);
 
     result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
@@ -151,15 +187,15 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 {
     const float t0 = q * q;
     const float t1 = q * t0;
-    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
-    const float t3 = fmaf(t0, t2, 0.04390253f);
-    const float t4 = fmaf(t0, t3, (-0.0762479f));
-    const float t5 = fmaf(t0, t4, 0.10709304f);
-    const float t6 = fmaf(t0, t5, (-0.14225537f));
-    const float t7 = fmaf(t0, t6, 0.1999624f);
-    const float t8 = fmaf(t0, t7, (-0.33333313f));
+    const float t2 = wmrgen_fma(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = wmrgen_fma(t0, t2, 0.04390253f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.0762479f));
+    const float t5 = wmrgen_fma(t0, t4, 0.10709304f);
+    const float t6 = wmrgen_fma(t0, t5, (-0.14225537f));
+    const float t7 = wmrgen_fma(t0, t6, 0.1999624f);
+    const float t8 = wmrgen_fma(t0, t7, (-0.33333313f));
 
-    return fmaf(t1, t8, q);
+    return wmrgen_fma(t1, t8, q);
 }
 #endif
 
@@ -184,9 +220,9 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t0 = fabsf(x);
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
-    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
     const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
+    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
     result.spin = t3;
     result.steer = t4;
@@ -200,12 +236,12 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -217,7 +253,7 @@ typedef char care_o_bot_4_wheels_are_joints[
 
 float *care_o_bot_4_joint(care_o_bot_4_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)CARE_O_BOT_4_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)CARE_O_BOT_4_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void care_o_bot_4_inverse(
@@ -225,15 +261,17 @@ void care_o_bot_4_inverse(
     const care_o_bot_4_wheels *now,
     care_o_bot_4_wheels *out)
 {
-    /* v_Ax of fl */
-    const float fl_x = fmaf((-1.335144e-09f), twist->omega, fmaf((-0.21515f), twist->omega, twist->vx));
-    /* v_Ay of fl, v_Ay of fr */
-    const float fl_y = fmaf(1.282692e-09f, twist->omega, fmaf(0.12422f, twist->omega, twist->vy));
+    const float t0 = wmrgen_fma((-0.21515f), twist->omega, twist->vx);
+    const float fl_x = wmrgen_fma((-1.335144e-09f), twist->omega, t0); /* v_Ax of fl */
+    const float t1 = wmrgen_fma(0.12422f, twist->omega, twist->vy);
+    const float fl_y = wmrgen_fma(1.282692e-09f, twist->omega, t1); /* v_Ay of fl, v_Ay of fr */
     const wmrgen_wheel fl = wmrgen_steer_along(fl_x, fl_y, now->fl.steer, 13.333333f);
-    const float b_y = fmaf((-2.565384e-09f), twist->omega, fmaf((-0.24844f), twist->omega, twist->vy)); /* v_Ay of b */
+    const float t2 = wmrgen_fma((-0.24844f), twist->omega, twist->vy);
+    const float b_y = wmrgen_fma((-2.565384e-09f), twist->omega, t2); /* v_Ay of b */
     const wmrgen_wheel b = wmrgen_steer_along(twist->vx, b_y, now->b.steer, 13.333333f);
-    const float fr_x = fmaf(1.335144e-09f, twist->omega, fmaf(0.21515f, twist->omega, twist->vx)); /* v_Ax of fr */
-    const wmrgen_wheel fr = wmrgen_steer_along(fr_x, fl_y, now->fr.steer, 13.333333f);
+    const float t3 = wmrgen_fma(0.21515f, twist->omega, twist->vx);
+    const wmrgen_wheel fr = wmrgen_steer_along(
+        wmrgen_fma(1.335144e-09f, twist->omega, t3), fl_y, now->fr.steer, 13.333333f);
 
     out->fl.spin = fl.spin;
     out->fl.steer = fl.steer;
@@ -260,11 +298,11 @@ void care_o_bot_4_forward(const care_o_bot_4_wheels *wheels, care_o_bot_4_twist 
     const wmrgen_vector b = wmrgen_vector_at(wheels->b.spin, wheels->b.steer);
     const wmrgen_vector fr = wmrgen_vector_at(wheels->fr.spin, wheels->fr.steer);
     const float t0 = fl.y + fr.y;
-    const float t1 = fmaf(0.087146334f, fr.x - fl.x, -(0.10063042f * b.y));
+    const float t1 = wmrgen_fma(0.087146334f, fr.x - fl.x, -(0.10063042f * b.y));
 
     twist->vx = 0.025f * (fr.x + (fl.x + b.x));
     twist->vy = 0.025f * (b.y + t0);
-    twist->omega = fmaf(0.05031521f, t0, t1);
+    twist->omega = wmrgen_fma(0.05031521f, t0, t1);
 }
 
 void care_o_bot_4_forward_slip(
@@ -278,23 +316,24 @@ void care_o_bot_4_forward_slip(
     const float vx_fit = 0.025f * (fr.x + (fl.x + b.x));
     const float t0 = fl.y + fr.y;
     const float vy_fit = 0.025f * (b.y + t0);
-    const float t1 = fmaf(0.087146334f, fr.x - fl.x, -(0.10063042f * b.y));
-    const float omega_fit = fmaf(0.05031521f, t0, t1);
+    const float t1 = wmrgen_fma(0.087146334f, fr.x - fl.x, -(0.10063042f * b.y));
+    const float omega_fit = wmrgen_fma(0.05031521f, t0, t1);
     const float t2 = (-0.21515f) * omega_fit;
     const float t3 = -vx_fit;
-    const float t4 = fmaf(0.075f, fl.x, t3) - t2;
-    const float t5 = -fmaf(0.12422f, omega_fit, vy_fit);
-    const float t6 = fmaf(0.075f, fl.y, t5);
-    const float t7 = fmaf(0.075f, b.x, t3);
-    const float t8 = fmaf(0.24844f, omega_fit, fmaf(0.075f, b.y, -vy_fit));
-    const float t9 = fmaf(t8, t8, fmaf(t7, t7, fmaf(t4, t4, t6 * t6)));
-    const float t10 = fmaf(0.075f, fr.x, t2 - vx_fit);
-    const float t11 = fmaf(0.075f, fr.y, t5);
+    const float t4 = wmrgen_fma(0.075f, fl.x, t3) - t2;
+    const float t5 = -wmrgen_fma(0.12422f, omega_fit, vy_fit);
+    const float t6 = wmrgen_fma(0.075f, fl.y, t5);
+    const float t7 = wmrgen_fma(0.075f, b.x, t3);
+    const float t8 = wmrgen_fma(t7, t7, wmrgen_fma(t4, t4, t6 * t6));
+    const float t9 = wmrgen_fma(0.24844f, omega_fit, wmrgen_fma(0.075f, b.y, -vy_fit));
+    const float t10 = wmrgen_fma(0.075f, fr.x, t2 - vx_fit);
+    const float t11 = wmrgen_fma(0.075f, fr.y, t5);
+    const float t12 = wmrgen_fma(t11, t11, wmrgen_fma(t10, t10, wmrgen_fma(t9, t9, t8)));
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
     twist->omega = omega_fit;
-    *slip = sqrtf(fmaf(t11, t11, fmaf(t10, t10, t9)));
+    *slip = sqrtf(t12);
 }
 
 void care_o_bot_4_odometry(care_o_bot_4_pose *pose, const care_o_bot_4_twist *twist, float dt)
@@ -302,13 +341,14 @@ void care_o_bot_4_odometry(care_o_bot_4_pose *pose, const care_o_bot_4_twist *tw
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
-    const float t4 = fmaf(0.15915494f, theta_whole, 12582912.0f) - 12582912.0f;
+    const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
+    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
-    pose->x = t2;
-    pose->y = t3;
-    pose->theta = fmaf((-6.2831855f), t4, theta_whole);
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
+    pose->theta = t5;
 }

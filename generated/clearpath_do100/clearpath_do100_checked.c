@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_DO100_PAIR_f0c2ca281fa62096)
+#if !defined(CLEARPATH_DO100_PAIR_55a8befabbc855e5)
 #error "this file and clearpath_do100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_f0c2ca281fa62096)
+#if !defined(CLEARPATH_DO100_PAIR_55a8befabbc855e5)
 #error "this file and clearpath_do100.h were not generated together: copy both"
 #endif
 

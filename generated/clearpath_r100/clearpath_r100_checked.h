@@ -26,7 +26,7 @@
 
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_d4224e0f810ead1c)
+#if !defined(CLEARPATH_R100_PAIR_a75ba3bbc8b4c5b5)
 #error "this file and clearpath_r100.h were not generated together: copy both"
 #endif
 

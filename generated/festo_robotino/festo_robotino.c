@@ -7,10 +7,11 @@
  */
 #include "festo_robotino.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_d97883f545acc3e9)
+#if !defined(FESTO_ROBOTINO_PAIR_a2b052c7b164cadb)
 #error "this file and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,44 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+#define wmrgen_fma(a, b, c) wmrgen_fused((a), (b), (c))
+static inline float wmrgen_fused(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        const uint64_t one = ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+
+        sum.bits += ((lost < 0.0) || (lost > 0.0)) ? one : 0U;
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -90,11 +126,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -112,18 +148,18 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t0 = wmrgen_fma(angle, 0.31830987f, 12582912.0f);
     const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t2 = wmrgen_fma(t1, 8.742278e-08f, wmrgen_fma(-t1, 3.1415927f, angle));
     const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
+    const float t6 = wmrgen_fma(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = wmrgen_fma(t4, t6, (-0.0013888585f));
+    const float t8 = wmrgen_fma(t4, t7, 0.041666657f);
+    const float t9 = wmrgen_fma(t4, t8, (-0.5f));
 
-    result.x = fmaf(t5, t9, t3);
+    result.x = wmrgen_fma(t5, t9, t3);
     result.y = t3 * wmrgen_sine(t2);
     return result;
 }
@@ -135,12 +171,12 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -152,14 +188,14 @@ typedef char festo_robotino_wheels_are_joints[
 
 float *festo_robotino_joint(festo_robotino_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)FESTO_ROBOTINO_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)FESTO_ROBOTINO_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void festo_robotino_inverse(const festo_robotino_twist *twist, festo_robotino_wheels *out)
 {
-    const float t0 = fmaf(3.1940699f, twist->omega, 12.5f * twist->vy);
+    const float t0 = wmrgen_fma(3.1940699f, twist->omega, 12.5f * twist->vy);
     const float t1 = 21.650635f * twist->vx;
-    const float t2 = fmaf(3.25f, twist->omega, -(25.0f * twist->vy));
+    const float t2 = wmrgen_fma(3.25f, twist->omega, -(25.0f * twist->vy));
 
     out->wheel0.spin = t0 - t1;
     out->wheel1.spin = t2;
@@ -177,10 +213,10 @@ void festo_robotino_forward(const festo_robotino_wheels *wheels, festo_robotino_
 {
     const float t0 = 0.023094011f * (wheels->wheel2.spin - wheels->wheel0.spin);
     const float t1 = wheels->wheel0.spin + wheels->wheel2.spin;
-    const float t2 = 0.01348808f * fmaf((-1.9655814f), wheels->wheel1.spin, t1);
+    const float t2 = wmrgen_fma((-1.9655814f), wheels->wheel1.spin, t1);
 
     twist->vx = t0;
-    twist->vy = t2;
+    twist->vy = 0.01348808f * t2;
     twist->omega = 0.10375446f * (wheels->wheel1.spin + t1);
 }
 
@@ -191,10 +227,10 @@ void festo_robotino_forward_slip(
 {
     const float t0 = 0.023094011f * (wheels->wheel2.spin - wheels->wheel0.spin);
     const float t1 = wheels->wheel0.spin + wheels->wheel2.spin;
-    const float t2 = 0.01348808f * fmaf((-1.9655814f), wheels->wheel1.spin, t1);
+    const float t2 = wmrgen_fma((-1.9655814f), wheels->wheel1.spin, t1);
 
     twist->vx = t0;
-    twist->vy = t2;
+    twist->vy = 0.01348808f * t2;
     twist->omega = 0.10375446f * (wheels->wheel1.spin + t1);
     *slip = 0.0f;
 }
@@ -207,13 +243,14 @@ void festo_robotino_odometry(
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
-    const float t4 = fmaf(0.15915494f, theta_whole, 12582912.0f) - 12582912.0f;
+    const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
+    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
-    pose->x = t2;
-    pose->y = t3;
-    pose->theta = fmaf((-6.2831855f), t4, theta_whole);
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
+    pose->theta = t5;
 }

@@ -36,7 +36,7 @@
 
 #define KUKA_YOUBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KUKA_YOUBOT_MODEL_HASH "9ba192b70fde2746c640f0ad51a3f1fd" /**< digest of the model */
-#define KUKA_YOUBOT_PAIR_d03f05333dc46eb1 1 /**< header and source of one run have the same */
+#define KUKA_YOUBOT_PAIR_c4a6b0fc65cad609 1 /**< header and source of one run have the same */
 #define KUKA_YOUBOT_WHEELS 4 /**< how many wheels the robot has */
 #define KUKA_YOUBOT_FL_X 0.228f /**< [m] pivot, forward of P */
 #define KUKA_YOUBOT_FL_Y 0.158f /**< [m] pivot, to the left of P */
@@ -116,7 +116,7 @@ enum kuka_youbot_joint {
 };
 
 /** Points to a joint by its number in enum kuka_youbot_joint, for loops over all;
- * to the first for other numbers. */
+ * NULL for other numbers. */
 float *kuka_youbot_joint(kuka_youbot_wheels *wheels, int joint);
 
 /** Sets the parameters to the nominal values of the robot file. */
@@ -183,20 +183,23 @@ void kuka_youbot_desaturate(kuka_youbot_wheels *wheels, float *scale);
 
 /* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
- * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
- * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
- * angle at its limit for one. Check inputs, or take the functions of the _checked files.
+ * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0 or 16). Inputs
+ * up to 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond,
+ * squares may overflow. NaN is not caught: some outputs may come out as numbers all the same, a
+ * steering angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file
  * refuses them where the compiler tells of them, else it forbids regrouping where it can. Run the
  * self-test with your compiler and flags: test/kuka_youbot_selftest.c.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
- * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -Os, -Oz or -DWMRGEN_SMALL those
+ * with several calls are called: the least flash, the same results to the bit; calls cost time and
+ * stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
- * is one instruction; for others there are --target host, m0 and avr.
+ * is one instruction; for others there are --target host, m0 and avr. Another processor with an FPU
+ * goes by way of double, to the same bits (of numbers that are not subnormal) and in more time. An
+ * AVR and processors without an FPU are refused at compile time.
  *
  * Proved for |vx| <= 0.8, |vy| <= 0.8, |omega| <= 1.2, |fl.spin, fr.spin, bl.spin, br.spin| <= 16,
  * and with these ranges of inputs that have no limits: 0.045 <= radius <= 0.055, |x| <= 100, |y| <=

@@ -21,7 +21,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_ace574307fb464f5)
+#if !defined(LEKIWI_PAIR_ca163c8fc7664fad)
 #error "this file and lekiwi.h were not generated together: copy both"
 #endif
 

@@ -7,10 +7,11 @@
  */
 #include "nomad_xr4000.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_a500167cf9a42478)
+#if !defined(NOMAD_XR4000_PAIR_0957a92e302a44d0)
 #error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,44 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+#define wmrgen_fma(a, b, c) wmrgen_fused((a), (b), (c))
+static inline float wmrgen_fused(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        const uint64_t one = ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+
+        sum.bits += ((lost < 0.0) || (lost > 0.0)) ? one : 0U;
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -90,11 +126,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -112,18 +148,18 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t0 = wmrgen_fma(angle, 0.31830987f, 12582912.0f);
     const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t2 = wmrgen_fma(t1, 8.742278e-08f, wmrgen_fma(-t1, 3.1415927f, angle));
     const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
+    const float t6 = wmrgen_fma(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = wmrgen_fma(t4, t6, (-0.0013888585f));
+    const float t8 = wmrgen_fma(t4, t7, 0.041666657f);
+    const float t9 = wmrgen_fma(t4, t8, (-0.5f));
 
-    result.x = fmaf(t5, t9, t3);
+    result.x = wmrgen_fma(t5, t9, t3);
     result.y = t3 * wmrgen_sine(t2);
     return result;
 }
@@ -135,12 +171,12 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -152,7 +188,7 @@ typedef char nomad_xr4000_wheels_are_joints[
 
 float *nomad_xr4000_joint(nomad_xr4000_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)NOMAD_XR4000_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)NOMAD_XR4000_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void nomad_xr4000_inverse(
@@ -166,20 +202,20 @@ void nomad_xr4000_inverse(
     const float t2 = (-50.0f) * twist->vy;
     const float castor1_b = t2 - t0;
     const wmrgen_vector castor1 = wmrgen_direction(now->castor1.steer);
-    const float t3 = fmaf(castor1_a, castor1.x, castor1_b * castor1.y);
+    const float t3 = wmrgen_fma(castor1_a, castor1.x, castor1_b * castor1.y);
     const float t4 = -twist->omega;
-    const float t5 = fmaf(-castor1.x, castor1_b, fmaf(castor1_a, castor1.y, t4));
+    const float t5 = wmrgen_fma(-castor1.x, castor1_b, wmrgen_fma(castor1_a, castor1.y, t4));
     const float castor2_a = t1 - t0;
     const wmrgen_vector castor2 = wmrgen_direction(now->castor2.steer);
-    const float t6 = fmaf(castor2_a, castor2.x, castor1_b * castor2.y);
-    const float t7 = fmaf(-castor1_b, castor2.x, fmaf(castor2_a, castor2.y, t4));
+    const float t6 = wmrgen_fma(castor2_a, castor2.x, castor1_b * castor2.y);
+    const float t7 = wmrgen_fma(-castor1_b, castor2.x, wmrgen_fma(castor2_a, castor2.y, t4));
     const float castor3_b = t0 + t2;
     const wmrgen_vector castor3 = wmrgen_direction(now->castor3.steer);
-    const float t8 = fmaf(castor1_a, castor3.x, castor3_b * castor3.y);
-    const float t9 = fmaf(-castor3.x, castor3_b, fmaf(castor1_a, castor3.y, t4));
+    const float t8 = wmrgen_fma(castor1_a, castor3.x, castor3_b * castor3.y);
+    const float t9 = wmrgen_fma(-castor3.x, castor3_b, wmrgen_fma(castor1_a, castor3.y, t4));
     const wmrgen_vector castor4 = wmrgen_direction(now->castor4.steer);
-    const float t10 = fmaf(castor2_a, castor4.x, castor3_b * castor4.y);
-    const float t11 = fmaf(-castor3_b, castor4.x, fmaf(castor2_a, castor4.y, t4));
+    const float t10 = wmrgen_fma(castor2_a, castor4.x, castor3_b * castor4.y);
+    const float t11 = wmrgen_fma(-castor3_b, castor4.x, wmrgen_fma(castor2_a, castor4.y, t4));
 
     out->castor1.spin = (-0.36363637f) * t3;
     out->castor1.steer_rate = t5;
@@ -210,28 +246,28 @@ void nomad_xr4000_forward(const nomad_xr4000_wheels *wheels, nomad_xr4000_twist 
 #else
     const wmrgen_vector castor3 = wmrgen_direction(wheels->castor3.steer);
     const float t0 = 2.75f * wheels->castor3.spin;
-    const float castor3_wy = fmaf(castor3.x, wheels->castor3.steer_rate, castor3.y * t0);
+    const float castor3_wy = wmrgen_fma(castor3.x, wheels->castor3.steer_rate, castor3.y * t0);
     const wmrgen_vector castor4 = wmrgen_direction(wheels->castor4.steer);
     const float t1 = 2.75f * wheels->castor4.spin;
-    const float castor4_wy = fmaf(castor4.x, wheels->castor4.steer_rate, castor4.y * t1);
+    const float castor4_wy = wmrgen_fma(castor4.x, wheels->castor4.steer_rate, castor4.y * t1);
     const float t2 = castor3_wy + castor4_wy;
     const wmrgen_vector castor1 = wmrgen_direction(wheels->castor1.steer);
     const float t3 = 2.75f * wheels->castor1.spin;
-    const float castor1_wy = fmaf(castor1.x, wheels->castor1.steer_rate, castor1.y * t3);
+    const float castor1_wy = wmrgen_fma(castor1.x, wheels->castor1.steer_rate, castor1.y * t3);
     const wmrgen_vector castor2 = wmrgen_direction(wheels->castor2.steer);
     const float t4 = 2.75f * wheels->castor2.spin;
-    const float castor2_wy = fmaf(castor2.x, wheels->castor2.steer_rate, castor2.y * t4);
+    const float castor2_wy = wmrgen_fma(castor2.x, wheels->castor2.steer_rate, castor2.y * t4);
     const float t5 = castor1_wy + castor2_wy;
     const float sum_wy = t2 + t5;
-    const float castor2_wx = fmaf(castor2.x, t4, -(wheels->castor2.steer_rate * castor2.y));
-    const float castor4_wx = fmaf(castor4.x, t1, -(wheels->castor4.steer_rate * castor4.y));
+    const float castor2_wx = wmrgen_fma(castor2.x, t4, -(wheels->castor2.steer_rate * castor2.y));
+    const float castor4_wx = wmrgen_fma(castor4.x, t1, -(wheels->castor4.steer_rate * castor4.y));
     const float t6 = castor2_wx + castor4_wx;
-    const float castor1_wx = fmaf(castor1.x, t3, -(wheels->castor1.steer_rate * castor1.y));
-    const float castor3_wx = fmaf(castor3.x, t0, -(wheels->castor3.steer_rate * castor3.y));
+    const float castor1_wx = wmrgen_fma(castor1.x, t3, -(wheels->castor1.steer_rate * castor1.y));
+    const float castor3_wx = wmrgen_fma(castor3.x, t0, -(wheels->castor3.steer_rate * castor3.y));
     const float t7 = castor1_wx + castor3_wx;
     const float t8 = wheels->castor1.steer_rate + wheels->castor2.steer_rate;
     const float t9 = wheels->castor4.steer_rate + (wheels->castor3.steer_rate + t8);
-    const float moment = fmaf(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9));
+    const float moment = wmrgen_fma(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9));
     const float t10 = castor3.x + castor4.x;
     const float t11 = castor1.x + castor2.x;
     const float t12 = t10 + t11;
@@ -239,13 +275,14 @@ void nomad_xr4000_forward(const nomad_xr4000_wheels *wheels, nomad_xr4000_twist 
     const float t13 = castor2.y + castor4.y;
     const float t14 = castor1.y + castor3.y;
     const float t15 = t13 + t14;
-    const float t16 = fmaf(-sum_wx, t15, fmaf(t12, sum_wy, moment));
-    const float inertia = fmaf(80.0f, t10 + (t13 - t11 - t14), 3216.0f);
+    const float t16 = wmrgen_fma(-sum_wx, t15, wmrgen_fma(t12, sum_wy, moment));
+    const float inertia = wmrgen_fma(80.0f, t10 + (t13 - t11 - t14), 3216.0f);
     const float t17 = -t15;
-    const float omega_fit = t16 / fmaf(t17, t15, fmaf(-t12, t12, inertia));
+    const float t18 = wmrgen_fma(t17, t15, wmrgen_fma(-t12, t12, inertia));
+    const float omega_fit = t16 / t18;
 
-    twist->vx = 0.005f * fmaf(t17, omega_fit, sum_wx);
-    twist->vy = 0.005f * fmaf(t12, omega_fit, sum_wy);
+    twist->vx = 0.005f * wmrgen_fma(t17, omega_fit, sum_wx);
+    twist->vy = 0.005f * wmrgen_fma(t12, omega_fit, sum_wy);
     twist->omega = omega_fit;
 #endif
 }
@@ -257,28 +294,28 @@ void nomad_xr4000_forward_slip(
 {
     const wmrgen_vector castor3 = wmrgen_direction(wheels->castor3.steer);
     const float t0 = 2.75f * wheels->castor3.spin;
-    const float castor3_wy = fmaf(castor3.x, wheels->castor3.steer_rate, castor3.y * t0);
+    const float castor3_wy = wmrgen_fma(castor3.x, wheels->castor3.steer_rate, castor3.y * t0);
     const wmrgen_vector castor4 = wmrgen_direction(wheels->castor4.steer);
     const float t1 = 2.75f * wheels->castor4.spin;
-    const float castor4_wy = fmaf(castor4.x, wheels->castor4.steer_rate, castor4.y * t1);
+    const float castor4_wy = wmrgen_fma(castor4.x, wheels->castor4.steer_rate, castor4.y * t1);
     const float t2 = castor3_wy + castor4_wy;
     const wmrgen_vector castor1 = wmrgen_direction(wheels->castor1.steer);
     const float t3 = 2.75f * wheels->castor1.spin;
-    const float castor1_wy = fmaf(castor1.x, wheels->castor1.steer_rate, castor1.y * t3);
+    const float castor1_wy = wmrgen_fma(castor1.x, wheels->castor1.steer_rate, castor1.y * t3);
     const wmrgen_vector castor2 = wmrgen_direction(wheels->castor2.steer);
     const float t4 = 2.75f * wheels->castor2.spin;
-    const float castor2_wy = fmaf(castor2.x, wheels->castor2.steer_rate, castor2.y * t4);
+    const float castor2_wy = wmrgen_fma(castor2.x, wheels->castor2.steer_rate, castor2.y * t4);
     const float t5 = castor1_wy + castor2_wy;
     const float sum_wy = t2 + t5;
-    const float castor2_wx = fmaf(castor2.x, t4, -(wheels->castor2.steer_rate * castor2.y));
-    const float castor4_wx = fmaf(castor4.x, t1, -(wheels->castor4.steer_rate * castor4.y));
+    const float castor2_wx = wmrgen_fma(castor2.x, t4, -(wheels->castor2.steer_rate * castor2.y));
+    const float castor4_wx = wmrgen_fma(castor4.x, t1, -(wheels->castor4.steer_rate * castor4.y));
     const float t6 = castor2_wx + castor4_wx;
-    const float castor1_wx = fmaf(castor1.x, t3, -(wheels->castor1.steer_rate * castor1.y));
-    const float castor3_wx = fmaf(castor3.x, t0, -(wheels->castor3.steer_rate * castor3.y));
+    const float castor1_wx = wmrgen_fma(castor1.x, t3, -(wheels->castor1.steer_rate * castor1.y));
+    const float castor3_wx = wmrgen_fma(castor3.x, t0, -(wheels->castor3.steer_rate * castor3.y));
     const float t7 = castor1_wx + castor3_wx;
     const float t8 = wheels->castor1.steer_rate + wheels->castor2.steer_rate;
     const float t9 = wheels->castor4.steer_rate + (wheels->castor3.steer_rate + t8);
-    const float moment = fmaf(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9));
+    const float moment = wmrgen_fma(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9));
     const float t10 = castor3.x + castor4.x;
     const float t11 = castor1.x + castor2.x;
     const float t12 = t10 + t11;
@@ -286,33 +323,39 @@ void nomad_xr4000_forward_slip(
     const float t13 = castor2.y + castor4.y;
     const float t14 = castor1.y + castor3.y;
     const float t15 = t13 + t14;
-    const float t16 = fmaf(-sum_wx, t15, fmaf(t12, sum_wy, moment));
-    const float inertia = fmaf(80.0f, t10 + (t13 - t11 - t14), 3216.0f);
+    const float t16 = wmrgen_fma(-sum_wx, t15, wmrgen_fma(t12, sum_wy, moment));
+    const float inertia = wmrgen_fma(80.0f, t10 + (t13 - t11 - t14), 3216.0f);
     const float t17 = -t15;
-    const float omega_fit = t16 / fmaf(t17, t15, fmaf(-t12, t12, inertia));
-    const float t18 = 0.005f * fmaf(t17, omega_fit, sum_wx);
-    const float t19 = 0.005f * fmaf(t12, omega_fit, sum_wy);
-    const float t20 = 0.2f * omega_fit;
-    const float t21 = t20 - t18;
-    const float error_0 = fmaf(0.02f, fmaf(-castor1.y, omega_fit, castor1_wx), t21);
-    const float t22 = -(t19 + t20);
-    const float error_1 = fmaf(0.02f, fmaf(castor1.x, omega_fit, castor1_wy), t22);
-    const float t23 = -(t18 + t20);
-    const float error_2 = fmaf(0.02f, fmaf(-castor2.y, omega_fit, castor2_wx), t23);
-    const float t24 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
-    const float error_3 = fmaf(0.02f, fmaf(castor2.x, omega_fit, castor2_wy), t22);
-    const float error_4 = fmaf(0.02f, fmaf(-castor3.y, omega_fit, castor3_wx), t21);
-    const float t25 = fmaf(error_4, error_4, fmaf(error_3, error_3, t24));
-    const float t26 = t20 - t19;
-    const float error_5 = fmaf(0.02f, fmaf(castor3.x, omega_fit, castor3_wy), t26);
-    const float error_6 = fmaf(0.02f, fmaf(-castor4.y, omega_fit, castor4_wx), t23);
-    const float t27 = fmaf(error_6, error_6, fmaf(error_5, error_5, t25));
-    const float error_7 = fmaf(0.02f, fmaf(castor4.x, omega_fit, castor4_wy), t26);
+    const float t18 = wmrgen_fma(t17, t15, wmrgen_fma(-t12, t12, inertia));
+    const float omega_fit = t16 / t18;
+    const float t19 = 0.005f * wmrgen_fma(t17, omega_fit, sum_wx);
+    const float t20 = 0.005f * wmrgen_fma(t12, omega_fit, sum_wy);
+    const float t21 = 0.2f * omega_fit;
+    const float t22 = t21 - t19;
+    const float t23 = wmrgen_fma(-castor1.y, omega_fit, castor1_wx);
+    const float error_0 = wmrgen_fma(0.02f, t23, t22);
+    const float t24 = -(t20 + t21);
+    const float error_1 = wmrgen_fma(0.02f, wmrgen_fma(castor1.x, omega_fit, castor1_wy), t24);
+    const float t25 = wmrgen_fma(error_0, error_0, error_1 * error_1);
+    const float t26 = -(t19 + t21);
+    const float t27 = wmrgen_fma(-castor2.y, omega_fit, castor2_wx);
+    const float error_2 = wmrgen_fma(0.02f, t27, t26);
+    const float error_3 = wmrgen_fma(0.02f, wmrgen_fma(castor2.x, omega_fit, castor2_wy), t24);
+    const float t28 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t25));
+    const float t29 = wmrgen_fma(-castor3.y, omega_fit, castor3_wx);
+    const float error_4 = wmrgen_fma(0.02f, t29, t22);
+    const float t30 = t21 - t20;
+    const float error_5 = wmrgen_fma(0.02f, wmrgen_fma(castor3.x, omega_fit, castor3_wy), t30);
+    const float t31 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t28));
+    const float t32 = wmrgen_fma(-castor4.y, omega_fit, castor4_wx);
+    const float error_6 = wmrgen_fma(0.02f, t32, t26);
+    const float error_7 = wmrgen_fma(0.02f, wmrgen_fma(castor4.x, omega_fit, castor4_wy), t30);
+    const float t33 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t31));
 
-    twist->vx = t18;
-    twist->vy = t19;
+    twist->vx = t19;
+    twist->vy = t20;
     twist->omega = omega_fit;
-    *slip = sqrtf(fmaf(error_7, error_7, t27));
+    *slip = sqrtf(t33);
 }
 
 void nomad_xr4000_odometry(nomad_xr4000_pose *pose, const nomad_xr4000_twist *twist, float dt)
@@ -320,13 +363,14 @@ void nomad_xr4000_odometry(nomad_xr4000_pose *pose, const nomad_xr4000_twist *tw
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
-    const float t4 = fmaf(0.15915494f, theta_whole, 12582912.0f) - 12582912.0f;
+    const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
+    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
-    pose->x = t2;
-    pose->y = t3;
-    pose->theta = fmaf((-6.2831855f), t4, theta_whole);
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
+    pose->theta = t5;
 }

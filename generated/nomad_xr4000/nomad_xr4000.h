@@ -31,7 +31,7 @@
 
 #define NOMAD_XR4000_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NOMAD_XR4000_MODEL_HASH "3e1a5ca3c28c528898b3f587751ebfba" /**< digest of the model */
-#define NOMAD_XR4000_PAIR_a500167cf9a42478 1 /**< header and source of one run have the same */
+#define NOMAD_XR4000_PAIR_0957a92e302a44d0 1 /**< header and source of one run have the same */
 #define NOMAD_XR4000_WHEELS 4 /**< how many wheels the robot has */
 #define NOMAD_XR4000_CASTOR1_X 0.2f /**< [m] pivot, forward of P */
 #define NOMAD_XR4000_CASTOR1_Y 0.2f /**< [m] pivot, to the left of P */
@@ -115,7 +115,7 @@ enum nomad_xr4000_joint {
 };
 
 /** Points to a joint by its number in enum nomad_xr4000_joint, for loops over all;
- * to the first for other numbers. */
+ * NULL for other numbers. */
 float *nomad_xr4000_joint(nomad_xr4000_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.
@@ -154,22 +154,25 @@ void nomad_xr4000_odometry(nomad_xr4000_pose *pose, const nomad_xr4000_twist *tw
 
 /* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
- * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
- * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
- * angle at its limit for one. Check inputs, or take the functions of the _checked files.
+ * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0 or 16). Inputs
+ * up to 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond,
+ * squares may overflow. NaN is not caught: some outputs may come out as numbers all the same, a
+ * steering angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file
  * refuses them where the compiler tells of them, else it forbids regrouping where it can. Run the
  * self-test with your compiler and flags: test/nomad_xr4000_selftest.c.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
- * calls are called: the least flash, the same results to the bit; calls cost time and stack.
- * With -DWMRGEN_SMALL nomad_xr4000_forward() also calls the function that gives the same results
- * and more, instead of computing them again.
+ * The kernels at the top of the C file are inlined. Compiled with -Os, -Oz or -DWMRGEN_SMALL those
+ * with several calls are called: the least flash, the same results to the bit; calls cost time and
+ * stack.
+ * Then nomad_xr4000_forward() also calls the function that gives the same results and more, instead
+ * of computing them again.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
- * is one instruction; for others there are --target host, m0 and avr.
+ * is one instruction; for others there are --target host, m0 and avr. Another processor with an FPU
+ * goes by way of double, to the same bits (of numbers that are not subnormal) and in more time. An
+ * AVR and processors without an FPU are refused at compile time.
  *
  * Proved for |vx| <= 1.5, |vy| <= 1.5, |omega| <= 2, and with these ranges of inputs that have no
  * limits: |castor1.steer, castor2.steer, castor3.steer, castor4.steer| <= 12.5664, |castor1.spin,

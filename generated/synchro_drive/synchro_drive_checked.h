@@ -21,7 +21,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_15ff5d88ea2b21e7)
+#if !defined(SYNCHRO_DRIVE_PAIR_da7851ebf87fb803)
 #error "this file and synchro_drive.h were not generated together: copy both"
 #endif
 

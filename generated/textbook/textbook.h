@@ -14,7 +14,7 @@
 
 #define TEXTBOOK_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_MODEL_HASH "814729678ca65309d3818b984f89e9e7" /**< digest of the model */
-#define TEXTBOOK_PAIR_1f041a7cedc3ba18 1 /**< header and source of one run have the same */
+#define TEXTBOOK_PAIR_a6aea91e56b342ce 1 /**< header and source of one run have the same */
 
 #ifdef __cplusplus
 extern "C" {
@@ -1983,20 +1983,23 @@ void textbook_car_bounds(const textbook_car_bounds_in *in, textbook_car_bounds_o
 
 /* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
- * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
- * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
- * angle at its limit for one. Check inputs, or take the functions of the _checked files.
+ * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0 or 16). Inputs
+ * up to 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond,
+ * squares may overflow. NaN is not caught: some outputs may come out as numbers all the same, a
+ * steering angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file
  * refuses them where the compiler tells of them, else it forbids regrouping where it can. Run the
  * self-test with your compiler and flags: test/textbook_selftest.c.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
- * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -Os, -Oz or -DWMRGEN_SMALL those
+ * with several calls are called: the least flash, the same results to the bit; calls cost time and
+ * stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
- * is one instruction; for others there are --target host, m0 and avr.
+ * is one instruction; for others there are --target host, m0 and avr. Another processor with an FPU
+ * goes by way of double, to the same bits (of numbers that are not subnormal) and in more time. An
+ * AVR and processors without an FPU are refused at compile time.
  */
 
 #endif /* WMRGEN_TEXTBOOK_H */

@@ -21,7 +21,7 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_bbedd1149d7fdca1)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0125a152f713536b)
 #error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_TRIBOLO_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TRIBOLO_MODEL_HASH "2020f2c02c076da98ff2e881d15a30f7" /**< digest of the model */
-#define TEXTBOOK_TRIBOLO_PAIR_ba0d9a58dfbcdaf3 1 /**< header and source of one run have the same */
+#define TEXTBOOK_TRIBOLO_PAIR_c2172cadded9a79c 1 /**< header and source of one run have the same */
 #define TEXTBOOK_TRIBOLO_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_TRIBOLO_LEFT_X 0.1f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TRIBOLO_LEFT_Y 0.17320508f /**< [m] pivot, to the left of P */
@@ -76,7 +76,7 @@ enum textbook_tribolo_joint {
 };
 
 /** Points to a joint by its number in enum textbook_tribolo_joint, for loops over all;
- * to the first for other numbers. */
+ * NULL for other numbers. */
 float *textbook_tribolo_joint(textbook_tribolo_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands.
@@ -111,20 +111,23 @@ void textbook_tribolo_odometry(
 
 /* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
- * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
- * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
- * angle at its limit for one. Check inputs, or take the functions of the _checked files.
+ * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0 or 16). Inputs
+ * up to 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond,
+ * squares may overflow. NaN is not caught: some outputs may come out as numbers all the same, a
+ * steering angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file
  * refuses them where the compiler tells of them, else it forbids regrouping where it can. Run the
  * self-test with your compiler and flags: test/textbook_tribolo_selftest.c.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
- * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -Os, -Oz or -DWMRGEN_SMALL those
+ * with several calls are called: the least flash, the same results to the bit; calls cost time and
+ * stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
- * is one instruction; for others there are --target host, m0 and avr.
+ * is one instruction; for others there are --target host, m0 and avr. Another processor with an FPU
+ * goes by way of double, to the same bits (of numbers that are not subnormal) and in more time. An
+ * AVR and processors without an FPU are refused at compile time.
  */
 
 #endif /* WMRGEN_TEXTBOOK_TRIBOLO_H */

@@ -21,7 +21,7 @@
 
 #include "textbook_tribolo.h"
 
-#if !defined(TEXTBOOK_TRIBOLO_PAIR_ba0d9a58dfbcdaf3)
+#if !defined(TEXTBOOK_TRIBOLO_PAIR_c2172cadded9a79c)
 #error "this file and textbook_tribolo.h were not generated together: copy both"
 #endif
 

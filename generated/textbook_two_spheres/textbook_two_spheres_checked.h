@@ -26,7 +26,7 @@
 
 #include "textbook_two_spheres.h"
 
-#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_d7412949254f21cd)
+#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_b1e3d6e81fdf8fec)
 #error "this file and textbook_two_spheres.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_e94b2ce1255bfbcb)
+#if !defined(UNICYCLE_PAIR_037408014689a82e)
 #error "this file and unicycle.h were not generated together: copy both"
 #endif
 

@@ -7,10 +7,11 @@
  */
 #include "wpilib_swervebot.h"
 #include <float.h>
+#include <stddef.h>
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_1ff3a7b15bee4f8b)
+#if !defined(WPILIB_SWERVEBOT_PAIR_8e9fa754453bb714)
 #error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -31,17 +32,14 @@
 #pragma GCC optimize("no-associative-math")
 #endif
 #endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
-#endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
-#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
+#error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0 or 16; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls; -Os and -Oz ask for it. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(WMRGEN_SMALL)
+#define WMRGEN_SMALL
+#endif
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
@@ -60,6 +58,44 @@
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
 #error "kernels of another --target, --scalar or --math stand above: compile apart"
+#endif
+
+/* a * b + c, rounded once: an instruction. Without it by way of double, to the same bits. */
+#if !defined(WMRGEN_FMA)
+#define WMRGEN_FMA
+#if defined(__AVR__)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
+#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
+#if defined(__clang__) && (__clang_major__ < 22)
+/* Without the casts this clang regroups sums; they cost nothing and change nothing. */
+#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#else
+#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#endif
+#else
+#define wmrgen_fma(a, b, c) wmrgen_fused((a), (b), (c))
+static inline float wmrgen_fused(float a, float b, float c)
+{
+    union {
+        double value;
+        uint64_t bits;
+    } sum;
+    const double product = (double)a * (double)b; /* exact */
+
+    sum.value = product + (double)c;
+    if ((sum.bits & 0x1fffffffU) == 0x10000000U) { /* half way between two floats: what the sum lost decides */
+        const double back = sum.value - product;
+        const double lost = (product - (sum.value - back)) + ((double)c - back);
+
+        const uint64_t one = ((lost > 0.0) == (sum.value > 0.0)) ? 1U : UINT64_MAX;
+
+        sum.bits += ((lost < 0.0) || (lost > 0.0)) ? one : 0U;
+    }
+    return (float)sum.value;
+}
+#endif
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)
@@ -122,11 +158,11 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = fmaf(t0, t2, 0.008333009f);
-    const float t4 = fmaf(t0, t3, (-0.16666657f));
+    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
 
-    return fmaf(t1, t4, r);
+    return wmrgen_fma(t1, t4, r);
 }
 #endif
 
@@ -144,9 +180,9 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
 {
     wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
+    const float t0 = wmrgen_fma(angle, 0.63661975f, 25165824.0f);
     const float t1 = t0 - 25165824.0f;
-    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
+    const float t2 = wmrgen_fma(t1, 4.371139e-08f, wmrgen_fma(-t1, 1.5707964f, angle));
     const float t3 = wmrgen_negate_if_odd(size, t0);
 
     result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
@@ -162,15 +198,15 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 {
     const float t0 = q * q;
     const float t1 = q * t0;
-    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
-    const float t3 = fmaf(t0, t2, 0.04390253f);
-    const float t4 = fmaf(t0, t3, (-0.0762479f));
-    const float t5 = fmaf(t0, t4, 0.10709304f);
-    const float t6 = fmaf(t0, t5, (-0.14225537f));
-    const float t7 = fmaf(t0, t6, 0.1999624f);
-    const float t8 = fmaf(t0, t7, (-0.33333313f));
+    const float t2 = wmrgen_fma(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = wmrgen_fma(t0, t2, 0.04390253f);
+    const float t4 = wmrgen_fma(t0, t3, (-0.0762479f));
+    const float t5 = wmrgen_fma(t0, t4, 0.10709304f);
+    const float t6 = wmrgen_fma(t0, t5, (-0.14225537f));
+    const float t7 = wmrgen_fma(t0, t6, 0.1999624f);
+    const float t8 = wmrgen_fma(t0, t7, (-0.33333313f));
 
-    return fmaf(t1, t8, q);
+    return wmrgen_fma(t1, t8, q);
 }
 #endif
 
@@ -195,9 +231,9 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t0 = fabsf(x);
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
-    const float t2 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
     const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = fmaf((-3.1415927f), t2 - 12582912.0f, heading);
+    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
     result.spin = t3;
     result.steer = t4;
@@ -211,12 +247,12 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 WMRGEN_KERNEL float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
-    const float t3 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return t3;
 }
@@ -228,7 +264,7 @@ typedef char wpilib_swervebot_wheels_are_joints[
 
 float *wpilib_swervebot_joint(wpilib_swervebot_wheels *wheels, int joint)
 {
-    return &((float *)wheels)[((joint >= 0) && (joint < (int)WPILIB_SWERVEBOT_JOINTS)) ? joint : 0];
+    return ((joint >= 0) && (joint < (int)WPILIB_SWERVEBOT_JOINTS)) ? &((float *)wheels)[joint] : NULL;
 }
 
 void wpilib_swervebot_inverse(
@@ -236,16 +272,17 @@ void wpilib_swervebot_inverse(
     const wpilib_swervebot_wheels *now,
     wpilib_swervebot_wheels *out)
 {
-    /* v_Ax of front_left, v_Ax of back_left */
-    const float front_left_x = fmaf(1.2159347e-08f, twist->omega, fmaf((-0.381f), twist->omega, twist->vx));
+    const float t0 = wmrgen_fma((-0.381f), twist->omega, twist->vx);
+    const float front_left_x = wmrgen_fma(1.2159347e-08f, twist->omega, t0); /* v_Ax of front_left, v_Ax of back_left */
     /* v_Ay of front_left, v_Ay of front_right */
-    const float front_left_y = fmaf((-1.2159347e-08f), twist->omega, fmaf(0.381f, twist->omega, twist->vy));
+    const float front_left_y = wmrgen_fma((-1.2159347e-08f), twist->omega, wmrgen_fma(0.381f, twist->omega, twist->vy));
     const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, now->front_left.steer, 19.68504f);
     /* v_Ax of front_right, v_Ax of back_right */
-    const float front_right_x = fmaf((-1.2159347e-08f), twist->omega, fmaf(0.381f, twist->omega, twist->vx));
+    const float front_right_x = wmrgen_fma(
+        (-1.2159347e-08f), twist->omega, wmrgen_fma(0.381f, twist->omega, twist->vx));
     const wmrgen_wheel front_right = wmrgen_steer_along(front_right_x, front_left_y, now->front_right.steer, 19.68504f);
-    /* v_Ay of back_left, v_Ay of back_right */
-    const float back_left_y = fmaf(1.2159347e-08f, twist->omega, fmaf((-0.381f), twist->omega, twist->vy));
+    const float t1 = wmrgen_fma((-0.381f), twist->omega, twist->vy);
+    const float back_left_y = wmrgen_fma(1.2159347e-08f, twist->omega, t1); /* v_Ay of back_left, v_Ay of back_right */
     const wmrgen_wheel back_left = wmrgen_steer_along(front_left_x, back_left_y, now->back_left.steer, 19.68504f);
     const wmrgen_wheel back_right = wmrgen_steer_along(front_right_x, back_left_y, now->back_right.steer, 19.68504f);
 
@@ -304,24 +341,25 @@ void wpilib_swervebot_forward_slip(
     const float t4 = t3 + (t0 - t1) - t2;
     const float t5 = 0.00635f * t4;
     const float t6 = -(vx_fit - t5);
-    const float t7 = fmaf(0.0508f, front_left.x, t6);
+    const float t7 = wmrgen_fma(0.0508f, front_left.x, t6);
     const float t8 = -(vy_fit + t5);
-    const float t9 = fmaf(0.0508f, front_left.y, t8);
+    const float t9 = wmrgen_fma(0.0508f, front_left.y, t8);
     const float t10 = -(vx_fit + t5);
-    const float t11 = fmaf(0.0508f, front_right.x, t10);
-    const float t12 = fmaf(0.0508f, front_right.y, t8);
-    const float t13 = fmaf(t12, t12, fmaf(t11, t11, fmaf(t7, t7, t9 * t9)));
-    const float t14 = fmaf(0.0508f, back_left.x, t6);
-    const float t15 = -(vy_fit - t5);
-    const float t16 = fmaf(0.0508f, back_left.y, t15);
-    const float t17 = fmaf(0.0508f, back_right.x, t10);
-    const float t18 = fmaf(t17, t17, fmaf(t16, t16, fmaf(t14, t14, t13)));
-    const float t19 = fmaf(0.0508f, back_right.y, t15);
+    const float t11 = wmrgen_fma(0.0508f, front_right.x, t10);
+    const float t12 = wmrgen_fma(t11, t11, wmrgen_fma(t7, t7, t9 * t9));
+    const float t13 = wmrgen_fma(0.0508f, front_right.y, t8);
+    const float t14 = wmrgen_fma(0.0508f, back_left.x, t6);
+    const float t15 = wmrgen_fma(t14, t14, wmrgen_fma(t13, t13, t12));
+    const float t16 = -(vy_fit - t5);
+    const float t17 = wmrgen_fma(0.0508f, back_left.y, t16);
+    const float t18 = wmrgen_fma(0.0508f, back_right.x, t10);
+    const float t19 = wmrgen_fma(t18, t18, wmrgen_fma(t17, t17, t15));
+    const float t20 = wmrgen_fma(0.0508f, back_right.y, t16);
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
     twist->omega = 0.016666668f * t4;
-    *slip = sqrtf(fmaf(t19, t19, t18));
+    *slip = sqrtf(wmrgen_fma(t20, t20, t19));
 }
 
 void wpilib_swervebot_odometry(
@@ -332,15 +370,16 @@ void wpilib_swervebot_odometry(
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
-    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
-    const float t4 = fmaf(0.15915494f, theta_whole, 12582912.0f) - 12582912.0f;
+    const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
+    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
-    pose->x = t2;
-    pose->y = t3;
-    pose->theta = fmaf((-6.2831855f), t4, theta_whole);
+    pose->x = wmrgen_fma(t2, chord, pose->x);
+    pose->y = wmrgen_fma(chord, t3, pose->y);
+    pose->theta = t5;
 }
 
 void wpilib_swervebot_joints_from_counts(
@@ -350,13 +389,13 @@ void wpilib_swervebot_joints_from_counts(
     const float t0 = (in->dt < 1e-09f) ? 1e-09f : in->dt;
     const float per_time = (0.0f < in->dt) ? (1.0f / t0) : 0.0f;
     const float t1 = 0.0015339808f * per_time;
-    const float t2 = fmaf(651.8986f, wheels->front_left.steer, 12582912.0f);
+    const float t2 = wmrgen_fma(651.8986f, wheels->front_left.steer, 12582912.0f);
     const float t3 = t2 - 12582912.0f + in->front_left.steer_counts;
-    const float t4 = fmaf(651.8986f, wheels->front_right.steer, 12582912.0f);
+    const float t4 = wmrgen_fma(651.8986f, wheels->front_right.steer, 12582912.0f);
     const float t5 = t4 - 12582912.0f + in->front_right.steer_counts;
-    const float t6 = fmaf(651.8986f, wheels->back_left.steer, 12582912.0f);
+    const float t6 = wmrgen_fma(651.8986f, wheels->back_left.steer, 12582912.0f);
     const float t7 = t6 - 12582912.0f + in->back_left.steer_counts;
-    const float t8 = fmaf(651.8986f, wheels->back_right.steer, 12582912.0f);
+    const float t8 = wmrgen_fma(651.8986f, wheels->back_right.steer, 12582912.0f);
     const float t9 = t8 - 12582912.0f + in->back_right.steer_counts;
 
     wheels->front_left.spin = in->front_left.spin_counts * t1;
@@ -375,29 +414,29 @@ void wpilib_swervebot_forward_covariance(
     wpilib_swervebot_twist_covariance *twist_covariance)
 {
     const float t0 = wheels->front_right.spin * wheels->front_right.spin;
-    const float front_right_spin_variance = fmaf(0.0001f, t0, 0.0025f);
+    const float front_right_spin_variance = wmrgen_fma(0.0001f, t0, 0.0025f);
     const wmrgen_vector front_right = wmrgen_vector_at(1.0f, wheels->front_right.steer);
     const float t1 = front_right.x * front_right.x;
-    const float t2 = fmaf(0.00258064f, t1 * front_right_spin_variance, -(1.9652697e-07f * (t1 * t0)));
+    const float t2 = wmrgen_fma(0.00258064f, t1 * front_right_spin_variance, -(1.9652697e-07f * (t1 * t0)));
     const float t3 = 1.9652697e-07f * t0;
     const float t4 = wheels->back_right.spin * wheels->back_right.spin;
-    const float back_right_spin_variance = fmaf(0.0001f, t4, 0.0025f);
+    const float back_right_spin_variance = wmrgen_fma(0.0001f, t4, 0.0025f);
     const wmrgen_vector back_right = wmrgen_vector_at(1.0f, wheels->back_right.steer);
     const float t5 = back_right.x * back_right.x;
-    const float t6 = fmaf(0.00258064f, t5 * back_right_spin_variance, -(1.9652697e-07f * (t5 * t4)));
+    const float t6 = wmrgen_fma(0.00258064f, t5 * back_right_spin_variance, -(1.9652697e-07f * (t5 * t4)));
     const float t7 = 1.9652697e-07f * t4;
     const float t8 = t2 + t3 + (t6 + t7);
     const float t9 = wheels->front_left.spin * wheels->front_left.spin;
-    const float front_left_spin_variance = fmaf(0.0001f, t9, 0.0025f);
+    const float front_left_spin_variance = wmrgen_fma(0.0001f, t9, 0.0025f);
     const wmrgen_vector front_left = wmrgen_vector_at(1.0f, wheels->front_left.steer);
     const float t10 = front_left.x * front_left.x;
-    const float t11 = fmaf(0.00258064f, t10 * front_left_spin_variance, -(1.9652697e-07f * (t10 * t9)));
+    const float t11 = wmrgen_fma(0.00258064f, t10 * front_left_spin_variance, -(1.9652697e-07f * (t10 * t9)));
     const float t12 = 1.9652697e-07f * t9;
     const float t13 = wheels->back_left.spin * wheels->back_left.spin;
-    const float back_left_spin_variance = fmaf(0.0001f, t13, 0.0025f);
+    const float back_left_spin_variance = wmrgen_fma(0.0001f, t13, 0.0025f);
     const wmrgen_vector back_left = wmrgen_vector_at(1.0f, wheels->back_left.steer);
     const float t14 = back_left.x * back_left.x;
-    const float t15 = fmaf(0.00258064f, t14 * back_left_spin_variance, -(1.9652697e-07f * (t14 * t13)));
+    const float t15 = wmrgen_fma(0.00258064f, t14 * back_left_spin_variance, -(1.9652697e-07f * (t14 * t13)));
     const float t16 = 1.9652697e-07f * t13;
     const float t17 = t11 + t12 + (t15 + t16);
     const float t18 = t8 + t17;
@@ -416,19 +455,19 @@ void wpilib_swervebot_forward_covariance(
     const float back_right_c01 = back_right.x * (back_right.y * (t20 - t7));
     const float t28 = back_left_c01 - back_right_c01;
     const float t29 = t27 - t28;
-    const float t30 = fmaf((-0.625f), t26, fmaf(slip, slip, -(0.25f * t29)));
+    const float t30 = wmrgen_fma((-0.625f), t26, wmrgen_fma(slip, slip, -(0.25f * t29)));
     const float t31 = (t30 < 0.0f) ? 0.0f : t30;
     const float t32 = 0.05f * t31;
     const float t33 = back_left_c01 + back_right_c01;
     const float t34 = front_left_c01 + front_right_c01;
-    const float t35 = fmaf(0.107639104f, t26, -(0.21527821f * t29));
+    const float t35 = wmrgen_fma(0.107639104f, t26, -(0.21527821f * t29));
 
-    twist_covariance->vxvx = fmaf(0.0625f, t18, t32);
+    twist_covariance->vxvx = wmrgen_fma(0.0625f, t18, t32);
     twist_covariance->vxvy = 0.0625f * (t33 + t34);
     twist_covariance->vxomega = 0.082021f * (t34 + (t8 - t17) - t33);
-    twist_covariance->vyvy = fmaf(0.0625f, t25, t32);
+    twist_covariance->vyvy = wmrgen_fma(0.0625f, t25, t32);
     twist_covariance->vyomega = 0.082021f * (t24 - t21 - t27 - t28);
-    twist_covariance->omegaomega = fmaf(0.17222257f, t31, t35);
+    twist_covariance->omegaomega = wmrgen_fma(0.17222257f, t31, t35);
 }
 
 void wpilib_swervebot_odometry_covariance(
@@ -441,49 +480,53 @@ void wpilib_swervebot_odometry_covariance(
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float x_step = fmaf(twist->vx, t1.x, -(twist->vy * t1.y)) * chord;
-    const float y_step = chord * fmaf(twist->vx, t1.y, t1.x * twist->vy);
+    const float x_step = t2 * chord;
+    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
+    const float y_step = chord * t3;
     const float theta_whole = pose->theta + t0;
-    const float t2 = fmaf(0.15915494f, theta_whole, 12582912.0f) - 12582912.0f;
+    const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
+    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
     const float chord_x = t1.x * chord;
     const float chord_y = t1.y * chord;
-    const float by_omega_x = fmaf(twist_covariance->vxomega, chord_x, -(twist_covariance->vyomega * chord_y));
-    const float t3 = 0.5f * dt;
-    const float x_heading = fmaf(by_omega_x, t3, pose_covariance->xtheta);
-    const float t4 = -y_step;
-    const float t5 = dt * twist_covariance->omegaomega;
-    const float t6 = dt * t5;
-    const float heading_variance = fmaf(0.25f, t6, pose_covariance->thetatheta);
-    const float x_turned = fmaf(t4, heading_variance, x_heading);
-    const float t7 = fmaf(t4, x_heading + x_turned, pose_covariance->xx);
-    const float t8 = chord_y * twist_covariance->vxvy;
-    const float by_vx_x = fmaf(chord_x, twist_covariance->vxvx, -t8);
-    const float t9 = -chord_y;
-    const float t10 = chord_x * twist_covariance->vxvy;
-    const float by_vy_x = fmaf(t9, twist_covariance->vyvy, t10);
-    const float t11 = fmaf(t9, by_vy_x, fmaf(chord_x, by_vx_x, t7));
-    const float by_omega_y = fmaf(twist_covariance->vxomega, chord_y, chord_x * twist_covariance->vyomega);
-    const float y_heading = fmaf(t3, by_omega_y, pose_covariance->ytheta);
-    const float t12 = fmaf(x_step, x_turned, fmaf(t4, y_heading, pose_covariance->xy));
-    const float t13 = fmaf(chord_x, by_vy_x, fmaf(chord_y, by_vx_x, t12));
-    const float t14 = 0.5f * t5;
-    const float t15 = fmaf(t3, fmaf(t4, t14, by_omega_x), x_turned);
-    const float y_turned = fmaf(x_step, heading_variance, y_heading);
-    const float t16 = fmaf(x_step, y_heading + y_turned, pose_covariance->yy);
-    const float t17 = fmaf(chord_y, fmaf(chord_y, twist_covariance->vxvx, t10), t16);
-    const float t18 = fmaf(chord_x, fmaf(chord_x, twist_covariance->vyvy, t8), t17);
-    const float t19 = fmaf(t3, fmaf(x_step, t14, by_omega_y), y_turned);
+    const float by_omega_x = wmrgen_fma(twist_covariance->vxomega, chord_x, -(twist_covariance->vyomega * chord_y));
+    const float t6 = 0.5f * dt;
+    const float x_heading = wmrgen_fma(by_omega_x, t6, pose_covariance->xtheta);
+    const float t7 = -y_step;
+    const float t8 = dt * twist_covariance->omegaomega;
+    const float t9 = dt * t8;
+    const float heading_variance = wmrgen_fma(0.25f, t9, pose_covariance->thetatheta);
+    const float x_turned = wmrgen_fma(t7, heading_variance, x_heading);
+    const float t10 = wmrgen_fma(t7, x_heading + x_turned, pose_covariance->xx);
+    const float t11 = chord_y * twist_covariance->vxvy;
+    const float by_vx_x = wmrgen_fma(chord_x, twist_covariance->vxvx, -t11);
+    const float t12 = -chord_y;
+    const float t13 = chord_x * twist_covariance->vxvy;
+    const float by_vy_x = wmrgen_fma(t12, twist_covariance->vyvy, t13);
+    const float t14 = wmrgen_fma(t12, by_vy_x, wmrgen_fma(chord_x, by_vx_x, t10));
+    const float by_omega_y = wmrgen_fma(twist_covariance->vxomega, chord_y, chord_x * twist_covariance->vyomega);
+    const float y_heading = wmrgen_fma(t6, by_omega_y, pose_covariance->ytheta);
+    const float t15 = wmrgen_fma(t7, y_heading, pose_covariance->xy);
+    const float t16 = wmrgen_fma(chord_y, by_vx_x, wmrgen_fma(x_step, x_turned, t15));
+    const float t17 = 0.5f * t8;
+    const float t18 = wmrgen_fma(t6, wmrgen_fma(t7, t17, by_omega_x), x_turned);
+    const float y_turned = wmrgen_fma(x_step, heading_variance, y_heading);
+    const float t19 = wmrgen_fma(x_step, y_heading + y_turned, pose_covariance->yy);
+    const float by_vx_y = wmrgen_fma(chord_y, twist_covariance->vxvx, t13);
+    const float by_vy_y = wmrgen_fma(chord_x, twist_covariance->vyvy, t11);
+    const float t20 = wmrgen_fma(chord_x, by_vy_y, wmrgen_fma(chord_y, by_vx_y, t19));
+    const float t21 = wmrgen_fma(t6, wmrgen_fma(x_step, t17, by_omega_y), y_turned);
 
     pose->x = pose->x + x_step;
     pose->y = pose->y + y_step;
-    pose->theta = fmaf((-6.2831855f), t2, theta_whole);
-    pose_covariance->xx = t11;
-    pose_covariance->xy = t13;
-    pose_covariance->xtheta = t15;
-    pose_covariance->yy = t18;
-    pose_covariance->ytheta = t19;
-    pose_covariance->thetatheta = pose_covariance->thetatheta + t6;
+    pose->theta = t5;
+    pose_covariance->xx = t14;
+    pose_covariance->xy = wmrgen_fma(chord_x, by_vy_x, t16);
+    pose_covariance->xtheta = t18;
+    pose_covariance->yy = t20;
+    pose_covariance->ytheta = t21;
+    pose_covariance->thetatheta = pose_covariance->thetatheta + t9;
 }
 
 void wpilib_swervebot_odometry_from_angles(
@@ -494,20 +537,23 @@ void wpilib_swervebot_odometry_from_angles(
 {
     const float back_left_apart = wheels->back_left.steer - last->back_left.steer;
     const float t0 = 0.15915494f * back_left_apart;
-    const float back_left_middle = fmaf(3.1415927f, t0 - (t0 + 12582912.0f - 12582912.0f), last->back_left.steer);
+    const float back_left_middle = wmrgen_fma(3.1415927f, t0 - (t0 + 12582912.0f - 12582912.0f), last->back_left.steer);
     const wmrgen_vector back_left = wmrgen_vector_at(step->back_left.spin, back_left_middle);
     const float back_right_apart = wheels->back_right.steer - last->back_right.steer;
     const float t1 = 0.15915494f * back_right_apart;
-    const float back_right_middle = fmaf(3.1415927f, t1 - (t1 + 12582912.0f - 12582912.0f), last->back_right.steer);
+    const float back_right_middle = wmrgen_fma(
+        3.1415927f, t1 - (t1 + 12582912.0f - 12582912.0f), last->back_right.steer);
     const wmrgen_vector back_right = wmrgen_vector_at(step->back_right.spin, back_right_middle);
     const float t2 = back_left.y + back_right.y;
     const float front_left_apart = wheels->front_left.steer - last->front_left.steer;
     const float t3 = 0.15915494f * front_left_apart;
-    const float front_left_middle = fmaf(3.1415927f, t3 - (t3 + 12582912.0f - 12582912.0f), last->front_left.steer);
+    const float front_left_middle = wmrgen_fma(
+        3.1415927f, t3 - (t3 + 12582912.0f - 12582912.0f), last->front_left.steer);
     const wmrgen_vector front_left = wmrgen_vector_at(step->front_left.spin, front_left_middle);
     const float front_right_apart = wheels->front_right.steer - last->front_right.steer;
     const float t4 = 0.15915494f * front_right_apart;
-    const float front_right_middle = fmaf(3.1415927f, t4 - (t4 + 12582912.0f - 12582912.0f), last->front_right.steer);
+    const float front_right_middle = wmrgen_fma(
+        3.1415927f, t4 - (t4 + 12582912.0f - 12582912.0f), last->front_right.steer);
     const wmrgen_vector front_right = wmrgen_vector_at(step->front_right.spin, front_right_middle);
     const float t5 = front_left.y + front_right.y;
     const float vy_fit = 0.0127f * (t2 + t5);
@@ -518,14 +564,15 @@ void wpilib_swervebot_odometry_from_angles(
     const wmrgen_vector t9 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
     const float vx_fit = 0.0127f * (t6 + t7);
     const float sinc = wmrgen_sinc(half_turn);
-    const float t10 = fmaf(fmaf(vx_fit, t9.x, -(vy_fit * t9.y)), sinc, pose->x);
-    const float t11 = fmaf(sinc, fmaf(vx_fit, t9.y, t9.x * vy_fit), pose->y);
-    const float theta_whole = fmaf(0.016666668f, t8, pose->theta);
-    const float t12 = fmaf(0.15915494f, theta_whole, 12582912.0f) - 12582912.0f;
+    const float t10 = wmrgen_fma(wmrgen_fma(vx_fit, t9.x, -(vy_fit * t9.y)), sinc, pose->x);
+    const float t11 = wmrgen_fma(sinc, wmrgen_fma(vx_fit, t9.y, t9.x * vy_fit), pose->y);
+    const float theta_whole = wmrgen_fma(0.016666668f, t8, pose->theta);
+    const float t12 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
+    const float t13 = wmrgen_fma((-6.2831855f), t12 - 12582912.0f, theta_whole);
 
     pose->x = t10;
     pose->y = t11;
-    pose->theta = fmaf((-6.2831855f), t12, theta_whole);
+    pose->theta = t13;
 }
 
 void wpilib_swervebot_limit_twist(wpilib_swervebot_twist *twist)
@@ -560,9 +607,9 @@ void wpilib_swervebot_limit_acceleration(
     const float time = (t4 < t3) ? t3 : t4;
     const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t5 = 0.9999995f * (step / time);
-    const float t6 = (step < time) ? fmaf(vx_change, t5, twist->vx) : wanted->vx;
-    const float t7 = (step < time) ? fmaf(vy_change, t5, twist->vy) : wanted->vy;
-    const float t8 = (step < time) ? fmaf(omega_change, t5, twist->omega) : wanted->omega;
+    const float t6 = (step < time) ? wmrgen_fma(vx_change, t5, twist->vx) : wanted->vx;
+    const float t7 = (step < time) ? wmrgen_fma(vy_change, t5, twist->vy) : wanted->vy;
+    const float t8 = (step < time) ? wmrgen_fma(omega_change, t5, twist->omega) : wanted->omega;
 
     twist->vx = t6;
     twist->vy = t7;

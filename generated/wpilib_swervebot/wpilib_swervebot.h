@@ -32,7 +32,7 @@
 
 #define WPILIB_SWERVEBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define WPILIB_SWERVEBOT_MODEL_HASH "a3198c3536e1dd69a06365a1b1929944" /**< digest of the model */
-#define WPILIB_SWERVEBOT_PAIR_1ff3a7b15bee4f8b 1 /**< header and source of one run have the same */
+#define WPILIB_SWERVEBOT_PAIR_8e9fa754453bb714 1 /**< header and source of one run have the same */
 #define WPILIB_SWERVEBOT_WHEELS 4 /**< how many wheels the robot has */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_X 0.381f /**< [m] pivot, forward of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_Y 0.381f /**< [m] pivot, to the left of P */
@@ -180,7 +180,7 @@ enum wpilib_swervebot_joint {
 };
 
 /** Points to a joint by its number in enum wpilib_swervebot_joint, for loops over all;
- * to the first for other numbers. */
+ * NULL for other numbers. */
 float *wpilib_swervebot_joint(wpilib_swervebot_wheels *wheels, int joint);
 
 /** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
@@ -291,20 +291,23 @@ void wpilib_swervebot_joints_from_counters(
 
 /* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
- * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
- * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
- * angle at its limit for one. Check inputs, or take the functions of the _checked files.
+ * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0 or 16). Inputs
+ * up to 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond,
+ * squares may overflow. NaN is not caught: some outputs may come out as numbers all the same, a
+ * steering angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file
  * refuses them where the compiler tells of them, else it forbids regrouping where it can. Run the
  * self-test with your compiler and flags: test/wpilib_swervebot_selftest.c.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
- * calls are called: the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -Os, -Oz or -DWMRGEN_SMALL those
+ * with several calls are called: the least flash, the same results to the bit; calls cost time and
+ * stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
- * is one instruction; for others there are --target host, m0 and avr.
+ * is one instruction; for others there are --target host, m0 and avr. Another processor with an FPU
+ * goes by way of double, to the same bits (of numbers that are not subnormal) and in more time. An
+ * AVR and processors without an FPU are refused at compile time.
  *
  * Proved for |vx| <= 3, |vy| <= 3, |omega| <= 3.14159, |front_left.spin, front_right.spin,
  * back_left.spin, back_right.spin| <= 59.0551, and with these ranges of inputs that have no limits:

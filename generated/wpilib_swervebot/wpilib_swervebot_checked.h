@@ -21,7 +21,7 @@
 
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_1ff3a7b15bee4f8b)
+#if !defined(WPILIB_SWERVEBOT_PAIR_8e9fa754453bb714)
 #error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

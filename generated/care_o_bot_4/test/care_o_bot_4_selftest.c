@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CARE_O_BOT_4_PAIR_d8be34c5d58c9b76)
+#if !defined(CARE_O_BOT_4_PAIR_c20c1c61e70041bc)
 #error "this file and care_o_bot_4.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(FESTO_ROBOTINO_PAIR_d97883f545acc3e9)
+#if !defined(FESTO_ROBOTINO_PAIR_a2b052c7b164cadb)
 #error "this file and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(OFFICE_CHAIR_PAIR_2525fb5089ac332e)
+#if !defined(OFFICE_CHAIR_PAIR_07024d1a44850485)
 #error "this file and office_chair.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SSL_PARSIAN_PAIR_dae994d38da8a6a3)
+#if !defined(SSL_PARSIAN_PAIR_6ffcce9a1e037a8a)
 #error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 

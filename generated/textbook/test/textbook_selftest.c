@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_PAIR_1f041a7cedc3ba18)
+#if !defined(TEXTBOOK_PAIR_a6aea91e56b342ce)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_d7412949254f21cd)
+#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_b1e3d6e81fdf8fec)
 #error "this file and textbook_two_spheres.h were not generated together: copy both"
 #endif
 

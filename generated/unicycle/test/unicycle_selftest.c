@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(UNICYCLE_PAIR_e94b2ce1255bfbcb)
+#if !defined(UNICYCLE_PAIR_037408014689a82e)
 #error "this file and unicycle.h were not generated together: copy both"
 #endif
 

@@ -205,7 +205,7 @@ class Derivation(Analysis):
         Args:
             name: The function.
             values: Input -> value in SI units.
-            digits: What intermediate results keep where they have more than twice as many. None: 2,000.
+            digits: Intermediate results with more than twice as many digits keep this many. None: 2,000.
 
         Returns:
             Output -> value in SI units.

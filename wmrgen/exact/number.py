@@ -26,8 +26,8 @@ def sqrt_rational(n: int, digits: int = _DIGITS) -> Fraction:
 def _hash_of_ratio(num: int, den: int) -> int:
     """The hash of the equal int or Fraction, num / den in lowest terms, den > 0.
 
-    As the Python manual has it under "Hashing of numeric types"; to build a Fraction would search for the greatest
-    common divisor once more.
+    The rule is in the Python manual, "Hashing of numeric types". Building a Fraction would compute the greatest common
+    divisor again.
     """
     if den % _MODULUS == 0:
         return sys.hash_info.inf if num > 0 else -sys.hash_info.inf

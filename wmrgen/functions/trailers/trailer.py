@@ -203,7 +203,10 @@ def _jackknives(motion: Motion, on_fixed_axle: bool, convoys: list[list[Towed]])
 
 
 def _cleared(condition: Expr) -> Expr:
-    """What is zero where ``condition`` is, without denominators and common lengths; as it is where it is too long."""
+    """Return ``condition`` without denominators and common lengths: the same states make it 0.
+
+    A condition that is too long to be shown is returned unchanged: that of trailer k has 2**k terms multiplied out.
+    """
     if size(condition) > LONGEST:
         return condition
     (cleared,) = whole([without_lengths(to_poly(condition))])

@@ -12,9 +12,10 @@ the limits of ``steer`` counts as at the limit.
 
 A wheel beside its steering axis (offset o, Siegwart (3.12)) rolls while it swings. Its rate and its spin are
 
-    steer_rate = (steer' - steer) / dt    spin' = spin - o steer_rate / r
+    steer_rate = max(low, min(high, (wanted - steer) / dt))    spin' = spin - o steer_rate / r
 
-so that `forward` finds in the commands the twist that `inverse` was given. Without time there is no rate.
+so that `forward` finds in the commands the twist that `inverse` was given. This rate is (steer' - steer) / dt, written
+without the rounding error of steer', which a short dt would enlarge. If dt is 0, the rate is 0.
 
 `compensate_steering` rolls a wheel, until it points where it should, as fast as its pivot moves along the way that it
 points now: of the velocity that `inverse` commands, r spin along the angle ``steer``, that is
@@ -72,15 +73,15 @@ def steer_toward(robot: Robot, _: Mobility) -> Formula:
         if limit is not None or w.rolls_when_steered:
             inputs.append(joint_port(w, "steer", Role.STATE))
     for w, limit in rates:
-        steer = _next(w, limit, robot.limit(w, "steer"), step)
+        angles = robot.limit(w, "steer")
+        steer = _next(w, limit, angles, step)
         inputs.append(Port(f"{w.name}.steer_wanted", Role.COMMAND, "rad", _WANTED))
         if not w.rolls_when_steered:
             outputs.append((joint_port(w, "steer", Role.COMMAND), steer))
             continue
         inputs.append(Port(f"{w.name}.spin_wanted", Role.COMMAND, "rad/s", _DRIVING))
         per_time = names.define("per_time", rate_per_change(step)) if per_time is None else per_time
-        steer = names.define(f"{w.name}_next", steer)
-        rate = times(per_time, subtract(steer, present(w, robot.limit(w, "steer"))))
+        rate = times(per_time, subtract(_wanted(w, angles), present(w, angles)))
         if limit is not None:
             rate = kept_between(number(limit.low), rate, number(limit.high))
         rate = names.define(f"{w.name}_rate", rate)
@@ -157,11 +158,15 @@ def _lead(robot: Robot, w: Wheel) -> Wheel:
     return robot.wheels[groups[w.index]]
 
 
+def _wanted(w: Wheel, angles: Interval | None) -> Expr:
+    """The angle that is to be reached, inside the limits of the angle."""
+    wanted = signal(f"{w.name}.steer_wanted")
+    return wanted if angles is None else kept_between(number(angles.low), wanted, number(angles.high))
+
+
 def _next(w: Wheel, limit: Interval | None, angles: Interval | None, step: Expr) -> Expr:
     """``limit``: of the rate, ``angles``: of the angle."""
-    now, wanted = present(w, angles), signal(f"{w.name}.steer_wanted")
-    if angles is not None:
-        wanted = kept_between(number(angles.low), wanted, number(angles.high))
+    now, wanted = present(w, angles), _wanted(w, angles)
     if limit is None:
         return wanted
     low, high = (add(now, times(number(end), step)) for end in (limit.low, limit.high))

@@ -165,7 +165,7 @@ def _twist(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     twist = {k: v for k, v in values.items() if k in TWIST_NAMES}
     slip = float(derivation.evaluate("inverse", twist)["slip"])
     if slip > _TOLERANCE:
-        console.note(f"{derivation.robot.name}: the wheels forbid this twist: {slip:.6g} m/s slides")
+        console.note(f"{derivation.robot.name}: the wheels forbid this twist: slip = {slip:.6g} m/s")
     result = _centre(centre)
     if any(k.startswith("point.") for k in values):
         result["point_velocity"] = [centre["point.vx"], centre["point.vy"]]

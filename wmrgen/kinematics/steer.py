@@ -94,16 +94,25 @@ def pivot(w: Wheel, twist: Row) -> Velocity:
     return dot(along((one, zero), g), twist), dot(along((zero, one), g), twist)
 
 
-def components(velocity: Velocity, names: Locals, *called: tuple[str, str]) -> tuple[Expr, Expr]:
+def components(
+    velocity: Velocity, names: Locals, *called: tuple[str, str], precise: bool = False
+) -> tuple[Expr, Expr]:
     """Both components of the velocity of a pivot, from whose ratio its direction is taken; a sum gets a name.
 
-    ``called``: name and quantity of each, see `Locals.define`.
+    With the centre of rotation 10 nm from a wheel, vx - y omega is 1e-8 of its terms, less than a float resolves.
 
-    With the centre of rotation 10 nm from a wheel, vx - y omega is 1e-8 of its terms, less than a float resolves: such
-    a sum is compensated, unless the other component keeps it from mattering.
+    Args:
+        velocity: of the pivot [m/s].
+        names: where sums get their names.
+        called: name and quantity of each component, see `Locals.define`.
+        precise: whether such a sum is compensated, unless the other component keeps it from mattering.
     """
+
+    def summed(one: Poly, other: Poly) -> Expr | Poly:
+        return _compensated(one, other) if precise else one
+
     a, b = (
-        expression(one) if len(one.terms) < 2 else names.define(name, _compensated(one, other), quantity)
+        expression(one) if len(one.terms) < 2 else names.define(name, summed(one, other), quantity)
         for one, other, (name, quantity) in zip(velocity, velocity[::-1], called, strict=True)
     )
     return a, b
@@ -168,9 +177,11 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     """A wheel steered on its own."""
     limits, g = robot.limit(w, "steer"), working_view(w)
     if limits is not None and limits.high - limits.low <= NARROW:
-        return _narrow(w, limits, velocity, names)
+        return _narrow(robot, w, limits, velocity, names)
     (x, y), zero = near_zero(w, velocity)
-    a, b = components((x, y), names, *((f"{w.name}_{k}", f"v_A{k} of {w.name}") for k in "xy"))
+    a, b = components(
+        (x, y), names, *((f"{w.name}_{k}", f"v_A{k} of {w.name}") for k in "xy"), precise=robot.precise
+    )
     alone = limits is None and not g.o and [w] in robot.together("spin", robot.wheels)
     per_rim = expression(g.r.inverse()) if alone else sympy.S.One
     now = present(w, limits)
@@ -277,7 +288,7 @@ def turned_back(steer: Expr, ends: Interval, turn: Expr = sympy.pi) -> Expr:
     return select(steer, number(ends.low), add(steer, turn), target)
 
 
-def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Target:
+def _narrow(robot: Robot, w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Target:
     """Limits less than a quarter turn apart: at most one of the headings that roll is inside.
 
     Seen from the middle of the limits the velocity is (u, v), and the wheel's slope v/u is cut at the tangent of
@@ -288,7 +299,9 @@ def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Ta
     cosine, sine = circle_point(half.rational())
     most = number(sine / cosine)
     x, y = turned_by(w, velocity, middle)
-    u, v = components((x, y), names, *((f"{w.name}_{k}", f"{k} of {w.name}") for k in "pq"))
+    u, v = components(
+        (x, y), names, *((f"{w.name}_{k}", f"{k} of {w.name}") for k in "pq"), precise=robot.precise
+    )
     tangent = kept_between(-most, v / at_least(u, number(STILL)), most)
     slope = names.define(f"{w.name}_t", tangent, f"t of {w.name}")
     now = present(w, limits)

@@ -18,8 +18,8 @@ from wmrgen.exact.poly import Poly
 from wmrgen.ir.interpret import FLOAT32, evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.nodes import Module, Op
+from wmrgen.kinematics.pivots import components
 from wmrgen.kinematics.records import Locals
-from wmrgen.kinematics.steer import components
 from wmrgen.symbolic import Compensated, expression
 
 CHOICES = [("inline", target) for target in TARGETS] + [("libm", "m4f")]

@@ -50,6 +50,8 @@ JOBS = (
     Job("Ackermann", "ackermann_car", "inverse", "ackermann_inverse_limited", "ackermann_inverse", 255, 148),
     Job("Ackermann", "ackermann_car", "forward", "ackermann_forward"),
 )
+# The same for every robot.
+ODOMETRY = Job("any", "textbook_differential", "odometry", "")
 
 
 @cache

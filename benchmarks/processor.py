@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -14,8 +14,9 @@ from statistics import mean
 from benchmarks.emulator import gcc
 from benchmarks.emulator.fleet import LAYOUTS, Fleet, write_sources
 from benchmarks.emulator.image import Image
+from benchmarks.emulator.machine import Run
 from benchmarks.emulator.zig import M0, M4F
-from benchmarks.jobs import JOBS, Job, derivations, outputs
+from benchmarks.jobs import JOBS, ODOMETRY, Job, derivations, outputs
 from benchmarks.others import casadi_c, symforce_c, sympy_c
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.functions import Step
@@ -34,15 +35,24 @@ _TITLES = {"sympy": "sympy", "casadi": "CasADi", "symforce": "SymForce"}
 
 @dataclass(frozen=True)
 class Count:
-    """Instructions per call: mean over random inputs, least and most over those and special ones."""
+    """Instructions per call: mean over random inputs, least and most over those and special ones.
+
+    ``cycles``: that a Cortex-M4F takes, mean over random inputs.
+    """
 
     mean: float
     least: int
     most: int
+    cycles: float
 
     def __str__(self) -> str:
         """``=n`` when every input needs the same."""
         return f"={self.most}" if self.least == self.most else f"{self.mean:.0f} ({self.least}–{self.most})"
+
+    @property
+    def beside(self) -> str:
+        """Instructions and cycles."""
+        return f"{self.mean:.0f} / {self.cycles:.0f}"
 
 
 class Bench:
@@ -88,21 +98,22 @@ class Bench:
     def step(self, job: Job) -> Step:
         return self.steps[f"{job.robot}_{job.function}"]
 
-    def call(self, job: Job, name: str, case: dict[str, float]) -> tuple[int, dict[str, float]]:
-        """Instructions and outputs of wmrgen's function, or of the one called ``name``."""
+    def call(self, job: Job, name: str, case: dict[str, float]) -> tuple[Run, dict[str, float]]:
+        """The run and the outputs of wmrgen's function, or of the one called ``name``."""
         wanted = outputs(job)
         if name in self.flat:
             run, values = self.fleet.call_flat(name, [case[n] for n in self.flat[name]], len(wanted))
-            return run.instructions, dict(zip(wanted, values, strict=True))
+            return run, dict(zip(wanted, values, strict=True))
         run, computed = self.fleet.call(self.step(job), case, name=name)
-        return run.instructions, {n: computed[n] for n in wanted}
+        return run, {n: computed[n] for n in wanted}
 
     def count(self, job: Job, name: str = "") -> Count:
         step = self.step(job)
         tunables = nominal(next(m for m in self.fleet.modules if m.name == job.robot))
         every = list(inputs(self.fleet.inputs(step), tunables, step.name))
-        counts = [self.call(job, name, case)[0] for case in every]
-        return Count(mean(counts[:RUNS]), min(counts), max(counts))
+        runs = [self.call(job, name, case)[0] for case in every]
+        counts = [run.instructions for run in runs]
+        return Count(mean(counts[:RUNS]), min(counts), max(counts), mean(run.cycles for run in runs[:RUNS]))
 
     def other(self, job: Job, generator: str) -> Count | None:
         name = f"{generator}_{job.robot}_{job.function}"
@@ -162,6 +173,23 @@ def _m4f() -> Iterator[str]:
                 cells += [f"{bench.count(job, job.reference)}{simple}", str(bench.count(job))]
             cells += [str(benches["libm"].other(job, name) or "–") for name in GENERATORS]
             yield f"| {' | '.join(cells)} |"
+        yield ""
+        yield from _cycles(benches)
+
+
+def _cycles(benches: Mapping[str, Bench]) -> Iterator[str]:
+    """Instructions and cycles of hand-written code and of ours, odometry too, which nobody wrote by hand."""
+    yield "Instructions / modelled cycles per call, means of the same inputs. Cycles are those of Arm's manual of the"
+    yield "Cortex-M4 without waits: 14 for a division or root, 3 for a fused multiply-add or a branch, 2 for a load or"
+    yield "store, 1 for the rest."
+    yield ""
+    yield from _heading(
+        "layout", "function", "hand, inline", *(f"wmrgen, {math}" for math in reversed(list(benches)))
+    )
+    for job in (*JOBS, ODOMETRY):
+        cells = [benches["inline"].count(job, job.reference).beside if job.reference else "–"]
+        cells += [bench.count(job).beside for bench in reversed(list(benches.values()))]
+        yield f"| {job.layout} | {job.function} | {' | '.join(cells)} |"
 
 
 def _m0() -> Iterator[str]:

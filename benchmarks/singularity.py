@@ -23,10 +23,11 @@ from wmrgen.ir.rounding import nearest_float32
 ROBOT = """
 wmrgen: 1
 name: modules
+precise: {precise}
 wheels:
-  - {name: one,   type: steered, x: 0.381,  y: 0.2345, heading: 0, r: 0.0508}
-  - {name: two,   type: steered, x: 1/3,    y: -0.7,   heading: 1.2, r: 0.1}
-  - {name: three, type: steered, x: -0.25,  y: 0.1234567, heading: pi/2, r: 0.05}
+  - {{name: one,   type: steered, x: 0.381,  y: 0.2345, heading: 0, r: 0.0508}}
+  - {{name: two,   type: steered, x: 1/3,    y: -0.7,   heading: 1.2, r: 0.1}}
+  - {{name: three, type: steered, x: -0.25,  y: 0.1234567, heading: pi/2, r: 0.05}}
 """
 PLACES = {"one": ("0.381", "0.2345", "0", "0.0508"), "two": ("1/3", "-0.7", "1.2", "0.1")}
 PLACES["three"] = ("-0.25", "0.1234567", "pi/2", "0.05")
@@ -40,11 +41,11 @@ Values = dict[str, float]
 Compute = Callable[[Module, str, Sequence[Values]], list[Values]]
 
 
-def module() -> Module:
-    """Three steered wheels whose places are no round numbers."""
+def module(precise: bool = True) -> Module:
+    """Three steered wheels whose places are no round numbers; ``precise``: as the robot file asks."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "modules.yaml"
-        path.write_text(ROBOT, encoding="utf-8")
+        path.write_text(ROBOT.format(precise=str(precise).lower()), encoding="utf-8")
         return wmrgen.derive(wmrgen.load(path)).c_module
 
 
@@ -55,14 +56,15 @@ def number(text: str) -> mpmath.mpf:
     return mpmath.mpf(above) / mpmath.mpf(below or "1")
 
 
-def twists(count: int, source: random.Random) -> list[tuple[str, Values]]:
-    """(wheel, inputs): rotations about points near the wheel."""
+def twists(count: int, source: random.Random, apart: float | None = None) -> list[tuple[str, Values]]:
+    """(wheel, inputs): rotations about points near the wheel; ``apart``: all so far from it [m]."""
     drawn = []
     for k in range(count):
         name = source.choice(sorted(PLACES))
         x, y = (float(number(text)) for text in PLACES[name][:2])
         omega = nearest_float32(source.uniform(-4, 4))
         near = (0.0, 10 ** source.uniform(-8.3, -2), 10 ** source.uniform(-2, 0))[k % 3]
+        near = near if apart is None else apart
         to = source.uniform(-math.pi, math.pi)
         vx = nearest_float32(y * omega + near * omega * math.cos(to))
         vy = nearest_float32(-x * omega + near * omega * math.sin(to))

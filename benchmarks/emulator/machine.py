@@ -11,6 +11,7 @@ from functools import partial
 from unicorn import UC_ARCH_ARM, UC_HOOK_BLOCK, UC_HOOK_CODE, UC_MODE_MCLASS, UC_MODE_THUMB, Uc
 from unicorn import arm_const as arm
 
+from benchmarks.emulator.cycles import cycles, is_wide
 from benchmarks.emulator.image import Image
 from benchmarks.emulator.zig import DATA, STACK
 
@@ -29,7 +30,8 @@ def _bits(x: float) -> int:
 
 @dataclass(frozen=True)
 class Run:
-    """One call: ``instructions`` outside trapped functions, how often each trap was called (``calls``).
+    """One call: ``instructions`` outside trapped functions and the ``cycles`` that a Cortex-M4F takes for them, how
+    often each trap was called (``calls``).
 
     ``stack``: bytes, 0 unless looked at.
     """
@@ -37,6 +39,7 @@ class Run:
     instructions: int
     stack: int
     calls: Mapping[str, int]
+    cycles: int = 0
 
 
 class Machine:
@@ -64,8 +67,9 @@ class Machine:
             self._uc.mem_write(start, data)
         if fpu:
             self._uc.mem_write(CPACR, struct.pack("<I", 0xF << 20))
-        self._weights: dict[tuple[int, int], int] = {}  # (address, size) of a block -> its instructions
-        self._count, self._lowest = 0, STACK
+        # (address, size) of a block -> its instructions and cycles
+        self._weights: dict[tuple[int, int], tuple[int, int]] = {}
+        self._count, self._cycles, self._lowest = 0, 0, STACK
         self._calls: Counter[str] = Counter()
         self._free: list[range] = []  # what the traps occupy
         for name, (arity, function) in (traps or {}).items():
@@ -82,19 +86,22 @@ class Machine:
         weight = self._weights.get((address, size))
         if weight is None:
             weight = self._weights[address, size] = self._weigh(address, size)
-        self._count += weight
+        self._count += weight[0]
+        self._cycles += weight[1]
         if self._count > LIMIT:
             uc.emu_stop()
 
-    def _weigh(self, address: int, size: int) -> int:
-        """The instructions of a block: those of four bytes begin with 0b11101, 0b11110 or 0b11111."""
+    def _weigh(self, address: int, size: int) -> tuple[int, int]:
+        """The instructions of a block, and their cycles."""
         if any(address in places for places in self._free):
-            return 0
-        place, count = address, 0
+            return 0, 0
+        place, count, time = address, 0, 0
         while place < address + size:
-            place += 4 if self._halfword(place) >> 11 >= 0b11101 else 2
+            first = self._halfword(place)
+            time += cycles(first, self._halfword(place + 2))
+            place += 4 if is_wide(first) else 2
             count += 1
-        return count
+        return count, time
 
     def _look(self, uc: Uc, address: int, size: int, data: object) -> None:
         self._lowest = min(self._lowest, uc.reg_read(arm.UC_ARM_REG_SP))
@@ -132,12 +139,12 @@ class Machine:
         self.write(bottom, struct.pack(f"<{len(beyond)}I", *beyond))
         uc.reg_write(arm.UC_ARM_REG_SP, bottom)
         uc.reg_write(arm.UC_ARM_REG_LR, RETURN | 1)
-        self._count, self._lowest = 0, bottom
+        self._count, self._cycles, self._lowest = 0, 0, bottom
         self._calls.clear()
         uc.emu_start(self.image.symbols[name].address | 1, RETURN)
         if uc.reg_read(arm.UC_ARM_REG_PC) != RETURN:
             raise RuntimeError(f"{name} did not return within {LIMIT} instructions")
-        return Run(self._count, bottom - self._lowest, dict(self._calls))
+        return Run(self._count, bottom - self._lowest, dict(self._calls), self._cycles)
 
     def _own_register(self, argument: float) -> bool:
         return self._fpu and not isinstance(argument, int)

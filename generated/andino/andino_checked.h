@@ -21,7 +21,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_a1ec1588ca5d33b6)
+#if !defined(ANDINO_PAIR_3d2179723db895e4)
 #error "this file and andino.h were not generated together: copy both"
 #endif
 

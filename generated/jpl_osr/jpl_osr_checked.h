@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_6f90dde45d883cae)
+#if !defined(JPL_OSR_PAIR_77948c05a97baa36)
 #error "this file and jpl_osr.h were not generated together: copy both"
 #endif
 

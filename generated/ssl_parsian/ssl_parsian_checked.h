@@ -21,7 +21,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_6ffcce9a1e037a8a)
+#if !defined(SSL_PARSIAN_PAIR_10d16d6a55555bcf)
 #error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 

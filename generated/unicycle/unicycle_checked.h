@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_037408014689a82e)
+#if !defined(UNICYCLE_PAIR_4762f960d1d6fef4)
 #error "this file and unicycle.h were not generated together: copy both"
 #endif
 

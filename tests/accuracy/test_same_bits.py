@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.emulator.fleet import Fleet
+from benchmarks.emulator.zig import FLAGS as ZIG
 from benchmarks.emulator.zig import M0, M4F
 from benchmarks.kernels import verify
 from tests.robots import of_gallery
@@ -40,6 +41,7 @@ def mismatches(folder: Path, target: str, count: int) -> tuple[int, list[str]]:
             {"sqrtf": _root},
             lambda m: sources(m, Choice(target=target)),
             processor,
+            (*ZIG, "-DWMRGEN_SLOW_FMA"),
             counts=False,
         )
         fleets.append(fleet)

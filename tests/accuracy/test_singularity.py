@@ -17,25 +17,37 @@ from benchmarks.singularity import HEADING, SPEED, TARGETS, Values, module, near
 from wmrgen.exact.poly import Poly
 from wmrgen.ir.interpret import FLOAT32, evaluate
 from wmrgen.ir.kernels import expand
-from wmrgen.ir.nodes import Module
+from wmrgen.ir.nodes import Module, Op
+from wmrgen.kinematics.pivots import components
 from wmrgen.kinematics.records import Locals
-from wmrgen.kinematics.steer import components
 from wmrgen.symbolic import Compensated, expression
 
 CHOICES = [("inline", target) for target in TARGETS] + [("libm", "m4f")]
 
 
+def predicted(code: Module, name: str, cases: Sequence[Values]) -> list[Values]:
+    return [evaluate(code.function(name), case, FLOAT32) for case in cases]
+
+
 @pytest.mark.parametrize(("math", "target"), CHOICES)
 def test_heading_and_speed(math: str, target: str) -> None:
     expanded = expand(module(), "float", math, target)
-
-    def predicted(code: Module, name: str, cases: Sequence[Values]) -> list[Values]:
-        return [evaluate(code.function(name), case, FLOAT32) for case in cases]
-
     heading, speed, near = worst(expanded, twists(150, random.Random(f"{math} {target}")), predicted)
     assert heading <= HEADING
     assert speed <= SPEED
     assert near > 40
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("apart", [1e-4, 1e-2, 1.0])
+def test_unless_the_robot_file_asks_errors_are_those_of_pivots_a_hair_away(target: str, apart: float) -> None:
+    """Of 0.1 um; and no sum is formed of more than its two terms."""
+    plain = module(precise=False)
+    assert all(node.op is not Op.COMPENSATED for f in plain.functions for node in f.nodes)
+    expanded = expand(plain, "float", "inline", target)
+    cases = twists(100, random.Random(f"{apart} {target}"), apart)
+    heading, _, _ = worst(expanded, cases, predicted)
+    assert heading <= HEADING + 1e-7 / apart
 
 
 @pytest.mark.slow
@@ -74,7 +86,7 @@ def test_sums_from_whose_ratio_a_direction_is_taken_are_compensated(
     velocity: tuple[Poly, Poly], compensated: tuple[bool, bool]
 ) -> None:
     names = Locals()
-    results = components(velocity, names, ("a", ""), ("b", ""))
+    results = components(velocity, names, ("a", ""), ("b", ""), precise=True)
     values = dict(names.items)
     assert tuple(isinstance(values.get(r), Compensated) for r in results) == compensated
     for result, form in zip(results, velocity, strict=True):

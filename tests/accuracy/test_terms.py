@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from benchmarks.accuracy import ROBOTS, Values, limit, measure, robot
+from benchmarks.accuracy import ROBOTS, Values, limit, measure, precise, robot
 from benchmarks.accuracy import inputs as drawn
 from tests.robots import of_gallery
 from wmrgen.ir.interpret import FLOAT32, evaluate_module
@@ -27,7 +27,7 @@ def predicted(module: Module, name: str, cases: Sequence[Values]) -> list[Values
 def test_few(name: str, target: str) -> None:
     import random
 
-    derivation = of_gallery(name)
+    derivation = precise(name)
     module = expand(derivation.c_module, "float", "inline", target)
     for function in ("inverse", "forward"):
         reference = derivation.raw_module.function(function)

@@ -147,7 +147,7 @@ def test_bounds_are_those_of_the_c(wmrgen_cli: Callable[..., Outcome], tmp_path:
     robot = ROOT / "robots" / "pioneer3dx.yaml"
     assert wmrgen_cli("derive", robot, "-o", tmp_path, "--package", "rust").code == 0
     text = (tmp_path / "package-rust/pioneer3dx/src/lib.rs").read_text()
-    line = "odometry: theta in [-13.09, 13.09] rad, off by 5.1e-07"
+    line = "odometry: theta in [-3.1416, 3.1416] rad, off by 9.8e-07"
     assert f"//!   {line}" in text and line in (tmp_path / "pioneer3dx/pioneer3dx.h").read_text()
 
 

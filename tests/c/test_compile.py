@@ -148,7 +148,7 @@ int main(void)
     int k, wrong = 0, twice = 0;
     for (k = 0; k < 2000000; ++k) {
         const float a = number(), b = number(), c = number(), once = fmaf(a, b, c);
-        wrong += wmrgen_fma(a, b, c) != once;
+        wrong += wmr_fma(a, b, c) != once;
         twice += (float)((double)a * (double)b + (double)c) != once;
     }
     return (wrong == 0 && twice > 0) ? 0 : 1;

@@ -173,7 +173,7 @@ def test_straight_lines_only(name: str, scalar: str) -> None:
             )
         assert set(re.findall(r"(\w+)\s*\(", body)) - {"void"} <= {
             *(
-                "wmrgen_fma",
+                "wmr_fma",
                 "wmrgen_negate_if_odd",
                 "wmrgen_with_sign_of",
                 "wmrgen_clamp",

@@ -53,7 +53,7 @@ def _beyond(a: Array, m: Array) -> Array:
 
 _CALLS = {
     "fabsf": np.abs, "sqrtf": np.sqrt, "sinf": np.sin, "cosf": np.cos, "atanf": np.arctan,
-    "atan2f": np.arctan2, "wmrgen_fma": _fused,
+    "atan2f": np.arctan2, "wmr_fma": _fused,
     "wmrgen_negate_if_odd": _flip, "wmrgen_with_sign_of": _signed, "wmrgen_clamp": _within, "wmrgen_at_least": _beyond,
 }  # fmt: skip
 _LINE = re.compile(r"^    (?:const (?:float|wmrgen_\w+) )?(\*?[\w.>-]+) = ([^;]+);$")

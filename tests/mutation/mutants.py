@@ -146,7 +146,7 @@ def _faults(node: ast.AST, names: list[str]) -> Iterator[tuple[str, Change]]:
         yield "dropped", lambda n: n.right  # type: ignore[attr-defined]
     elif isinstance(node, ast.Call) and len(node.args) == 2:
         yield "operands swapped", lambda n: ast.Call(n.func, n.args[::-1], [])  # type: ignore[attr-defined]
-    elif isinstance(node, ast.Call) and len(node.args) == 3:  # wmrgen_fma
+    elif isinstance(node, ast.Call) and len(node.args) == 3:  # wmr_fma
         yield "dropped", lambda n: n.args[2]  # type: ignore[attr-defined]
         yield "dropped", lambda n: ast.BinOp(n.args[0], ast.Mult(), n.args[1])  # type: ignore[attr-defined]
         yield "operator", lambda n: ast.Call(n.func, [*n.args[:2], ast.UnaryOp(ast.USub(), n.args[2])], [])  # type: ignore[attr-defined]

@@ -20,6 +20,17 @@ __attribute__((naked)) int four(int a, int b)
 {
     __asm__("cmp r0, r1\\n ite lt\\n movlt r0, r1\\n movge r0, r0\\n bx lr");
 }
+__attribute__((naked)) void floats(float *x)
+{
+    __asm__("vldr s0, [r0]\\n vldr s1, [r0, #4]\\n vmul.f32 s2, s0, s1\\n vadd.f32 s2, s2, s0\\n vfma.f32 s2, s0, s1\\n"
+            "vdiv.f32 s3, s2, s1\\n vsqrt.f32 s3, s3\\n vabs.f32 s3, s3\\n vcmp.f32 s3, s0\\n vmrs APSR_nzcv, fpscr\\n"
+            "vmov s4, r0\\n vstr s3, [r0, #8]\\n bx lr");
+}
+__attribute__((naked)) void words(int *x)
+{
+    __asm__("push {r4, lr}\\n ldr r1, [r0]\\n ldr.w r2, [r0, #4]\\n ldrd r2, r3, [r0]\\n ldm r0, {r1, r2, r3}\\n"
+            "vldmia r0, {s0-s3}\\n vpush {s0, s1}\\n vpop {s0, s1}\\n str r1, [r0]\\n muls r1, r2, r1\\n pop {r4, pc}");
+}
 void root(float *x) { x[2] = sqrtf(x[0]) * sinf(x[1]); }
 int stack(volatile int *x)
 {
@@ -45,6 +56,19 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Machine:
 @pytest.mark.parametrize(("name", "count"), [("three", 4), ("four", 5)])
 def test_the_count_does_not_depend_on_what_an_it_block_skips(machine: Machine, name: str, count: int) -> None:
     assert machine.call(name, 1, 2).instructions == machine.call(name, 2, 1).instructions == count
+
+
+@pytest.mark.parametrize(
+    ("name", "cycles"),
+    [
+        ("floats", 2 + 2 + 1 + 1 + 3 + 14 + 14 + 1 + 1 + 1 + 1 + 2 + 3),
+        ("words", 3 + 2 + 2 + 3 + 4 + 5 + 3 + 3 + 2 + 1 + 5),
+        ("three", 1 + 1 + 1 + 3),
+    ],
+)
+def test_cycles_are_those_of_the_manual(machine: Machine, name: str, cycles: int) -> None:
+    """Of each instruction in turn."""
+    assert machine.call(name, 0x2000_1000).cycles == cycles
 
 
 def test_a_trap_answers_in_float_and_costs_nothing(machine: Machine) -> None:

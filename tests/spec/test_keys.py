@@ -36,7 +36,7 @@ from wmrgen.wheels import WHEEL_TYPES
 SCHEMA = json_schema(optional_names())
 VALIDATOR = Draft202012Validator(SCHEMA)
 WRONG: tuple[Any, ...] = ({"no such": {}}, [["nested"]], None, True)
-WORDS = ("snap", "slip", "tunable")
+WORDS = ("snap", "slip", "precise", "tunable")
 DUMPER = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 MUTATED = ("ackermann_car", "car_with_trailers", "kuka_youbot", "pioneer3dx", "pr2", "wpilib_swervebot")
 Path_ = tuple[Any, ...]

@@ -22,11 +22,11 @@ from wmrgen.constraints import along, working_view
 from wmrgen.exact.evaluate import PRECISION, add_angles, circle_point, to_fraction, to_mpf, twelfths
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.kinematics.pivots import Velocity, components
 from wmrgen.kinematics.records import Call, Formula, Locals
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import (
-    Compensated,
     Expr,
     absolute,
     add,
@@ -47,10 +47,7 @@ from wmrgen.symbolic import (
     with_sign_of,
 )
 
-Velocity = tuple[Poly, Poly]
 STILL = Exact(Fraction(1, 10**20))  # m/s
-_CLOSE = 8  # a coefficient so many times another one counts as much smaller
-_GEOMETRY = ("param", "pi", "sqrt", "inv", "atan2", "tan", "cosf", "sinf")  # kinds of generators
 # 1/pi, rounded down by 3e-11 of it: a swing of 90 degrees keeps its branch in every arithmetic.
 PER_HALF_TURN = Exact(Fraction(31830988617, 10**11))
 QUARTER = Exact(Fraction(1570796326794896619, 10**18))  # rad
@@ -94,48 +91,6 @@ def pivot(w: Wheel, twist: Row) -> Velocity:
     return dot(along((one, zero), g), twist), dot(along((zero, one), g), twist)
 
 
-def components(velocity: Velocity, names: Locals, *called: tuple[str, str]) -> tuple[Expr, Expr]:
-    """Both components of the velocity of a pivot, from whose ratio its direction is taken; a sum gets a name.
-
-    ``called``: name and quantity of each, see `Locals.define`.
-
-    With the centre of rotation 10 nm from a wheel, vx - y omega is 1e-8 of its terms, less than a float resolves: such
-    a sum is compensated, unless the other component keeps it from mattering.
-    """
-    a, b = (
-        expression(one) if len(one.terms) < 2 else names.define(name, _compensated(one, other), quantity)
-        for one, other, (name, quantity) in zip(velocity, velocity[::-1], called, strict=True)
-    )
-    return a, b
-
-
-def _compensated(total: Poly, other: Poly) -> Expr | Poly:
-    """``total``, compensated where it is x + c y for two inputs and c of geometry alone."""
-    parts, single = _by_input(total), _by_input(other)
-    plain = [name for name, c in parts.items() if c.constant in (1, -1)]
-    if len(parts) != 2 or not plain:
-        return total
-    x, y = (plain[0], next(name for name in parts if name != plain[0]))
-    c, k = parts[y].constant, single[y].constant if list(single) == [y] else None
-    if c is not None and k is not None and abs(c) <= abs(k) * _CLOSE:
-        return total  # both cannot vanish together
-    first, coefficient = parts[x] * Poly.gen("input", x), expression(parts[y])
-    return Compensated(expression(first), times(coefficient, signal(y)))
-
-
-def _by_input(form: Poly) -> dict[str, Poly]:
-    """Coefficients, of geometry alone, of a linear form of inputs; nothing where it is none."""
-    parts: dict[str, Poly] = {}
-    for monomial, coefficient in form.terms.items():
-        inputs = [(g, e) for g, e in monomial if g.kind not in _GEOMETRY]
-        if len(inputs) != 1 or inputs[0][0].kind != "input" or inputs[0][1] != 1:
-            return {}
-        name = inputs[0][0].name
-        rest = Poly({tuple(p for p in monomial if p not in inputs): coefficient})
-        parts[name] = parts.get(name, Poly({})) + rest
-    return parts
-
-
 def turned_by(w: Wheel, velocity: Velocity, angle: Exact = ZERO) -> Velocity:
     """The velocity along and across the wheel at joint angle ``angle``."""
     g = working_view(w)
@@ -168,9 +123,11 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     """A wheel steered on its own."""
     limits, g = robot.limit(w, "steer"), working_view(w)
     if limits is not None and limits.high - limits.low <= NARROW:
-        return _narrow(w, limits, velocity, names)
+        return _narrow(robot, w, limits, velocity, names)
     (x, y), zero = near_zero(w, velocity)
-    a, b = components((x, y), names, *((f"{w.name}_{k}", f"v_A{k} of {w.name}") for k in "xy"))
+    a, b = components(
+        (x, y), names, *((f"{w.name}_{k}", f"v_A{k} of {w.name}") for k in "xy"), precise=robot.precise
+    )
     alone = limits is None and not g.o and [w] in robot.together("spin", robot.wheels)
     per_rim = expression(g.r.inverse()) if alone else sympy.S.One
     now = present(w, limits)
@@ -277,7 +234,7 @@ def turned_back(steer: Expr, ends: Interval, turn: Expr = sympy.pi) -> Expr:
     return select(steer, number(ends.low), add(steer, turn), target)
 
 
-def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Target:
+def _narrow(robot: Robot, w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Target:
     """Limits less than a quarter turn apart: at most one of the headings that roll is inside.
 
     Seen from the middle of the limits the velocity is (u, v), and the wheel's slope v/u is cut at the tangent of
@@ -288,7 +245,9 @@ def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Ta
     cosine, sine = circle_point(half.rational())
     most = number(sine / cosine)
     x, y = turned_by(w, velocity, middle)
-    u, v = components((x, y), names, *((f"{w.name}_{k}", f"{k} of {w.name}") for k in "pq"))
+    u, v = components(
+        (x, y), names, *((f"{w.name}_{k}", f"{k} of {w.name}") for k in "pq"), precise=robot.precise
+    )
     tangent = kept_between(-most, v / at_least(u, number(STILL)), most)
     slope = names.define(f"{w.name}_t", tangent, f"t of {w.name}")
     now = present(w, limits)

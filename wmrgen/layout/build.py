@@ -105,7 +105,7 @@ def build(spec: RobotSpec) -> Robot:
         name=spec.name, description=spec.description, source=spec.source, parameters=parameters,
         wheels=tuple(wheels), steer_group=steer_group, spin_group=spin_group,
         couplings=tuple((c.joint, c.wheels) for c in spec.couplings), notes=tuple(notes), slip=spec.slip,
-        functions=tuple(f.name for f in spec.functions), **facts,
+        precise=spec.precise, functions=tuple(f.name for f in spec.functions), **facts,
     )  # fmt: skip
     refuse_unmodelled(spec, robot)
     robot = common_limits(spec, robot)

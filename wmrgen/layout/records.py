@@ -279,6 +279,7 @@ class Robot:
     virtual: tuple[Virtual, ...] = ()
     trailers: tuple[Trailer, ...] = ()
     slip: bool = False
+    precise: bool = False  # velocities of pivots as sums that are compensated: see `kinematics.pivots`
     cg: Point | None = None
     gains: dict[str, Length] = field(default_factory=dict)
     deadband: Exact = ZERO

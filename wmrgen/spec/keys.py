@@ -278,6 +278,11 @@ ROBOT = Section(
             "slip", Word(YES, "false"),
             "slip of every wheel, along and across: the function slip_inverse, columns of the Pfaffian matrix",
         ),
+        Field(
+            "precise", Word(YES, "false"),
+            "velocities of pivots in more digits than a float has, for headings with the centre of rotation less than "
+            "0.1 mm from a steered wheel: coefficients in two floats, more instructions",
+        ),
         Field("cg", CG, "centre of gravity, for the function stability"),
         Field("gains", GAINS, "gains of the control laws"),
         Field(

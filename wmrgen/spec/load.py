@@ -183,6 +183,7 @@ _PARTS: dict[str, Callable[[Reading], Any]] = {  # of a RobotSpec
     "virtual": read_virtual,
     "trailers": read_trailers,
     "slip": lambda r: r.table.word("slip"),
+    "precise": lambda r: r.table.word("precise"),
     "cg": lambda r: read_point(r.table.get("cg"), r.scope),
     "gains": lambda r: read_gains(r.table.get("gains"), r.scope),
     "effective_track": lambda r: r.table.amount("effective_track", "the robot", r.scope),

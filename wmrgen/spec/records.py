@@ -243,6 +243,7 @@ class RobotSpec:
     virtual: tuple[VirtualSpec, ...] = ()
     trailers: tuple[TrailerSpec, ...] = ()
     slip: bool = False
+    precise: bool = False
     cg: PointSpec | None = None
     gains: tuple[tuple[str, Quantity], ...] = ()
     deadband: Quantity | None = None

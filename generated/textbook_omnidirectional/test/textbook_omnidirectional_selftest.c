@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0125a152f713536b)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_19c410561767cbd7)
 #error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

@@ -252,7 +252,7 @@ def _arithmetic_notes(unit: Unit) -> list[str]:
             "Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf is one "
             "instruction; for others there are --target host, m0 and avr. Another processor with an FPU goes by way of "
             "double, to the same bits (of numbers that are not subnormal) and in more time. An AVR and processors "
-            "without an FPU are refused at compile time."
+            "without an FPU are refused at compile time; -DWMRGEN_SLOW_FMA lets the latter go by way of double, too."
         )
     if not ops.isdisjoint({Op.IMUL, Op.IDIV, Op.ISQRT}):
         notes.append(

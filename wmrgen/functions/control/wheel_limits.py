@@ -25,12 +25,12 @@ from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Row
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import joint_commands
+from wmrgen.kinematics.pivots import Velocity
 from wmrgen.kinematics.ranges import steering_spin
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.steer import (
     QUARTER,
     Target,
-    Velocity,
     hysteresis,
     pivot,
     turned_back,

@@ -12,6 +12,7 @@ from dataclasses import replace
 from wmrgen.exact.number import ONE
 from wmrgen.ir.calls import called, inlined_calls
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
+from wmrgen.ir.kernels.cycles import fused_pays
 from wmrgen.ir.kernels.sums import compensated_sum, fuse, rounding_error
 from wmrgen.ir.kernels.trigonometry import EVEN32, RINT32, RINT64, Processor, flipped, library, soft
 from wmrgen.ir.nodes import Function, Module, Node, Op, rebuilt, schedule, shared, uses_of
@@ -51,7 +52,8 @@ def processor_of(scalar: str, math: str, target: str) -> Processor:
     inline = math == INLINE
     return Processor(
         inline=inline,
-        fused=single and target == M4F,
+        fused=single and fused_pays(target),
+        shared=single and fused_pays(target, copied=True),
         bits=single and target in (M4F, M0),
         integer=inline and target == M0,
         single=single,

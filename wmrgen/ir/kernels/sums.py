@@ -18,15 +18,22 @@ from wmrgen.ir.tape import Tape
 _TWO = Exact(2)
 
 
-def fuse(function: Function, kernel: bool = False, common: tuple[int, ...] = ()) -> Function:
+def fuse(
+    function: Function, kernel: bool = False, common: tuple[int, ...] = (), constants: bool = True
+) -> Function:
     """``function`` with sums of a product that nothing else needs as one operation.
 
-    Squares of the inputs of a ``kernel`` stay: its calls have inputs in common, and a compiler shares the squares.
-    What ``common``, numbers of results, need is fused as if there were no others.
+    Args:
+        function: in operations of C.
+        kernel: whether squares of inputs stay: calls have inputs in common, and a compiler shares the squares.
+        common: numbers of results; what they need is fused as if there were no others.
+        constants: whether products that are added to constants are fused, too.
     """
     function = pruned(function)
     nodes = function.nodes
     products = _products(function, kernel, shared(function, common))
+    if not constants:
+        products = {i: k for i, k in products.items() if nodes[nodes[i].args[1 - k]].value is None}
     fused: list[Node] = []
     place: list[int] = []
     opposites: dict[int, int] = {}

@@ -198,5 +198,5 @@ def _fused32(a: float, b: float, c: float) -> float:
 
 Op.FMA = Op(
     "fma", 3, lambda a, b, c: a * b + c, _fused64, _fused32, many=lambda a, b, c: a * b + c,
-    c="wmrgen_fma({0}, {1}, {2})", rust="fma{f}({0}, {1}, {2})", includes=("<math.h>", "<stdint.h>"),
+    c="wmr_fma({0}, {1}, {2})", rust="fma{f}({0}, {1}, {2})", includes=("<math.h>", "<stdint.h>"),
 )  # fmt: skip

@@ -9,11 +9,11 @@ from collections.abc import Collection, Iterator, Mapping
 
 from wmrgen.backends.c99.counters import FUNCTION as COUNTS
 from wmrgen.backends.c99.figure import DURATION, STARTING, Figure, figure
-from wmrgen.backends.c99.records import Step, Unit
+from wmrgen.backends.c99.records import Unit
 from wmrgen.backends.c99.text import comment_lines
 from wmrgen.ir.interpret import FLOAT64, evaluate
 from wmrgen.ir.nodes import Module
-from wmrgen.loop import Loop, Stage, loop
+from wmrgen.loop import Loop, Stage, loop, only_read
 from wmrgen.ports import GYRO, TWIST_NAMES, Reading, Site
 from wmrgen.render import render
 
@@ -49,7 +49,7 @@ def example(module: Module, unit: Unit, site: Site, common: Mapping[str, object]
     sensing, acting = ([call(stage) for stage in part] for part in (stages.senses, stages.acts))
     before = unit.before([steps[stage.function] for stage in (*stages.senses, *stages.acts)])
     variables |= {name: kind for step in before for name, kind in step.variables.items()}
-    acting = [*_kept(steps, variables), *acting]
+    acting = [*_kept(module, variables), *acting]
     variables.pop("dt", None)
     return render(
         "c99/example.c.j2",
@@ -90,16 +90,12 @@ def _homed(module: Module, unit: Unit) -> Iterator[str]:
             yield f"counters.{joint} = {reading.offset}u;"
 
 
-def _kept(steps: Mapping[str, Step], variables: Collection[str]) -> Iterator[str]:
+def _kept(module: Module, variables: Collection[str]) -> Iterator[str]:
     """Statements before the commands: what `steer_toward` starts from, and what `inverse` only reads."""
     if "before" in variables:
         yield "before = commands;"
-    if "inverse" in steps:
-        parameters = steps["inverse"].parameters
-        commanded = {member for p in parameters for member in p.writes.values()}
-        for member in (m for p in parameters if p.name == "now" for m in p.reads.values()):
-            if member not in commanded:
-                yield f"commands.{member} = wheels.{member};"
+    if "commands" in variables:
+        yield from (f"commands.{member} = wheels.{member};" for member in only_read(module))
 
 
 def _number(unit: Unit, value: float) -> str:

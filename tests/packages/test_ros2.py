@@ -146,7 +146,6 @@ def test_a_swerve_drive_is_commanded_by_position_and_velocity(tmp_path: Path) ->
             pi / 2, abs=1e-6
         )
 
-
     resting = [
         f"joint_states {k} " + " ".join(f"{m}_spin 0 9 {m}_steer 9 {k / 10}" for m in modules)
         for k in range(1, 5)

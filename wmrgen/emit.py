@@ -116,7 +116,8 @@ def site(derivation: Derivation) -> Site:
                 min(numbers[name][0] for name in angles),
                 max(numbers[name][1] for name in angles),
             )
-    return Site(numbers, pivots, reach(robot, derivation.c_in_operations, numbers))
+    unmotored = any(balance.lacking for balance in derivation.mobility.actuation)
+    return Site(numbers, pivots, reach(robot, derivation.c_in_operations, numbers), unmotored)
 
 
 _LIMITED = {port.name: port for port in (*TWIST, GYRO)} | JOINTS

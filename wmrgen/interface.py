@@ -170,7 +170,8 @@ def _own(ports: Sequence[Port], kind: str, few: int, names: set[str]) -> tuple[A
     if len(ports) <= few and not any("." in port.name or port.name in names for port in ports):
         return tuple(_scalar(port.name, kind) for port in ports)
     own = {port.name: port.name for port in ports}
-    name = _unique(kind, kind, names)
+    name = kind if kind not in names else f"more_{kind}"
+    names.add(name)
     return (Argument(name, kind, own, {}) if kind == IN else Argument(name, kind, {}, own),)
 
 

@@ -38,6 +38,14 @@ _ACTS: tuple[tuple[str, Mapping[str, str]], ...] = (
 )
 
 
+def only_read(module: Module) -> tuple[str, ...]:
+    """The joints that `inverse` reads and does not command, as angles of castors: commands take them from wheels."""
+    own = arguments(module.function("inverse"), module.joints)
+    commanded = {member for argument in own for member in argument.writes.values()}
+    read = [m for argument in own if argument.name == "now" for m in argument.reads.values()]
+    return tuple(member for member in read if member not in commanded)
+
+
 class Stage(NamedTuple):
     """A function of the loop, and the variable that each of its arguments is, where that is called otherwise."""
 

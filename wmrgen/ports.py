@@ -147,12 +147,14 @@ class Site:
     """What a robot's file says of its functions, as numbers.
 
     ``limits``: contract name -> (low, high), SI units; ``pivots``: wheel, x, y [m]. ``reach``: component of the twist
-    -> what `forward` gives while every joint keeps its `overshot` limits, where that is bounded.
+    -> what `forward` gives while every joint keeps its `overshot` limits, where that is bounded. ``unmotored``: no
+    motor commands some of the robot's motions.
     """
 
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     pivots: tuple[tuple[str, float, float], ...] = ()
     reach: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    unmotored: bool = False
 
 
 NO_SITE = Site()

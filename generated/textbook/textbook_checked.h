@@ -21,7 +21,7 @@
 
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_63efaa6bc6e086e7)
+#if !defined(TEXTBOOK_PAIR_93764b62f34d03dd)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 

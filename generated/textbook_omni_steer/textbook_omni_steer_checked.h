@@ -21,7 +21,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_32fc0d9d4fcc51f1)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_02e91d6130eb7e60)
 #error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

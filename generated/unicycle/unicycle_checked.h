@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_4762f960d1d6fef4)
+#if !defined(UNICYCLE_PAIR_fabedeeabe56cedb)
 #error "this file and unicycle.h were not generated together: copy both"
 #endif
 

@@ -113,14 +113,14 @@ def recorded(folder: Path, d: Derivation, target: str = "m4f", program: str = PR
     return np.array([[float(v) for v in line.split()] for line in printed.splitlines()])
 
 
-def integrated(twists: np.ndarray) -> np.ndarray:
-    """The poses of a point that drives ``twists``, steps x 3, from one to the next.
+def integrated(twists: np.ndarray, dt: float = DT) -> np.ndarray:
+    """The poses of a point that drives ``twists``, steps x 3, from one to the next, each for ``dt``.
 
     The turn in a step is small: its matrix exponential as a series.
     """
     place, path = np.eye(3), []
     for vx, vy, omega in twists:
         path.append((place[0, 2], place[1, 2], np.arctan2(place[1, 0], place[0, 0])))
-        a = DT * np.array([[0, -omega, vx], [omega, 0, vy], [0, 0, 0]])
+        a = dt * np.array([[0, -omega, vx], [omega, 0, vy], [0, 0, 0]])
         place = place @ (np.eye(3) + a + a @ a / 2 + a @ a @ a / 6)
     return np.array(path)

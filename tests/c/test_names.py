@@ -94,6 +94,15 @@ def test_what_a_kernel_gives_for_one_wheel_is_called_as_the_wheel() -> None:
     assert len(speeds) == 4 and all(name == wheel for wheel, name in speeds)
 
 
+@pytest.mark.parametrize(("function", "most"), [("inverse_together", 10), ("accelerations", 24)])
+def test_long_functions_name_what_they_compute(function: str, most: int) -> None:
+    """Of a swerve drive all but products and parts of sums; both results of `accelerations` have a name."""
+    source = sources(of_gallery("wpilib_swervebot", "inverse", "forward", function).c_module)[1]
+    body = source.partition(f"_{function}(")[2].partition("\n}")[0]
+    assert len(re.findall(r"const float t\d+ = ", body)) <= most < len(re.findall("const float ", body)) / 2
+    assert "out_out" not in body and body.count("spin_rate = ") >= 4 * (function == "accelerations")
+
+
 def test_limited_angles_are_called_so() -> None:
     """The angle before the stop is not called that inside the limits."""
     source = sources(of_gallery("agilex_ranger").c_module)[1]

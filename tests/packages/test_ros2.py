@@ -146,6 +146,14 @@ def test_a_swerve_drive_is_commanded_by_position_and_velocity(tmp_path: Path) ->
             pi / 2, abs=1e-6
         )
 
+    resting = [
+        f"joint_states {k} " + " ".join(f"{m}_spin 0 9 {m}_steer 9 {k / 10}" for m in modules)
+        for k in range(1, 5)
+    ]
+    said = [words for words in spoken(program, resting) if words[0] == "joint_commands"]
+    angles = [float(words[6]) for words in said]
+    assert angles == pytest.approx([0.1] * 4)  # as they stand at first, whatever is measured later
+
 
 FLAGS = ("-std=c++17", *WARNINGS.split(), f"-I{STUBS / 'include'}")
 

@@ -234,14 +234,15 @@ class _Printer(NamedTuple):
 
 
 def _names(function: Function, style: Style, reserved: Collection[str]) -> dict[int, str]:
-    """What nodes are called: as the formula calls them; what a kernel gives for one wheel, as the wheel."""
-    nodes, names, used = function.nodes, dict[int, str](), set(reserved)
+    """What nodes are called: as the formula calls them; what a kernel gives for one wheel, as the wheel; an output as
+    its port, and the square of what has a name as that."""
+    nodes, plain, used = function.nodes, dict[int, str](), set(reserved)
 
     def call(k: int, name: str) -> None:
-        name = style.named(name)
-        if k not in names and name not in used:
-            names[k] = name
-            used.add(name)
+        own = style.named(name)
+        if k not in plain and own not in used:
+            plain[k] = name
+            used.add(own)
 
     for each in function.named:
         call(each.node, each.name)
@@ -252,11 +253,18 @@ def _names(function: Function, style: Style, reserved: Collection[str]) -> dict[
         near |= {b: nodes[b] for node in [*near.values()] for b in node.args}
         inputs = [(n.name or "").partition(".") for n in near.values() if n.op is Op.INPUT]
         owners = {owner for owner, dot, _ in inputs if dot}
+        owners = owners or {plain[a] for a in near if a in several and a in plain}
         if len(owners) == 1:
             (wheel,) = owners
             call(k, wheel)
-            call(k, f"{wheel}_{nodes[k].name}")
-    return names
+            call(k, f"{wheel}_{(nodes[k].name or '').removesuffix('_at')}")
+    for port, k in zip(function.outputs, function.results, strict=True):
+        if nodes[k].args and nodes[k].op is not Op.RESULT:
+            call(k, port.name.replace(".", "_"))
+    for k, node in enumerate(nodes):
+        if node.op is Op.MUL and node.args[0] == node.args[1] and node.args[0] in plain:
+            call(k, f"{plain[node.args[0]]}_squared")
+    return {k: style.named(name) for k, name in plain.items()}
 
 
 def body(

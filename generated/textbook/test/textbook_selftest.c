@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_PAIR_63efaa6bc6e086e7)
+#if !defined(TEXTBOOK_PAIR_93764b62f34d03dd)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 

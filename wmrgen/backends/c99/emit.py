@@ -56,7 +56,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     named = {module.name + ending: text for ending, text in files.items()}
     named |= {f"{TEST}/{module.name}{ending}": text for ending, text in apart.items()}
     if module.joints:
-        named[EXAMPLE] = example(module, functions, common)
+        named[EXAMPLE] = example(module, functions, facts.site, common)
     return {name: folded(text).encode("ascii") for name, text in named.items()}
 
 

@@ -8,18 +8,17 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 
 from wmrgen.backends.c99.counters import FUNCTION as COUNTS
-from wmrgen.backends.c99.figure import DURATION, figure
-from wmrgen.backends.c99.records import Step, Unit
+from wmrgen.backends.c99.figure import DURATION, STARTING, Figure, figure
+from wmrgen.backends.c99.records import Unit
 from wmrgen.backends.c99.text import comment_lines
 from wmrgen.ir.interpret import FLOAT64, evaluate
 from wmrgen.ir.nodes import Module
-from wmrgen.loop import Loop, Stage, loop
-from wmrgen.ports import GYRO, TWIST_NAMES, Reading
+from wmrgen.loop import Loop, Stage, loop, only_read
+from wmrgen.ports import GYRO, TWIST_NAMES, Reading, Site
 from wmrgen.render import render
 
 PER_SECOND = 100
 STEPS = DURATION * PER_SECOND
-STARTING = 3 * PER_SECOND  # steps in which it speeds up, and comes to rest
 ABOUT = (
     "{figure} {rate} steps a second: sensors to twist and pose, a commanded twist to motors. hardware() stands for "
     "both: motors that follow at once. Put your drivers in its place, and begin with commands as the joints stand. "
@@ -27,11 +26,18 @@ ABOUT = (
 )
 
 
-def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
-    """The text of the file; ``unit``: the C functions of ``module``, ``common``: what every template is told."""
+def example(module: Module, unit: Unit, site: Site, common: Mapping[str, object]) -> str:
+    """The text of the file.
+
+    Args:
+        module: The functions of the robot.
+        unit: The C functions of ``module``.
+        site: What the robot file says of them.
+        common: What every template is told.
+    """
     steps = {step.name.removeprefix(f"{unit.robot}_"): step for step in unit.every}
     stages = loop(module, steps)
-    drawn = figure(module)
+    drawn = figure(module, site.unmotored)
     variables: dict[str, str] = {"wanted": f"{unit.robot}_twist"}
 
     def call(stage: Stage) -> str:
@@ -43,7 +49,7 @@ def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
     sensing, acting = ([call(stage) for stage in part] for part in (stages.senses, stages.acts))
     before = unit.before([steps[stage.function] for stage in (*stages.senses, *stages.acts)])
     variables |= {name: kind for step in before for name, kind in step.variables.items()}
-    acting = [*_kept(steps, variables), *acting]
+    acting = [*_kept(module, variables), *acting]
     variables.pop("dt", None)
     return render(
         "c99/example.c.j2",
@@ -60,10 +66,21 @@ def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
         wraps=any(not reading.wraps_as_integer for reading in _readings(module, unit).values()),
         steps=STEPS,
         dt=_number(unit, 1 / PER_SECOND),
-        starting=STARTING,
-        parts={name: _number(unit, part) for name, part in zip(TWIST_NAMES, drawn[:3], strict=True) if part},
+        starting=STARTING * PER_SECOND,
+        wanted=list(_wanted(unit, drawn)),
+        starts=any(drawn.steady),
+        swings=any(drawn.swinging),
         one=_number(unit, 1.0),
     )
+
+
+def _wanted(unit: Unit, figure: Figure) -> Iterator[str]:
+    """The statements that set the twist of step k."""
+    for name, steady, swinging in zip(TWIST_NAMES, figure.steady, figure.swinging, strict=True):
+        parts = [(steady, "started(k)"), (swinging, "swing(k)")]
+        terms = [f"({_number(unit, part)} * {times})" for part, times in parts if part]
+        if terms:
+            yield f"wanted.{name} = {' + '.join(terms) if len(terms) > 1 else terms[0][1:-1]};"
 
 
 def _homed(module: Module, unit: Unit) -> Iterator[str]:
@@ -73,16 +90,12 @@ def _homed(module: Module, unit: Unit) -> Iterator[str]:
             yield f"counters.{joint} = {reading.offset}u;"
 
 
-def _kept(steps: Mapping[str, Step], variables: Collection[str]) -> Iterator[str]:
+def _kept(module: Module, variables: Collection[str]) -> Iterator[str]:
     """Statements before the commands: what `steer_toward` starts from, and what `inverse` only reads."""
     if "before" in variables:
         yield "before = commands;"
-    if "inverse" in steps:
-        parameters = steps["inverse"].parameters
-        commanded = {member for p in parameters for member in p.writes.values()}
-        for member in (m for p in parameters if p.name == "now" for m in p.reads.values()):
-            if member not in commanded:
-                yield f"commands.{member} = wheels.{member};"
+    if "commands" in variables:
+        yield from (f"commands.{member} = wheels.{member};" for member in only_read(module))
 
 
 def _number(unit: Unit, value: float) -> str:

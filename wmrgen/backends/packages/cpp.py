@@ -9,7 +9,8 @@ from typing import NamedTuple
 from wmrgen.errors import NotDerivableError
 from wmrgen.interface import Argument, arguments, members
 from wmrgen.ir.nodes import Function, Module, Role
-from wmrgen.loop import Stage
+from wmrgen.loop import Loop as Stages
+from wmrgen.loop import Stage, only_read
 from wmrgen.loop import loop as stages_of
 from wmrgen.ports import GYRO
 from wmrgen.render import render
@@ -85,10 +86,6 @@ def _declared(robot: str, function: str, argument: Argument) -> str:
 
 # ---- a control loop of the functions that a robot has: from measured wheels to the pose, and from a twist to commands
 
-# One variable has the wheels, measured, then commanded: what would compare the two has no place in this loop.
-_COMPARE = ("compensate_steering", "steer_toward")
-_ONE = {"commands": "wheels"}
-
 
 class Call(NamedTuple):
     """A call of a function of the robot: its words, and the variables that it takes with their types."""
@@ -103,12 +100,20 @@ class Call(NamedTuple):
 
 
 class Loop(NamedTuple):
-    """``prepare`` once, then ``sense`` and ``act`` in every step. ``covariance``: the pose has one."""
+    """``prepare`` once, then ``sense`` and ``act`` in every step. ``covariance``: the pose has one.
+
+    ``keep``: statements before ``act``. ``swivel``: statements that turn castors as they are commanded. ``measured``:
+    the joints that must be measured. ``twist``: the variable whose twist is commanded.
+    """
 
     prepare: tuple[Call, ...]
     sense: tuple[Call, ...]
     act: tuple[Call, ...]
     covariance: bool
+    keep: tuple[str, ...]
+    swivel: tuple[str, ...]
+    measured: frozenset[str]
+    twist: str
 
     @property
     def variables(self) -> dict[str, str]:
@@ -131,7 +136,6 @@ def loop(module: Module, scalar: str, covariances: bool = True) -> Loop:
         words, variables = [], {}
         for argument in arguments:
             variable = called.get(argument.name, argument.name)
-            variable = _ONE.get(variable, variable)
             words.append(f"{'' if argument.by_value else '&'}{variable}")
             if not argument.by_value or variable == GYRO.name:
                 variables[variable] = f"{module.name}_{argument.kind}" if argument.kind else scalar
@@ -143,10 +147,30 @@ def loop(module: Module, scalar: str, covariances: bool = True) -> Loop:
             for stage in stages
         )
 
-    stages = stages_of(module, functions.keys() - set(_COMPARE), covariances)
+    stages = stages_of(module, functions, covariances)
+    acts, read = calls(stages.acts), only_read(module)
+    kept = [f"commands.{member} = wheels.{member};" for member in read]
+    if any("before" in stage.variables.values() for stage in stages.acts):
+        kept.insert(0, "before = commands;")
     return Loop(
         tuple(call(name, arguments, {}) for name, arguments in preparing(module).items()),
         calls(stages.senses),
-        calls(stages.acts),
+        acts,
         any(stage.function == "odometry_covariance" for stage in stages.senses),
+        tuple(kept),
+        tuple(
+            f"wheels.{member} += dt * commands.{member}_rate;"
+            for member in read
+            if f"{member}_rate" in (module.joints or ())
+        ),
+        frozenset((*read, *_measured(module, stages))),
+        next(stage.variables["twist"] for stage in stages.acts if stage.function == "inverse"),
     )
+
+
+def _measured(module: Module, stages: Stages) -> Iterator[str]:
+    """The joints that functions of the loop read of ``wheels``."""
+    for stage in (*stages.senses, *stages.acts):
+        for argument in arguments(module.function(stage.function), module.joints):
+            if stage.variables.get(argument.name, argument.name) == "wheels":
+                yield from argument.reads.values()

@@ -64,7 +64,10 @@ def _of_arduino(module: Module, scalar: str) -> Mapping[str, object]:
         "variables": list(steps.variables.items()),
         "gyro": GYRO.name in steps.variables,
         "prepare": [f"{call.text()};" for call in steps.prepare],
-        "step": [f"{call.text()};" for call in (*steps.sense, *steps.act)],
+        "sense": [f"{call.text()};" for call in steps.sense],
+        "act": [*steps.keep, *(f"{call.text()};" for call in steps.act)],
+        "swivel": steps.swivel,
+        "twist": steps.twist,
     }
 
 

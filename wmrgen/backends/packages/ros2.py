@@ -23,12 +23,11 @@ def context(module: Module, scalar: str) -> Mapping[str, object]:
     index and quantity of those that the robot drives; variables, calls and parameters of the node."""
     steps = loop(module, scalar)
     functions = {function.name: function for function in module.functions}
-    measured = {port.name for name in ("forward", "inverse") for port in functions[name].inputs}
     joints = []
     for name in module.joints or ():
         wheel, _, joint = name.rpartition(".")
         ending, quantity = _QUANTITIES[joint]
-        joints.append((f"{wheel}_{ending}", quantity, str(name in measured).lower()))
+        joints.append((f"{wheel}_{ending}", quantity, str(name in steps.measured).lower()))
     driven = {port.name for port in functions["inverse"].outputs}
     parts = ("pose", POSE_COVARIANCE), ("twist", TWIST_COVARIANCE)
     if steps.covariance:
@@ -48,6 +47,7 @@ def context(module: Module, scalar: str) -> Mapping[str, object]:
         "gyro": GYRO.name in steps.variables,
         "prepare": [f"{call.text()};" for call in steps.prepare],
         "sense": [call.text("_checked") for call in steps.sense],
+        "keep": steps.keep,
         "act": [call.text("_checked") for call in steps.act],
         "commanded": [(k, joints[k][1]) for k, name in enumerate(module.joints or ()) if name in driven],
         "covariances": [

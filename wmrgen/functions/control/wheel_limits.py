@@ -195,17 +195,21 @@ def _unit(robot: Robot, members: list[Wheel], twist: Row, names: Locals) -> _Uni
         seen = dict.fromkeys(velocities, seen_from(lead, velocities[lead.index], names))
         rim, v = seen[lead.index]
         moves = names.define(f"{lead.name}_moves", _squares([velocities[lead.index]]))
-        swing = angle_of(select(rim, _ZERO, times(-1, v), v), absolute(rim))
+        aside = names.define(f"{lead.name}_aside", select(rim, _ZERO, times(-1, v), v))
+        swing = angle_of(aside, absolute(rim))
     else:
         seen = {w.index: seen_from(w, velocities[w.index], names, lead) for w in members}
         rim, moves, swing = _common(lead, seen, velocities, names)
     near = names.define(f"{lead.name}_near", swing)
-    opposite = select(_ZERO, near, subtract(near, sympy.pi), add(near, sympy.pi))
+    opposite = names.define(
+        f"{lead.name}_opposite", select(_ZERO, near, subtract(near, sympy.pi), add(near, sympy.pi))
+    )
     far = names.define(f"{lead.name}_far", select(_ZERO, moves, opposite, near))
     now, limits = signal(f"{lead.name}.steer"), robot.limit(lead, "steer")
     angles = {}
     for way, low, high in zip(WAYS, (far, near), (near, far), strict=True):
-        angles[way] = names.define(f"{lead.name}_{way}", add(now, select(rim, _ZERO, low, high)))
+        swung = names.define(f"{lead.name}_swing_{way}", select(rim, _ZERO, low, high))
+        angles[way] = names.define(f"{lead.name}_{way}", add(now, swung))
         if limits is not None:
             angles[way] = _wrapped(angles[way], limits, names, f"{lead.name}_{way}")
     return _Unit(lead, seen, {w.index: w.steer_sign for w in members}, moves, angles, limits)
@@ -266,7 +270,7 @@ def _targets(unit: _Unit, direction: Expr, names: Locals) -> dict[int, Target]:
     wanted = select(direction, _ZERO, unit.angles["backwards"], unit.angles["forwards"])
     if unit.limits is None and len(set(unit.seen.values())) == 1:
         speed = names.define(f"{unit.lead.name}_speed", root(unit.moves))
-        rim = select(direction, _ZERO, times(-1, speed), speed)
+        rim = names.define(f"{unit.lead.name}_rim", select(direction, _ZERO, times(-1, speed), speed))
         return {i: Target(times(unit.signs[i], wanted), rim) for i in unit.seen}
     if unit.limits is not None:
         wanted = kept_between(number(unit.limits.low), wanted, number(unit.limits.high))

@@ -139,12 +139,14 @@ def _rims(
         e = heading(w, g)
     else:
         e = rolling_direction_at(w, names.define(f"{w.name}_commanded", commands[f"{w.name}.steer"]), names)
-    (along, across), (change, _) = speeds_at(w, motion.twist, e), speeds_at(w, motion.rate, e)
+    (along, sideways), (change, _) = speeds_at(w, motion.twist, e), speeds_at(w, motion.rate, e)
+    across = names.define(f"{w.name}_across", sideways)
     turn, o, arm = turns[w.index], expression(g.o), expression(g.steer_arm)
     omega, omega1 = expression(motion.twist[2]), expression(motion.rate[2])
     rim = subtract(expression(along), add(times(o, omega), times(arm, turn.rate)))
-    swept = add(expression(change), times(expression(across), turn.rate))
-    return rim, subtract(swept, add(times(o, omega1), times(arm, turn.acceleration)))
+    swept = add(expression(change), times(across, turn.rate))
+    faster = subtract(swept, add(times(o, omega1), times(arm, turn.acceleration)))
+    return rim, names.define(f"{w.name}_rim_rate", faster)
 
 
 def speeds_at(w: Wheel, twist: Row, e: tuple[Poly, Poly]) -> Velocity:
@@ -166,6 +168,7 @@ def steered_turns(
             v == seen[0] and w.steer_sign == lead.steer_sign for w, v in zip(members, seen, strict=True)
         )
         x, y = pairs[0] if alike else _doubled(pairs)
+        x, y = (_named(jet, f"{lead.name}_{axis}", names) for jet, axis in ((x, "along"), (y, "aside")))
         turn = _angle_rates(x, y, lead.name, names, sympy.S.One if alike else sympy.S.Half)
         limits = robot.limit(lead, "steer")
         if limits is not None:
@@ -178,6 +181,12 @@ def _jets(velocities: tuple[Velocity, ...], sign: int) -> tuple[Jet, Jet]:
     """Of a wheel that turns against the first of its set (``sign`` -1) the mirror image."""
     along, across = zip(*velocities, strict=True)
     return triple(map(expression, along)), triple(expression(v.scale(Exact(sign))) for v in across)
+
+
+def _named(jet: Jet, name: str, names: Locals) -> Jet:
+    """A value and its first derivative as intermediate results."""
+    value, rate, second = jet
+    return names.define(name, value), names.define(f"{name}_rate", rate), second
 
 
 def _doubled(pairs: list[tuple[Jet, Jet]]) -> tuple[Jet, Jet]:
@@ -204,7 +213,8 @@ def _angle_rates(x: Jet, y: Jet, name: str, names: Locals, share: Expr) -> Turn:
     The divisor is kept above a floor: a speed of `SLOWEST`, whose square x and y are where they are a double angle's.
     """
     floor = SLOWEST**2 if share is sympy.S.One else SLOWEST**4
-    over = names.define(f"{name}_over", 1 / maximum(add(times(x[0], x[0]), times(y[0], y[0])), floor))
+    moves = names.define(f"{name}_moves", add(times(x[0], x[0]), times(y[0], y[0])))
+    over = names.define(f"{name}_over", 1 / names.define(f"{name}_divisor", maximum(moves, floor)))
     turning = names.define(f"{name}_turning", subtract(times(x[0], y[1]), times(y[0], x[1])))
     growing = names.define(f"{name}_growing", add(times(x[0], x[1]), times(y[0], y[1])))
     rate = names.define(f"{name}_rate", times(share, turning, over))

@@ -21,7 +21,7 @@
 
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_9037b860972edb62)
+#if !defined(OFFICE_CHAIR_PAIR_8a1d3a81ade04728)
 #error "this file and office_chair.h were not generated together: copy both"
 #endif
 

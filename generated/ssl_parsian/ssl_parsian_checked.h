@@ -21,7 +21,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_c8a597d91d933df3)
+#if !defined(SSL_PARSIAN_PAIR_0b633571c15ec5da)
 #error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_02e91d6130eb7e60)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_59f47e0b70dfd2b9)
 #error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_e71937a7c3ce221a)
+#if !defined(TIDYBOT2_PAIR_c5effc079e465d9c)
 #error "this file and tidybot2.h were not generated together: copy both"
 #endif
 

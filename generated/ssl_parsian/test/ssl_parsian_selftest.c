@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SSL_PARSIAN_PAIR_c8a597d91d933df3)
+#if !defined(SSL_PARSIAN_PAIR_0b633571c15ec5da)
 #error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_PAIR_93764b62f34d03dd)
+#if !defined(TEXTBOOK_PAIR_40f3df6fcdd08aa6)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 

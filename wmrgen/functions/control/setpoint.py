@@ -23,18 +23,16 @@ present to the wanted direction cannot follow: the robot brakes until it stands,
 
 from __future__ import annotations
 
-from fractions import Fraction
 from functools import reduce
 from typing import NamedTuple
 
 import sympy
 
 from wmrgen.constraints import rolling_row, working_view
-from wmrgen.exact.evaluate import add_angles, circle_point
-from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row, dot, triple
 from wmrgen.functions.control.braking import rate_limit
 from wmrgen.functions.control.curvature import reach
+from wmrgen.functions.control.steering_cone import Unit, blocked_by_stops, named_pivot, share_in_cone
 from wmrgen.functions.control.twist_limits import (
     INSTANT,
     LAST,
@@ -51,8 +49,8 @@ from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import Joints, spins
 from wmrgen.kinematics.least_squares import project
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
-from wmrgen.kinematics.steer import NARROW, QUARTER, Velocity, hysteresis, pivot
-from wmrgen.kinematics.steer_groups import moves_as_one, seen_from, steered_groups
+from wmrgen.kinematics.steer import NARROW, Velocity, hysteresis, pivot
+from wmrgen.kinematics.steer_groups import moves_as_one, steered_groups
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import DT, TWIST_NAMES, Limits, Role
@@ -71,22 +69,25 @@ from wmrgen.symbolic import (
     square,
     subtract,
     times,
-    with_sign_of,
 )
 
-HALF_TURN = QUARTER * 2
-CREEP = Exact(Fraction(1, 10**5))  # m/s: thirty times what a float resolves of a pivot that stands at 3 m/s
-_LEAST = Exact(Fraction(1, 10**20))  # of a divisor
 _ZERO, _ONE = sympy.S.Zero, sympy.S.One
 
 
-class _Unit(NamedTuple):
-    """Wheels that one motor steers, whose pivots move alike. ``rate`` and ``stops``: limits of steering."""
+class _Rims(NamedTuple):
+    """Shares of limits that speeds of steered wheels take: ``squares`` of speeds by the share that a speed of 1 takes,
+    and ``others``."""
 
-    lead: Wheel
-    members: list[Wheel]
-    rate: Interval | None
-    stops: Interval | None
+    squares: dict[Expr, list[Expr]]
+    others: list[Expr]
+
+    @property
+    def all(self) -> list[Expr]:
+        """Every share, the largest of ``squares`` as one; no rounding is below 0 there, which bounds do not see."""
+        return [
+            *self.others,
+            *(times(per, root(reduce(maximum, own, _ZERO))) for per, own in self.squares.items()),
+        ]
 
 
 @function("ours; Team 254's swerve setpoint generator has the idea", limits=Limits.COMMANDED, in_place=True)
@@ -102,7 +103,7 @@ def setpoint(robot: Robot, mobility: Mobility) -> Formula:
     plan = project(robot, mobility).twist
     last, asked = (_row(plan, when, names) for when in ("", "_wanted"))
     goal = _slowed(robot, units, asked, names)
-    blocked = {u.lead.index: _blocked(u, last, asked, names) for u in units if u.rate and u.stops}
+    blocked = {u.lead.index: blocked_by_stops(u, last, asked, names) for u in units if u.rate and u.stops}
     if blocked:
         stops = names.define("stops", reduce(maximum, (b.brakes for b in blocked.values())))
         goal = triple(
@@ -121,7 +122,9 @@ def setpoint(robot: Robot, mobility: Mobility) -> Formula:
         share = step / names.define("longest", maximum(number(INSTANT), maximum(step, time)))
     for unit in units:
         if unit.rate is not None:
-            share = minimum(share, _swing(unit, (last, change), step, blocked.get(unit.lead.index), names))
+            share = minimum(
+                share, share_in_cone(unit, (last, change), step, blocked.get(unit.lead.index), names)
+            )
     share = names.define("share", select(_ZERO, step, share, _ZERO))
     part = names.define("part", times(number(SHORT), share))
     twist = {
@@ -139,7 +142,7 @@ def setpoint(robot: Robot, mobility: Mobility) -> Formula:
     )
 
 
-def _units(robot: Robot, mobility: Mobility) -> list[_Unit]:
+def _units(robot: Robot, mobility: Mobility) -> list[Unit]:
     """The steered wheels, by motor. NotDerivableError where no cone says how a wheel swings."""
     units = []
     for members in steered_groups(robot):
@@ -148,7 +151,7 @@ def _units(robot: Robot, mobility: Mobility) -> list[_Unit]:
         if not moves_as_one(members, {w.index: pivot(w, plan) for w in members}):
             why = f"{lead.name} and {members[1].name} are steered by one motor and move apart, so one of them slides"
             raise underivable(robot, "setpoint", why)
-        units.append(_Unit(lead, members, rate, stops))
+        units.append(Unit(lead, members, rate, stops))
     for together in robot.together("spin", robot.wheels):
         turning = {robot.steer_group[w.index] for w in together if w.turns}
         if len(turning) + any(not w.turns for w in together) > 1 and turning:
@@ -166,7 +169,7 @@ def _spin_rate(robot: Robot, w: Wheel) -> Interval | None:
     return robot.limit(w, "spin_rate")
 
 
-def _check(robot: Robot, mobility: Mobility, units: list[_Unit]) -> None:
+def _check(robot: Robot, mobility: Mobility, units: list[Unit]) -> None:
     """NotDerivableError where there is nothing to keep, or what cannot be kept."""
     driven = _driven(robot)
     limits = [(f"{w.name}.spin_rate", _spin_rate(robot, w)) for w in driven]
@@ -222,7 +225,7 @@ def _linear(robot: Robot, twist: Row) -> dict[str, tuple[Wheel, Expr]]:
     return {w.name: (w, found[w.index]) for w in _still(robot) if w.commands("spin")}
 
 
-def _slowed(robot: Robot, units: list[_Unit], asked: Row, names: Locals) -> Row:
+def _slowed(robot: Robot, units: list[Unit], asked: Row, names: Locals) -> Row:
     """The wanted twist, or the fastest along its path at which wheels keep their limits of ``spin``."""
     limited = []
     for name, (w, spin) in _linear(robot, asked).items():
@@ -230,7 +233,7 @@ def _slowed(robot: Robot, units: list[_Unit], asked: Row, names: Locals) -> Row:
             refuse_one_sided(robot, "setpoint", [(f"{name}.spin", limit)])
             limited.append((names.define(f"{name}_asked", spin), limit))
     load = most(_ONE, limited)
-    squares, others = list[Expr](), list[Expr]()
+    rims = _Rims({}, [])
     for unit in units:
         velocity: Velocity | None = None
         for w in unit.members:
@@ -238,13 +241,13 @@ def _slowed(robot: Robot, units: list[_Unit], asked: Row, names: Locals) -> Row:
             if limit is None:
                 continue
             refuse_one_sided(robot, "setpoint", [(f"{w.name}.spin", limit)])
-            velocity = velocity or _named(unit.lead, asked, "asked", names)
+            velocity = velocity or named_pivot(unit.lead, asked, "asked", names)
             g = working_view(w)
             per = expression(g.r.inverse() * (1 / min(limit.high, -limit.low)))
-            _sort(velocity, g.o * asked[2], per, squares, others)
-    if not limited and not squares and not others:
+            _sort(velocity, g.o * asked[2], per, rims)
+    if not limited and not rims.all:
         return asked
-    load = reduce(maximum, _with_root([load, *others], squares))
+    load = reduce(maximum, [load, *rims.all])
     scale = names.define("slower", 1 / names.define("load", load))
     return triple(
         names.poly(f"{n}_target", times(scale, expression(p))) if p else p
@@ -252,65 +255,17 @@ def _slowed(robot: Robot, units: list[_Unit], asked: Row, names: Locals) -> Row:
     )
 
 
-def _named(w: Wheel, twist: Row, when: str, names: Locals) -> Velocity:
-    x, y = pivot(w, twist)
-    return names.short(f"{w.name}_x_{when}", x), names.short(f"{w.name}_y_{when}", y)
-
-
-def _sort(velocity: Velocity, turn: Poly, per: Expr, squares: list[Expr] | None, others: list[Expr]) -> None:
-    """Add (|velocity| + |turn|) per to ``others``, or its square to ``squares`` where that is the simpler one."""
+def _sort(velocity: Velocity, turn: Poly, per: Expr, rims: _Rims) -> None:
+    """Add (|velocity| + |turn|) per; the largest of sums of squares, where nothing else is in it, has one root."""
     size = add(*(square(expression(p)) for p in velocity if p))
-    if turn or squares is None:
-        others.append(times(per, add(root(size), absolute(expression(turn)))))
-    elif (new := times(square(per), size)) not in squares:
-        squares.append(new)
-
-
-def _with_root(values: list[Expr], squares: list[Expr]) -> list[Expr]:
-    """``values`` and the root of the largest square."""
-    return [*values, root(reduce(maximum, squares))] if squares else values
-
-
-class _Blocked(NamedTuple):
-    """``way`` > 0: a steering stop is between the present and the wanted direction. ``brakes`` > 0: and it moves."""
-
-    way: Expr
-    brakes: Expr
-
-
-def _blocked(unit: _Unit, last: Row, asked: Row, names: Locals) -> _Blocked:
-    """Whether a wheel that turns from where it rolls to where it shall roll meets a stop.
-
-    It turns to the left where e x w > 0, w the wanted velocity of the pivot seen from the way that it rolls. It comes
-    past the stop there if the direction d of the stop has d x w > 0, and is less than half a turn away.
-    """
-    w, stops = unit.lead, unit.stops
-    assert stops is not None
-    velocity = _named(w, asked, "asked", names)
-    a, _ = seen_from(w, _named(w, last, "last", names), names)
-    b, d = seen_from(w, velocity, names)
-    moves = subtract(absolute(a), number(CREEP * 2))
-    sense = names.define(f"{w.name}_onward", select(moves, _ZERO, b, a))
-    now, sides = signal(f"{w.name}.steer"), list[Expr]()
-    for way, stop in ((1, stops.high), (-1, stops.low)):
-        passed = times(way, with_sign_of(_across(w, stop, velocity), sense))
-        side = minimum(times(way, with_sign_of(d, sense)), subtract(passed, number(CREEP)))
-        if stops.high - stops.low > HALF_TURN:
-            side = minimum(side, subtract(times(way, now), number(way * stop - HALF_TURN)))
-        sides.append(side)
-    met = names.define(f"{w.name}_blocked", maximum(*sides))
-    return _Blocked(met, minimum(met, moves))
-
-
-def _across(w: Wheel, angle: Exact, velocity: Velocity) -> Expr:
-    """The velocity across the wheel at a joint angle."""
-    g, (c, s) = working_view(w), circle_point(angle.rational())
-    x, y = add_angles((g.ch, g.sh), (Poly.of(c), Poly.of(s)))
-    return expression(x * velocity[1] - y * velocity[0])
+    if turn:
+        rims.others.append(times(per, add(root(size), absolute(expression(turn)))))
+    elif size not in (squares := rims.squares.setdefault(per, [])):
+        squares.append(size)
 
 
 def _times(
-    robot: Robot, mobility: Mobility, units: list[_Unit], motion: tuple[Row, Row], step: Expr, names: Locals
+    robot: Robot, mobility: Mobility, units: list[Unit], motion: tuple[Row, Row], step: Expr, names: Locals
 ) -> list[Expr]:
     """The times [s] that limits of change need, of the components of the twist and of wheel speeds.
 
@@ -330,34 +285,15 @@ def _times(
         if (limit := _spin_rate(robot, w)) is not None:
             spin = names.define(f"{name}_change", spin)
             found.append(share_of_limit(limit, before[name][1], spin, per_step, names, name))
-    squares: list[Expr] = []
+    rims = _Rims({}, [])
     for unit in units:
         driven = [(w, limit) for w in unit.members if w.commands("spin") and (limit := _spin_rate(robot, w))]
         for w, limit in driven:
-            velocity = _named(unit.lead, change, "change", names)
-            now = _named(unit.lead, last, "last", names)
+            velocity = named_pivot(unit.lead, change, "change", names)
+            now = named_pivot(unit.lead, last, "last", names)
             toward = add(*(expression(p * q) for p, q in zip(now, velocity, strict=True)))
             most_of = rate_limit(limit, norm(*map(expression, now)), toward, per_step, names, w.name)
             g = working_view(w)
             per = times(expression(g.r.inverse()), 1 / most_of)
-            _sort(velocity, g.o * change[2], per, squares if most_of.is_number else None, found)
-    return _with_root(found, squares)
-
-
-def _swing(unit: _Unit, motion: tuple[Row, Row], step: Expr, blocked: _Blocked | None, names: Locals) -> Expr:
-    """The share that keeps the pivot of a steered wheel in the cone that it reaches in a step."""
-    w, rate = unit.lead, unit.rate
-    assert rate is not None
-    delta = names.define(f"{w.name}_delta", times(number(min(rate.high, -rate.low)), step))
-    (a, c), (b, d) = (
-        seen_from(w, _named(w, twist, when, names), names)
-        for twist, when in zip(motion, ("last", "change"), strict=True)
-    )
-    sense = names.define(f"{w.name}_sense", select(absolute(a), number(CREEP), b, a))
-    within = add(number(CREEP), subtract(times(delta, with_sign_of(a, sense)), absolute(c)))
-    within = names.define(f"{w.name}_within", maximum(within, _ZERO))
-    out = subtract(absolute(d), times(delta, with_sign_of(b, sense)))
-    if blocked is not None:
-        out = select(_ZERO, blocked.way, add(absolute(b), absolute(d)), out)
-    below = maximum(number(_LEAST), maximum(within, names.define(f"{w.name}_out", out)))
-    return within / names.define(f"{w.name}_below", below)
+            _sort(velocity, g.o * change[2], per, rims)
+    return [*found, *rims.all]

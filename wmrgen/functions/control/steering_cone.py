@@ -37,7 +37,7 @@ from wmrgen.symbolic import (
 
 HALF_TURN = QUARTER * 2
 CREEP = Exact(Fraction(1, 10**5))  # m/s: thirty times what a float resolves of a pivot that stands at 3 m/s
-_LEAST = Exact(Fraction(1, 10**20))  # of a divisor
+_LEAST = Exact(Fraction(1, 10**20))  # m/s: a wheel that is out of its cone holds the twist
 _ZERO = sympy.S.Zero
 
 
@@ -106,11 +106,11 @@ def share_in_cone(
         seen_from(w, named_pivot(w, twist, when, names), names)
         for twist, when in zip(motion, ("last", "change"), strict=True)
     )
-    sense = names.define(f"{w.name}_sense", select(absolute(a), number(CREEP), b, a))
-    within = add(number(CREEP), subtract(times(delta, with_sign_of(a, sense)), absolute(c)))
-    within = names.define(f"{w.name}_within", maximum(within, _ZERO))
-    out = subtract(absolute(d), times(delta, with_sign_of(b, sense)))
+    rolls = names.define(f"{w.name}_rolls", absolute(a))
+    gains = select(rolls, number(CREEP), absolute(b), with_sign_of(b, a))
+    within = add(number(CREEP), subtract(times(delta, rolls), absolute(c)))
+    within = names.define(f"{w.name}_within", maximum(within, number(_LEAST)))
+    out = subtract(absolute(d), times(delta, gains))
     if blocked is not None:
         out = select(_ZERO, blocked.waits, add(absolute(b), absolute(d)), out)
-    below = maximum(number(_LEAST), maximum(within, names.define(f"{w.name}_out", out)))
-    return within / names.define(f"{w.name}_below", below)
+    return within / names.define(f"{w.name}_below", maximum(within, out))

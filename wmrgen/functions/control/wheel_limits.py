@@ -17,23 +17,43 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 from functools import reduce
+from typing import NamedTuple
 
 import sympy
 
 from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.poly import Row
 from wmrgen.functions.registry import function, underivable
+from wmrgen.kinematics.inverse import joint_commands
 from wmrgen.kinematics.ranges import steering_spin
 from wmrgen.kinematics.records import Formula, Locals, joint_port
+from wmrgen.kinematics.steer import (
+    QUARTER,
+    Target,
+    Velocity,
+    hysteresis,
+    pivot,
+    turned_back,
+    turning_points,
+)
+from wmrgen.kinematics.steer_groups import moves_as_one, seen_from, steered_groups, turned
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Limits, Port, Role, output
 from wmrgen.symbolic import (
     Expr,
     absolute,
+    add,
+    angle_of,
+    expression,
     kept_between,
     maximum,
     number,
+    root,
+    select,
     signal,
+    square,
+    subtract,
     times,
 )
 
@@ -134,3 +154,130 @@ def room(robot: Robot, w: Wheel, joint: str, what: str) -> Interval | None:
         )
         raise underivable(robot, what, why)
     return Interval(limit.low + share, limit.high - share)
+
+
+class _Unit(NamedTuple):
+    """Wheels that one motor steers.
+
+    ``seen``: per wheel the velocity (u, v) of its pivot along and across it, v mirrored where ``signs`` has -1, for a
+    wheel that turns against the first. ``moves``: the sum of
+    the squared speeds of the pivots. ``angles``: the joint angle that rolls each of `WAYS`, on the full turn that
+    leaves less of it outside ``limits``.
+    """
+
+    lead: Wheel
+    seen: dict[int, tuple[Expr, Expr]]
+    signs: dict[int, int]
+    moves: Expr
+    angles: dict[str, Expr]
+    limits: Interval | None
+
+
+@function("ours; the texts have none", limits=Limits.COMMANDED)
+def inverse_together(robot: Robot, mobility: Mobility) -> Formula:
+    """As ``inverse``, with one decision for all modules. NotDerivableError where fewer than two steer."""
+    count = len(steered_groups(robot))
+    if not count:
+        raise underivable(robot, "inverse_together", "no wheel is steered")
+    if count == 1:
+        why = "all steered wheels turn by one motor, so inverse does it"
+        raise underivable(robot, "inverse_together", why)
+    text = "twist of P in the robot frame to joint commands, all modules on the same branch"
+    return joint_commands(robot, mobility, _steering, "inverse_together", text)
+
+
+def _steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Target]:
+    units = [_unit(robot, members, twist, names) for members in steered_groups(robot)]
+    direction = names.define("direction", _direction(units, names))
+    targets: dict[int, Target] = {}
+    for unit in units:
+        targets |= _targets(unit, direction, names)
+    return targets
+
+
+def _unit(robot: Robot, members: list[Wheel], twist: Row, names: Locals) -> _Unit:
+    lead = members[0]
+    velocities = {w.index: pivot(w, twist) for w in members}
+    if moves_as_one(members, velocities):
+        seen = dict.fromkeys(velocities, seen_from(lead, velocities[lead.index], names))
+        rim, v = seen[lead.index]
+        moves = names.define(f"{lead.name}_moves", _squares([velocities[lead.index]]))
+        swing = angle_of(select(rim, _ZERO, times(-1, v), v), absolute(rim))
+    else:
+        seen = {w.index: seen_from(w, velocities[w.index], names, lead) for w in members}
+        rim, moves, swing = _common(lead, seen, velocities, names)
+    near = names.define(f"{lead.name}_near", swing)
+    opposite = select(_ZERO, near, subtract(near, sympy.pi), add(near, sympy.pi))
+    far = names.define(f"{lead.name}_far", select(_ZERO, moves, opposite, near))
+    now, limits = signal(f"{lead.name}.steer"), robot.limit(lead, "steer")
+    angles = {}
+    for way, low, high in zip(WAYS, (far, near), (near, far), strict=True):
+        angles[way] = names.define(f"{lead.name}_{way}", add(now, select(rim, _ZERO, low, high)))
+        if limits is not None:
+            angles[way] = _wrapped(angles[way], limits, names, f"{lead.name}_{way}")
+    return _Unit(lead, seen, {w.index: w.steer_sign for w in members}, moves, angles, limits)
+
+
+def _common(
+    lead: Wheel, seen: dict[int, tuple[Expr, Expr]], velocities: dict[int, Velocity], names: Locals
+) -> tuple[Expr, Expr, Expr]:
+    """Rim speed on the nearer branch, squared speeds and swing of wheels on one motor (see `steer_group`)."""
+    double = add(*(times(2, u, v) for u, v in seen.values()))
+    difference = add(*(subtract(square(u), square(v)) for u, v in seen.values()))
+    swing = names.define(f"{lead.name}_swing", angle_of(double, difference) / 2)
+    c, s = sympy.cos(swing), sympy.sin(swing)
+    rim = add(*(add(times(u, c), times(v, s)) for u, v in seen.values()))
+    moves = names.define(f"{lead.name}_moves", _squares(list(velocities.values())))
+    return names.define(f"{lead.name}_rim", rim), moves, swing
+
+
+def _squares(velocities: list[Velocity]) -> Expr:
+    """The sum of the squares of all pivots' velocities."""
+    return add(*(square(expression(p)) for velocity in velocities for p in velocity))
+
+
+def _beyond(angle: Expr, limits: Interval) -> Expr:
+    """How far an angle lies outside its limits [rad]; negative inside."""
+    middle, reach = (limits.low + limits.high) / 2, (limits.high - limits.low) / 2
+    return subtract(absolute(subtract(angle, number(middle))), number(reach))
+
+
+def _wrapped(angle: Expr, limits: Interval, names: Locals, name: str) -> Expr:
+    """``angle`` or, where that leaves less outside the limits, the same heading a full turn away.
+
+    It does where the angle lies outside, and more than half a turn from the middle, by `hysteresis`.
+    """
+    best = turned_back(angle, turning_points(limits, QUARTER * 2), 2 * sympy.pi)
+    return names.define(f"{name}_best", best)
+
+
+def _direction(units: list[_Unit], names: Locals) -> Expr:
+    """Negative: backwards. Steering limits first, then how the wheels stand."""
+    along = add(*(u for unit in units for u, _ in unit.seen.values()))
+    limited = [(u.angles, u.limits) for u in units if u.limits is not None]
+    if not limited:
+        return along
+    forwards, backwards = (
+        names.define(
+            f"over_{way}",
+            reduce(maximum, [_beyond(angles[way], limits) for angles, limits in limited], _ZERO),
+        )
+        for way in WAYS
+    )
+    stay = number(max(_TIE, *(hysteresis(limits) for _, limits in limited)))
+    backwards_better = select(add(backwards, stay), forwards, sympy.S.NegativeOne, along)
+    return select(add(forwards, stay), backwards, sympy.S.One, backwards_better)
+
+
+def _targets(unit: _Unit, direction: Expr, names: Locals) -> dict[int, Target]:
+    wanted = select(direction, _ZERO, unit.angles["backwards"], unit.angles["forwards"])
+    if unit.limits is None and len(set(unit.seen.values())) == 1:
+        speed = names.define(f"{unit.lead.name}_speed", root(unit.moves))
+        rim = select(direction, _ZERO, times(-1, speed), speed)
+        return {i: Target(times(unit.signs[i], wanted), rim) for i in unit.seen}
+    if unit.limits is not None:
+        wanted = kept_between(number(unit.limits.low), wanted, number(unit.limits.high))
+    key = unit.lead.name
+    steer = names.define(f"{key}_target", wanted)
+    turn = names.define(f"{key}_turn", subtract(steer, signal(f"{key}.steer")))
+    return {i: turned(steer, turn, u, v, unit.signs[i]) for i, (u, v) in unit.seen.items()}

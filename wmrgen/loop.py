@@ -31,6 +31,8 @@ _SENSES: tuple[tuple[str, Mapping[str, str]], ...] = (
 )
 _ACTS: tuple[tuple[str, Mapping[str, str]], ...] = (
     ("limit_twist", {"twist": "wanted"}),
+    ("turn_first", {"twist": "wanted"}),
+    ("drive_first", {"twist": "wanted"}),
     ("limit_acceleration", {"twist": "driven"}),
     ("setpoint", {"twist": "driven", "wheels": "commands"}),
     ("inverse", {"twist": "driven", "now": "commands", "out": "commands"}),

@@ -6,7 +6,9 @@ takes what limits of twist and of wheel speed (``spin``) leave. With a the speed
 the second one, both linear, the second part is driven times the largest k in [0, 1] with
 
     low <= a + k b <= high            for a wheel that does not steer
-    |a + k b| <= limit, vectors       for the pivot of a steered wheel: (q - ab) / b^2, q = sqrt(ab^2 + b^2 (limit^2 - a^2))
+    |a + k b| <= limit                for the pivot of a steered wheel, where a and b are vectors
+
+and the second one is k = (q - a . b) / b^2 with q = sqrt((a . b)^2 + b^2 (limit^2 - a^2)).
 
 A car turns only as it drives, so that it has no such choice.
 """
@@ -20,7 +22,7 @@ from functools import reduce
 import sympy
 
 from wmrgen.constraints import rolling_row, working_view
-from wmrgen.exact.number import Exact
+from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, Row, dot, triple
 from wmrgen.functions.control.twist_limits import twist_limits, whole
 from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, room
@@ -55,13 +57,13 @@ _LEAST = Exact(Fraction(1, 10**12))
 
 @function("ours; the choice of FRC drives at saturation", limits=Limits.ASKED, in_place=True)
 def turn_first(robot: Robot, mobility: Mobility) -> Formula:
-    """A twist inside the limits of twist and wheel speed: omega as wanted if it can be, vx and vy as fast as is left."""
+    """A twist inside the limits of twist and wheel speed: omega as wanted if it can be, then vx and vy."""
     return _saturated(robot, mobility, "turn_first", (_ROTATION, _TRANSLATION))
 
 
 @function("ours; the choice of FRC drives at saturation", limits=Limits.ASKED, in_place=True)
 def drive_first(robot: Robot, mobility: Mobility) -> Formula:
-    """A twist inside the limits of twist and wheel speed: vx, vy as wanted if it can be, omega as fast as is left."""
+    """A twist inside the limits of twist and wheel speed: vx, vy as wanted if they can be, then omega."""
     return _saturated(robot, mobility, "drive_first", (_TRANSLATION, _ROTATION))
 
 
@@ -74,6 +76,10 @@ def _saturated(
     if steered and any(w.kind.fixed_axle for w in robot.wheels):
         raise underivable(robot, what, "it turns only as it drives: limit_twist keeps its path")
     driven = [w for w in robot.wheels if w.commands("spin") and not w.kind.swivels]
+    beside = next((w.name for w in steered if w.nominal.o), None)
+    if beside is not None:
+        why = f"{beside} rolls beside its steering axis (offset_y), so that its spin is no velocity of its pivot"
+        raise underivable(robot, what, why)
     caps = {w.index: room(robot, w, "spin", what) for w in driven}
     refuse_one_sided(robot, what, ((f"{w.name}.spin", caps[w.index]) for w in driven))
     if not any((*limits.values(), *caps.values())):
@@ -85,15 +91,19 @@ def _saturated(
     for w in driven:
         if (limit := caps[w.index]) is not None:
             value = a[w.index]
-            size = value[0] if len(value) == 1 else root(add(*map(square, value)))
-            loads.append(most(_ONE, [(size, limit)]))
+            if len(value) == 1:
+                loads.append(most(_ONE, [(value[0], limit)]))
+            else:
+                loads.append(times(root(add(*map(square, value))), number(ONE / _least(limit))))
     slower = names.define("slower", 1 / names.define("load", reduce(maximum, loads)))
     share = names.define("fastest", 1 / names.define("own", most(_ONE, _components(limits, order[1]))))
     for w in driven:
         if (limit := caps[w.index]) is not None:
             now = [names.define(f"{w.name}_first", times(slower, v)) for v in a[w.index]]
             rest = [names.define(f"{w.name}_second", v) for v in b[w.index]]
-            share = minimum(share, _line(now[0], rest[0], limit) if len(now) == 1 else _disk(w, now, rest, limit, names))
+            share = minimum(
+                share, _line(now[0], rest[0], limit) if len(now) == 1 else _disk(w, now, rest, limit, names)
+            )
     share = names.define("share", maximum(share, _ZERO))
     twist = {
         n: add(times(slower, expression(p)), times(share, expression(q)))
@@ -106,7 +116,9 @@ def _saturated(
     return names.formula(what, (*TWIST, *tunable_ports(robot)), whole(twist), text)
 
 
-def _components(limits: Mapping[str, Interval | None], part: tuple[str, ...]) -> list[tuple[Expr, Interval | None]]:
+def _components(
+    limits: Mapping[str, Interval | None], part: tuple[str, ...]
+) -> list[tuple[Expr, Interval | None]]:
     return [(expression(Poly.gen("input", name)), limits[name]) for name in part if name in limits]
 
 
@@ -133,6 +145,11 @@ def _speeds(robot: Robot, driven: list[Wheel], twist: Row) -> dict[int, list[Exp
     return speeds
 
 
+def _least(limit: Interval) -> Exact:
+    """What a steered wheel may do either way round."""
+    return min(limit.high, -limit.low)
+
+
 def _line(a: Expr, b: Expr, limit: Interval) -> Expr:
     """The largest share of b that a linear speed has room for; above 1 counts as 1."""
     left = select(b, _ZERO, subtract(a, number(limit.low)), subtract(number(limit.high), a))
@@ -142,12 +159,12 @@ def _line(a: Expr, b: Expr, limit: Interval) -> Expr:
 
 def _disk(w: Wheel, a: list[Expr], b: list[Expr], limit: Interval, names: Locals) -> Expr:
     """The largest share of b that the speed of a steered wheel has room for."""
-    top = number(min(limit.high, -limit.low))
+    top = number(_least(limit))
     left = maximum(subtract(square(top), add(*map(square, a))), _ZERO)
     left = names.define(f"{w.name}_left", left)
     both = names.define(f"{w.name}_both", add(*(times(x, y) for x, y in zip(a, b, strict=True))))
     size = names.define(f"{w.name}_size", add(*map(square, b)))
-    reach = names.define(f"{w.name}_reach", root(add(square(both), times(size, left))))
+    reach = names.define(f"{w.name}_reach", root(maximum(add(square(both), times(size, left)), _ZERO)))
     back = subtract(reach, both) / maximum(number(_LEAST), size)
     on = left / maximum(number(_LEAST), add(reach, both))
     return select(both, _ZERO, back, on)

@@ -50,7 +50,7 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     """
     names = Locals()
     bends = reach(robot, mobility, names)
-    limits = _limits(robot, mobility, "limit_twist", "", "{vx: 1, omega: 2}", needed=bends is None)
+    limits = twist_limits(robot, mobility, "limit_twist", needed=bends is None)
     missing = [name for name, limit in limits.items() if limit is None]
     if robot.deadband and missing:
         why = f"its deadband is a share of limits, and {missing[0]} has none"
@@ -104,6 +104,11 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
     }
     text = "the last commanded twist to the next, straight towards the wanted one, inside the limits of acceleration"
     return names.formula("limit_acceleration", (*LAST, *WANTED, STEP), whole(twist), text)
+
+
+def twist_limits(robot: Robot, mobility: Mobility, what: str, needed: bool) -> dict[str, Interval | None]:
+    """Limits of vx, vy and omega, for each that the robot can drive."""
+    return _limits(robot, mobility, what, "", "{vx: 1, omega: 2}", needed)
 
 
 def acceleration_limits(

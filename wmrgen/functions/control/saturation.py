@@ -39,6 +39,7 @@ from wmrgen.symbolic import (
     absolute,
     add,
     expression,
+    kept_between,
     maximum,
     minimum,
     number,
@@ -105,11 +106,13 @@ def _saturated(
                 share, _line(now[0], rest[0], limit) if len(now) == 1 else _disk(w, now, rest, limit, names)
             )
     share = names.define("share", maximum(share, _ZERO))
-    twist = {
-        n: add(times(slower, expression(p)), times(share, expression(q)))
-        for n, p, q in zip(TWIST_NAMES, first, second, strict=True)
-        if p or q
-    }
+    twist: dict[str, Expr] = {}
+    for n, p, q, limit in zip(TWIST_NAMES, first, second, map(limits.get, TWIST_NAMES), strict=True):
+        value = add(times(slower, expression(p)), times(share, expression(q)))
+        if limit is not None and p + q == Poly.gen("input", n):  # rounding may pass it by one unit
+            value = kept_between(number(limit.low), value, number(limit.high))
+        if p or q:
+            twist[n] = value
     text = "a twist to one inside the limits of twist and wheel speed: "
     text += "the yaw rate" if order[0] == _ROTATION else "the velocity"
     text += " as wanted if that can be, the rest as fast as is left"

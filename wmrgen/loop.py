@@ -37,7 +37,7 @@ _ACTS: tuple[tuple[str, Mapping[str, str]], ...] = (
     ("setpoint", {"twist": "driven", "wheels": "commands"}),
     ("inverse", {"twist": "driven", "now": "commands", "out": "commands"}),
     ("desaturate", {"wheels": "commands"}),
-    ("compensate_steering", {"wheels": "commands", "now": "wheels"}),
+    ("compensate_steering", {"wheels": "commands", "twist": "driven", "now": "wheels"}),
     ("steer_toward", {"now": "before", "wanted": "commands", "out": "commands"}),
 )
 

@@ -2,7 +2,8 @@
 
 counters, wheels      what encoders count, and what the joints do
 twist, pose           how the robot moves, and where it is, with covariances of both where there is noise to tell of
-wanted, driven        the twist that somebody wants, and what is left of it by the limits of acceleration
+wanted, driven        the twist that somebody wants, and what is left of it by the limits of acceleration; `setpoint`
+                      keeps those of `limit_acceleration`, too, and takes its place
 commands, before      what the joints are to do, and what they were to do in the step before
 
 Steering starts from the last commands, not from the measured angles: the error of a measurement (a count of an encoder,
@@ -30,10 +31,13 @@ _SENSES: tuple[tuple[str, Mapping[str, str]], ...] = (
 )
 _ACTS: tuple[tuple[str, Mapping[str, str]], ...] = (
     ("limit_twist", {"twist": "wanted"}),
+    ("turn_first", {"twist": "wanted"}),
+    ("drive_first", {"twist": "wanted"}),
     ("limit_acceleration", {"twist": "driven"}),
+    ("setpoint", {"twist": "driven", "wheels": "commands"}),
     ("inverse", {"twist": "driven", "now": "commands", "out": "commands"}),
     ("desaturate", {"wheels": "commands"}),
-    ("compensate_steering", {"wheels": "commands", "now": "wheels"}),
+    ("compensate_steering", {"wheels": "commands", "twist": "driven", "now": "wheels"}),
     ("steer_toward", {"now": "before", "wanted": "commands", "out": "commands"}),
 )
 
@@ -73,7 +77,9 @@ def loop(module: Module, has: Collection[str], covariances: bool = True) -> Loop
     # One of them moves the pose.
     moves = next(n for n in ("odometry_covariance", "odometry_compensated", "odometry") if n in names)
     names -= {"odometry_covariance", "odometry_compensated", "odometry"} - {moves}
-    driven = {} if "limit_acceleration" in names else {"driven": "wanted"}
+    if "setpoint" in names:
+        names -= {"limit_acceleration"}
+    driven = {} if names & {"limit_acceleration", "setpoint"} else {"driven": "wanted"}
 
     def stages(table: tuple[tuple[str, Mapping[str, str]], ...]) -> tuple[Stage, ...]:
         return tuple(

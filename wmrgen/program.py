@@ -140,10 +140,25 @@ def for_c(module: Module, robot: Robot, functions: Iterable[str], passive: bool)
     scaled = {port.name for f in whole.functions if f.limits is Limits.ASKED for port in f.inputs}
     joints = _joints(robot, scaled)
     absent = frozenset(_joints(robot, every=True)) - set(joints)
-    steps = tuple(part for f in whole.functions for part in _parts(f, absent, passive))
+    steps = tuple(part for f in _useful(whole) for part in _parts(f, absent, passive))
     kept = select(replace(whole, functions=steps), {f.name: f.name for f in steps})
     named = {port.name for f in kept.functions for port in (*f.inputs, *f.outputs)}
     return replace(kept, joints=tuple(name for name in joints if name in named))
+
+
+def _useful(module: Module) -> Iterator[Function]:
+    """The functions without an `inverse_slip` that is 0 for every twist; `inverse` keeps it in mind."""
+    still = {f.name for f in module.functions if f.name == "inverse_slip" and _is_zero(f)}
+    for f in module.functions:
+        if f.name == "inverse" and still:
+            yield replace(f, zeros=("slip",))
+        elif f.name not in still:
+            yield f
+
+
+def _is_zero(function: Function) -> bool:
+    nodes = (function.nodes[k] for k in function.results)
+    return all(node.op is Op.CONST and not node.value for node in nodes)
 
 
 def _joints(robot: Robot, scaled: Collection[str] = (), every: bool = False) -> tuple[str, ...]:

@@ -238,7 +238,7 @@ def test_types_of_parameters_are_those_of_ros(tmp_path: Path) -> None:
     assert all(isinstance(p[name], float) for name in ("wheel_separation", "wheel_radius"))
     assert p["linear"]["x"] == {
         "max_velocity": 2.0, "min_velocity": -2.0, "max_acceleration": 4.0, "max_deceleration": -3.0,
-        "max_acceleration_reverse": -3.0, "max_deceleration_reverse": 4.0,
+        "max_acceleration_reverse": -4.0, "max_deceleration_reverse": 3.0,
     }  # fmt: skip
 
 

@@ -128,7 +128,9 @@ def test_float_exact(name: str) -> None:
         found = [evaluate_module(module, has, case, FLOAT32) for case in given]
         if function == "inverse":
             for values, case in zip(found, given, strict=True):
-                values |= evaluate_module(module, "inverse_slip", case, FLOAT32)
+                if "inverse_slip" in {f.name for f in module.functions}:
+                    values |= evaluate_module(module, "inverse_slip", case, FLOAT32)
+                values |= dict.fromkeys(module.function("inverse").zeros, 0.0)
             passive = set(wanted[0]) - set(found[0])
             assert passive.isdisjoint(module.joints or ())
             assert all(model.robot.wheel(n.partition(".")[0]).kind.turns for n in passive)

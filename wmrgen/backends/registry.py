@@ -138,7 +138,14 @@ class Entry(NamedTuple):
         chosen = {name: options[name] for name in self.options if name in options}
         every = [(part, case) for name, case in requests for part in parts[name]]
         answers = iter(self.load().evaluate(module, every, **chosen))
-        return [{key: x for _ in parts[name] for key, x in next(answers).items()} for name, _ in requests]
+        zeros = {
+            name: {key: 0.0 for f in module.functions if f.name in parts[name] for key in f.zeros}
+            for name in parts
+        }
+        return [
+            {key: x for _ in parts[name] for key, x in next(answers).items()} | zeros[name]
+            for name, _ in requests
+        ]
 
 
 BACKENDS: dict[str, Entry] = {}

@@ -92,8 +92,9 @@ def _drive_of(robot: Robot) -> Drive:
 
 
 def limits_of(robot: Robot) -> dict[str, Term]:
-    """Terms of the limits of the twist: ``vx.high``, ``vx_rate.low``."""
+    """Terms of the limits of the twist: ``vx.high``, ``vx_rate.low``, and in reverse ``vx_rate.-high``."""
     named = {f"{n}.{end}": getattr(v, end) for n, v in robot.limits.items() for end in ("low", "high")}
+    named |= {f"{n}.-{end}": -getattr(v, end) for n, v in robot.limits.items() for end in ("low", "high")}
     return {name: float(value) for name, value in named.items()}
 
 

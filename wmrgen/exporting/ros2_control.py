@@ -24,7 +24,7 @@ _STEERING = {
 _LIMITED = {"max_velocity": "high", "min_velocity": "low"}
 _LIMITED_RATE = {
     "max_acceleration": "high", "max_deceleration": "low",
-    "max_acceleration_reverse": "low", "max_deceleration_reverse": "high",
+    "max_acceleration_reverse": "-high", "max_deceleration_reverse": "-low",
 }  # fmt: skip
 
 

@@ -55,6 +55,7 @@ class Function:
     ``named``: intermediate results of the formula; passes keep them as long as they compute them.
     ``variant_of``: the function whose inputs and intermediate results this one shares, where it gives other outputs
     of the same formula. ``limits``: which inputs the limits of the robot bound. ``in_place``: see `wmrgen.interface`.
+    ``zeros``: outputs of the formula that are 0 whatever the inputs, and that no function computes.
     """
 
     name: str
@@ -67,6 +68,7 @@ class Function:
     variant_of: str = ""
     limits: Limits = Limits.NONE
     in_place: bool = False
+    zeros: tuple[str, ...] = ()
 
     def outputs_of(self, values: Sequence[T]) -> dict[str, T]:
         """The outputs by name; ``values``: one of each node."""

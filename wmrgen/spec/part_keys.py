@@ -27,10 +27,12 @@ LIMITS = Section(
             aliases=dict.fromkeys(("w", "wz", "yaw", "yaw_rate", "angular", "turn"), ""),
         ),
         Field(
-            "vx_rate", Interval(Kind.ACCELERATION), "how fast vx may change, which limit_acceleration keeps"
+            "vx_rate",
+            Interval(Kind.ACCELERATION),
+            "how fast |vx| may shrink (braking, -low) and grow (high), which limit_acceleration keeps",
         ),
-        Field("vy_rate", Interval(Kind.ACCELERATION), "how fast vy may change"),
-        Field("omega_rate", Interval(Kind.ANGULAR_ACCELERATION), "how fast omega may change"),
+        Field("vy_rate", Interval(Kind.ACCELERATION), "the same of vy"),
+        Field("omega_rate", Interval(Kind.ANGULAR_ACCELERATION), "the same of omega"),
         Field("spin", Interval(Kind.RATE), "rate of a wheel about its axle", joint="spin"),
         Field(
             "steer",

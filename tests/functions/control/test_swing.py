@@ -153,6 +153,21 @@ def test_wheels_roll_with_their_pivots_while_they_swing() -> None:
     assert backwards > 20  # which are the wheels more than a quarter turn off
 
 
+def test_a_wheel_beside_its_axis_rolls_as_its_contact_moves() -> None:
+    """The contact is o to the left of the pivot, so that it moves o omega slower along the wheel."""
+    d, source = compensated(SWERVE.replace("}", ", offset_y: 0.02}")), random.Random(7)
+    for twist in twists(20):
+        asked = call(d, "inverse", twist | steers([source.uniform(-4, 4) for _ in CORNERS]))
+        asked = {k: v for k, v in asked.items() if k.endswith((".spin", ".steer"))}
+        now = [source.uniform(-4, 4) for _ in CORNERS]
+        result = call(d, "compensate_steering", asked | angles(now, "steer_now") | {"omega": twist["omega"]})
+        for (n, (a, b)), angle in zip(CORNERS.items(), now, strict=True):
+            x, y = 0.3 * a, 0.25 * b
+            vx, vy = twist["vx"] - y * twist["omega"], twist["vy"] + x * twist["omega"]
+            speed = vx * math.cos(angle) + vy * math.sin(angle) - 0.02 * twist["omega"]
+            assert result[f"{n}.spin"] == pytest.approx(speed / 0.05, abs=1e-12)
+
+
 def test_a_wheel_that_points_where_it_should_keeps_its_speed() -> None:
     d = compensated()
     spins = angles([3.0, -7.5, 0.0, 1e6], "spin")
@@ -179,7 +194,6 @@ def test_the_wheels_of_one_motor_are_seen_as_one() -> None:
     ("wheels", "lines", "why"),
     [
         (SWERVE.replace("}", ", actuated: [steer]}"), (), "no wheel is steered, or none is driven"),
-        (SWERVE.replace("}", ", offset_y: 0.02}"), (), r"fl rolls beside its steering axis \(offset_y\)"),
         (SWERVE, ("couplings:", "  - {equal: [fl.spin, br.spin]}"), "fl and br turn as one and steer each"),
     ],
 )

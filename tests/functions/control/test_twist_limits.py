@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ Twist = dict[str, float]
 LIMITS = "limits: {vx: [-0.7, 1.3], vy: 0.9, omega: 2.1}"
 LOW, HIGH = (-0.7, -0.9, -2.1), (1.3, 0.9, 2.1)
 RATES = "limits: {vx_rate: [-3, 2], vy_rate: 1.5, omega_rate: 7}"
-SLOWER, FASTER = (-3.0, -1.5, -7.0), (2.0, 1.5, 7.0)
+BRAKING, FASTER = [*map(Fraction, (3, 1.5, 7))], [*map(Fraction, (2, 1.5, 7))]
 
 
 def twist(vx: float, vy: float, omega: float, when: str = "") -> Twist:
@@ -40,6 +41,15 @@ def limited(*lines: str, wheels: str = MECANUM) -> Derivation:
 
 def accelerated(limits: str = RATES) -> Derivation:
     return derived(robot_text(MECANUM, limits), "limit_acceleration")
+
+
+def allowed(last: Any, change: Any, dt: Any) -> list[Any]:
+    """How far each component may change in dt: it brakes until it stands, if it goes there, then it speeds up."""
+    found = []
+    for v, c, brake, speed in zip(last, change, BRAKING, FASTER, strict=True):
+        braking = min(dt, abs(v) / brake) if v * c < 0 else 0
+        found.append(brake * braking + speed * (dt - braking))
+    return found
 
 
 def exactly(d: Derivation, name: str, values: Twist) -> list[Fraction]:
@@ -186,9 +196,8 @@ def test_the_change_keeps_its_direction_and_its_limits() -> None:
         assert 0 < k <= 1
         assert all(Fraction(v) + k * c == r for v, c, r in zip(last, change, result, strict=True))
         step = Fraction(values["dt"])
-        most = max(
-            c / (Fraction(ends[c > 0]) * step) for c, *ends in zip(change, SLOWER, FASTER, strict=True)
-        )
+        way = allowed([Fraction(v) for v in last], change, step)
+        most = max(abs(c) / d for c, d in zip(change, way, strict=True))
         assert k == (1 if most <= 1 else (1 - Fraction(1, 2**21)) / most)
         short += k < 1
     assert 25 < short < 60
@@ -208,10 +217,11 @@ def test_in_float_it_lies_between_both_twists() -> None:
         dt = nearest_float32(10.0 ** source.uniform(-6, 0))
         values = twist(*wanted, "_wanted") | twist(*last) | {"dt": dt}
         result = [*call(d, "limit_acceleration", values, FLOAT32).values()]
-        for v, w, r, low, high in zip(last, wanted, result, SLOWER, FASTER, strict=True):
+        way = allowed(last, [w - v for v, w in zip(last, wanted, strict=True)], dt)
+        for v, w, r, far in zip(last, wanted, result, way, strict=True):
             assert min(v, w) <= r <= max(v, w)
             rounding = float(np.spacing(np.float32(max(abs(v), abs(w)))))
-            assert low * dt * (1 + 1e-6) - rounding <= r - v <= high * dt * (1 + 1e-6) + rounding
+            assert abs(r - v) <= far * (1 + 1e-6) + rounding
         short += result != wanted
     assert 200 < short < 600
 
@@ -225,6 +235,15 @@ def test_the_wanted_twist_is_reached_to_the_bit() -> None:
         last, steps = call(d, "limit_acceleration", values, FLOAT32), steps + 1
         assert steps <= 48
     assert steps in (47, 48)  # 0.7 m/s at 1.5 m/s^2: 46.7 steps
+
+
+def test_it_brakes_by_one_limit_and_speeds_up_by_the_other() -> None:
+    """In both directions: 3 m/s^2 brakes and 2 speeds up, and so does a step through standstill."""
+    d = accelerated("limits: {vx_rate: [-3, 2]}")
+    for way in (1, -1):
+        for last, wanted, after in ((0.0, 9.0, 1.0), (5.0, -9.0, 3.5), (0.75, -9.0, -0.5), (4.0, 3.0, 3.0)):
+            values = twist(way * wanted, 0, 0, "_wanted") | twist(way * last, 0, 0) | {"dt": 0.5}
+            assert call(d, "limit_acceleration", values)["vx"] == pytest.approx(way * after, rel=3e-6)
 
 
 def test_what_can_be_reached_in_the_step_is() -> None:
@@ -294,7 +313,7 @@ def test_both_in_c() -> None:
         | {"dt": nearest_float32(source.uniform(-0.1, 1))}
         for _ in range(80)
     ]
-    low, high = np.array((LOW, SLOWER)), np.array((HIGH, FASTER))
+    low, high = np.array(LOW), np.array(HIGH)
     for name in ("limit_twist", "limit_acceleration"):
         names = [p.name for p in d.formula(name).inputs]
         results = evaluate_c(d.c_module, [(name, {n: case[n] for n in names}) for case in cases], Choice())
@@ -303,10 +322,10 @@ def test_both_in_c() -> None:
                 [[case[f"{n}{when}"] for n in ("vx", "vy", "omega")] for when in ("", "_wanted")]
             )
             if name == "limit_twist":
-                load = np.max(values[0] / np.where(values[0] < 0, low[0], high[0]))
+                load = np.max(values[0] / np.where(values[0] < 0, low, high))
                 expected = values[0] * (0.0 if load < 0.25 else min(1.0, 1 / load))
             else:
                 change = values[1] - values[0]
-                time = np.max(change / np.where(change < 0, low[1], high[1]))
-                expected = values[0] + change * min(1.0, max(case["dt"], 0.0) / time)
+                way = allowed(values[0], change, max(case["dt"], 0.0))
+                expected = values[0] + change * min(1.0, np.min(way / np.abs(change)))
             assert [*result.values()] == pytest.approx([*expected], abs=3e-6)

@@ -198,7 +198,7 @@ def _macro(name: str) -> str:
 def _constants(unit: Unit, facts: Facts) -> list[tuple[str, str, str]]:
     """Name, value and what it is, of every number of the robot file that a program may want."""
     scalar = unit.choice.scalar
-    return [
+    constants = [
         (
             _macro(name),
             str(value) if isinstance(value, int) else literal(Exact(Fraction(value)), scalar),
@@ -206,6 +206,10 @@ def _constants(unit: Unit, facts: Facts) -> list[tuple[str, str, str]]:
         )
         for name, value, text in facts.constants
     ]
+    names = {step.name.removeprefix(f"{unit.robot}_") for step in unit.steps}
+    if "inverse" in names and "inverse_slip" not in names:
+        constants.append(("INVERSE_SLIP_IS_0", "1", "no twist makes wheels slide: there is no inverse_slip"))
+    return constants
 
 
 def _indented(text: str) -> list[str]:

@@ -25,7 +25,8 @@ points now: of the velocity that `inverse` commands, r spin along the angle ``st
 (the rolling row, Siegwart (3.12), at the present angle; cosineScale of WPILib). Any other speed would slip along the
 wheel. The sign is kept: a wheel more than a quarter turn off, as one that comes back from a steering stop, rolls
 backwards, which carries the robot where it should go. `inverse` asks for no more than a quarter turn where there are
-no stops.
+no stops. A wheel beside its steering axis has -o omega / r in its spin, which is no velocity of its pivot and stays:
+with the yaw rate omega of the twist that `inverse` was given, spin' = spin cos - (o / r) omega (1 - cos).
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.kinematics.steer import present
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import DT, Limits, Port, Role
+from wmrgen.ports import DT, TWIST, Limits, Port, Role
 from wmrgen.symbolic import (
     Expr,
     add,
@@ -134,7 +135,13 @@ def compensate_steering(robot: Robot, mobility: Mobility) -> Formula:
         now = _present(lead)
         inputs |= dict.fromkeys((spin, steer, now))
         along = sympy.cos(subtract(signal(steer.name), signal(now.name)), evaluate=False)
-        outputs.append((spin, times(signal(spin.name), along)))
+        moved = times(signal(spin.name), along)
+        g = working_view(w)
+        if g.o:
+            inputs[TWIST[2]] = None
+            aside = times(expression(g.o * g.r.inverse()), signal(TWIST[2].name))
+            moved = subtract(moved, times(aside, subtract(sympy.S.One, along)))
+        outputs.append((spin, moved))
     return names.formula("compensate_steering", inputs, outputs, text)
 
 
@@ -152,9 +159,6 @@ def _lead(robot: Robot, w: Wheel) -> Wheel:
         ):
             why = f"{w.name} and {other.name} turn as one and steer each by itself"
             raise underivable(robot, "compensate_steering", why)
-    if w.working.o:
-        why = f"{w.name} rolls beside its steering axis (offset_y) as the robot turns, however it is steered"
-        raise underivable(robot, "compensate_steering", why)
     return robot.wheels[groups[w.index]]
 
 

@@ -12,12 +12,15 @@ the limits of acceleration, so that the robot stops along the path that it drive
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
+from functools import reduce
 
 import sympy
 
 from wmrgen.exact.number import Exact
+from wmrgen.functions.control.braking import rate_limit
 from wmrgen.functions.control.curvature import reach
 from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, scaled
 from wmrgen.functions.registry import function, underivable
@@ -26,15 +29,16 @@ from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Interval, Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import DT, TWIST, TWIST_NAMES, Limits, Port, Role
-from wmrgen.symbolic import Expr, add, maximum, number, select, signal, subtract, times
+from wmrgen.symbolic import Expr, absolute, add, maximum, number, select, signal, subtract, times
 
 # Of the way that a step may go: no rounding carries it past the wanted twist.
 SHORT = Exact(1 - Fraction(1, 2**21))
 INSTANT = Exact(Fraction(1, 10**20))  # s
-_WANTED = tuple(
+WANTED = tuple(
     Port(f"{p.name}_wanted", Role.COMMAND, p.unit, f"{p.name} that is to be reached") for p in TWIST
 )
-_STEP = replace(DT, text="time since the last command; what is below 0 counts as 0")
+LAST = tuple(replace(port, role=Role.STATE) for port in TWIST)
+STEP = replace(DT, text="time since the last command; what is below 0 counts as 0")
 
 
 @function("ours; the texts have none", limits=Limits.ASKED, in_place=True)
@@ -46,7 +50,7 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     """
     names = Locals()
     bends = reach(robot, mobility, names)
-    limits = _limits(robot, mobility, "limit_twist", "", "{vx: 1, omega: 2}", needed=bends is None)
+    limits = twist_limits(robot, mobility, "limit_twist", needed=bends is None)
     missing = [name for name, limit in limits.items() if limit is None]
     if robot.deadband and missing:
         why = f"its deadband is a share of limits, and {missing[0]} has none"
@@ -67,7 +71,7 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     scale = names.define("scale", scale)
     twist = {name: scaled(asked[name], limit, scale) for name, limit in limits.items()}
     return names.formula(
-        "limit_twist", (*TWIST, *(tunable_ports(robot) if bends else ())), _whole(twist), text
+        "limit_twist", (*TWIST, *(tunable_ports(robot) if bends else ())), whole(twist), text
     )
 
 
@@ -77,27 +81,58 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
 
     The step takes the time t = max(change / limit over all components, `INSTANT`). The wanted twist is reached, to
     the bit, where t <= dt; else the change is that times dt / t (and times `SHORT`, so that the result lies between
-    both twists).
+    both twists). The limit is that of speeding up or of braking, see `braking`.
     """
-    limits = _limits(robot, mobility, "limit_acceleration", "_rate", "{vx_rate: 1, omega_rate: 2}")
+    limits = acceleration_limits(robot, mobility, "limit_acceleration")
     names = Locals()
     changes = {
         name: names.define(f"{name}_change", subtract(signal(f"{name}_wanted"), signal(name)))
         for name in limits
     }
     step = names.define("step", maximum(signal(DT.name), sympy.S.Zero))
-    time = names.define("time", most(number(INSTANT), ((changes[name], limits[name]) for name in limits)))
+    per_step = per_duration(limits.values(), step, names)
+    shares = [
+        share_of_limit(limit, signal(name), changes[name], per_step, names, name)
+        for name, limit in limits.items()
+        if limit is not None
+    ]
+    time = names.define("time", reduce(maximum, shares, number(INSTANT)))
     share = names.define("share", times(number(SHORT), step) / time)
     twist = {
         name: select(step, time, add(signal(name), times(share, change)), signal(f"{name}_wanted"))
         for name, change in changes.items()
     }
     text = "the last commanded twist to the next, straight towards the wanted one, inside the limits of acceleration"
-    present = (replace(port, role=Role.STATE) for port in TWIST)
-    return names.formula("limit_acceleration", (*present, *_WANTED, _STEP), _whole(twist), text)
+    return names.formula("limit_acceleration", (*LAST, *WANTED, STEP), whole(twist), text)
 
 
-def _whole(twist: dict[str, Expr]) -> list[tuple[Port, Expr]]:
+def twist_limits(robot: Robot, mobility: Mobility, what: str, needed: bool) -> dict[str, Interval | None]:
+    """Limits of vx, vy and omega, for each that the robot can drive."""
+    return _limits(robot, mobility, what, "", "{vx: 1, omega: 2}", needed)
+
+
+def acceleration_limits(
+    robot: Robot, mobility: Mobility, what: str, needed: bool = True
+) -> dict[str, Interval | None]:
+    """Limits of the rates of vx, vy and omega, for each that the robot can drive."""
+    return _limits(robot, mobility, what, "_rate", "{vx_rate: 1, omega_rate: 2}", needed)
+
+
+def per_duration(limits: Iterable[Interval | None], step: Expr, names: Locals) -> Expr | None:
+    """1 / ``step`` where a limit differs for speeding up and for braking, which alone needs it."""
+    if all(limit is None or limit.high == -limit.low for limit in limits):
+        return None
+    return names.define("per_step", 1 / maximum(number(INSTANT), step))
+
+
+def share_of_limit(
+    limit: Interval, now: Expr, change: Expr, per_step: Expr | None, names: Locals, name: str
+) -> Expr:
+    """Return the time [s] that a change takes: its size over the limit of its rate, see `rate_limit`."""
+    return times(absolute(change), 1 / rate_limit(limit, now, change, per_step, names, name))
+
+
+def whole(twist: dict[str, Expr]) -> list[tuple[Port, Expr]]:
     """All three components: 0 for one that the robot cannot drive."""
     return [(port, twist.get(port.name, sympy.S.Zero)) for port in TWIST]
 

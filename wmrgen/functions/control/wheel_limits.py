@@ -124,13 +124,20 @@ def _rates(robot: Robot) -> list[tuple[Port, Interval | None]]:
         )  # fmt: skip
     joints = [(w, "spin") for w in robot.wheels if w.has_spin]
     joints += [(w, "steer_rate") for w in robot.wheels if w.kind.swivels]
-    rates = [(joint_port(w, joint, Role.COMMAND), _room(robot, w, joint)) for w, joint in joints]
+    rates = [(joint_port(w, joint, Role.COMMAND), room(robot, w, joint, "desaturate")) for w, joint in joints]
     refuse_one_sided(robot, "desaturate", ((port.name, limit) for port, limit in rates))
     return rates
 
 
-def _room(robot: Robot, w: Wheel, joint: str) -> Interval | None:
-    """The limit of a joint rate, of a spin without what `steer_toward` may add. NotDerivableError if that is all."""
+def room(robot: Robot, w: Wheel, joint: str, what: str) -> Interval | None:
+    """Return the limit of a joint rate, of a spin without what `steer_toward` may add.
+
+    Args:
+        robot: the robot of ``w``.
+        w: a wheel.
+        joint: ``spin`` or ``steer_rate``.
+        what: the function that asks, for the NotDerivableError if steering takes all of the limit.
+    """
     limit = robot.limit(w, joint)
     if limit is None or joint != "spin" or not w.rolls_when_steered:
         return limit
@@ -145,7 +152,7 @@ def _room(robot: Robot, w: Wheel, joint: str) -> Interval | None:
             f"steering {w.name} {taken} leaves no room inside its limit of spin; "
             "write a smaller limits: {steer_rate: …}"
         )
-        raise underivable(robot, "desaturate", why)
+        raise underivable(robot, what, why)
     return Interval(limit.low + share, limit.high - share)
 
 

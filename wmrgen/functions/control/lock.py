@@ -1,0 +1,104 @@
+"""`lock`: steering angles at which no motion is possible, the X of a swerve drive.
+
+Every steered wheel points towards the centroid of all steered pivots, or away from it, and stands. With r the way from
+the centroid to a pivot, its sliding row is (z x r) . v + |r|^2 omega = 0, v the velocity of the centroid. The sum over
+the wheels leaves omega = 0, because the r sum to zero, and then v = 0 unless all wheels stand in one line.
+"""
+
+from __future__ import annotations
+
+from cmath import phase
+from math import pi
+
+import mpmath
+import numpy as np
+import sympy
+
+from wmrgen.constraints import working_view
+from wmrgen.exact.evaluate import PRECISION, to_fraction, to_mpf
+from wmrgen.exact.linalg import mean
+from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Poly
+from wmrgen.functions.registry import function, underivable
+from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
+from wmrgen.kinematics.steer import PER_HALF_TURN, present, turned_back, turned_by
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Port, Role
+from wmrgen.symbolic import Expr, angle_of, expression, kept_between, nearest, number, subtract, times
+
+_CLEAR = (
+    1e-3  # of the largest distance: a wheel as near to the centroid points nowhere; and of singular values
+)
+
+
+@function("ours; setX of FRC swerve drives")
+def lock(robot: Robot, _: Mobility) -> Formula:
+    """Present steering angles to those nearest at which the robot can neither move nor turn; wheels stand."""
+    steered = [w for w in robot.wheels if w.kind.steers]
+    _check(robot, steered)
+    names = Locals()
+    views = [working_view(w) for w in steered]
+    x, y = mean([g.x for g in views]), mean([g.y for g in views])
+    outputs: list[tuple[Port, Expr]] = []
+    for w in robot.wheels:
+        if w.commands("spin"):
+            outputs.append((joint_port(w, "spin", Role.COMMAND), sympy.S.Zero))
+        if w not in steered:
+            continue
+        g, limits = working_view(w), robot.limit(w, "steer")
+        along, across = turned_by(w, (g.x - x, g.y - y))
+        heading = names.define(f"{w.name}_heading", _angle(across, along))
+        turns = nearest(times(number(PER_HALF_TURN), subtract(heading, present(w, limits))))
+        steer = names.define(f"{w.name}_nearest", subtract(heading, times(sympy.pi, turns)))
+        if limits is not None:
+            steer = kept_between(number(limits.low), turned_back(steer, limits), number(limits.high))
+        outputs.append((joint_port(w, "steer", Role.COMMAND), steer))
+    return names.formula(
+        "lock",
+        (*(joint_port(w, "steer", Role.STATE) for w in steered), *tunable_ports(robot)),
+        outputs,
+        "present steering angles to the nearest ones at which no motion is possible; wheels stand",
+    )
+
+
+def _angle(y: Poly, x: Poly) -> Expr:
+    """The direction of (x, y) [rad]: a number where no parameter is tunable."""
+    b, a = y.constant, x.constant
+    if a is None or b is None:
+        return angle_of(expression(y), expression(x))
+    with mpmath.workdps(PRECISION):
+        return number(Exact(to_fraction(mpmath.atan2(to_mpf(b.rational()), to_mpf(a.rational())))))
+
+
+def _check(robot: Robot, steered: list[Wheel]) -> None:
+    """NotDerivableError where these angles do not lock the robot, or wheels cannot have them."""
+    if not steered:
+        raise underivable(robot, "lock", "no wheel is steered")
+    for members in robot.together("steer", steered):
+        if len(members) > 1:
+            why = f"{members[0].name} and {members[1].name} are steered by one motor"
+            raise underivable(robot, "lock", why)
+    centre = sum(w.pivot for w in steered) / len(steered)
+    ways = [w.pivot - centre for w in steered]
+    far = max(map(abs, ways))
+    for w, way in zip(steered, ways, strict=True):
+        if abs(way) <= _CLEAR * far:
+            why = f"{w.name} stands in the middle of the steered wheels, and has no direction to point in"
+            raise underivable(robot, "lock", why)
+        limits = robot.limit(w, "steer")
+        if limits is not None:
+            low, high = float(limits.low), float(limits.high)
+            first = phase(way / w.zero_heading)
+            first += pi * np.ceil((low - first) / pi)
+            if first > high:
+                why = f"the steering stops of {w.name} keep it from pointing to the middle of the steered wheels"
+                raise underivable(robot, "lock", why)
+    rows = [[-way.imag, way.real, abs(way) ** 2 / far] for way in ways]
+    fixed = [(w.heading, w.pivot - centre) for w in robot.wheels if w.kind.fixed_axle]
+    for heading, way in fixed:
+        n = 1j * np.exp(1j * heading)
+        rows.append([n.real * far, n.imag * far, (way.real * n.imag - way.imag * n.real)])
+    if np.linalg.svd(np.array(rows))[1][2:].sum() <= _CLEAR * far:
+        why = "its wheels stand in one line, along which they roll when they point to their middle"
+        raise underivable(robot, "lock", why)

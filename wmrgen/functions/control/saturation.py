@@ -1,0 +1,173 @@
+"""What a robot gives up where the wanted twist is too fast for it: `turn_first` and `drive_first`.
+
+`limit_twist` keeps the path: one factor for vx, vy and omega. Here the twist has two parts, translation (vx, vy) and
+rotation (omega), and one of them comes first. It is slowed down only as far as it is too fast by itself; the other one
+takes what limits of twist and of wheel speed (``spin``) leave. With a the speed of a wheel for the first part and b for
+the second one, both linear, the second part is driven times the largest k in [0, 1] with
+
+    low <= a + k b <= high            for a wheel that does not steer
+    |a + k b| <= limit                for the pivot of a steered wheel, where a and b are vectors
+
+and the second one is k = (q - a . b) / b^2 with q = sqrt((a . b)^2 + b^2 (limit^2 - a^2)).
+
+A car turns only as it drives, so that it has no such choice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import reduce
+
+import sympy
+
+from wmrgen.constraints import rolling_row, working_view
+from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.poly import Gen, Poly, Row, dot, triple
+from wmrgen.functions.control.twist_limits import twist_limits, whole
+from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, room
+from wmrgen.functions.registry import function, underivable
+from wmrgen.kinematics.inverse import Joints, spins
+from wmrgen.kinematics.least_squares import project
+from wmrgen.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.kinematics.steer import pivot
+from wmrgen.layout.records import Interval, Robot, Wheel
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import TWIST, TWIST_NAMES, Limits
+from wmrgen.symbolic import (
+    Expr,
+    absolute,
+    add,
+    expression,
+    kept_between,
+    maximum,
+    minimum,
+    number,
+    root,
+    select,
+    square,
+    subtract,
+    times,
+)
+
+_ONE, _ZERO = sympy.S.One, sympy.S.Zero
+_TRANSLATION, _ROTATION = ("vx", "vy"), ("omega",)
+# 1e-12 (m/s)^2: nothing of a speed whose square is less is asked of a wheel.
+_LEAST = Exact(Fraction(1, 10**12))
+
+
+@function("ours; the choice of FRC drives at saturation", limits=Limits.ASKED, in_place=True)
+def turn_first(robot: Robot, mobility: Mobility) -> Formula:
+    """A twist inside the limits of twist and wheel speed: omega as wanted if it can be, then vx and vy."""
+    return _saturated(robot, mobility, "turn_first", (_ROTATION, _TRANSLATION))
+
+
+@function("ours; the choice of FRC drives at saturation", limits=Limits.ASKED, in_place=True)
+def drive_first(robot: Robot, mobility: Mobility) -> Formula:
+    """A twist inside the limits of twist and wheel speed: vx, vy as wanted if they can be, then omega."""
+    return _saturated(robot, mobility, "drive_first", (_TRANSLATION, _ROTATION))
+
+
+def _saturated(
+    robot: Robot, mobility: Mobility, what: str, order: tuple[tuple[str, ...], tuple[str, ...]]
+) -> Formula:
+    """Return the function ``what``, in which the components of ``order`` come first and second."""
+    limits = twist_limits(robot, mobility, what, needed=False)
+    steered = [w for w in robot.wheels if w.kind.steers]
+    if steered and any(w.kind.fixed_axle for w in robot.wheels):
+        raise underivable(robot, what, "it turns only as it drives: limit_twist keeps its path")
+    driven = [w for w in robot.wheels if w.commands("spin") and not w.kind.swivels]
+    beside = next((w.name for w in steered if w.nominal.o), None)
+    if beside is not None:
+        why = f"{beside} rolls beside its steering axis (offset_y), so that its spin is no velocity of its pivot"
+        raise underivable(robot, what, why)
+    caps = {w.index: room(robot, w, "spin", what) for w in driven}
+    refuse_one_sided(robot, what, ((f"{w.name}.spin", caps[w.index]) for w in driven))
+    if not any((*limits.values(), *caps.values())):
+        raise underivable(robot, what, "it has no limits; write limits: {vx: 1, omega: 2, spin: 40}")
+    names, plan = Locals(), project(robot, mobility).twist
+    first, second = (_part(plan, part) for part in order)
+    a, b = (_speeds(robot, driven, part) for part in (first, second))
+    loads = [most(_ONE, _components(limits, order[0]))]
+    for w in driven:
+        if (limit := caps[w.index]) is not None:
+            value = a[w.index]
+            if len(value) == 1:
+                loads.append(most(_ONE, [(value[0], limit)]))
+            else:
+                loads.append(times(root(add(*map(square, value))), number(ONE / _least(limit))))
+    slower = names.define("slower", 1 / names.define("load", reduce(maximum, loads)))
+    share = names.define("fastest", 1 / names.define("own", most(_ONE, _components(limits, order[1]))))
+    for w in driven:
+        if (limit := caps[w.index]) is not None:
+            now = [names.define(f"{w.name}_first", times(slower, v)) for v in a[w.index]]
+            rest = [names.define(f"{w.name}_second", v) for v in b[w.index]]
+            share = minimum(
+                share, _line(now[0], rest[0], limit) if len(now) == 1 else _disk(w, now, rest, limit, names)
+            )
+    share = names.define("share", maximum(share, _ZERO))
+    twist: dict[str, Expr] = {}
+    for n, p, q, limit in zip(TWIST_NAMES, first, second, map(limits.get, TWIST_NAMES), strict=True):
+        value = add(times(slower, expression(p)), times(share, expression(q)))
+        if limit is not None and p + q == Poly.gen("input", n):  # rounding may pass it by one unit
+            value = kept_between(number(limit.low), value, number(limit.high))
+        if p or q:
+            twist[n] = value
+    text = "a twist to one inside the limits of twist and wheel speed: "
+    text += "the yaw rate" if order[0] == _ROTATION else "the velocity"
+    text += " as wanted if that can be, the rest as fast as is left"
+    return names.formula(what, (*TWIST, *tunable_ports(robot)), whole(twist), text)
+
+
+def _components(
+    limits: Mapping[str, Interval | None], part: tuple[str, ...]
+) -> list[tuple[Expr, Interval | None]]:
+    return [(expression(Poly.gen("input", name)), limits[name]) for name in part if name in limits]
+
+
+def _part(plan: Row, kept: tuple[str, ...]) -> Row:
+    """The admissible twist of the components ``kept`` alone."""
+
+    def only(g: Gen) -> Poly | None:
+        return Poly({}) if g.kind == "input" and g.name in TWIST_NAMES and g.name not in kept else None
+
+    return triple(p.substitute(only) for p in plan)
+
+
+def _speeds(robot: Robot, driven: list[Wheel], twist: Row) -> dict[int, list[Expr]]:
+    """Spins [rad/s] by wheel index: one number, or of a steered wheel two, along x and y of the robot."""
+    still = [w for w in robot.wheels if w.has_spin and not w.turns]
+    rims = {w.index: dot(rolling_row(w, working_view(w)).row, twist) for w in still}
+    found = spins(
+        robot, {w.index: Joints(expression(rims[w.index]), working_view(w).rolling_radius) for w in still}
+    )
+    speeds = {i: [spin] for i, spin in found.items()}
+    for w in (w for w in driven if w.kind.steers):
+        over = working_view(w).r.inverse()
+        speeds[w.index] = [expression(p * over) for p in pivot(w, twist)]
+    return speeds
+
+
+def _least(limit: Interval) -> Exact:
+    """What a steered wheel may do either way round."""
+    return min(limit.high, -limit.low)
+
+
+def _line(a: Expr, b: Expr, limit: Interval) -> Expr:
+    """The largest share of b that a linear speed has room for; above 1 counts as 1."""
+    left = select(b, _ZERO, subtract(a, number(limit.low)), subtract(number(limit.high), a))
+    left = maximum(left, _ZERO)
+    return left / maximum(maximum(absolute(b), number(_LEAST)), left)
+
+
+def _disk(w: Wheel, a: list[Expr], b: list[Expr], limit: Interval, names: Locals) -> Expr:
+    """The largest share of b that the speed of a steered wheel has room for."""
+    top = number(_least(limit))
+    left = maximum(subtract(square(top), add(*map(square, a))), _ZERO)
+    left = names.define(f"{w.name}_left", left)
+    both = names.define(f"{w.name}_both", add(*(times(x, y) for x, y in zip(a, b, strict=True))))
+    size = names.define(f"{w.name}_size", add(*map(square, b)))
+    reach = names.define(f"{w.name}_reach", root(maximum(add(square(both), times(size, left)), _ZERO)))
+    back = subtract(reach, both) / maximum(number(_LEAST), size)
+    on = left / maximum(number(_LEAST), add(reach, both))
+    return select(both, _ZERO, back, on)

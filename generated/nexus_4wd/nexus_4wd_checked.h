@@ -21,7 +21,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_bfd20156d9e88868)
+#if !defined(NEXUS_4WD_PAIR_12146aa1a0ee5a05)
 #error "this file and nexus_4wd.h were not generated together: copy both"
 #endif
 

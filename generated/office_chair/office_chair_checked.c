@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_9c0c34baeaa95ac9)
+#if !defined(OFFICE_CHAIR_PAIR_53246e68c74bf7f1)
 #error "this file and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_9c0c34baeaa95ac9)
+#if !defined(OFFICE_CHAIR_PAIR_53246e68c74bf7f1)
 #error "this file and office_chair.h were not generated together: copy both"
 #endif
 

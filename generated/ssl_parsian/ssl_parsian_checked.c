@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SSL_PARSIAN_PAIR_25f29c9f8b6c1285)
+#if !defined(SSL_PARSIAN_PAIR_de6d0ae8b3c35dc9)
 #error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_25f29c9f8b6c1285)
+#if !defined(SSL_PARSIAN_PAIR_de6d0ae8b3c35dc9)
 #error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_PAIR_0d4accb2baffb762)
+#if !defined(TEXTBOOK_PAIR_d2ddb390fed5c865)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

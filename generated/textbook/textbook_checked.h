@@ -21,7 +21,7 @@
 
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_0d4accb2baffb762)
+#if !defined(TEXTBOOK_PAIR_d2ddb390fed5c865)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_71cd6fc5302725f3)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_bd6a21d59da7aeae)
 #error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

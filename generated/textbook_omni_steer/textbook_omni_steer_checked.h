@@ -21,7 +21,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_71cd6fc5302725f3)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_bd6a21d59da7aeae)
 #error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_8c717f0d3e406ba9)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_1188a913aad625de)
 #error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_8c717f0d3e406ba9)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_1188a913aad625de)
 #error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

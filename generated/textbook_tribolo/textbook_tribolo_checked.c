@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TRIBOLO_PAIR_13c7537cb14da980)
+#if !defined(TEXTBOOK_TRIBOLO_PAIR_26d231f2e65829f0)
 #error "this file and textbook_tribolo.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_8d036e203e18e006)
+#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_8d8b13dc0036446f)
 #error "this file and textbook_two_spheres.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

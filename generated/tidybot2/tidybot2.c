@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_be3a5435c6930389)
+#if !defined(TIDYBOT2_PAIR_d52bd0edba21689e)
 #error "this file and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -65,17 +65,19 @@
 #define WMRGEN_FMA
 #if defined(__AVR__)
 #error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
-#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#elif defined(__arm__) && !defined(__ARM_FP) && !defined(WMRGEN_SLOW_FMA)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__riscv) && !defined(__riscv_flen) && !defined(WMRGEN_SLOW_FMA)
 #error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
 #elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
 #if defined(__clang__) && (__clang_major__ < 22)
 /* Without the casts this clang regroups sums; they cost nothing and change nothing. */
-#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#define wmr_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
 #else
-#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#define wmr_fma(a, b, c) fmaf((a), (b), (c))
 #endif
 #else
-#define wmrgen_fma(a, b, c) wmrgen_fused((a), (b), (c))
+#define wmr_fma(a, b, c) wmrgen_fused((a), (b), (c))
 static inline float wmrgen_fused(float a, float b, float c)
 {
     union {
@@ -126,11 +128,10 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
-    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
+    const float t2 = t0 * ((t0 * 2.5989211e-06f) + (-0.0001980605f));
+    const float t3 = (t0 * (t2 + 0.008333009f)) + (-0.16666657f);
 
-    return wmrgen_fma(t1, t4, r);
+    return wmr_fma(t1, t3, r);
 }
 #endif
 
@@ -148,18 +149,17 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 {
     wmrgen_vector result;
-    const float t0 = wmrgen_fma(angle, 0.31830987f, 12582912.0f);
+    const float t0 = (angle * 0.31830987f) + 12582912.0f;
     const float t1 = t0 - 12582912.0f;
-    const float t2 = wmrgen_fma(t1, 8.742278e-08f, wmrgen_fma(-t1, 3.1415927f, angle));
+    const float t2 = wmr_fma(t1, 8.742278e-08f, wmr_fma(-t1, 3.1415927f, angle));
     const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
-    const float t6 = wmrgen_fma(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = wmrgen_fma(t4, t6, (-0.0013888585f));
-    const float t8 = wmrgen_fma(t4, t7, 0.041666657f);
-    const float t9 = wmrgen_fma(t4, t8, (-0.5f));
+    const float t6 = t4 * ((t4 * (-2.620902e-07f)) + 2.477018e-05f);
+    const float t7 = (t4 * (t6 + (-0.0013888585f))) + 0.041666657f;
+    const float t8 = (t4 * t7) + (-0.5f);
 
-    result.x = wmrgen_fma(t5, t9, t3);
+    result.x = wmr_fma(t5, t8, t3);
     result.y = t3 * wmrgen_sine(t2);
     return result;
 }
@@ -171,14 +171,14 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmr_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmr_fma(t1, wmr_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -203,32 +203,32 @@ void tidybot2_inverse(
     const float t3 = 13.574386f * twist->omega;
     const float caster_1_b = t2 - t3;
     const wmrgen_vector caster_1 = wmrgen_direction(now->caster_1.steer);
-    const float t4 = wmrgen_fma(caster_1_a, caster_1.x, caster_1_b * caster_1.y);
-    const float t5 = wmrgen_fma(caster_1_a, caster_1.y, -(caster_1.x * caster_1_b));
-    const float t6 = wmrgen_fma((-0.27574804f), t4, 0.07387795f * t5);
+    const float t4 = wmr_fma(caster_1_a, caster_1.x, caster_1_b * caster_1.y);
+    const float t5 = wmr_fma(caster_1_a, caster_1.y, -(caster_1.x * caster_1_b));
+    const float caster_1_spin = wmr_fma((-0.27574804f), t4, 0.07387795f * t5);
     const float caster_2_a = t1 + t0;
     const wmrgen_vector caster_2 = wmrgen_direction(now->caster_2.steer);
-    const float t7 = wmrgen_fma(caster_2_a, caster_2.x, caster_1_b * caster_2.y);
-    const float t8 = wmrgen_fma(caster_2_a, caster_2.y, -(caster_1_b * caster_2.x));
-    const float t9 = wmrgen_fma((-0.27574804f), t7, 0.07387795f * t8);
+    const float t6 = wmr_fma(caster_2_a, caster_2.x, caster_1_b * caster_2.y);
+    const float t7 = wmr_fma(caster_2_a, caster_2.y, -(caster_1_b * caster_2.x));
+    const float caster_2_spin = wmr_fma((-0.27574804f), t6, 0.07387795f * t7);
     const float caster_3_b = t2 + t3;
     const wmrgen_vector caster_3 = wmrgen_direction(now->caster_3.steer);
-    const float t10 = wmrgen_fma(caster_2_a, caster_3.x, caster_3_b * caster_3.y);
-    const float t11 = wmrgen_fma(caster_2_a, caster_3.y, -(caster_3.x * caster_3_b));
-    const float t12 = wmrgen_fma((-0.27574804f), t10, 0.07387795f * t11);
+    const float t8 = wmr_fma(caster_2_a, caster_3.x, caster_3_b * caster_3.y);
+    const float t9 = wmr_fma(caster_2_a, caster_3.y, -(caster_3.x * caster_3_b));
+    const float caster_3_spin = wmr_fma((-0.27574804f), t8, 0.07387795f * t9);
     const wmrgen_vector caster_4 = wmrgen_direction(now->caster_4.steer);
-    const float t13 = wmrgen_fma(caster_1_a, caster_4.x, caster_3_b * caster_4.y);
-    const float t14 = wmrgen_fma(caster_1_a, caster_4.y, -(caster_3_b * caster_4.x));
-    const float t15 = wmrgen_fma((-0.27574804f), t13, 0.07387795f * t14);
+    const float t10 = wmr_fma(caster_1_a, caster_4.x, caster_3_b * caster_4.y);
+    const float t11 = wmr_fma(caster_1_a, caster_4.y, -(caster_3_b * caster_4.x));
+    const float caster_4_spin = wmr_fma((-0.27574804f), t10, 0.07387795f * t11);
 
-    out->caster_1.spin = t6;
+    out->caster_1.spin = caster_1_spin;
     out->caster_1.steer_rate = t5 - twist->omega;
-    out->caster_2.spin = t9;
-    out->caster_2.steer_rate = t8 - twist->omega;
-    out->caster_3.spin = t12;
-    out->caster_3.steer_rate = t11 - twist->omega;
-    out->caster_4.spin = t15;
-    out->caster_4.steer_rate = t14 - twist->omega;
+    out->caster_2.spin = caster_2_spin;
+    out->caster_2.steer_rate = t7 - twist->omega;
+    out->caster_3.spin = caster_3_spin;
+    out->caster_3.steer_rate = t9 - twist->omega;
+    out->caster_4.spin = caster_4_spin;
+    out->caster_4.steer_rate = t11 - twist->omega;
 }
 
 void tidybot2_forward(const tidybot2_wheels *wheels, tidybot2_twist *twist)
@@ -241,55 +241,53 @@ void tidybot2_forward(const tidybot2_wheels *wheels, tidybot2_twist *twist)
     const float t0 = wheels->caster_1.steer_rate * caster_1.y;
     const float t1 = caster_1.x * wheels->caster_1.steer_rate;
     const float t2 = 3.6264992f * wheels->caster_1.spin;
-    const float caster_1_wy = wmrgen_fma(caster_1.y, t2, wmrgen_fma((-0.26791832f), t0, t1));
+    const float caster_1_wy = wmr_fma(caster_1.y, t2, wmr_fma((-0.26791832f), t0, t1));
     const wmrgen_vector caster_2 = wmrgen_direction(wheels->caster_2.steer);
     const float t3 = wheels->caster_2.steer_rate * caster_2.y;
     const float t4 = caster_2.x * wheels->caster_2.steer_rate;
     const float t5 = 3.6264992f * wheels->caster_2.spin;
-    const float caster_2_wy = wmrgen_fma(caster_2.y, t5, wmrgen_fma((-0.26791832f), t3, t4));
+    const float caster_2_wy = wmr_fma(caster_2.y, t5, wmr_fma((-0.26791832f), t3, t4));
     const float t6 = caster_1_wy + caster_2_wy;
     const wmrgen_vector caster_3 = wmrgen_direction(wheels->caster_3.steer);
     const float t7 = wheels->caster_3.steer_rate * caster_3.y;
     const float t8 = caster_3.x * wheels->caster_3.steer_rate;
     const float t9 = 3.6264992f * wheels->caster_3.spin;
-    const float caster_3_wy = wmrgen_fma(caster_3.y, t9, wmrgen_fma((-0.26791832f), t7, t8));
+    const float caster_3_wy = wmr_fma(caster_3.y, t9, wmr_fma((-0.26791832f), t7, t8));
     const wmrgen_vector caster_4 = wmrgen_direction(wheels->caster_4.steer);
     const float t10 = wheels->caster_4.steer_rate * caster_4.y;
     const float t11 = caster_4.x * wheels->caster_4.steer_rate;
     const float t12 = 3.6264992f * wheels->caster_4.spin;
-    const float caster_4_wy = wmrgen_fma(caster_4.y, t12, wmrgen_fma((-0.26791832f), t10, t11));
+    const float caster_4_wy = wmr_fma(caster_4.y, t12, wmr_fma((-0.26791832f), t10, t11));
     const float t13 = caster_3_wy + caster_4_wy;
-    const float caster_1_wx = wmrgen_fma((-0.26791832f), t1, wmrgen_fma(caster_1.x, t2, -t0));
-    const float caster_4_wx = wmrgen_fma((-0.26791832f), t11, wmrgen_fma(caster_4.x, t12, -t10));
+    const float caster_1_wx = wmr_fma((-0.26791832f), t1, wmr_fma(caster_1.x, t2, -t0));
+    const float caster_4_wx = wmr_fma((-0.26791832f), t11, wmr_fma(caster_4.x, t12, -t10));
     const float t14 = caster_1_wx + caster_4_wx;
-    const float caster_2_wx = wmrgen_fma((-0.26791832f), t4, wmrgen_fma(caster_2.x, t5, -t3));
-    const float caster_3_wx = wmrgen_fma((-0.26791832f), t8, wmrgen_fma(caster_3.x, t9, -t7));
+    const float caster_2_wx = wmr_fma((-0.26791832f), t4, wmr_fma(caster_2.x, t5, -t3));
+    const float caster_3_wx = wmr_fma((-0.26791832f), t8, wmr_fma(caster_3.x, t9, -t7));
     const float t15 = caster_2_wx + caster_3_wx;
     const float t16 = wheels->caster_1.spin + wheels->caster_2.spin;
     const float t17 = wheels->caster_4.spin + (wheels->caster_3.spin + t16);
     const float t18 = wheels->caster_1.steer_rate + wheels->caster_2.steer_rate;
     const float t19 = wheels->caster_4.steer_rate + (wheels->caster_3.steer_rate + t18);
-    const float t20 = wmrgen_fma(3.8864224f, t17, -(4.287121f * t19));
-    const float moment = wmrgen_fma(54.297543f, t6 - t13, wmrgen_fma(48.58652f, t14 - t15, t20));
+    const float t20 = wmr_fma(48.58652f, t14 - t15, wmr_fma(3.8864224f, t17, -(4.287121f * t19)));
     const float sum_wy = t13 + t6;
     const float t21 = caster_3.y + caster_4.y + (caster_1.y + caster_2.y);
     const float t22 = caster_3.x + caster_4.x + (caster_1.x + caster_2.x);
-    const float sum_fx = wmrgen_fma(0.26791832f, t21, -t22);
+    const float sum_fx = wmr_fma(0.26791832f, t21, -t22);
     const float t23 = -sum_fx;
+    const float t24 = wmr_fma(t23, sum_wy, wmr_fma(54.297543f, t6 - t13, t20));
     const float sum_wx = t15 + t14;
-    const float sum_fy = wmrgen_fma((-0.26791832f), t22, -t21);
-    const float t24 = wmrgen_fma(sum_wx, sum_fy, wmrgen_fma(t23, sum_wy, moment));
-    const float t25 = wmrgen_fma(82.560646f, caster_3.x - caster_1.x, 5326.022f);
-    const float t26 = wmrgen_fma(126.26766f, caster_1.y - caster_3.y, t25);
-    const float t27 = wmrgen_fma(134.62953f, caster_4.x - caster_2.x, t26);
-    const float inertia = wmrgen_fma(68.07843f, caster_4.y - caster_2.y, t27);
-    const float t28 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t23, sum_fx, inertia));
-    const float omega_fit = t24 / t28;
-    const float t29 = 0.003502f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
-    const float t30 = 0.003502f * wmrgen_fma(t23, omega_fit, sum_wy);
+    const float sum_fy = wmr_fma((-0.26791832f), t22, -t21);
+    const float t25 = wmr_fma(82.560646f, caster_3.x - caster_1.x, 5326.022f);
+    const float t26 = wmr_fma(126.26766f, caster_1.y - caster_3.y, t25);
+    const float t27 = wmr_fma(134.62953f, caster_4.x - caster_2.x, t26);
+    const float inertia = wmr_fma(68.07843f, caster_4.y - caster_2.y, t27);
+    const float t28 = wmr_fma(-sum_fy, sum_fy, wmr_fma(t23, sum_fx, inertia));
+    const float omega_fit = wmr_fma(sum_wx, sum_fy, t24) / t28;
+    const float vx = 0.003502f * wmr_fma(sum_fy, omega_fit, sum_wx);
 
-    twist->vx = t29;
-    twist->vy = t30;
+    twist->vx = vx;
+    twist->vy = 0.003502f * wmr_fma(t23, omega_fit, sum_wy);
     twist->omega = omega_fit;
 #endif
 }
@@ -300,91 +298,81 @@ void tidybot2_forward_slip(const tidybot2_wheels *wheels, tidybot2_twist *twist,
     const float t0 = wheels->caster_1.steer_rate * caster_1.y;
     const float t1 = caster_1.x * wheels->caster_1.steer_rate;
     const float t2 = 3.6264992f * wheels->caster_1.spin;
-    const float caster_1_wy = wmrgen_fma(caster_1.y, t2, wmrgen_fma((-0.26791832f), t0, t1));
+    const float caster_1_wy = wmr_fma(caster_1.y, t2, wmr_fma((-0.26791832f), t0, t1));
     const wmrgen_vector caster_2 = wmrgen_direction(wheels->caster_2.steer);
     const float t3 = wheels->caster_2.steer_rate * caster_2.y;
     const float t4 = caster_2.x * wheels->caster_2.steer_rate;
     const float t5 = 3.6264992f * wheels->caster_2.spin;
-    const float caster_2_wy = wmrgen_fma(caster_2.y, t5, wmrgen_fma((-0.26791832f), t3, t4));
+    const float caster_2_wy = wmr_fma(caster_2.y, t5, wmr_fma((-0.26791832f), t3, t4));
     const float t6 = caster_1_wy + caster_2_wy;
     const wmrgen_vector caster_3 = wmrgen_direction(wheels->caster_3.steer);
     const float t7 = wheels->caster_3.steer_rate * caster_3.y;
     const float t8 = caster_3.x * wheels->caster_3.steer_rate;
     const float t9 = 3.6264992f * wheels->caster_3.spin;
-    const float caster_3_wy = wmrgen_fma(caster_3.y, t9, wmrgen_fma((-0.26791832f), t7, t8));
+    const float caster_3_wy = wmr_fma(caster_3.y, t9, wmr_fma((-0.26791832f), t7, t8));
     const wmrgen_vector caster_4 = wmrgen_direction(wheels->caster_4.steer);
     const float t10 = wheels->caster_4.steer_rate * caster_4.y;
     const float t11 = caster_4.x * wheels->caster_4.steer_rate;
     const float t12 = 3.6264992f * wheels->caster_4.spin;
-    const float caster_4_wy = wmrgen_fma(caster_4.y, t12, wmrgen_fma((-0.26791832f), t10, t11));
+    const float caster_4_wy = wmr_fma(caster_4.y, t12, wmr_fma((-0.26791832f), t10, t11));
     const float t13 = caster_3_wy + caster_4_wy;
-    const float caster_1_wx = wmrgen_fma((-0.26791832f), t1, wmrgen_fma(caster_1.x, t2, -t0));
-    const float caster_4_wx = wmrgen_fma((-0.26791832f), t11, wmrgen_fma(caster_4.x, t12, -t10));
+    const float caster_1_wx = wmr_fma((-0.26791832f), t1, wmr_fma(caster_1.x, t2, -t0));
+    const float caster_4_wx = wmr_fma((-0.26791832f), t11, wmr_fma(caster_4.x, t12, -t10));
     const float t14 = caster_1_wx + caster_4_wx;
-    const float caster_2_wx = wmrgen_fma((-0.26791832f), t4, wmrgen_fma(caster_2.x, t5, -t3));
-    const float caster_3_wx = wmrgen_fma((-0.26791832f), t8, wmrgen_fma(caster_3.x, t9, -t7));
+    const float caster_2_wx = wmr_fma((-0.26791832f), t4, wmr_fma(caster_2.x, t5, -t3));
+    const float caster_3_wx = wmr_fma((-0.26791832f), t8, wmr_fma(caster_3.x, t9, -t7));
     const float t15 = caster_2_wx + caster_3_wx;
     const float t16 = wheels->caster_1.spin + wheels->caster_2.spin;
     const float t17 = wheels->caster_4.spin + (wheels->caster_3.spin + t16);
     const float t18 = wheels->caster_1.steer_rate + wheels->caster_2.steer_rate;
     const float t19 = wheels->caster_4.steer_rate + (wheels->caster_3.steer_rate + t18);
-    const float t20 = wmrgen_fma(3.8864224f, t17, -(4.287121f * t19));
-    const float moment = wmrgen_fma(54.297543f, t6 - t13, wmrgen_fma(48.58652f, t14 - t15, t20));
+    const float t20 = wmr_fma(48.58652f, t14 - t15, wmr_fma(3.8864224f, t17, -(4.287121f * t19)));
     const float sum_wy = t13 + t6;
     const float t21 = caster_3.y + caster_4.y + (caster_1.y + caster_2.y);
     const float t22 = caster_3.x + caster_4.x + (caster_1.x + caster_2.x);
-    const float sum_fx = wmrgen_fma(0.26791832f, t21, -t22);
+    const float sum_fx = wmr_fma(0.26791832f, t21, -t22);
     const float t23 = -sum_fx;
+    const float t24 = wmr_fma(t23, sum_wy, wmr_fma(54.297543f, t6 - t13, t20));
     const float sum_wx = t15 + t14;
-    const float sum_fy = wmrgen_fma((-0.26791832f), t22, -t21);
-    const float t24 = wmrgen_fma(sum_wx, sum_fy, wmrgen_fma(t23, sum_wy, moment));
-    const float t25 = wmrgen_fma(82.560646f, caster_3.x - caster_1.x, 5326.022f);
-    const float t26 = wmrgen_fma(126.26766f, caster_1.y - caster_3.y, t25);
-    const float t27 = wmrgen_fma(134.62953f, caster_4.x - caster_2.x, t26);
-    const float inertia = wmrgen_fma(68.07843f, caster_4.y - caster_2.y, t27);
-    const float t28 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t23, sum_fx, inertia));
-    const float omega_fit = t24 / t28;
-    const float t29 = 0.003502f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
-    const float t30 = 0.003502f * wmrgen_fma(t23, omega_fit, sum_wy);
-    const float t31 = (-0.17015f) * omega_fit;
-    const float t32 = t31 - t29;
-    const float t33 = caster_1.y * omega_fit;
-    const float t34 = wmrgen_fma(0.014008f, caster_1_wx - t33, t32);
-    const float t35 = caster_1.x * omega_fit;
-    const float error_0 = wmrgen_fma((-0.003753f), t35, t34);
-    const float t36 = (-0.19015f) * omega_fit;
-    const float t37 = t36 - t30;
-    const float t38 = wmrgen_fma(0.014008f, caster_1_wy + t35, t37);
-    const float error_1 = wmrgen_fma((-0.003753f), t33, t38);
-    const float t39 = wmrgen_fma(error_0, error_0, error_1 * error_1);
-    const float t40 = -(t29 + t31);
-    const float t41 = caster_2.y * omega_fit;
-    const float t42 = wmrgen_fma(0.014008f, caster_2_wx - t41, t40);
-    const float t43 = caster_2.x * omega_fit;
-    const float error_2 = wmrgen_fma((-0.003753f), t43, t42);
-    const float t44 = wmrgen_fma(0.014008f, caster_2_wy + t43, t37);
-    const float error_3 = wmrgen_fma((-0.003753f), t41, t44);
-    const float t45 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t39));
-    const float t46 = caster_3.y * omega_fit;
-    const float t47 = wmrgen_fma(0.014008f, caster_3_wx - t46, t40);
-    const float t48 = caster_3.x * omega_fit;
-    const float error_4 = wmrgen_fma((-0.003753f), t48, t47);
-    const float t49 = -(t30 + t36);
-    const float t50 = wmrgen_fma(0.014008f, caster_3_wy + t48, t49);
-    const float error_5 = wmrgen_fma((-0.003753f), t46, t50);
-    const float t51 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t45));
-    const float t52 = caster_4.y * omega_fit;
-    const float t53 = wmrgen_fma(0.014008f, caster_4_wx - t52, t32);
-    const float t54 = caster_4.x * omega_fit;
-    const float error_6 = wmrgen_fma((-0.003753f), t54, t53);
-    const float t55 = wmrgen_fma(0.014008f, caster_4_wy + t54, t49);
-    const float error_7 = wmrgen_fma((-0.003753f), t52, t55);
-    const float t56 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t51));
+    const float sum_fy = wmr_fma((-0.26791832f), t22, -t21);
+    const float t25 = wmr_fma(82.560646f, caster_3.x - caster_1.x, 5326.022f);
+    const float t26 = wmr_fma(126.26766f, caster_1.y - caster_3.y, t25);
+    const float t27 = wmr_fma(134.62953f, caster_4.x - caster_2.x, t26);
+    const float inertia = wmr_fma(68.07843f, caster_4.y - caster_2.y, t27);
+    const float t28 = wmr_fma(-sum_fy, sum_fy, wmr_fma(t23, sum_fx, inertia));
+    const float omega_fit = wmr_fma(sum_wx, sum_fy, t24) / t28;
+    const float vx = 0.003502f * wmr_fma(sum_fy, omega_fit, sum_wx);
+    const float vy = 0.003502f * wmr_fma(t23, omega_fit, sum_wy);
+    const float t29 = (-0.17015f) * omega_fit;
+    const float t30 = t29 - vx;
+    const float t31 = caster_1.y * omega_fit;
+    const float t32 = caster_1.x * omega_fit;
+    const float error_0 = wmr_fma((-0.003753f), t32, wmr_fma(0.014008f, caster_1_wx - t31, t30));
+    const float t33 = (-0.19015f) * omega_fit;
+    const float t34 = t33 - vy;
+    const float error_1 = wmr_fma((-0.003753f), t31, wmr_fma(0.014008f, caster_1_wy + t32, t34));
+    const float t35 = -(vx + t29);
+    const float t36 = caster_2.y * omega_fit;
+    const float t37 = caster_2.x * omega_fit;
+    const float error_2 = wmr_fma((-0.003753f), t37, wmr_fma(0.014008f, caster_2_wx - t36, t35));
+    const float t38 = wmr_fma(error_2, error_2, wmr_fma(error_0, error_0, error_1 * error_1));
+    const float error_3 = wmr_fma((-0.003753f), t36, wmr_fma(0.014008f, caster_2_wy + t37, t34));
+    const float t39 = caster_3.y * omega_fit;
+    const float t40 = caster_3.x * omega_fit;
+    const float error_4 = wmr_fma((-0.003753f), t40, wmr_fma(0.014008f, caster_3_wx - t39, t35));
+    const float t41 = wmr_fma(error_4, error_4, wmr_fma(error_3, error_3, t38));
+    const float t42 = -(vy + t33);
+    const float error_5 = wmr_fma((-0.003753f), t39, wmr_fma(0.014008f, caster_3_wy + t40, t42));
+    const float t43 = caster_4.y * omega_fit;
+    const float t44 = caster_4.x * omega_fit;
+    const float error_6 = wmr_fma((-0.003753f), t44, wmr_fma(0.014008f, caster_4_wx - t43, t30));
+    const float t45 = wmr_fma(error_6, error_6, wmr_fma(error_5, error_5, t41));
+    const float error_7 = wmr_fma((-0.003753f), t43, wmr_fma(0.014008f, caster_4_wy + t44, t42));
 
-    twist->vx = t29;
-    twist->vy = t30;
+    twist->vx = vx;
+    twist->vy = vy;
     twist->omega = omega_fit;
-    *slip = sqrtf(t56);
+    *slip = sqrtf(wmr_fma(error_7, error_7, t45));
 }
 
 void tidybot2_odometry(tidybot2_pose *pose, const tidybot2_twist *twist, float dt)
@@ -392,14 +380,14 @@ void tidybot2_odometry(tidybot2_pose *pose, const tidybot2_twist *twist, float d
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
-    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
+    const float t2 = wmr_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
+    const float y = wmr_fma(chord, wmr_fma(twist->vx, t1.y, t1.x * twist->vy), pose->y);
     const float theta_whole = pose->theta + t0;
-    const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float t3 = wmr_fma(0.15915494f, theta_whole, 12582912.0f);
+    const float theta = wmr_fma((-6.2831855f), t3 - 12582912.0f, theta_whole);
 
-    pose->x = wmrgen_fma(t2, chord, pose->x);
-    pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->x = wmr_fma(t2, chord, pose->x);
+    pose->y = y;
+    pose->theta = theta;
 }

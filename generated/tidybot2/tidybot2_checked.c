@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TIDYBOT2_PAIR_be3a5435c6930389)
+#if !defined(TIDYBOT2_PAIR_d52bd0edba21689e)
 #error "this file and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -27,7 +27,10 @@ def worst(function: Function, inputs: Mapping[str, np.ndarray]) -> np.ndarray:
         if noise is None:
             continue
         noise = np.where(_is_exact(function, node, both.exact), 0.0, noise)
-        if node.op in (Op.ADD, Op.SUB):  # either operand is a float near the sum: the nearest float is no further off
+        if node.op in (
+            Op.ADD,
+            Op.SUB,
+        ):  # either operand is a float near the sum: the nearest float is no further off
             noise = np.minimum(noise, np.min([np.abs(both.exact[k]) for k in node.args], axis=0))
         for users in _uses(function, i, node):
             moved = _moved(function, both.single, both.exact, i, noise, users)

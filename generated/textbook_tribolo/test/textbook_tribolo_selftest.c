@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TRIBOLO_PAIR_13c7537cb14da980)
+#if !defined(TEXTBOOK_TRIBOLO_PAIR_26d231f2e65829f0)
 #error "this file and textbook_tribolo.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_8d036e203e18e006)
+#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_8d8b13dc0036446f)
 #error "this file and textbook_two_spheres.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TIDYBOT2_PAIR_be3a5435c6930389)
+#if !defined(TIDYBOT2_PAIR_d52bd0edba21689e)
 #error "this file and tidybot2.h were not generated together: copy both"
 #endif
 

@@ -48,8 +48,9 @@ from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, room
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import Joints, spins
 from wmrgen.kinematics.least_squares import project
+from wmrgen.kinematics.pivots import Velocity
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
-from wmrgen.kinematics.steer import NARROW, Velocity, hysteresis, pivot
+from wmrgen.kinematics.steer import NARROW, hysteresis, pivot
 from wmrgen.kinematics.steer_groups import moves_as_one, steered_groups
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility

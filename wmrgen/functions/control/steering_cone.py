@@ -16,8 +16,9 @@ from wmrgen.constraints import working_view
 from wmrgen.exact.evaluate import add_angles, circle_point
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row
+from wmrgen.kinematics.pivots import Velocity
 from wmrgen.kinematics.records import Locals
-from wmrgen.kinematics.steer import QUARTER, Velocity, pivot
+from wmrgen.kinematics.steer import QUARTER, pivot
 from wmrgen.kinematics.steer_groups import seen_from
 from wmrgen.layout.records import Interval, Wheel
 from wmrgen.symbolic import (

@@ -30,7 +30,7 @@
 
 #define ACKERMANN_CAR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define ACKERMANN_CAR_MODEL_HASH "a8527631edd0781fc4055833c7dd840f" /**< digest of the model */
-#define ACKERMANN_CAR_PAIR_df771217bed210e6 1 /**< header and source of one run have the same */
+#define ACKERMANN_CAR_PAIR_5bdab327e94169dc 1 /**< header and source of one run have the same */
 #define ACKERMANN_CAR_WHEELS 4 /**< how many wheels the robot has */
 #define ACKERMANN_CAR_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define ACKERMANN_CAR_REAR_LEFT_Y 0.75f /**< [m] pivot, to the left of P */

@@ -30,7 +30,7 @@
 
 #define AGILEX_RANGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define AGILEX_RANGER_MODEL_HASH "e0fe1e6fecae3b5e06693400c3e0eb9f" /**< digest of the model */
-#define AGILEX_RANGER_PAIR_698c46d6b86989d2 1 /**< header and source of one run have the same */
+#define AGILEX_RANGER_PAIR_8b570da76db0a654 1 /**< header and source of one run have the same */
 #define AGILEX_RANGER_WHEELS 4 /**< how many wheels the robot has */
 #define AGILEX_RANGER_FRONT_LEFT_X 0.45f /**< [m] pivot, forward of P */
 #define AGILEX_RANGER_FRONT_LEFT_Y 0.28f /**< [m] pivot, to the left of P */

@@ -179,85 +179,88 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer, rear_left_steer,
     _front_left_x = vx + (-0.28) * omega
     _front_left_y = vy + 0.45 * omega
     _t0 = _clamp(xp, front_left_steer, 1.57)
-    _t1 = _front_left_x * _front_left_x
-    _t2 = _front_left_y * _front_left_y
-    _t3 = _sqrt(xp, _t1 + _t2)
-    _t4 = _with_sign_of(xp, 2.0, _front_left_x)
-    _t5 = xp.abs(_front_left_x)
-    _t6 = _front_left_y / (_maximum(xp, _t3, 1e-20) + _t5)
-    _t7 = _select(xp, _t3, 1e-20, _t0, _t4 * xp.atan(_t6))
-    _t8 = xp.round(0.31830988617 * (_t7 - _t0))
-    _t9 = _with_sign_of(xp, _t3, _front_left_x)
-    _front_left_rim = _flip(xp, _t9, _t8)
-    _front_left_nearest = _t7 + (-3.141592653589793) * _t8
-    _t10 = _select(xp, 1.6572664625997164, _front_left_nearest, _front_left_nearest - 3.141592653589793, _front_left_nearest)
-    _t11 = _select(xp, _front_left_nearest, (-1.6572664625997164), _front_left_nearest + 3.141592653589793, _t10)
-    _front_left_target = _clamp(xp, _t11, 1.57)
+    _front_left_x_squared = _front_left_x * _front_left_x
+    _front_left_y_squared = _front_left_y * _front_left_y
+    _t1 = _front_left_x_squared + _front_left_y_squared
+    _t2 = _sqrt(xp, _t1)
+    _t3 = _with_sign_of(xp, 2.0, _front_left_x)
+    _t4 = xp.abs(_front_left_x)
+    _t5 = _front_left_y / (_maximum(xp, _t2, 1e-20) + _t4)
+    _t6 = _select(xp, _t2, 1e-20, _t0, _t3 * xp.atan(_t5))
+    _t7 = xp.round(0.31830988617 * (_t6 - _t0))
+    _t8 = _with_sign_of(xp, _t2, _front_left_x)
+    _front_left_rim = _flip(xp, _t8, _t7)
+    _front_left_nearest = _t6 + (-3.141592653589793) * _t7
+    _t9 = _select(xp, 1.6572664625997164, _front_left_nearest, _front_left_nearest - 3.141592653589793, _front_left_nearest)
+    _t10 = _select(xp, _front_left_nearest, (-1.6572664625997164), _front_left_nearest + 3.141592653589793, _t9)
+    _front_left_target = _clamp(xp, _t10, 1.57)
     _front_left_excess = _front_left_target - _front_left_nearest
-    _t12 = 8.333333333333334 * (_front_left_rim * xp.cos(_front_left_excess))
+    _front_left_spin = 8.333333333333334 * (_front_left_rim * xp.cos(_front_left_excess))
     _front_right_x = vx + 0.28 * omega
-    _t13 = _clamp(xp, front_right_steer, 1.57)
-    _t14 = _front_right_x * _front_right_x
-    _t15 = _sqrt(xp, _t14 + _t2)
-    _t16 = _with_sign_of(xp, 2.0, _front_right_x)
-    _t17 = xp.abs(_front_right_x)
-    _t18 = _front_left_y / (_maximum(xp, _t15, 1e-20) + _t17)
-    _t19 = _select(xp, _t15, 1e-20, _t13, _t16 * xp.atan(_t18))
-    _t20 = xp.round(0.31830988617 * (_t19 - _t13))
-    _t21 = _with_sign_of(xp, _t15, _front_right_x)
-    _front_right_rim = _flip(xp, _t21, _t20)
-    _front_right_nearest = _t19 + (-3.141592653589793) * _t20
-    _t22 = _select(xp, 1.6572664625997164, _front_right_nearest, _front_right_nearest - 3.141592653589793, _front_right_nearest)
-    _t23 = _select(xp, _front_right_nearest, (-1.6572664625997164), _front_right_nearest + 3.141592653589793, _t22)
-    _front_right_target = _clamp(xp, _t23, 1.57)
+    _t11 = _clamp(xp, front_right_steer, 1.57)
+    _front_right_x_squared = _front_right_x * _front_right_x
+    _t12 = _front_right_x_squared + _front_left_y_squared
+    _t13 = _sqrt(xp, _t12)
+    _t14 = _with_sign_of(xp, 2.0, _front_right_x)
+    _t15 = xp.abs(_front_right_x)
+    _t16 = _front_left_y / (_maximum(xp, _t13, 1e-20) + _t15)
+    _t17 = _select(xp, _t13, 1e-20, _t11, _t14 * xp.atan(_t16))
+    _t18 = xp.round(0.31830988617 * (_t17 - _t11))
+    _t19 = _with_sign_of(xp, _t13, _front_right_x)
+    _front_right_rim = _flip(xp, _t19, _t18)
+    _front_right_nearest = _t17 + (-3.141592653589793) * _t18
+    _t20 = _select(xp, 1.6572664625997164, _front_right_nearest, _front_right_nearest - 3.141592653589793, _front_right_nearest)
+    _t21 = _select(xp, _front_right_nearest, (-1.6572664625997164), _front_right_nearest + 3.141592653589793, _t20)
+    _front_right_target = _clamp(xp, _t21, 1.57)
     _front_right_excess = _front_right_target - _front_right_nearest
-    _t24 = _front_right_rim * xp.cos(_front_right_excess)
+    _t22 = _front_right_rim * xp.cos(_front_right_excess)
     _rear_left_y = vy + (-0.45) * omega
-    _t25 = _clamp(xp, rear_left_steer, 1.57)
-    _t26 = _rear_left_y * _rear_left_y
-    _t27 = _sqrt(xp, _t1 + _t26)
-    _t28 = _rear_left_y / (_maximum(xp, _t27, 1e-20) + _t5)
-    _t29 = _select(xp, _t27, 1e-20, _t25, _t4 * xp.atan(_t28))
-    _t30 = xp.round(0.31830988617 * (_t29 - _t25))
-    _t31 = _with_sign_of(xp, _t27, _front_left_x)
-    _rear_left_rim = _flip(xp, _t31, _t30)
-    _rear_left_nearest = _t29 + (-3.141592653589793) * _t30
-    _t32 = _select(xp, 1.6572664625997164, _rear_left_nearest, _rear_left_nearest - 3.141592653589793, _rear_left_nearest)
-    _t33 = _select(xp, _rear_left_nearest, (-1.6572664625997164), _rear_left_nearest + 3.141592653589793, _t32)
-    _rear_left_target = _clamp(xp, _t33, 1.57)
+    _t23 = _clamp(xp, rear_left_steer, 1.57)
+    _rear_left_y_squared = _rear_left_y * _rear_left_y
+    _t24 = _sqrt(xp, _front_left_x_squared + _rear_left_y_squared)
+    _t25 = _rear_left_y / (_maximum(xp, _t24, 1e-20) + _t4)
+    _t26 = _select(xp, _t24, 1e-20, _t23, _t3 * xp.atan(_t25))
+    _t27 = xp.round(0.31830988617 * (_t26 - _t23))
+    _t28 = _with_sign_of(xp, _t24, _front_left_x)
+    _rear_left_rim = _flip(xp, _t28, _t27)
+    _rear_left_nearest = _t26 + (-3.141592653589793) * _t27
+    _t29 = _select(xp, 1.6572664625997164, _rear_left_nearest, _rear_left_nearest - 3.141592653589793, _rear_left_nearest)
+    _t30 = _select(xp, _rear_left_nearest, (-1.6572664625997164), _rear_left_nearest + 3.141592653589793, _t29)
+    _rear_left_target = _clamp(xp, _t30, 1.57)
     _rear_left_excess = _rear_left_target - _rear_left_nearest
-    _t34 = 8.333333333333334 * (_rear_left_rim * xp.cos(_rear_left_excess))
-    _t35 = _clamp(xp, rear_right_steer, 1.57)
-    _t36 = _sqrt(xp, _t14 + _t26)
-    _t37 = _rear_left_y / (_maximum(xp, _t36, 1e-20) + _t17)
-    _t38 = _select(xp, _t36, 1e-20, _t35, _t16 * xp.atan(_t37))
-    _t39 = xp.round(0.31830988617 * (_t38 - _t35))
-    _t40 = _with_sign_of(xp, _t36, _front_right_x)
-    _rear_right_rim = _flip(xp, _t40, _t39)
-    _rear_right_nearest = _t38 + (-3.141592653589793) * _t39
-    _t41 = _select(xp, 1.6572664625997164, _rear_right_nearest, _rear_right_nearest - 3.141592653589793, _rear_right_nearest)
-    _t42 = _select(xp, _rear_right_nearest, (-1.6572664625997164), _rear_right_nearest + 3.141592653589793, _t41)
-    _rear_right_target = _clamp(xp, _t42, 1.57)
+    _rear_left_spin = 8.333333333333334 * (_rear_left_rim * xp.cos(_rear_left_excess))
+    _t31 = _clamp(xp, rear_right_steer, 1.57)
+    _t32 = _front_right_x_squared + _rear_left_y_squared
+    _t33 = _sqrt(xp, _t32)
+    _t34 = _rear_left_y / (_maximum(xp, _t33, 1e-20) + _t15)
+    _t35 = _select(xp, _t33, 1e-20, _t31, _t14 * xp.atan(_t34))
+    _t36 = xp.round(0.31830988617 * (_t35 - _t31))
+    _t37 = _with_sign_of(xp, _t33, _front_right_x)
+    _rear_right_rim = _flip(xp, _t37, _t36)
+    _rear_right_nearest = _t35 + (-3.141592653589793) * _t36
+    _t38 = _select(xp, 1.6572664625997164, _rear_right_nearest, _rear_right_nearest - 3.141592653589793, _rear_right_nearest)
+    _t39 = _select(xp, _rear_right_nearest, (-1.6572664625997164), _rear_right_nearest + 3.141592653589793, _t38)
+    _rear_right_target = _clamp(xp, _t39, 1.57)
     _rear_right_excess = _rear_right_target - _rear_right_nearest
-    _t43 = 8.333333333333334 * (_rear_right_rim * xp.cos(_rear_right_excess))
-    _t44 = _front_left_rim * xp.sin(_front_left_excess)
-    _t45 = _front_right_rim * xp.sin(_front_right_excess)
-    _t46 = _rear_left_rim * xp.sin(_rear_left_excess)
-    _t47 = _rear_right_rim * xp.sin(_rear_right_excess)
-    _t48 = _t47 * _t47 + (_t46 * _t46 + (_t44 * _t44 + _t45 * _t45))
+    _rear_right_spin = 8.333333333333334 * (_rear_right_rim * xp.cos(_rear_right_excess))
+    _t40 = _front_left_rim * xp.sin(_front_left_excess)
+    _t41 = _front_right_rim * xp.sin(_front_right_excess)
+    _t42 = _rear_left_rim * xp.sin(_rear_left_excess)
+    _t43 = _rear_right_rim * xp.sin(_rear_right_excess)
+    _t44 = _t43 * _t43 + (_t42 * _t42 + (_t40 * _t40 + _t41 * _t41))
     return _results(
         xp,
         arguments,
         {
-            "front_left.spin": _t12,
+            "front_left.spin": _front_left_spin,
             "front_left.steer": _front_left_target,
-            "front_right.spin": 8.333333333333334 * _t24,
+            "front_right.spin": 8.333333333333334 * _t22,
             "front_right.steer": _front_right_target,
-            "rear_left.spin": _t34,
+            "rear_left.spin": _rear_left_spin,
             "rear_left.steer": _rear_left_target,
-            "rear_right.spin": _t43,
+            "rear_right.spin": _rear_right_spin,
             "rear_right.steer": _rear_right_target,
-            "slip": _sqrt(xp, _t48),
+            "slip": _sqrt(xp, _t44),
         },
     )
 
@@ -288,75 +291,78 @@ def inverse_joints(vx, vy, omega, front_left_steer, front_right_steer, rear_left
     _front_left_x = vx + (-0.28) * omega
     _front_left_y = vy + 0.45 * omega
     _t0 = _clamp(xp, front_left_steer, 1.57)
-    _t1 = _front_left_x * _front_left_x
-    _t2 = _front_left_y * _front_left_y
-    _t3 = _sqrt(xp, _t1 + _t2)
-    _t4 = _with_sign_of(xp, 2.0, _front_left_x)
-    _t5 = xp.abs(_front_left_x)
-    _t6 = _front_left_y / (_maximum(xp, _t3, 1e-20) + _t5)
-    _t7 = _select(xp, _t3, 1e-20, _t0, _t4 * xp.atan(_t6))
-    _t8 = xp.round(0.31830988617 * (_t7 - _t0))
-    _t9 = _with_sign_of(xp, _t3, _front_left_x)
-    _front_left_rim = _flip(xp, _t9, _t8)
-    _front_left_nearest = _t7 + (-3.141592653589793) * _t8
-    _t10 = _select(xp, 1.6572664625997164, _front_left_nearest, _front_left_nearest - 3.141592653589793, _front_left_nearest)
-    _t11 = _select(xp, _front_left_nearest, (-1.6572664625997164), _front_left_nearest + 3.141592653589793, _t10)
-    _front_left_target = _clamp(xp, _t11, 1.57)
-    _t12 = xp.cos(_front_left_target - _front_left_nearest)
+    _front_left_x_squared = _front_left_x * _front_left_x
+    _front_left_y_squared = _front_left_y * _front_left_y
+    _t1 = _front_left_x_squared + _front_left_y_squared
+    _t2 = _sqrt(xp, _t1)
+    _t3 = _with_sign_of(xp, 2.0, _front_left_x)
+    _t4 = xp.abs(_front_left_x)
+    _t5 = _front_left_y / (_maximum(xp, _t2, 1e-20) + _t4)
+    _t6 = _select(xp, _t2, 1e-20, _t0, _t3 * xp.atan(_t5))
+    _t7 = xp.round(0.31830988617 * (_t6 - _t0))
+    _t8 = _with_sign_of(xp, _t2, _front_left_x)
+    _front_left_rim = _flip(xp, _t8, _t7)
+    _front_left_nearest = _t6 + (-3.141592653589793) * _t7
+    _t9 = _select(xp, 1.6572664625997164, _front_left_nearest, _front_left_nearest - 3.141592653589793, _front_left_nearest)
+    _t10 = _select(xp, _front_left_nearest, (-1.6572664625997164), _front_left_nearest + 3.141592653589793, _t9)
+    _front_left_target = _clamp(xp, _t10, 1.57)
+    _t11 = xp.cos(_front_left_target - _front_left_nearest)
     _front_right_x = vx + 0.28 * omega
-    _t13 = _clamp(xp, front_right_steer, 1.57)
-    _t14 = _front_right_x * _front_right_x
-    _t15 = _sqrt(xp, _t14 + _t2)
-    _t16 = _with_sign_of(xp, 2.0, _front_right_x)
-    _t17 = xp.abs(_front_right_x)
-    _t18 = _front_left_y / (_maximum(xp, _t15, 1e-20) + _t17)
-    _t19 = _select(xp, _t15, 1e-20, _t13, _t16 * xp.atan(_t18))
-    _t20 = xp.round(0.31830988617 * (_t19 - _t13))
-    _t21 = _with_sign_of(xp, _t15, _front_right_x)
-    _front_right_rim = _flip(xp, _t21, _t20)
-    _front_right_nearest = _t19 + (-3.141592653589793) * _t20
-    _t22 = _select(xp, 1.6572664625997164, _front_right_nearest, _front_right_nearest - 3.141592653589793, _front_right_nearest)
-    _t23 = _select(xp, _front_right_nearest, (-1.6572664625997164), _front_right_nearest + 3.141592653589793, _t22)
-    _front_right_target = _clamp(xp, _t23, 1.57)
-    _t24 = xp.cos(_front_right_target - _front_right_nearest)
-    _t25 = 8.333333333333334 * (_front_right_rim * _t24)
+    _t12 = _clamp(xp, front_right_steer, 1.57)
+    _front_right_x_squared = _front_right_x * _front_right_x
+    _t13 = _front_right_x_squared + _front_left_y_squared
+    _t14 = _sqrt(xp, _t13)
+    _t15 = _with_sign_of(xp, 2.0, _front_right_x)
+    _t16 = xp.abs(_front_right_x)
+    _t17 = _front_left_y / (_maximum(xp, _t14, 1e-20) + _t16)
+    _t18 = _select(xp, _t14, 1e-20, _t12, _t15 * xp.atan(_t17))
+    _t19 = xp.round(0.31830988617 * (_t18 - _t12))
+    _t20 = _with_sign_of(xp, _t14, _front_right_x)
+    _front_right_rim = _flip(xp, _t20, _t19)
+    _front_right_nearest = _t18 + (-3.141592653589793) * _t19
+    _t21 = _select(xp, 1.6572664625997164, _front_right_nearest, _front_right_nearest - 3.141592653589793, _front_right_nearest)
+    _t22 = _select(xp, _front_right_nearest, (-1.6572664625997164), _front_right_nearest + 3.141592653589793, _t21)
+    _front_right_target = _clamp(xp, _t22, 1.57)
+    _t23 = xp.cos(_front_right_target - _front_right_nearest)
+    _front_right_spin = 8.333333333333334 * (_front_right_rim * _t23)
     _rear_left_y = vy + (-0.45) * omega
-    _t26 = _clamp(xp, rear_left_steer, 1.57)
-    _t27 = _rear_left_y * _rear_left_y
-    _t28 = _sqrt(xp, _t1 + _t27)
-    _t29 = _rear_left_y / (_maximum(xp, _t28, 1e-20) + _t5)
-    _t30 = _select(xp, _t28, 1e-20, _t26, _t4 * xp.atan(_t29))
-    _t31 = xp.round(0.31830988617 * (_t30 - _t26))
-    _t32 = _with_sign_of(xp, _t28, _front_left_x)
-    _rear_left_rim = _flip(xp, _t32, _t31)
-    _rear_left_nearest = _t30 + (-3.141592653589793) * _t31
-    _t33 = _select(xp, 1.6572664625997164, _rear_left_nearest, _rear_left_nearest - 3.141592653589793, _rear_left_nearest)
-    _t34 = _select(xp, _rear_left_nearest, (-1.6572664625997164), _rear_left_nearest + 3.141592653589793, _t33)
-    _rear_left_target = _clamp(xp, _t34, 1.57)
-    _t35 = xp.cos(_rear_left_target - _rear_left_nearest)
-    _t36 = _clamp(xp, rear_right_steer, 1.57)
-    _t37 = _sqrt(xp, _t14 + _t27)
-    _t38 = _rear_left_y / (_maximum(xp, _t37, 1e-20) + _t17)
-    _t39 = _select(xp, _t37, 1e-20, _t36, _t16 * xp.atan(_t38))
-    _t40 = xp.round(0.31830988617 * (_t39 - _t36))
-    _t41 = _with_sign_of(xp, _t37, _front_right_x)
-    _rear_right_rim = _flip(xp, _t41, _t40)
-    _rear_right_nearest = _t39 + (-3.141592653589793) * _t40
-    _t42 = _select(xp, 1.6572664625997164, _rear_right_nearest, _rear_right_nearest - 3.141592653589793, _rear_right_nearest)
-    _t43 = _select(xp, _rear_right_nearest, (-1.6572664625997164), _rear_right_nearest + 3.141592653589793, _t42)
-    _rear_right_target = _clamp(xp, _t43, 1.57)
-    _t44 = xp.cos(_rear_right_target - _rear_right_nearest)
+    _t24 = _clamp(xp, rear_left_steer, 1.57)
+    _rear_left_y_squared = _rear_left_y * _rear_left_y
+    _t25 = _sqrt(xp, _front_left_x_squared + _rear_left_y_squared)
+    _t26 = _rear_left_y / (_maximum(xp, _t25, 1e-20) + _t4)
+    _t27 = _select(xp, _t25, 1e-20, _t24, _t3 * xp.atan(_t26))
+    _t28 = xp.round(0.31830988617 * (_t27 - _t24))
+    _t29 = _with_sign_of(xp, _t25, _front_left_x)
+    _rear_left_rim = _flip(xp, _t29, _t28)
+    _rear_left_nearest = _t27 + (-3.141592653589793) * _t28
+    _t30 = _select(xp, 1.6572664625997164, _rear_left_nearest, _rear_left_nearest - 3.141592653589793, _rear_left_nearest)
+    _t31 = _select(xp, _rear_left_nearest, (-1.6572664625997164), _rear_left_nearest + 3.141592653589793, _t30)
+    _rear_left_target = _clamp(xp, _t31, 1.57)
+    _t32 = xp.cos(_rear_left_target - _rear_left_nearest)
+    _t33 = _clamp(xp, rear_right_steer, 1.57)
+    _t34 = _front_right_x_squared + _rear_left_y_squared
+    _t35 = _sqrt(xp, _t34)
+    _t36 = _rear_left_y / (_maximum(xp, _t35, 1e-20) + _t16)
+    _t37 = _select(xp, _t35, 1e-20, _t33, _t15 * xp.atan(_t36))
+    _t38 = xp.round(0.31830988617 * (_t37 - _t33))
+    _t39 = _with_sign_of(xp, _t35, _front_right_x)
+    _rear_right_rim = _flip(xp, _t39, _t38)
+    _rear_right_nearest = _t37 + (-3.141592653589793) * _t38
+    _t40 = _select(xp, 1.6572664625997164, _rear_right_nearest, _rear_right_nearest - 3.141592653589793, _rear_right_nearest)
+    _t41 = _select(xp, _rear_right_nearest, (-1.6572664625997164), _rear_right_nearest + 3.141592653589793, _t40)
+    _rear_right_target = _clamp(xp, _t41, 1.57)
+    _t42 = xp.cos(_rear_right_target - _rear_right_nearest)
     return _results(
         xp,
         arguments,
         {
-            "front_left.spin": 8.333333333333334 * (_front_left_rim * _t12),
+            "front_left.spin": 8.333333333333334 * (_front_left_rim * _t11),
             "front_left.steer": _front_left_target,
-            "front_right.spin": _t25,
+            "front_right.spin": _front_right_spin,
             "front_right.steer": _front_right_target,
-            "rear_left.spin": 8.333333333333334 * (_rear_left_rim * _t35),
+            "rear_left.spin": 8.333333333333334 * (_rear_left_rim * _t32),
             "rear_left.steer": _rear_left_target,
-            "rear_right.spin": 8.333333333333334 * (_rear_right_rim * _t44),
+            "rear_right.spin": 8.333333333333334 * (_rear_right_rim * _t42),
             "rear_right.steer": _rear_right_target,
         },
     )
@@ -484,20 +490,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -534,14 +542,14 @@ def dynamics(x, y, theta, front_left_steer, rear_right_steer, eta1, front_left_s
     _velocity_cos = xp.cos(theta)
     _vy_body = 0.5 * _t6 + 0.6222222222222222 * (_t4 * (eta1 * _t1))
     _velocity_sin = xp.sin(theta)
-    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
-    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
+    _x_rate = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _y_rate = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _results(
         xp,
         arguments,
         {
-            "x_rate": _t7,
-            "y_rate": _t8,
+            "x_rate": _x_rate,
+            "y_rate": _y_rate,
             "theta_rate": 1.1111111111111112 * (_t5 - _t2),
             "front_left.steer_rate": front_left_steer_rate * 1.0,
             "rear_right.steer_rate": rear_right_steer_rate * 1.0,
@@ -578,11 +586,11 @@ def ode(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _velocity_cos = xp.cos(x[..., 2])
     _velocity_sin = xp.sin(x[..., 2])
-    _t0 = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
-    _t1 = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
+    _x_rate = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
+    _y_rate = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
     results = [
-        _t0,
-        _t1,
+        _x_rate,
+        _y_rate,
         u[..., 2],
         u[..., 3],
         u[..., 4],
@@ -601,20 +609,20 @@ def rolling(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _t0 = xp.cos(x[..., 3])
     _t1 = xp.sin(x[..., 3])
-    _t2 = (0.45 * _t0 + 0.28 * _t1) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
-    _t3 = xp.cos(x[..., 4])
-    _t4 = xp.sin(x[..., 4])
-    _t5 = u[..., 2] * (0.45 * _t3 - 0.28 * _t4) + (u[..., 1] * _t3 - u[..., 0] * _t4)
-    _t6 = xp.cos(x[..., 5])
-    _t7 = xp.sin(x[..., 5])
-    _t8 = u[..., 2] * (0.28 * _t7 - 0.45 * _t6) + (u[..., 1] * _t6 - u[..., 0] * _t7)
-    _t9 = xp.cos(x[..., 6])
-    _t10 = xp.sin(x[..., 6])
-    _t11 = u[..., 2] * ((-0.28) * _t10 - 0.45 * _t9) + (u[..., 1] * _t9 - u[..., 0] * _t10)
+    _front_left_slide = (0.45 * _t0 + 0.28 * _t1) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
+    _t2 = xp.cos(x[..., 4])
+    _t3 = xp.sin(x[..., 4])
+    _front_right_slide = u[..., 2] * (0.45 * _t2 - 0.28 * _t3) + (u[..., 1] * _t2 - u[..., 0] * _t3)
+    _t4 = xp.cos(x[..., 5])
+    _t5 = xp.sin(x[..., 5])
+    _rear_left_slide = u[..., 2] * (0.28 * _t5 - 0.45 * _t4) + (u[..., 1] * _t4 - u[..., 0] * _t5)
+    _t6 = xp.cos(x[..., 6])
+    _t7 = xp.sin(x[..., 6])
+    _rear_right_slide = u[..., 2] * ((-0.28) * _t7 - 0.45 * _t6) + (u[..., 1] * _t6 - u[..., 0] * _t7)
     results = [
-        _t2,
-        _t5,
-        _t8,
-        _t11,
+        _front_left_slide,
+        _front_right_slide,
+        _rear_left_slide,
+        _rear_right_slide,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(AGILEX_RANGER_PAIR_698c46d6b86989d2)
+#if !defined(AGILEX_RANGER_PAIR_8b570da76db0a654)
 #error "this file and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

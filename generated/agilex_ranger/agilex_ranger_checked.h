@@ -21,7 +21,7 @@
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_698c46d6b86989d2)
+#if !defined(AGILEX_RANGER_PAIR_8b570da76db0a654)
 #error "this file and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ANDINO_PAIR_a1ec1588ca5d33b6)
+#if !defined(ANDINO_PAIR_b025f8cf923cbdec)
 #error "this file and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -176,9 +176,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -209,22 +209,22 @@ void andino_inverse_slip(const andino_twist *twist, float *slip)
 
 void andino_forward(const andino_wheels *wheels, andino_twist *twist)
 {
-    const float t0 = 0.01655f * (wheels->right.spin + wheels->left.spin);
-    const float t1 = wheels->left.spin - wheels->right.spin;
+    const float vx = 0.01655f * (wheels->right.spin + wheels->left.spin);
+    const float t0 = wheels->left.spin - wheels->right.spin;
 
-    twist->vx = t0;
-    twist->vy = 0.004535926f * t1;
-    twist->omega = (-0.24518518f) * t1;
+    twist->vx = vx;
+    twist->vy = 0.004535926f * t0;
+    twist->omega = (-0.24518518f) * t0;
 }
 
 void andino_forward_slip(const andino_wheels *wheels, andino_twist *twist, float *slip)
 {
-    const float t0 = 0.01655f * (wheels->right.spin + wheels->left.spin);
-    const float t1 = wheels->left.spin - wheels->right.spin;
+    const float vx = 0.01655f * (wheels->right.spin + wheels->left.spin);
+    const float t0 = wheels->left.spin - wheels->right.spin;
 
-    twist->vx = t0;
-    twist->vy = 0.004535926f * t1;
-    twist->omega = (-0.24518518f) * t1;
+    twist->vx = vx;
+    twist->vy = 0.004535926f * t0;
+    twist->omega = (-0.24518518f) * t0;
     *slip = 0.0f;
 }
 
@@ -238,9 +238,9 @@ void andino_odometry(andino_pose *pose, const andino_twist *twist, float dt)
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

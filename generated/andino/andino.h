@@ -30,7 +30,7 @@
 
 #define ANDINO_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define ANDINO_MODEL_HASH "e634cd7fc01fc867a173060996e34f1c" /**< digest of the model */
-#define ANDINO_PAIR_a1ec1588ca5d33b6 1 /**< header and source of one run have the same */
+#define ANDINO_PAIR_b025f8cf923cbdec 1 /**< header and source of one run have the same */
 #define ANDINO_WHEELS 3 /**< how many wheels the robot has */
 #define ANDINO_RIGHT_X 0.0185f /**< [m] pivot, forward of P */
 #define ANDINO_RIGHT_Y (-0.0675f) /**< [m] pivot, to the left of P */

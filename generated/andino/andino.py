@@ -147,17 +147,17 @@ def inverse(vx, vy, omega, caster_steer):
     _t2 = xp.cos(caster_steer)
     _caster_b = (-0.0955) * omega
     _t3 = xp.sin(caster_steer)
-    _t4 = 66.66666666666667 * (vx * _t2 + _caster_b * _t3)
-    _t5 = 1.4142135623730951 * vy + 0.02616295090390226 * omega
+    _caster_spin = 66.66666666666667 * (vx * _t2 + _caster_b * _t3)
+    _t4 = 1.4142135623730951 * vy + 0.02616295090390226 * omega
     return _results(
         xp,
         arguments,
         {
             "right.spin": _t0 + _t1,
             "left.spin": _t1 - _t0,
-            "caster.spin": _t4,
+            "caster.spin": _caster_spin,
             "caster.steer_rate": 62.5 * (_t2 * _caster_b - vx * _t3) - omega,
-            "slip": xp.abs(_t5),
+            "slip": xp.abs(_t4),
         },
     )
 
@@ -183,14 +183,14 @@ def inverse_joints(vx, vy, omega, caster_steer):
     _t2 = xp.cos(caster_steer)
     _caster_b = (-0.0955) * omega
     _t3 = xp.sin(caster_steer)
-    _t4 = 66.66666666666667 * (vx * _t2 + _caster_b * _t3)
+    _caster_spin = 66.66666666666667 * (vx * _t2 + _caster_b * _t3)
     return _results(
         xp,
         arguments,
         {
             "right.spin": _t0 + _t1,
             "left.spin": _t1 - _t0,
-            "caster.spin": _t4,
+            "caster.spin": _caster_spin,
             "caster.steer_rate": 62.5 * (_t2 * _caster_b - vx * _t3) - omega,
         },
     )
@@ -272,20 +272,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -352,11 +354,11 @@ def ode(x, u, p=NOMINAL):
     _t0 = u[..., 1] - u[..., 0]
     _body_vy = 0.004535925925925926 * _t0
     _velocity_sin = xp.sin(x[..., 2])
-    _t1 = _body_vx * _velocity_cos - _body_vy * _velocity_sin
-    _t2 = _body_vx * _velocity_sin + _velocity_cos * _body_vy
+    _x_rate = _body_vx * _velocity_cos - _body_vy * _velocity_sin
+    _y_rate = _body_vx * _velocity_sin + _velocity_cos * _body_vy
     results = [
-        _t1,
-        _t2,
+        _x_rate,
+        _y_rate,
         (-0.24518518518518517) * _t0,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_0fb7ed0f53ff3571)
+#if !defined(BICYCLE_PAIR_22c0ca713eaf3674)
 #error "this file and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -238,11 +238,11 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
     const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
-    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
+    const float spin = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float steer = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t3;
-    result.steer = t4;
+    result.spin = spin;
+    result.steer = steer;
     return result;
 }
 #endif
@@ -258,9 +258,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -308,37 +308,37 @@ void bicycle_forward(const bicycle_wheels *wheels, bicycle_twist *twist)
     const float t1 = t0 * t0;
     const float t2 = front.y * front.y;
     const float n00 = t2 + 1.0f; /* HtH[0][0] */
-    const float t3 = front.x * front.x;
-    const float n11 = t3 + 1.0f; /* HtH[1][1] */
-    const float t4 = n00 * n11;
-    const float adj00 = 1.21f * t3; /* adj(HtH)[0][0] */
-    const float t5 = wmrgen_fma(1.21f, n00 * t3, adj00);
-    const float c2 = t5 + wmrgen_fma((-2.21f), t1, t4);
-    const float t6 = (c2 < 1e-12f) ? 1e-12f : c2;
-    const float over_c2 = 1.0f / t6;
-    const float t7 = adj00 * wheels->rear.spin;
-    const float t8 = 0.34f * wmrgen_fma(-t7, over_c2, wheels->rear.spin);
-    const float t9 = t2 + 2.0f;
-    const float c1 = wmrgen_fma(2.21f, t3, t9);
-    const float t10 = 0.34f * wheels->rear.spin;
-    const float size2 = wmrgen_fma(1.6528926f, t5, wmrgen_fma((-3.0f), t1, t4));
-    const float size1 = wmrgen_fma(3.0f, t3, t9);
+    const float front_ry_squared = front.x * front.x;
+    const float n11 = front_ry_squared + 1.0f; /* HtH[1][1] */
+    const float t3 = n00 * n11;
+    const float adj00 = 1.21f * front_ry_squared; /* adj(HtH)[0][0] */
+    const float t4 = wmrgen_fma(1.21f, n00 * front_ry_squared, adj00);
+    const float c2 = t4 + wmrgen_fma((-2.21f), t1, t3);
+    const float t5 = (c2 < 1e-12f) ? 1e-12f : c2;
+    const float over_c2 = 1.0f / t5;
+    const float t6 = adj00 * wheels->rear.spin;
+    const float t7 = 0.34f * wmrgen_fma(-t6, over_c2, wheels->rear.spin);
+    const float t8 = t2 + 2.0f;
+    const float c1 = wmrgen_fma(2.21f, front_ry_squared, t8);
+    const float t9 = 0.34f * wheels->rear.spin;
+    const float size2 = wmrgen_fma(1.6528926f, t4, wmrgen_fma((-3.0f), t1, t3));
+    const float size1 = wmrgen_fma(3.0f, front_ry_squared, t8);
     const float edge3 = 6.05e-07f * (size1 * size2);
-    const float t11 = wmrgen_fma(n11, t0, -(t3 * t0));
-    const float det = wmrgen_fma(n00, adj00, t0 * ((-1.21f) * t11)); /* det(HtH) */
-    const float t12 = (det < 1e-12f) ? 1e-12f : det;
-    const float t13 = 0.34f / t12;
-    const float t14 = (edge3 < det) ? (t7 * t13) : (over_c2 * wmrgen_fma(c1, t8, -(n00 * t10)));
+    const float t10 = wmrgen_fma(n11, t0, -(front_ry_squared * t0));
+    const float det = wmrgen_fma(n00, adj00, t0 * ((-1.21f) * t10)); /* det(HtH) */
+    const float t11 = (det < 1e-12f) ? 1e-12f : det;
+    const float t12 = 0.34f / t11;
+    const float t13 = (edge3 < det) ? (t6 * t12) : (over_c2 * wmrgen_fma(c1, t7, -(n00 * t9)));
     const float edge2 = 0.000001f * (size1 * size1);
-    const float t15 = (c1 < 1e-12f) ? 1e-12f : c1;
-    const float vx_fit = (edge2 < size2) ? t14 : (t10 / t15);
-    const float t16 = t0 * wheels->rear.spin;
-    const float t17 = (edge3 < det) ? 0.0f : (over_c2 * (0.34f * t16));
-    const float vy_fit = (edge2 < size2) ? t17 : 0.0f;
-    const float t18 = 1.1f * t11 * wheels->rear.spin;
-    const float t19 = wmrgen_fma(1.1f, t16, -(c1 * (over_c2 * t18)));
-    const float t20 = (edge3 < det) ? (t13 * t18) : (over_c2 * (0.34f * t19));
-    const float omega_fit = (edge2 < size2) ? t20 : 0.0f;
+    const float t14 = (c1 < 1e-12f) ? 1e-12f : c1;
+    const float vx_fit = (edge2 < size2) ? t13 : (t9 / t14);
+    const float t15 = t0 * wheels->rear.spin;
+    const float t16 = (edge3 < det) ? 0.0f : (over_c2 * (0.34f * t15));
+    const float vy_fit = (edge2 < size2) ? t16 : 0.0f;
+    const float t17 = 1.1f * t10 * wheels->rear.spin;
+    const float t18 = wmrgen_fma(1.1f, t15, -(c1 * (over_c2 * t17)));
+    const float t19 = (edge3 < det) ? (t12 * t17) : (over_c2 * (0.34f * t18));
+    const float omega_fit = (edge2 < size2) ? t19 : 0.0f;
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
@@ -353,46 +353,46 @@ void bicycle_forward_slip(const bicycle_wheels *wheels, bicycle_twist *twist, fl
     const float t1 = t0 * t0;
     const float t2 = front.y * front.y;
     const float n00 = t2 + 1.0f; /* HtH[0][0] */
-    const float t3 = front.x * front.x;
-    const float n11 = t3 + 1.0f; /* HtH[1][1] */
-    const float t4 = n00 * n11;
-    const float adj00 = 1.21f * t3; /* adj(HtH)[0][0] */
-    const float t5 = wmrgen_fma(1.21f, n00 * t3, adj00);
-    const float c2 = t5 + wmrgen_fma((-2.21f), t1, t4);
-    const float t6 = (c2 < 1e-12f) ? 1e-12f : c2;
-    const float over_c2 = 1.0f / t6;
-    const float t7 = adj00 * wheels->rear.spin;
-    const float t8 = 0.34f * wmrgen_fma(-t7, over_c2, wheels->rear.spin);
-    const float t9 = t2 + 2.0f;
-    const float c1 = wmrgen_fma(2.21f, t3, t9);
-    const float t10 = 0.34f * wheels->rear.spin;
-    const float size2 = wmrgen_fma(1.6528926f, t5, wmrgen_fma((-3.0f), t1, t4));
-    const float size1 = wmrgen_fma(3.0f, t3, t9);
+    const float front_ry_squared = front.x * front.x;
+    const float n11 = front_ry_squared + 1.0f; /* HtH[1][1] */
+    const float t3 = n00 * n11;
+    const float adj00 = 1.21f * front_ry_squared; /* adj(HtH)[0][0] */
+    const float t4 = wmrgen_fma(1.21f, n00 * front_ry_squared, adj00);
+    const float c2 = t4 + wmrgen_fma((-2.21f), t1, t3);
+    const float t5 = (c2 < 1e-12f) ? 1e-12f : c2;
+    const float over_c2 = 1.0f / t5;
+    const float t6 = adj00 * wheels->rear.spin;
+    const float t7 = 0.34f * wmrgen_fma(-t6, over_c2, wheels->rear.spin);
+    const float t8 = t2 + 2.0f;
+    const float c1 = wmrgen_fma(2.21f, front_ry_squared, t8);
+    const float t9 = 0.34f * wheels->rear.spin;
+    const float size2 = wmrgen_fma(1.6528926f, t4, wmrgen_fma((-3.0f), t1, t3));
+    const float size1 = wmrgen_fma(3.0f, front_ry_squared, t8);
     const float edge3 = 6.05e-07f * (size1 * size2);
-    const float t11 = wmrgen_fma(n11, t0, -(t3 * t0));
-    const float det = wmrgen_fma(n00, adj00, t0 * ((-1.21f) * t11)); /* det(HtH) */
-    const float t12 = (det < 1e-12f) ? 1e-12f : det;
-    const float t13 = 0.34f / t12;
-    const float t14 = (edge3 < det) ? (t7 * t13) : (over_c2 * wmrgen_fma(c1, t8, -(n00 * t10)));
+    const float t10 = wmrgen_fma(n11, t0, -(front_ry_squared * t0));
+    const float det = wmrgen_fma(n00, adj00, t0 * ((-1.21f) * t10)); /* det(HtH) */
+    const float t11 = (det < 1e-12f) ? 1e-12f : det;
+    const float t12 = 0.34f / t11;
+    const float t13 = (edge3 < det) ? (t6 * t12) : (over_c2 * wmrgen_fma(c1, t7, -(n00 * t9)));
     const float edge2 = 0.000001f * (size1 * size1);
-    const float t15 = (c1 < 1e-12f) ? 1e-12f : c1;
-    const float vx_fit = (edge2 < size2) ? t14 : (t10 / t15);
-    const float t16 = t0 * wheels->rear.spin;
-    const float t17 = (edge3 < det) ? 0.0f : (over_c2 * (0.34f * t16));
-    const float vy_fit = (edge2 < size2) ? t17 : 0.0f;
-    const float t18 = 1.1f * t11 * wheels->rear.spin;
-    const float t19 = wmrgen_fma(1.1f, t16, -(c1 * (over_c2 * t18)));
-    const float t20 = (edge3 < det) ? (t13 * t18) : (over_c2 * (0.34f * t19));
-    const float omega_fit = (edge2 < size2) ? t20 : 0.0f;
-    const float t21 = front.x * wmrgen_fma((-1.1f), omega_fit, -vy_fit);
-    const float error_2 = wmrgen_fma(front.y, vx_fit, t21);
-    const float error_0 = t10 - vx_fit;
-    const float t22 = wmrgen_fma(error_0, error_0, vy_fit * vy_fit);
+    const float t14 = (c1 < 1e-12f) ? 1e-12f : c1;
+    const float vx_fit = (edge2 < size2) ? t13 : (t9 / t14);
+    const float t15 = t0 * wheels->rear.spin;
+    const float t16 = (edge3 < det) ? 0.0f : (over_c2 * (0.34f * t15));
+    const float vy_fit = (edge2 < size2) ? t16 : 0.0f;
+    const float t17 = 1.1f * t10 * wheels->rear.spin;
+    const float t18 = wmrgen_fma(1.1f, t15, -(c1 * (over_c2 * t17)));
+    const float t19 = (edge3 < det) ? (t12 * t17) : (over_c2 * (0.34f * t18));
+    const float omega_fit = (edge2 < size2) ? t19 : 0.0f;
+    const float t20 = front.x * wmrgen_fma((-1.1f), omega_fit, -vy_fit);
+    const float error_2 = wmrgen_fma(front.y, vx_fit, t20);
+    const float error_0 = t9 - vx_fit;
+    const float t21 = wmrgen_fma(error_0, error_0, vy_fit * vy_fit);
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
     twist->omega = omega_fit;
-    *slip = sqrtf(wmrgen_fma(error_2, error_2, t22));
+    *slip = sqrtf(wmrgen_fma(error_2, error_2, t21));
 }
 
 void bicycle_odometry(bicycle_pose *pose, const bicycle_twist *twist, float dt)
@@ -405,9 +405,9 @@ void bicycle_odometry(bicycle_pose *pose, const bicycle_twist *twist, float dt)
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

@@ -28,7 +28,7 @@
 
 #define BICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define BICYCLE_MODEL_HASH "03243267325a77fb1b999b2c2caa5cbf" /**< digest of the model */
-#define BICYCLE_PAIR_0fb7ed0f53ff3571 1 /**< header and source of one run have the same */
+#define BICYCLE_PAIR_22c0ca713eaf3674 1 /**< header and source of one run have the same */
 #define BICYCLE_WHEELS 2 /**< how many wheels the robot has */
 #define BICYCLE_REAR_X 0.0f /**< [m] pivot, forward of P */
 #define BICYCLE_REAR_Y 0.0f /**< [m] pivot, to the left of P */

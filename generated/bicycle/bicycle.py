@@ -180,17 +180,17 @@ def inverse(vx, vy, omega, front_steer):
     _t9 = _select(xp, _front_nearest, (-1.614429558094755), _front_nearest + 3.141592653589793, _t8)
     _front_target = _clamp(xp, _t9, 1.0471975511965979)
     _front_excess = _front_target - _front_nearest
-    _t10 = 2.9411764705882355 * (_front_rim * xp.cos(_front_excess))
-    _t11 = _front_rim * xp.sin(_front_excess)
-    _t12 = xp.abs(vy)
+    _front_spin = 2.9411764705882355 * (_front_rim * xp.cos(_front_excess))
+    _t10 = _front_rim * xp.sin(_front_excess)
+    _t11 = xp.abs(vy)
     return _results(
         xp,
         arguments,
         {
             "rear.spin": 2.9411764705882355 * vx,
-            "front.spin": _t10,
+            "front.spin": _front_spin,
             "front.steer": _front_target,
-            "slip": _sqrt(xp, _t12 * _t12 + _t11 * _t11),
+            "slip": _sqrt(xp, _t11 * _t11 + _t10 * _t10),
         },
     )
 
@@ -253,39 +253,39 @@ def forward(rear_spin, front_steer):
     _t1 = _t0 * _t0
     _n00 = _t1 + 1.0
     _front_ry = xp.cos(front_steer)
-    _t2 = _front_ry * _front_ry
-    _n11 = _t2 + 1.0
-    _t3 = _n00 * _n11
-    _t4 = _t0 * _front_ry
-    _t5 = _t4 * _t4
-    _adj00 = 1.21 * _t2
-    _t6 = _adj00 + 1.21 * (_n00 * _t2)
-    _t7 = _maximum(xp, 1e-12, _t6 + (_t3 - 2.21 * _t5))
-    _over_c2 = 1.0 / _t7
-    _t8 = _adj00 * rear_spin
-    _t9 = _t1 + 2.0
-    _c1 = _t9 + 2.21 * _t2
-    _t10 = 0.34 * rear_spin
-    _t11 = _c1 * (0.34 * (rear_spin - _t8 * _over_c2)) - _n00 * _t10
-    _size2 = 1.6528925619834711 * _t6 + (_t3 - 3.0 * _t5)
-    _size1 = _t9 + 3.0 * _t2
+    _front_ry_squared = _front_ry * _front_ry
+    _n11 = _front_ry_squared + 1.0
+    _t2 = _n00 * _n11
+    _t3 = _t0 * _front_ry
+    _t4 = _t3 * _t3
+    _adj00 = 1.21 * _front_ry_squared
+    _t5 = _adj00 + 1.21 * (_n00 * _front_ry_squared)
+    _t6 = _maximum(xp, 1e-12, _t5 + (_t2 - 2.21 * _t4))
+    _over_c2 = 1.0 / _t6
+    _t7 = _adj00 * rear_spin
+    _t8 = _t1 + 2.0
+    _c1 = _t8 + 2.21 * _front_ry_squared
+    _t9 = 0.34 * rear_spin
+    _t10 = _c1 * (0.34 * (rear_spin - _t7 * _over_c2)) - _n00 * _t9
+    _size2 = 1.6528925619834711 * _t5 + (_t2 - 3.0 * _t4)
+    _size1 = _t8 + 3.0 * _front_ry_squared
     _edge3 = 6.05e-07 * (_size1 * _size2)
-    _t12 = _n11 * _t4 - _t2 * _t4
-    _det = _n00 * _adj00 + _t4 * ((-1.21) * _t12)
-    _t13 = 0.34 * (1.0 / _maximum(xp, _det, 1e-12))
-    _t14 = _select(xp, _edge3, _det, _t8 * _t13, _over_c2 * _t11)
+    _t11 = _n11 * _t3 - _front_ry_squared * _t3
+    _det = _n00 * _adj00 + _t3 * ((-1.21) * _t11)
+    _t12 = 0.34 * (1.0 / _maximum(xp, _det, 1e-12))
+    _t13 = _select(xp, _edge3, _det, _t7 * _t12, _over_c2 * _t10)
     _edge2 = 1e-06 * (_size1 * _size1)
-    _vx_fit = _select(xp, _edge2, _size2, _t14, _t10 * (1.0 / _maximum(xp, 1e-12, _c1)))
-    _t15 = _t4 * rear_spin
-    _t16 = _select(xp, _edge3, _det, 0.0, _over_c2 * (0.34 * _t15))
-    _vy_fit = _select(xp, _edge2, _size2, _t16, 0.0)
-    _t17 = 1.1 * _t12 * rear_spin
-    _t18 = 0.34 * (1.1 * _t15 - _c1 * (_over_c2 * _t17))
-    _t19 = _select(xp, _edge3, _det, _t13 * _t17, _over_c2 * _t18)
-    _omega_fit = _select(xp, _edge2, _size2, _t19, 0.0)
+    _vx_fit = _select(xp, _edge2, _size2, _t13, _t9 * (1.0 / _maximum(xp, 1e-12, _c1)))
+    _t14 = _t3 * rear_spin
+    _t15 = _select(xp, _edge3, _det, 0.0, _over_c2 * (0.34 * _t14))
+    _vy_fit = _select(xp, _edge2, _size2, _t15, 0.0)
+    _t16 = 1.1 * _t11 * rear_spin
+    _t17 = 0.34 * (1.1 * _t14 - _c1 * (_over_c2 * _t16))
+    _t18 = _select(xp, _edge3, _det, _t12 * _t16, _over_c2 * _t17)
+    _omega_fit = _select(xp, _edge2, _size2, _t18, 0.0)
     _error_2 = _t0 * _vx_fit + _front_ry * ((-1.1) * _omega_fit - _vy_fit)
-    _error_0 = _t10 - _vx_fit
-    _t20 = _error_2 * _error_2 + (_error_0 * _error_0 + _vy_fit * _vy_fit)
+    _error_0 = _t9 - _vx_fit
+    _t19 = _error_2 * _error_2 + (_error_0 * _error_0 + _vy_fit * _vy_fit)
     return _results(
         xp,
         arguments,
@@ -293,7 +293,7 @@ def forward(rear_spin, front_steer):
             "vx": _vx_fit,
             "vy": _vy_fit,
             "omega": _omega_fit,
-            "slip": _sqrt(xp, _t20),
+            "slip": _sqrt(xp, _t19),
         },
     )
 
@@ -315,36 +315,36 @@ def forward_twist(rear_spin, front_steer):
     _t1 = _t0 * _t0
     _n00 = _t1 + 1.0
     _front_ry = xp.cos(front_steer)
-    _t2 = _front_ry * _front_ry
-    _n11 = _t2 + 1.0
-    _t3 = _n00 * _n11
-    _t4 = _t0 * _front_ry
-    _t5 = _t4 * _t4
-    _adj00 = 1.21 * _t2
-    _t6 = _adj00 + 1.21 * (_n00 * _t2)
-    _t7 = _maximum(xp, 1e-12, _t6 + (_t3 - 2.21 * _t5))
-    _over_c2 = 1.0 / _t7
-    _t8 = _adj00 * rear_spin
-    _t9 = _t1 + 2.0
-    _c1 = _t9 + 2.21 * _t2
-    _t10 = 0.34 * rear_spin
-    _t11 = _c1 * (0.34 * (rear_spin - _t8 * _over_c2)) - _n00 * _t10
-    _size2 = 1.6528925619834711 * _t6 + (_t3 - 3.0 * _t5)
-    _size1 = _t9 + 3.0 * _t2
+    _front_ry_squared = _front_ry * _front_ry
+    _n11 = _front_ry_squared + 1.0
+    _t2 = _n00 * _n11
+    _t3 = _t0 * _front_ry
+    _t4 = _t3 * _t3
+    _adj00 = 1.21 * _front_ry_squared
+    _t5 = _adj00 + 1.21 * (_n00 * _front_ry_squared)
+    _t6 = _maximum(xp, 1e-12, _t5 + (_t2 - 2.21 * _t4))
+    _over_c2 = 1.0 / _t6
+    _t7 = _adj00 * rear_spin
+    _t8 = _t1 + 2.0
+    _c1 = _t8 + 2.21 * _front_ry_squared
+    _t9 = 0.34 * rear_spin
+    _t10 = _c1 * (0.34 * (rear_spin - _t7 * _over_c2)) - _n00 * _t9
+    _size2 = 1.6528925619834711 * _t5 + (_t2 - 3.0 * _t4)
+    _size1 = _t8 + 3.0 * _front_ry_squared
     _edge3 = 6.05e-07 * (_size1 * _size2)
-    _t12 = _n11 * _t4 - _t2 * _t4
-    _det = _n00 * _adj00 + _t4 * ((-1.21) * _t12)
-    _t13 = 0.34 * (1.0 / _maximum(xp, _det, 1e-12))
-    _t14 = _select(xp, _edge3, _det, _t8 * _t13, _over_c2 * _t11)
+    _t11 = _n11 * _t3 - _front_ry_squared * _t3
+    _det = _n00 * _adj00 + _t3 * ((-1.21) * _t11)
+    _t12 = 0.34 * (1.0 / _maximum(xp, _det, 1e-12))
+    _t13 = _select(xp, _edge3, _det, _t7 * _t12, _over_c2 * _t10)
     _edge2 = 1e-06 * (_size1 * _size1)
-    _vx_fit = _select(xp, _edge2, _size2, _t14, _t10 * (1.0 / _maximum(xp, 1e-12, _c1)))
-    _t15 = _t4 * rear_spin
-    _t16 = _select(xp, _edge3, _det, 0.0, _over_c2 * (0.34 * _t15))
-    _vy_fit = _select(xp, _edge2, _size2, _t16, 0.0)
-    _t17 = 1.1 * _t12 * rear_spin
-    _t18 = 0.34 * (1.1 * _t15 - _c1 * (_over_c2 * _t17))
-    _t19 = _select(xp, _edge3, _det, _t13 * _t17, _over_c2 * _t18)
-    _omega_fit = _select(xp, _edge2, _size2, _t19, 0.0)
+    _vx_fit = _select(xp, _edge2, _size2, _t13, _t9 * (1.0 / _maximum(xp, 1e-12, _c1)))
+    _t14 = _t3 * rear_spin
+    _t15 = _select(xp, _edge3, _det, 0.0, _over_c2 * (0.34 * _t14))
+    _vy_fit = _select(xp, _edge2, _size2, _t15, 0.0)
+    _t16 = 1.1 * _t11 * rear_spin
+    _t17 = 0.34 * (1.1 * _t14 - _c1 * (_over_c2 * _t16))
+    _t18 = _select(xp, _edge3, _det, _t12 * _t16, _over_c2 * _t17)
+    _omega_fit = _select(xp, _edge2, _size2, _t18, 0.0)
     return _results(
         xp,
         arguments,
@@ -380,20 +380,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_7e8bf6871bfad18c)
+#if !defined(CAR_WITH_TRAILERS_PAIR_bb8fc5f58ba9fc93)
 #error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -221,9 +221,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -248,17 +248,17 @@ void car_with_trailers_inverse(
     const float t2 = fabsf(t1);
     /* t of front_left */
     const float front_left_t = wmrgen_clamp(t1 / wmrgen_at_least(front_left_p, 1e-20f), 0.83909965f);
-    const float t3 = ((fabsf(front_left_p) + t2) < 2e-20f)
+    const float front_left_steer = ((fabsf(front_left_p) + t2) < 2e-20f)
         ? wmrgen_clamp(now->front_left.steer, 0.6981317f) : wmrgen_arctangent(front_left_t);
     /* t of front_right */
     const float front_right_t = wmrgen_clamp(t1 / wmrgen_at_least(front_right_p, 1e-20f), 0.83909965f);
-    const float t4 = ((t2 + fabsf(front_right_p)) < 2e-20f)
+    const float front_right_steer = ((t2 + fabsf(front_right_p)) < 2e-20f)
         ? wmrgen_clamp(now->front_right.steer, 0.6981317f) : wmrgen_arctangent(front_right_t);
 
     out->rear_left.spin = 9.090909f * front_left_p;
     out->rear_right.spin = 9.090909f * front_right_p;
-    out->front_left.steer = t3;
-    out->front_right.steer = t4;
+    out->front_left.steer = front_left_steer;
+    out->front_right.steer = front_right_steer;
 }
 
 void car_with_trailers_inverse_slip(
@@ -391,11 +391,11 @@ void car_with_trailers_odometry(
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }
 
 void car_with_trailers_posture(

@@ -30,7 +30,7 @@
 
 #define CAR_WITH_TRAILERS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CAR_WITH_TRAILERS_MODEL_HASH "f644ec657a99396f26f0828e20ac149d" /**< digest of the model */
-#define CAR_WITH_TRAILERS_PAIR_7e8bf6871bfad18c 1 /**< header and source of one run have the same */
+#define CAR_WITH_TRAILERS_PAIR_bb8fc5f58ba9fc93 1 /**< header and source of one run have the same */
 #define CAR_WITH_TRAILERS_WHEELS 4 /**< how many wheels the robot has */
 #define CAR_WITH_TRAILERS_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define CAR_WITH_TRAILERS_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */

@@ -178,17 +178,17 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer):
     _front_left_scale = 1.0 / _t3
     _t4 = (_front_left_p + _t2 * _front_left_t) * _front_left_scale
     _t5 = xp.abs(_t2)
-    _t6 = _select(xp, xp.abs(_front_left_p) + _t5, 2e-20, _clamp(xp, front_left_steer, 0.6981317007977318), xp.atan(_front_left_t))
-    _t7 = _at_least(xp, _front_right_p, 1e-20)
-    _front_right_t = _clamp(xp, 1.4 * (omega / _t7), 0.83909963117728)
-    _t8 = _sqrt(xp, _front_right_t * _front_right_t + 1.0)
-    _front_right_scale = 1.0 / _t8
-    _t9 = (_front_right_p + _t2 * _front_right_t) * _front_right_scale
-    _t10 = _select(xp, _t5 + xp.abs(_front_right_p), 2e-20, _clamp(xp, front_right_steer, 0.6981317007977318), xp.atan(_front_right_t))
-    _t11 = _front_right_scale * (_t2 - _front_right_p * _front_right_t)
-    _t12 = _front_left_scale * (_t2 - _front_left_p * _front_left_t)
-    _t13 = xp.abs(1.4142135623730951 * vy)
-    _t14 = _sqrt(xp, _t11 * _t11 + (_t13 * _t13 + _t12 * _t12))
+    _front_left_steer = _select(xp, xp.abs(_front_left_p) + _t5, 2e-20, _clamp(xp, front_left_steer, 0.6981317007977318), xp.atan(_front_left_t))
+    _t6 = _at_least(xp, _front_right_p, 1e-20)
+    _front_right_t = _clamp(xp, 1.4 * (omega / _t6), 0.83909963117728)
+    _t7 = _sqrt(xp, _front_right_t * _front_right_t + 1.0)
+    _front_right_scale = 1.0 / _t7
+    _t8 = (_front_right_p + _t2 * _front_right_t) * _front_right_scale
+    _front_right_steer = _select(xp, _t5 + xp.abs(_front_right_p), 2e-20, _clamp(xp, front_right_steer, 0.6981317007977318), xp.atan(_front_right_t))
+    _t9 = _front_right_scale * (_t2 - _front_right_p * _front_right_t)
+    _t10 = _front_left_scale * (_t2 - _front_left_p * _front_left_t)
+    _t11 = xp.abs(1.4142135623730951 * vy)
+    _slip = _sqrt(xp, _t9 * _t9 + (_t11 * _t11 + _t10 * _t10))
     return _results(
         xp,
         arguments,
@@ -196,10 +196,10 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer):
             "rear_left.spin": 9.090909090909092 * _front_left_p,
             "rear_right.spin": 9.090909090909092 * _front_right_p,
             "front_left.spin": 9.090909090909092 * _t4,
-            "front_left.steer": _t6,
-            "front_right.spin": 9.090909090909092 * _t9,
-            "front_right.steer": _t10,
-            "slip": _t14,
+            "front_left.steer": _front_left_steer,
+            "front_right.spin": 9.090909090909092 * _t8,
+            "front_right.steer": _front_right_steer,
+            "slip": _slip,
         },
     )
 
@@ -232,12 +232,12 @@ def inverse_joints(vx, vy, omega, front_left_steer, front_right_steer):
     _t3 = _sqrt(xp, _front_left_t * _front_left_t + 1.0)
     _t4 = (_front_left_p + _t2 * _front_left_t) * (1.0 / _t3)
     _t5 = xp.abs(_t2)
-    _t6 = _select(xp, xp.abs(_front_left_p) + _t5, 2e-20, _clamp(xp, front_left_steer, 0.6981317007977318), xp.atan(_front_left_t))
-    _t7 = _at_least(xp, _front_right_p, 1e-20)
-    _front_right_t = _clamp(xp, 1.4 * (omega / _t7), 0.83909963117728)
-    _t8 = _sqrt(xp, _front_right_t * _front_right_t + 1.0)
-    _t9 = (_front_right_p + _t2 * _front_right_t) * (1.0 / _t8)
-    _t10 = _select(xp, _t5 + xp.abs(_front_right_p), 2e-20, _clamp(xp, front_right_steer, 0.6981317007977318), xp.atan(_front_right_t))
+    _front_left_steer = _select(xp, xp.abs(_front_left_p) + _t5, 2e-20, _clamp(xp, front_left_steer, 0.6981317007977318), xp.atan(_front_left_t))
+    _t6 = _at_least(xp, _front_right_p, 1e-20)
+    _front_right_t = _clamp(xp, 1.4 * (omega / _t6), 0.83909963117728)
+    _t7 = _sqrt(xp, _front_right_t * _front_right_t + 1.0)
+    _t8 = (_front_right_p + _t2 * _front_right_t) * (1.0 / _t7)
+    _front_right_steer = _select(xp, _t5 + xp.abs(_front_right_p), 2e-20, _clamp(xp, front_right_steer, 0.6981317007977318), xp.atan(_front_right_t))
     return _results(
         xp,
         arguments,
@@ -245,9 +245,9 @@ def inverse_joints(vx, vy, omega, front_left_steer, front_right_steer):
             "rear_left.spin": 9.090909090909092 * _front_left_p,
             "rear_right.spin": 9.090909090909092 * _front_right_p,
             "front_left.spin": 9.090909090909092 * _t4,
-            "front_left.steer": _t6,
-            "front_right.spin": 9.090909090909092 * _t9,
-            "front_right.steer": _t10,
+            "front_left.steer": _front_left_steer,
+            "front_right.spin": 9.090909090909092 * _t8,
+            "front_right.steer": _front_right_steer,
         },
     )
 
@@ -382,20 +382,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 

@@ -21,7 +21,7 @@
 
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_7e8bf6871bfad18c)
+#if !defined(CAR_WITH_TRAILERS_PAIR_bb8fc5f58ba9fc93)
 #error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 

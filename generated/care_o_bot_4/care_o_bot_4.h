@@ -29,7 +29,7 @@
 
 #define CARE_O_BOT_4_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CARE_O_BOT_4_MODEL_HASH "b3cde9bd3277e766c4bd1451501a58c7" /**< digest of the model */
-#define CARE_O_BOT_4_PAIR_c20c1c61e70041bc 1 /**< header and source of one run have the same */
+#define CARE_O_BOT_4_PAIR_2380ab09b57d4324 1 /**< header and source of one run have the same */
 #define CARE_O_BOT_4_WHEELS 3 /**< how many wheels the robot has */
 #define CARE_O_BOT_4_FL_X 0.12422f /**< [m] pivot, forward of P */
 #define CARE_O_BOT_4_FL_Y 0.21515f /**< [m] pivot, to the left of P */

@@ -167,40 +167,40 @@ def inverse(vx, vy, omega, fl_steer, b_steer, fr_steer):
     vx, vy, omega, fl_steer, b_steer, fr_steer = arguments
     _fl_x = vx + (-0.21515) * omega
     _fl_y = vy + 0.12422 * omega
-    _t0 = _fl_y * _fl_y
-    _t1 = _sqrt(xp, _fl_x * _fl_x + _t0)
-    _t2 = _with_sign_of(xp, 2.0, _fl_x)
-    _t3 = _fl_y / (_maximum(xp, _t1, 1e-20) + xp.abs(_fl_x))
-    _t4 = _select(xp, _t1, 1e-20, fl_steer, _t2 * xp.atan(_t3))
-    _t5 = xp.round(0.31830988617 * (_t4 - fl_steer))
-    _t6 = _with_sign_of(xp, _t1 * 13.333333333333334, _fl_x)
-    _fl_spin = _flip(xp, _t6, _t5)
+    _fl_y_squared = _fl_y * _fl_y
+    _t0 = _sqrt(xp, _fl_x * _fl_x + _fl_y_squared)
+    _t1 = _with_sign_of(xp, 2.0, _fl_x)
+    _t2 = _fl_y / (_maximum(xp, _t0, 1e-20) + xp.abs(_fl_x))
+    _t3 = _select(xp, _t0, 1e-20, fl_steer, _t1 * xp.atan(_t2))
+    _t4 = xp.round(0.31830988617 * (_t3 - fl_steer))
+    _t5 = _with_sign_of(xp, _t0 * 13.333333333333334, _fl_x)
+    _fl_spin = _flip(xp, _t5, _t4)
     _b_y = vy + (-0.24844) * omega
-    _t7 = _sqrt(xp, vx * vx + _b_y * _b_y)
-    _t8 = _with_sign_of(xp, 2.0, vx)
-    _t9 = _b_y / (_maximum(xp, _t7, 1e-20) + xp.abs(vx))
-    _t10 = _select(xp, _t7, 1e-20, b_steer, _t8 * xp.atan(_t9))
-    _t11 = xp.round(0.31830988617 * (_t10 - b_steer))
-    _t12 = _with_sign_of(xp, _t7 * 13.333333333333334, vx)
-    _b_spin = _flip(xp, _t12, _t11)
+    _t6 = _sqrt(xp, vx * vx + _b_y * _b_y)
+    _t7 = _with_sign_of(xp, 2.0, vx)
+    _t8 = _b_y / (_maximum(xp, _t6, 1e-20) + xp.abs(vx))
+    _t9 = _select(xp, _t6, 1e-20, b_steer, _t7 * xp.atan(_t8))
+    _t10 = xp.round(0.31830988617 * (_t9 - b_steer))
+    _t11 = _with_sign_of(xp, _t6 * 13.333333333333334, vx)
+    _b_spin = _flip(xp, _t11, _t10)
     _fr_x = vx + 0.21515 * omega
-    _t13 = _sqrt(xp, _fr_x * _fr_x + _t0)
-    _t14 = _with_sign_of(xp, 2.0, _fr_x)
-    _t15 = _fl_y / (_maximum(xp, _t13, 1e-20) + xp.abs(_fr_x))
-    _t16 = _select(xp, _t13, 1e-20, fr_steer, _t14 * xp.atan(_t15))
-    _t17 = xp.round(0.31830988617 * (_t16 - fr_steer))
-    _t18 = _with_sign_of(xp, _t13 * 13.333333333333334, _fr_x)
-    _fr_spin = _flip(xp, _t18, _t17)
+    _t12 = _sqrt(xp, _fr_x * _fr_x + _fl_y_squared)
+    _t13 = _with_sign_of(xp, 2.0, _fr_x)
+    _t14 = _fl_y / (_maximum(xp, _t12, 1e-20) + xp.abs(_fr_x))
+    _t15 = _select(xp, _t12, 1e-20, fr_steer, _t13 * xp.atan(_t14))
+    _t16 = xp.round(0.31830988617 * (_t15 - fr_steer))
+    _t17 = _with_sign_of(xp, _t12 * 13.333333333333334, _fr_x)
+    _fr_spin = _flip(xp, _t17, _t16)
     return _results(
         xp,
         arguments,
         {
             "fl.spin": _fl_spin,
-            "fl.steer": _t4 + (-3.141592653589793) * _t5,
+            "fl.steer": _t3 + (-3.141592653589793) * _t4,
             "b.spin": _b_spin,
-            "b.steer": _t10 + (-3.141592653589793) * _t11,
+            "b.steer": _t9 + (-3.141592653589793) * _t10,
             "fr.spin": _fr_spin,
-            "fr.steer": _t16 + (-3.141592653589793) * _t17,
+            "fr.steer": _t15 + (-3.141592653589793) * _t16,
             "slip": 0.0,
         },
     )
@@ -228,40 +228,40 @@ def inverse_joints(vx, vy, omega, fl_steer, b_steer, fr_steer):
     vx, vy, omega, fl_steer, b_steer, fr_steer = arguments
     _fl_x = vx + (-0.21515) * omega
     _fl_y = vy + 0.12422 * omega
-    _t0 = _fl_y * _fl_y
-    _t1 = _sqrt(xp, _fl_x * _fl_x + _t0)
-    _t2 = _with_sign_of(xp, 2.0, _fl_x)
-    _t3 = _fl_y / (_maximum(xp, _t1, 1e-20) + xp.abs(_fl_x))
-    _t4 = _select(xp, _t1, 1e-20, fl_steer, _t2 * xp.atan(_t3))
-    _t5 = xp.round(0.31830988617 * (_t4 - fl_steer))
-    _t6 = _with_sign_of(xp, _t1 * 13.333333333333334, _fl_x)
-    _fl_spin = _flip(xp, _t6, _t5)
+    _fl_y_squared = _fl_y * _fl_y
+    _t0 = _sqrt(xp, _fl_x * _fl_x + _fl_y_squared)
+    _t1 = _with_sign_of(xp, 2.0, _fl_x)
+    _t2 = _fl_y / (_maximum(xp, _t0, 1e-20) + xp.abs(_fl_x))
+    _t3 = _select(xp, _t0, 1e-20, fl_steer, _t1 * xp.atan(_t2))
+    _t4 = xp.round(0.31830988617 * (_t3 - fl_steer))
+    _t5 = _with_sign_of(xp, _t0 * 13.333333333333334, _fl_x)
+    _fl_spin = _flip(xp, _t5, _t4)
     _b_y = vy + (-0.24844) * omega
-    _t7 = _sqrt(xp, vx * vx + _b_y * _b_y)
-    _t8 = _with_sign_of(xp, 2.0, vx)
-    _t9 = _b_y / (_maximum(xp, _t7, 1e-20) + xp.abs(vx))
-    _t10 = _select(xp, _t7, 1e-20, b_steer, _t8 * xp.atan(_t9))
-    _t11 = xp.round(0.31830988617 * (_t10 - b_steer))
-    _t12 = _with_sign_of(xp, _t7 * 13.333333333333334, vx)
-    _b_spin = _flip(xp, _t12, _t11)
+    _t6 = _sqrt(xp, vx * vx + _b_y * _b_y)
+    _t7 = _with_sign_of(xp, 2.0, vx)
+    _t8 = _b_y / (_maximum(xp, _t6, 1e-20) + xp.abs(vx))
+    _t9 = _select(xp, _t6, 1e-20, b_steer, _t7 * xp.atan(_t8))
+    _t10 = xp.round(0.31830988617 * (_t9 - b_steer))
+    _t11 = _with_sign_of(xp, _t6 * 13.333333333333334, vx)
+    _b_spin = _flip(xp, _t11, _t10)
     _fr_x = vx + 0.21515 * omega
-    _t13 = _sqrt(xp, _fr_x * _fr_x + _t0)
-    _t14 = _with_sign_of(xp, 2.0, _fr_x)
-    _t15 = _fl_y / (_maximum(xp, _t13, 1e-20) + xp.abs(_fr_x))
-    _t16 = _select(xp, _t13, 1e-20, fr_steer, _t14 * xp.atan(_t15))
-    _t17 = xp.round(0.31830988617 * (_t16 - fr_steer))
-    _t18 = _with_sign_of(xp, _t13 * 13.333333333333334, _fr_x)
-    _fr_spin = _flip(xp, _t18, _t17)
+    _t12 = _sqrt(xp, _fr_x * _fr_x + _fl_y_squared)
+    _t13 = _with_sign_of(xp, 2.0, _fr_x)
+    _t14 = _fl_y / (_maximum(xp, _t12, 1e-20) + xp.abs(_fr_x))
+    _t15 = _select(xp, _t12, 1e-20, fr_steer, _t13 * xp.atan(_t14))
+    _t16 = xp.round(0.31830988617 * (_t15 - fr_steer))
+    _t17 = _with_sign_of(xp, _t12 * 13.333333333333334, _fr_x)
+    _fr_spin = _flip(xp, _t17, _t16)
     return _results(
         xp,
         arguments,
         {
             "fl.spin": _fl_spin,
-            "fl.steer": _t4 + (-3.141592653589793) * _t5,
+            "fl.steer": _t3 + (-3.141592653589793) * _t4,
             "b.spin": _b_spin,
-            "b.steer": _t10 + (-3.141592653589793) * _t11,
+            "b.steer": _t9 + (-3.141592653589793) * _t10,
             "fr.spin": _fr_spin,
-            "fr.steer": _t16 + (-3.141592653589793) * _t17,
+            "fr.steer": _t15 + (-3.141592653589793) * _t16,
         },
     )
 
@@ -375,20 +375,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -425,14 +427,14 @@ def dynamics(x, y, theta, fl_steer, b_steer, eta1, fl_steer_rate, b_steer_rate):
     _t6 = 0.5773646293283755 * _t5 + (_t4 * (eta1 * _t2) + 1.154729258656751 * _t3)
     _vy_body = 0.5773359094080395 * _t6
     _velocity_sin = xp.sin(theta)
-    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
-    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
+    _x_rate = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _y_rate = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _results(
         xp,
         arguments,
         {
-            "x_rate": _t7,
-            "y_rate": _t8,
+            "x_rate": _x_rate,
+            "y_rate": _y_rate,
             "theta_rate": 2.683411152256749 * (_t3 - _t5),
             "fl.steer_rate": fl_steer_rate * 1.0,
             "b.steer_rate": b_steer_rate * 1.0,
@@ -469,11 +471,11 @@ def ode(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _velocity_cos = xp.cos(x[..., 2])
     _velocity_sin = xp.sin(x[..., 2])
-    _t0 = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
-    _t1 = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
+    _x_rate = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
+    _y_rate = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
     results = [
-        _t0,
-        _t1,
+        _x_rate,
+        _y_rate,
         u[..., 2],
         u[..., 3],
         u[..., 4],
@@ -491,14 +493,14 @@ def rolling(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _t0 = xp.cos(x[..., 3])
     _t1 = xp.sin(x[..., 3])
-    _t2 = (0.12422 * _t0 + 0.21515 * _t1) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
-    _t3 = xp.cos(x[..., 4]) * (u[..., 1] - 0.24844 * u[..., 2])
-    _t4 = xp.cos(x[..., 5])
-    _t5 = xp.sin(x[..., 5])
-    _t6 = u[..., 2] * (0.12422 * _t4 - 0.21515 * _t5) + (u[..., 1] * _t4 - u[..., 0] * _t5)
+    _fl_slide = (0.12422 * _t0 + 0.21515 * _t1) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
+    _t2 = xp.cos(x[..., 4]) * (u[..., 1] - 0.24844 * u[..., 2])
+    _t3 = xp.cos(x[..., 5])
+    _t4 = xp.sin(x[..., 5])
+    _fr_slide = u[..., 2] * (0.12422 * _t3 - 0.21515 * _t4) + (u[..., 1] * _t3 - u[..., 0] * _t4)
     results = [
-        _t2,
-        _t3 - u[..., 0] * xp.sin(x[..., 4]),
-        _t6,
+        _fl_slide,
+        _t2 - u[..., 0] * xp.sin(x[..., 4]),
+        _fr_slide,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

@@ -30,7 +30,7 @@
 
 #define CLEARPATH_A200_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_A200_MODEL_HASH "01079f84320a554eb27638e3af3aed73" /**< digest of the model */
-#define CLEARPATH_A200_PAIR_26aa6760d0bd2908 1 /**< header and source of one run have the same */
+#define CLEARPATH_A200_PAIR_f25ae6752fd1f303 1 /**< header and source of one run have the same */
 #define CLEARPATH_A200_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_A200_FRONT_LEFT_X 0.256f /**< [m] pivot, forward of P */
 #define CLEARPATH_A200_FRONT_LEFT_Y 0.2775f /**< [m] pivot, to the left of P */

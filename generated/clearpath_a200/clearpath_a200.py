@@ -151,20 +151,20 @@ def inverse(vx, vy, omega):
     vx, vy, omega = arguments
     _t0 = 6.0569351907934585 * vx
     _t1 = 1.6807995154451847 * omega
-    _t2 = _t0 - _t1
-    _t3 = _t1 + _t0
-    _t4 = 0.256 * omega
-    _t5 = vy + _t4
-    _t6 = vy - _t4
+    _front_left_spin = _t0 - _t1
+    _front_right_spin = _t1 + _t0
+    _t2 = 0.256 * omega
+    _t3 = vy + _t2
+    _t4 = vy - _t2
     return _results(
         xp,
         arguments,
         {
-            "front_left.spin": _t2,
-            "front_right.spin": _t3,
-            "rear_left.spin": _t2 * 1.0,
-            "rear_right.spin": _t3 * 1.0,
-            "slip": _sqrt(xp, 2.0 * (_t5 * _t5 + _t6 * _t6)),
+            "front_left.spin": _front_left_spin,
+            "front_right.spin": _front_right_spin,
+            "rear_left.spin": _front_left_spin * 1.0,
+            "rear_right.spin": _front_right_spin * 1.0,
+            "slip": _sqrt(xp, 2.0 * (_t3 * _t3 + _t4 * _t4)),
         },
     )
 
@@ -186,16 +186,16 @@ def inverse_joints(vx, vy, omega):
     vx, vy, omega = arguments
     _t0 = 6.0569351907934585 * vx
     _t1 = 1.6807995154451847 * omega
-    _t2 = _t0 - _t1
-    _t3 = _t1 + _t0
+    _front_left_spin = _t0 - _t1
+    _front_right_spin = _t1 + _t0
     return _results(
         xp,
         arguments,
         {
-            "front_left.spin": _t2,
-            "front_right.spin": _t3,
-            "rear_left.spin": _t2 * 1.0,
-            "rear_right.spin": _t3 * 1.0,
+            "front_left.spin": _front_left_spin,
+            "front_right.spin": _front_right_spin,
+            "rear_left.spin": _front_left_spin * 1.0,
+            "rear_right.spin": _front_right_spin * 1.0,
         },
     )
 
@@ -229,7 +229,7 @@ def forward(front_left_spin, front_right_spin, rear_left_spin, rear_right_spin):
     _t8 = 0.1651 * rear_left_spin - _t4
     _t9 = 0.1651 * rear_right_spin - _t6
     _t10 = _t9 * _t9 + (_t8 * _t8 + (_t5 * _t5 + _t7 * _t7))
-    _t11 = _sqrt(xp, 0.262144 * (_omega_fit * _omega_fit) + _t10)
+    _slip = _sqrt(xp, 0.262144 * (_omega_fit * _omega_fit) + _t10)
     return _results(
         xp,
         arguments,
@@ -237,7 +237,7 @@ def forward(front_left_spin, front_right_spin, rear_left_spin, rear_right_spin):
             "vx": _vx_fit,
             "vy": 0.0,
             "omega": _omega_fit,
-            "slip": _t11,
+            "slip": _slip,
         },
     )
 
@@ -294,20 +294,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_A200_PAIR_26aa6760d0bd2908)
+#if !defined(CLEARPATH_A200_PAIR_f25ae6752fd1f303)
 #error "this file and clearpath_a200.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

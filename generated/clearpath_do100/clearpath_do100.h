@@ -32,7 +32,7 @@
 
 #define CLEARPATH_DO100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_DO100_MODEL_HASH "e04c8a1912c01b12b7f5640fb975be5d" /**< digest of the model */
-#define CLEARPATH_DO100_PAIR_55a8befabbc855e5 1 /**< header and source of one run have the same */
+#define CLEARPATH_DO100_PAIR_2d66e3cb2722b16a 1 /**< header and source of one run have the same */
 #define CLEARPATH_DO100_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_DO100_FRONT_LEFT_X 0.285f /**< [m] pivot, forward of P */
 #define CLEARPATH_DO100_FRONT_LEFT_Y 0.2104f /**< [m] pivot, to the left of P */

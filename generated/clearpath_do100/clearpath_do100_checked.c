@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_DO100_PAIR_55a8befabbc855e5)
+#if !defined(CLEARPATH_DO100_PAIR_2d66e3cb2722b16a)
 #error "this file and clearpath_do100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_R100_PAIR_a75ba3bbc8b4c5b5)
+#if !defined(CLEARPATH_R100_PAIR_b724aa5b1aa094cd)
 #error "this file and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -197,9 +197,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -219,10 +219,10 @@ void clearpath_r100_params_default(clearpath_r100_params *params)
 
 void clearpath_r100_prepare(const clearpath_r100_params *params, clearpath_r100_prepared *prepared)
 {
-    const float t0 = 1.0f / wmrgen_at_least(params->radius, 1e-12f);
+    const float k0 = 1.0f / wmrgen_at_least(params->radius, 1e-12f);
 
-    prepared->k0 = t0;
-    prepared->k1 = 0.5945f * t0;
+    prepared->k0 = k0;
+    prepared->k1 = 0.5945f * k0;
     prepared->k2 = 0.25f * params->radius;
     prepared->k3 = (-0.42052144f) * params->radius;
     prepared->k4 = 0.35355338f * params->radius;
@@ -301,9 +301,9 @@ void clearpath_r100_odometry(
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

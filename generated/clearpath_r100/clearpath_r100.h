@@ -36,7 +36,7 @@
 
 #define CLEARPATH_R100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_R100_MODEL_HASH "3f37056fa0c6815603f6f75354ebfbbf" /**< digest of the model */
-#define CLEARPATH_R100_PAIR_a75ba3bbc8b4c5b5 1 /**< header and source of one run have the same */
+#define CLEARPATH_R100_PAIR_b724aa5b1aa094cd 1 /**< header and source of one run have the same */
 #define CLEARPATH_R100_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_R100_FRONT_LEFT_X 0.319f /**< [m] pivot, forward of P */
 #define CLEARPATH_R100_FRONT_LEFT_Y 0.2755f /**< [m] pivot, to the left of P */

@@ -229,16 +229,16 @@ def forward(front_left_spin, front_right_spin, rear_left_spin, rear_right_spin, 
     _t2 = front_left_spin + front_right_spin
     _t3 = rear_left_spin - rear_right_spin
     _t4 = front_left_spin - front_right_spin
-    _t5 = (_t3 + _t4) * ((-0.42052144659377627) * radius)
-    _t6 = xp.abs((_t2 - _t1) * (0.3535533905932738 * radius))
+    _omega = (_t3 + _t4) * ((-0.42052144659377627) * radius)
+    _slip = xp.abs((_t2 - _t1) * (0.3535533905932738 * radius))
     return _results(
         xp,
         arguments,
         {
             "vx": (_t1 + _t2) * _t0,
             "vy": _t0 * (_t3 - _t4),
-            "omega": _t5,
-            "slip": _t6,
+            "omega": _omega,
+            "slip": _slip,
         },
     )
 
@@ -263,14 +263,14 @@ def forward_twist(front_left_spin, front_right_spin, rear_left_spin, rear_right_
     _t1 = rear_left_spin + rear_right_spin + (front_left_spin + front_right_spin)
     _t2 = rear_left_spin - rear_right_spin
     _t3 = front_left_spin - front_right_spin
-    _t4 = (_t2 + _t3) * ((-0.42052144659377627) * radius)
+    _omega = (_t2 + _t3) * ((-0.42052144659377627) * radius)
     return _results(
         xp,
         arguments,
         {
             "vx": _t1 * _t0,
             "vy": _t0 * (_t2 - _t3),
-            "omega": _t4,
+            "omega": _omega,
         },
     )
 
@@ -299,20 +299,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -379,12 +381,12 @@ def ode(x, u, p=NOMINAL):
     _velocity_cos = xp.cos(x[..., 2])
     _body_vy = _t0 * (u[..., 2] - u[..., 0])
     _velocity_sin = xp.sin(x[..., 2])
-    _t1 = _body_vx * _velocity_cos - _body_vy * _velocity_sin
-    _t2 = _body_vx * _velocity_sin + _velocity_cos * _body_vy
+    _x_rate = _body_vx * _velocity_cos - _body_vy * _velocity_sin
+    _y_rate = _body_vx * _velocity_sin + _velocity_cos * _body_vy
     _body_omega = (u[..., 1] - u[..., 2]) * (0.8410428931875525 * p[..., 0])
     results = [
-        _t1,
-        _t2,
+        _x_rate,
+        _y_rate,
         _body_omega,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)
@@ -398,10 +400,10 @@ def limits(x, u, p=NOMINAL):
     xp, (x, u, p) = _arrays(x, u, p)
     shape = _leading(x=x, u=u, p=p)
     _t0 = 0.5 * p[..., 0]
-    _t1 = (u[..., 1] - u[..., 2]) * (0.8410428931875525 * p[..., 0])
+    _omega = (u[..., 1] - u[..., 2]) * (0.8410428931875525 * p[..., 0])
     results = [
         (u[..., 0] + u[..., 1]) * _t0,
         _t0 * (u[..., 2] - u[..., 0]),
-        _t1,
+        _omega,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

@@ -26,7 +26,7 @@
 
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_a75ba3bbc8b4c5b5)
+#if !defined(CLEARPATH_R100_PAIR_b724aa5b1aa094cd)
 #error "this file and clearpath_r100.h were not generated together: copy both"
 #endif
 

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_5058a6f967a2b582)
+#if !defined(F1TENTH_PAIR_c98ba671c5536243)
 #error "this file and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -227,9 +227,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -246,10 +246,10 @@ void f1tenth_inverse(const f1tenth_twist *twist, const f1tenth_wheels *now, f1te
 {
     const float front_q = 0.3302f * twist->omega; /* q of front */
     const float front_t = wmrgen_clamp(front_q / wmrgen_at_least(twist->vx, 1e-20f), 0.4452287f); /* t of front */
-    const float t0 = ((fabsf(twist->vx) + fabsf(front_q)) < 2e-20f)
+    const float front_steer = ((fabsf(twist->vx) + fabsf(front_q)) < 2e-20f)
         ? wmrgen_clamp(now->front.steer, 0.41887903f) : wmrgen_arctangent(front_t);
 
-    out->front.steer = t0;
+    out->front.steer = front_steer;
     out->rear.spin = 20.0f * twist->vx;
 }
 
@@ -272,45 +272,45 @@ void f1tenth_forward(const f1tenth_wheels *wheels, f1tenth_twist *twist)
     f1tenth_forward_slip(wheels, twist, &slip);
 #else
     const wmrgen_vector front = wmrgen_direction(wheels->front.steer);
-    const float t0 = front.x * front.x;
-    const float n22 = wmrgen_fma(0.025201563f, t0, 0.029395102f); /* HtH[2][2] */
-    const float n12 = wmrgen_fma(0.15875f, t0, (-0.17145f)); /* HtH[1][2] */
-    const float n11 = t0 + 1.0f; /* HtH[1][1] */
+    const float front_ry_squared = front.x * front.x;
+    const float n22 = wmrgen_fma(0.025201563f, front_ry_squared, 0.029395102f); /* HtH[2][2] */
+    const float n12 = wmrgen_fma(0.15875f, front_ry_squared, (-0.17145f)); /* HtH[1][2] */
+    const float n11 = front_ry_squared + 1.0f; /* HtH[1][1] */
     const float adj00 = wmrgen_fma(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
-    const float t1 = front.y * front.x;
-    const float t2 = t1 * t1;
+    const float t0 = front.y * front.x;
+    const float t1 = t0 * t0;
     const float n00 = wmrgen_fma(front.y, front.y, 1.0f); /* HtH[0][0] */
-    const float t3 = adj00 + wmrgen_fma(n00, n22, -(0.025201563f * t2));
-    const float adj22 = wmrgen_fma(n00, n11, -t2); /* adj(HtH)[2][2] */
-    const float c2 = adj22 + t3;
-    const float t4 = (c2 < 1e-12f) ? 1e-12f : c2;
-    const float over_c2 = 1.0f / t4;
-    const float t5 = adj00 * wheels->rear.spin;
-    const float t6 = 0.05f * wmrgen_fma(-t5, over_c2, wheels->rear.spin);
-    const float t7 = n00 + n11;
-    const float c1 = t7 + n22;
-    const float t8 = 0.05f * wheels->rear.spin;
-    const float size2 = wmrgen_fma(36.632275f, t3, adj22);
-    const float size1 = wmrgen_fma(36.632275f, n22, t7);
+    const float t2 = adj00 + wmrgen_fma(n00, n22, -(0.025201563f * t1));
+    const float adj22 = wmrgen_fma(n00, n11, -t1); /* adj(HtH)[2][2] */
+    const float c2 = adj22 + t2;
+    const float t3 = (c2 < 1e-12f) ? 1e-12f : c2;
+    const float over_c2 = 1.0f / t3;
+    const float t4 = adj00 * wheels->rear.spin;
+    const float t5 = 0.05f * wmrgen_fma(-t4, over_c2, wheels->rear.spin);
+    const float t6 = n00 + n11;
+    const float c1 = t6 + n22;
+    const float t7 = 0.05f * wheels->rear.spin;
+    const float size2 = wmrgen_fma(36.632275f, t2, adj22);
+    const float size1 = wmrgen_fma(36.632275f, n22, t6);
     const float edge3 = 2.7298332e-08f * (size1 * size2);
-    const float t9 = n12 * t1;
-    const float adj01 = wmrgen_fma(n22, t1, -(0.15875f * t9)); /* adj(HtH)[0][1] */
-    const float adj02 = wmrgen_fma(0.15875f, n11 * t1, -t9); /* adj(HtH)[0][2] */
-    const float det = wmrgen_fma(n00, adj00, t1 * wmrgen_fma((-0.15875f), adj02, -adj01)); /* det(HtH) */
-    const float t10 = (det < 1e-12f) ? 1e-12f : det;
-    const float t11 = 0.05f / t10;
-    const float t12 = (edge3 < det) ? (t5 * t11) : (over_c2 * wmrgen_fma(c1, t6, -(n00 * t8)));
+    const float t8 = n12 * t0;
+    const float adj01 = wmrgen_fma(n22, t0, -(0.15875f * t8)); /* adj(HtH)[0][1] */
+    const float adj02 = wmrgen_fma(0.15875f, n11 * t0, -t8); /* adj(HtH)[0][2] */
+    const float det = wmrgen_fma(n00, adj00, t0 * wmrgen_fma((-0.15875f), adj02, -adj01)); /* det(HtH) */
+    const float t9 = (det < 1e-12f) ? 1e-12f : det;
+    const float t10 = 0.05f / t9;
+    const float t11 = (edge3 < det) ? (t4 * t10) : (over_c2 * wmrgen_fma(c1, t5, -(n00 * t7)));
     const float edge2 = 0.000001f * (size1 * size1);
-    const float t13 = (c1 < 1e-12f) ? 1e-12f : c1;
-    const float vx_fit = (edge2 < size2) ? t12 : (t8 / t13);
-    const float t14 = adj01 * wheels->rear.spin;
-    const float t15 = t1 * wheels->rear.spin;
-    const float t16 = (edge3 < det) ? (t11 * t14) : (over_c2 * (0.05f * wmrgen_fma(-c1, over_c2 * t14, t15)));
-    const float vy_fit = (edge2 < size2) ? t16 : 0.0f;
-    const float t17 = adj02 * wheels->rear.spin;
-    const float t18 = wmrgen_fma(0.15875f, t15, -(c1 * (over_c2 * t17)));
-    const float t19 = (edge3 < det) ? (t11 * t17) : (over_c2 * (0.05f * t18));
-    const float omega_fit = (edge2 < size2) ? t19 : 0.0f;
+    const float t12 = (c1 < 1e-12f) ? 1e-12f : c1;
+    const float vx_fit = (edge2 < size2) ? t11 : (t7 / t12);
+    const float t13 = adj01 * wheels->rear.spin;
+    const float t14 = t0 * wheels->rear.spin;
+    const float t15 = (edge3 < det) ? (t10 * t13) : (over_c2 * (0.05f * wmrgen_fma(-c1, over_c2 * t13, t14)));
+    const float vy_fit = (edge2 < size2) ? t15 : 0.0f;
+    const float t16 = adj02 * wheels->rear.spin;
+    const float t17 = wmrgen_fma(0.15875f, t14, -(c1 * (over_c2 * t16)));
+    const float t18 = (edge3 < det) ? (t10 * t16) : (over_c2 * (0.05f * t17));
+    const float omega_fit = (edge2 < size2) ? t18 : 0.0f;
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
@@ -321,56 +321,56 @@ void f1tenth_forward(const f1tenth_wheels *wheels, f1tenth_twist *twist)
 void f1tenth_forward_slip(const f1tenth_wheels *wheels, f1tenth_twist *twist, float *slip)
 {
     const wmrgen_vector front = wmrgen_direction(wheels->front.steer);
-    const float t0 = front.x * front.x;
-    const float n22 = wmrgen_fma(0.025201563f, t0, 0.029395102f); /* HtH[2][2] */
-    const float n12 = wmrgen_fma(0.15875f, t0, (-0.17145f)); /* HtH[1][2] */
-    const float n11 = t0 + 1.0f; /* HtH[1][1] */
+    const float front_ry_squared = front.x * front.x;
+    const float n22 = wmrgen_fma(0.025201563f, front_ry_squared, 0.029395102f); /* HtH[2][2] */
+    const float n12 = wmrgen_fma(0.15875f, front_ry_squared, (-0.17145f)); /* HtH[1][2] */
+    const float n11 = front_ry_squared + 1.0f; /* HtH[1][1] */
     const float adj00 = wmrgen_fma(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
-    const float t1 = front.y * front.x;
-    const float t2 = t1 * t1;
+    const float t0 = front.y * front.x;
+    const float t1 = t0 * t0;
     const float n00 = wmrgen_fma(front.y, front.y, 1.0f); /* HtH[0][0] */
-    const float t3 = adj00 + wmrgen_fma(n00, n22, -(0.025201563f * t2));
-    const float adj22 = wmrgen_fma(n00, n11, -t2); /* adj(HtH)[2][2] */
-    const float c2 = adj22 + t3;
-    const float t4 = (c2 < 1e-12f) ? 1e-12f : c2;
-    const float over_c2 = 1.0f / t4;
-    const float t5 = adj00 * wheels->rear.spin;
-    const float t6 = 0.05f * wmrgen_fma(-t5, over_c2, wheels->rear.spin);
-    const float t7 = n00 + n11;
-    const float c1 = t7 + n22;
-    const float t8 = 0.05f * wheels->rear.spin;
-    const float size2 = wmrgen_fma(36.632275f, t3, adj22);
-    const float size1 = wmrgen_fma(36.632275f, n22, t7);
+    const float t2 = adj00 + wmrgen_fma(n00, n22, -(0.025201563f * t1));
+    const float adj22 = wmrgen_fma(n00, n11, -t1); /* adj(HtH)[2][2] */
+    const float c2 = adj22 + t2;
+    const float t3 = (c2 < 1e-12f) ? 1e-12f : c2;
+    const float over_c2 = 1.0f / t3;
+    const float t4 = adj00 * wheels->rear.spin;
+    const float t5 = 0.05f * wmrgen_fma(-t4, over_c2, wheels->rear.spin);
+    const float t6 = n00 + n11;
+    const float c1 = t6 + n22;
+    const float t7 = 0.05f * wheels->rear.spin;
+    const float size2 = wmrgen_fma(36.632275f, t2, adj22);
+    const float size1 = wmrgen_fma(36.632275f, n22, t6);
     const float edge3 = 2.7298332e-08f * (size1 * size2);
-    const float t9 = n12 * t1;
-    const float adj01 = wmrgen_fma(n22, t1, -(0.15875f * t9)); /* adj(HtH)[0][1] */
-    const float adj02 = wmrgen_fma(0.15875f, n11 * t1, -t9); /* adj(HtH)[0][2] */
-    const float det = wmrgen_fma(n00, adj00, t1 * wmrgen_fma((-0.15875f), adj02, -adj01)); /* det(HtH) */
-    const float t10 = (det < 1e-12f) ? 1e-12f : det;
-    const float t11 = 0.05f / t10;
-    const float t12 = (edge3 < det) ? (t5 * t11) : (over_c2 * wmrgen_fma(c1, t6, -(n00 * t8)));
+    const float t8 = n12 * t0;
+    const float adj01 = wmrgen_fma(n22, t0, -(0.15875f * t8)); /* adj(HtH)[0][1] */
+    const float adj02 = wmrgen_fma(0.15875f, n11 * t0, -t8); /* adj(HtH)[0][2] */
+    const float det = wmrgen_fma(n00, adj00, t0 * wmrgen_fma((-0.15875f), adj02, -adj01)); /* det(HtH) */
+    const float t9 = (det < 1e-12f) ? 1e-12f : det;
+    const float t10 = 0.05f / t9;
+    const float t11 = (edge3 < det) ? (t4 * t10) : (over_c2 * wmrgen_fma(c1, t5, -(n00 * t7)));
     const float edge2 = 0.000001f * (size1 * size1);
-    const float t13 = (c1 < 1e-12f) ? 1e-12f : c1;
-    const float vx_fit = (edge2 < size2) ? t12 : (t8 / t13);
-    const float t14 = adj01 * wheels->rear.spin;
-    const float t15 = t1 * wheels->rear.spin;
-    const float t16 = (edge3 < det) ? (t11 * t14) : (over_c2 * (0.05f * wmrgen_fma(-c1, over_c2 * t14, t15)));
-    const float vy_fit = (edge2 < size2) ? t16 : 0.0f;
-    const float t17 = adj02 * wheels->rear.spin;
-    const float t18 = wmrgen_fma(0.15875f, t15, -(c1 * (over_c2 * t17)));
-    const float t19 = (edge3 < det) ? (t11 * t17) : (over_c2 * (0.05f * t18));
-    const float omega_fit = (edge2 < size2) ? t19 : 0.0f;
-    const float t20 = -vy_fit;
-    const float t21 = front.x * wmrgen_fma((-0.15875f), omega_fit, t20);
-    const float error_2 = wmrgen_fma(front.y, vx_fit, t21);
-    const float error_1 = wmrgen_fma(0.17145f, omega_fit, t20);
-    const float error_0 = t8 - vx_fit;
-    const float t22 = wmrgen_fma(error_0, error_0, error_1 * error_1);
+    const float t12 = (c1 < 1e-12f) ? 1e-12f : c1;
+    const float vx_fit = (edge2 < size2) ? t11 : (t7 / t12);
+    const float t13 = adj01 * wheels->rear.spin;
+    const float t14 = t0 * wheels->rear.spin;
+    const float t15 = (edge3 < det) ? (t10 * t13) : (over_c2 * (0.05f * wmrgen_fma(-c1, over_c2 * t13, t14)));
+    const float vy_fit = (edge2 < size2) ? t15 : 0.0f;
+    const float t16 = adj02 * wheels->rear.spin;
+    const float t17 = wmrgen_fma(0.15875f, t14, -(c1 * (over_c2 * t16)));
+    const float t18 = (edge3 < det) ? (t10 * t16) : (over_c2 * (0.05f * t17));
+    const float omega_fit = (edge2 < size2) ? t18 : 0.0f;
+    const float t19 = -vy_fit;
+    const float t20 = front.x * wmrgen_fma((-0.15875f), omega_fit, t19);
+    const float error_2 = wmrgen_fma(front.y, vx_fit, t20);
+    const float error_1 = wmrgen_fma(0.17145f, omega_fit, t19);
+    const float error_0 = t7 - vx_fit;
+    const float t21 = wmrgen_fma(error_0, error_0, error_1 * error_1);
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
     twist->omega = omega_fit;
-    *slip = sqrtf(wmrgen_fma(error_2, error_2, t22));
+    *slip = sqrtf(wmrgen_fma(error_2, error_2, t21));
 }
 
 void f1tenth_odometry(f1tenth_pose *pose, const f1tenth_twist *twist, float dt)
@@ -383,11 +383,11 @@ void f1tenth_odometry(f1tenth_pose *pose, const f1tenth_twist *twist, float dt)
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }
 
 void f1tenth_limit_twist(f1tenth_twist *twist)
@@ -418,14 +418,14 @@ void f1tenth_limit_acceleration(f1tenth_twist *twist, const f1tenth_twist *wante
     const float time = (t0 < t2) ? t2 : t0;
     const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t3 = 0.9999995f * (step / time);
-    const float t4 = (step < time) ? wmrgen_fma(vx_change, t3, twist->vx) : wanted->vx;
-    const float t5 = (step < time) ? wmrgen_fma(vy_change, t3, twist->vy) : wanted->vy;
-    const float t6 = wmrgen_fma(t3, wanted->omega - twist->omega, twist->omega);
-    const float t7 = (step < time) ? t6 : wanted->omega;
+    const float vx = (step < time) ? wmrgen_fma(vx_change, t3, twist->vx) : wanted->vx;
+    const float vy = (step < time) ? wmrgen_fma(vy_change, t3, twist->vy) : wanted->vy;
+    const float t4 = wmrgen_fma(t3, wanted->omega - twist->omega, twist->omega);
+    const float omega = (step < time) ? t4 : wanted->omega;
 
-    twist->vx = t4;
-    twist->vy = t5;
-    twist->omega = t7;
+    twist->vx = vx;
+    twist->vy = vy;
+    twist->omega = omega;
 }
 
 void f1tenth_steer_toward(
@@ -441,7 +441,7 @@ void f1tenth_steer_toward(
     const float t3 = t0 + t1;
     const float t4 = wmrgen_clamp(wanted->front.steer, 0.41887903f);
     const float t5 = (t4 < t3) ? t4 : t3;
-    const float t6 = (t2 < t5) ? t5 : t2;
+    const float front_steer = (t2 < t5) ? t5 : t2;
 
-    out->front.steer = t6;
+    out->front.steer = front_steer;
 }

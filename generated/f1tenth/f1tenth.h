@@ -28,7 +28,7 @@
 
 #define F1TENTH_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define F1TENTH_MODEL_HASH "1ac4e574e34e4b343385616d7569b4c8" /**< digest of the model */
-#define F1TENTH_PAIR_5058a6f967a2b582 1 /**< header and source of one run have the same */
+#define F1TENTH_PAIR_c98ba671c5536243 1 /**< header and source of one run have the same */
 #define F1TENTH_WHEELS 2 /**< how many wheels the robot has */
 #define F1TENTH_FRONT_X 0.15875f /**< [m] pivot, forward of P */
 #define F1TENTH_FRONT_Y 0.0f /**< [m] pivot, to the left of P */

@@ -171,18 +171,18 @@ def inverse(vx, vy, omega, front_steer):
     _t0 = _at_least(xp, vx, 1e-20)
     _front_t = _clamp(xp, _front_q / _t0, 0.44522868530853615)
     _front_scale = 1.0 / _sqrt(xp, _front_t * _front_t + 1.0)
-    _t1 = 20.0 * ((vx + _front_q * _front_t) * _front_scale)
-    _t2 = _select(xp, xp.abs(vx) + xp.abs(_front_q), 2e-20, _clamp(xp, front_steer, 0.4188790204786391), xp.atan(_front_t))
-    _t3 = _front_scale * (_front_q - vx * _front_t)
-    _t4 = xp.abs(vy - 0.17145 * omega)
+    _front_spin = 20.0 * ((vx + _front_q * _front_t) * _front_scale)
+    _front_steer = _select(xp, xp.abs(vx) + xp.abs(_front_q), 2e-20, _clamp(xp, front_steer, 0.4188790204786391), xp.atan(_front_t))
+    _t1 = _front_scale * (_front_q - vx * _front_t)
+    _t2 = xp.abs(vy - 0.17145 * omega)
     return _results(
         xp,
         arguments,
         {
-            "front.spin": _t1,
-            "front.steer": _t2,
+            "front.spin": _front_spin,
+            "front.steer": _front_steer,
             "rear.spin": 20.0 * vx,
-            "slip": _sqrt(xp, _t4 * _t4 + _t3 * _t3),
+            "slip": _sqrt(xp, _t2 * _t2 + _t1 * _t1),
         },
     )
 
@@ -206,13 +206,13 @@ def inverse_joints(vx, vy, omega, front_steer):
     _t0 = _at_least(xp, vx, 1e-20)
     _front_t = _clamp(xp, _front_q / _t0, 0.44522868530853615)
     _t1 = (vx + _front_q * _front_t) * (1.0 / _sqrt(xp, _front_t * _front_t + 1.0))
-    _t2 = _select(xp, xp.abs(vx) + xp.abs(_front_q), 2e-20, _clamp(xp, front_steer, 0.4188790204786391), xp.atan(_front_t))
+    _front_steer = _select(xp, xp.abs(vx) + xp.abs(_front_q), 2e-20, _clamp(xp, front_steer, 0.4188790204786391), xp.atan(_front_t))
     return _results(
         xp,
         arguments,
         {
             "front.spin": 20.0 * _t1,
-            "front.steer": _t2,
+            "front.steer": _front_steer,
             "rear.spin": 20.0 * vx,
         },
     )
@@ -235,45 +235,45 @@ def forward(front_steer, rear_spin):
     _t0 = xp.sin(front_steer)
     _n00 = _t0 * _t0 + 1.0
     _front_ry = xp.cos(front_steer)
-    _t1 = _front_ry * _front_ry
-    _n11 = _t1 + 1.0
-    _t2 = _t0 * _front_ry
-    _t3 = _t2 * _t2
-    _adj22 = _n00 * _n11 - _t3
-    _n22 = 0.0252015625 * _t1 + 0.0293951025
-    _n12 = 0.15875 * _t1 - 0.17145
+    _front_ry_squared = _front_ry * _front_ry
+    _n11 = _front_ry_squared + 1.0
+    _t1 = _t0 * _front_ry
+    _t2 = _t1 * _t1
+    _adj22 = _n00 * _n11 - _t2
+    _n22 = 0.0252015625 * _front_ry_squared + 0.0293951025
+    _n12 = 0.15875 * _front_ry_squared - 0.17145
     _adj00 = _n11 * _n22 - _n12 * _n12
-    _t4 = _adj00 + (_n00 * _n22 - 0.0252015625 * _t3)
-    _over_c2 = 1.0 / _maximum(xp, 1e-12, _adj22 + _t4)
-    _t5 = _adj00 * rear_spin
-    _t6 = _n00 + _n11
-    _c1 = _t6 + _n22
-    _t7 = 0.05 * rear_spin
-    _t8 = _c1 * (0.05 * (rear_spin - _t5 * _over_c2)) - _n00 * _t7
-    _size2 = _adj22 + 36.63227415081123 * _t4
-    _size1 = _t6 + 36.63227415081123 * _n22
+    _t3 = _adj00 + (_n00 * _n22 - 0.0252015625 * _t2)
+    _over_c2 = 1.0 / _maximum(xp, 1e-12, _adj22 + _t3)
+    _t4 = _adj00 * rear_spin
+    _t5 = _n00 + _n11
+    _c1 = _t5 + _n22
+    _t6 = 0.05 * rear_spin
+    _t7 = _c1 * (0.05 * (rear_spin - _t4 * _over_c2)) - _n00 * _t6
+    _size2 = _adj22 + 36.63227415081123 * _t3
+    _size1 = _t5 + 36.63227415081123 * _n22
     _edge3 = 2.72983325e-08 * (_size1 * _size2)
-    _t9 = _n12 * _t2
-    _adj02 = 0.15875 * (_n11 * _t2) - _t9
-    _adj01 = _n22 * _t2 - 0.15875 * _t9
-    _det = _n00 * _adj00 + _t2 * ((-0.15875) * _adj02 - _adj01)
-    _t10 = 0.05 * (1.0 / _maximum(xp, _det, 1e-12))
-    _t11 = _select(xp, _edge3, _det, _t5 * _t10, _over_c2 * _t8)
+    _t8 = _n12 * _t1
+    _adj02 = 0.15875 * (_n11 * _t1) - _t8
+    _adj01 = _n22 * _t1 - 0.15875 * _t8
+    _det = _n00 * _adj00 + _t1 * ((-0.15875) * _adj02 - _adj01)
+    _t9 = 0.05 * (1.0 / _maximum(xp, _det, 1e-12))
+    _t10 = _select(xp, _edge3, _det, _t4 * _t9, _over_c2 * _t7)
     _edge2 = 1e-06 * (_size1 * _size1)
-    _vx_fit = _select(xp, _edge2, _size2, _t11, _t7 * (1.0 / _maximum(xp, 1e-12, _c1)))
-    _t12 = _adj01 * rear_spin
-    _t13 = _t2 * rear_spin
-    _t14 = _select(xp, _edge3, _det, _t10 * _t12, _over_c2 * (0.05 * (_t13 - _c1 * (_over_c2 * _t12))))
-    _vy_fit = _select(xp, _edge2, _size2, _t14, 0.0)
-    _t15 = _adj02 * rear_spin
-    _t16 = 0.05 * (0.15875 * _t13 - _c1 * (_over_c2 * _t15))
-    _t17 = _select(xp, _edge3, _det, _t10 * _t15, _over_c2 * _t16)
-    _omega_fit = _select(xp, _edge2, _size2, _t17, 0.0)
-    _t18 = _front_ry * ((-0.15875) * _omega_fit - _vy_fit)
-    _error_2 = _t0 * _vx_fit + _t18
+    _vx_fit = _select(xp, _edge2, _size2, _t10, _t6 * (1.0 / _maximum(xp, 1e-12, _c1)))
+    _t11 = _adj01 * rear_spin
+    _t12 = _t1 * rear_spin
+    _t13 = _select(xp, _edge3, _det, _t9 * _t11, _over_c2 * (0.05 * (_t12 - _c1 * (_over_c2 * _t11))))
+    _vy_fit = _select(xp, _edge2, _size2, _t13, 0.0)
+    _t14 = _adj02 * rear_spin
+    _t15 = 0.05 * (0.15875 * _t12 - _c1 * (_over_c2 * _t14))
+    _t16 = _select(xp, _edge3, _det, _t9 * _t14, _over_c2 * _t15)
+    _omega_fit = _select(xp, _edge2, _size2, _t16, 0.0)
+    _t17 = _front_ry * ((-0.15875) * _omega_fit - _vy_fit)
+    _error_2 = _t0 * _vx_fit + _t17
     _error_1 = 0.17145 * _omega_fit - _vy_fit
-    _error_0 = _t7 - _vx_fit
-    _t19 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
+    _error_0 = _t6 - _vx_fit
+    _t18 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
     return _results(
         xp,
         arguments,
@@ -281,7 +281,7 @@ def forward(front_steer, rear_spin):
             "vx": _vx_fit,
             "vy": _vy_fit,
             "omega": _omega_fit,
-            "slip": _sqrt(xp, _t19),
+            "slip": _sqrt(xp, _t18),
         },
     )
 
@@ -302,40 +302,40 @@ def forward_twist(front_steer, rear_spin):
     _t0 = xp.sin(front_steer)
     _n00 = _t0 * _t0 + 1.0
     _front_ry = xp.cos(front_steer)
-    _t1 = _front_ry * _front_ry
-    _n11 = _t1 + 1.0
-    _t2 = _t0 * _front_ry
-    _t3 = _t2 * _t2
-    _adj22 = _n00 * _n11 - _t3
-    _n22 = 0.0252015625 * _t1 + 0.0293951025
-    _n12 = 0.15875 * _t1 - 0.17145
+    _front_ry_squared = _front_ry * _front_ry
+    _n11 = _front_ry_squared + 1.0
+    _t1 = _t0 * _front_ry
+    _t2 = _t1 * _t1
+    _adj22 = _n00 * _n11 - _t2
+    _n22 = 0.0252015625 * _front_ry_squared + 0.0293951025
+    _n12 = 0.15875 * _front_ry_squared - 0.17145
     _adj00 = _n11 * _n22 - _n12 * _n12
-    _t4 = _adj00 + (_n00 * _n22 - 0.0252015625 * _t3)
-    _over_c2 = 1.0 / _maximum(xp, 1e-12, _adj22 + _t4)
-    _t5 = _adj00 * rear_spin
-    _t6 = _n00 + _n11
-    _c1 = _t6 + _n22
-    _t7 = 0.05 * rear_spin
-    _t8 = _c1 * (0.05 * (rear_spin - _t5 * _over_c2)) - _n00 * _t7
-    _size2 = _adj22 + 36.63227415081123 * _t4
-    _size1 = _t6 + 36.63227415081123 * _n22
+    _t3 = _adj00 + (_n00 * _n22 - 0.0252015625 * _t2)
+    _over_c2 = 1.0 / _maximum(xp, 1e-12, _adj22 + _t3)
+    _t4 = _adj00 * rear_spin
+    _t5 = _n00 + _n11
+    _c1 = _t5 + _n22
+    _t6 = 0.05 * rear_spin
+    _t7 = _c1 * (0.05 * (rear_spin - _t4 * _over_c2)) - _n00 * _t6
+    _size2 = _adj22 + 36.63227415081123 * _t3
+    _size1 = _t5 + 36.63227415081123 * _n22
     _edge3 = 2.72983325e-08 * (_size1 * _size2)
-    _t9 = _n12 * _t2
-    _adj02 = 0.15875 * (_n11 * _t2) - _t9
-    _adj01 = _n22 * _t2 - 0.15875 * _t9
-    _det = _n00 * _adj00 + _t2 * ((-0.15875) * _adj02 - _adj01)
-    _t10 = 0.05 * (1.0 / _maximum(xp, _det, 1e-12))
-    _t11 = _select(xp, _edge3, _det, _t5 * _t10, _over_c2 * _t8)
+    _t8 = _n12 * _t1
+    _adj02 = 0.15875 * (_n11 * _t1) - _t8
+    _adj01 = _n22 * _t1 - 0.15875 * _t8
+    _det = _n00 * _adj00 + _t1 * ((-0.15875) * _adj02 - _adj01)
+    _t9 = 0.05 * (1.0 / _maximum(xp, _det, 1e-12))
+    _t10 = _select(xp, _edge3, _det, _t4 * _t9, _over_c2 * _t7)
     _edge2 = 1e-06 * (_size1 * _size1)
-    _vx_fit = _select(xp, _edge2, _size2, _t11, _t7 * (1.0 / _maximum(xp, 1e-12, _c1)))
-    _t12 = _adj01 * rear_spin
-    _t13 = _t2 * rear_spin
-    _t14 = _select(xp, _edge3, _det, _t10 * _t12, _over_c2 * (0.05 * (_t13 - _c1 * (_over_c2 * _t12))))
-    _vy_fit = _select(xp, _edge2, _size2, _t14, 0.0)
-    _t15 = _adj02 * rear_spin
-    _t16 = 0.05 * (0.15875 * _t13 - _c1 * (_over_c2 * _t15))
-    _t17 = _select(xp, _edge3, _det, _t10 * _t15, _over_c2 * _t16)
-    _omega_fit = _select(xp, _edge2, _size2, _t17, 0.0)
+    _vx_fit = _select(xp, _edge2, _size2, _t10, _t6 * (1.0 / _maximum(xp, 1e-12, _c1)))
+    _t11 = _adj01 * rear_spin
+    _t12 = _t1 * rear_spin
+    _t13 = _select(xp, _edge3, _det, _t9 * _t11, _over_c2 * (0.05 * (_t12 - _c1 * (_over_c2 * _t11))))
+    _vy_fit = _select(xp, _edge2, _size2, _t13, 0.0)
+    _t14 = _adj02 * rear_spin
+    _t15 = 0.05 * (0.15875 * _t12 - _c1 * (_over_c2 * _t14))
+    _t16 = _select(xp, _edge3, _det, _t9 * _t14, _over_c2 * _t15)
+    _omega_fit = _select(xp, _edge2, _size2, _t16, 0.0)
     return _results(
         xp,
         arguments,
@@ -371,20 +371,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -412,14 +414,14 @@ def dynamics(x, y, theta, front_steer, eta1, front_steer_rate):
     _t0 = eta1 * xp.sin(front_steer)
     _t1 = 0.5192307692307693 * _t0
     _velocity_sin = xp.sin(theta)
-    _t2 = _vx_body * _velocity_cos - _velocity_sin * _t1
-    _t3 = _vx_body * _velocity_sin + _velocity_cos * _t1
+    _x_rate = _vx_body * _velocity_cos - _velocity_sin * _t1
+    _y_rate = _vx_body * _velocity_sin + _velocity_cos * _t1
     return _results(
         xp,
         arguments,
         {
-            "x_rate": _t2,
-            "y_rate": _t3,
+            "x_rate": _x_rate,
+            "y_rate": _y_rate,
             "theta_rate": 3.0284675953967293 * _t0,
             "front.steer_rate": front_steer_rate * 1.0,
         },
@@ -480,16 +482,16 @@ def limit_acceleration(vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt):
     _time = _maximum(xp, 0.10515247108307045 * xp.abs(_vy_change), _t0)
     _step = _maximum(xp, dt, 0.0)
     _t1 = 0.9999995231628418 * (_step / _time)
-    _t2 = _select(xp, _step, _time, vx + _vx_change * _t1, vx_wanted)
-    _t3 = _select(xp, _step, _time, vy + _vy_change * _t1, vy_wanted)
-    _t4 = _select(xp, _step, _time, omega + _t1 * (omega_wanted - omega), omega_wanted)
+    _vx = _select(xp, _step, _time, vx + _vx_change * _t1, vx_wanted)
+    _vy = _select(xp, _step, _time, vy + _vy_change * _t1, vy_wanted)
+    _omega = _select(xp, _step, _time, omega + _t1 * (omega_wanted - omega), omega_wanted)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t2,
-            "vy": _t3,
-            "omega": _t4,
+            "vx": _vx,
+            "vy": _vy,
+            "omega": _omega,
         },
     )
 
@@ -509,12 +511,12 @@ def steer_toward(front_steer, front_steer_wanted, dt):
     _t0 = _clamp(xp, front_steer, 0.4188790204786391)
     _t1 = 3.2 * _maximum(xp, dt, 0.0)
     _t2 = _clamp(xp, front_steer_wanted, 0.4188790204786391)
-    _t3 = _maximum(xp, _t0 - _t1, _minimum(xp, _t2, _t0 + _t1))
+    _front_steer = _maximum(xp, _t0 - _t1, _minimum(xp, _t2, _t0 + _t1))
     return _results(
         xp,
         arguments,
         {
-            "front.steer": _t3,
+            "front.steer": _front_steer,
         },
     )
 

@@ -21,7 +21,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_5058a6f967a2b582)
+#if !defined(F1TENTH_PAIR_c98ba671c5536243)
 #error "this file and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_a2b052c7b164cadb)
+#if !defined(FESTO_ROBOTINO_PAIR_da18a5a7fc020d51)
 #error "this file and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -176,9 +176,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -195,10 +195,10 @@ void festo_robotino_inverse(const festo_robotino_twist *twist, festo_robotino_wh
 {
     const float t0 = wmrgen_fma(3.1940699f, twist->omega, 12.5f * twist->vy);
     const float t1 = 21.650635f * twist->vx;
-    const float t2 = wmrgen_fma(3.25f, twist->omega, -(25.0f * twist->vy));
+    const float wheel1_spin = wmrgen_fma(3.25f, twist->omega, -(25.0f * twist->vy));
 
     out->wheel0.spin = t0 - t1;
-    out->wheel1.spin = t2;
+    out->wheel1.spin = wheel1_spin;
     out->wheel2.spin = t0 + t1;
 }
 
@@ -211,13 +211,13 @@ void festo_robotino_inverse_slip(const festo_robotino_twist *twist, float *slip)
 
 void festo_robotino_forward(const festo_robotino_wheels *wheels, festo_robotino_twist *twist)
 {
-    const float t0 = 0.023094011f * (wheels->wheel2.spin - wheels->wheel0.spin);
-    const float t1 = wheels->wheel0.spin + wheels->wheel2.spin;
-    const float t2 = wmrgen_fma((-1.9655814f), wheels->wheel1.spin, t1);
+    const float vx = 0.023094011f * (wheels->wheel2.spin - wheels->wheel0.spin);
+    const float t0 = wheels->wheel0.spin + wheels->wheel2.spin;
+    const float t1 = wmrgen_fma((-1.9655814f), wheels->wheel1.spin, t0);
 
-    twist->vx = t0;
-    twist->vy = 0.01348808f * t2;
-    twist->omega = 0.10375446f * (wheels->wheel1.spin + t1);
+    twist->vx = vx;
+    twist->vy = 0.01348808f * t1;
+    twist->omega = 0.10375446f * (wheels->wheel1.spin + t0);
 }
 
 void festo_robotino_forward_slip(
@@ -225,13 +225,13 @@ void festo_robotino_forward_slip(
     festo_robotino_twist *twist,
     float *slip)
 {
-    const float t0 = 0.023094011f * (wheels->wheel2.spin - wheels->wheel0.spin);
-    const float t1 = wheels->wheel0.spin + wheels->wheel2.spin;
-    const float t2 = wmrgen_fma((-1.9655814f), wheels->wheel1.spin, t1);
+    const float vx = 0.023094011f * (wheels->wheel2.spin - wheels->wheel0.spin);
+    const float t0 = wheels->wheel0.spin + wheels->wheel2.spin;
+    const float t1 = wmrgen_fma((-1.9655814f), wheels->wheel1.spin, t0);
 
-    twist->vx = t0;
-    twist->vy = 0.01348808f * t2;
-    twist->omega = 0.10375446f * (wheels->wheel1.spin + t1);
+    twist->vx = vx;
+    twist->vy = 0.01348808f * t1;
+    twist->omega = 0.10375446f * (wheels->wheel1.spin + t0);
     *slip = 0.0f;
 }
 
@@ -248,9 +248,9 @@ void festo_robotino_odometry(
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

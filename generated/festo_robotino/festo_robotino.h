@@ -30,7 +30,7 @@
 
 #define FESTO_ROBOTINO_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define FESTO_ROBOTINO_MODEL_HASH "009ec18aff63b2cd299d80d2d4a7a5e1" /**< digest of the model */
-#define FESTO_ROBOTINO_PAIR_a2b052c7b164cadb 1 /**< header and source of one run have the same */
+#define FESTO_ROBOTINO_PAIR_da18a5a7fc020d51 1 /**< header and source of one run have the same */
 #define FESTO_ROBOTINO_WHEELS 3 /**< how many wheels the robot has */
 #define FESTO_ROBOTINO_WHEEL0_X 0.065f /**< [m] pivot, forward of P */
 #define FESTO_ROBOTINO_WHEEL0_Y 0.11f /**< [m] pivot, to the left of P */

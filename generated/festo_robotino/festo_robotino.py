@@ -196,16 +196,16 @@ def forward(wheel0_spin, wheel1_spin, wheel2_spin):
     """
     xp, arguments = _arrays(wheel0_spin, wheel1_spin, wheel2_spin)
     wheel0_spin, wheel1_spin, wheel2_spin = arguments
-    _t0 = 0.023094010767585032 * (wheel2_spin - wheel0_spin)
-    _t1 = wheel0_spin + wheel2_spin
-    _t2 = 0.013488080040928805 * (_t1 - 1.9655814525582809 * wheel1_spin)
+    _vx = 0.023094010767585032 * (wheel2_spin - wheel0_spin)
+    _t0 = wheel0_spin + wheel2_spin
+    _vy = 0.013488080040928805 * (_t0 - 1.9655814525582809 * wheel1_spin)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t0,
-            "vy": _t2,
-            "omega": 0.1037544618532985 * (wheel1_spin + _t1),
+            "vx": _vx,
+            "vy": _vy,
+            "omega": 0.1037544618532985 * (wheel1_spin + _t0),
             "slip": 0.0,
         },
     )
@@ -225,16 +225,16 @@ def forward_twist(wheel0_spin, wheel1_spin, wheel2_spin):
     """
     xp, arguments = _arrays(wheel0_spin, wheel1_spin, wheel2_spin)
     wheel0_spin, wheel1_spin, wheel2_spin = arguments
-    _t0 = 0.023094010767585032 * (wheel2_spin - wheel0_spin)
-    _t1 = wheel0_spin + wheel2_spin
-    _t2 = 0.013488080040928805 * (_t1 - 1.9655814525582809 * wheel1_spin)
+    _vx = 0.023094010767585032 * (wheel2_spin - wheel0_spin)
+    _t0 = wheel0_spin + wheel2_spin
+    _vy = 0.013488080040928805 * (_t0 - 1.9655814525582809 * wheel1_spin)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t0,
-            "vy": _t2,
-            "omega": 0.1037544618532985 * (wheel1_spin + _t1),
+            "vx": _vx,
+            "vy": _vy,
+            "omega": 0.1037544618532985 * (wheel1_spin + _t0),
         },
     )
 
@@ -263,20 +263,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -343,11 +345,11 @@ def ode(x, u, p=NOMINAL):
     _t0 = u[..., 0] + u[..., 2]
     _body_vy = 0.013488080040928805 * (_t0 - 1.9655814525582809 * u[..., 1])
     _velocity_sin = xp.sin(x[..., 2])
-    _t1 = _body_vx * _velocity_cos - _body_vy * _velocity_sin
-    _t2 = _body_vx * _velocity_sin + _velocity_cos * _body_vy
+    _x_rate = _body_vx * _velocity_cos - _body_vy * _velocity_sin
+    _y_rate = _body_vx * _velocity_sin + _velocity_cos * _body_vy
     results = [
-        _t1,
-        _t2,
+        _x_rate,
+        _y_rate,
         0.1037544618532985 * (u[..., 1] + _t0),
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)
@@ -360,12 +362,12 @@ def limits(x, u, p=NOMINAL):
     """
     xp, (x, u, p) = _arrays(x, u, p)
     shape = _leading(x=x, u=u, p=p)
-    _t0 = 0.023094010767585032 * (u[..., 2] - u[..., 0])
-    _t1 = u[..., 0] + u[..., 2]
-    _t2 = 0.013488080040928805 * (_t1 - 1.9655814525582809 * u[..., 1])
+    _vx = 0.023094010767585032 * (u[..., 2] - u[..., 0])
+    _t0 = u[..., 0] + u[..., 2]
+    _vy = 0.013488080040928805 * (_t0 - 1.9655814525582809 * u[..., 1])
     results = [
-        _t0,
-        _t2,
-        0.1037544618532985 * (u[..., 1] + _t1),
+        _vx,
+        _vy,
+        0.1037544618532985 * (u[..., 1] + _t0),
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

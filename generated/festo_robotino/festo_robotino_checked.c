@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_a2b052c7b164cadb)
+#if !defined(FESTO_ROBOTINO_PAIR_da18a5a7fc020d51)
 #error "this file and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -32,7 +32,7 @@
 
 #define JPL_OSR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define JPL_OSR_MODEL_HASH "23c9ca2ea351b4fab8e9bf0c112ba349" /**< digest of the model */
-#define JPL_OSR_PAIR_6f90dde45d883cae 1 /**< header and source of one run have the same */
+#define JPL_OSR_PAIR_bca0f5cb569bde94 1 /**< header and source of one run have the same */
 #define JPL_OSR_WHEELS 6 /**< how many wheels the robot has */
 #define JPL_OSR_LEFT_FRONT_X 0.274f /**< [m] pivot, forward of P */
 #define JPL_OSR_LEFT_FRONT_Y 0.177f /**< [m] pivot, to the left of P */

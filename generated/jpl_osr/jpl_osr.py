@@ -176,56 +176,56 @@ def inverse(vx, vy, omega, left_front_steer, right_front_steer, left_back_steer,
     _t0 = 0.177 * omega
     _left_front_x = vx - _t0
     _t1 = 0.274 * omega
-    _t2 = _left_front_x * _left_front_x
-    _t3 = _t1 * _t1
-    _t4 = _sqrt(xp, _t2 + _t3)
-    _t5 = _with_sign_of(xp, 2.0, _left_front_x)
-    _t6 = xp.abs(_left_front_x)
-    _t7 = xp.atan(_t1 / (_maximum(xp, _t4, 1e-20) + _t6))
-    _t8 = _select(xp, _t4, 1e-20, left_front_steer, _t5 * _t7)
-    _t9 = xp.round(0.31830988617 * (_t8 - left_front_steer))
-    _t10 = _with_sign_of(xp, _t4 * 13.333333333333334, _left_front_x)
-    _left_front_spin = _flip(xp, _t10, _t9)
+    _left_front_x_squared = _left_front_x * _left_front_x
+    _t2 = _t1 * _t1
+    _t3 = _sqrt(xp, _left_front_x_squared + _t2)
+    _t4 = _with_sign_of(xp, 2.0, _left_front_x)
+    _t5 = xp.abs(_left_front_x)
+    _t6 = xp.atan(_t1 / (_maximum(xp, _t3, 1e-20) + _t5))
+    _t7 = _select(xp, _t3, 1e-20, left_front_steer, _t4 * _t6)
+    _t8 = xp.round(0.31830988617 * (_t7 - left_front_steer))
+    _t9 = _with_sign_of(xp, _t3 * 13.333333333333334, _left_front_x)
+    _left_front_spin = _flip(xp, _t9, _t8)
     _right_front_x = vx + _t0
-    _t11 = _right_front_x * _right_front_x
-    _t12 = _sqrt(xp, _t11 + _t3)
-    _t13 = _with_sign_of(xp, 2.0, _right_front_x)
-    _t14 = xp.abs(_right_front_x)
-    _t15 = xp.atan(_t1 / (_maximum(xp, _t12, 1e-20) + _t14))
-    _t16 = _select(xp, _t12, 1e-20, right_front_steer, _t13 * _t15)
-    _t17 = xp.round(0.31830988617 * (_t16 - right_front_steer))
-    _t18 = _with_sign_of(xp, _t12 * 13.333333333333334, _right_front_x)
-    _right_front_spin = _flip(xp, _t18, _t17)
-    _t19 = (-0.31) * omega
-    _t20 = _t19 * _t19
-    _t21 = _sqrt(xp, _t2 + _t20)
-    _t22 = xp.atan(_t19 / (_maximum(xp, _t21, 1e-20) + _t6))
-    _t23 = _select(xp, _t21, 1e-20, left_back_steer, _t5 * _t22)
-    _t24 = xp.round(0.31830988617 * (_t23 - left_back_steer))
-    _t25 = _with_sign_of(xp, _t21 * 13.333333333333334, _left_front_x)
-    _left_back_spin = _flip(xp, _t25, _t24)
-    _t26 = _sqrt(xp, _t11 + _t20)
-    _t27 = xp.atan(_t19 / (_maximum(xp, _t26, 1e-20) + _t14))
-    _t28 = _select(xp, _t26, 1e-20, right_back_steer, _t13 * _t27)
-    _t29 = xp.round(0.31830988617 * (_t28 - right_back_steer))
-    _t30 = _with_sign_of(xp, _t26 * 13.333333333333334, _right_front_x)
-    _right_back_spin = _flip(xp, _t30, _t29)
-    _t31 = 13.333333333333334 * vx
-    _t32 = 3.3733333333333335 * omega
+    _right_front_x_squared = _right_front_x * _right_front_x
+    _t10 = _sqrt(xp, _right_front_x_squared + _t2)
+    _t11 = _with_sign_of(xp, 2.0, _right_front_x)
+    _t12 = xp.abs(_right_front_x)
+    _t13 = xp.atan(_t1 / (_maximum(xp, _t10, 1e-20) + _t12))
+    _t14 = _select(xp, _t10, 1e-20, right_front_steer, _t11 * _t13)
+    _t15 = xp.round(0.31830988617 * (_t14 - right_front_steer))
+    _t16 = _with_sign_of(xp, _t10 * 13.333333333333334, _right_front_x)
+    _right_front_spin = _flip(xp, _t16, _t15)
+    _t17 = (-0.31) * omega
+    _t18 = _t17 * _t17
+    _t19 = _sqrt(xp, _left_front_x_squared + _t18)
+    _t20 = xp.atan(_t17 / (_maximum(xp, _t19, 1e-20) + _t5))
+    _t21 = _select(xp, _t19, 1e-20, left_back_steer, _t4 * _t20)
+    _t22 = xp.round(0.31830988617 * (_t21 - left_back_steer))
+    _t23 = _with_sign_of(xp, _t19 * 13.333333333333334, _left_front_x)
+    _left_back_spin = _flip(xp, _t23, _t22)
+    _t24 = _sqrt(xp, _right_front_x_squared + _t18)
+    _t25 = xp.atan(_t17 / (_maximum(xp, _t24, 1e-20) + _t12))
+    _t26 = _select(xp, _t24, 1e-20, right_back_steer, _t11 * _t25)
+    _t27 = xp.round(0.31830988617 * (_t26 - right_back_steer))
+    _t28 = _with_sign_of(xp, _t24 * 13.333333333333334, _right_front_x)
+    _right_back_spin = _flip(xp, _t28, _t27)
+    _t29 = 13.333333333333334 * vx
+    _t30 = 3.3733333333333335 * omega
     return _results(
         xp,
         arguments,
         {
             "left_front.spin": _left_front_spin,
-            "left_front.steer": _t8 + (-3.141592653589793) * _t9,
+            "left_front.steer": _t7 + (-3.141592653589793) * _t8,
             "right_front.spin": _right_front_spin,
-            "right_front.steer": _t16 + (-3.141592653589793) * _t17,
+            "right_front.steer": _t14 + (-3.141592653589793) * _t15,
             "left_back.spin": _left_back_spin,
-            "left_back.steer": _t23 + (-3.141592653589793) * _t24,
+            "left_back.steer": _t21 + (-3.141592653589793) * _t22,
             "right_back.spin": _right_back_spin,
-            "right_back.steer": _t28 + (-3.141592653589793) * _t29,
-            "left_middle.spin": _t31 - _t32,
-            "right_middle.spin": _t32 + _t31,
+            "right_back.steer": _t26 + (-3.141592653589793) * _t27,
+            "left_middle.spin": _t29 - _t30,
+            "right_middle.spin": _t30 + _t29,
             "slip": xp.abs(1.4142135623730951 * vy),
         },
     )
@@ -259,56 +259,56 @@ def inverse_joints(vx, vy, omega, left_front_steer, right_front_steer, left_back
     _t0 = 0.177 * omega
     _left_front_x = vx - _t0
     _t1 = 0.274 * omega
-    _t2 = _left_front_x * _left_front_x
-    _t3 = _t1 * _t1
-    _t4 = _sqrt(xp, _t2 + _t3)
-    _t5 = _with_sign_of(xp, 2.0, _left_front_x)
-    _t6 = xp.abs(_left_front_x)
-    _t7 = xp.atan(_t1 / (_maximum(xp, _t4, 1e-20) + _t6))
-    _t8 = _select(xp, _t4, 1e-20, left_front_steer, _t5 * _t7)
-    _t9 = xp.round(0.31830988617 * (_t8 - left_front_steer))
-    _t10 = _with_sign_of(xp, _t4 * 13.333333333333334, _left_front_x)
-    _left_front_spin = _flip(xp, _t10, _t9)
+    _left_front_x_squared = _left_front_x * _left_front_x
+    _t2 = _t1 * _t1
+    _t3 = _sqrt(xp, _left_front_x_squared + _t2)
+    _t4 = _with_sign_of(xp, 2.0, _left_front_x)
+    _t5 = xp.abs(_left_front_x)
+    _t6 = xp.atan(_t1 / (_maximum(xp, _t3, 1e-20) + _t5))
+    _t7 = _select(xp, _t3, 1e-20, left_front_steer, _t4 * _t6)
+    _t8 = xp.round(0.31830988617 * (_t7 - left_front_steer))
+    _t9 = _with_sign_of(xp, _t3 * 13.333333333333334, _left_front_x)
+    _left_front_spin = _flip(xp, _t9, _t8)
     _right_front_x = vx + _t0
-    _t11 = _right_front_x * _right_front_x
-    _t12 = _sqrt(xp, _t11 + _t3)
-    _t13 = _with_sign_of(xp, 2.0, _right_front_x)
-    _t14 = xp.abs(_right_front_x)
-    _t15 = xp.atan(_t1 / (_maximum(xp, _t12, 1e-20) + _t14))
-    _t16 = _select(xp, _t12, 1e-20, right_front_steer, _t13 * _t15)
-    _t17 = xp.round(0.31830988617 * (_t16 - right_front_steer))
-    _t18 = _with_sign_of(xp, _t12 * 13.333333333333334, _right_front_x)
-    _right_front_spin = _flip(xp, _t18, _t17)
-    _t19 = (-0.31) * omega
-    _t20 = _t19 * _t19
-    _t21 = _sqrt(xp, _t2 + _t20)
-    _t22 = xp.atan(_t19 / (_maximum(xp, _t21, 1e-20) + _t6))
-    _t23 = _select(xp, _t21, 1e-20, left_back_steer, _t5 * _t22)
-    _t24 = xp.round(0.31830988617 * (_t23 - left_back_steer))
-    _t25 = _with_sign_of(xp, _t21 * 13.333333333333334, _left_front_x)
-    _left_back_spin = _flip(xp, _t25, _t24)
-    _t26 = _sqrt(xp, _t11 + _t20)
-    _t27 = xp.atan(_t19 / (_maximum(xp, _t26, 1e-20) + _t14))
-    _t28 = _select(xp, _t26, 1e-20, right_back_steer, _t13 * _t27)
-    _t29 = xp.round(0.31830988617 * (_t28 - right_back_steer))
-    _t30 = _with_sign_of(xp, _t26 * 13.333333333333334, _right_front_x)
-    _right_back_spin = _flip(xp, _t30, _t29)
-    _t31 = 13.333333333333334 * vx
-    _t32 = 3.3733333333333335 * omega
+    _right_front_x_squared = _right_front_x * _right_front_x
+    _t10 = _sqrt(xp, _right_front_x_squared + _t2)
+    _t11 = _with_sign_of(xp, 2.0, _right_front_x)
+    _t12 = xp.abs(_right_front_x)
+    _t13 = xp.atan(_t1 / (_maximum(xp, _t10, 1e-20) + _t12))
+    _t14 = _select(xp, _t10, 1e-20, right_front_steer, _t11 * _t13)
+    _t15 = xp.round(0.31830988617 * (_t14 - right_front_steer))
+    _t16 = _with_sign_of(xp, _t10 * 13.333333333333334, _right_front_x)
+    _right_front_spin = _flip(xp, _t16, _t15)
+    _t17 = (-0.31) * omega
+    _t18 = _t17 * _t17
+    _t19 = _sqrt(xp, _left_front_x_squared + _t18)
+    _t20 = xp.atan(_t17 / (_maximum(xp, _t19, 1e-20) + _t5))
+    _t21 = _select(xp, _t19, 1e-20, left_back_steer, _t4 * _t20)
+    _t22 = xp.round(0.31830988617 * (_t21 - left_back_steer))
+    _t23 = _with_sign_of(xp, _t19 * 13.333333333333334, _left_front_x)
+    _left_back_spin = _flip(xp, _t23, _t22)
+    _t24 = _sqrt(xp, _right_front_x_squared + _t18)
+    _t25 = xp.atan(_t17 / (_maximum(xp, _t24, 1e-20) + _t12))
+    _t26 = _select(xp, _t24, 1e-20, right_back_steer, _t11 * _t25)
+    _t27 = xp.round(0.31830988617 * (_t26 - right_back_steer))
+    _t28 = _with_sign_of(xp, _t24 * 13.333333333333334, _right_front_x)
+    _right_back_spin = _flip(xp, _t28, _t27)
+    _t29 = 13.333333333333334 * vx
+    _t30 = 3.3733333333333335 * omega
     return _results(
         xp,
         arguments,
         {
             "left_front.spin": _left_front_spin,
-            "left_front.steer": _t8 + (-3.141592653589793) * _t9,
+            "left_front.steer": _t7 + (-3.141592653589793) * _t8,
             "right_front.spin": _right_front_spin,
-            "right_front.steer": _t16 + (-3.141592653589793) * _t17,
+            "right_front.steer": _t14 + (-3.141592653589793) * _t15,
             "left_back.spin": _left_back_spin,
-            "left_back.steer": _t23 + (-3.141592653589793) * _t24,
+            "left_back.steer": _t21 + (-3.141592653589793) * _t22,
             "right_back.spin": _right_back_spin,
-            "right_back.steer": _t28 + (-3.141592653589793) * _t29,
-            "left_middle.spin": _t31 - _t32,
-            "right_middle.spin": _t32 + _t31,
+            "right_back.steer": _t26 + (-3.141592653589793) * _t27,
+            "left_middle.spin": _t29 - _t30,
+            "right_middle.spin": _t30 + _t29,
         },
     )
 
@@ -449,20 +449,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_6993927d2b1dbd16)
+#if !defined(KELLY_4WS_PAIR_1852b96eb3148f64)
 #error "this file and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -227,11 +227,11 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
     const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
-    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
+    const float spin = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float steer = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t3;
-    result.steer = t4;
+    result.spin = spin;
+    result.steer = steer;
     return result;
 }
 #endif
@@ -247,9 +247,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -341,9 +341,9 @@ void kelly_4ws_forward(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist)
     const float inertia = wmrgen_fma(0.168f, t16 + t15, wmrgen_fma(0.28f, t12 - t13, 5.5184f));
     const float t18 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t14, sum_fx, inertia));
     const float omega_fit = t17 / t18;
-    const float t19 = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
+    const float vx = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
 
-    twist->vx = t19;
+    twist->vx = vx;
     twist->vy = 0.25f * wmrgen_fma(t14, omega_fit, sum_wy);
     twist->omega = omega_fit;
 #endif
@@ -385,32 +385,32 @@ void kelly_4ws_forward_slip(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twi
     const float inertia = wmrgen_fma(0.168f, t16 + t15, wmrgen_fma(0.28f, t12 - t13, 5.5184f));
     const float t18 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t14, sum_fx, inertia));
     const float omega_fit = t17 / t18;
-    const float t19 = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
-    const float t20 = 0.25f * wmrgen_fma(t14, omega_fit, sum_wy);
-    const float t21 = 0.3f * omega_fit;
-    const float t22 = t21 - t19;
-    const float t23 = 0.07f * omega_fit;
-    const float error_0 = wmrgen_fma(w1.x, t23, wmrgen_fma(w1.x, t0, t22));
-    const float t24 = (-0.5f) * omega_fit;
-    const float t25 = t24 - t20;
-    const float error_1 = wmrgen_fma(w1.y, t23, wmrgen_fma(t0, w1.y, t25));
-    const float t26 = wmrgen_fma(error_0, error_0, error_1 * error_1);
-    const float t27 = t19 + t21;
-    const float error_2 = wmrgen_fma(-w2.x, t23, wmrgen_fma(w2.x, t1, -t27));
-    const float error_3 = wmrgen_fma(-w2.y, t23, w2_wy + t25);
-    const float t28 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t26));
-    const float error_4 = wmrgen_fma(w3.x, t23, w3_wx + t22);
-    const float t29 = t20 + t24;
-    const float error_5 = wmrgen_fma(w3.y, t23, wmrgen_fma(t3, w3.y, -t29));
-    const float t30 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t28));
-    const float error_6 = wmrgen_fma(-w4.x, t23, w4_wx - t27);
-    const float error_7 = wmrgen_fma(-w4.y, t23, w4_wy - t29);
-    const float t31 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t30));
+    const float vx = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
+    const float vy = 0.25f * wmrgen_fma(t14, omega_fit, sum_wy);
+    const float t19 = 0.3f * omega_fit;
+    const float t20 = t19 - vx;
+    const float t21 = 0.07f * omega_fit;
+    const float error_0 = wmrgen_fma(w1.x, t21, wmrgen_fma(w1.x, t0, t20));
+    const float t22 = (-0.5f) * omega_fit;
+    const float t23 = t22 - vy;
+    const float error_1 = wmrgen_fma(w1.y, t21, wmrgen_fma(t0, w1.y, t23));
+    const float t24 = wmrgen_fma(error_0, error_0, error_1 * error_1);
+    const float t25 = vx + t19;
+    const float error_2 = wmrgen_fma(-w2.x, t21, wmrgen_fma(w2.x, t1, -t25));
+    const float error_3 = wmrgen_fma(-w2.y, t21, w2_wy + t23);
+    const float t26 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t24));
+    const float error_4 = wmrgen_fma(w3.x, t21, w3_wx + t20);
+    const float t27 = vy + t22;
+    const float error_5 = wmrgen_fma(w3.y, t21, wmrgen_fma(t3, w3.y, -t27));
+    const float t28 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t26));
+    const float error_6 = wmrgen_fma(-w4.x, t21, w4_wx - t25);
+    const float error_7 = wmrgen_fma(-w4.y, t21, w4_wy - t27);
+    const float t29 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t28));
 
-    twist->vx = t19;
-    twist->vy = t20;
+    twist->vx = vx;
+    twist->vy = vy;
     twist->omega = omega_fit;
-    *slip = sqrtf(t31);
+    *slip = sqrtf(t29);
 }
 
 void kelly_4ws_odometry(kelly_4ws_pose *pose, const kelly_4ws_twist *twist, float dt)
@@ -423,11 +423,11 @@ void kelly_4ws_odometry(kelly_4ws_pose *pose, const kelly_4ws_twist *twist, floa
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }
 
 void kelly_4ws_steer_toward(
@@ -440,19 +440,19 @@ void kelly_4ws_steer_toward(
     const float t0 = (step < 1e-09f) ? 1e-09f : step;
     const float per_time = (0.0f < step) ? (1.0f / t0) : 0.0f;
     const float w1_rate = per_time * (wanted->w1.steer - now->w1.steer);
-    const float t1 = wmrgen_fma((-0.7f), w1_rate, wanted->w1.spin);
+    const float w1_spin = wmrgen_fma((-0.7f), w1_rate, wanted->w1.spin);
     const float w2_rate = per_time * (wanted->w2.steer - now->w2.steer);
     const float w3_rate = per_time * (wanted->w3.steer - now->w3.steer);
-    const float t2 = wmrgen_fma((-0.7f), w3_rate, wanted->w3.spin);
+    const float w3_spin = wmrgen_fma((-0.7f), w3_rate, wanted->w3.spin);
     const float w4_rate = per_time * (wanted->w4.steer - now->w4.steer);
 
-    out->w1.spin = t1;
+    out->w1.spin = w1_spin;
     out->w1.steer = wanted->w1.steer;
     out->w1.steer_rate = w1_rate;
     out->w2.spin = wmrgen_fma(0.7f, w2_rate, wanted->w2.spin);
     out->w2.steer = wanted->w2.steer;
     out->w2.steer_rate = w2_rate;
-    out->w3.spin = t2;
+    out->w3.spin = w3_spin;
     out->w3.steer = wanted->w3.steer;
     out->w3.steer_rate = w3_rate;
     out->w4.spin = wmrgen_fma(0.7f, w4_rate, wanted->w4.spin);

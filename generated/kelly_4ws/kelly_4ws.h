@@ -30,7 +30,7 @@
 
 #define KELLY_4WS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KELLY_4WS_MODEL_HASH "1821b17636c2c8e9e8f24740c89d0883" /**< digest of the model */
-#define KELLY_4WS_PAIR_6993927d2b1dbd16 1 /**< header and source of one run have the same */
+#define KELLY_4WS_PAIR_1852b96eb3148f64 1 /**< header and source of one run have the same */
 #define KELLY_4WS_WHEELS 4 /**< how many wheels the robot has */
 #define KELLY_4WS_W1_X 0.5f /**< [m] pivot, forward of P */
 #define KELLY_4WS_W1_Y 0.3f /**< [m] pivot, to the left of P */

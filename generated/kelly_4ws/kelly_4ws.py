@@ -175,56 +175,56 @@ def inverse(vx, vy, omega, w1_steer, w2_steer, w3_steer, w4_steer):
     vx, vy, omega, w1_steer, w2_steer, w3_steer, w4_steer = arguments
     _w1_x = vx + (-0.3) * omega
     _w1_y = vy + 0.5 * omega
-    _t0 = _w1_x * _w1_x
-    _t1 = _w1_y * _w1_y
-    _t2 = _sqrt(xp, _t0 + _t1)
-    _t3 = _with_sign_of(xp, 2.0, _w1_x)
-    _t4 = xp.abs(_w1_x)
-    _t5 = xp.atan(_w1_y / (_maximum(xp, _t2, 1e-20) + _t4))
-    _t6 = _select(xp, _t2, 1e-20, w1_steer, _t3 * _t5)
-    _t7 = xp.round(0.31830988617 * (_t6 - w1_steer))
-    _t8 = _with_sign_of(xp, _t2, _w1_x)
-    _w1_rim = _flip(xp, _t8, _t7)
-    _t9 = 0.7 * omega
+    _w1_x_squared = _w1_x * _w1_x
+    _w1_y_squared = _w1_y * _w1_y
+    _t0 = _sqrt(xp, _w1_x_squared + _w1_y_squared)
+    _t1 = _with_sign_of(xp, 2.0, _w1_x)
+    _t2 = xp.abs(_w1_x)
+    _t3 = xp.atan(_w1_y / (_maximum(xp, _t0, 1e-20) + _t2))
+    _t4 = _select(xp, _t0, 1e-20, w1_steer, _t1 * _t3)
+    _t5 = xp.round(0.31830988617 * (_t4 - w1_steer))
+    _t6 = _with_sign_of(xp, _t0, _w1_x)
+    _w1_rim = _flip(xp, _t6, _t5)
+    _t7 = 0.7 * omega
     _w2_x = vx + 0.3 * omega
-    _t10 = _w2_x * _w2_x
-    _t11 = _sqrt(xp, _t10 + _t1)
-    _t12 = _with_sign_of(xp, 2.0, _w2_x)
-    _t13 = xp.abs(_w2_x)
-    _t14 = xp.atan(_w1_y / (_maximum(xp, _t11, 1e-20) + _t13))
-    _t15 = _select(xp, _t11, 1e-20, w2_steer, _t12 * _t14)
-    _t16 = xp.round(0.31830988617 * (_t15 - w2_steer))
-    _t17 = _with_sign_of(xp, _t11, _w2_x)
-    _w2_rim = _flip(xp, _t17, _t16)
+    _w2_x_squared = _w2_x * _w2_x
+    _t8 = _sqrt(xp, _w2_x_squared + _w1_y_squared)
+    _t9 = _with_sign_of(xp, 2.0, _w2_x)
+    _t10 = xp.abs(_w2_x)
+    _t11 = xp.atan(_w1_y / (_maximum(xp, _t8, 1e-20) + _t10))
+    _t12 = _select(xp, _t8, 1e-20, w2_steer, _t9 * _t11)
+    _t13 = xp.round(0.31830988617 * (_t12 - w2_steer))
+    _t14 = _with_sign_of(xp, _t8, _w2_x)
+    _w2_rim = _flip(xp, _t14, _t13)
     _w3_y = vy + (-0.5) * omega
-    _t18 = _w3_y * _w3_y
-    _t19 = _sqrt(xp, _t0 + _t18)
-    _t20 = xp.atan(_w3_y / (_maximum(xp, _t19, 1e-20) + _t4))
-    _t21 = _select(xp, _t19, 1e-20, w3_steer, _t3 * _t20)
-    _t22 = xp.round(0.31830988617 * (_t21 - w3_steer))
-    _t23 = _with_sign_of(xp, _t19, _w1_x)
-    _w3_rim = _flip(xp, _t23, _t22)
-    _t24 = _sqrt(xp, _t10 + _t18)
-    _t25 = xp.atan(_w3_y / (_maximum(xp, _t24, 1e-20) + _t13))
-    _t26 = _select(xp, _t24, 1e-20, w4_steer, _t12 * _t25)
-    _t27 = xp.round(0.31830988617 * (_t26 - w4_steer))
-    _t28 = _with_sign_of(xp, _t24, _w2_x)
-    _w4_rim = _flip(xp, _t28, _t27)
+    _w3_y_squared = _w3_y * _w3_y
+    _t15 = _sqrt(xp, _w1_x_squared + _w3_y_squared)
+    _t16 = xp.atan(_w3_y / (_maximum(xp, _t15, 1e-20) + _t2))
+    _t17 = _select(xp, _t15, 1e-20, w3_steer, _t1 * _t16)
+    _t18 = xp.round(0.31830988617 * (_t17 - w3_steer))
+    _t19 = _with_sign_of(xp, _t15, _w1_x)
+    _w3_rim = _flip(xp, _t19, _t18)
+    _t20 = _sqrt(xp, _w2_x_squared + _w3_y_squared)
+    _t21 = xp.atan(_w3_y / (_maximum(xp, _t20, 1e-20) + _t10))
+    _t22 = _select(xp, _t20, 1e-20, w4_steer, _t9 * _t21)
+    _t23 = xp.round(0.31830988617 * (_t22 - w4_steer))
+    _t24 = _with_sign_of(xp, _t20, _w2_x)
+    _w4_rim = _flip(xp, _t24, _t23)
     return _results(
         xp,
         arguments,
         {
-            "w1.spin": 10.0 * _w1_rim - _t9,
-            "w1.steer": _t6 + (-3.141592653589793) * _t7,
+            "w1.spin": 10.0 * _w1_rim - _t7,
+            "w1.steer": _t4 + (-3.141592653589793) * _t5,
             "w1.steer_rate": 0.0,
-            "w2.spin": _t9 + 10.0 * _w2_rim,
-            "w2.steer": _t15 + (-3.141592653589793) * _t16,
+            "w2.spin": _t7 + 10.0 * _w2_rim,
+            "w2.steer": _t12 + (-3.141592653589793) * _t13,
             "w2.steer_rate": 0.0 * 1.0,
-            "w3.spin": 10.0 * _w3_rim - _t9,
-            "w3.steer": _t21 + (-3.141592653589793) * _t22,
+            "w3.spin": 10.0 * _w3_rim - _t7,
+            "w3.steer": _t17 + (-3.141592653589793) * _t18,
             "w3.steer_rate": 0.0 * 1.0,
-            "w4.spin": _t9 + 10.0 * _w4_rim,
-            "w4.steer": _t26 + (-3.141592653589793) * _t27,
+            "w4.spin": _t7 + 10.0 * _w4_rim,
+            "w4.steer": _t22 + (-3.141592653589793) * _t23,
             "w4.steer_rate": 0.0 * 1.0,
             "slip": 0.0 * 1.0,
         },
@@ -260,56 +260,56 @@ def inverse_joints(vx, vy, omega, w1_steer, w2_steer, w3_steer, w4_steer):
     vx, vy, omega, w1_steer, w2_steer, w3_steer, w4_steer = arguments
     _w1_x = vx + (-0.3) * omega
     _w1_y = vy + 0.5 * omega
-    _t0 = _w1_x * _w1_x
-    _t1 = _w1_y * _w1_y
-    _t2 = _sqrt(xp, _t0 + _t1)
-    _t3 = _with_sign_of(xp, 2.0, _w1_x)
-    _t4 = xp.abs(_w1_x)
-    _t5 = xp.atan(_w1_y / (_maximum(xp, _t2, 1e-20) + _t4))
-    _t6 = _select(xp, _t2, 1e-20, w1_steer, _t3 * _t5)
-    _t7 = xp.round(0.31830988617 * (_t6 - w1_steer))
-    _t8 = _with_sign_of(xp, _t2, _w1_x)
-    _w1_rim = _flip(xp, _t8, _t7)
-    _t9 = 0.7 * omega
+    _w1_x_squared = _w1_x * _w1_x
+    _w1_y_squared = _w1_y * _w1_y
+    _t0 = _sqrt(xp, _w1_x_squared + _w1_y_squared)
+    _t1 = _with_sign_of(xp, 2.0, _w1_x)
+    _t2 = xp.abs(_w1_x)
+    _t3 = xp.atan(_w1_y / (_maximum(xp, _t0, 1e-20) + _t2))
+    _t4 = _select(xp, _t0, 1e-20, w1_steer, _t1 * _t3)
+    _t5 = xp.round(0.31830988617 * (_t4 - w1_steer))
+    _t6 = _with_sign_of(xp, _t0, _w1_x)
+    _w1_rim = _flip(xp, _t6, _t5)
+    _t7 = 0.7 * omega
     _w2_x = vx + 0.3 * omega
-    _t10 = _w2_x * _w2_x
-    _t11 = _sqrt(xp, _t10 + _t1)
-    _t12 = _with_sign_of(xp, 2.0, _w2_x)
-    _t13 = xp.abs(_w2_x)
-    _t14 = xp.atan(_w1_y / (_maximum(xp, _t11, 1e-20) + _t13))
-    _t15 = _select(xp, _t11, 1e-20, w2_steer, _t12 * _t14)
-    _t16 = xp.round(0.31830988617 * (_t15 - w2_steer))
-    _t17 = _with_sign_of(xp, _t11, _w2_x)
-    _w2_rim = _flip(xp, _t17, _t16)
+    _w2_x_squared = _w2_x * _w2_x
+    _t8 = _sqrt(xp, _w2_x_squared + _w1_y_squared)
+    _t9 = _with_sign_of(xp, 2.0, _w2_x)
+    _t10 = xp.abs(_w2_x)
+    _t11 = xp.atan(_w1_y / (_maximum(xp, _t8, 1e-20) + _t10))
+    _t12 = _select(xp, _t8, 1e-20, w2_steer, _t9 * _t11)
+    _t13 = xp.round(0.31830988617 * (_t12 - w2_steer))
+    _t14 = _with_sign_of(xp, _t8, _w2_x)
+    _w2_rim = _flip(xp, _t14, _t13)
     _w3_y = vy + (-0.5) * omega
-    _t18 = _w3_y * _w3_y
-    _t19 = _sqrt(xp, _t0 + _t18)
-    _t20 = xp.atan(_w3_y / (_maximum(xp, _t19, 1e-20) + _t4))
-    _t21 = _select(xp, _t19, 1e-20, w3_steer, _t3 * _t20)
-    _t22 = xp.round(0.31830988617 * (_t21 - w3_steer))
-    _t23 = _with_sign_of(xp, _t19, _w1_x)
-    _w3_rim = _flip(xp, _t23, _t22)
-    _t24 = _sqrt(xp, _t10 + _t18)
-    _t25 = xp.atan(_w3_y / (_maximum(xp, _t24, 1e-20) + _t13))
-    _t26 = _select(xp, _t24, 1e-20, w4_steer, _t12 * _t25)
-    _t27 = xp.round(0.31830988617 * (_t26 - w4_steer))
-    _t28 = _with_sign_of(xp, _t24, _w2_x)
-    _w4_rim = _flip(xp, _t28, _t27)
+    _w3_y_squared = _w3_y * _w3_y
+    _t15 = _sqrt(xp, _w1_x_squared + _w3_y_squared)
+    _t16 = xp.atan(_w3_y / (_maximum(xp, _t15, 1e-20) + _t2))
+    _t17 = _select(xp, _t15, 1e-20, w3_steer, _t1 * _t16)
+    _t18 = xp.round(0.31830988617 * (_t17 - w3_steer))
+    _t19 = _with_sign_of(xp, _t15, _w1_x)
+    _w3_rim = _flip(xp, _t19, _t18)
+    _t20 = _sqrt(xp, _w2_x_squared + _w3_y_squared)
+    _t21 = xp.atan(_w3_y / (_maximum(xp, _t20, 1e-20) + _t10))
+    _t22 = _select(xp, _t20, 1e-20, w4_steer, _t9 * _t21)
+    _t23 = xp.round(0.31830988617 * (_t22 - w4_steer))
+    _t24 = _with_sign_of(xp, _t20, _w2_x)
+    _w4_rim = _flip(xp, _t24, _t23)
     return _results(
         xp,
         arguments,
         {
-            "w1.spin": 10.0 * _w1_rim - _t9,
-            "w1.steer": _t6 + (-3.141592653589793) * _t7,
+            "w1.spin": 10.0 * _w1_rim - _t7,
+            "w1.steer": _t4 + (-3.141592653589793) * _t5,
             "w1.steer_rate": 0.0,
-            "w2.spin": _t9 + 10.0 * _w2_rim,
-            "w2.steer": _t15 + (-3.141592653589793) * _t16,
+            "w2.spin": _t7 + 10.0 * _w2_rim,
+            "w2.steer": _t12 + (-3.141592653589793) * _t13,
             "w2.steer_rate": 0.0 * 1.0,
-            "w3.spin": 10.0 * _w3_rim - _t9,
-            "w3.steer": _t21 + (-3.141592653589793) * _t22,
+            "w3.spin": 10.0 * _w3_rim - _t7,
+            "w3.steer": _t17 + (-3.141592653589793) * _t18,
             "w3.steer_rate": 0.0 * 1.0,
-            "w4.spin": _t9 + 10.0 * _w4_rim,
-            "w4.steer": _t26 + (-3.141592653589793) * _t27,
+            "w4.spin": _t7 + 10.0 * _w4_rim,
+            "w4.steer": _t22 + (-3.141592653589793) * _t23,
             "w4.steer_rate": 0.0 * 1.0,
         },
     )
@@ -378,34 +378,34 @@ def forward(w1_spin, w1_steer, w1_steer_rate, w2_spin, w2_steer, w2_steer_rate, 
     _inertia = 0.168 * (_t22 + _t21) + (0.28 * (_t19 - _t20) + 5.5184)
     _t24 = _inertia - _sum_fx * _sum_fx - _sum_fy * _sum_fy
     _omega_fit = _t23 / _t24
-    _t25 = 0.25 * (_sum_wx + _sum_fy * _omega_fit)
-    _t26 = 0.25 * (_sum_wy - _sum_fx * _omega_fit)
-    _t27 = 0.3 * _omega_fit
-    _t28 = _t27 - _t25
-    _t29 = 0.07 * _omega_fit
-    _error_0 = _t13 * _t29 + (_w1_wx + _t28)
-    _t30 = (-0.5) * _omega_fit
-    _t31 = _t30 - _t26
-    _error_1 = _t1 * _t29 + (_w1_wy + _t31)
-    _t32 = _t25 + _t27
-    _error_2 = _w2_wx - _t32 - _t10 * _t29
-    _t33 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
-    _error_3 = _w2_wy + _t31 - _t3 * _t29
-    _error_4 = _t14 * _t29 + (_w3_wx + _t28)
-    _t34 = _error_4 * _error_4 + (_error_3 * _error_3 + _t33)
-    _t35 = _t26 + _t30
-    _error_5 = _t6 * _t29 + (_w3_wy - _t35)
-    _error_6 = _w4_wx - _t32 - _t11 * _t29
-    _t36 = _error_6 * _error_6 + (_error_5 * _error_5 + _t34)
-    _error_7 = _w4_wy - _t35 - _t8 * _t29
+    _vx = 0.25 * (_sum_wx + _sum_fy * _omega_fit)
+    _vy = 0.25 * (_sum_wy - _sum_fx * _omega_fit)
+    _t25 = 0.3 * _omega_fit
+    _t26 = _t25 - _vx
+    _t27 = 0.07 * _omega_fit
+    _error_0 = _t13 * _t27 + (_w1_wx + _t26)
+    _t28 = (-0.5) * _omega_fit
+    _t29 = _t28 - _vy
+    _error_1 = _t1 * _t27 + (_w1_wy + _t29)
+    _t30 = _vx + _t25
+    _error_2 = _w2_wx - _t30 - _t10 * _t27
+    _t31 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
+    _error_3 = _w2_wy + _t29 - _t3 * _t27
+    _error_4 = _t14 * _t27 + (_w3_wx + _t26)
+    _t32 = _error_4 * _error_4 + (_error_3 * _error_3 + _t31)
+    _t33 = _vy + _t28
+    _error_5 = _t6 * _t27 + (_w3_wy - _t33)
+    _error_6 = _w4_wx - _t30 - _t11 * _t27
+    _t34 = _error_6 * _error_6 + (_error_5 * _error_5 + _t32)
+    _error_7 = _w4_wy - _t33 - _t8 * _t27
     return _results(
         xp,
         arguments,
         {
-            "vx": _t25,
-            "vy": _t26,
+            "vx": _vx,
+            "vy": _vy,
             "omega": _omega_fit,
-            "slip": _sqrt(xp, _error_7 * _error_7 + _t36),
+            "slip": _sqrt(xp, _error_7 * _error_7 + _t34),
         },
     )
 
@@ -499,20 +499,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -549,14 +551,14 @@ def dynamics(x, y, theta, w1_steer, w4_steer, eta1, w1_steer_rate, w4_steer_rate
     _velocity_cos = xp.cos(theta)
     _vy_body = 0.5 * _t6 + 0.6 * (_t4 * (eta1 * _t1))
     _velocity_sin = xp.sin(theta)
-    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
-    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
+    _x_rate = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _y_rate = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _results(
         xp,
         arguments,
         {
-            "x_rate": _t7,
-            "y_rate": _t8,
+            "x_rate": _x_rate,
+            "y_rate": _y_rate,
             "theta_rate": _t5 - _t2,
             "w1.steer_rate": w1_steer_rate * 1.0,
             "w4.steer_rate": w4_steer_rate * 1.0,
@@ -652,11 +654,11 @@ def ode(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _velocity_cos = xp.cos(x[..., 2])
     _velocity_sin = xp.sin(x[..., 2])
-    _t0 = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
-    _t1 = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
+    _x_rate = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
+    _y_rate = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
     results = [
-        _t0,
-        _t1,
+        _x_rate,
+        _y_rate,
         u[..., 2],
         u[..., 3],
         u[..., 4],
@@ -675,20 +677,20 @@ def rolling(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _t0 = xp.cos(x[..., 3])
     _t1 = xp.sin(x[..., 3])
-    _t2 = (0.5 * _t0 + 0.3 * _t1) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
-    _t3 = xp.cos(x[..., 4])
-    _t4 = xp.sin(x[..., 4])
-    _t5 = u[..., 2] * (0.5 * _t3 - 0.3 * _t4) + (u[..., 1] * _t3 - u[..., 0] * _t4)
-    _t6 = xp.cos(x[..., 5])
-    _t7 = xp.sin(x[..., 5])
-    _t8 = u[..., 2] * (0.3 * _t7 - 0.5 * _t6) + (u[..., 1] * _t6 - u[..., 0] * _t7)
-    _t9 = xp.cos(x[..., 6])
-    _t10 = xp.sin(x[..., 6])
-    _t11 = u[..., 2] * ((-0.3) * _t10 - 0.5 * _t9) + (u[..., 1] * _t9 - u[..., 0] * _t10)
+    _w1_slide = (0.5 * _t0 + 0.3 * _t1) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
+    _t2 = xp.cos(x[..., 4])
+    _t3 = xp.sin(x[..., 4])
+    _w2_slide = u[..., 2] * (0.5 * _t2 - 0.3 * _t3) + (u[..., 1] * _t2 - u[..., 0] * _t3)
+    _t4 = xp.cos(x[..., 5])
+    _t5 = xp.sin(x[..., 5])
+    _w3_slide = u[..., 2] * (0.3 * _t5 - 0.5 * _t4) + (u[..., 1] * _t4 - u[..., 0] * _t5)
+    _t6 = xp.cos(x[..., 6])
+    _t7 = xp.sin(x[..., 6])
+    _w4_slide = u[..., 2] * ((-0.3) * _t7 - 0.5 * _t6) + (u[..., 1] * _t6 - u[..., 0] * _t7)
     results = [
-        _t2,
-        _t5,
-        _t8,
-        _t11,
+        _w1_slide,
+        _w2_slide,
+        _w3_slide,
+        _w4_slide,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

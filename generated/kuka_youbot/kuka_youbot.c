@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_c4a6b0fc65cad609)
+#if !defined(KUKA_YOUBOT_PAIR_ca4e91435deecdd2)
 #error "this file and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -208,9 +208,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -230,10 +230,10 @@ void kuka_youbot_params_default(kuka_youbot_params *params)
 
 void kuka_youbot_prepare(const kuka_youbot_params *params, kuka_youbot_prepared *prepared)
 {
-    const float t0 = 1.0f / wmrgen_at_least(params->radius, 1e-12f);
+    const float k0 = 1.0f / wmrgen_at_least(params->radius, 1e-12f);
 
-    prepared->k0 = t0;
-    prepared->k1 = 0.386f * t0;
+    prepared->k0 = k0;
+    prepared->k1 = 0.386f * k0;
     prepared->k2 = 0.25f * params->radius;
     prepared->k3 = (-0.6476684f) * params->radius;
     prepared->k4 = 0.35355338f * params->radius;
@@ -308,11 +308,11 @@ void kuka_youbot_odometry(kuka_youbot_pose *pose, const kuka_youbot_twist *twist
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }
 
 void kuka_youbot_limit_twist(kuka_youbot_twist *twist)
@@ -346,13 +346,13 @@ void kuka_youbot_limit_acceleration(
     const float time = (t4 < t3) ? t3 : t4;
     const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t5 = 0.9999995f * (step / time);
-    const float t6 = (step < time) ? wmrgen_fma(vx_change, t5, twist->vx) : wanted->vx;
-    const float t7 = (step < time) ? wmrgen_fma(vy_change, t5, twist->vy) : wanted->vy;
-    const float t8 = (step < time) ? wmrgen_fma(omega_change, t5, twist->omega) : wanted->omega;
+    const float vx = (step < time) ? wmrgen_fma(vx_change, t5, twist->vx) : wanted->vx;
+    const float vy = (step < time) ? wmrgen_fma(vy_change, t5, twist->vy) : wanted->vy;
+    const float omega = (step < time) ? wmrgen_fma(omega_change, t5, twist->omega) : wanted->omega;
 
-    twist->vx = t6;
-    twist->vy = t7;
-    twist->omega = t8;
+    twist->vx = vx;
+    twist->vy = vy;
+    twist->omega = omega;
 }
 
 void kuka_youbot_desaturate(kuka_youbot_wheels *wheels, float *scale)

@@ -36,7 +36,7 @@
 
 #define KUKA_YOUBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KUKA_YOUBOT_MODEL_HASH "9ba192b70fde2746c640f0ad51a3f1fd" /**< digest of the model */
-#define KUKA_YOUBOT_PAIR_c4a6b0fc65cad609 1 /**< header and source of one run have the same */
+#define KUKA_YOUBOT_PAIR_ca4e91435deecdd2 1 /**< header and source of one run have the same */
 #define KUKA_YOUBOT_WHEELS 4 /**< how many wheels the robot has */
 #define KUKA_YOUBOT_FL_X 0.228f /**< [m] pivot, forward of P */
 #define KUKA_YOUBOT_FL_Y 0.158f /**< [m] pivot, to the left of P */

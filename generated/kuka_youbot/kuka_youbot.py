@@ -236,16 +236,16 @@ def forward(fl_spin, fr_spin, bl_spin, br_spin, radius=0.05):
     _t2 = fl_spin + fr_spin
     _t3 = bl_spin - br_spin
     _t4 = fl_spin - fr_spin
-    _t5 = (_t3 + _t4) * ((-0.6476683937823834) * radius)
-    _t6 = xp.abs((_t2 - _t1) * (0.3535533905932738 * radius))
+    _omega = (_t3 + _t4) * ((-0.6476683937823834) * radius)
+    _slip = xp.abs((_t2 - _t1) * (0.3535533905932738 * radius))
     return _results(
         xp,
         arguments,
         {
             "vx": (_t1 + _t2) * _t0,
             "vy": _t0 * (_t3 - _t4),
-            "omega": _t5,
-            "slip": _t6,
+            "omega": _omega,
+            "slip": _slip,
         },
     )
 
@@ -267,17 +267,17 @@ def forward_twist(fl_spin, fr_spin, bl_spin, br_spin, radius=0.05):
     xp, arguments = _arrays(fl_spin, fr_spin, bl_spin, br_spin, radius)
     fl_spin, fr_spin, bl_spin, br_spin, radius = arguments
     _t0 = 0.25 * radius
-    _t1 = (bl_spin + br_spin + (fl_spin + fr_spin)) * _t0
-    _t2 = bl_spin - br_spin
-    _t3 = fl_spin - fr_spin
-    _t4 = (_t2 + _t3) * ((-0.6476683937823834) * radius)
+    _vx = (bl_spin + br_spin + (fl_spin + fr_spin)) * _t0
+    _t1 = bl_spin - br_spin
+    _t2 = fl_spin - fr_spin
+    _omega = (_t1 + _t2) * ((-0.6476683937823834) * radius)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t1,
-            "vy": _t0 * (_t2 - _t3),
-            "omega": _t4,
+            "vx": _vx,
+            "vy": _t0 * (_t1 - _t2),
+            "omega": _omega,
         },
     )
 
@@ -306,20 +306,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -407,16 +409,16 @@ def limit_acceleration(vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt):
     _time = _maximum(xp, 0.4166666666666667 * xp.abs(_omega_change), _maximum(xp, 1.25 * xp.abs(_vy_change), _t0))
     _step = _maximum(xp, dt, 0.0)
     _t1 = 0.9999995231628418 * (_step / _time)
-    _t2 = _select(xp, _step, _time, vx + _vx_change * _t1, vx_wanted)
-    _t3 = _select(xp, _step, _time, vy + _vy_change * _t1, vy_wanted)
-    _t4 = _select(xp, _step, _time, omega + _omega_change * _t1, omega_wanted)
+    _vx = _select(xp, _step, _time, vx + _vx_change * _t1, vx_wanted)
+    _vy = _select(xp, _step, _time, vy + _vy_change * _t1, vy_wanted)
+    _omega = _select(xp, _step, _time, omega + _omega_change * _t1, omega_wanted)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t2,
-            "vy": _t3,
-            "omega": _t4,
+            "vx": _vx,
+            "vy": _vy,
+            "omega": _omega,
         },
     )
 
@@ -486,12 +488,12 @@ def ode(x, u, p=NOMINAL):
     _velocity_cos = xp.cos(x[..., 2])
     _body_vy = _t0 * (u[..., 2] - u[..., 0])
     _velocity_sin = xp.sin(x[..., 2])
-    _t1 = _body_vx * _velocity_cos - _body_vy * _velocity_sin
-    _t2 = _body_vx * _velocity_sin + _velocity_cos * _body_vy
+    _x_rate = _body_vx * _velocity_cos - _body_vy * _velocity_sin
+    _y_rate = _body_vx * _velocity_sin + _velocity_cos * _body_vy
     _body_omega = (u[..., 1] - u[..., 2]) * (1.2953367875647668 * p[..., 0])
     results = [
-        _t1,
-        _t2,
+        _x_rate,
+        _y_rate,
         _body_omega,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

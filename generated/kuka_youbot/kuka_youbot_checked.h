@@ -26,7 +26,7 @@
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_c4a6b0fc65cad609)
+#if !defined(KUKA_YOUBOT_PAIR_ca4e91435deecdd2)
 #error "this file and kuka_youbot.h were not generated together: copy both"
 #endif
 

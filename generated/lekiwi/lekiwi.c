@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LEKIWI_PAIR_ca163c8fc7664fad)
+#if !defined(LEKIWI_PAIR_0f02b2ae3de2d638)
 #error "this file and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -176,9 +176,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -213,10 +213,10 @@ void lekiwi_forward(const lekiwi_wheels *wheels, lekiwi_twist *twist)
 {
     const float t0 = wheels->right_wheel.spin - wheels->left_wheel.spin;
     const float t1 = wheels->left_wheel.spin + wheels->right_wheel.spin;
-    const float t2 = 0.016666668f * (t1 - (2.0f * wheels->back_wheel.spin));
+    const float vy = 0.016666668f * (t1 - (2.0f * wheels->back_wheel.spin));
 
     twist->vx = 0.028867513f * t0;
-    twist->vy = t2;
+    twist->vy = vy;
     twist->omega = 0.13333334f * (wheels->back_wheel.spin + t1);
 }
 
@@ -224,10 +224,10 @@ void lekiwi_forward_slip(const lekiwi_wheels *wheels, lekiwi_twist *twist, float
 {
     const float t0 = wheels->right_wheel.spin - wheels->left_wheel.spin;
     const float t1 = wheels->left_wheel.spin + wheels->right_wheel.spin;
-    const float t2 = 0.016666668f * (t1 - (2.0f * wheels->back_wheel.spin));
+    const float vy = 0.016666668f * (t1 - (2.0f * wheels->back_wheel.spin));
 
     twist->vx = 0.028867513f * t0;
-    twist->vy = t2;
+    twist->vy = vy;
     twist->omega = 0.13333334f * (wheels->back_wheel.spin + t1);
     *slip = 0.0f;
 }
@@ -242,9 +242,9 @@ void lekiwi_odometry(lekiwi_pose *pose, const lekiwi_twist *twist, float dt)
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

@@ -30,7 +30,7 @@
 
 #define LEKIWI_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define LEKIWI_MODEL_HASH "99bfd8d4552783b2bc47aa3f63383019" /**< digest of the model */
-#define LEKIWI_PAIR_ca163c8fc7664fad 1 /**< header and source of one run have the same */
+#define LEKIWI_PAIR_0f02b2ae3de2d638 1 /**< header and source of one run have the same */
 #define LEKIWI_WHEELS 3 /**< how many wheels the robot has */
 #define LEKIWI_LEFT_WHEEL_X 0.0625f /**< [m] pivot, forward of P */
 #define LEKIWI_LEFT_WHEEL_Y 0.10825317f /**< [m] pivot, to the left of P */

@@ -198,17 +198,17 @@ def forward(left_wheel_spin, back_wheel_spin, right_wheel_spin):
     """
     xp, arguments = _arrays(left_wheel_spin, back_wheel_spin, right_wheel_spin)
     left_wheel_spin, back_wheel_spin, right_wheel_spin = arguments
-    _t0 = 0.028867513459481287 * (right_wheel_spin - left_wheel_spin)
-    _t1 = left_wheel_spin + right_wheel_spin
-    _t2 = 0.016666666666666666 * (_t1 - 2.0 * back_wheel_spin)
-    _t3 = 0.13333333333333333 * (back_wheel_spin + _t1)
+    _vx = 0.028867513459481287 * (right_wheel_spin - left_wheel_spin)
+    _t0 = left_wheel_spin + right_wheel_spin
+    _vy = 0.016666666666666666 * (_t0 - 2.0 * back_wheel_spin)
+    _omega = 0.13333333333333333 * (back_wheel_spin + _t0)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t0,
-            "vy": _t2,
-            "omega": _t3,
+            "vx": _vx,
+            "vy": _vy,
+            "omega": _omega,
             "slip": 0.0,
         },
     )
@@ -228,17 +228,17 @@ def forward_twist(left_wheel_spin, back_wheel_spin, right_wheel_spin):
     """
     xp, arguments = _arrays(left_wheel_spin, back_wheel_spin, right_wheel_spin)
     left_wheel_spin, back_wheel_spin, right_wheel_spin = arguments
-    _t0 = 0.028867513459481287 * (right_wheel_spin - left_wheel_spin)
-    _t1 = left_wheel_spin + right_wheel_spin
-    _t2 = 0.016666666666666666 * (_t1 - 2.0 * back_wheel_spin)
-    _t3 = 0.13333333333333333 * (back_wheel_spin + _t1)
+    _vx = 0.028867513459481287 * (right_wheel_spin - left_wheel_spin)
+    _t0 = left_wheel_spin + right_wheel_spin
+    _vy = 0.016666666666666666 * (_t0 - 2.0 * back_wheel_spin)
+    _omega = 0.13333333333333333 * (back_wheel_spin + _t0)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t0,
-            "vy": _t2,
-            "omega": _t3,
+            "vx": _vx,
+            "vy": _vy,
+            "omega": _omega,
         },
     )
 
@@ -267,20 +267,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -347,11 +349,11 @@ def ode(x, u, p=NOMINAL):
     _t0 = u[..., 0] + u[..., 2]
     _body_vy = 0.016666666666666666 * (_t0 - 2.0 * u[..., 1])
     _velocity_sin = xp.sin(x[..., 2])
-    _t1 = _body_vx * _velocity_cos - _body_vy * _velocity_sin
-    _t2 = _body_vx * _velocity_sin + _velocity_cos * _body_vy
+    _x_rate = _body_vx * _velocity_cos - _body_vy * _velocity_sin
+    _y_rate = _body_vx * _velocity_sin + _velocity_cos * _body_vy
     results = [
-        _t1,
-        _t2,
+        _x_rate,
+        _y_rate,
         0.13333333333333333 * (u[..., 1] + _t0),
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)
@@ -364,12 +366,12 @@ def limits(x, u, p=NOMINAL):
     """
     xp, (x, u, p) = _arrays(x, u, p)
     shape = _leading(x=x, u=u, p=p)
-    _t0 = 0.028867513459481287 * (u[..., 2] - u[..., 0])
-    _t1 = u[..., 0] + u[..., 2]
-    _t2 = 0.016666666666666666 * (_t1 - 2.0 * u[..., 1])
+    _vx = 0.028867513459481287 * (u[..., 2] - u[..., 0])
+    _t0 = u[..., 0] + u[..., 2]
+    _vy = 0.016666666666666666 * (_t0 - 2.0 * u[..., 1])
     results = [
-        _t0,
-        _t2,
-        0.13333333333333333 * (u[..., 1] + _t1),
+        _vx,
+        _vy,
+        0.13333333333333333 * (u[..., 1] + _t0),
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

@@ -21,7 +21,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_ca163c8fc7664fad)
+#if !defined(LEKIWI_PAIR_0f02b2ae3de2d638)
 #error "this file and lekiwi.h were not generated together: copy both"
 #endif
 

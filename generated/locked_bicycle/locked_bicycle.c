@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LOCKED_BICYCLE_PAIR_f18a33021ae9a7ce)
+#if !defined(LOCKED_BICYCLE_PAIR_d99eb06229fdfd80)
 #error "this file and locked_bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -176,9 +176,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -193,10 +193,10 @@ float *locked_bicycle_joint(locked_bicycle_wheels *wheels, int joint)
 
 void locked_bicycle_inverse(const locked_bicycle_twist *twist, locked_bicycle_wheels *out)
 {
-    const float t0 = 10.0f * twist->vx;
+    const float front_spin = 10.0f * twist->vx;
 
-    out->front.spin = t0;
-    out->rear.spin = t0;
+    out->front.spin = front_spin;
+    out->rear.spin = front_spin;
 }
 
 void locked_bicycle_inverse_slip(const locked_bicycle_twist *twist, float *slip)
@@ -210,9 +210,9 @@ void locked_bicycle_inverse_slip(const locked_bicycle_twist *twist, float *slip)
 
 void locked_bicycle_forward(const locked_bicycle_wheels *wheels, locked_bicycle_twist *twist)
 {
-    const float t0 = 0.05f * (wheels->front.spin + wheels->rear.spin);
+    const float vx = 0.05f * (wheels->front.spin + wheels->rear.spin);
 
-    twist->vx = t0;
+    twist->vx = vx;
     twist->vy = 0.0f;
     twist->omega = 0.0f;
 }
@@ -222,13 +222,13 @@ void locked_bicycle_forward_slip(
     locked_bicycle_twist *twist,
     float *slip)
 {
-    const float t0 = 0.05f * (wheels->front.spin + wheels->rear.spin);
-    const float t1 = 0.07071068f * (wheels->front.spin - wheels->rear.spin);
+    const float vx = 0.05f * (wheels->front.spin + wheels->rear.spin);
+    const float t0 = 0.07071068f * (wheels->front.spin - wheels->rear.spin);
 
-    twist->vx = t0;
+    twist->vx = vx;
     twist->vy = 0.0f;
     twist->omega = 0.0f;
-    *slip = fabsf(t1);
+    *slip = fabsf(t0);
 }
 
 void locked_bicycle_odometry(
@@ -244,9 +244,9 @@ void locked_bicycle_odometry(
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

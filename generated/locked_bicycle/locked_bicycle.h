@@ -28,7 +28,7 @@
 
 #define LOCKED_BICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define LOCKED_BICYCLE_MODEL_HASH "21497d8f5c0e22181ff6dc974f6b0ad1" /**< digest of the model */
-#define LOCKED_BICYCLE_PAIR_f18a33021ae9a7ce 1 /**< header and source of one run have the same */
+#define LOCKED_BICYCLE_PAIR_d99eb06229fdfd80 1 /**< header and source of one run have the same */
 #define LOCKED_BICYCLE_WHEELS 2 /**< how many wheels the robot has */
 #define LOCKED_BICYCLE_FRONT_X 0.6f /**< [m] pivot, forward of P */
 #define LOCKED_BICYCLE_FRONT_Y 0.0f /**< [m] pivot, to the left of P */

@@ -145,17 +145,17 @@ def inverse(vx, vy, omega):
     """
     xp, arguments = _arrays(vx, vy, omega)
     vx, vy, omega = arguments
-    _t0 = 10.0 * vx
-    _t1 = 0.6 * omega
-    _t2 = vy + _t1
-    _t3 = vy - _t1
+    _front_spin = 10.0 * vx
+    _t0 = 0.6 * omega
+    _t1 = vy + _t0
+    _t2 = vy - _t0
     return _results(
         xp,
         arguments,
         {
-            "front.spin": _t0,
-            "rear.spin": _t0 * 1.0,
-            "slip": _sqrt(xp, _t2 * _t2 + _t3 * _t3),
+            "front.spin": _front_spin,
+            "rear.spin": _front_spin * 1.0,
+            "slip": _sqrt(xp, _t1 * _t1 + _t2 * _t2),
         },
     )
 
@@ -173,13 +173,13 @@ def inverse_joints(vx, vy, omega):
     """
     xp, arguments = _arrays(vx, vy, omega)
     vx, vy, omega = arguments
-    _t0 = 10.0 * vx
+    _front_spin = 10.0 * vx
     return _results(
         xp,
         arguments,
         {
-            "front.spin": _t0,
-            "rear.spin": _t0 * 1.0,
+            "front.spin": _front_spin,
+            "rear.spin": _front_spin * 1.0,
         },
     )
 
@@ -259,20 +259,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 

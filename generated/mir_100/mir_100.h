@@ -33,7 +33,7 @@
 
 #define MIR_100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define MIR_100_MODEL_HASH "a4e27fb79fb2fd36bce7a4294522877b" /**< digest of the model */
-#define MIR_100_PAIR_abed810c577041f2 1 /**< header and source of one run have the same */
+#define MIR_100_PAIR_efd197e27fc813a4 1 /**< header and source of one run have the same */
 #define MIR_100_WHEELS 6 /**< how many wheels the robot has */
 #define MIR_100_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define MIR_100_LEFT_Y 0.222604f /**< [m] pivot, to the left of P */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(MIR_100_PAIR_abed810c577041f2)
+#if !defined(MIR_100_PAIR_efd197e27fc813a4)
 #error "this file and mir_100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -33,7 +33,7 @@
 
 #define NEOBOTIX_MP_400_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEOBOTIX_MP_400_MODEL_HASH "22dbf2c66cc34cb492c7d2c472be9dcf" /**< digest of the model */
-#define NEOBOTIX_MP_400_PAIR_1b8b589c1e12b1fb 1 /**< header and source of one run have the same */
+#define NEOBOTIX_MP_400_PAIR_453c6f2174e42542 1 /**< header and source of one run have the same */
 #define NEOBOTIX_MP_400_WHEELS 6 /**< how many wheels the robot has */
 #define NEOBOTIX_MP_400_RIGHT_X 0.0f /**< [m] pivot, forward of P */
 #define NEOBOTIX_MP_400_RIGHT_Y (-0.26f) /**< [m] pivot, to the left of P */

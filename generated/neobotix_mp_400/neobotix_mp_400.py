@@ -164,20 +164,20 @@ def inverse(vx, vy, omega, castor_front_left_steer, castor_back_left_steer, cast
     _t6 = xp.sin(castor_front_left_steer)
     _t7 = 4.342105263157895 * omega
     _t8 = 8.25 * omega
-    _t9 = _t5 * _t8 + (_castor_front_left_a * _t6 - omega)
-    _t10 = xp.sin(castor_back_left_steer)
-    _t11 = 5.7894736842105265 * omega
-    _t12 = xp.cos(castor_back_left_steer)
-    _t13 = 11.0 * omega
-    _t14 = _castor_front_left_a * _t10 - omega - _t12 * _t13
+    _castor_front_left_steer_rate = _t5 * _t8 + (_castor_front_left_a * _t6 - omega)
+    _t9 = xp.sin(castor_back_left_steer)
+    _t10 = 5.7894736842105265 * omega
+    _t11 = xp.cos(castor_back_left_steer)
+    _t12 = 11.0 * omega
+    _castor_back_left_steer_rate = _castor_front_left_a * _t9 - omega - _t11 * _t12
     _castor_front_right_a = _t3 - _t2
-    _t15 = 0.5263157894736842 * _castor_front_right_a
-    _t16 = xp.cos(castor_front_right_steer)
-    _t17 = xp.sin(castor_front_right_steer)
-    _t18 = _t8 * _t16 + (_castor_front_right_a * _t17 - omega)
-    _t19 = xp.sin(castor_back_right_steer)
-    _t20 = xp.cos(castor_back_right_steer)
-    _t21 = _castor_front_right_a * _t19 - omega - _t13 * _t20
+    _t13 = 0.5263157894736842 * _castor_front_right_a
+    _t14 = xp.cos(castor_front_right_steer)
+    _t15 = xp.sin(castor_front_right_steer)
+    _castor_front_right_steer_rate = _t8 * _t14 + (_castor_front_right_a * _t15 - omega)
+    _t16 = xp.sin(castor_back_right_steer)
+    _t17 = xp.cos(castor_back_right_steer)
+    _castor_back_right_steer_rate = _castor_front_right_a * _t16 - omega - _t12 * _t17
     return _results(
         xp,
         arguments,
@@ -185,13 +185,13 @@ def inverse(vx, vy, omega, castor_front_left_steer, castor_back_left_steer, cast
             "right.spin": _t0 + _t1,
             "left.spin": _t1 - _t0,
             "castor_front_left.spin": _t5 * _t4 - _t6 * _t7,
-            "castor_front_left.steer_rate": _t9,
-            "castor_back_left.spin": _t10 * _t11 + _t4 * _t12,
-            "castor_back_left.steer_rate": _t14,
-            "castor_front_right.spin": _t16 * _t15 - _t7 * _t17,
-            "castor_front_right.steer_rate": _t18,
-            "castor_back_right.spin": _t11 * _t19 + _t15 * _t20,
-            "castor_back_right.steer_rate": _t21,
+            "castor_front_left.steer_rate": _castor_front_left_steer_rate,
+            "castor_back_left.spin": _t9 * _t10 + _t4 * _t11,
+            "castor_back_left.steer_rate": _castor_back_left_steer_rate,
+            "castor_front_right.spin": _t14 * _t13 - _t7 * _t15,
+            "castor_front_right.steer_rate": _castor_front_right_steer_rate,
+            "castor_back_right.spin": _t10 * _t16 + _t13 * _t17,
+            "castor_back_right.steer_rate": _castor_back_right_steer_rate,
             "slip": xp.abs(1.4142135623730951 * vy),
         },
     )
@@ -232,20 +232,20 @@ def inverse_joints(vx, vy, omega, castor_front_left_steer, castor_back_left_stee
     _t6 = xp.sin(castor_front_left_steer)
     _t7 = 4.342105263157895 * omega
     _t8 = 8.25 * omega
-    _t9 = _t5 * _t8 + (_castor_front_left_a * _t6 - omega)
-    _t10 = xp.sin(castor_back_left_steer)
-    _t11 = 5.7894736842105265 * omega
-    _t12 = xp.cos(castor_back_left_steer)
-    _t13 = 11.0 * omega
-    _t14 = _castor_front_left_a * _t10 - omega - _t12 * _t13
+    _castor_front_left_steer_rate = _t5 * _t8 + (_castor_front_left_a * _t6 - omega)
+    _t9 = xp.sin(castor_back_left_steer)
+    _t10 = 5.7894736842105265 * omega
+    _t11 = xp.cos(castor_back_left_steer)
+    _t12 = 11.0 * omega
+    _castor_back_left_steer_rate = _castor_front_left_a * _t9 - omega - _t11 * _t12
     _castor_front_right_a = _t3 - _t2
-    _t15 = 0.5263157894736842 * _castor_front_right_a
-    _t16 = xp.cos(castor_front_right_steer)
-    _t17 = xp.sin(castor_front_right_steer)
-    _t18 = _t8 * _t16 + (_castor_front_right_a * _t17 - omega)
-    _t19 = xp.sin(castor_back_right_steer)
-    _t20 = xp.cos(castor_back_right_steer)
-    _t21 = _castor_front_right_a * _t19 - omega - _t13 * _t20
+    _t13 = 0.5263157894736842 * _castor_front_right_a
+    _t14 = xp.cos(castor_front_right_steer)
+    _t15 = xp.sin(castor_front_right_steer)
+    _castor_front_right_steer_rate = _t8 * _t14 + (_castor_front_right_a * _t15 - omega)
+    _t16 = xp.sin(castor_back_right_steer)
+    _t17 = xp.cos(castor_back_right_steer)
+    _castor_back_right_steer_rate = _castor_front_right_a * _t16 - omega - _t12 * _t17
     return _results(
         xp,
         arguments,
@@ -253,13 +253,13 @@ def inverse_joints(vx, vy, omega, castor_front_left_steer, castor_back_left_stee
             "right.spin": _t0 + _t1,
             "left.spin": _t1 - _t0,
             "castor_front_left.spin": _t5 * _t4 - _t6 * _t7,
-            "castor_front_left.steer_rate": _t9,
-            "castor_back_left.spin": _t10 * _t11 + _t4 * _t12,
-            "castor_back_left.steer_rate": _t14,
-            "castor_front_right.spin": _t16 * _t15 - _t7 * _t17,
-            "castor_front_right.steer_rate": _t18,
-            "castor_back_right.spin": _t11 * _t19 + _t15 * _t20,
-            "castor_back_right.steer_rate": _t21,
+            "castor_front_left.steer_rate": _castor_front_left_steer_rate,
+            "castor_back_left.spin": _t9 * _t10 + _t4 * _t11,
+            "castor_back_left.steer_rate": _castor_back_left_steer_rate,
+            "castor_front_right.spin": _t14 * _t13 - _t7 * _t15,
+            "castor_front_right.steer_rate": _castor_front_right_steer_rate,
+            "castor_back_right.spin": _t10 * _t16 + _t13 * _t17,
+            "castor_back_right.steer_rate": _castor_back_right_steer_rate,
         },
     )
 
@@ -278,14 +278,14 @@ def forward(right_spin, left_spin):
     """
     xp, arguments = _arrays(right_spin, left_spin)
     right_spin, left_spin = arguments
-    _t0 = 0.14711538461538462 * (right_spin - left_spin)
+    _omega = 0.14711538461538462 * (right_spin - left_spin)
     return _results(
         xp,
         arguments,
         {
             "vx": 0.03825 * (right_spin + left_spin),
             "vy": 0.0,
-            "omega": _t0,
+            "omega": _omega,
             "slip": 0.0 * 1.0,
         },
     )
@@ -304,14 +304,14 @@ def forward_twist(right_spin, left_spin):
     """
     xp, arguments = _arrays(right_spin, left_spin)
     right_spin, left_spin = arguments
-    _t0 = 0.14711538461538462 * (right_spin - left_spin)
+    _omega = 0.14711538461538462 * (right_spin - left_spin)
     return _results(
         xp,
         arguments,
         {
             "vx": 0.03825 * (right_spin + left_spin),
             "vy": 0.0,
-            "omega": _t0,
+            "omega": _omega,
         },
     )
 
@@ -340,20 +340,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_cae0e40cb218c9a4)
+#if !defined(NEOBOTIX_MPO_700_PAIR_bdafa26a573eab4c)
 #error "this file and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -227,11 +227,11 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
     const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
-    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
+    const float spin = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float steer = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t3;
-    result.steer = t4;
+    result.spin = spin;
+    result.steer = steer;
     return result;
 }
 #endif
@@ -247,9 +247,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -345,9 +345,9 @@ void neobotix_mpo_700_forward(const neobotix_mpo_700_wheels *wheels, neobotix_mp
     const float inertia = wmrgen_fma(0.0684f, t18 + t17, wmrgen_fma(0.0864f, t13 - t14, 1.5316f));
     const float t19 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t15, sum_fx, inertia));
     const float omega_fit = wmrgen_fma(sum_wx, sum_fy, t16) / t19;
-    const float t20 = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
+    const float vx = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
 
-    twist->vx = t20;
+    twist->vx = vx;
     twist->vy = 0.25f * wmrgen_fma(t15, omega_fit, sum_wy);
     twist->omega = omega_fit;
 #endif
@@ -392,32 +392,32 @@ void neobotix_mpo_700_forward_slip(
     const float inertia = wmrgen_fma(0.0684f, t18 + t17, wmrgen_fma(0.0864f, t13 - t14, 1.5316f));
     const float t19 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t15, sum_fx, inertia));
     const float omega_fit = wmrgen_fma(sum_wx, sum_fy, t16) / t19;
-    const float t20 = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
-    const float t21 = 0.25f * wmrgen_fma(t15, omega_fit, sum_wy);
-    const float t22 = 0.19f * omega_fit;
-    const float t23 = t22 - t20;
-    const float t24 = 0.045f * omega_fit;
-    const float error_0 = wmrgen_fma(front_left.x, t24, wmrgen_fma(front_left.x, t0, t23));
-    const float t25 = (-0.24f) * omega_fit;
-    const float t26 = t25 - t21;
-    const float error_1 = wmrgen_fma(front_left.y, t24, wmrgen_fma(t0, front_left.y, t26));
-    const float t27 = wmrgen_fma(error_0, error_0, error_1 * error_1);
-    const float error_2 = wmrgen_fma(back_left.x, t24, back_left_wx + t23);
-    const float t28 = t21 + t25;
-    const float error_3 = wmrgen_fma(back_left.y, t24, wmrgen_fma(t3, back_left.y, -t28));
-    const float t29 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t27));
-    const float t30 = t20 + t22;
-    const float error_4 = wmrgen_fma(-back_right.x, t24, wmrgen_fma(back_right.x, t4, -t30));
-    const float error_5 = wmrgen_fma(-back_right.y, t24, back_right_wy - t28);
-    const float t31 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t29));
-    const float error_6 = wmrgen_fma(-front_right.x, t24, front_right_wx - t30);
-    const float error_7 = wmrgen_fma(-front_right.y, t24, front_right_wy + t26);
-    const float t32 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t31));
+    const float vx = 0.25f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
+    const float vy = 0.25f * wmrgen_fma(t15, omega_fit, sum_wy);
+    const float t20 = 0.19f * omega_fit;
+    const float t21 = t20 - vx;
+    const float t22 = 0.045f * omega_fit;
+    const float error_0 = wmrgen_fma(front_left.x, t22, wmrgen_fma(front_left.x, t0, t21));
+    const float t23 = (-0.24f) * omega_fit;
+    const float t24 = t23 - vy;
+    const float error_1 = wmrgen_fma(front_left.y, t22, wmrgen_fma(t0, front_left.y, t24));
+    const float t25 = wmrgen_fma(error_0, error_0, error_1 * error_1);
+    const float error_2 = wmrgen_fma(back_left.x, t22, back_left_wx + t21);
+    const float t26 = vy + t23;
+    const float error_3 = wmrgen_fma(back_left.y, t22, wmrgen_fma(t3, back_left.y, -t26));
+    const float t27 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t25));
+    const float t28 = vx + t20;
+    const float error_4 = wmrgen_fma(-back_right.x, t22, wmrgen_fma(back_right.x, t4, -t28));
+    const float error_5 = wmrgen_fma(-back_right.y, t22, back_right_wy - t26);
+    const float t29 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t27));
+    const float error_6 = wmrgen_fma(-front_right.x, t22, front_right_wx - t28);
+    const float error_7 = wmrgen_fma(-front_right.y, t22, front_right_wy + t24);
+    const float t30 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t29));
 
-    twist->vx = t20;
-    twist->vy = t21;
+    twist->vx = vx;
+    twist->vy = vy;
     twist->omega = omega_fit;
-    *slip = sqrtf(t32);
+    *slip = sqrtf(t30);
 }
 
 void neobotix_mpo_700_odometry(
@@ -433,11 +433,11 @@ void neobotix_mpo_700_odometry(
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }
 
 void neobotix_mpo_700_steer_toward(
@@ -451,27 +451,27 @@ void neobotix_mpo_700_steer_toward(
     const float per_time = (0.0f < step) ? (1.0f / t0) : 0.0f;
     const float t1 = wanted->front_left.steer - now->front_left.steer;
     const float front_left_rate = per_time * t1;
-    const float t2 = wmrgen_fma((-0.5f), front_left_rate, wanted->front_left.spin);
-    const float t3 = wanted->back_left.steer - now->back_left.steer;
-    const float back_left_rate = per_time * t3;
-    const float t4 = wmrgen_fma((-0.5f), back_left_rate, wanted->back_left.spin);
-    const float t5 = wanted->back_right.steer - now->back_right.steer;
-    const float back_right_rate = per_time * t5;
-    const float t6 = wmrgen_fma(0.5f, back_right_rate, wanted->back_right.spin);
-    const float t7 = wanted->front_right.steer - now->front_right.steer;
-    const float front_right_rate = per_time * t7;
-    const float t8 = wmrgen_fma(0.5f, front_right_rate, wanted->front_right.spin);
+    const float front_left_spin = wmrgen_fma((-0.5f), front_left_rate, wanted->front_left.spin);
+    const float t2 = wanted->back_left.steer - now->back_left.steer;
+    const float back_left_rate = per_time * t2;
+    const float back_left_spin = wmrgen_fma((-0.5f), back_left_rate, wanted->back_left.spin);
+    const float t3 = wanted->back_right.steer - now->back_right.steer;
+    const float back_right_rate = per_time * t3;
+    const float back_right_spin = wmrgen_fma(0.5f, back_right_rate, wanted->back_right.spin);
+    const float t4 = wanted->front_right.steer - now->front_right.steer;
+    const float front_right_rate = per_time * t4;
+    const float front_right_spin = wmrgen_fma(0.5f, front_right_rate, wanted->front_right.spin);
 
-    out->front_left.spin = t2;
+    out->front_left.spin = front_left_spin;
     out->front_left.steer = wanted->front_left.steer;
     out->front_left.steer_rate = front_left_rate;
-    out->back_left.spin = t4;
+    out->back_left.spin = back_left_spin;
     out->back_left.steer = wanted->back_left.steer;
     out->back_left.steer_rate = back_left_rate;
-    out->back_right.spin = t6;
+    out->back_right.spin = back_right_spin;
     out->back_right.steer = wanted->back_right.steer;
     out->back_right.steer_rate = back_right_rate;
-    out->front_right.spin = t8;
+    out->front_right.spin = front_right_spin;
     out->front_right.steer = wanted->front_right.steer;
     out->front_right.steer_rate = front_right_rate;
 }

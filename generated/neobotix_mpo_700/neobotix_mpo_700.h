@@ -30,7 +30,7 @@
 
 #define NEOBOTIX_MPO_700_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEOBOTIX_MPO_700_MODEL_HASH "ac7d5038ae66049a50c42e6510ffff05" /**< digest of the model */
-#define NEOBOTIX_MPO_700_PAIR_cae0e40cb218c9a4 1 /**< header and source of one run have the same */
+#define NEOBOTIX_MPO_700_PAIR_bdafa26a573eab4c 1 /**< header and source of one run have the same */
 #define NEOBOTIX_MPO_700_WHEELS 4 /**< how many wheels the robot has */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_X 0.24f /**< [m] pivot, forward of P */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_Y 0.19f /**< [m] pivot, to the left of P */

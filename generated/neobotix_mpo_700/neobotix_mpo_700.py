@@ -175,56 +175,58 @@ def inverse(vx, vy, omega, front_left_steer, back_left_steer, back_right_steer, 
     vx, vy, omega, front_left_steer, back_left_steer, back_right_steer, front_right_steer = arguments
     _front_left_x = vx + (-0.19) * omega
     _front_left_y = vy + 0.24 * omega
-    _t0 = _front_left_x * _front_left_x
-    _t1 = _front_left_y * _front_left_y
-    _t2 = _sqrt(xp, _t0 + _t1)
-    _t3 = _with_sign_of(xp, 2.0, _front_left_x)
-    _t4 = xp.abs(_front_left_x)
-    _t5 = _front_left_y / (_maximum(xp, _t2, 1e-20) + _t4)
-    _t6 = _select(xp, _t2, 1e-20, front_left_steer, _t3 * xp.atan(_t5))
-    _t7 = xp.round(0.31830988617 * (_t6 - front_left_steer))
-    _t8 = _with_sign_of(xp, _t2, _front_left_x)
-    _front_left_rim = _flip(xp, _t8, _t7)
-    _t9 = 0.5 * omega
+    _front_left_x_squared = _front_left_x * _front_left_x
+    _front_left_y_squared = _front_left_y * _front_left_y
+    _t0 = _front_left_x_squared + _front_left_y_squared
+    _t1 = _sqrt(xp, _t0)
+    _t2 = _with_sign_of(xp, 2.0, _front_left_x)
+    _t3 = xp.abs(_front_left_x)
+    _t4 = _front_left_y / (_maximum(xp, _t1, 1e-20) + _t3)
+    _t5 = _select(xp, _t1, 1e-20, front_left_steer, _t2 * xp.atan(_t4))
+    _t6 = xp.round(0.31830988617 * (_t5 - front_left_steer))
+    _t7 = _with_sign_of(xp, _t1, _front_left_x)
+    _front_left_rim = _flip(xp, _t7, _t6)
+    _t8 = 0.5 * omega
     _back_left_y = vy + (-0.24) * omega
-    _t10 = _back_left_y * _back_left_y
-    _t11 = _sqrt(xp, _t0 + _t10)
-    _t12 = _back_left_y / (_maximum(xp, _t11, 1e-20) + _t4)
-    _t13 = _select(xp, _t11, 1e-20, back_left_steer, _t3 * xp.atan(_t12))
-    _t14 = xp.round(0.31830988617 * (_t13 - back_left_steer))
-    _t15 = _with_sign_of(xp, _t11, _front_left_x)
-    _back_left_rim = _flip(xp, _t15, _t14)
+    _back_left_y_squared = _back_left_y * _back_left_y
+    _t9 = _sqrt(xp, _front_left_x_squared + _back_left_y_squared)
+    _t10 = _back_left_y / (_maximum(xp, _t9, 1e-20) + _t3)
+    _t11 = _select(xp, _t9, 1e-20, back_left_steer, _t2 * xp.atan(_t10))
+    _t12 = xp.round(0.31830988617 * (_t11 - back_left_steer))
+    _t13 = _with_sign_of(xp, _t9, _front_left_x)
+    _back_left_rim = _flip(xp, _t13, _t12)
     _back_right_x = vx + 0.19 * omega
-    _t16 = _back_right_x * _back_right_x
-    _t17 = _sqrt(xp, _t16 + _t10)
-    _t18 = _with_sign_of(xp, 2.0, _back_right_x)
-    _t19 = xp.abs(_back_right_x)
-    _t20 = _back_left_y / (_maximum(xp, _t17, 1e-20) + _t19)
-    _t21 = _select(xp, _t17, 1e-20, back_right_steer, _t18 * xp.atan(_t20))
-    _t22 = xp.round(0.31830988617 * (_t21 - back_right_steer))
-    _t23 = _with_sign_of(xp, _t17, _back_right_x)
-    _back_right_rim = _flip(xp, _t23, _t22)
-    _t24 = _sqrt(xp, _t16 + _t1)
-    _t25 = _front_left_y / (_maximum(xp, _t24, 1e-20) + _t19)
-    _t26 = _select(xp, _t24, 1e-20, front_right_steer, _t18 * xp.atan(_t25))
-    _t27 = xp.round(0.31830988617 * (_t26 - front_right_steer))
-    _t28 = _with_sign_of(xp, _t24, _back_right_x)
-    _front_right_rim = _flip(xp, _t28, _t27)
+    _back_right_x_squared = _back_right_x * _back_right_x
+    _t14 = _sqrt(xp, _back_right_x_squared + _back_left_y_squared)
+    _t15 = _with_sign_of(xp, 2.0, _back_right_x)
+    _t16 = xp.abs(_back_right_x)
+    _t17 = _back_left_y / (_maximum(xp, _t14, 1e-20) + _t16)
+    _t18 = _select(xp, _t14, 1e-20, back_right_steer, _t15 * xp.atan(_t17))
+    _t19 = xp.round(0.31830988617 * (_t18 - back_right_steer))
+    _t20 = _with_sign_of(xp, _t14, _back_right_x)
+    _back_right_rim = _flip(xp, _t20, _t19)
+    _t21 = _back_right_x_squared + _front_left_y_squared
+    _t22 = _sqrt(xp, _t21)
+    _t23 = _front_left_y / (_maximum(xp, _t22, 1e-20) + _t16)
+    _t24 = _select(xp, _t22, 1e-20, front_right_steer, _t15 * xp.atan(_t23))
+    _t25 = xp.round(0.31830988617 * (_t24 - front_right_steer))
+    _t26 = _with_sign_of(xp, _t22, _back_right_x)
+    _front_right_rim = _flip(xp, _t26, _t25)
     return _results(
         xp,
         arguments,
         {
-            "front_left.spin": 11.11111111111111 * _front_left_rim - _t9,
-            "front_left.steer": _t6 + (-3.141592653589793) * _t7,
+            "front_left.spin": 11.11111111111111 * _front_left_rim - _t8,
+            "front_left.steer": _t5 + (-3.141592653589793) * _t6,
             "front_left.steer_rate": 0.0,
-            "back_left.spin": 11.11111111111111 * _back_left_rim - _t9,
-            "back_left.steer": _t13 + (-3.141592653589793) * _t14,
+            "back_left.spin": 11.11111111111111 * _back_left_rim - _t8,
+            "back_left.steer": _t11 + (-3.141592653589793) * _t12,
             "back_left.steer_rate": 0.0 * 1.0,
-            "back_right.spin": _t9 + 11.11111111111111 * _back_right_rim,
-            "back_right.steer": _t21 + (-3.141592653589793) * _t22,
+            "back_right.spin": _t8 + 11.11111111111111 * _back_right_rim,
+            "back_right.steer": _t18 + (-3.141592653589793) * _t19,
             "back_right.steer_rate": 0.0 * 1.0,
-            "front_right.spin": _t9 + 11.11111111111111 * _front_right_rim,
-            "front_right.steer": _t26 + (-3.141592653589793) * _t27,
+            "front_right.spin": _t8 + 11.11111111111111 * _front_right_rim,
+            "front_right.steer": _t24 + (-3.141592653589793) * _t25,
             "front_right.steer_rate": 0.0 * 1.0,
             "slip": 0.0 * 1.0,
         },
@@ -260,56 +262,58 @@ def inverse_joints(vx, vy, omega, front_left_steer, back_left_steer, back_right_
     vx, vy, omega, front_left_steer, back_left_steer, back_right_steer, front_right_steer = arguments
     _front_left_x = vx + (-0.19) * omega
     _front_left_y = vy + 0.24 * omega
-    _t0 = _front_left_x * _front_left_x
-    _t1 = _front_left_y * _front_left_y
-    _t2 = _sqrt(xp, _t0 + _t1)
-    _t3 = _with_sign_of(xp, 2.0, _front_left_x)
-    _t4 = xp.abs(_front_left_x)
-    _t5 = _front_left_y / (_maximum(xp, _t2, 1e-20) + _t4)
-    _t6 = _select(xp, _t2, 1e-20, front_left_steer, _t3 * xp.atan(_t5))
-    _t7 = xp.round(0.31830988617 * (_t6 - front_left_steer))
-    _t8 = _with_sign_of(xp, _t2, _front_left_x)
-    _front_left_rim = _flip(xp, _t8, _t7)
-    _t9 = 0.5 * omega
+    _front_left_x_squared = _front_left_x * _front_left_x
+    _front_left_y_squared = _front_left_y * _front_left_y
+    _t0 = _front_left_x_squared + _front_left_y_squared
+    _t1 = _sqrt(xp, _t0)
+    _t2 = _with_sign_of(xp, 2.0, _front_left_x)
+    _t3 = xp.abs(_front_left_x)
+    _t4 = _front_left_y / (_maximum(xp, _t1, 1e-20) + _t3)
+    _t5 = _select(xp, _t1, 1e-20, front_left_steer, _t2 * xp.atan(_t4))
+    _t6 = xp.round(0.31830988617 * (_t5 - front_left_steer))
+    _t7 = _with_sign_of(xp, _t1, _front_left_x)
+    _front_left_rim = _flip(xp, _t7, _t6)
+    _t8 = 0.5 * omega
     _back_left_y = vy + (-0.24) * omega
-    _t10 = _back_left_y * _back_left_y
-    _t11 = _sqrt(xp, _t0 + _t10)
-    _t12 = _back_left_y / (_maximum(xp, _t11, 1e-20) + _t4)
-    _t13 = _select(xp, _t11, 1e-20, back_left_steer, _t3 * xp.atan(_t12))
-    _t14 = xp.round(0.31830988617 * (_t13 - back_left_steer))
-    _t15 = _with_sign_of(xp, _t11, _front_left_x)
-    _back_left_rim = _flip(xp, _t15, _t14)
+    _back_left_y_squared = _back_left_y * _back_left_y
+    _t9 = _sqrt(xp, _front_left_x_squared + _back_left_y_squared)
+    _t10 = _back_left_y / (_maximum(xp, _t9, 1e-20) + _t3)
+    _t11 = _select(xp, _t9, 1e-20, back_left_steer, _t2 * xp.atan(_t10))
+    _t12 = xp.round(0.31830988617 * (_t11 - back_left_steer))
+    _t13 = _with_sign_of(xp, _t9, _front_left_x)
+    _back_left_rim = _flip(xp, _t13, _t12)
     _back_right_x = vx + 0.19 * omega
-    _t16 = _back_right_x * _back_right_x
-    _t17 = _sqrt(xp, _t16 + _t10)
-    _t18 = _with_sign_of(xp, 2.0, _back_right_x)
-    _t19 = xp.abs(_back_right_x)
-    _t20 = _back_left_y / (_maximum(xp, _t17, 1e-20) + _t19)
-    _t21 = _select(xp, _t17, 1e-20, back_right_steer, _t18 * xp.atan(_t20))
-    _t22 = xp.round(0.31830988617 * (_t21 - back_right_steer))
-    _t23 = _with_sign_of(xp, _t17, _back_right_x)
-    _back_right_rim = _flip(xp, _t23, _t22)
-    _t24 = _sqrt(xp, _t16 + _t1)
-    _t25 = _front_left_y / (_maximum(xp, _t24, 1e-20) + _t19)
-    _t26 = _select(xp, _t24, 1e-20, front_right_steer, _t18 * xp.atan(_t25))
-    _t27 = xp.round(0.31830988617 * (_t26 - front_right_steer))
-    _t28 = _with_sign_of(xp, _t24, _back_right_x)
-    _front_right_rim = _flip(xp, _t28, _t27)
+    _back_right_x_squared = _back_right_x * _back_right_x
+    _t14 = _sqrt(xp, _back_right_x_squared + _back_left_y_squared)
+    _t15 = _with_sign_of(xp, 2.0, _back_right_x)
+    _t16 = xp.abs(_back_right_x)
+    _t17 = _back_left_y / (_maximum(xp, _t14, 1e-20) + _t16)
+    _t18 = _select(xp, _t14, 1e-20, back_right_steer, _t15 * xp.atan(_t17))
+    _t19 = xp.round(0.31830988617 * (_t18 - back_right_steer))
+    _t20 = _with_sign_of(xp, _t14, _back_right_x)
+    _back_right_rim = _flip(xp, _t20, _t19)
+    _t21 = _back_right_x_squared + _front_left_y_squared
+    _t22 = _sqrt(xp, _t21)
+    _t23 = _front_left_y / (_maximum(xp, _t22, 1e-20) + _t16)
+    _t24 = _select(xp, _t22, 1e-20, front_right_steer, _t15 * xp.atan(_t23))
+    _t25 = xp.round(0.31830988617 * (_t24 - front_right_steer))
+    _t26 = _with_sign_of(xp, _t22, _back_right_x)
+    _front_right_rim = _flip(xp, _t26, _t25)
     return _results(
         xp,
         arguments,
         {
-            "front_left.spin": 11.11111111111111 * _front_left_rim - _t9,
-            "front_left.steer": _t6 + (-3.141592653589793) * _t7,
+            "front_left.spin": 11.11111111111111 * _front_left_rim - _t8,
+            "front_left.steer": _t5 + (-3.141592653589793) * _t6,
             "front_left.steer_rate": 0.0,
-            "back_left.spin": 11.11111111111111 * _back_left_rim - _t9,
-            "back_left.steer": _t13 + (-3.141592653589793) * _t14,
+            "back_left.spin": 11.11111111111111 * _back_left_rim - _t8,
+            "back_left.steer": _t11 + (-3.141592653589793) * _t12,
             "back_left.steer_rate": 0.0 * 1.0,
-            "back_right.spin": _t9 + 11.11111111111111 * _back_right_rim,
-            "back_right.steer": _t21 + (-3.141592653589793) * _t22,
+            "back_right.spin": _t8 + 11.11111111111111 * _back_right_rim,
+            "back_right.steer": _t18 + (-3.141592653589793) * _t19,
             "back_right.steer_rate": 0.0 * 1.0,
-            "front_right.spin": _t9 + 11.11111111111111 * _front_right_rim,
-            "front_right.steer": _t26 + (-3.141592653589793) * _t27,
+            "front_right.spin": _t8 + 11.11111111111111 * _front_right_rim,
+            "front_right.steer": _t24 + (-3.141592653589793) * _t25,
             "front_right.steer_rate": 0.0 * 1.0,
         },
     )
@@ -379,34 +383,34 @@ def forward(front_left_spin, front_left_steer, front_left_steer_rate, back_left_
     _inertia = 0.0684 * (_t22 + _t21) + (0.0864 * (_t19 - _t20) + 1.5316)
     _t24 = _inertia - _sum_fx * _sum_fx - _sum_fy * _sum_fy
     _omega_fit = _t23 / _t24
-    _t25 = 0.25 * (_sum_wx + _sum_fy * _omega_fit)
-    _t26 = 0.25 * (_sum_wy - _sum_fx * _omega_fit)
-    _t27 = 0.19 * _omega_fit
-    _t28 = _t27 - _t25
-    _t29 = 0.045 * _omega_fit
-    _error_0 = _t13 * _t29 + (_front_left_wx + _t28)
-    _t30 = (-0.24) * _omega_fit
-    _t31 = _t30 - _t26
-    _error_1 = _t1 * _t29 + (_front_left_wy + _t31)
-    _error_2 = _t14 * _t29 + (_back_left_wx + _t28)
-    _t32 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
-    _t33 = _t26 + _t30
-    _error_3 = _t6 * _t29 + (_back_left_wy - _t33)
-    _t34 = _t25 + _t27
-    _error_4 = _back_right_wx - _t34 - _t10 * _t29
-    _t35 = _error_4 * _error_4 + (_error_3 * _error_3 + _t32)
-    _error_5 = _back_right_wy - _t33 - _t8 * _t29
-    _error_6 = _front_right_wx - _t34 - _t11 * _t29
-    _t36 = _error_6 * _error_6 + (_error_5 * _error_5 + _t35)
-    _error_7 = _front_right_wy + _t31 - _t3 * _t29
+    _vx = 0.25 * (_sum_wx + _sum_fy * _omega_fit)
+    _vy = 0.25 * (_sum_wy - _sum_fx * _omega_fit)
+    _t25 = 0.19 * _omega_fit
+    _t26 = _t25 - _vx
+    _t27 = 0.045 * _omega_fit
+    _error_0 = _t13 * _t27 + (_front_left_wx + _t26)
+    _t28 = (-0.24) * _omega_fit
+    _t29 = _t28 - _vy
+    _error_1 = _t1 * _t27 + (_front_left_wy + _t29)
+    _error_2 = _t14 * _t27 + (_back_left_wx + _t26)
+    _t30 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
+    _t31 = _vy + _t28
+    _error_3 = _t6 * _t27 + (_back_left_wy - _t31)
+    _t32 = _vx + _t25
+    _error_4 = _back_right_wx - _t32 - _t10 * _t27
+    _t33 = _error_4 * _error_4 + (_error_3 * _error_3 + _t30)
+    _error_5 = _back_right_wy - _t31 - _t8 * _t27
+    _error_6 = _front_right_wx - _t32 - _t11 * _t27
+    _t34 = _error_6 * _error_6 + (_error_5 * _error_5 + _t33)
+    _error_7 = _front_right_wy + _t29 - _t3 * _t27
     return _results(
         xp,
         arguments,
         {
-            "vx": _t25,
-            "vy": _t26,
+            "vx": _vx,
+            "vy": _vy,
             "omega": _omega_fit,
-            "slip": _sqrt(xp, _error_7 * _error_7 + _t36),
+            "slip": _sqrt(xp, _error_7 * _error_7 + _t34),
         },
     )
 
@@ -501,20 +505,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -551,14 +557,14 @@ def dynamics(x, y, theta, front_left_steer, back_right_steer, eta1, front_left_s
     _velocity_cos = xp.cos(theta)
     _vy_body = 0.5 * _t6 + 0.7916666666666666 * (_t4 * (eta1 * _t1))
     _velocity_sin = xp.sin(theta)
-    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
-    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
+    _x_rate = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _y_rate = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _results(
         xp,
         arguments,
         {
-            "x_rate": _t7,
-            "y_rate": _t8,
+            "x_rate": _x_rate,
+            "y_rate": _y_rate,
             "theta_rate": 2.0833333333333335 * (_t5 - _t2),
             "front_left.steer_rate": front_left_steer_rate * 1.0,
             "back_right.steer_rate": back_right_steer_rate * 1.0,
@@ -602,27 +608,27 @@ def steer_toward(front_left_steer, back_left_steer, back_right_steer, front_righ
     _step = _maximum(xp, dt, 0.0)
     _per_time = _select(xp, 0.0, _step, 1.0 / _maximum(xp, _step, 1e-09), 0.0)
     _front_left_rate = _per_time * (front_left_steer_wanted - front_left_steer)
-    _t0 = front_left_spin_wanted - 0.5 * _front_left_rate
+    _front_left_spin = front_left_spin_wanted - 0.5 * _front_left_rate
     _back_left_rate = _per_time * (back_left_steer_wanted - back_left_steer)
-    _t1 = back_left_spin_wanted - 0.5 * _back_left_rate
+    _back_left_spin = back_left_spin_wanted - 0.5 * _back_left_rate
     _back_right_rate = _per_time * (back_right_steer_wanted - back_right_steer)
-    _t2 = back_right_spin_wanted + 0.5 * _back_right_rate
+    _back_right_spin = back_right_spin_wanted + 0.5 * _back_right_rate
     _front_right_rate = _per_time * (front_right_steer_wanted - front_right_steer)
-    _t3 = front_right_spin_wanted + 0.5 * _front_right_rate
+    _front_right_spin = front_right_spin_wanted + 0.5 * _front_right_rate
     return _results(
         xp,
         arguments,
         {
-            "front_left.spin": _t0,
+            "front_left.spin": _front_left_spin,
             "front_left.steer": front_left_steer_wanted * 1.0,
             "front_left.steer_rate": _front_left_rate,
-            "back_left.spin": _t1,
+            "back_left.spin": _back_left_spin,
             "back_left.steer": back_left_steer_wanted * 1.0,
             "back_left.steer_rate": _back_left_rate,
-            "back_right.spin": _t2,
+            "back_right.spin": _back_right_spin,
             "back_right.steer": back_right_steer_wanted * 1.0,
             "back_right.steer_rate": _back_right_rate,
-            "front_right.spin": _t3,
+            "front_right.spin": _front_right_spin,
             "front_right.steer": front_right_steer_wanted * 1.0,
             "front_right.steer_rate": _front_right_rate,
         },
@@ -658,11 +664,11 @@ def ode(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _velocity_cos = xp.cos(x[..., 2])
     _velocity_sin = xp.sin(x[..., 2])
-    _t0 = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
-    _t1 = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
+    _x_rate = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
+    _y_rate = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
     results = [
-        _t0,
-        _t1,
+        _x_rate,
+        _y_rate,
         u[..., 2],
         u[..., 3],
         u[..., 4],
@@ -681,20 +687,20 @@ def rolling(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _t0 = xp.cos(x[..., 3])
     _t1 = xp.sin(x[..., 3])
-    _t2 = (0.24 * _t0 + 0.19 * _t1) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
-    _t3 = xp.cos(x[..., 4])
-    _t4 = xp.sin(x[..., 4])
-    _t5 = u[..., 2] * (0.19 * _t4 - 0.24 * _t3) + (u[..., 1] * _t3 - u[..., 0] * _t4)
-    _t6 = xp.cos(x[..., 5])
-    _t7 = xp.sin(x[..., 5])
-    _t8 = u[..., 2] * ((-0.19) * _t7 - 0.24 * _t6) + (u[..., 1] * _t6 - u[..., 0] * _t7)
-    _t9 = xp.cos(x[..., 6])
-    _t10 = xp.sin(x[..., 6])
-    _t11 = u[..., 2] * (0.24 * _t9 - 0.19 * _t10) + (u[..., 1] * _t9 - u[..., 0] * _t10)
+    _front_left_slide = (0.24 * _t0 + 0.19 * _t1) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
+    _t2 = xp.cos(x[..., 4])
+    _t3 = xp.sin(x[..., 4])
+    _back_left_slide = u[..., 2] * (0.19 * _t3 - 0.24 * _t2) + (u[..., 1] * _t2 - u[..., 0] * _t3)
+    _t4 = xp.cos(x[..., 5])
+    _t5 = xp.sin(x[..., 5])
+    _back_right_slide = u[..., 2] * ((-0.19) * _t5 - 0.24 * _t4) + (u[..., 1] * _t4 - u[..., 0] * _t5)
+    _t6 = xp.cos(x[..., 6])
+    _t7 = xp.sin(x[..., 6])
+    _front_right_slide = u[..., 2] * (0.24 * _t6 - 0.19 * _t7) + (u[..., 1] * _t6 - u[..., 0] * _t7)
     results = [
-        _t2,
-        _t5,
-        _t8,
-        _t11,
+        _front_left_slide,
+        _back_left_slide,
+        _back_right_slide,
+        _front_right_slide,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

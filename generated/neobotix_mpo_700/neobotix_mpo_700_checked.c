@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_cae0e40cb218c9a4)
+#if !defined(NEOBOTIX_MPO_700_PAIR_bdafa26a573eab4c)
 #error "this file and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_cae0e40cb218c9a4)
+#if !defined(NEOBOTIX_MPO_700_PAIR_bdafa26a573eab4c)
 #error "this file and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

@@ -32,7 +32,7 @@
 
 #define NEXUS_4WD_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEXUS_4WD_MODEL_HASH "2f6d69818c7fadb51af59e8d92eaeaa0" /**< digest of the model */
-#define NEXUS_4WD_PAIR_6997c82dfd48b93c 1 /**< header and source of one run have the same */
+#define NEXUS_4WD_PAIR_fbb058ddf9679f85 1 /**< header and source of one run have the same */
 #define NEXUS_4WD_WHEELS 4 /**< how many wheels the robot has */
 #define NEXUS_4WD_UPPER_LEFT_X 0.15f /**< [m] pivot, forward of P */
 #define NEXUS_4WD_UPPER_LEFT_Y 0.15f /**< [m] pivot, to the left of P */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEXUS_4WD_PAIR_6997c82dfd48b93c)
+#if !defined(NEXUS_4WD_PAIR_fbb058ddf9679f85)
 #error "this file and nexus_4wd.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

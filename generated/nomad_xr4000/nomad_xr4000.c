@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_0957a92e302a44d0)
+#if !defined(NOMAD_XR4000_PAIR_09cb1dcbbe5f2644)
 #error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -176,9 +176,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -204,27 +204,27 @@ void nomad_xr4000_inverse(
     const wmrgen_vector castor1 = wmrgen_direction(now->castor1.steer);
     const float t3 = wmrgen_fma(castor1_a, castor1.x, castor1_b * castor1.y);
     const float t4 = -twist->omega;
-    const float t5 = wmrgen_fma(-castor1.x, castor1_b, wmrgen_fma(castor1_a, castor1.y, t4));
+    const float castor1_steer_rate = wmrgen_fma(-castor1.x, castor1_b, wmrgen_fma(castor1_a, castor1.y, t4));
     const float castor2_a = t1 - t0;
     const wmrgen_vector castor2 = wmrgen_direction(now->castor2.steer);
-    const float t6 = wmrgen_fma(castor2_a, castor2.x, castor1_b * castor2.y);
-    const float t7 = wmrgen_fma(-castor1_b, castor2.x, wmrgen_fma(castor2_a, castor2.y, t4));
+    const float t5 = wmrgen_fma(castor2_a, castor2.x, castor1_b * castor2.y);
+    const float castor2_steer_rate = wmrgen_fma(-castor1_b, castor2.x, wmrgen_fma(castor2_a, castor2.y, t4));
     const float castor3_b = t0 + t2;
     const wmrgen_vector castor3 = wmrgen_direction(now->castor3.steer);
-    const float t8 = wmrgen_fma(castor1_a, castor3.x, castor3_b * castor3.y);
-    const float t9 = wmrgen_fma(-castor3.x, castor3_b, wmrgen_fma(castor1_a, castor3.y, t4));
+    const float t6 = wmrgen_fma(castor1_a, castor3.x, castor3_b * castor3.y);
+    const float castor3_steer_rate = wmrgen_fma(-castor3.x, castor3_b, wmrgen_fma(castor1_a, castor3.y, t4));
     const wmrgen_vector castor4 = wmrgen_direction(now->castor4.steer);
-    const float t10 = wmrgen_fma(castor2_a, castor4.x, castor3_b * castor4.y);
-    const float t11 = wmrgen_fma(-castor3_b, castor4.x, wmrgen_fma(castor2_a, castor4.y, t4));
+    const float t7 = wmrgen_fma(castor2_a, castor4.x, castor3_b * castor4.y);
+    const float castor4_steer_rate = wmrgen_fma(-castor3_b, castor4.x, wmrgen_fma(castor2_a, castor4.y, t4));
 
     out->castor1.spin = (-0.36363637f) * t3;
-    out->castor1.steer_rate = t5;
-    out->castor2.spin = (-0.36363637f) * t6;
-    out->castor2.steer_rate = t7;
-    out->castor3.spin = (-0.36363637f) * t8;
-    out->castor3.steer_rate = t9;
-    out->castor4.spin = (-0.36363637f) * t10;
-    out->castor4.steer_rate = t11;
+    out->castor1.steer_rate = castor1_steer_rate;
+    out->castor2.spin = (-0.36363637f) * t5;
+    out->castor2.steer_rate = castor2_steer_rate;
+    out->castor3.spin = (-0.36363637f) * t6;
+    out->castor3.steer_rate = castor3_steer_rate;
+    out->castor4.spin = (-0.36363637f) * t7;
+    out->castor4.steer_rate = castor4_steer_rate;
 }
 
 void nomad_xr4000_inverse_slip(
@@ -328,34 +328,34 @@ void nomad_xr4000_forward_slip(
     const float t17 = -t15;
     const float t18 = wmrgen_fma(t17, t15, wmrgen_fma(-t12, t12, inertia));
     const float omega_fit = t16 / t18;
-    const float t19 = 0.005f * wmrgen_fma(t17, omega_fit, sum_wx);
-    const float t20 = 0.005f * wmrgen_fma(t12, omega_fit, sum_wy);
-    const float t21 = 0.2f * omega_fit;
-    const float t22 = t21 - t19;
-    const float t23 = wmrgen_fma(-castor1.y, omega_fit, castor1_wx);
-    const float error_0 = wmrgen_fma(0.02f, t23, t22);
-    const float t24 = -(t20 + t21);
-    const float error_1 = wmrgen_fma(0.02f, wmrgen_fma(castor1.x, omega_fit, castor1_wy), t24);
-    const float t25 = wmrgen_fma(error_0, error_0, error_1 * error_1);
-    const float t26 = -(t19 + t21);
-    const float t27 = wmrgen_fma(-castor2.y, omega_fit, castor2_wx);
-    const float error_2 = wmrgen_fma(0.02f, t27, t26);
-    const float error_3 = wmrgen_fma(0.02f, wmrgen_fma(castor2.x, omega_fit, castor2_wy), t24);
-    const float t28 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t25));
-    const float t29 = wmrgen_fma(-castor3.y, omega_fit, castor3_wx);
-    const float error_4 = wmrgen_fma(0.02f, t29, t22);
-    const float t30 = t21 - t20;
-    const float error_5 = wmrgen_fma(0.02f, wmrgen_fma(castor3.x, omega_fit, castor3_wy), t30);
-    const float t31 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t28));
-    const float t32 = wmrgen_fma(-castor4.y, omega_fit, castor4_wx);
-    const float error_6 = wmrgen_fma(0.02f, t32, t26);
-    const float error_7 = wmrgen_fma(0.02f, wmrgen_fma(castor4.x, omega_fit, castor4_wy), t30);
-    const float t33 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t31));
+    const float vx = 0.005f * wmrgen_fma(t17, omega_fit, sum_wx);
+    const float vy = 0.005f * wmrgen_fma(t12, omega_fit, sum_wy);
+    const float t19 = 0.2f * omega_fit;
+    const float t20 = t19 - vx;
+    const float t21 = wmrgen_fma(-castor1.y, omega_fit, castor1_wx);
+    const float error_0 = wmrgen_fma(0.02f, t21, t20);
+    const float t22 = -(vy + t19);
+    const float error_1 = wmrgen_fma(0.02f, wmrgen_fma(castor1.x, omega_fit, castor1_wy), t22);
+    const float t23 = wmrgen_fma(error_0, error_0, error_1 * error_1);
+    const float t24 = -(vx + t19);
+    const float t25 = wmrgen_fma(-castor2.y, omega_fit, castor2_wx);
+    const float error_2 = wmrgen_fma(0.02f, t25, t24);
+    const float error_3 = wmrgen_fma(0.02f, wmrgen_fma(castor2.x, omega_fit, castor2_wy), t22);
+    const float t26 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t23));
+    const float t27 = wmrgen_fma(-castor3.y, omega_fit, castor3_wx);
+    const float error_4 = wmrgen_fma(0.02f, t27, t20);
+    const float t28 = t19 - vy;
+    const float error_5 = wmrgen_fma(0.02f, wmrgen_fma(castor3.x, omega_fit, castor3_wy), t28);
+    const float t29 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t26));
+    const float t30 = wmrgen_fma(-castor4.y, omega_fit, castor4_wx);
+    const float error_6 = wmrgen_fma(0.02f, t30, t24);
+    const float error_7 = wmrgen_fma(0.02f, wmrgen_fma(castor4.x, omega_fit, castor4_wy), t28);
+    const float t31 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t29));
 
-    twist->vx = t19;
-    twist->vy = t20;
+    twist->vx = vx;
+    twist->vy = vy;
     twist->omega = omega_fit;
-    *slip = sqrtf(t33);
+    *slip = sqrtf(t31);
 }
 
 void nomad_xr4000_odometry(nomad_xr4000_pose *pose, const nomad_xr4000_twist *twist, float dt)
@@ -368,9 +368,9 @@ void nomad_xr4000_odometry(nomad_xr4000_pose *pose, const nomad_xr4000_twist *tw
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

@@ -31,7 +31,7 @@
 
 #define NOMAD_XR4000_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NOMAD_XR4000_MODEL_HASH "3e1a5ca3c28c528898b3f587751ebfba" /**< digest of the model */
-#define NOMAD_XR4000_PAIR_0957a92e302a44d0 1 /**< header and source of one run have the same */
+#define NOMAD_XR4000_PAIR_09cb1dcbbe5f2644 1 /**< header and source of one run have the same */
 #define NOMAD_XR4000_WHEELS 4 /**< how many wheels the robot has */
 #define NOMAD_XR4000_CASTOR1_X 0.2f /**< [m] pivot, forward of P */
 #define NOMAD_XR4000_CASTOR1_Y 0.2f /**< [m] pivot, to the left of P */

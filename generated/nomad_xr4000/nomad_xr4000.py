@@ -165,31 +165,30 @@ def inverse(vx, vy, omega, castor1_steer, castor2_steer, castor3_steer, castor4_
     _t3 = (-50.0) * vy
     _castor1_b = _t3 - _t0
     _t4 = xp.sin(castor1_steer)
-    _t5 = (-0.36363636363636365) * (_castor1_a * _t2 + _castor1_b * _t4)
+    _castor1_spin = (-0.36363636363636365) * (_castor1_a * _t2 + _castor1_b * _t4)
     _castor2_a = _t1 - _t0
-    _t6 = xp.cos(castor2_steer)
-    _t7 = xp.sin(castor2_steer)
-    _t8 = (-0.36363636363636365) * (_castor2_a * _t6 + _castor1_b * _t7)
-    _t9 = xp.cos(castor3_steer)
+    _t5 = xp.cos(castor2_steer)
+    _t6 = xp.sin(castor2_steer)
+    _castor2_spin = (-0.36363636363636365) * (_castor2_a * _t5 + _castor1_b * _t6)
+    _t7 = xp.cos(castor3_steer)
     _castor3_b = _t0 + _t3
-    _t10 = xp.sin(castor3_steer)
-    _t11 = (-0.36363636363636365) * (_castor1_a * _t9 + _castor3_b * _t10)
-    _t12 = xp.cos(castor4_steer)
-    _t13 = xp.sin(castor4_steer)
-    _t14 = (-0.36363636363636365) * (_castor2_a * _t12 + _castor3_b * _t13)
-    _t15 = _castor2_a * _t13 - omega - _castor3_b * _t12
+    _t8 = xp.sin(castor3_steer)
+    _castor3_spin = (-0.36363636363636365) * (_castor1_a * _t7 + _castor3_b * _t8)
+    _t9 = xp.cos(castor4_steer)
+    _t10 = xp.sin(castor4_steer)
+    _castor4_spin = (-0.36363636363636365) * (_castor2_a * _t9 + _castor3_b * _t10)
     return _results(
         xp,
         arguments,
         {
-            "castor1.spin": _t5,
+            "castor1.spin": _castor1_spin,
             "castor1.steer_rate": _castor1_a * _t4 - omega - _t2 * _castor1_b,
-            "castor2.spin": _t8,
-            "castor2.steer_rate": _castor2_a * _t7 - omega - _castor1_b * _t6,
-            "castor3.spin": _t11,
-            "castor3.steer_rate": _castor1_a * _t10 - omega - _t9 * _castor3_b,
-            "castor4.spin": _t14,
-            "castor4.steer_rate": _t15,
+            "castor2.spin": _castor2_spin,
+            "castor2.steer_rate": _castor2_a * _t6 - omega - _castor1_b * _t5,
+            "castor3.spin": _castor3_spin,
+            "castor3.steer_rate": _castor1_a * _t8 - omega - _t7 * _castor3_b,
+            "castor4.spin": _castor4_spin,
+            "castor4.steer_rate": _castor2_a * _t10 - omega - _castor3_b * _t9,
             "slip": 0.0,
         },
     )
@@ -225,31 +224,30 @@ def inverse_joints(vx, vy, omega, castor1_steer, castor2_steer, castor3_steer, c
     _t3 = (-50.0) * vy
     _castor1_b = _t3 - _t0
     _t4 = xp.sin(castor1_steer)
-    _t5 = (-0.36363636363636365) * (_castor1_a * _t2 + _castor1_b * _t4)
+    _castor1_spin = (-0.36363636363636365) * (_castor1_a * _t2 + _castor1_b * _t4)
     _castor2_a = _t1 - _t0
-    _t6 = xp.cos(castor2_steer)
-    _t7 = xp.sin(castor2_steer)
-    _t8 = (-0.36363636363636365) * (_castor2_a * _t6 + _castor1_b * _t7)
-    _t9 = xp.cos(castor3_steer)
+    _t5 = xp.cos(castor2_steer)
+    _t6 = xp.sin(castor2_steer)
+    _castor2_spin = (-0.36363636363636365) * (_castor2_a * _t5 + _castor1_b * _t6)
+    _t7 = xp.cos(castor3_steer)
     _castor3_b = _t0 + _t3
-    _t10 = xp.sin(castor3_steer)
-    _t11 = (-0.36363636363636365) * (_castor1_a * _t9 + _castor3_b * _t10)
-    _t12 = xp.cos(castor4_steer)
-    _t13 = xp.sin(castor4_steer)
-    _t14 = (-0.36363636363636365) * (_castor2_a * _t12 + _castor3_b * _t13)
-    _t15 = _castor2_a * _t13 - omega - _castor3_b * _t12
+    _t8 = xp.sin(castor3_steer)
+    _castor3_spin = (-0.36363636363636365) * (_castor1_a * _t7 + _castor3_b * _t8)
+    _t9 = xp.cos(castor4_steer)
+    _t10 = xp.sin(castor4_steer)
+    _castor4_spin = (-0.36363636363636365) * (_castor2_a * _t9 + _castor3_b * _t10)
     return _results(
         xp,
         arguments,
         {
-            "castor1.spin": _t5,
+            "castor1.spin": _castor1_spin,
             "castor1.steer_rate": _castor1_a * _t4 - omega - _t2 * _castor1_b,
-            "castor2.spin": _t8,
-            "castor2.steer_rate": _castor2_a * _t7 - omega - _castor1_b * _t6,
-            "castor3.spin": _t11,
-            "castor3.steer_rate": _castor1_a * _t10 - omega - _t9 * _castor3_b,
-            "castor4.spin": _t14,
-            "castor4.steer_rate": _t15,
+            "castor2.spin": _castor2_spin,
+            "castor2.steer_rate": _castor2_a * _t6 - omega - _castor1_b * _t5,
+            "castor3.spin": _castor3_spin,
+            "castor3.steer_rate": _castor1_a * _t8 - omega - _t7 * _castor3_b,
+            "castor4.spin": _castor4_spin,
+            "castor4.steer_rate": _castor2_a * _t10 - omega - _castor3_b * _t9,
         },
     )
 
@@ -314,32 +312,32 @@ def forward(castor1_spin, castor1_steer, castor1_steer_rate, castor2_spin, casto
     _t22 = _t20 + _t21
     _inertia = 80.0 * (_t17 + (_t20 - _t18 - _t21)) + 3216.0
     _omega_fit = (_moment + _t19 * _sum_wy - _sum_wx * _t22) / (_inertia - _t19 * _t19 - _t22 * _t22)
-    _t23 = 0.005 * (_sum_wx - _t22 * _omega_fit)
-    _t24 = 0.005 * (_sum_wy + _t19 * _omega_fit)
-    _t25 = 0.2 * _omega_fit
-    _t26 = _t25 - _t23
-    _error_0 = _t26 + 0.02 * (_castor1_wx - _t9 * _omega_fit)
-    _t27 = _t24 + _t25
-    _error_1 = 0.02 * (_castor1_wy + _t7 * _omega_fit) - _t27
-    _t28 = _t23 + _t25
-    _error_2 = 0.02 * (_castor2_wx - _t2 * _omega_fit) - _t28
-    _t29 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
-    _error_3 = 0.02 * (_castor2_wy + _t0 * _omega_fit) - _t27
-    _error_4 = _t26 + 0.02 * (_castor3_wx - _t12 * _omega_fit)
-    _t30 = _error_4 * _error_4 + (_error_3 * _error_3 + _t29)
-    _t31 = _t25 - _t24
-    _error_5 = _t31 + 0.02 * (_castor3_wy + _t10 * _omega_fit)
-    _error_6 = 0.02 * (_castor4_wx - _t5 * _omega_fit) - _t28
-    _t32 = _error_6 * _error_6 + (_error_5 * _error_5 + _t30)
-    _error_7 = _t31 + 0.02 * (_castor4_wy + _t3 * _omega_fit)
+    _vx = 0.005 * (_sum_wx - _t22 * _omega_fit)
+    _vy = 0.005 * (_sum_wy + _t19 * _omega_fit)
+    _t23 = 0.2 * _omega_fit
+    _t24 = _t23 - _vx
+    _error_0 = _t24 + 0.02 * (_castor1_wx - _t9 * _omega_fit)
+    _t25 = _vy + _t23
+    _error_1 = 0.02 * (_castor1_wy + _t7 * _omega_fit) - _t25
+    _t26 = _vx + _t23
+    _error_2 = 0.02 * (_castor2_wx - _t2 * _omega_fit) - _t26
+    _t27 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
+    _error_3 = 0.02 * (_castor2_wy + _t0 * _omega_fit) - _t25
+    _error_4 = _t24 + 0.02 * (_castor3_wx - _t12 * _omega_fit)
+    _t28 = _error_4 * _error_4 + (_error_3 * _error_3 + _t27)
+    _t29 = _t23 - _vy
+    _error_5 = _t29 + 0.02 * (_castor3_wy + _t10 * _omega_fit)
+    _error_6 = 0.02 * (_castor4_wx - _t5 * _omega_fit) - _t26
+    _t30 = _error_6 * _error_6 + (_error_5 * _error_5 + _t28)
+    _error_7 = _t29 + 0.02 * (_castor4_wy + _t3 * _omega_fit)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t23,
-            "vy": _t24,
+            "vx": _vx,
+            "vy": _vy,
             "omega": _omega_fit,
-            "slip": _sqrt(xp, _error_7 * _error_7 + _t32),
+            "slip": _sqrt(xp, _error_7 * _error_7 + _t30),
         },
     )
 
@@ -430,20 +428,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -507,24 +507,24 @@ def ode(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _velocity_cos = xp.cos(x[..., 2])
     _velocity_sin = xp.sin(x[..., 2])
-    _t0 = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
-    _t1 = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
-    _t2 = 0.2 * u[..., 2]
-    _t3 = u[..., 1] + _t2
-    _t4 = u[..., 0] - _t2
-    _t5 = xp.cos(x[..., 3]) * _t3 - xp.sin(x[..., 3]) * _t4
-    _t6 = u[..., 0] + _t2
-    _t7 = _t3 * xp.cos(x[..., 4]) - xp.sin(x[..., 4]) * _t6
-    _t8 = u[..., 1] - _t2
-    _t9 = xp.cos(x[..., 5]) * _t8 - _t4 * xp.sin(x[..., 5])
-    _t10 = _t8 * xp.cos(x[..., 6]) - _t6 * xp.sin(x[..., 6])
+    _x_rate = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
+    _y_rate = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
+    _t0 = 0.2 * u[..., 2]
+    _t1 = u[..., 1] + _t0
+    _t2 = u[..., 0] - _t0
+    _t3 = xp.cos(x[..., 3]) * _t1 - xp.sin(x[..., 3]) * _t2
+    _t4 = u[..., 0] + _t0
+    _t5 = _t1 * xp.cos(x[..., 4]) - xp.sin(x[..., 4]) * _t4
+    _t6 = u[..., 1] - _t0
+    _t7 = xp.cos(x[..., 5]) * _t6 - _t2 * xp.sin(x[..., 5])
+    _t8 = _t6 * xp.cos(x[..., 6]) - _t4 * xp.sin(x[..., 6])
     results = [
-        _t0,
-        _t1,
+        _x_rate,
+        _y_rate,
         u[..., 2],
+        50.0 * _t3 - u[..., 2],
         50.0 * _t5 - u[..., 2],
         50.0 * _t7 - u[..., 2],
-        50.0 * _t9 - u[..., 2],
-        50.0 * _t10 - u[..., 2],
+        50.0 * _t8 - u[..., 2],
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

@@ -30,7 +30,7 @@
 
 #define OFFICE_CHAIR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define OFFICE_CHAIR_MODEL_HASH "562e95aa32ecfad21c45f95f8043b7c5" /**< digest of the model */
-#define OFFICE_CHAIR_PAIR_07024d1a44850485 1 /**< header and source of one run have the same */
+#define OFFICE_CHAIR_PAIR_9037b860972edb62 1 /**< header and source of one run have the same */
 #define OFFICE_CHAIR_WHEELS 5 /**< how many wheels the robot has */
 #define OFFICE_CHAIR_C1_X 0.28f /**< [m] pivot, forward of P */
 #define OFFICE_CHAIR_C1_Y 0.0f /**< [m] pivot, to the left of P */

@@ -158,49 +158,49 @@ def inverse(vx, vy, omega, c1_steer, c2_steer, c3_steer, c4_steer, c5_steer):
     _t1 = (-11.2) * omega
     _c1_b = _t1 - 40.0 * vy
     _t2 = xp.sin(c1_steer)
-    _t3 = 33.333333333333336 * (vx * _t0) - 0.8333333333333334 * (_c1_b * _t2)
-    _t4 = (-12.360679774997896) * vx
-    _t5 = 38.042260651806146 * vy
-    _c2_a = _t4 - _t5
-    _t6 = xp.cos(c2_steer)
-    _t7 = _t1 - 12.360679774997896 * vy
-    _t8 = 38.042260651806146 * vx
-    _c2_b = _t7 + _t8
-    _t9 = xp.sin(c2_steer)
-    _t10 = (-0.8333333333333334) * (_c2_a * _t6 + _c2_b * _t9)
-    _t11 = 32.3606797749979 * vx
-    _t12 = 23.511410091698924 * vy
-    _c3_a = _t11 - _t12
-    _t13 = xp.cos(c3_steer)
-    _t14 = _t1 + 32.3606797749979 * vy
-    _t15 = 23.511410091698924 * vx
-    _c3_b = _t14 + _t15
-    _t16 = xp.sin(c3_steer)
-    _t17 = (-0.8333333333333334) * (_c3_a * _t13 + _c3_b * _t16)
-    _c4_a = _t12 + _t11
-    _t18 = xp.cos(c4_steer)
-    _c4_b = _t14 - _t15
-    _t19 = xp.sin(c4_steer)
-    _t20 = (-0.8333333333333334) * (_c4_a * _t18 + _c4_b * _t19)
-    _c5_a = _t5 + _t4
-    _t21 = xp.cos(c5_steer)
-    _c5_b = _t7 - _t8
-    _t22 = xp.sin(c5_steer)
-    _t23 = (-0.8333333333333334) * (_c5_a * _t21 + _c5_b * _t22)
+    _c1_spin = 33.333333333333336 * (vx * _t0) - 0.8333333333333334 * (_c1_b * _t2)
+    _t3 = (-12.360679774997896) * vx
+    _t4 = 38.042260651806146 * vy
+    _c2_a = _t3 - _t4
+    _t5 = xp.cos(c2_steer)
+    _t6 = _t1 - 12.360679774997896 * vy
+    _t7 = 38.042260651806146 * vx
+    _c2_b = _t6 + _t7
+    _t8 = xp.sin(c2_steer)
+    _c2_spin = (-0.8333333333333334) * (_c2_a * _t5 + _c2_b * _t8)
+    _t9 = 32.3606797749979 * vx
+    _t10 = 23.511410091698924 * vy
+    _c3_a = _t9 - _t10
+    _t11 = xp.cos(c3_steer)
+    _t12 = _t1 + 32.3606797749979 * vy
+    _t13 = 23.511410091698924 * vx
+    _c3_b = _t12 + _t13
+    _t14 = xp.sin(c3_steer)
+    _c3_spin = (-0.8333333333333334) * (_c3_a * _t11 + _c3_b * _t14)
+    _c4_a = _t10 + _t9
+    _t15 = xp.cos(c4_steer)
+    _c4_b = _t12 - _t13
+    _t16 = xp.sin(c4_steer)
+    _c4_spin = (-0.8333333333333334) * (_c4_a * _t15 + _c4_b * _t16)
+    _c5_a = _t4 + _t3
+    _t17 = xp.cos(c5_steer)
+    _c5_b = _t6 - _t7
+    _t18 = xp.sin(c5_steer)
+    _c5_spin = (-0.8333333333333334) * (_c5_a * _t17 + _c5_b * _t18)
     return _results(
         xp,
         arguments,
         {
-            "c1.spin": _t3,
+            "c1.spin": _c1_spin,
             "c1.steer_rate": (-40.0) * (vx * _t2) - omega - _t0 * _c1_b,
-            "c2.spin": _t10,
-            "c2.steer_rate": _c2_a * _t9 - omega - _t6 * _c2_b,
-            "c3.spin": _t17,
-            "c3.steer_rate": _c3_a * _t16 - omega - _t13 * _c3_b,
-            "c4.spin": _t20,
-            "c4.steer_rate": _c4_a * _t19 - omega - _t18 * _c4_b,
-            "c5.spin": _t23,
-            "c5.steer_rate": _c5_a * _t22 - omega - _t21 * _c5_b,
+            "c2.spin": _c2_spin,
+            "c2.steer_rate": _c2_a * _t8 - omega - _t5 * _c2_b,
+            "c3.spin": _c3_spin,
+            "c3.steer_rate": _c3_a * _t14 - omega - _t11 * _c3_b,
+            "c4.spin": _c4_spin,
+            "c4.steer_rate": _c4_a * _t16 - omega - _t15 * _c4_b,
+            "c5.spin": _c5_spin,
+            "c5.steer_rate": _c5_a * _t18 - omega - _t17 * _c5_b,
             "slip": 0.0,
         },
     )
@@ -236,49 +236,49 @@ def inverse_joints(vx, vy, omega, c1_steer, c2_steer, c3_steer, c4_steer, c5_ste
     _t1 = (-11.2) * omega
     _c1_b = _t1 - 40.0 * vy
     _t2 = xp.sin(c1_steer)
-    _t3 = 33.333333333333336 * (vx * _t0) - 0.8333333333333334 * (_c1_b * _t2)
-    _t4 = (-12.360679774997896) * vx
-    _t5 = 38.042260651806146 * vy
-    _c2_a = _t4 - _t5
-    _t6 = xp.cos(c2_steer)
-    _t7 = _t1 - 12.360679774997896 * vy
-    _t8 = 38.042260651806146 * vx
-    _c2_b = _t7 + _t8
-    _t9 = xp.sin(c2_steer)
-    _t10 = (-0.8333333333333334) * (_c2_a * _t6 + _c2_b * _t9)
-    _t11 = 32.3606797749979 * vx
-    _t12 = 23.511410091698924 * vy
-    _c3_a = _t11 - _t12
-    _t13 = xp.cos(c3_steer)
-    _t14 = _t1 + 32.3606797749979 * vy
-    _t15 = 23.511410091698924 * vx
-    _c3_b = _t14 + _t15
-    _t16 = xp.sin(c3_steer)
-    _t17 = (-0.8333333333333334) * (_c3_a * _t13 + _c3_b * _t16)
-    _c4_a = _t12 + _t11
-    _t18 = xp.cos(c4_steer)
-    _c4_b = _t14 - _t15
-    _t19 = xp.sin(c4_steer)
-    _t20 = (-0.8333333333333334) * (_c4_a * _t18 + _c4_b * _t19)
-    _c5_a = _t5 + _t4
-    _t21 = xp.cos(c5_steer)
-    _c5_b = _t7 - _t8
-    _t22 = xp.sin(c5_steer)
-    _t23 = (-0.8333333333333334) * (_c5_a * _t21 + _c5_b * _t22)
+    _c1_spin = 33.333333333333336 * (vx * _t0) - 0.8333333333333334 * (_c1_b * _t2)
+    _t3 = (-12.360679774997896) * vx
+    _t4 = 38.042260651806146 * vy
+    _c2_a = _t3 - _t4
+    _t5 = xp.cos(c2_steer)
+    _t6 = _t1 - 12.360679774997896 * vy
+    _t7 = 38.042260651806146 * vx
+    _c2_b = _t6 + _t7
+    _t8 = xp.sin(c2_steer)
+    _c2_spin = (-0.8333333333333334) * (_c2_a * _t5 + _c2_b * _t8)
+    _t9 = 32.3606797749979 * vx
+    _t10 = 23.511410091698924 * vy
+    _c3_a = _t9 - _t10
+    _t11 = xp.cos(c3_steer)
+    _t12 = _t1 + 32.3606797749979 * vy
+    _t13 = 23.511410091698924 * vx
+    _c3_b = _t12 + _t13
+    _t14 = xp.sin(c3_steer)
+    _c3_spin = (-0.8333333333333334) * (_c3_a * _t11 + _c3_b * _t14)
+    _c4_a = _t10 + _t9
+    _t15 = xp.cos(c4_steer)
+    _c4_b = _t12 - _t13
+    _t16 = xp.sin(c4_steer)
+    _c4_spin = (-0.8333333333333334) * (_c4_a * _t15 + _c4_b * _t16)
+    _c5_a = _t4 + _t3
+    _t17 = xp.cos(c5_steer)
+    _c5_b = _t6 - _t7
+    _t18 = xp.sin(c5_steer)
+    _c5_spin = (-0.8333333333333334) * (_c5_a * _t17 + _c5_b * _t18)
     return _results(
         xp,
         arguments,
         {
-            "c1.spin": _t3,
+            "c1.spin": _c1_spin,
             "c1.steer_rate": (-40.0) * (vx * _t2) - omega - _t0 * _c1_b,
-            "c2.spin": _t10,
-            "c2.steer_rate": _c2_a * _t9 - omega - _t6 * _c2_b,
-            "c3.spin": _t17,
-            "c3.steer_rate": _c3_a * _t16 - omega - _t13 * _c3_b,
-            "c4.spin": _t20,
-            "c4.steer_rate": _c4_a * _t19 - omega - _t18 * _c4_b,
-            "c5.spin": _t23,
-            "c5.steer_rate": _c5_a * _t22 - omega - _t21 * _c5_b,
+            "c2.spin": _c2_spin,
+            "c2.steer_rate": _c2_a * _t8 - omega - _t5 * _c2_b,
+            "c3.spin": _c3_spin,
+            "c3.steer_rate": _c3_a * _t14 - omega - _t11 * _c3_b,
+            "c4.spin": _c4_spin,
+            "c4.steer_rate": _c4_a * _t16 - omega - _t15 * _c4_b,
+            "c5.spin": _c5_spin,
+            "c5.steer_rate": _c5_a * _t18 - omega - _t17 * _c5_b,
         },
     )
 
@@ -339,20 +339,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -416,11 +418,11 @@ def ode(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _velocity_cos = xp.cos(x[..., 2])
     _velocity_sin = xp.sin(x[..., 2])
-    _t0 = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
-    _t1 = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
+    _x_rate = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
+    _y_rate = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
     results = [
-        _t0,
-        _t1,
+        _x_rate,
+        _y_rate,
         u[..., 2],
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

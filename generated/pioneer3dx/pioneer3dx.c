@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PIONEER3DX_PAIR_30d67c05656dd0bc)
+#if !defined(PIONEER3DX_PAIR_10c3c8063a229f7f)
 #error "this file and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -208,9 +208,9 @@ WMRGEN_KERNEL float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -231,22 +231,22 @@ void pioneer3dx_params_default(pioneer3dx_params *params)
 
 void pioneer3dx_prepare(const pioneer3dx_params *params, pioneer3dx_prepared *prepared)
 {
-    const float t0 = 1.0f / wmrgen_at_least(params->radius, 1e-12f);
-    const float t1 = 1.0f / wmrgen_at_least(params->half_track, 1e-12f);
-    const float t2 = params->radius * t1;
-    const float t3 = params->radius * params->radius;
-    const float t4 = wmrgen_at_least(params->half_track * params->half_track, 1e-12f);
+    const float k0 = 1.0f / wmrgen_at_least(params->radius, 1e-12f);
+    const float t0 = 1.0f / wmrgen_at_least(params->half_track, 1e-12f);
+    const float t1 = params->radius * t0;
+    const float t2 = params->radius * params->radius;
+    const float t3 = wmrgen_at_least(params->half_track * params->half_track, 1e-12f);
 
-    prepared->k0 = t0;
-    prepared->k1 = params->half_track * t0;
+    prepared->k0 = k0;
+    prepared->k1 = params->half_track * k0;
     prepared->k2 = 0.5f * params->radius;
-    prepared->k3 = 0.5f * t2;
-    prepared->k4 = 0.0002f * t3;
-    prepared->k5 = 1.0f / t4;
-    prepared->k6 = 0.0001f * t3;
-    prepared->k7 = 0.0001f * (t1 * t3);
+    prepared->k3 = 0.5f * t1;
+    prepared->k4 = 0.0002f * t2;
+    prepared->k5 = 1.0f / t3;
+    prepared->k6 = 0.0001f * t2;
+    prepared->k7 = 0.0001f * (t0 * t2);
     prepared->k8 = params->radius;
-    prepared->k9 = (-0.25f) * t2;
+    prepared->k9 = (-0.25f) * t1;
 }
 
 void pioneer3dx_inverse(
@@ -276,12 +276,12 @@ void pioneer3dx_forward(
     const pioneer3dx_wheels *wheels,
     pioneer3dx_twist *twist)
 {
-    const float t0 = (wheels->left.spin + wheels->right.spin) * prepared->k2;
-    const float t1 = (wheels->right.spin - wheels->left.spin) * prepared->k3;
+    const float vx = (wheels->left.spin + wheels->right.spin) * prepared->k2;
+    const float omega = (wheels->right.spin - wheels->left.spin) * prepared->k3;
 
-    twist->vx = t0;
+    twist->vx = vx;
     twist->vy = 0.0f;
-    twist->omega = t1;
+    twist->omega = omega;
 }
 
 void pioneer3dx_forward_slip(
@@ -290,12 +290,12 @@ void pioneer3dx_forward_slip(
     pioneer3dx_twist *twist,
     float *slip)
 {
-    const float t0 = (wheels->left.spin + wheels->right.spin) * prepared->k2;
-    const float t1 = (wheels->right.spin - wheels->left.spin) * prepared->k3;
+    const float vx = (wheels->left.spin + wheels->right.spin) * prepared->k2;
+    const float omega = (wheels->right.spin - wheels->left.spin) * prepared->k3;
 
-    twist->vx = t0;
+    twist->vx = vx;
     twist->vy = 0.0f;
-    twist->omega = t1;
+    twist->omega = omega;
     *slip = 0.0f;
 }
 
@@ -309,11 +309,11 @@ void pioneer3dx_odometry(pioneer3dx_pose *pose, const pioneer3dx_twist *twist, f
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }
 
 void pioneer3dx_joints_from_counts(
@@ -335,14 +335,14 @@ void pioneer3dx_forward_covariance(
 {
     const float t0 = wheels->left.spin * wheels->left.spin;
     const float t1 = wheels->right.spin * wheels->right.spin;
-    const float t2 = wmrgen_fma(t0 + t1, prepared->k6, prepared->k4);
+    const float vxvx = wmrgen_fma(t0 + t1, prepared->k6, prepared->k4);
 
-    twist_covariance->vxvx = t2;
+    twist_covariance->vxvx = vxvx;
     twist_covariance->vxvy = 0.0f;
     twist_covariance->vxomega = (t1 - t0) * prepared->k7;
     twist_covariance->vyvy = 0.0f;
     twist_covariance->vyomega = 0.0f;
-    twist_covariance->omegaomega = prepared->k5 * t2;
+    twist_covariance->omegaomega = prepared->k5 * vxvx;
 }
 
 void pioneer3dx_odometry_covariance(
@@ -362,46 +362,46 @@ void pioneer3dx_odometry_covariance(
     const float y_step = chord * t3;
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
     const float chord_x = t1.x * chord;
     const float chord_y = t1.y * chord;
     const float by_omega_x = wmrgen_fma(twist_covariance->vxomega, chord_x, -(twist_covariance->vyomega * chord_y));
-    const float t6 = 0.5f * dt;
-    const float x_heading = wmrgen_fma(by_omega_x, t6, pose_covariance->xtheta);
-    const float t7 = -y_step;
-    const float t8 = dt * twist_covariance->omegaomega;
-    const float t9 = dt * t8;
-    const float heading_variance = wmrgen_fma(0.25f, t9, pose_covariance->thetatheta);
-    const float x_turned = wmrgen_fma(t7, heading_variance, x_heading);
-    const float t10 = wmrgen_fma(t7, x_heading + x_turned, pose_covariance->xx);
-    const float t11 = chord_y * twist_covariance->vxvy;
-    const float by_vx_x = wmrgen_fma(chord_x, twist_covariance->vxvx, -t11);
-    const float t12 = -chord_y;
-    const float t13 = chord_x * twist_covariance->vxvy;
-    const float by_vy_x = wmrgen_fma(t12, twist_covariance->vyvy, t13);
-    const float t14 = wmrgen_fma(t12, by_vy_x, wmrgen_fma(chord_x, by_vx_x, t10));
+    const float t5 = 0.5f * dt;
+    const float x_heading = wmrgen_fma(by_omega_x, t5, pose_covariance->xtheta);
+    const float t6 = -y_step;
+    const float t7 = dt * twist_covariance->omegaomega;
+    const float t8 = dt * t7;
+    const float heading_variance = wmrgen_fma(0.25f, t8, pose_covariance->thetatheta);
+    const float x_turned = wmrgen_fma(t6, heading_variance, x_heading);
+    const float t9 = wmrgen_fma(t6, x_heading + x_turned, pose_covariance->xx);
+    const float t10 = chord_y * twist_covariance->vxvy;
+    const float by_vx_x = wmrgen_fma(chord_x, twist_covariance->vxvx, -t10);
+    const float t11 = -chord_y;
+    const float t12 = chord_x * twist_covariance->vxvy;
+    const float by_vy_x = wmrgen_fma(t11, twist_covariance->vyvy, t12);
+    const float xx = wmrgen_fma(t11, by_vy_x, wmrgen_fma(chord_x, by_vx_x, t9));
     const float by_omega_y = wmrgen_fma(twist_covariance->vxomega, chord_y, chord_x * twist_covariance->vyomega);
-    const float y_heading = wmrgen_fma(t6, by_omega_y, pose_covariance->ytheta);
-    const float t15 = wmrgen_fma(t7, y_heading, pose_covariance->xy);
-    const float t16 = wmrgen_fma(chord_y, by_vx_x, wmrgen_fma(x_step, x_turned, t15));
-    const float t17 = 0.5f * t8;
-    const float t18 = wmrgen_fma(t6, wmrgen_fma(t7, t17, by_omega_x), x_turned);
+    const float y_heading = wmrgen_fma(t5, by_omega_y, pose_covariance->ytheta);
+    const float t13 = wmrgen_fma(t6, y_heading, pose_covariance->xy);
+    const float t14 = wmrgen_fma(chord_y, by_vx_x, wmrgen_fma(x_step, x_turned, t13));
+    const float t15 = 0.5f * t7;
+    const float xtheta = wmrgen_fma(t5, wmrgen_fma(t6, t15, by_omega_x), x_turned);
     const float y_turned = wmrgen_fma(x_step, heading_variance, y_heading);
-    const float t19 = wmrgen_fma(x_step, y_heading + y_turned, pose_covariance->yy);
-    const float by_vx_y = wmrgen_fma(chord_y, twist_covariance->vxvx, t13);
-    const float by_vy_y = wmrgen_fma(chord_x, twist_covariance->vyvy, t11);
-    const float t20 = wmrgen_fma(chord_x, by_vy_y, wmrgen_fma(chord_y, by_vx_y, t19));
-    const float t21 = wmrgen_fma(t6, wmrgen_fma(x_step, t17, by_omega_y), y_turned);
+    const float t16 = wmrgen_fma(x_step, y_heading + y_turned, pose_covariance->yy);
+    const float by_vx_y = wmrgen_fma(chord_y, twist_covariance->vxvx, t12);
+    const float by_vy_y = wmrgen_fma(chord_x, twist_covariance->vyvy, t10);
+    const float yy = wmrgen_fma(chord_x, by_vy_y, wmrgen_fma(chord_y, by_vx_y, t16));
+    const float ytheta = wmrgen_fma(t5, wmrgen_fma(x_step, t15, by_omega_y), y_turned);
 
     pose->x = pose->x + x_step;
     pose->y = pose->y + y_step;
-    pose->theta = t5;
-    pose_covariance->xx = t14;
-    pose_covariance->xy = wmrgen_fma(chord_x, by_vy_x, t16);
-    pose_covariance->xtheta = t18;
-    pose_covariance->yy = t20;
-    pose_covariance->ytheta = t21;
-    pose_covariance->thetatheta = pose_covariance->thetatheta + t9;
+    pose->theta = theta;
+    pose_covariance->xx = xx;
+    pose_covariance->xy = wmrgen_fma(chord_x, by_vy_x, t14);
+    pose_covariance->xtheta = xtheta;
+    pose_covariance->yy = yy;
+    pose_covariance->ytheta = ytheta;
+    pose_covariance->thetatheta = pose_covariance->thetatheta + t8;
 }
 
 void pioneer3dx_odometry_from_angles(
@@ -416,11 +416,11 @@ void pioneer3dx_odometry_from_angles(
     const float t3 = 0.5f * wmrgen_sinc(half_turn);
     const float theta_whole = wmrgen_fma(-t1, prepared->k3, pose->theta);
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t0 * t2.x, t3, pose->x);
     pose->y = wmrgen_fma(t3, t0 * t2.y, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }
 
 void pioneer3dx_limit_twist(pioneer3dx_twist *twist)
@@ -430,11 +430,11 @@ void pioneer3dx_limit_twist(pioneer3dx_twist *twist)
     const float t2 = (t1 < 1.0f) ? 1.0f : t1;
     const float load = (t0 < t2) ? t2 : t0;
     const float scale = 1.0f / load;
-    const float t3 = wmrgen_clamp(twist->omega * scale, 5.2359877f);
+    const float omega = wmrgen_clamp(twist->omega * scale, 5.2359877f);
 
     twist->vx = wmrgen_clamp(twist->vx * scale, 1.2f);
     twist->vy = 0.0f;
-    twist->omega = t3;
+    twist->omega = omega;
 }
 
 void pioneer3dx_limit_acceleration(
@@ -450,12 +450,12 @@ void pioneer3dx_limit_acceleration(
     const float time = (t0 < t2) ? t2 : t0;
     const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t3 = 0.9999995f * (step / time);
-    const float t4 = (step < time) ? wmrgen_fma(vx_change, t3, twist->vx) : wanted->vx;
-    const float t5 = (step < time) ? wmrgen_fma(omega_change, t3, twist->omega) : wanted->omega;
+    const float vx = (step < time) ? wmrgen_fma(vx_change, t3, twist->vx) : wanted->vx;
+    const float omega = (step < time) ? wmrgen_fma(omega_change, t3, twist->omega) : wanted->omega;
 
-    twist->vx = t4;
+    twist->vx = vx;
     twist->vy = 0.0f;
-    twist->omega = t5;
+    twist->omega = omega;
 }
 
 void pioneer3dx_desaturate(pioneer3dx_wheels *wheels, float *scale)

@@ -36,7 +36,7 @@
 
 #define PIONEER3DX_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PIONEER3DX_MODEL_HASH "1f8f259a210d55a6403449cd9101c8c5" /**< digest of the model */
-#define PIONEER3DX_PAIR_30d67c05656dd0bc 1 /**< header and source of one run have the same */
+#define PIONEER3DX_PAIR_10c3c8063a229f7f 1 /**< header and source of one run have the same */
 #define PIONEER3DX_WHEELS 3 /**< how many wheels the robot has */
 #define PIONEER3DX_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define PIONEER3DX_LEFT_Y 0.1655f /**< [m] pivot, to the left of P */

@@ -165,7 +165,7 @@ def inverse(vx, vy, omega, tail_steer, half_track=0.1655, radius=0.0975):
     _t3 = omega * (half_track * _t1)
     _t4 = xp.sin(tail_steer)
     _t5 = xp.cos(tail_steer)
-    _t6 = (-5.5) * (omega * _t5) - omega - 25.0 * (vx * _t4)
+    _tail_steer_rate = (-5.5) * (omega * _t5) - omega - 25.0 * (vx * _t4)
     return _results(
         xp,
         arguments,
@@ -173,7 +173,7 @@ def inverse(vx, vy, omega, tail_steer, half_track=0.1655, radius=0.0975):
             "left.spin": _t2 - _t3,
             "right.spin": _t3 + _t2,
             "tail.spin": 4.4 * (omega * _t4) - 20.0 * (vx * _t5),
-            "tail.steer_rate": _t6,
+            "tail.steer_rate": _tail_steer_rate,
             "slip": xp.abs(1.4142135623730951 * vy),
         },
     )
@@ -203,7 +203,7 @@ def inverse_joints(vx, vy, omega, tail_steer, half_track=0.1655, radius=0.0975):
     _t3 = omega * (half_track * _t1)
     _t4 = xp.sin(tail_steer)
     _t5 = xp.cos(tail_steer)
-    _t6 = (-5.5) * (omega * _t5) - omega - 25.0 * (vx * _t4)
+    _tail_steer_rate = (-5.5) * (omega * _t5) - omega - 25.0 * (vx * _t4)
     return _results(
         xp,
         arguments,
@@ -211,7 +211,7 @@ def inverse_joints(vx, vy, omega, tail_steer, half_track=0.1655, radius=0.0975):
             "left.spin": _t2 - _t3,
             "right.spin": _t3 + _t2,
             "tail.spin": 4.4 * (omega * _t4) - 20.0 * (vx * _t5),
-            "tail.steer_rate": _t6,
+            "tail.steer_rate": _tail_steer_rate,
         },
     )
 
@@ -233,14 +233,14 @@ def forward(left_spin, right_spin, half_track=0.1655, radius=0.0975):
     xp, arguments = _arrays(left_spin, right_spin, half_track, radius)
     left_spin, right_spin, half_track, radius = arguments
     _t0 = _at_least(xp, half_track, 1e-12)
-    _t1 = (right_spin - left_spin) * (0.5 * (radius * (1.0 / _t0)))
+    _omega = (right_spin - left_spin) * (0.5 * (radius * (1.0 / _t0)))
     return _results(
         xp,
         arguments,
         {
             "vx": (left_spin + right_spin) * (0.5 * radius),
             "vy": 0.0,
-            "omega": _t1,
+            "omega": _omega,
             "slip": 0.0 * 1.0,
         },
     )
@@ -262,14 +262,14 @@ def forward_twist(left_spin, right_spin, half_track=0.1655, radius=0.0975):
     xp, arguments = _arrays(left_spin, right_spin, half_track, radius)
     left_spin, right_spin, half_track, radius = arguments
     _t0 = _at_least(xp, half_track, 1e-12)
-    _t1 = (right_spin - left_spin) * (0.5 * (radius * (1.0 / _t0)))
+    _omega = (right_spin - left_spin) * (0.5 * (radius * (1.0 / _t0)))
     return _results(
         xp,
         arguments,
         {
             "vx": (left_spin + right_spin) * (0.5 * radius),
             "vy": 0.0,
-            "omega": _t1,
+            "omega": _omega,
         },
     )
 
@@ -298,20 +298,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -391,17 +393,17 @@ def forward_covariance(left_spin, right_spin, half_track=0.1655, radius=0.0975):
     _t2 = _at_least(xp, half_track * half_track, 1e-12)
     _t3 = left_spin * left_spin
     _t4 = right_spin * right_spin
-    _t5 = 0.0002 * _t1 + (_t3 + _t4) * (0.0001 * _t1)
+    _vxvx = 0.0002 * _t1 + (_t3 + _t4) * (0.0001 * _t1)
     return _results(
         xp,
         arguments,
         {
-            "vxvx": _t5,
+            "vxvx": _vxvx,
             "vxvy": 0.0,
             "vxomega": (_t4 - _t3) * (0.0001 * (1.0 / _t0 * _t1)),
             "vyvy": 0.0 * 1.0,
             "vyomega": 0.0 * 1.0,
-            "omegaomega": 1.0 / _t2 * _t5,
+            "omegaomega": 1.0 / _t2 * _vxvx,
         },
     )
 
@@ -448,51 +450,53 @@ def odometry_covariance(x, y, theta, xx, xy, xtheta, yy, ytheta, thetatheta, vx,
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _x_step = (vx * _t1 - vy * _t2) * _chord
     _y_step = _chord * (vx * _t2 + _t1 * vy)
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     _chord_x = _t1 * _chord
     _chord_y = _t2 * _chord
     _by_omega_x = vxomega * _chord_x - vyomega * _chord_y
-    _t8 = 0.5 * dt
-    _x_heading = xtheta + _by_omega_x * _t8
-    _t9 = dt * omegaomega
-    _t10 = dt * _t9
-    _heading_variance = thetatheta + 0.25 * _t10
+    _t9 = 0.5 * dt
+    _x_heading = xtheta + _by_omega_x * _t9
+    _t10 = dt * omegaomega
+    _t11 = dt * _t10
+    _heading_variance = thetatheta + 0.25 * _t11
     _x_turned = _x_heading - _y_step * _heading_variance
-    _t11 = _chord_y * vxvy
-    _by_vx_x = _chord_x * vxvx - _t11
-    _t12 = _chord_x * _by_vx_x + (xx - _y_step * (_x_heading + _x_turned))
-    _t13 = _chord_x * vxvy
-    _by_vy_x = _t13 - _chord_y * vyvy
+    _t12 = _chord_y * vxvy
+    _by_vx_x = _chord_x * vxvx - _t12
+    _t13 = _chord_x * _by_vx_x + (xx - _y_step * (_x_heading + _x_turned))
+    _t14 = _chord_x * vxvy
+    _by_vy_x = _t14 - _chord_y * vyvy
     _by_omega_y = vxomega * _chord_y + _chord_x * vyomega
-    _y_heading = ytheta + _t8 * _by_omega_y
-    _t14 = _x_step * _x_turned + (xy - _y_step * _y_heading)
-    _t15 = _chord_x * _by_vy_x + (_chord_y * _by_vx_x + _t14)
-    _t16 = 0.5 * _t9
-    _t17 = _x_turned + _t8 * (_by_omega_x - _y_step * _t16)
+    _y_heading = ytheta + _t9 * _by_omega_y
+    _t15 = _x_step * _x_turned + (xy - _y_step * _y_heading)
+    _xy = _chord_x * _by_vy_x + (_chord_y * _by_vx_x + _t15)
+    _t16 = 0.5 * _t10
+    _xtheta = _x_turned + _t9 * (_by_omega_x - _y_step * _t16)
     _y_turned = _y_heading + _x_step * _heading_variance
-    _t18 = _chord_y * (_t13 + _chord_y * vxvx) + (yy + _x_step * (_y_heading + _y_turned))
-    _t19 = _y_turned + _t8 * (_by_omega_y + _x_step * _t16)
+    _t17 = _chord_y * (_t14 + _chord_y * vxvx) + (yy + _x_step * (_y_heading + _y_turned))
+    _ytheta = _y_turned + _t9 * (_by_omega_y + _x_step * _t16)
     return _results(
         xp,
         arguments,
         {
             "x": x + _x_step,
             "y": y + _y_step,
-            "theta": _theta_whole - _t7,
-            "xx": _t12 - _chord_y * _by_vy_x,
-            "xy": _t15,
-            "xtheta": _t17,
-            "yy": _chord_x * (_t11 + _chord_x * vyvy) + _t18,
-            "ytheta": _t19,
-            "thetatheta": thetatheta + _t10,
+            "theta": _theta_whole - _t8,
+            "xx": _t13 - _chord_y * _by_vy_x,
+            "xy": _xy,
+            "xtheta": _xtheta,
+            "yy": _chord_x * (_t12 + _chord_x * vyvy) + _t17,
+            "ytheta": _ytheta,
+            "thetatheta": thetatheta + _t11,
         },
     )
 
@@ -522,20 +526,22 @@ def odometry_from_angles(x, y, theta, left_spin_step, right_spin_step, half_trac
     _half_turn = _t3 * ((-0.25) * _t1)
     _middle = theta + _half_turn
     _t4 = xp.abs(_half_turn)
-    _t5 = _half_turn * _half_turn
-    _t6 = (-0.0001984126984126984) * _t5 + 0.008333333333333333
-    _t7 = _maximum(xp, _t4, 0.046875)
-    _sinc = _select(xp, _t4, 0.046875, 1.0 - _t5 * (0.16666666666666666 - _t5 * _t6), xp.sin(_t7) / _t7)
-    _t8 = 0.5 * _sinc
+    _half_turn_squared = _half_turn * _half_turn
+    _t5 = (-0.0001984126984126984) * _half_turn_squared
+    _t6 = _half_turn_squared * (_t5 + 0.008333333333333333)
+    _t7 = _half_turn_squared * (0.16666666666666666 - _t6)
+    _t8 = _maximum(xp, _t4, 0.046875)
+    _sinc = _select(xp, _t4, 0.046875, 1.0 - _t7, xp.sin(_t8) / _t8)
+    _t9 = 0.5 * _sinc
     _theta_whole = theta - _t3 * (0.5 * _t1)
-    _t9 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t10 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
-            "x": x + _t2 * xp.cos(_middle) * _t8,
-            "y": y + _t8 * (_t2 * xp.sin(_middle)),
-            "theta": _theta_whole - _t9,
+            "x": x + _t2 * xp.cos(_middle) * _t9,
+            "y": y + _t9 * (_t2 * xp.sin(_middle)),
+            "theta": _theta_whole - _t10,
         },
     )
 
@@ -557,14 +563,14 @@ def limit_twist(vx, vy, omega):
     _t0 = _maximum(xp, 0.8333333333333334 * xp.abs(vx), 1.0)
     _load = _maximum(xp, 0.1909859317102744 * xp.abs(omega), _t0)
     _scale = 1.0 / _load
-    _t1 = _clamp(xp, omega * _scale, 5.235987755982989)
+    _omega = _clamp(xp, omega * _scale, 5.235987755982989)
     return _results(
         xp,
         arguments,
         {
             "vx": _clamp(xp, vx * _scale, 1.2),
             "vy": 0.0,
-            "omega": _t1,
+            "omega": _omega,
         },
     )
 
@@ -593,15 +599,15 @@ def limit_acceleration(vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt):
     _time = _maximum(xp, 0.2864788975654116 * xp.abs(_omega_change), _t0)
     _step = _maximum(xp, dt, 0.0)
     _t1 = 0.9999995231628418 * (_step / _time)
-    _t2 = _select(xp, _step, _time, vx + _vx_change * _t1, vx_wanted)
-    _t3 = _select(xp, _step, _time, omega + _omega_change * _t1, omega_wanted)
+    _vx = _select(xp, _step, _time, vx + _vx_change * _t1, vx_wanted)
+    _omega = _select(xp, _step, _time, omega + _omega_change * _t1, omega_wanted)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t2,
+            "vx": _vx,
             "vy": 0.0,
-            "omega": _t3,
+            "omega": _omega,
         },
     )
 
@@ -683,9 +689,9 @@ def limits(x, u, p=NOMINAL):
     """
     xp, (x, u, p) = _arrays(x, u, p)
     shape = _leading(x=x, u=u, p=p)
-    _t0 = (u[..., 1] - u[..., 0]) * (0.5 * (p[..., 1] * (1.0 / p[..., 0])))
+    _omega = (u[..., 1] - u[..., 0]) * (0.5 * (p[..., 1] * (1.0 / p[..., 0])))
     results = [
         (u[..., 0] + u[..., 1]) * (0.5 * p[..., 1]),
-        _t0,
+        _omega,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

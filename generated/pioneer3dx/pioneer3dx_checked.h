@@ -26,7 +26,7 @@
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_30d67c05656dd0bc)
+#if !defined(PIONEER3DX_PAIR_10c3c8063a229f7f)
 #error "this file and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_4997c54387c2f597)
+#if !defined(PR2_PAIR_a6023239d79ba80d)
 #error "this file and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -227,11 +227,11 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
     const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
-    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
+    const float spin = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float steer = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t3;
-    result.steer = t4;
+    result.spin = spin;
+    result.steer = steer;
     return result;
 }
 #endif
@@ -247,9 +247,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -368,9 +368,9 @@ void pr2_forward(const pr2_wheels *wheels, pr2_twist *twist)
     const float inertia = wmrgen_fma(0.1760864f, t0 + (t28 - t27 - t1), 6.6106443f);
     const float t30 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t2, sum_fx, inertia));
     const float omega_fit = t29 / t30;
-    const float t31 = 0.125f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
+    const float vx = 0.125f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
 
-    twist->vx = t31;
+    twist->vx = vx;
     twist->vy = 0.125f * wmrgen_fma(t2, omega_fit, sum_wy);
     twist->omega = omega_fit;
 #endif
@@ -428,43 +428,43 @@ void pr2_forward_slip(const pr2_wheels *wheels, pr2_twist *twist, float *slip)
     const float inertia = wmrgen_fma(0.1760864f, t0 + (t28 - t27 - t1), 6.6106443f);
     const float t30 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t2, sum_fx, inertia));
     const float omega_fit = t29 / t30;
-    const float t31 = 0.125f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
-    const float t32 = 0.125f * wmrgen_fma(t2, omega_fit, sum_wy);
-    const float t33 = 0.2246f * omega_fit;
-    const float t34 = t33 - t31;
-    const float t35 = 0.049f * omega_fit;
-    const float error_0 = t34 + wmrgen_fma(fl_l.x, t9, fl_l.x * t35);
-    const float t36 = t32 + t33;
-    const float error_1 = wmrgen_fma(t9, fl_l.y, fl_l.y * t35) - t36;
-    const float t37 = wmrgen_fma(error_0, error_0, error_1 * error_1);
-    const float error_2 = t34 + wmrgen_fma(-fl_r.x, t35, fl_r_wx);
-    const float error_3 = wmrgen_fma(-fl_r.y, t35, fl_r_wy) - t36;
-    const float t38 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t37));
-    const float t39 = t31 + t33;
-    const float error_4 = wmrgen_fma(fr_l.x, t11, fr_l.x * t35) - t39;
-    const float error_5 = wmrgen_fma(t11, fr_l.y, fr_l.y * t35) - t36;
-    const float t40 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t38));
-    const float error_6 = wmrgen_fma(-fr_r.x, t35, fr_r_wx) - t39;
-    const float error_7 = wmrgen_fma(t13, fr_r.y, -(fr_r.y * t35)) - t36;
-    const float t41 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t40));
-    const float error_8 = t34 + wmrgen_fma(bl_l.x, t3, bl_l.x * t35);
-    const float t42 = t33 - t32;
-    const float error_9 = t42 + wmrgen_fma(t3, bl_l.y, bl_l.y * t35);
-    const float t43 = wmrgen_fma(error_9, error_9, wmrgen_fma(error_8, error_8, t41));
-    const float error_10 = t34 + wmrgen_fma(bl_r.x, t4, -(bl_r.x * t35));
-    const float error_11 = t42 + wmrgen_fma(-bl_r.y, t35, bl_r_wy);
-    const float t44 = wmrgen_fma(error_11, error_11, wmrgen_fma(error_10, error_10, t43));
-    const float error_12 = wmrgen_fma(br_l.x, t5, br_l.x * t35) - t39;
-    const float error_13 = t42 + wmrgen_fma(t5, br_l.y, br_l.y * t35);
-    const float t45 = wmrgen_fma(error_13, error_13, wmrgen_fma(error_12, error_12, t44));
-    const float error_14 = wmrgen_fma(br_r.x, t7, -(br_r.x * t35)) - t39;
-    const float error_15 = t42 + wmrgen_fma(t7, br_r.y, -(br_r.y * t35));
-    const float t46 = wmrgen_fma(error_15, error_15, wmrgen_fma(error_14, error_14, t45));
+    const float vx = 0.125f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
+    const float vy = 0.125f * wmrgen_fma(t2, omega_fit, sum_wy);
+    const float t31 = 0.2246f * omega_fit;
+    const float t32 = t31 - vx;
+    const float t33 = 0.049f * omega_fit;
+    const float error_0 = t32 + wmrgen_fma(fl_l.x, t9, fl_l.x * t33);
+    const float t34 = vy + t31;
+    const float error_1 = wmrgen_fma(t9, fl_l.y, fl_l.y * t33) - t34;
+    const float t35 = wmrgen_fma(error_0, error_0, error_1 * error_1);
+    const float error_2 = t32 + wmrgen_fma(-fl_r.x, t33, fl_r_wx);
+    const float error_3 = wmrgen_fma(-fl_r.y, t33, fl_r_wy) - t34;
+    const float t36 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t35));
+    const float t37 = vx + t31;
+    const float error_4 = wmrgen_fma(fr_l.x, t11, fr_l.x * t33) - t37;
+    const float error_5 = wmrgen_fma(t11, fr_l.y, fr_l.y * t33) - t34;
+    const float t38 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t36));
+    const float error_6 = wmrgen_fma(-fr_r.x, t33, fr_r_wx) - t37;
+    const float error_7 = wmrgen_fma(t13, fr_r.y, -(fr_r.y * t33)) - t34;
+    const float t39 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t38));
+    const float error_8 = t32 + wmrgen_fma(bl_l.x, t3, bl_l.x * t33);
+    const float t40 = t31 - vy;
+    const float error_9 = t40 + wmrgen_fma(t3, bl_l.y, bl_l.y * t33);
+    const float t41 = wmrgen_fma(error_9, error_9, wmrgen_fma(error_8, error_8, t39));
+    const float error_10 = t32 + wmrgen_fma(bl_r.x, t4, -(bl_r.x * t33));
+    const float error_11 = t40 + wmrgen_fma(-bl_r.y, t33, bl_r_wy);
+    const float t42 = wmrgen_fma(error_11, error_11, wmrgen_fma(error_10, error_10, t41));
+    const float error_12 = wmrgen_fma(br_l.x, t5, br_l.x * t33) - t37;
+    const float error_13 = t40 + wmrgen_fma(t5, br_l.y, br_l.y * t33);
+    const float t43 = wmrgen_fma(error_13, error_13, wmrgen_fma(error_12, error_12, t42));
+    const float error_14 = wmrgen_fma(br_r.x, t7, -(br_r.x * t33)) - t37;
+    const float error_15 = t40 + wmrgen_fma(t7, br_r.y, -(br_r.y * t33));
+    const float t44 = wmrgen_fma(error_15, error_15, wmrgen_fma(error_14, error_14, t43));
 
-    twist->vx = t31;
-    twist->vy = t32;
+    twist->vx = vx;
+    twist->vy = vy;
     twist->omega = omega_fit;
-    *slip = sqrtf(t46);
+    *slip = sqrtf(t44);
 }
 
 void pr2_odometry(pr2_pose *pose, const pr2_twist *twist, float dt)
@@ -477,11 +477,11 @@ void pr2_odometry(pr2_pose *pose, const pr2_twist *twist, float dt)
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }
 
 void pr2_steer_toward(const pr2_wheels *now, const pr2_wheels *wanted, float dt, pr2_wheels *out)
@@ -490,44 +490,44 @@ void pr2_steer_toward(const pr2_wheels *now, const pr2_wheels *wanted, float dt,
     const float t0 = (step < 1e-09f) ? 1e-09f : step;
     const float per_time = (0.0f < step) ? (1.0f / t0) : 0.0f;
     const float fl_l_rate = per_time * (wanted->fl_l.steer - now->fl_l.steer);
-    const float t1 = wmrgen_fma((-0.6551503f), fl_l_rate, wanted->fl_l.spin);
+    const float fl_l_spin = wmrgen_fma((-0.6551503f), fl_l_rate, wanted->fl_l.spin);
     const float fl_r_rate = per_time * (wanted->fl_r.steer - now->fl_r.steer);
-    const float t2 = wmrgen_fma(0.6551503f, fl_r_rate, wanted->fl_r.spin);
+    const float fl_r_spin = wmrgen_fma(0.6551503f, fl_r_rate, wanted->fl_r.spin);
     const float fr_l_rate = per_time * (wanted->fr_l.steer - now->fr_l.steer);
-    const float t3 = wmrgen_fma((-0.6551503f), fr_l_rate, wanted->fr_l.spin);
+    const float fr_l_spin = wmrgen_fma((-0.6551503f), fr_l_rate, wanted->fr_l.spin);
     const float fr_r_rate = per_time * (wanted->fr_r.steer - now->fr_r.steer);
-    const float t4 = wmrgen_fma(0.6551503f, fr_r_rate, wanted->fr_r.spin);
+    const float fr_r_spin = wmrgen_fma(0.6551503f, fr_r_rate, wanted->fr_r.spin);
     const float bl_l_rate = per_time * (wanted->bl_l.steer - now->bl_l.steer);
-    const float t5 = wmrgen_fma((-0.6551503f), bl_l_rate, wanted->bl_l.spin);
+    const float bl_l_spin = wmrgen_fma((-0.6551503f), bl_l_rate, wanted->bl_l.spin);
     const float bl_r_rate = per_time * (wanted->bl_r.steer - now->bl_r.steer);
-    const float t6 = wmrgen_fma(0.6551503f, bl_r_rate, wanted->bl_r.spin);
+    const float bl_r_spin = wmrgen_fma(0.6551503f, bl_r_rate, wanted->bl_r.spin);
     const float br_l_rate = per_time * (wanted->br_l.steer - now->br_l.steer);
-    const float t7 = wmrgen_fma((-0.6551503f), br_l_rate, wanted->br_l.spin);
+    const float br_l_spin = wmrgen_fma((-0.6551503f), br_l_rate, wanted->br_l.spin);
     const float br_r_rate = per_time * (wanted->br_r.steer - now->br_r.steer);
-    const float t8 = wmrgen_fma(0.6551503f, br_r_rate, wanted->br_r.spin);
+    const float br_r_spin = wmrgen_fma(0.6551503f, br_r_rate, wanted->br_r.spin);
 
-    out->fl_l.spin = t1;
+    out->fl_l.spin = fl_l_spin;
     out->fl_l.steer = wanted->fl_l.steer;
     out->fl_l.steer_rate = fl_l_rate;
-    out->fl_r.spin = t2;
+    out->fl_r.spin = fl_r_spin;
     out->fl_r.steer = wanted->fl_r.steer;
     out->fl_r.steer_rate = fl_r_rate;
-    out->fr_l.spin = t3;
+    out->fr_l.spin = fr_l_spin;
     out->fr_l.steer = wanted->fr_l.steer;
     out->fr_l.steer_rate = fr_l_rate;
-    out->fr_r.spin = t4;
+    out->fr_r.spin = fr_r_spin;
     out->fr_r.steer = wanted->fr_r.steer;
     out->fr_r.steer_rate = fr_r_rate;
-    out->bl_l.spin = t5;
+    out->bl_l.spin = bl_l_spin;
     out->bl_l.steer = wanted->bl_l.steer;
     out->bl_l.steer_rate = bl_l_rate;
-    out->bl_r.spin = t6;
+    out->bl_r.spin = bl_r_spin;
     out->bl_r.steer = wanted->bl_r.steer;
     out->bl_r.steer_rate = bl_r_rate;
-    out->br_l.spin = t7;
+    out->br_l.spin = br_l_spin;
     out->br_l.steer = wanted->br_l.steer;
     out->br_l.steer_rate = br_l_rate;
-    out->br_r.spin = t8;
+    out->br_r.spin = br_r_spin;
     out->br_r.steer = wanted->br_r.steer;
     out->br_r.steer_rate = br_r_rate;
 }

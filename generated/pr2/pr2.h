@@ -34,7 +34,7 @@
 
 #define PR2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PR2_MODEL_HASH "dea6a79056f55bec117ddb5fcf0bcb89" /**< digest of the model */
-#define PR2_PAIR_4997c54387c2f597 1 /**< header and source of one run have the same */
+#define PR2_PAIR_a6023239d79ba80d 1 /**< header and source of one run have the same */
 #define PR2_WHEELS 8 /**< how many wheels the robot has */
 #define PR2_FL_L_X 0.2246f /**< [m] pivot, forward of P */
 #define PR2_FL_L_Y 0.2246f /**< [m] pivot, to the left of P */

@@ -197,75 +197,75 @@ def inverse(vx, vy, omega, fl_l_steer, fl_r_steer, fr_l_steer, fr_r_steer, bl_l_
     _fl_l_x = vx + _t0
     _t1 = 0.2246 * omega
     _fl_l_y = vy + _t1
-    _t2 = _fl_l_x * _fl_l_x
-    _t3 = _fl_l_y * _fl_l_y
-    _t4 = _sqrt(xp, _t2 + _t3)
-    _t5 = _with_sign_of(xp, 2.0, _fl_l_x)
-    _t6 = xp.abs(_fl_l_x)
-    _t7 = xp.atan(_fl_l_y / (_maximum(xp, _t4, 1e-20) + _t6))
-    _t8 = _select(xp, _t4, 1e-20, fl_l_steer, _t5 * _t7)
-    _t9 = xp.round(0.31830988617 * (_t8 - fl_l_steer))
-    _t10 = _with_sign_of(xp, _t4, _fl_l_x)
-    _fl_l_rim = _flip(xp, _t10, _t9)
-    _fl_l_nearest = _t8 + (-3.141592653589793) * _t9
-    _t11 = 13.37041394801583 * _fl_l_rim
-    _t12 = 0.6551502834527757 * omega
+    _fl_l_x_squared = _fl_l_x * _fl_l_x
+    _fl_l_y_squared = _fl_l_y * _fl_l_y
+    _t2 = _sqrt(xp, _fl_l_x_squared + _fl_l_y_squared)
+    _t3 = _with_sign_of(xp, 2.0, _fl_l_x)
+    _t4 = xp.abs(_fl_l_x)
+    _t5 = xp.atan(_fl_l_y / (_maximum(xp, _t2, 1e-20) + _t4))
+    _t6 = _select(xp, _t2, 1e-20, fl_l_steer, _t3 * _t5)
+    _t7 = xp.round(0.31830988617 * (_t6 - fl_l_steer))
+    _t8 = _with_sign_of(xp, _t2, _fl_l_x)
+    _fl_l_rim = _flip(xp, _t8, _t7)
+    _fl_l_nearest = _t6 + (-3.141592653589793) * _t7
+    _t9 = 13.37041394801583 * _fl_l_rim
+    _t10 = 0.6551502834527757 * omega
     _fr_l_x = vx + _t1
-    _t13 = _fr_l_x * _fr_l_x
-    _t14 = _sqrt(xp, _t13 + _t3)
-    _t15 = _with_sign_of(xp, 2.0, _fr_l_x)
-    _t16 = xp.abs(_fr_l_x)
-    _t17 = xp.atan(_fl_l_y / (_maximum(xp, _t14, 1e-20) + _t16))
-    _t18 = _select(xp, _t14, 1e-20, fr_l_steer, _t15 * _t17)
-    _t19 = xp.round(0.31830988617 * (_t18 - fr_l_steer))
-    _t20 = _with_sign_of(xp, _t14, _fr_l_x)
-    _fr_l_rim = _flip(xp, _t20, _t19)
-    _fr_l_nearest = _t18 + (-3.141592653589793) * _t19
-    _t21 = 13.37041394801583 * _fr_l_rim
+    _fr_l_x_squared = _fr_l_x * _fr_l_x
+    _t11 = _sqrt(xp, _fr_l_x_squared + _fl_l_y_squared)
+    _t12 = _with_sign_of(xp, 2.0, _fr_l_x)
+    _t13 = xp.abs(_fr_l_x)
+    _t14 = xp.atan(_fl_l_y / (_maximum(xp, _t11, 1e-20) + _t13))
+    _t15 = _select(xp, _t11, 1e-20, fr_l_steer, _t12 * _t14)
+    _t16 = xp.round(0.31830988617 * (_t15 - fr_l_steer))
+    _t17 = _with_sign_of(xp, _t11, _fr_l_x)
+    _fr_l_rim = _flip(xp, _t17, _t16)
+    _fr_l_nearest = _t15 + (-3.141592653589793) * _t16
+    _t18 = 13.37041394801583 * _fr_l_rim
     _bl_l_y = vy + _t0
-    _t22 = _bl_l_y * _bl_l_y
-    _t23 = _sqrt(xp, _t2 + _t22)
-    _t24 = xp.atan(_bl_l_y / (_maximum(xp, _t23, 1e-20) + _t6))
-    _t25 = _select(xp, _t23, 1e-20, bl_l_steer, _t5 * _t24)
-    _t26 = xp.round(0.31830988617 * (_t25 - bl_l_steer))
-    _t27 = _with_sign_of(xp, _t23, _fl_l_x)
-    _bl_l_rim = _flip(xp, _t27, _t26)
-    _bl_l_nearest = _t25 + (-3.141592653589793) * _t26
-    _t28 = 13.37041394801583 * _bl_l_rim
-    _t29 = _sqrt(xp, _t13 + _t22)
-    _t30 = xp.atan(_bl_l_y / (_maximum(xp, _t29, 1e-20) + _t16))
-    _t31 = _select(xp, _t29, 1e-20, br_l_steer, _t15 * _t30)
-    _t32 = xp.round(0.31830988617 * (_t31 - br_l_steer))
-    _t33 = _with_sign_of(xp, _t29, _fr_l_x)
-    _br_l_rim = _flip(xp, _t33, _t32)
-    _br_l_nearest = _t31 + (-3.141592653589793) * _t32
-    _t34 = 13.37041394801583 * _br_l_rim
+    _bl_l_y_squared = _bl_l_y * _bl_l_y
+    _t19 = _sqrt(xp, _fl_l_x_squared + _bl_l_y_squared)
+    _t20 = xp.atan(_bl_l_y / (_maximum(xp, _t19, 1e-20) + _t4))
+    _t21 = _select(xp, _t19, 1e-20, bl_l_steer, _t3 * _t20)
+    _t22 = xp.round(0.31830988617 * (_t21 - bl_l_steer))
+    _t23 = _with_sign_of(xp, _t19, _fl_l_x)
+    _bl_l_rim = _flip(xp, _t23, _t22)
+    _bl_l_nearest = _t21 + (-3.141592653589793) * _t22
+    _t24 = 13.37041394801583 * _bl_l_rim
+    _t25 = _sqrt(xp, _fr_l_x_squared + _bl_l_y_squared)
+    _t26 = xp.atan(_bl_l_y / (_maximum(xp, _t25, 1e-20) + _t13))
+    _t27 = _select(xp, _t25, 1e-20, br_l_steer, _t12 * _t26)
+    _t28 = xp.round(0.31830988617 * (_t27 - br_l_steer))
+    _t29 = _with_sign_of(xp, _t25, _fr_l_x)
+    _br_l_rim = _flip(xp, _t29, _t28)
+    _br_l_nearest = _t27 + (-3.141592653589793) * _t28
+    _t30 = 13.37041394801583 * _br_l_rim
     return _results(
         xp,
         arguments,
         {
-            "fl_l.spin": _t11 - _t12,
+            "fl_l.spin": _t9 - _t10,
             "fl_l.steer": _fl_l_nearest,
             "fl_l.steer_rate": 0.0,
-            "fl_r.spin": _t11 + _t12,
+            "fl_r.spin": _t9 + _t10,
             "fl_r.steer": _fl_l_nearest * 1.0,
             "fl_r.steer_rate": 0.0 * 1.0,
-            "fr_l.spin": _t21 - _t12,
+            "fr_l.spin": _t18 - _t10,
             "fr_l.steer": _fr_l_nearest,
             "fr_l.steer_rate": 0.0 * 1.0,
-            "fr_r.spin": _t12 + _t21,
+            "fr_r.spin": _t10 + _t18,
             "fr_r.steer": _fr_l_nearest * 1.0,
             "fr_r.steer_rate": 0.0 * 1.0,
-            "bl_l.spin": _t28 - _t12,
+            "bl_l.spin": _t24 - _t10,
             "bl_l.steer": _bl_l_nearest,
             "bl_l.steer_rate": 0.0 * 1.0,
-            "bl_r.spin": _t12 + _t28,
+            "bl_r.spin": _t10 + _t24,
             "bl_r.steer": _bl_l_nearest * 1.0,
             "bl_r.steer_rate": 0.0 * 1.0,
-            "br_l.spin": _t34 - _t12,
+            "br_l.spin": _t30 - _t10,
             "br_l.steer": _br_l_nearest,
             "br_l.steer_rate": 0.0 * 1.0,
-            "br_r.spin": _t12 + _t34,
+            "br_r.spin": _t10 + _t30,
             "br_r.steer": _br_l_nearest * 1.0,
             "br_r.steer_rate": 0.0 * 1.0,
             "slip": 0.0 * 1.0,
@@ -320,75 +320,75 @@ def inverse_joints(vx, vy, omega, fl_l_steer, fl_r_steer, fr_l_steer, fr_r_steer
     _fl_l_x = vx + _t0
     _t1 = 0.2246 * omega
     _fl_l_y = vy + _t1
-    _t2 = _fl_l_x * _fl_l_x
-    _t3 = _fl_l_y * _fl_l_y
-    _t4 = _sqrt(xp, _t2 + _t3)
-    _t5 = _with_sign_of(xp, 2.0, _fl_l_x)
-    _t6 = xp.abs(_fl_l_x)
-    _t7 = xp.atan(_fl_l_y / (_maximum(xp, _t4, 1e-20) + _t6))
-    _t8 = _select(xp, _t4, 1e-20, fl_l_steer, _t5 * _t7)
-    _t9 = xp.round(0.31830988617 * (_t8 - fl_l_steer))
-    _t10 = _with_sign_of(xp, _t4, _fl_l_x)
-    _fl_l_rim = _flip(xp, _t10, _t9)
-    _fl_l_nearest = _t8 + (-3.141592653589793) * _t9
-    _t11 = 13.37041394801583 * _fl_l_rim
-    _t12 = 0.6551502834527757 * omega
+    _fl_l_x_squared = _fl_l_x * _fl_l_x
+    _fl_l_y_squared = _fl_l_y * _fl_l_y
+    _t2 = _sqrt(xp, _fl_l_x_squared + _fl_l_y_squared)
+    _t3 = _with_sign_of(xp, 2.0, _fl_l_x)
+    _t4 = xp.abs(_fl_l_x)
+    _t5 = xp.atan(_fl_l_y / (_maximum(xp, _t2, 1e-20) + _t4))
+    _t6 = _select(xp, _t2, 1e-20, fl_l_steer, _t3 * _t5)
+    _t7 = xp.round(0.31830988617 * (_t6 - fl_l_steer))
+    _t8 = _with_sign_of(xp, _t2, _fl_l_x)
+    _fl_l_rim = _flip(xp, _t8, _t7)
+    _fl_l_nearest = _t6 + (-3.141592653589793) * _t7
+    _t9 = 13.37041394801583 * _fl_l_rim
+    _t10 = 0.6551502834527757 * omega
     _fr_l_x = vx + _t1
-    _t13 = _fr_l_x * _fr_l_x
-    _t14 = _sqrt(xp, _t13 + _t3)
-    _t15 = _with_sign_of(xp, 2.0, _fr_l_x)
-    _t16 = xp.abs(_fr_l_x)
-    _t17 = xp.atan(_fl_l_y / (_maximum(xp, _t14, 1e-20) + _t16))
-    _t18 = _select(xp, _t14, 1e-20, fr_l_steer, _t15 * _t17)
-    _t19 = xp.round(0.31830988617 * (_t18 - fr_l_steer))
-    _t20 = _with_sign_of(xp, _t14, _fr_l_x)
-    _fr_l_rim = _flip(xp, _t20, _t19)
-    _fr_l_nearest = _t18 + (-3.141592653589793) * _t19
-    _t21 = 13.37041394801583 * _fr_l_rim
+    _fr_l_x_squared = _fr_l_x * _fr_l_x
+    _t11 = _sqrt(xp, _fr_l_x_squared + _fl_l_y_squared)
+    _t12 = _with_sign_of(xp, 2.0, _fr_l_x)
+    _t13 = xp.abs(_fr_l_x)
+    _t14 = xp.atan(_fl_l_y / (_maximum(xp, _t11, 1e-20) + _t13))
+    _t15 = _select(xp, _t11, 1e-20, fr_l_steer, _t12 * _t14)
+    _t16 = xp.round(0.31830988617 * (_t15 - fr_l_steer))
+    _t17 = _with_sign_of(xp, _t11, _fr_l_x)
+    _fr_l_rim = _flip(xp, _t17, _t16)
+    _fr_l_nearest = _t15 + (-3.141592653589793) * _t16
+    _t18 = 13.37041394801583 * _fr_l_rim
     _bl_l_y = vy + _t0
-    _t22 = _bl_l_y * _bl_l_y
-    _t23 = _sqrt(xp, _t2 + _t22)
-    _t24 = xp.atan(_bl_l_y / (_maximum(xp, _t23, 1e-20) + _t6))
-    _t25 = _select(xp, _t23, 1e-20, bl_l_steer, _t5 * _t24)
-    _t26 = xp.round(0.31830988617 * (_t25 - bl_l_steer))
-    _t27 = _with_sign_of(xp, _t23, _fl_l_x)
-    _bl_l_rim = _flip(xp, _t27, _t26)
-    _bl_l_nearest = _t25 + (-3.141592653589793) * _t26
-    _t28 = 13.37041394801583 * _bl_l_rim
-    _t29 = _sqrt(xp, _t13 + _t22)
-    _t30 = xp.atan(_bl_l_y / (_maximum(xp, _t29, 1e-20) + _t16))
-    _t31 = _select(xp, _t29, 1e-20, br_l_steer, _t15 * _t30)
-    _t32 = xp.round(0.31830988617 * (_t31 - br_l_steer))
-    _t33 = _with_sign_of(xp, _t29, _fr_l_x)
-    _br_l_rim = _flip(xp, _t33, _t32)
-    _br_l_nearest = _t31 + (-3.141592653589793) * _t32
-    _t34 = 13.37041394801583 * _br_l_rim
+    _bl_l_y_squared = _bl_l_y * _bl_l_y
+    _t19 = _sqrt(xp, _fl_l_x_squared + _bl_l_y_squared)
+    _t20 = xp.atan(_bl_l_y / (_maximum(xp, _t19, 1e-20) + _t4))
+    _t21 = _select(xp, _t19, 1e-20, bl_l_steer, _t3 * _t20)
+    _t22 = xp.round(0.31830988617 * (_t21 - bl_l_steer))
+    _t23 = _with_sign_of(xp, _t19, _fl_l_x)
+    _bl_l_rim = _flip(xp, _t23, _t22)
+    _bl_l_nearest = _t21 + (-3.141592653589793) * _t22
+    _t24 = 13.37041394801583 * _bl_l_rim
+    _t25 = _sqrt(xp, _fr_l_x_squared + _bl_l_y_squared)
+    _t26 = xp.atan(_bl_l_y / (_maximum(xp, _t25, 1e-20) + _t13))
+    _t27 = _select(xp, _t25, 1e-20, br_l_steer, _t12 * _t26)
+    _t28 = xp.round(0.31830988617 * (_t27 - br_l_steer))
+    _t29 = _with_sign_of(xp, _t25, _fr_l_x)
+    _br_l_rim = _flip(xp, _t29, _t28)
+    _br_l_nearest = _t27 + (-3.141592653589793) * _t28
+    _t30 = 13.37041394801583 * _br_l_rim
     return _results(
         xp,
         arguments,
         {
-            "fl_l.spin": _t11 - _t12,
+            "fl_l.spin": _t9 - _t10,
             "fl_l.steer": _fl_l_nearest,
             "fl_l.steer_rate": 0.0,
-            "fl_r.spin": _t11 + _t12,
+            "fl_r.spin": _t9 + _t10,
             "fl_r.steer": _fl_l_nearest * 1.0,
             "fl_r.steer_rate": 0.0 * 1.0,
-            "fr_l.spin": _t21 - _t12,
+            "fr_l.spin": _t18 - _t10,
             "fr_l.steer": _fr_l_nearest,
             "fr_l.steer_rate": 0.0 * 1.0,
-            "fr_r.spin": _t12 + _t21,
+            "fr_r.spin": _t10 + _t18,
             "fr_r.steer": _fr_l_nearest * 1.0,
             "fr_r.steer_rate": 0.0 * 1.0,
-            "bl_l.spin": _t28 - _t12,
+            "bl_l.spin": _t24 - _t10,
             "bl_l.steer": _bl_l_nearest,
             "bl_l.steer_rate": 0.0 * 1.0,
-            "bl_r.spin": _t12 + _t28,
+            "bl_r.spin": _t10 + _t24,
             "bl_r.steer": _bl_l_nearest * 1.0,
             "bl_r.steer_rate": 0.0 * 1.0,
-            "br_l.spin": _t34 - _t12,
+            "br_l.spin": _t30 - _t10,
             "br_l.steer": _br_l_nearest,
             "br_l.steer_rate": 0.0 * 1.0,
-            "br_r.spin": _t12 + _t34,
+            "br_r.spin": _t10 + _t30,
             "br_r.steer": _br_l_nearest * 1.0,
             "br_r.steer_rate": 0.0 * 1.0,
         },
@@ -493,45 +493,45 @@ def forward(fl_l_spin, fl_l_steer, fl_l_steer_rate, fl_r_spin, fl_r_steer, fl_r_
     _inertia = 0.1760864 * (_t24 + (_t19 - _t18 - _t29)) + 6.61064448
     _t38 = _inertia - _sum_fx * _sum_fx - _sum_fy * _sum_fy
     _omega_fit = _t37 / _t38
-    _t39 = 0.125 * (_sum_wx + _sum_fy * _omega_fit)
-    _t40 = 0.125 * (_sum_wy - _sum_fx * _omega_fit)
-    _t41 = 0.2246 * _omega_fit
-    _t42 = _t41 - _t39
-    _t43 = 0.049 * _omega_fit
-    _error_0 = _t42 + (_fl_l_wx + _t10 * _t43)
-    _t44 = _t40 + _t41
-    _error_1 = _fl_l_wy + _t27 * _t43 - _t44
-    _error_2 = _t42 + (_fl_r_wx - _t12 * _t43)
-    _t45 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
-    _error_3 = _fl_r_wy - _t28 * _t43 - _t44
-    _t46 = _t39 + _t41
-    _error_4 = _fr_l_wx + _t1 * _t43 - _t46
-    _t47 = _error_4 * _error_4 + (_error_3 * _error_3 + _t45)
-    _error_5 = _fr_l_wy + _t25 * _t43 - _t44
-    _error_6 = _fr_r_wx - _t3 * _t43 - _t46
-    _t48 = _error_6 * _error_6 + (_error_5 * _error_5 + _t47)
-    _error_7 = _fr_r_wy - _t26 * _t43 - _t44
-    _error_8 = _t42 + (_bl_l_wx + _t14 * _t43)
-    _t49 = _error_8 * _error_8 + (_error_7 * _error_7 + _t48)
-    _t50 = _t41 - _t40
-    _error_9 = _t50 + (_bl_l_wy + _t22 * _t43)
-    _error_10 = _t42 + (_bl_r_wx - _t16 * _t43)
-    _t51 = _error_10 * _error_10 + (_error_9 * _error_9 + _t49)
-    _error_11 = _t50 + (_bl_r_wy - _t23 * _t43)
-    _error_12 = _br_l_wx + _t5 * _t43 - _t46
-    _t52 = _error_12 * _error_12 + (_error_11 * _error_11 + _t51)
-    _error_13 = _t50 + (_br_l_wy + _t20 * _t43)
-    _error_14 = _br_r_wx - _t7 * _t43 - _t46
-    _t53 = _error_14 * _error_14 + (_error_13 * _error_13 + _t52)
-    _error_15 = _t50 + (_br_r_wy - _t21 * _t43)
+    _vx = 0.125 * (_sum_wx + _sum_fy * _omega_fit)
+    _vy = 0.125 * (_sum_wy - _sum_fx * _omega_fit)
+    _t39 = 0.2246 * _omega_fit
+    _t40 = _t39 - _vx
+    _t41 = 0.049 * _omega_fit
+    _error_0 = _t40 + (_fl_l_wx + _t10 * _t41)
+    _t42 = _vy + _t39
+    _error_1 = _fl_l_wy + _t27 * _t41 - _t42
+    _error_2 = _t40 + (_fl_r_wx - _t12 * _t41)
+    _t43 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
+    _error_3 = _fl_r_wy - _t28 * _t41 - _t42
+    _t44 = _vx + _t39
+    _error_4 = _fr_l_wx + _t1 * _t41 - _t44
+    _t45 = _error_4 * _error_4 + (_error_3 * _error_3 + _t43)
+    _error_5 = _fr_l_wy + _t25 * _t41 - _t42
+    _error_6 = _fr_r_wx - _t3 * _t41 - _t44
+    _t46 = _error_6 * _error_6 + (_error_5 * _error_5 + _t45)
+    _error_7 = _fr_r_wy - _t26 * _t41 - _t42
+    _error_8 = _t40 + (_bl_l_wx + _t14 * _t41)
+    _t47 = _error_8 * _error_8 + (_error_7 * _error_7 + _t46)
+    _t48 = _t39 - _vy
+    _error_9 = _t48 + (_bl_l_wy + _t22 * _t41)
+    _error_10 = _t40 + (_bl_r_wx - _t16 * _t41)
+    _t49 = _error_10 * _error_10 + (_error_9 * _error_9 + _t47)
+    _error_11 = _t48 + (_bl_r_wy - _t23 * _t41)
+    _error_12 = _br_l_wx + _t5 * _t41 - _t44
+    _t50 = _error_12 * _error_12 + (_error_11 * _error_11 + _t49)
+    _error_13 = _t48 + (_br_l_wy + _t20 * _t41)
+    _error_14 = _br_r_wx - _t7 * _t41 - _t44
+    _t51 = _error_14 * _error_14 + (_error_13 * _error_13 + _t50)
+    _error_15 = _t48 + (_br_r_wy - _t21 * _t41)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t39,
-            "vy": _t40,
+            "vx": _vx,
+            "vy": _vy,
             "omega": _omega_fit,
-            "slip": _sqrt(xp, _error_15 * _error_15 + _t53),
+            "slip": _sqrt(xp, _error_15 * _error_15 + _t51),
         },
     )
 
@@ -652,20 +652,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -702,14 +704,14 @@ def dynamics(x, y, theta, fl_l_steer, br_l_steer, eta1, fl_l_steer_rate, br_l_st
     _velocity_cos = xp.cos(theta)
     _vy_body = _t6 + _t4 * (eta1 * _t1)
     _velocity_sin = xp.sin(theta)
-    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
-    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
+    _x_rate = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _y_rate = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _results(
         xp,
         arguments,
         {
-            "x_rate": _t7,
-            "y_rate": _t8,
+            "x_rate": _x_rate,
+            "y_rate": _y_rate,
             "theta_rate": 2.226179875333927 * (_t5 - _t2),
             "fl_l.steer_rate": fl_l_steer_rate * 1.0,
             "br_l.steer_rate": br_l_steer_rate * 1.0,
@@ -777,47 +779,47 @@ def steer_toward(fl_l_steer, fl_r_steer, fr_l_steer, fr_r_steer, bl_l_steer, bl_
     _step = _maximum(xp, dt, 0.0)
     _per_time = _select(xp, 0.0, _step, 1.0 / _maximum(xp, _step, 1e-09), 0.0)
     _fl_l_rate = _per_time * (fl_l_steer_wanted - fl_l_steer)
-    _t0 = fl_l_spin_wanted - 0.6551502834527757 * _fl_l_rate
+    _fl_l_spin = fl_l_spin_wanted - 0.6551502834527757 * _fl_l_rate
     _fl_r_rate = _per_time * (fl_r_steer_wanted - fl_r_steer)
-    _t1 = fl_r_spin_wanted + 0.6551502834527757 * _fl_r_rate
+    _fl_r_spin = fl_r_spin_wanted + 0.6551502834527757 * _fl_r_rate
     _fr_l_rate = _per_time * (fr_l_steer_wanted - fr_l_steer)
-    _t2 = fr_l_spin_wanted - 0.6551502834527757 * _fr_l_rate
+    _fr_l_spin = fr_l_spin_wanted - 0.6551502834527757 * _fr_l_rate
     _fr_r_rate = _per_time * (fr_r_steer_wanted - fr_r_steer)
-    _t3 = fr_r_spin_wanted + 0.6551502834527757 * _fr_r_rate
+    _fr_r_spin = fr_r_spin_wanted + 0.6551502834527757 * _fr_r_rate
     _bl_l_rate = _per_time * (bl_l_steer_wanted - bl_l_steer)
-    _t4 = bl_l_spin_wanted - 0.6551502834527757 * _bl_l_rate
+    _bl_l_spin = bl_l_spin_wanted - 0.6551502834527757 * _bl_l_rate
     _bl_r_rate = _per_time * (bl_r_steer_wanted - bl_r_steer)
-    _t5 = bl_r_spin_wanted + 0.6551502834527757 * _bl_r_rate
+    _bl_r_spin = bl_r_spin_wanted + 0.6551502834527757 * _bl_r_rate
     _br_l_rate = _per_time * (br_l_steer_wanted - br_l_steer)
-    _t6 = br_l_spin_wanted - 0.6551502834527757 * _br_l_rate
+    _br_l_spin = br_l_spin_wanted - 0.6551502834527757 * _br_l_rate
     _br_r_rate = _per_time * (br_r_steer_wanted - br_r_steer)
-    _t7 = br_r_spin_wanted + 0.6551502834527757 * _br_r_rate
+    _br_r_spin = br_r_spin_wanted + 0.6551502834527757 * _br_r_rate
     return _results(
         xp,
         arguments,
         {
-            "fl_l.spin": _t0,
+            "fl_l.spin": _fl_l_spin,
             "fl_l.steer": fl_l_steer_wanted * 1.0,
             "fl_l.steer_rate": _fl_l_rate,
-            "fl_r.spin": _t1,
+            "fl_r.spin": _fl_r_spin,
             "fl_r.steer": fl_r_steer_wanted * 1.0,
             "fl_r.steer_rate": _fl_r_rate,
-            "fr_l.spin": _t2,
+            "fr_l.spin": _fr_l_spin,
             "fr_l.steer": fr_l_steer_wanted * 1.0,
             "fr_l.steer_rate": _fr_l_rate,
-            "fr_r.spin": _t3,
+            "fr_r.spin": _fr_r_spin,
             "fr_r.steer": fr_r_steer_wanted * 1.0,
             "fr_r.steer_rate": _fr_r_rate,
-            "bl_l.spin": _t4,
+            "bl_l.spin": _bl_l_spin,
             "bl_l.steer": bl_l_steer_wanted * 1.0,
             "bl_l.steer_rate": _bl_l_rate,
-            "bl_r.spin": _t5,
+            "bl_r.spin": _bl_r_spin,
             "bl_r.steer": bl_r_steer_wanted * 1.0,
             "bl_r.steer_rate": _bl_r_rate,
-            "br_l.spin": _t6,
+            "br_l.spin": _br_l_spin,
             "br_l.steer": br_l_steer_wanted * 1.0,
             "br_l.steer_rate": _br_l_rate,
-            "br_r.spin": _t7,
+            "br_r.spin": _br_r_spin,
             "br_r.steer": br_r_steer_wanted * 1.0,
             "br_r.steer_rate": _br_r_rate,
         },
@@ -853,11 +855,11 @@ def ode(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _velocity_cos = xp.cos(x[..., 2])
     _velocity_sin = xp.sin(x[..., 2])
-    _t0 = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
-    _t1 = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
+    _x_rate = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
+    _y_rate = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
     results = [
-        _t0,
-        _t1,
+        _x_rate,
+        _y_rate,
         u[..., 2],
         u[..., 3],
         u[..., 4],
@@ -876,20 +878,20 @@ def rolling(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _t0 = xp.cos(x[..., 3])
     _t1 = xp.sin(x[..., 3])
-    _t2 = 0.2246 * (_t1 + _t0) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
-    _t3 = xp.cos(x[..., 4])
-    _t4 = xp.sin(x[..., 4])
-    _t5 = u[..., 2] * (0.2246 * (_t3 - _t4)) + (u[..., 1] * _t3 - u[..., 0] * _t4)
-    _t6 = xp.cos(x[..., 5])
-    _t7 = xp.sin(x[..., 5])
-    _t8 = u[..., 2] * (0.2246 * (_t7 - _t6)) + (u[..., 1] * _t6 - u[..., 0] * _t7)
-    _t9 = xp.cos(x[..., 6])
-    _t10 = xp.sin(x[..., 6])
-    _t11 = u[..., 2] * ((-0.2246) * (_t10 + _t9)) + (u[..., 1] * _t9 - u[..., 0] * _t10)
+    _fl_l_slide = 0.2246 * (_t1 + _t0) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
+    _t2 = xp.cos(x[..., 4])
+    _t3 = xp.sin(x[..., 4])
+    _fr_l_slide = u[..., 2] * (0.2246 * (_t2 - _t3)) + (u[..., 1] * _t2 - u[..., 0] * _t3)
+    _t4 = xp.cos(x[..., 5])
+    _t5 = xp.sin(x[..., 5])
+    _bl_l_slide = u[..., 2] * (0.2246 * (_t5 - _t4)) + (u[..., 1] * _t4 - u[..., 0] * _t5)
+    _t6 = xp.cos(x[..., 6])
+    _t7 = xp.sin(x[..., 6])
+    _br_l_slide = u[..., 2] * ((-0.2246) * (_t7 + _t6)) + (u[..., 1] * _t6 - u[..., 0] * _t7)
     results = [
-        _t2,
-        _t5,
-        _t8,
-        _t11,
+        _fl_l_slide,
+        _fr_l_slide,
+        _bl_l_slide,
+        _br_l_slide,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

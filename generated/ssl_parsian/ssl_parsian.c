@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SSL_PARSIAN_PAIR_6ffcce9a1e037a8a)
+#if !defined(SSL_PARSIAN_PAIR_c8a597d91d933df3)
 #error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -176,9 +176,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -215,14 +215,14 @@ void ssl_parsian_inverse_slip(const ssl_parsian_twist *twist, float *slip)
 void ssl_parsian_forward(const ssl_parsian_wheels *wheels, ssl_parsian_twist *twist)
 {
     const float t0 = 0.009353074f * (wheels->wheel1.spin - wheels->wheel4.spin);
-    const float t1 = wmrgen_fma(0.0076367534f, wheels->wheel2.spin - wheels->wheel3.spin, t0);
-    const float t2 = wheels->wheel1.spin + wheels->wheel4.spin;
-    const float t3 = wheels->wheel2.spin + wheels->wheel3.spin;
-    const float t4 = wmrgen_fma((-0.062132034f), t3, -(0.08786797f * t2));
+    const float vx = wmrgen_fma(0.0076367534f, wheels->wheel2.spin - wheels->wheel3.spin, t0);
+    const float t1 = wheels->wheel1.spin + wheels->wheel4.spin;
+    const float t2 = wheels->wheel2.spin + wheels->wheel3.spin;
+    const float omega = wmrgen_fma((-0.062132034f), t2, -(0.08786797f * t1));
 
-    twist->vx = t1;
-    twist->vy = (-0.011183767f) * (t2 - t3);
-    twist->omega = t4;
+    twist->vx = vx;
+    twist->vy = (-0.011183767f) * (t1 - t2);
+    twist->omega = omega;
 }
 
 void ssl_parsian_forward_slip(
@@ -232,16 +232,16 @@ void ssl_parsian_forward_slip(
 {
     const float t0 = wheels->wheel2.spin - wheels->wheel3.spin;
     const float t1 = wheels->wheel1.spin - wheels->wheel4.spin;
-    const float t2 = wmrgen_fma(0.0076367534f, t0, 0.009353074f * t1);
-    const float t3 = wheels->wheel1.spin + wheels->wheel4.spin;
-    const float t4 = wheels->wheel2.spin + wheels->wheel3.spin;
-    const float t5 = wmrgen_fma((-0.062132034f), t4, -(0.08786797f * t3));
-    const float t6 = wmrgen_fma(0.012074767f, t1, -(0.014788509f * t0));
+    const float vx = wmrgen_fma(0.0076367534f, t0, 0.009353074f * t1);
+    const float t2 = wheels->wheel1.spin + wheels->wheel4.spin;
+    const float t3 = wheels->wheel2.spin + wheels->wheel3.spin;
+    const float omega = wmrgen_fma((-0.062132034f), t3, -(0.08786797f * t2));
+    const float t4 = wmrgen_fma(0.012074767f, t1, -(0.014788509f * t0));
 
-    twist->vx = t2;
-    twist->vy = (-0.011183767f) * (t3 - t4);
-    twist->omega = t5;
-    *slip = fabsf(t6);
+    twist->vx = vx;
+    twist->vy = (-0.011183767f) * (t2 - t3);
+    twist->omega = omega;
+    *slip = fabsf(t4);
 }
 
 void ssl_parsian_odometry(ssl_parsian_pose *pose, const ssl_parsian_twist *twist, float dt)
@@ -254,9 +254,9 @@ void ssl_parsian_odometry(ssl_parsian_pose *pose, const ssl_parsian_twist *twist
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

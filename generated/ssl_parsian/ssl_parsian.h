@@ -31,7 +31,7 @@
 
 #define SSL_PARSIAN_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define SSL_PARSIAN_MODEL_HASH "ca207918783d1e971e1b768ea6164849" /**< digest of the model */
-#define SSL_PARSIAN_PAIR_6ffcce9a1e037a8a 1 /**< header and source of one run have the same */
+#define SSL_PARSIAN_PAIR_c8a597d91d933df3 1 /**< header and source of one run have the same */
 #define SSL_PARSIAN_WHEELS 4 /**< how many wheels the robot has */
 #define SSL_PARSIAN_WHEEL1_X 0.045f /**< [m] pivot, forward of P */
 #define SSL_PARSIAN_WHEEL1_Y 0.07794229f /**< [m] pivot, to the left of P */

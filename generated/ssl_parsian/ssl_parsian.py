@@ -210,19 +210,19 @@ def forward(wheel1_spin, wheel2_spin, wheel3_spin, wheel4_spin):
     wheel1_spin, wheel2_spin, wheel3_spin, wheel4_spin = arguments
     _t0 = wheel2_spin - wheel3_spin
     _t1 = wheel1_spin - wheel4_spin
-    _t2 = 0.007636753236814713 * _t0 + 0.009353074360871938 * _t1
-    _t3 = wheel1_spin + wheel4_spin
-    _t4 = wheel2_spin + wheel3_spin
-    _t5 = (-0.06213203435596426) * _t4 - 0.08786796564403575 * _t3
-    _t6 = 0.012074767078498864 * _t1 - 0.014788509052639485 * _t0
+    _vx = 0.007636753236814713 * _t0 + 0.009353074360871938 * _t1
+    _t2 = wheel1_spin + wheel4_spin
+    _t3 = wheel2_spin + wheel3_spin
+    _omega = (-0.06213203435596426) * _t3 - 0.08786796564403575 * _t2
+    _t4 = 0.012074767078498864 * _t1 - 0.014788509052639485 * _t0
     return _results(
         xp,
         arguments,
         {
-            "vx": _t2,
-            "vy": (-0.011183766184073567) * (_t3 - _t4),
-            "omega": _t5,
-            "slip": xp.abs(_t6),
+            "vx": _vx,
+            "vy": (-0.011183766184073567) * (_t2 - _t3),
+            "omega": _omega,
+            "slip": xp.abs(_t4),
         },
     )
 
@@ -246,14 +246,14 @@ def forward_twist(wheel1_spin, wheel2_spin, wheel3_spin, wheel4_spin):
     _t1 = 0.009353074360871938 * (wheel1_spin - wheel4_spin)
     _t2 = wheel1_spin + wheel4_spin
     _t3 = wheel2_spin + wheel3_spin
-    _t4 = (-0.06213203435596426) * _t3 - 0.08786796564403575 * _t2
+    _omega = (-0.06213203435596426) * _t3 - 0.08786796564403575 * _t2
     return _results(
         xp,
         arguments,
         {
             "vx": _t0 + _t1,
             "vy": (-0.011183766184073567) * (_t2 - _t3),
-            "omega": _t4,
+            "omega": _omega,
         },
     )
 
@@ -282,20 +282,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -362,12 +364,12 @@ def ode(x, u, p=NOMINAL):
     _t0 = 0.10102051443364381 * u[..., 2] - u[..., 1] + 0.8989794855663562 * u[..., 0]
     _body_vy = (-0.02488102646086035) * _t0
     _velocity_sin = xp.sin(x[..., 2])
-    _t1 = _body_vx * _velocity_cos - _body_vy * _velocity_sin
-    _t2 = _body_vx * _velocity_sin + _velocity_cos * _body_vy
-    _t3 = u[..., 1] - 3.732050807568877 * u[..., 2] - 3.8637033051562732 * u[..., 0]
+    _x_rate = _body_vx * _velocity_cos - _body_vy * _velocity_sin
+    _y_rate = _body_vx * _velocity_sin + _velocity_cos * _body_vy
+    _t1 = u[..., 1] - 3.732050807568877 * u[..., 2] - 3.8637033051562732 * u[..., 0]
     results = [
-        _t1,
-        _t2,
-        0.04548380592618086 * _t3,
+        _x_rate,
+        _y_rate,
+        0.04548380592618086 * _t1,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

@@ -29,7 +29,7 @@
 
 #define SYNCHRO_DRIVE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define SYNCHRO_DRIVE_MODEL_HASH "9f3c75afb8086439de142dd3734e4f9c" /**< digest of the model */
-#define SYNCHRO_DRIVE_PAIR_da7851ebf87fb803 1 /**< header and source of one run have the same */
+#define SYNCHRO_DRIVE_PAIR_0de6b42311926b5f 1 /**< header and source of one run have the same */
 #define SYNCHRO_DRIVE_WHEELS 3 /**< how many wheels the robot has */
 #define SYNCHRO_DRIVE_W1_X 0.3f /**< [m] pivot, forward of P */
 #define SYNCHRO_DRIVE_W1_Y 0.0f /**< [m] pivot, to the left of P */

@@ -173,16 +173,16 @@ def inverse(vx, vy, omega, w1_steer, w2_steer, w3_steer):
     _t5 = _with_sign_of(xp, _t0, vx)
     _w1_rim = _flip(xp, _t5, _t4)
     _w1_nearest = _t3 + (-3.141592653589793) * _t4
-    _t6 = 10.0 * _w1_rim
+    _w1_spin = 10.0 * _w1_rim
     return _results(
         xp,
         arguments,
         {
-            "w1.spin": _t6,
+            "w1.spin": _w1_spin,
             "w1.steer": _w1_nearest,
-            "w2.spin": _t6 * 1.0,
+            "w2.spin": _w1_spin * 1.0,
             "w2.steer": _w1_nearest * 1.0,
-            "w3.spin": _t6 * 1.0,
+            "w3.spin": _w1_spin * 1.0,
             "w3.steer": _w1_nearest * 1.0,
             "slip": xp.abs(0.5196152422706631 * omega),
         },
@@ -217,16 +217,16 @@ def inverse_joints(vx, vy, omega, w1_steer, w2_steer, w3_steer):
     _t5 = _with_sign_of(xp, _t0, vx)
     _w1_rim = _flip(xp, _t5, _t4)
     _w1_nearest = _t3 + (-3.141592653589793) * _t4
-    _t6 = 10.0 * _w1_rim
+    _w1_spin = 10.0 * _w1_rim
     return _results(
         xp,
         arguments,
         {
-            "w1.spin": _t6,
+            "w1.spin": _w1_spin,
             "w1.steer": _w1_nearest,
-            "w2.spin": _t6 * 1.0,
+            "w2.spin": _w1_spin * 1.0,
             "w2.steer": _w1_nearest * 1.0,
-            "w3.spin": _t6 * 1.0,
+            "w3.spin": _w1_spin * 1.0,
             "w3.steer": _w1_nearest * 1.0,
         },
     )
@@ -341,20 +341,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -381,14 +383,14 @@ def dynamics(x, y, theta, w1_steer, eta1, w1_steer_rate):
     _velocity_cos = xp.cos(theta)
     _vy_body = eta1 * xp.sin(w1_steer)
     _velocity_sin = xp.sin(theta)
-    _t0 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
-    _t1 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
+    _x_rate = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _y_rate = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _results(
         xp,
         arguments,
         {
-            "x_rate": _t0,
-            "y_rate": _t1,
+            "x_rate": _x_rate,
+            "y_rate": _y_rate,
             "theta_rate": 0.0,
             "w1.steer_rate": w1_steer_rate * 1.0,
         },

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_PAIR_a6aea91e56b342ce)
+#if !defined(TEXTBOOK_PAIR_93764b62f34d03dd)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -222,9 +222,9 @@ WMRGEN_KERNEL float wmrgen_arctangent2(float y, float x)
     const float t5 = wmrgen_arctangent(t3 / t4);
     const float t6 = (t0 < t1) ? (1.5707964f - t5) : t5;
     const float t7 = (x < 0.0f) ? (3.1415927f - t6) : t6;
-    const float t8 = (y < 0.0f) ? -t7 : t7;
+    const float value = (y < 0.0f) ? -t7 : t7;
 
-    return t8;
+    return value;
 }
 #endif
 
@@ -267,11 +267,11 @@ void textbook_world_to_robot(
     textbook_world_to_robot_out *out)
 {
     const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->theta);
-    const float t1 = wmrgen_fma(in->x_rate, t0.x, in->y_rate * t0.y);
-    const float t2 = wmrgen_fma(t0.x, in->y_rate, -(in->x_rate * t0.y));
+    const float vx = wmrgen_fma(in->x_rate, t0.x, in->y_rate * t0.y);
+    const float vy = wmrgen_fma(t0.x, in->y_rate, -(in->x_rate * t0.y));
 
-    out->vx = t1;
-    out->vy = t2;
+    out->vx = vx;
+    out->vy = vy;
     out->omega = in->theta_rate;
 }
 
@@ -297,11 +297,11 @@ void textbook_rotate(const textbook_rotate_in *in, textbook_rotate_out *out)
 void textbook_pose_compose(const textbook_pose_compose_in *in, textbook_pose_compose_out *out)
 {
     const wmrgen_vector a = wmrgen_vector_at(1.0f, in->a.theta);
-    const float t0 = in->a.x + wmrgen_fma(in->b.x, a.x, -(in->b.y * a.y));
-    const float t1 = in->a.y + wmrgen_fma(in->b.x, a.y, a.x * in->b.y);
+    const float x = in->a.x + wmrgen_fma(in->b.x, a.x, -(in->b.y * a.y));
+    const float y = in->a.y + wmrgen_fma(in->b.x, a.y, a.x * in->b.y);
 
-    out->x = t0;
-    out->y = t1;
+    out->x = x;
+    out->y = y;
     out->theta = in->a.theta + in->b.theta;
 }
 
@@ -387,9 +387,9 @@ void textbook_transform_compose(
     const float t8 = wmrgen_fma(in->b13, in->a31, in->b23 * in->a32);
     const float t9 = wmrgen_fma(in->a11, in->pb.x, in->a12 * in->pb.y);
     const float t10 = wmrgen_fma(in->a21, in->pb.x, in->a22 * in->pb.y);
-    const float t11 = in->pa.y + wmrgen_fma(in->a23, in->pb.z, t10);
-    const float t12 = wmrgen_fma(in->a31, in->pb.x, in->a32 * in->pb.y);
-    const float t13 = in->pa.z + wmrgen_fma(in->a33, in->pb.z, t12);
+    const float p_y = in->pa.y + wmrgen_fma(in->a23, in->pb.z, t10);
+    const float t11 = wmrgen_fma(in->a31, in->pb.x, in->a32 * in->pb.y);
+    const float p_z = in->pa.z + wmrgen_fma(in->a33, in->pb.z, t11);
 
     out->r11 = wmrgen_fma(in->a13, in->b31, t0);
     out->r12 = wmrgen_fma(in->a13, in->b32, t1);
@@ -401,8 +401,8 @@ void textbook_transform_compose(
     out->r32 = wmrgen_fma(in->b32, in->a33, t7);
     out->r33 = wmrgen_fma(in->b33, in->a33, t8);
     out->p.x = in->pa.x + wmrgen_fma(in->a13, in->pb.z, t9);
-    out->p.y = t11;
-    out->p.z = t13;
+    out->p.y = p_y;
+    out->p.z = p_z;
 }
 
 void textbook_transform_inverse(
@@ -469,27 +469,27 @@ void textbook_inverse_3x2(const textbook_inverse_3x2_in *in, textbook_inverse_3x
 {
     const float t0 = wmrgen_fma(in->j11, in->j12, in->j21 * in->j22);
     const float g01 = wmrgen_fma(in->j31, in->j32, t0);
-    const float t1 = g01 * g01;
-    const float t2 = wmrgen_fma(in->j11, in->j11, in->j21 * in->j21);
-    const float g00 = wmrgen_fma(in->j31, in->j31, t2);
-    const float t3 = wmrgen_fma(in->j12, in->j12, in->j22 * in->j22);
-    const float g11 = wmrgen_fma(in->j32, in->j32, t3);
-    const float t4 = g00 * g11;
-    const float determinant = t4 - t1;
-    const float factor = (1e-12f < fabsf(t1 - t4)) ? (1.0f / wmrgen_at_least(determinant, 1e-12f)) : 0.0f;
-    const float t5 = factor * wmrgen_fma(in->j11, g11, -(in->j12 * g01));
-    const float t6 = factor * wmrgen_fma(in->j21, g11, -(in->j22 * g01));
-    const float t7 = factor * wmrgen_fma(in->j31, g11, -(in->j32 * g01));
-    const float t8 = factor * wmrgen_fma(in->j12, g00, -(in->j11 * g01));
-    const float t9 = factor * wmrgen_fma(in->j22, g00, -(in->j21 * g01));
-    const float t10 = factor * wmrgen_fma(in->j32, g00, -(in->j31 * g01));
+    const float g01_squared = g01 * g01;
+    const float t1 = wmrgen_fma(in->j11, in->j11, in->j21 * in->j21);
+    const float g00 = wmrgen_fma(in->j31, in->j31, t1);
+    const float t2 = wmrgen_fma(in->j12, in->j12, in->j22 * in->j22);
+    const float g11 = wmrgen_fma(in->j32, in->j32, t2);
+    const float t3 = g00 * g11;
+    const float determinant = t3 - g01_squared;
+    const float factor = (1e-12f < fabsf(g01_squared - t3)) ? (1.0f / wmrgen_at_least(determinant, 1e-12f)) : 0.0f;
+    const float p11 = factor * wmrgen_fma(in->j11, g11, -(in->j12 * g01));
+    const float p12 = factor * wmrgen_fma(in->j21, g11, -(in->j22 * g01));
+    const float p13 = factor * wmrgen_fma(in->j31, g11, -(in->j32 * g01));
+    const float p21 = factor * wmrgen_fma(in->j12, g00, -(in->j11 * g01));
+    const float p22 = factor * wmrgen_fma(in->j22, g00, -(in->j21 * g01));
+    const float p23 = factor * wmrgen_fma(in->j32, g00, -(in->j31 * g01));
 
-    out->p11 = t5;
-    out->p12 = t6;
-    out->p13 = t7;
-    out->p21 = t8;
-    out->p22 = t9;
-    out->p23 = t10;
+    out->p11 = p11;
+    out->p12 = p12;
+    out->p13 = p13;
+    out->p21 = p21;
+    out->p22 = p22;
+    out->p23 = p23;
     out->det = determinant;
 }
 
@@ -497,31 +497,31 @@ void textbook_inverse_4x2(const textbook_inverse_4x2_in *in, textbook_inverse_4x
 {
     const float t0 = wmrgen_fma(in->j11, in->j12, in->j21 * in->j22);
     const float g01 = wmrgen_fma(in->j41, in->j42, wmrgen_fma(in->j31, in->j32, t0));
-    const float t1 = g01 * g01;
-    const float t2 = wmrgen_fma(in->j11, in->j11, in->j21 * in->j21);
-    const float g00 = wmrgen_fma(in->j41, in->j41, wmrgen_fma(in->j31, in->j31, t2));
-    const float t3 = wmrgen_fma(in->j12, in->j12, in->j22 * in->j22);
-    const float g11 = wmrgen_fma(in->j42, in->j42, wmrgen_fma(in->j32, in->j32, t3));
-    const float t4 = g00 * g11;
-    const float determinant = t4 - t1;
-    const float factor = (1e-12f < fabsf(t1 - t4)) ? (1.0f / wmrgen_at_least(determinant, 1e-12f)) : 0.0f;
-    const float t5 = factor * wmrgen_fma(in->j11, g11, -(in->j12 * g01));
-    const float t6 = factor * wmrgen_fma(in->j21, g11, -(in->j22 * g01));
-    const float t7 = factor * wmrgen_fma(in->j31, g11, -(in->j32 * g01));
-    const float t8 = factor * wmrgen_fma(in->j41, g11, -(in->j42 * g01));
-    const float t9 = factor * wmrgen_fma(in->j12, g00, -(in->j11 * g01));
-    const float t10 = factor * wmrgen_fma(in->j22, g00, -(in->j21 * g01));
-    const float t11 = factor * wmrgen_fma(in->j32, g00, -(in->j31 * g01));
-    const float t12 = factor * wmrgen_fma(in->j42, g00, -(in->j41 * g01));
+    const float g01_squared = g01 * g01;
+    const float t1 = wmrgen_fma(in->j11, in->j11, in->j21 * in->j21);
+    const float g00 = wmrgen_fma(in->j41, in->j41, wmrgen_fma(in->j31, in->j31, t1));
+    const float t2 = wmrgen_fma(in->j12, in->j12, in->j22 * in->j22);
+    const float g11 = wmrgen_fma(in->j42, in->j42, wmrgen_fma(in->j32, in->j32, t2));
+    const float t3 = g00 * g11;
+    const float determinant = t3 - g01_squared;
+    const float factor = (1e-12f < fabsf(g01_squared - t3)) ? (1.0f / wmrgen_at_least(determinant, 1e-12f)) : 0.0f;
+    const float p11 = factor * wmrgen_fma(in->j11, g11, -(in->j12 * g01));
+    const float p12 = factor * wmrgen_fma(in->j21, g11, -(in->j22 * g01));
+    const float p13 = factor * wmrgen_fma(in->j31, g11, -(in->j32 * g01));
+    const float p14 = factor * wmrgen_fma(in->j41, g11, -(in->j42 * g01));
+    const float p21 = factor * wmrgen_fma(in->j12, g00, -(in->j11 * g01));
+    const float p22 = factor * wmrgen_fma(in->j22, g00, -(in->j21 * g01));
+    const float p23 = factor * wmrgen_fma(in->j32, g00, -(in->j31 * g01));
+    const float p24 = factor * wmrgen_fma(in->j42, g00, -(in->j41 * g01));
 
-    out->p11 = t5;
-    out->p12 = t6;
-    out->p13 = t7;
-    out->p14 = t8;
-    out->p21 = t9;
-    out->p22 = t10;
-    out->p23 = t11;
-    out->p24 = t12;
+    out->p11 = p11;
+    out->p12 = p12;
+    out->p13 = p13;
+    out->p14 = p14;
+    out->p21 = p21;
+    out->p22 = p22;
+    out->p23 = p23;
+    out->p24 = p24;
     out->det = determinant;
 }
 
@@ -552,34 +552,34 @@ void textbook_inverse_4x3(const textbook_inverse_4x3_in *in, textbook_inverse_4x
     const float c11 = wmrgen_fma(g22, g00, -(g02 * g02));
     const float t11 = in->j13 * factor;
     const float c12 = wmrgen_fma(g02, g01, -(g12 * g00));
-    const float t12 = wmrgen_fma(c12, t11, wmrgen_fma(factor, in->j11 * c01, c11 * t10));
-    const float t13 = in->j22 * factor;
-    const float t14 = in->j23 * factor;
-    const float t15 = wmrgen_fma(c12, t14, wmrgen_fma(factor, in->j21 * c01, c11 * t13));
-    const float t16 = in->j32 * factor;
-    const float t17 = in->j33 * factor;
-    const float t18 = wmrgen_fma(c12, t17, wmrgen_fma(factor, in->j31 * c01, c11 * t16));
-    const float t19 = in->j42 * factor;
-    const float t20 = in->j43 * factor;
-    const float t21 = wmrgen_fma(c12, t20, wmrgen_fma(factor, in->j41 * c01, c11 * t19));
+    const float p21 = wmrgen_fma(c12, t11, wmrgen_fma(factor, in->j11 * c01, c11 * t10));
+    const float t12 = in->j22 * factor;
+    const float t13 = in->j23 * factor;
+    const float p22 = wmrgen_fma(c12, t13, wmrgen_fma(factor, in->j21 * c01, c11 * t12));
+    const float t14 = in->j32 * factor;
+    const float t15 = in->j33 * factor;
+    const float p23 = wmrgen_fma(c12, t15, wmrgen_fma(factor, in->j31 * c01, c11 * t14));
+    const float t16 = in->j42 * factor;
+    const float t17 = in->j43 * factor;
+    const float p24 = wmrgen_fma(c12, t17, wmrgen_fma(factor, in->j41 * c01, c11 * t16));
     const float c22 = wmrgen_fma(g11, g00, -(g01 * g01));
-    const float t22 = wmrgen_fma(t11, c22, wmrgen_fma(factor, in->j11 * c02, t10 * c12));
-    const float t23 = wmrgen_fma(t14, c22, wmrgen_fma(factor, in->j21 * c02, c12 * t13));
-    const float t24 = wmrgen_fma(t17, c22, wmrgen_fma(factor, in->j31 * c02, c12 * t16));
-    const float t25 = wmrgen_fma(t20, c22, wmrgen_fma(factor, in->j41 * c02, c12 * t19));
+    const float p31 = wmrgen_fma(t11, c22, wmrgen_fma(factor, in->j11 * c02, t10 * c12));
+    const float p32 = wmrgen_fma(t13, c22, wmrgen_fma(factor, in->j21 * c02, c12 * t12));
+    const float p33 = wmrgen_fma(t15, c22, wmrgen_fma(factor, in->j31 * c02, c12 * t14));
+    const float p34 = wmrgen_fma(t17, c22, wmrgen_fma(factor, in->j41 * c02, c12 * t16));
 
     out->p11 = factor * t6;
     out->p12 = factor * t7;
     out->p13 = factor * t8;
     out->p14 = factor * t9;
-    out->p21 = t12;
-    out->p22 = t15;
-    out->p23 = t18;
-    out->p24 = t21;
-    out->p31 = t22;
-    out->p32 = t23;
-    out->p33 = t24;
-    out->p34 = t25;
+    out->p21 = p21;
+    out->p22 = p22;
+    out->p23 = p23;
+    out->p24 = p24;
+    out->p31 = p31;
+    out->p32 = p32;
+    out->p33 = p33;
+    out->p34 = p34;
     out->det = determinant;
 }
 
@@ -587,27 +587,27 @@ void textbook_inverse_2x3(const textbook_inverse_2x3_in *in, textbook_inverse_2x
 {
     const float t0 = wmrgen_fma(in->j11, in->j21, in->j12 * in->j22);
     const float g01 = wmrgen_fma(in->j13, in->j23, t0);
-    const float t1 = g01 * g01;
-    const float t2 = wmrgen_fma(in->j11, in->j11, in->j12 * in->j12);
-    const float g00 = wmrgen_fma(in->j13, in->j13, t2);
-    const float t3 = wmrgen_fma(in->j21, in->j21, in->j22 * in->j22);
-    const float g11 = wmrgen_fma(in->j23, in->j23, t3);
-    const float t4 = g00 * g11;
-    const float determinant = t4 - t1;
-    const float factor = (1e-12f < fabsf(t1 - t4)) ? (1.0f / wmrgen_at_least(determinant, 1e-12f)) : 0.0f;
-    const float t5 = factor * wmrgen_fma(in->j11, g11, -(in->j21 * g01));
-    const float t6 = factor * wmrgen_fma(in->j21, g00, -(in->j11 * g01));
-    const float t7 = factor * wmrgen_fma(in->j12, g11, -(in->j22 * g01));
-    const float t8 = factor * wmrgen_fma(in->j22, g00, -(in->j12 * g01));
-    const float t9 = factor * wmrgen_fma(in->j13, g11, -(in->j23 * g01));
-    const float t10 = factor * wmrgen_fma(in->j23, g00, -(in->j13 * g01));
+    const float g01_squared = g01 * g01;
+    const float t1 = wmrgen_fma(in->j11, in->j11, in->j12 * in->j12);
+    const float g00 = wmrgen_fma(in->j13, in->j13, t1);
+    const float t2 = wmrgen_fma(in->j21, in->j21, in->j22 * in->j22);
+    const float g11 = wmrgen_fma(in->j23, in->j23, t2);
+    const float t3 = g00 * g11;
+    const float determinant = t3 - g01_squared;
+    const float factor = (1e-12f < fabsf(g01_squared - t3)) ? (1.0f / wmrgen_at_least(determinant, 1e-12f)) : 0.0f;
+    const float p11 = factor * wmrgen_fma(in->j11, g11, -(in->j21 * g01));
+    const float p12 = factor * wmrgen_fma(in->j21, g00, -(in->j11 * g01));
+    const float p21 = factor * wmrgen_fma(in->j12, g11, -(in->j22 * g01));
+    const float p22 = factor * wmrgen_fma(in->j22, g00, -(in->j12 * g01));
+    const float p31 = factor * wmrgen_fma(in->j13, g11, -(in->j23 * g01));
+    const float p32 = factor * wmrgen_fma(in->j23, g00, -(in->j13 * g01));
 
-    out->p11 = t5;
-    out->p12 = t6;
-    out->p21 = t7;
-    out->p22 = t8;
-    out->p31 = t9;
-    out->p32 = t10;
+    out->p11 = p11;
+    out->p12 = p12;
+    out->p21 = p21;
+    out->p22 = p22;
+    out->p31 = p31;
+    out->p32 = p32;
     out->det = determinant;
 }
 
@@ -615,31 +615,31 @@ void textbook_inverse_2x4(const textbook_inverse_2x4_in *in, textbook_inverse_2x
 {
     const float t0 = wmrgen_fma(in->j11, in->j21, in->j12 * in->j22);
     const float g01 = wmrgen_fma(in->j14, in->j24, wmrgen_fma(in->j13, in->j23, t0));
-    const float t1 = g01 * g01;
-    const float t2 = wmrgen_fma(in->j11, in->j11, in->j12 * in->j12);
-    const float g00 = wmrgen_fma(in->j14, in->j14, wmrgen_fma(in->j13, in->j13, t2));
-    const float t3 = wmrgen_fma(in->j21, in->j21, in->j22 * in->j22);
-    const float g11 = wmrgen_fma(in->j24, in->j24, wmrgen_fma(in->j23, in->j23, t3));
-    const float t4 = g00 * g11;
-    const float determinant = t4 - t1;
-    const float factor = (1e-12f < fabsf(t1 - t4)) ? (1.0f / wmrgen_at_least(determinant, 1e-12f)) : 0.0f;
-    const float t5 = factor * wmrgen_fma(in->j11, g11, -(in->j21 * g01));
-    const float t6 = factor * wmrgen_fma(in->j21, g00, -(in->j11 * g01));
-    const float t7 = factor * wmrgen_fma(in->j12, g11, -(in->j22 * g01));
-    const float t8 = factor * wmrgen_fma(in->j22, g00, -(in->j12 * g01));
-    const float t9 = factor * wmrgen_fma(in->j13, g11, -(in->j23 * g01));
-    const float t10 = factor * wmrgen_fma(in->j23, g00, -(in->j13 * g01));
-    const float t11 = factor * wmrgen_fma(in->j14, g11, -(in->j24 * g01));
-    const float t12 = factor * wmrgen_fma(in->j24, g00, -(in->j14 * g01));
+    const float g01_squared = g01 * g01;
+    const float t1 = wmrgen_fma(in->j11, in->j11, in->j12 * in->j12);
+    const float g00 = wmrgen_fma(in->j14, in->j14, wmrgen_fma(in->j13, in->j13, t1));
+    const float t2 = wmrgen_fma(in->j21, in->j21, in->j22 * in->j22);
+    const float g11 = wmrgen_fma(in->j24, in->j24, wmrgen_fma(in->j23, in->j23, t2));
+    const float t3 = g00 * g11;
+    const float determinant = t3 - g01_squared;
+    const float factor = (1e-12f < fabsf(g01_squared - t3)) ? (1.0f / wmrgen_at_least(determinant, 1e-12f)) : 0.0f;
+    const float p11 = factor * wmrgen_fma(in->j11, g11, -(in->j21 * g01));
+    const float p12 = factor * wmrgen_fma(in->j21, g00, -(in->j11 * g01));
+    const float p21 = factor * wmrgen_fma(in->j12, g11, -(in->j22 * g01));
+    const float p22 = factor * wmrgen_fma(in->j22, g00, -(in->j12 * g01));
+    const float p31 = factor * wmrgen_fma(in->j13, g11, -(in->j23 * g01));
+    const float p32 = factor * wmrgen_fma(in->j23, g00, -(in->j13 * g01));
+    const float p41 = factor * wmrgen_fma(in->j14, g11, -(in->j24 * g01));
+    const float p42 = factor * wmrgen_fma(in->j24, g00, -(in->j14 * g01));
 
-    out->p11 = t5;
-    out->p12 = t6;
-    out->p21 = t7;
-    out->p22 = t8;
-    out->p31 = t9;
-    out->p32 = t10;
-    out->p41 = t11;
-    out->p42 = t12;
+    out->p11 = p11;
+    out->p12 = p12;
+    out->p21 = p21;
+    out->p22 = p22;
+    out->p31 = p31;
+    out->p32 = p32;
+    out->p41 = p41;
+    out->p42 = p42;
     out->det = determinant;
 }
 
@@ -667,37 +667,37 @@ void textbook_inverse_3x4(const textbook_inverse_3x4_in *in, textbook_inverse_3x
     const float c11 = wmrgen_fma(g22, g00, -(g02 * g02));
     const float t8 = in->j31 * factor;
     const float c12 = wmrgen_fma(g02, g01, -(g12 * g00));
-    const float t9 = wmrgen_fma(c12, t8, wmrgen_fma(factor, in->j11 * c01, c11 * t7));
+    const float p12 = wmrgen_fma(c12, t8, wmrgen_fma(factor, in->j11 * c01, c11 * t7));
     const float c22 = wmrgen_fma(g11, g00, -(g01 * g01));
-    const float t10 = wmrgen_fma(t8, c22, wmrgen_fma(factor, in->j11 * c02, t7 * c12));
-    const float t11 = wmrgen_fma(in->j32, c02, wmrgen_fma(c00, in->j12, in->j22 * c01));
-    const float t12 = in->j22 * factor;
-    const float t13 = in->j32 * factor;
-    const float t14 = wmrgen_fma(c12, t13, wmrgen_fma(factor, in->j12 * c01, c11 * t12));
-    const float t15 = wmrgen_fma(c22, t13, wmrgen_fma(factor, in->j12 * c02, c12 * t12));
-    const float t16 = wmrgen_fma(in->j33, c02, wmrgen_fma(c00, in->j13, in->j23 * c01));
-    const float t17 = in->j23 * factor;
-    const float t18 = in->j33 * factor;
-    const float t19 = wmrgen_fma(c12, t18, wmrgen_fma(factor, in->j13 * c01, c11 * t17));
-    const float t20 = wmrgen_fma(c22, t18, wmrgen_fma(factor, in->j13 * c02, c12 * t17));
-    const float t21 = wmrgen_fma(in->j34, c02, wmrgen_fma(c00, in->j14, in->j24 * c01));
-    const float t22 = in->j24 * factor;
-    const float t23 = in->j34 * factor;
-    const float t24 = wmrgen_fma(c12, t23, wmrgen_fma(factor, in->j14 * c01, c11 * t22));
-    const float t25 = wmrgen_fma(c22, t23, wmrgen_fma(factor, in->j14 * c02, c12 * t22));
+    const float p13 = wmrgen_fma(t8, c22, wmrgen_fma(factor, in->j11 * c02, t7 * c12));
+    const float t9 = wmrgen_fma(in->j32, c02, wmrgen_fma(c00, in->j12, in->j22 * c01));
+    const float t10 = in->j22 * factor;
+    const float t11 = in->j32 * factor;
+    const float p22 = wmrgen_fma(c12, t11, wmrgen_fma(factor, in->j12 * c01, c11 * t10));
+    const float p23 = wmrgen_fma(c22, t11, wmrgen_fma(factor, in->j12 * c02, c12 * t10));
+    const float t12 = wmrgen_fma(in->j33, c02, wmrgen_fma(c00, in->j13, in->j23 * c01));
+    const float t13 = in->j23 * factor;
+    const float t14 = in->j33 * factor;
+    const float p32 = wmrgen_fma(c12, t14, wmrgen_fma(factor, in->j13 * c01, c11 * t13));
+    const float p33 = wmrgen_fma(c22, t14, wmrgen_fma(factor, in->j13 * c02, c12 * t13));
+    const float t15 = wmrgen_fma(in->j34, c02, wmrgen_fma(c00, in->j14, in->j24 * c01));
+    const float t16 = in->j24 * factor;
+    const float t17 = in->j34 * factor;
+    const float p42 = wmrgen_fma(c12, t17, wmrgen_fma(factor, in->j14 * c01, c11 * t16));
+    const float p43 = wmrgen_fma(c22, t17, wmrgen_fma(factor, in->j14 * c02, c12 * t16));
 
     out->p11 = factor * t6;
-    out->p12 = t9;
-    out->p13 = t10;
-    out->p21 = factor * t11;
-    out->p22 = t14;
-    out->p23 = t15;
-    out->p31 = factor * t16;
-    out->p32 = t19;
-    out->p33 = t20;
-    out->p41 = factor * t21;
-    out->p42 = t24;
-    out->p43 = t25;
+    out->p12 = p12;
+    out->p13 = p13;
+    out->p21 = factor * t9;
+    out->p22 = p22;
+    out->p23 = p23;
+    out->p31 = factor * t12;
+    out->p32 = p32;
+    out->p33 = p33;
+    out->p41 = factor * t15;
+    out->p42 = p42;
+    out->p43 = p43;
     out->det = determinant;
 }
 
@@ -716,13 +716,13 @@ void textbook_transport_theorem(
 
 void textbook_galilean(const textbook_galilean_in *in, textbook_galilean_out *out)
 {
-    const float t0 = in->r.x + wmrgen_fma(in->t, in->v.x, in->r_start.x);
-    const float t1 = in->r.y + wmrgen_fma(in->t, in->v.y, in->r_start.y);
-    const float t2 = in->r.z + wmrgen_fma(in->t, in->v.z, in->r_start.z);
+    const float r_x = in->r.x + wmrgen_fma(in->t, in->v.x, in->r_start.x);
+    const float r_y = in->r.y + wmrgen_fma(in->t, in->v.y, in->r_start.y);
+    const float r_z = in->r.z + wmrgen_fma(in->t, in->v.z, in->r_start.z);
 
-    out->r.x = t0;
-    out->r.y = t1;
-    out->r.z = t2;
+    out->r.x = r_x;
+    out->r.y = r_y;
+    out->r.z = r_z;
 }
 
 void textbook_moving_frame_velocity(
@@ -744,33 +744,35 @@ void textbook_moving_frame_acceleration(
 {
     const float t0 = wmrgen_fma(in->omega.x, in->r.y, -(in->omega.y * in->r.x));
     const float t1 = wmrgen_fma(in->r.x, in->omega.z, -(in->omega.x * in->r.z));
-    const float t2 = wmrgen_fma(in->omega.y, t0, -(in->omega.z * t1));
-    const float t3 = wmrgen_fma(in->alpha.y, in->r.z, -(in->r.y * in->alpha.z));
-    const float t4 = wmrgen_fma(in->omega.y, in->v_o.z, -(in->omega.z * in->v_o.y));
-    const float t5 = 2.0f * t4;
-    const float t6 = wmrgen_fma(in->omega.y, in->r.z, -(in->r.y * in->omega.z));
-    const float t7 = wmrgen_fma(in->omega.z, t6, -(in->omega.x * t0));
-    const float t8 = wmrgen_fma(in->r.x, in->alpha.z, -(in->r.z * in->alpha.x));
-    const float t9 = wmrgen_fma(in->omega.z, in->v_o.x, -(in->omega.x * in->v_o.z));
-    const float t10 = 2.0f * t9;
-    const float t11 = wmrgen_fma(in->omega.x, t1, -(in->omega.y * t6));
-    const float t12 = wmrgen_fma(in->r.y, in->alpha.x, -(in->r.x * in->alpha.y));
-    const float t13 = wmrgen_fma(in->omega.x, in->v_o.y, -(in->omega.y * in->v_o.x));
-    const float t14 = 2.0f * t13;
-    const float t15 = t14 + (t11 + (in->a_o.z + (in->a_m.z + t12)));
+    const float centripetal_x = wmrgen_fma(in->omega.y, t0, -(in->omega.z * t1));
+    const float euler_x = wmrgen_fma(in->alpha.y, in->r.z, -(in->r.y * in->alpha.z));
+    const float t2 = centripetal_x + (in->a_o.x + (in->a_m.x + euler_x));
+    const float t3 = wmrgen_fma(in->omega.y, in->v_o.z, -(in->omega.z * in->v_o.y));
+    const float coriolis_x = 2.0f * t3;
+    const float t4 = wmrgen_fma(in->omega.y, in->r.z, -(in->r.y * in->omega.z));
+    const float centripetal_y = wmrgen_fma(in->omega.z, t4, -(in->omega.x * t0));
+    const float euler_y = wmrgen_fma(in->r.x, in->alpha.z, -(in->r.z * in->alpha.x));
+    const float t5 = centripetal_y + (in->a_o.y + (in->a_m.y + euler_y));
+    const float t6 = wmrgen_fma(in->omega.z, in->v_o.x, -(in->omega.x * in->v_o.z));
+    const float coriolis_y = 2.0f * t6;
+    const float centripetal_z = wmrgen_fma(in->omega.x, t1, -(in->omega.y * t4));
+    const float euler_z = wmrgen_fma(in->r.y, in->alpha.x, -(in->r.x * in->alpha.y));
+    const float t7 = centripetal_z + (in->a_o.z + (in->a_m.z + euler_z));
+    const float t8 = wmrgen_fma(in->omega.x, in->v_o.y, -(in->omega.y * in->v_o.x));
+    const float coriolis_z = 2.0f * t8;
 
-    out->a.x = t5 + (t2 + (in->a_o.x + (in->a_m.x + t3)));
-    out->a.y = t10 + (t7 + (in->a_o.y + (in->a_m.y + t8)));
-    out->a.z = t15;
-    out->euler.x = t3;
-    out->euler.y = t8;
-    out->euler.z = t12;
-    out->centripetal.x = t2;
-    out->centripetal.y = t7;
-    out->centripetal.z = t11;
-    out->coriolis.x = t5;
-    out->coriolis.y = t10;
-    out->coriolis.z = t14;
+    out->a.x = coriolis_x + t2;
+    out->a.y = coriolis_y + t5;
+    out->a.z = coriolis_z + t7;
+    out->euler.x = euler_x;
+    out->euler.y = euler_y;
+    out->euler.z = euler_z;
+    out->centripetal.x = centripetal_x;
+    out->centripetal.y = centripetal_y;
+    out->centripetal.z = centripetal_z;
+    out->coriolis.x = coriolis_x;
+    out->coriolis.y = coriolis_y;
+    out->coriolis.z = coriolis_z;
 }
 
 void textbook_skew_matrix(const textbook_skew_matrix_in *in, textbook_skew_matrix_out *out)
@@ -812,26 +814,26 @@ void textbook_omega_matrix(const textbook_omega_matrix_in *in, textbook_omega_ma
 {
     const float t0 = in->omega.y * in->omega.y;
     const float t1 = in->omega.z * in->omega.z;
-    const float t2 = in->omega.y * in->omega.x;
-    const float t3 = in->omega.z * in->omega.x;
-    const float t4 = in->omega.x * in->omega.x;
-    const float t5 = in->omega.y * in->omega.z;
+    const float o12 = in->omega.y * in->omega.x;
+    const float o13 = in->omega.z * in->omega.x;
+    const float t2 = in->omega.x * in->omega.x;
+    const float o23 = in->omega.y * in->omega.z;
 
     out->o11 = -(t0 + t1);
-    out->o12 = t2;
-    out->o13 = t3;
+    out->o12 = o12;
+    out->o13 = o13;
     out->o14 = 0.0f;
     out->o15 = (-2.0f) * in->omega.z;
     out->o16 = 2.0f * in->omega.y;
-    out->o21 = t2;
-    out->o22 = -(t1 + t4);
-    out->o23 = t5;
+    out->o21 = o12;
+    out->o22 = -(t1 + t2);
+    out->o23 = o23;
     out->o24 = 2.0f * in->omega.z;
     out->o25 = 0.0f;
     out->o26 = (-2.0f) * in->omega.x;
-    out->o31 = t3;
-    out->o32 = t5;
-    out->o33 = -(t0 + t4);
+    out->o31 = o13;
+    out->o32 = o23;
+    out->o33 = -(t0 + t2);
     out->o34 = (-2.0f) * in->omega.y;
     out->o35 = 2.0f * in->omega.x;
     out->o36 = 0.0f;
@@ -893,21 +895,21 @@ void textbook_articulated_wheel_velocity(
     textbook_articulated_wheel_velocity_out *out)
 {
     const float t0 = wmrgen_fma(in->omega_steer.y, in->r_steer.z, -(in->omega_steer.z * in->r_steer.y));
-    const float t1 = in->v_o.x + in->v_steer.x + t0;
-    const float t2 = wmrgen_fma(in->omega_vehicle.y, in->r_vehicle.z, -(in->omega_vehicle.z * in->r_vehicle.y));
-    const float t3 = wmrgen_fma(in->omega_steer.z, in->r_steer.x, -(in->r_steer.z * in->omega_steer.x));
-    const float t4 = in->v_o.y + in->v_steer.y + t3;
-    const float t5 = wmrgen_fma(in->omega_vehicle.z, in->r_vehicle.x, -(in->r_vehicle.z * in->omega_vehicle.x));
-    const float t6 = wmrgen_fma(in->r_steer.y, in->omega_steer.x, -(in->omega_steer.y * in->r_steer.x));
-    const float t7 = in->v_o.z + in->v_steer.z + t6;
-    const float t8 = wmrgen_fma(in->r_vehicle.y, in->omega_vehicle.x, -(in->omega_vehicle.y * in->r_vehicle.x));
+    const float v_seen_x = in->v_o.x + in->v_steer.x + t0;
+    const float t1 = wmrgen_fma(in->omega_vehicle.y, in->r_vehicle.z, -(in->omega_vehicle.z * in->r_vehicle.y));
+    const float t2 = wmrgen_fma(in->omega_steer.z, in->r_steer.x, -(in->r_steer.z * in->omega_steer.x));
+    const float v_seen_y = in->v_o.y + in->v_steer.y + t2;
+    const float t3 = wmrgen_fma(in->omega_vehicle.z, in->r_vehicle.x, -(in->r_vehicle.z * in->omega_vehicle.x));
+    const float t4 = wmrgen_fma(in->r_steer.y, in->omega_steer.x, -(in->omega_steer.y * in->r_steer.x));
+    const float v_seen_z = in->v_o.z + in->v_steer.z + t4;
+    const float t5 = wmrgen_fma(in->r_vehicle.y, in->omega_vehicle.x, -(in->omega_vehicle.y * in->r_vehicle.x));
 
-    out->v.x = t1 + (in->v_vehicle.x + t2);
-    out->v.y = t4 + (in->v_vehicle.y + t5);
-    out->v.z = t7 + (in->v_vehicle.z + t8);
-    out->v_seen.x = t1;
-    out->v_seen.y = t4;
-    out->v_seen.z = t7;
+    out->v.x = v_seen_x + (in->v_vehicle.x + t1);
+    out->v.y = v_seen_y + (in->v_vehicle.y + t3);
+    out->v.z = v_seen_z + (in->v_vehicle.z + t5);
+    out->v_seen.x = v_seen_x;
+    out->v_seen.y = v_seen_y;
+    out->v_seen.z = v_seen_z;
 }
 
 void textbook_articulated_wheel_acceleration(
@@ -915,45 +917,45 @@ void textbook_articulated_wheel_acceleration(
     textbook_articulated_wheel_acceleration_out *out)
 {
     const float t0 = wmrgen_fma(in->omega_steer.x, in->r_steer.y, -(in->omega_steer.y * in->r_steer.x));
-    const float t1 = in->v_o.z + in->v_steer.z + t0;
-    const float t2 = wmrgen_fma(in->omega_vehicle.x, in->r_vehicle.y, -(in->omega_vehicle.y * in->r_vehicle.x));
-    const float t3 = (2.0f * t1) + t2;
-    const float t4 = t0 + (2.0f * in->v_o.z);
-    const float t5 = wmrgen_fma(in->alpha_steer.y, in->r_steer.z, in->alpha_vehicle.y * in->r_vehicle.z);
-    const float t6 = wmrgen_fma(-in->r_steer.y, in->alpha_steer.z, t5);
-    const float t7 = wmrgen_fma(-in->r_vehicle.y, in->alpha_vehicle.z, t6);
-    const float t8 = in->a_vehicle.x + (in->a_steer.x + (in->a_o.x + t7));
-    const float t9 = wmrgen_fma(in->omega_vehicle.y, t3, wmrgen_fma(in->omega_steer.y, t4, t8));
-    const float t10 = wmrgen_fma(in->r_steer.x, in->omega_steer.z, -(in->omega_steer.x * in->r_steer.z));
-    const float t11 = (-2.0f) * in->v_o.y;
-    const float t12 = wmrgen_fma(in->omega_vehicle.x, in->r_vehicle.z, -(in->r_vehicle.x * in->omega_vehicle.z));
-    const float t13 = in->v_o.y + in->v_steer.y + t10;
-    const float t14 = 2.0f * t13;
-    const float t15 = wmrgen_fma(in->omega_vehicle.z, t12 - t14, wmrgen_fma(in->omega_steer.z, t11 - t10, t9));
-    const float t16 = wmrgen_fma(in->r_steer.x, in->alpha_steer.z, in->r_vehicle.x * in->alpha_vehicle.z);
-    const float t17 = wmrgen_fma(-in->r_steer.z, in->alpha_steer.x, t16);
-    const float t18 = wmrgen_fma(-in->r_vehicle.z, in->alpha_vehicle.x, t17);
-    const float t19 = in->a_vehicle.y + (in->a_steer.y + (in->a_o.y + t18));
-    const float t20 = wmrgen_fma(-in->omega_vehicle.x, t3, wmrgen_fma(-in->omega_steer.x, t4, t19));
-    const float t21 = wmrgen_fma(in->omega_steer.y, in->r_steer.z, -(in->r_steer.y * in->omega_steer.z));
-    const float t22 = t21 + (2.0f * in->v_o.x);
-    const float t23 = in->v_o.x + in->v_steer.x + t21;
-    const float t24 = wmrgen_fma(in->omega_vehicle.y, in->r_vehicle.z, -(in->r_vehicle.y * in->omega_vehicle.z));
-    const float t25 = (2.0f * t23) + t24;
-    const float t26 = wmrgen_fma(in->omega_vehicle.z, t25, wmrgen_fma(in->omega_steer.z, t22, t20));
-    const float t27 = wmrgen_fma(in->r_steer.y, in->alpha_steer.x, in->r_vehicle.y * in->alpha_vehicle.x);
-    const float t28 = wmrgen_fma(-in->r_steer.x, in->alpha_steer.y, t27);
-    const float t29 = wmrgen_fma(-in->r_vehicle.x, in->alpha_vehicle.y, t28);
-    const float t30 = in->a_vehicle.z + (in->a_steer.z + (in->a_o.z + t29));
-    const float t31 = wmrgen_fma(in->omega_steer.x, t10 - t11, t30);
-    const float t32 = wmrgen_fma(in->omega_vehicle.x, t14 - t12, wmrgen_fma(-in->omega_steer.y, t22, t31));
+    const float v_seen_z = in->v_o.z + in->v_steer.z + t0;
+    const float t1 = wmrgen_fma(in->omega_vehicle.x, in->r_vehicle.y, -(in->omega_vehicle.y * in->r_vehicle.x));
+    const float t2 = (2.0f * v_seen_z) + t1;
+    const float t3 = t0 + (2.0f * in->v_o.z);
+    const float t4 = wmrgen_fma(in->alpha_steer.y, in->r_steer.z, in->alpha_vehicle.y * in->r_vehicle.z);
+    const float t5 = wmrgen_fma(-in->r_steer.y, in->alpha_steer.z, t4);
+    const float t6 = wmrgen_fma(-in->r_vehicle.y, in->alpha_vehicle.z, t5);
+    const float t7 = in->a_vehicle.x + (in->a_steer.x + (in->a_o.x + t6));
+    const float t8 = wmrgen_fma(in->omega_vehicle.y, t2, wmrgen_fma(in->omega_steer.y, t3, t7));
+    const float t9 = wmrgen_fma(in->r_steer.x, in->omega_steer.z, -(in->omega_steer.x * in->r_steer.z));
+    const float t10 = (-2.0f) * in->v_o.y;
+    const float t11 = wmrgen_fma(in->omega_vehicle.x, in->r_vehicle.z, -(in->r_vehicle.x * in->omega_vehicle.z));
+    const float v_seen_y = in->v_o.y + in->v_steer.y + t9;
+    const float t12 = 2.0f * v_seen_y;
+    const float a_x = wmrgen_fma(in->omega_vehicle.z, t11 - t12, wmrgen_fma(in->omega_steer.z, t10 - t9, t8));
+    const float t13 = wmrgen_fma(in->r_steer.x, in->alpha_steer.z, in->r_vehicle.x * in->alpha_vehicle.z);
+    const float t14 = wmrgen_fma(-in->r_steer.z, in->alpha_steer.x, t13);
+    const float t15 = wmrgen_fma(-in->r_vehicle.z, in->alpha_vehicle.x, t14);
+    const float t16 = in->a_vehicle.y + (in->a_steer.y + (in->a_o.y + t15));
+    const float t17 = wmrgen_fma(-in->omega_vehicle.x, t2, wmrgen_fma(-in->omega_steer.x, t3, t16));
+    const float t18 = wmrgen_fma(in->omega_steer.y, in->r_steer.z, -(in->r_steer.y * in->omega_steer.z));
+    const float t19 = t18 + (2.0f * in->v_o.x);
+    const float v_seen_x = in->v_o.x + in->v_steer.x + t18;
+    const float t20 = wmrgen_fma(in->omega_vehicle.y, in->r_vehicle.z, -(in->r_vehicle.y * in->omega_vehicle.z));
+    const float t21 = (2.0f * v_seen_x) + t20;
+    const float a_y = wmrgen_fma(in->omega_vehicle.z, t21, wmrgen_fma(in->omega_steer.z, t19, t17));
+    const float t22 = wmrgen_fma(in->r_steer.y, in->alpha_steer.x, in->r_vehicle.y * in->alpha_vehicle.x);
+    const float t23 = wmrgen_fma(-in->r_steer.x, in->alpha_steer.y, t22);
+    const float t24 = wmrgen_fma(-in->r_vehicle.x, in->alpha_vehicle.y, t23);
+    const float t25 = in->a_vehicle.z + (in->a_steer.z + (in->a_o.z + t24));
+    const float t26 = wmrgen_fma(-in->omega_steer.y, t19, wmrgen_fma(in->omega_steer.x, t9 - t10, t25));
+    const float t27 = wmrgen_fma(in->omega_vehicle.x, t12 - t11, t26);
 
-    out->a.x = t15;
-    out->a.y = t26;
-    out->a.z = wmrgen_fma(-in->omega_vehicle.y, t25, t32);
-    out->v_seen.x = t23;
-    out->v_seen.y = t13;
-    out->v_seen.z = t1;
+    out->a.x = a_x;
+    out->a.y = a_y;
+    out->a.z = wmrgen_fma(-in->omega_vehicle.y, t21, t27);
+    out->v_seen.x = v_seen_x;
+    out->v_seen.y = v_seen_y;
+    out->v_seen.z = v_seen_z;
 }
 
 void textbook_wheel_velocity(
@@ -975,17 +977,17 @@ void textbook_offset_wheel_velocity(
 {
     const float t0 = wmrgen_fma(in->omega_steer.y, in->r_steer.z, in->omega.y * in->r.z);
     const float t1 = wmrgen_fma(-in->omega_steer.z, in->r_steer.y, t0);
-    const float t2 = in->v.x + wmrgen_fma(-in->omega.z, in->r.y, t1);
-    const float t3 = wmrgen_fma(in->omega_steer.z, in->r_steer.x, in->omega.z * in->r.x);
-    const float t4 = wmrgen_fma(-in->r_steer.z, in->omega_steer.x, t3);
-    const float t5 = in->v.y + wmrgen_fma(-in->r.z, in->omega.x, t4);
-    const float t6 = wmrgen_fma(in->r_steer.y, in->omega_steer.x, in->r.y * in->omega.x);
-    const float t7 = wmrgen_fma(-in->omega_steer.y, in->r_steer.x, t6);
-    const float t8 = in->v.z + wmrgen_fma(-in->omega.y, in->r.x, t7);
+    const float v_x = in->v.x + wmrgen_fma(-in->omega.z, in->r.y, t1);
+    const float t2 = wmrgen_fma(in->omega_steer.z, in->r_steer.x, in->omega.z * in->r.x);
+    const float t3 = wmrgen_fma(-in->r_steer.z, in->omega_steer.x, t2);
+    const float v_y = in->v.y + wmrgen_fma(-in->r.z, in->omega.x, t3);
+    const float t4 = wmrgen_fma(in->r_steer.y, in->omega_steer.x, in->r.y * in->omega.x);
+    const float t5 = wmrgen_fma(-in->omega_steer.y, in->r_steer.x, t4);
+    const float v_z = in->v.z + wmrgen_fma(-in->omega.y, in->r.x, t5);
 
-    out->v.x = t2;
-    out->v.y = t5;
-    out->v.z = t8;
+    out->v.x = v_x;
+    out->v.y = v_y;
+    out->v.z = v_z;
 }
 
 void textbook_specific_force(
@@ -1023,11 +1025,11 @@ void textbook_disk_constraint(
     textbook_disk_constraint_out *out)
 {
     const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->phi);
-    const float t1 = wmrgen_fma(t0.y, in->x_rate, -(t0.x * in->y_rate));
+    const float slide = wmrgen_fma(t0.y, in->x_rate, -(t0.x * in->y_rate));
 
     out->w1 = t0.y;
     out->w2 = -t0.x;
-    out->slide = t1;
+    out->slide = slide;
 }
 
 void textbook_unicycle(const textbook_unicycle_in *in, textbook_unicycle_out *out)
@@ -1041,12 +1043,12 @@ void textbook_unicycle(const textbook_unicycle_in *in, textbook_unicycle_out *ou
 
 void textbook_steer_sense(const textbook_steer_sense_in *in, textbook_steer_sense_out *out)
 {
-    const float t0 = in->r * in->spin;
-    const wmrgen_vector t1 = wmrgen_vector_at(t0, in->steer);
+    const float v = in->r * in->spin;
+    const wmrgen_vector t0 = wmrgen_vector_at(v, in->steer);
 
-    out->v = t0;
-    out->vx = t1.x;
-    out->vy = t1.y;
+    out->v = v;
+    out->vx = t0.x;
+    out->vy = t0.y;
 }
 
 void textbook_wheel_contributions(
@@ -1234,22 +1236,22 @@ void textbook_chain_6(const textbook_chain_6_in *in, textbook_chain_6_out *out)
 
 void textbook_brockett(const textbook_brockett_in *in, textbook_brockett_out *out)
 {
-    const float t0 = wmrgen_fma(in->u2, in->x1, -(in->u1 * in->x2));
+    const float x3_rate = wmrgen_fma(in->u2, in->x1, -(in->u1 * in->x2));
 
     out->x1_rate = in->u1;
     out->x2_rate = in->u2;
-    out->x3_rate = t0;
+    out->x3_rate = x3_rate;
 }
 
 void textbook_brockett_double(
     const textbook_brockett_double_in *in,
     textbook_brockett_double_out *out)
 {
-    const float t0 = wmrgen_fma(in->x1, in->x2_rate, -(in->x1_rate * in->x2));
+    const float x3_rate = wmrgen_fma(in->x1, in->x2_rate, -(in->x1_rate * in->x2));
 
     out->x1_rate_rate = in->u1;
     out->x2_rate_rate = in->u2;
-    out->x3_rate = t0;
+    out->x3_rate = x3_rate;
 }
 
 void textbook_unicycle_to_chain(
@@ -1288,12 +1290,12 @@ void textbook_polar_coordinates(
     const textbook_polar_coordinates_in *in,
     textbook_polar_coordinates_out *out)
 {
-    const float t0 = sqrtf(wmrgen_fma(in->x, in->x, in->y * in->y));
-    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->theta);
+    const float rho = sqrtf(wmrgen_fma(in->x, in->x, in->y * in->y));
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->theta);
     const float alpha_value = wmrgen_arctangent2(
-        wmrgen_fma(in->x, t1.y, -(in->y * t1.x)), -wmrgen_fma(in->x, t1.x, in->y * t1.y));
+        wmrgen_fma(in->x, t0.y, -(in->y * t0.x)), -wmrgen_fma(in->x, t0.x, in->y * t0.y));
 
-    out->rho = t0;
+    out->rho = rho;
     out->alpha = alpha_value;
     out->beta = -(in->theta + alpha_value);
 }
@@ -1333,15 +1335,15 @@ void textbook_polar_closed_loop(
     const textbook_polar_closed_loop_in *in,
     textbook_polar_closed_loop_out *out)
 {
-    const float t0 = in->k_rho * in->rho;
-    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->alpha);
+    const float v = in->k_rho * in->rho;
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->alpha);
     const float steer = wmrgen_fma(in->alpha, in->k_alpha, in->beta * in->k_beta);
-    const float swing = in->k_rho * t1.y;
+    const float swing = in->k_rho * t0.y;
 
-    out->rho_rate = -(t1.x * t0);
+    out->rho_rate = -(t0.x * v);
     out->alpha_rate = swing - steer;
     out->beta_rate = -swing;
-    out->v = t0;
+    out->v = v;
     out->omega = steer;
 }
 
@@ -1349,20 +1351,20 @@ void textbook_polar_linearisation(
     const textbook_polar_linearisation_in *in,
     textbook_polar_linearisation_out *out)
 {
-    const float t0 = -in->k_rho;
-    const float t1 = in->k_rho - in->k_alpha;
+    const float a11 = -in->k_rho;
+    const float a22 = in->k_rho - in->k_alpha;
 
-    out->a11 = t0;
+    out->a11 = a11;
     out->a12 = 0.0f;
     out->a13 = 0.0f;
     out->a21 = 0.0f;
-    out->a22 = t1;
+    out->a22 = a22;
     out->a23 = -in->k_beta;
     out->a31 = 0.0f;
-    out->a32 = t0;
+    out->a32 = a11;
     out->a33 = 0.0f;
     out->p2 = in->k_alpha;
-    out->p1 = -(in->k_rho * (t1 + in->k_beta));
+    out->p1 = -(in->k_rho * (a22 + in->k_beta));
     out->p0 = -(in->k_beta * (in->k_rho * in->k_rho));
 }
 
@@ -1374,13 +1376,13 @@ void textbook_polar_gains(const textbook_polar_gains_in *in, textbook_polar_gain
     const float hurwitz = (signs < t1) ? signs : t1;
     const float t2 = wmrgen_fma((-0.63661975f), in->k_rho, in->k_alpha);
     const float t3 = wmrgen_fma(1.6666666f, in->k_beta, t2);
-    const float t4 = (signs < t3) ? signs : t3;
-    const float t5 = t2 + (2.0f * in->k_beta);
-    const float t6 = (hurwitz < t5) ? hurwitz : t5;
+    const float strong_3_65 = (signs < t3) ? signs : t3;
+    const float t4 = t2 + (2.0f * in->k_beta);
+    const float strong_all_beta = (hurwitz < t4) ? hurwitz : t4;
 
     out->stable = hurwitz;
-    out->strong_3_65 = t4;
-    out->strong_all_beta = t6;
+    out->strong_3_65 = strong_3_65;
+    out->strong_all_beta = strong_all_beta;
 }
 
 void textbook_turning_radius(
@@ -1399,15 +1401,15 @@ void textbook_turning_radius(
 void textbook_pursuit(const textbook_pursuit_in *in, textbook_pursuit_out *out)
 {
     const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->epsilon);
-    const float t1 = wmrgen_arctangent2(2.0f * (in->wheelbase * t0.y), in->distance);
+    const float psi = wmrgen_arctangent2(2.0f * (in->wheelbase * t0.y), in->distance);
     const float k = (1e-12f < fabsf(in->distance)) ? (2.0f * (t0.y / wmrgen_at_least(in->distance, 1e-12f))) : 0.0f;
-    const float t2 = in->distance * in->distance;
-    const float g = (1e-12f < fabsf(t2)) ? (2.0f / wmrgen_at_least(t2, 1e-12f)) : 0.0f;
+    const float t1 = in->distance * in->distance;
+    const float g = (1e-12f < fabsf(t1)) ? (2.0f / wmrgen_at_least(t1, 1e-12f)) : 0.0f;
     const float straight = fabsf(t0.y);
     const float ratio = (1e-12f < straight) ? (in->epsilon / wmrgen_at_least(t0.y, 1e-12f)) : 0.0f;
     const float longer = (1e-12f < straight) ? ratio : 1.0f;
 
-    out->psi = t1;
+    out->psi = psi;
     out->curvature = k;
     out->offset = t0.y * in->distance;
     out->gain = g;
@@ -1434,11 +1436,11 @@ void textbook_car_bounds(const textbook_car_bounds_in *in, textbook_car_bounds_o
     const float t3 = wmrgen_fma(in->u1_max, in->u1_max, -(in->v * in->v));
     const float t4 = (t3 < 0.0f) ? 0.0f : t3;
     const float turn_outer = (1e-12f < t2) ? (t1 * sqrtf(t4)) : 0.0f;
-    const float t5 = (turn_inner < turn_outer) ? turn_inner : turn_outer;
+    const float omega_max_exact = (turn_inner < turn_outer) ? turn_inner : turn_outer;
 
     out->v_max = fastest;
     out->omega_max = turn_inner;
-    out->omega_max_exact = t5;
+    out->omega_max_exact = omega_max_exact;
     out->reeds_shepp = fastest;
     out->dubins = fastest;
 }

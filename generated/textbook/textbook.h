@@ -14,7 +14,7 @@
 
 #define TEXTBOOK_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_MODEL_HASH "814729678ca65309d3818b984f89e9e7" /**< digest of the model */
-#define TEXTBOOK_PAIR_a6aea91e56b342ce 1 /**< header and source of one run have the same */
+#define TEXTBOOK_PAIR_93764b62f34d03dd 1 /**< header and source of one run have the same */
 
 #ifdef __cplusplus
 extern "C" {

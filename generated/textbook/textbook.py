@@ -173,17 +173,17 @@ def rotation_world_to_robot(theta):
     """
     xp, arguments = _arrays(theta)
     theta, = arguments
-    _t0 = xp.cos(theta)
-    _t1 = xp.sin(theta)
+    _m11 = xp.cos(theta)
+    _m12 = xp.sin(theta)
     return _results(
         xp,
         arguments,
         {
-            "m11": _t0,
-            "m12": _t1,
+            "m11": _m11,
+            "m12": _m12,
             "m13": 0.0,
-            "m21": -_t1,
-            "m22": _t0 * 1.0,
+            "m21": -_m12,
+            "m22": _m11 * 1.0,
             "m23": 0.0 * 1.0,
             "m31": 0.0 * 1.0,
             "m32": 0.0 * 1.0,
@@ -210,17 +210,17 @@ def rotation_robot_to_world(theta):
     """
     xp, arguments = _arrays(theta)
     theta, = arguments
-    _t0 = xp.cos(theta)
-    _t1 = xp.sin(theta)
+    _m11 = xp.cos(theta)
+    _m21 = xp.sin(theta)
     return _results(
         xp,
         arguments,
         {
-            "m11": _t0,
-            "m12": -_t1,
+            "m11": _m11,
+            "m12": -_m21,
             "m13": 0.0,
-            "m21": _t1,
-            "m22": _t0 * 1.0,
+            "m21": _m21,
+            "m22": _m11 * 1.0,
             "m23": 0.0 * 1.0,
             "m31": 0.0 * 1.0,
             "m32": 0.0 * 1.0,
@@ -385,8 +385,8 @@ def rotation_x(angle):
     """
     xp, arguments = _arrays(angle)
     angle, = arguments
-    _t0 = xp.cos(angle)
-    _t1 = xp.sin(angle)
+    _m22 = xp.cos(angle)
+    _m32 = xp.sin(angle)
     return _results(
         xp,
         arguments,
@@ -395,11 +395,11 @@ def rotation_x(angle):
             "m12": 0.0,
             "m13": 0.0 * 1.0,
             "m21": 0.0 * 1.0,
-            "m22": _t0,
-            "m23": -_t1,
+            "m22": _m22,
+            "m23": -_m32,
             "m31": 0.0 * 1.0,
-            "m32": _t1,
-            "m33": _t0 * 1.0,
+            "m32": _m32,
+            "m33": _m22 * 1.0,
         },
     )
 
@@ -422,21 +422,21 @@ def rotation_y(angle):
     """
     xp, arguments = _arrays(angle)
     angle, = arguments
-    _t0 = xp.cos(angle)
-    _t1 = xp.sin(angle)
+    _m11 = xp.cos(angle)
+    _m13 = xp.sin(angle)
     return _results(
         xp,
         arguments,
         {
-            "m11": _t0,
+            "m11": _m11,
             "m12": 0.0,
-            "m13": _t1,
+            "m13": _m13,
             "m21": 0.0 * 1.0,
             "m22": 1.0,
             "m23": 0.0 * 1.0,
-            "m31": -_t1,
+            "m31": -_m13,
             "m32": 0.0 * 1.0,
-            "m33": _t0 * 1.0,
+            "m33": _m11 * 1.0,
         },
     )
 
@@ -459,17 +459,17 @@ def rotation_z(angle):
     """
     xp, arguments = _arrays(angle)
     angle, = arguments
-    _t0 = xp.cos(angle)
-    _t1 = xp.sin(angle)
+    _m11 = xp.cos(angle)
+    _m21 = xp.sin(angle)
     return _results(
         xp,
         arguments,
         {
-            "m11": _t0,
-            "m12": -_t1,
+            "m11": _m11,
+            "m12": -_m21,
             "m13": 0.0,
-            "m21": _t1,
-            "m22": _t0 * 1.0,
+            "m21": _m21,
+            "m22": _m11 * 1.0,
             "m23": 0.0 * 1.0,
             "m31": 0.0 * 1.0,
             "m32": 0.0 * 1.0,
@@ -559,9 +559,9 @@ def transform_compose(a11, a12, a13, a21, a22, a23, a31, a32, a33, pa_x, pa_y, p
     """
     xp, arguments = _arrays(a11, a12, a13, a21, a22, a23, a31, a32, a33, pa_x, pa_y, pa_z, b11, b12, b13, b21, b22, b23, b31, b32, b33, pb_x, pb_y, pb_z)
     a11, a12, a13, a21, a22, a23, a31, a32, a33, pa_x, pa_y, pa_z, b11, b12, b13, b21, b22, b23, b31, b32, b33, pb_x, pb_y, pb_z = arguments
-    _t0 = pa_x + (a13 * pb_z + (a11 * pb_x + a12 * pb_y))
-    _t1 = pa_y + (a23 * pb_z + (a21 * pb_x + a22 * pb_y))
-    _t2 = pa_z + (a33 * pb_z + (a31 * pb_x + a32 * pb_y))
+    _p_x = pa_x + (a13 * pb_z + (a11 * pb_x + a12 * pb_y))
+    _p_y = pa_y + (a23 * pb_z + (a21 * pb_x + a22 * pb_y))
+    _p_z = pa_z + (a33 * pb_z + (a31 * pb_x + a32 * pb_y))
     return _results(
         xp,
         arguments,
@@ -575,9 +575,9 @@ def transform_compose(a11, a12, a13, a21, a22, a23, a31, a32, a33, pa_x, pa_y, p
             "r31": b31 * a33 + (b11 * a31 + b21 * a32),
             "r32": b32 * a33 + (b12 * a31 + b22 * a32),
             "r33": b33 * a33 + (b13 * a31 + b23 * a32),
-            "p.x": _t0,
-            "p.y": _t1,
-            "p.z": _t2,
+            "p.x": _p_x,
+            "p.y": _p_y,
+            "p.z": _p_z,
         },
     )
 
@@ -740,13 +740,13 @@ def inverse_3x2(j11, j12, j21, j22, j31, j32):
     xp, arguments = _arrays(j11, j12, j21, j22, j31, j32)
     j11, j12, j21, j22, j31, j32 = arguments
     _g01 = j31 * j32 + (j11 * j12 + j21 * j22)
-    _t0 = _g01 * _g01
+    _g01_squared = _g01 * _g01
     _g00 = j31 * j31 + (j11 * j11 + j21 * j21)
     _g11 = j32 * j32 + (j12 * j12 + j22 * j22)
-    _t1 = _g00 * _g11
-    _determinant = _t1 - _t0
+    _t0 = _g00 * _g11
+    _determinant = _t0 - _g01_squared
     _factor_divisor = _at_least(xp, _determinant, 1e-12)
-    _factor = _select(xp, 1e-12, xp.abs(_t0 - _t1), 1.0 / _factor_divisor, 0.0)
+    _factor = _select(xp, 1e-12, xp.abs(_g01_squared - _t0), 1.0 / _factor_divisor, 0.0)
     return _results(
         xp,
         arguments,
@@ -788,13 +788,13 @@ def inverse_4x2(j11, j12, j21, j22, j31, j32, j41, j42):
     xp, arguments = _arrays(j11, j12, j21, j22, j31, j32, j41, j42)
     j11, j12, j21, j22, j31, j32, j41, j42 = arguments
     _g01 = j41 * j42 + (j31 * j32 + (j11 * j12 + j21 * j22))
-    _t0 = _g01 * _g01
+    _g01_squared = _g01 * _g01
     _g00 = j41 * j41 + (j31 * j31 + (j11 * j11 + j21 * j21))
     _g11 = j42 * j42 + (j32 * j32 + (j12 * j12 + j22 * j22))
-    _t1 = _g00 * _g11
-    _determinant = _t1 - _t0
+    _t0 = _g00 * _g11
+    _determinant = _t0 - _g01_squared
     _factor_divisor = _at_least(xp, _determinant, 1e-12)
-    _factor = _select(xp, 1e-12, xp.abs(_t0 - _t1), 1.0 / _factor_divisor, 0.0)
+    _factor = _select(xp, 1e-12, xp.abs(_g01_squared - _t0), 1.0 / _factor_divisor, 0.0)
     return _results(
         xp,
         arguments,
@@ -857,45 +857,45 @@ def inverse_4x3(j11, j12, j13, j21, j22, j23, j31, j32, j33, j41, j42, j43):
     _determinant = _g02 * _c02 + (_c00 * _g00 + _g01 * _c01)
     _factor_divisor = _at_least(xp, _determinant, 1e-12)
     _factor = _select(xp, 1e-12, xp.abs(_determinant), 1.0 / _factor_divisor, 0.0)
-    _t0 = _factor * (j13 * _c02 + (j11 * _c00 + j12 * _c01))
-    _t1 = _factor * (j23 * _c02 + (_c00 * j21 + j22 * _c01))
-    _t2 = _factor * (j33 * _c02 + (_c00 * j31 + j32 * _c01))
-    _t3 = _factor * (j43 * _c02 + (_c00 * j41 + j42 * _c01))
-    _t4 = j12 * _factor
+    _p11 = _factor * (j13 * _c02 + (j11 * _c00 + j12 * _c01))
+    _p12 = _factor * (j23 * _c02 + (_c00 * j21 + j22 * _c01))
+    _p13 = _factor * (j33 * _c02 + (_c00 * j31 + j32 * _c01))
+    _p14 = _factor * (j43 * _c02 + (_c00 * j41 + j42 * _c01))
+    _t0 = j12 * _factor
     _c11 = _g22 * _g00 - _g02 * _g02
-    _t5 = j13 * _factor
+    _t1 = j13 * _factor
     _c12 = _g02 * _g01 - _g12 * _g00
-    _t6 = _c12 * _t5 + (_factor * (j11 * _c01) + _c11 * _t4)
-    _t7 = j22 * _factor
-    _t8 = j23 * _factor
-    _t9 = _c12 * _t8 + (_factor * (j21 * _c01) + _c11 * _t7)
-    _t10 = j32 * _factor
-    _t11 = j33 * _factor
-    _t12 = _c12 * _t11 + (_factor * (j31 * _c01) + _c11 * _t10)
-    _t13 = j42 * _factor
-    _t14 = j43 * _factor
-    _t15 = _c12 * _t14 + (_factor * (j41 * _c01) + _c11 * _t13)
+    _p21 = _c12 * _t1 + (_factor * (j11 * _c01) + _c11 * _t0)
+    _t2 = j22 * _factor
+    _t3 = j23 * _factor
+    _p22 = _c12 * _t3 + (_factor * (j21 * _c01) + _c11 * _t2)
+    _t4 = j32 * _factor
+    _t5 = j33 * _factor
+    _p23 = _c12 * _t5 + (_factor * (j31 * _c01) + _c11 * _t4)
+    _t6 = j42 * _factor
+    _t7 = j43 * _factor
+    _p24 = _c12 * _t7 + (_factor * (j41 * _c01) + _c11 * _t6)
     _c22 = _g11 * _g00 - _g01 * _g01
-    _t16 = _t5 * _c22 + (_factor * (j11 * _c02) + _t4 * _c12)
-    _t17 = _t8 * _c22 + (_factor * (j21 * _c02) + _c12 * _t7)
-    _t18 = _t11 * _c22 + (_factor * (j31 * _c02) + _c12 * _t10)
-    _t19 = _t14 * _c22 + (_factor * (j41 * _c02) + _c12 * _t13)
+    _p31 = _t1 * _c22 + (_factor * (j11 * _c02) + _t0 * _c12)
+    _p32 = _t3 * _c22 + (_factor * (j21 * _c02) + _c12 * _t2)
+    _p33 = _t5 * _c22 + (_factor * (j31 * _c02) + _c12 * _t4)
+    _p34 = _t7 * _c22 + (_factor * (j41 * _c02) + _c12 * _t6)
     return _results(
         xp,
         arguments,
         {
-            "p11": _t0,
-            "p12": _t1,
-            "p13": _t2,
-            "p14": _t3,
-            "p21": _t6,
-            "p22": _t9,
-            "p23": _t12,
-            "p24": _t15,
-            "p31": _t16,
-            "p32": _t17,
-            "p33": _t18,
-            "p34": _t19,
+            "p11": _p11,
+            "p12": _p12,
+            "p13": _p13,
+            "p14": _p14,
+            "p21": _p21,
+            "p22": _p22,
+            "p23": _p23,
+            "p24": _p24,
+            "p31": _p31,
+            "p32": _p32,
+            "p33": _p33,
+            "p34": _p34,
             "det": _determinant,
         },
     )
@@ -923,13 +923,13 @@ def inverse_2x3(j11, j12, j13, j21, j22, j23):
     xp, arguments = _arrays(j11, j12, j13, j21, j22, j23)
     j11, j12, j13, j21, j22, j23 = arguments
     _g01 = j13 * j23 + (j11 * j21 + j12 * j22)
-    _t0 = _g01 * _g01
+    _g01_squared = _g01 * _g01
     _g00 = j13 * j13 + (j11 * j11 + j12 * j12)
     _g11 = j23 * j23 + (j21 * j21 + j22 * j22)
-    _t1 = _g00 * _g11
-    _determinant = _t1 - _t0
+    _t0 = _g00 * _g11
+    _determinant = _t0 - _g01_squared
     _factor_divisor = _at_least(xp, _determinant, 1e-12)
-    _factor = _select(xp, 1e-12, xp.abs(_t0 - _t1), 1.0 / _factor_divisor, 0.0)
+    _factor = _select(xp, 1e-12, xp.abs(_g01_squared - _t0), 1.0 / _factor_divisor, 0.0)
     return _results(
         xp,
         arguments,
@@ -971,13 +971,13 @@ def inverse_2x4(j11, j12, j13, j14, j21, j22, j23, j24):
     xp, arguments = _arrays(j11, j12, j13, j14, j21, j22, j23, j24)
     j11, j12, j13, j14, j21, j22, j23, j24 = arguments
     _g01 = j14 * j24 + (j13 * j23 + (j11 * j21 + j12 * j22))
-    _t0 = _g01 * _g01
+    _g01_squared = _g01 * _g01
     _g00 = j14 * j14 + (j13 * j13 + (j11 * j11 + j12 * j12))
     _g11 = j24 * j24 + (j23 * j23 + (j21 * j21 + j22 * j22))
-    _t1 = _g00 * _g11
-    _determinant = _t1 - _t0
+    _t0 = _g00 * _g11
+    _determinant = _t0 - _g01_squared
     _factor_divisor = _at_least(xp, _determinant, 1e-12)
-    _factor = _select(xp, 1e-12, xp.abs(_t0 - _t1), 1.0 / _factor_divisor, 0.0)
+    _factor = _select(xp, 1e-12, xp.abs(_g01_squared - _t0), 1.0 / _factor_divisor, 0.0)
     return _results(
         xp,
         arguments,
@@ -1040,45 +1040,45 @@ def inverse_3x4(j11, j12, j13, j14, j21, j22, j23, j24, j31, j32, j33, j34):
     _determinant = _g02 * _c02 + (_c00 * _g00 + _g01 * _c01)
     _factor_divisor = _at_least(xp, _determinant, 1e-12)
     _factor = _select(xp, 1e-12, xp.abs(_determinant), 1.0 / _factor_divisor, 0.0)
-    _t0 = _factor * (j31 * _c02 + (j11 * _c00 + j21 * _c01))
-    _t1 = j21 * _factor
+    _p11 = _factor * (j31 * _c02 + (j11 * _c00 + j21 * _c01))
+    _t0 = j21 * _factor
     _c11 = _g22 * _g00 - _g02 * _g02
-    _t2 = j31 * _factor
+    _t1 = j31 * _factor
     _c12 = _g02 * _g01 - _g12 * _g00
-    _t3 = _c12 * _t2 + (_factor * (j11 * _c01) + _c11 * _t1)
+    _p12 = _c12 * _t1 + (_factor * (j11 * _c01) + _c11 * _t0)
     _c22 = _g11 * _g00 - _g01 * _g01
-    _t4 = _t2 * _c22 + (_factor * (j11 * _c02) + _t1 * _c12)
-    _t5 = _factor * (j32 * _c02 + (_c00 * j12 + j22 * _c01))
-    _t6 = j22 * _factor
-    _t7 = j32 * _factor
-    _t8 = _c12 * _t7 + (_factor * (j12 * _c01) + _c11 * _t6)
-    _t9 = _c22 * _t7 + (_factor * (j12 * _c02) + _c12 * _t6)
-    _t10 = _factor * (j33 * _c02 + (_c00 * j13 + j23 * _c01))
-    _t11 = j23 * _factor
-    _t12 = j33 * _factor
-    _t13 = _c12 * _t12 + (_factor * (j13 * _c01) + _c11 * _t11)
-    _t14 = _c22 * _t12 + (_factor * (j13 * _c02) + _c12 * _t11)
-    _t15 = _factor * (j34 * _c02 + (_c00 * j14 + j24 * _c01))
-    _t16 = j24 * _factor
-    _t17 = j34 * _factor
-    _t18 = _c12 * _t17 + (_factor * (j14 * _c01) + _c11 * _t16)
-    _t19 = _c22 * _t17 + (_factor * (j14 * _c02) + _c12 * _t16)
+    _p13 = _t1 * _c22 + (_factor * (j11 * _c02) + _t0 * _c12)
+    _p21 = _factor * (j32 * _c02 + (_c00 * j12 + j22 * _c01))
+    _t2 = j22 * _factor
+    _t3 = j32 * _factor
+    _p22 = _c12 * _t3 + (_factor * (j12 * _c01) + _c11 * _t2)
+    _p23 = _c22 * _t3 + (_factor * (j12 * _c02) + _c12 * _t2)
+    _p31 = _factor * (j33 * _c02 + (_c00 * j13 + j23 * _c01))
+    _t4 = j23 * _factor
+    _t5 = j33 * _factor
+    _p32 = _c12 * _t5 + (_factor * (j13 * _c01) + _c11 * _t4)
+    _p33 = _c22 * _t5 + (_factor * (j13 * _c02) + _c12 * _t4)
+    _p41 = _factor * (j34 * _c02 + (_c00 * j14 + j24 * _c01))
+    _t6 = j24 * _factor
+    _t7 = j34 * _factor
+    _p42 = _c12 * _t7 + (_factor * (j14 * _c01) + _c11 * _t6)
+    _p43 = _c22 * _t7 + (_factor * (j14 * _c02) + _c12 * _t6)
     return _results(
         xp,
         arguments,
         {
-            "p11": _t0,
-            "p12": _t3,
-            "p13": _t4,
-            "p21": _t5,
-            "p22": _t8,
-            "p23": _t9,
-            "p31": _t10,
-            "p32": _t13,
-            "p33": _t14,
-            "p41": _t15,
-            "p42": _t18,
-            "p43": _t19,
+            "p11": _p11,
+            "p12": _p12,
+            "p13": _p13,
+            "p21": _p21,
+            "p22": _p22,
+            "p23": _p23,
+            "p31": _p31,
+            "p32": _p32,
+            "p33": _p33,
+            "p41": _p41,
+            "p42": _p42,
+            "p43": _p43,
             "det": _determinant,
         },
     )
@@ -1170,16 +1170,16 @@ def moving_frame_velocity(v_m_x, v_m_y, v_m_z, omega_x, omega_y, omega_z, r_x, r
     """
     xp, arguments = _arrays(v_m_x, v_m_y, v_m_z, omega_x, omega_y, omega_z, r_x, r_y, r_z, v_o_x, v_o_y, v_o_z)
     v_m_x, v_m_y, v_m_z, omega_x, omega_y, omega_z, r_x, r_y, r_z, v_o_x, v_o_y, v_o_z = arguments
-    _t0 = v_o_x + (v_m_x + (omega_y * r_z - omega_z * r_y))
-    _t1 = v_o_y + (v_m_y + (omega_z * r_x - r_z * omega_x))
-    _t2 = v_o_z + (v_m_z + (r_y * omega_x - omega_y * r_x))
+    _v_x = v_o_x + (v_m_x + (omega_y * r_z - omega_z * r_y))
+    _v_y = v_o_y + (v_m_y + (omega_z * r_x - r_z * omega_x))
+    _v_z = v_o_z + (v_m_z + (r_y * omega_x - omega_y * r_x))
     return _results(
         xp,
         arguments,
         {
-            "v.x": _t0,
-            "v.y": _t1,
-            "v.z": _t2,
+            "v.x": _v_x,
+            "v.y": _v_y,
+            "v.z": _v_z,
         },
     )
 
@@ -1224,32 +1224,35 @@ def moving_frame_acceleration(a_m_x, a_m_y, a_m_z, alpha_x, alpha_y, alpha_z, om
     a_m_x, a_m_y, a_m_z, alpha_x, alpha_y, alpha_z, omega_x, omega_y, omega_z, r_x, r_y, r_z, v_o_x, v_o_y, v_o_z, a_o_x, a_o_y, a_o_z = arguments
     _t0 = omega_x * r_y - omega_y * r_x
     _t1 = r_x * omega_z - omega_x * r_z
-    _t2 = omega_y * _t0 - omega_z * _t1
-    _t3 = alpha_y * r_z - r_y * alpha_z
-    _t4 = 2.0 * (omega_y * v_o_z - omega_z * v_o_y)
-    _t5 = omega_y * r_z - r_y * omega_z
-    _t6 = omega_z * _t5 - omega_x * _t0
-    _t7 = r_x * alpha_z - r_z * alpha_x
-    _t8 = 2.0 * (omega_z * v_o_x - omega_x * v_o_z)
-    _t9 = omega_x * _t1 - omega_y * _t5
-    _t10 = r_y * alpha_x - r_x * alpha_y
-    _t11 = 2.0 * (omega_x * v_o_y - omega_y * v_o_x)
+    _centripetal_x = omega_y * _t0 - omega_z * _t1
+    _euler_x = alpha_y * r_z - r_y * alpha_z
+    _t2 = _centripetal_x + (a_o_x + (a_m_x + _euler_x))
+    _coriolis_x = 2.0 * (omega_y * v_o_z - omega_z * v_o_y)
+    _t3 = omega_y * r_z - r_y * omega_z
+    _centripetal_y = omega_z * _t3 - omega_x * _t0
+    _euler_y = r_x * alpha_z - r_z * alpha_x
+    _t4 = _centripetal_y + (a_o_y + (a_m_y + _euler_y))
+    _coriolis_y = 2.0 * (omega_z * v_o_x - omega_x * v_o_z)
+    _centripetal_z = omega_x * _t1 - omega_y * _t3
+    _euler_z = r_y * alpha_x - r_x * alpha_y
+    _t5 = _centripetal_z + (a_o_z + (a_m_z + _euler_z))
+    _coriolis_z = 2.0 * (omega_x * v_o_y - omega_y * v_o_x)
     return _results(
         xp,
         arguments,
         {
-            "a.x": _t4 + (_t2 + (a_o_x + (a_m_x + _t3))),
-            "a.y": _t8 + (_t6 + (a_o_y + (a_m_y + _t7))),
-            "a.z": _t11 + (_t9 + (a_o_z + (a_m_z + _t10))),
-            "euler.x": _t3,
-            "euler.y": _t7,
-            "euler.z": _t10,
-            "centripetal.x": _t2,
-            "centripetal.y": _t6,
-            "centripetal.z": _t9,
-            "coriolis.x": _t4,
-            "coriolis.y": _t8,
-            "coriolis.z": _t11,
+            "a.x": _coriolis_x + _t2,
+            "a.y": _coriolis_y + _t4,
+            "a.z": _coriolis_z + _t5,
+            "euler.x": _euler_x,
+            "euler.y": _euler_y,
+            "euler.z": _euler_z,
+            "centripetal.x": _centripetal_x,
+            "centripetal.y": _centripetal_y,
+            "centripetal.z": _centripetal_z,
+            "coriolis.x": _coriolis_x,
+            "coriolis.y": _coriolis_y,
+            "coriolis.z": _coriolis_z,
         },
     )
 
@@ -1377,29 +1380,29 @@ def omega_matrix(omega_x, omega_y, omega_z):
     omega_x, omega_y, omega_z = arguments
     _t0 = omega_y * omega_y
     _t1 = omega_z * omega_z
-    _t2 = omega_y * omega_x
-    _t3 = omega_z * omega_x
-    _t4 = omega_x * omega_x
-    _t5 = omega_y * omega_z
+    _o12 = omega_y * omega_x
+    _o13 = omega_z * omega_x
+    _t2 = omega_x * omega_x
+    _o23 = omega_y * omega_z
     return _results(
         xp,
         arguments,
         {
             "o11": -(_t0 + _t1),
-            "o12": _t2,
-            "o13": _t3,
+            "o12": _o12,
+            "o13": _o13,
             "o14": 0.0,
             "o15": (-2.0) * omega_z,
             "o16": 2.0 * omega_y,
-            "o21": _t2 * 1.0,
-            "o22": -(_t1 + _t4),
-            "o23": _t5,
+            "o21": _o12 * 1.0,
+            "o22": -(_t1 + _t2),
+            "o23": _o23,
             "o24": 2.0 * omega_z,
             "o25": 0.0 * 1.0,
             "o26": (-2.0) * omega_x,
-            "o31": _t3 * 1.0,
-            "o32": _t5 * 1.0,
-            "o33": -(_t0 + _t4),
+            "o31": _o13 * 1.0,
+            "o32": _o23 * 1.0,
+            "o33": -(_t0 + _t2),
             "o34": (-2.0) * omega_y,
             "o35": 2.0 * omega_x,
             "o36": 0.0 * 1.0,
@@ -1440,18 +1443,18 @@ def two_step_velocity(r_1_x, r_1_y, r_1_z, r_2_x, r_2_y, r_2_z, v_1_x, v_1_y, v_
     xp, arguments = _arrays(r_1_x, r_1_y, r_1_z, r_2_x, r_2_y, r_2_z, v_1_x, v_1_y, v_1_z, omega_1_x, omega_1_y, omega_1_z, v_2_x, v_2_y, v_2_z, omega_2_x, omega_2_y, omega_2_z, v_o_x, v_o_y, v_o_z)
     r_1_x, r_1_y, r_1_z, r_2_x, r_2_y, r_2_z, v_1_x, v_1_y, v_1_z, omega_1_x, omega_1_y, omega_1_z, v_2_x, v_2_y, v_2_z, omega_2_x, omega_2_y, omega_2_z, v_o_x, v_o_y, v_o_z = arguments
     _t0 = omega_1_y * r_1_z + omega_2_y * r_2_z - omega_1_z * r_1_y
-    _t1 = v_o_x + (v_2_x + (v_1_x + (_t0 - omega_2_z * r_2_y)))
-    _t2 = omega_1_z * r_1_x + omega_2_z * r_2_x - r_1_z * omega_1_x
-    _t3 = v_o_y + (v_2_y + (v_1_y + (_t2 - r_2_z * omega_2_x)))
-    _t4 = r_1_y * omega_1_x + r_2_y * omega_2_x - omega_1_y * r_1_x
-    _t5 = v_o_z + (v_2_z + (v_1_z + (_t4 - omega_2_y * r_2_x)))
+    _v_x = v_o_x + (v_2_x + (v_1_x + (_t0 - omega_2_z * r_2_y)))
+    _t1 = omega_1_z * r_1_x + omega_2_z * r_2_x - r_1_z * omega_1_x
+    _v_y = v_o_y + (v_2_y + (v_1_y + (_t1 - r_2_z * omega_2_x)))
+    _t2 = r_1_y * omega_1_x + r_2_y * omega_2_x - omega_1_y * r_1_x
+    _v_z = v_o_z + (v_2_z + (v_1_z + (_t2 - omega_2_y * r_2_x)))
     return _results(
         xp,
         arguments,
         {
-            "v.x": _t1,
-            "v.y": _t3,
-            "v.z": _t5,
+            "v.x": _v_x,
+            "v.y": _v_y,
+            "v.z": _v_z,
         },
     )
 
@@ -1565,24 +1568,24 @@ def articulated_wheel_velocity(r_vehicle_x, r_vehicle_y, r_vehicle_z, r_steer_x,
     xp, arguments = _arrays(r_vehicle_x, r_vehicle_y, r_vehicle_z, r_steer_x, r_steer_y, r_steer_z, v_vehicle_x, v_vehicle_y, v_vehicle_z, omega_vehicle_x, omega_vehicle_y, omega_vehicle_z, v_steer_x, v_steer_y, v_steer_z, omega_steer_x, omega_steer_y, omega_steer_z, v_o_x, v_o_y, v_o_z)
     r_vehicle_x, r_vehicle_y, r_vehicle_z, r_steer_x, r_steer_y, r_steer_z, v_vehicle_x, v_vehicle_y, v_vehicle_z, omega_vehicle_x, omega_vehicle_y, omega_vehicle_z, v_steer_x, v_steer_y, v_steer_z, omega_steer_x, omega_steer_y, omega_steer_z, v_o_x, v_o_y, v_o_z = arguments
     _t0 = omega_steer_y * r_steer_z - omega_steer_z * r_steer_y
-    _t1 = v_o_x + v_steer_x + _t0
-    _t2 = omega_vehicle_y * r_vehicle_z - omega_vehicle_z * r_vehicle_y
-    _t3 = omega_steer_z * r_steer_x - r_steer_z * omega_steer_x
-    _t4 = v_o_y + v_steer_y + _t3
-    _t5 = omega_vehicle_z * r_vehicle_x - r_vehicle_z * omega_vehicle_x
-    _t6 = r_steer_y * omega_steer_x - omega_steer_y * r_steer_x
-    _t7 = v_o_z + v_steer_z + _t6
-    _t8 = r_vehicle_y * omega_vehicle_x - omega_vehicle_y * r_vehicle_x
+    _v_seen_x = v_o_x + v_steer_x + _t0
+    _t1 = omega_vehicle_y * r_vehicle_z - omega_vehicle_z * r_vehicle_y
+    _t2 = omega_steer_z * r_steer_x - r_steer_z * omega_steer_x
+    _v_seen_y = v_o_y + v_steer_y + _t2
+    _t3 = omega_vehicle_z * r_vehicle_x - r_vehicle_z * omega_vehicle_x
+    _t4 = r_steer_y * omega_steer_x - omega_steer_y * r_steer_x
+    _v_seen_z = v_o_z + v_steer_z + _t4
+    _t5 = r_vehicle_y * omega_vehicle_x - omega_vehicle_y * r_vehicle_x
     return _results(
         xp,
         arguments,
         {
-            "v.x": _t1 + (v_vehicle_x + _t2),
-            "v.y": _t4 + (v_vehicle_y + _t5),
-            "v.z": _t7 + (v_vehicle_z + _t8),
-            "v_seen.x": _t1,
-            "v_seen.y": _t4,
-            "v_seen.z": _t7,
+            "v.x": _v_seen_x + (v_vehicle_x + _t1),
+            "v.y": _v_seen_y + (v_vehicle_y + _t3),
+            "v.z": _v_seen_z + (v_vehicle_z + _t5),
+            "v_seen.x": _v_seen_x,
+            "v_seen.y": _v_seen_y,
+            "v_seen.z": _v_seen_z,
         },
     )
 
@@ -1635,42 +1638,42 @@ def articulated_wheel_acceleration(r_vehicle_x, r_vehicle_y, r_vehicle_z, r_stee
     xp, arguments = _arrays(r_vehicle_x, r_vehicle_y, r_vehicle_z, r_steer_x, r_steer_y, r_steer_z, a_vehicle_x, a_vehicle_y, a_vehicle_z, alpha_vehicle_x, alpha_vehicle_y, alpha_vehicle_z, omega_vehicle_x, omega_vehicle_y, omega_vehicle_z, v_steer_x, v_steer_y, v_steer_z, a_steer_x, a_steer_y, a_steer_z, alpha_steer_x, alpha_steer_y, alpha_steer_z, omega_steer_x, omega_steer_y, omega_steer_z, v_o_x, v_o_y, v_o_z, a_o_x, a_o_y, a_o_z)
     r_vehicle_x, r_vehicle_y, r_vehicle_z, r_steer_x, r_steer_y, r_steer_z, a_vehicle_x, a_vehicle_y, a_vehicle_z, alpha_vehicle_x, alpha_vehicle_y, alpha_vehicle_z, omega_vehicle_x, omega_vehicle_y, omega_vehicle_z, v_steer_x, v_steer_y, v_steer_z, a_steer_x, a_steer_y, a_steer_z, alpha_steer_x, alpha_steer_y, alpha_steer_z, omega_steer_x, omega_steer_y, omega_steer_z, v_o_x, v_o_y, v_o_z, a_o_x, a_o_y, a_o_z = arguments
     _t0 = omega_steer_x * r_steer_y - omega_steer_y * r_steer_x
-    _t1 = v_o_z + v_steer_z + _t0
-    _t2 = omega_vehicle_x * r_vehicle_y - omega_vehicle_y * r_vehicle_x
-    _t3 = 2.0 * _t1 + _t2
-    _t4 = _t0 + 2.0 * v_o_z
-    _t5 = alpha_steer_y * r_steer_z + alpha_vehicle_y * r_vehicle_z
-    _t6 = _t5 - r_steer_y * alpha_steer_z - r_vehicle_y * alpha_vehicle_z
-    _t7 = omega_steer_y * _t4 + (a_vehicle_x + (a_steer_x + (a_o_x + _t6)))
-    _t8 = r_steer_x * omega_steer_z - omega_steer_x * r_steer_z
-    _t9 = (-2.0) * v_o_y
-    _t10 = omega_steer_z * (_t9 - _t8) + (omega_vehicle_y * _t3 + _t7)
-    _t11 = omega_vehicle_x * r_vehicle_z - r_vehicle_x * omega_vehicle_z
-    _t12 = v_o_y + v_steer_y + _t8
-    _t13 = 2.0 * _t12
-    _t14 = r_steer_x * alpha_steer_z + r_vehicle_x * alpha_vehicle_z
-    _t15 = _t14 - r_steer_z * alpha_steer_x - r_vehicle_z * alpha_vehicle_x
-    _t16 = a_vehicle_y + (a_steer_y + (a_o_y + _t15)) - omega_steer_x * _t4
-    _t17 = omega_steer_y * r_steer_z - r_steer_y * omega_steer_z
-    _t18 = _t17 + 2.0 * v_o_x
-    _t19 = omega_steer_z * _t18 + (_t16 - omega_vehicle_x * _t3)
-    _t20 = v_o_x + v_steer_x + _t17
-    _t21 = omega_vehicle_y * r_vehicle_z - r_vehicle_y * omega_vehicle_z
-    _t22 = 2.0 * _t20 + _t21
-    _t23 = r_steer_y * alpha_steer_x + r_vehicle_y * alpha_vehicle_x
-    _t24 = _t23 - r_steer_x * alpha_steer_y - r_vehicle_x * alpha_vehicle_y
-    _t25 = omega_steer_x * (_t8 - _t9) + (a_vehicle_z + (a_steer_z + (a_o_z + _t24)))
-    _t26 = omega_vehicle_x * (_t13 - _t11) + (_t25 - omega_steer_y * _t18)
+    _v_seen_z = v_o_z + v_steer_z + _t0
+    _t1 = omega_vehicle_x * r_vehicle_y - omega_vehicle_y * r_vehicle_x
+    _t2 = 2.0 * _v_seen_z + _t1
+    _t3 = _t0 + 2.0 * v_o_z
+    _t4 = alpha_steer_y * r_steer_z + alpha_vehicle_y * r_vehicle_z
+    _t5 = _t4 - r_steer_y * alpha_steer_z - r_vehicle_y * alpha_vehicle_z
+    _t6 = omega_steer_y * _t3 + (a_vehicle_x + (a_steer_x + (a_o_x + _t5)))
+    _t7 = r_steer_x * omega_steer_z - omega_steer_x * r_steer_z
+    _t8 = (-2.0) * v_o_y
+    _t9 = omega_steer_z * (_t8 - _t7) + (omega_vehicle_y * _t2 + _t6)
+    _t10 = omega_vehicle_x * r_vehicle_z - r_vehicle_x * omega_vehicle_z
+    _v_seen_y = v_o_y + v_steer_y + _t7
+    _t11 = 2.0 * _v_seen_y
+    _t12 = r_steer_x * alpha_steer_z + r_vehicle_x * alpha_vehicle_z
+    _t13 = _t12 - r_steer_z * alpha_steer_x - r_vehicle_z * alpha_vehicle_x
+    _t14 = a_vehicle_y + (a_steer_y + (a_o_y + _t13)) - omega_steer_x * _t3
+    _t15 = omega_steer_y * r_steer_z - r_steer_y * omega_steer_z
+    _t16 = _t15 + 2.0 * v_o_x
+    _t17 = omega_steer_z * _t16 + (_t14 - omega_vehicle_x * _t2)
+    _v_seen_x = v_o_x + v_steer_x + _t15
+    _t18 = omega_vehicle_y * r_vehicle_z - r_vehicle_y * omega_vehicle_z
+    _t19 = 2.0 * _v_seen_x + _t18
+    _t20 = r_steer_y * alpha_steer_x + r_vehicle_y * alpha_vehicle_x
+    _t21 = _t20 - r_steer_x * alpha_steer_y - r_vehicle_x * alpha_vehicle_y
+    _t22 = omega_steer_x * (_t7 - _t8) + (a_vehicle_z + (a_steer_z + (a_o_z + _t21)))
+    _t23 = omega_vehicle_x * (_t11 - _t10) + (_t22 - omega_steer_y * _t16)
     return _results(
         xp,
         arguments,
         {
-            "a.x": omega_vehicle_z * (_t11 - _t13) + _t10,
-            "a.y": omega_vehicle_z * _t22 + _t19,
-            "a.z": _t26 - omega_vehicle_y * _t22,
-            "v_seen.x": _t20,
-            "v_seen.y": _t12,
-            "v_seen.z": _t1,
+            "a.x": omega_vehicle_z * (_t10 - _t11) + _t9,
+            "a.y": omega_vehicle_z * _t19 + _t17,
+            "a.z": _t23 - omega_vehicle_y * _t19,
+            "v_seen.x": _v_seen_x,
+            "v_seen.y": _v_seen_y,
+            "v_seen.z": _v_seen_z,
         },
     )
 
@@ -1779,17 +1782,17 @@ def specific_force(t_x, t_y, t_z, alpha_x, alpha_y, alpha_z, omega_x, omega_y, o
     _t1 = t_x + (a_x + (alpha_y * r_z - r_y * alpha_z))
     _t2 = omega_x * r_z - r_x * omega_z
     _t3 = 2.0 * v_y
-    _t4 = omega_z * (_t2 - _t3) + (omega_y * _t0 + _t1)
-    _t5 = t_y + (a_y + (r_x * alpha_z - r_z * alpha_x))
-    _t6 = 2.0 * v_x + (omega_y * r_z - r_y * omega_z)
-    _t7 = t_z + (a_z + (r_y * alpha_x - r_x * alpha_y))
+    _t_x = omega_z * (_t2 - _t3) + (omega_y * _t0 + _t1)
+    _t4 = t_y + (a_y + (r_x * alpha_z - r_z * alpha_x))
+    _t5 = 2.0 * v_x + (omega_y * r_z - r_y * omega_z)
+    _t6 = t_z + (a_z + (r_y * alpha_x - r_x * alpha_y))
     return _results(
         xp,
         arguments,
         {
-            "t.x": _t4,
-            "t.y": omega_z * _t6 + (_t5 - omega_x * _t0),
-            "t.z": omega_x * (_t3 - _t2) + _t7 - omega_y * _t6,
+            "t.x": _t_x,
+            "t.y": omega_z * _t5 + (_t4 - omega_x * _t0),
+            "t.z": omega_x * (_t3 - _t2) + _t6 - omega_y * _t5,
         },
     )
 
@@ -1832,15 +1835,15 @@ def disk_constraint(phi, x_rate, y_rate):
     """
     xp, arguments = _arrays(phi, x_rate, y_rate)
     phi, x_rate, y_rate = arguments
-    _t0 = xp.sin(phi)
-    _t1 = xp.cos(phi)
+    _w1 = xp.sin(phi)
+    _t0 = xp.cos(phi)
     return _results(
         xp,
         arguments,
         {
-            "w1": _t0,
-            "w2": -_t1,
-            "slide": _t0 * x_rate - _t1 * y_rate,
+            "w1": _w1,
+            "w2": -_t0,
+            "slide": _w1 * x_rate - _t0 * y_rate,
         },
     )
 
@@ -1884,14 +1887,14 @@ def steer_sense(r, spin, steer):
     """
     xp, arguments = _arrays(r, spin, steer)
     r, spin, steer = arguments
-    _t0 = r * spin
+    _v = r * spin
     return _results(
         xp,
         arguments,
         {
-            "v": _t0,
-            "vx": _t0 * xp.cos(steer),
-            "vy": _t0 * xp.sin(steer),
+            "v": _v,
+            "vx": _v * xp.cos(steer),
+            "vy": _v * xp.sin(steer),
         },
     )
 
@@ -2604,17 +2607,17 @@ def polar_closed_loop(rho, alpha, beta, k_rho, k_alpha, k_beta):
     """
     xp, arguments = _arrays(rho, alpha, beta, k_rho, k_alpha, k_beta)
     rho, alpha, beta, k_rho, k_alpha, k_beta = arguments
-    _t0 = k_rho * rho
+    _v = k_rho * rho
     _steer = alpha * k_alpha + beta * k_beta
     _swing = k_rho * xp.sin(alpha)
     return _results(
         xp,
         arguments,
         {
-            "rho_rate": -(xp.cos(alpha) * _t0),
+            "rho_rate": -(xp.cos(alpha) * _v),
             "alpha_rate": _swing - _steer,
             "beta_rate": -_swing,
-            "v": _t0,
+            "v": _v,
             "omega": _steer,
         },
     )
@@ -2643,23 +2646,23 @@ def polar_linearisation(k_rho, k_alpha, k_beta):
     """
     xp, arguments = _arrays(k_rho, k_alpha, k_beta)
     k_rho, k_alpha, k_beta = arguments
-    _t0 = -k_rho
-    _t1 = k_rho - k_alpha
+    _a11 = -k_rho
+    _a22 = k_rho - k_alpha
     return _results(
         xp,
         arguments,
         {
-            "a11": _t0,
+            "a11": _a11,
             "a12": 0.0,
             "a13": 0.0 * 1.0,
             "a21": 0.0 * 1.0,
-            "a22": _t1,
+            "a22": _a22,
             "a23": -k_beta,
             "a31": 0.0 * 1.0,
-            "a32": _t0 * 1.0,
+            "a32": _a11 * 1.0,
             "a33": 0.0 * 1.0,
             "p2": k_alpha * 1.0,
-            "p1": -(k_rho * (_t1 + k_beta)),
+            "p1": -(k_rho * (_a22 + k_beta)),
             "p0": -(k_beta * (k_rho * k_rho)),
         },
     )
@@ -2682,13 +2685,13 @@ def polar_gains(k_rho, k_alpha, k_beta):
     _signs = _minimum(xp, k_rho, -k_beta)
     _hurwitz = _minimum(xp, _signs, k_alpha - k_rho)
     _t0 = k_alpha - 0.6366197723675814 * k_rho
-    _t1 = _minimum(xp, _signs, _t0 + 1.6666666666666667 * k_beta)
+    _strong_3_65 = _minimum(xp, _signs, _t0 + 1.6666666666666667 * k_beta)
     return _results(
         xp,
         arguments,
         {
             "stable": _hurwitz,
-            "strong_3_65": _t1,
+            "strong_3_65": _strong_3_65,
             "strong_all_beta": _minimum(xp, _hurwitz, _t0 + 2.0 * k_beta),
         },
     )

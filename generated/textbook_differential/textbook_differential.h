@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_DIFFERENTIAL_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_DIFFERENTIAL_MODEL_HASH "d8af989a490eb93ed873b0ab73b9c54e" /**< digest of the model */
-#define TEXTBOOK_DIFFERENTIAL_PAIR_09b317290dfb83d1 1 /**< header and source of one run have the same */
+#define TEXTBOOK_DIFFERENTIAL_PAIR_1e6ac9b62123015f 1 /**< header and source of one run have the same */
 #define TEXTBOOK_DIFFERENTIAL_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_DIFFERENTIAL_RIGHT_X 0.0f /**< [m] pivot, forward of P */
 #define TEXTBOOK_DIFFERENTIAL_RIGHT_Y (-0.6f) /**< [m] pivot, to the left of P */

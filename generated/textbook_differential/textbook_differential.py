@@ -208,14 +208,14 @@ def forward(right_spin, left_spin):
     """
     xp, arguments = _arrays(right_spin, left_spin)
     right_spin, left_spin = arguments
-    _t0 = 0.08333333333333333 * (right_spin - left_spin)
+    _omega = 0.08333333333333333 * (right_spin - left_spin)
     return _results(
         xp,
         arguments,
         {
             "vx": 0.05 * (right_spin + left_spin),
             "vy": 0.0,
-            "omega": _t0,
+            "omega": _omega,
             "slip": 0.0 * 1.0,
         },
     )
@@ -234,14 +234,14 @@ def forward_twist(right_spin, left_spin):
     """
     xp, arguments = _arrays(right_spin, left_spin)
     right_spin, left_spin = arguments
-    _t0 = 0.08333333333333333 * (right_spin - left_spin)
+    _omega = 0.08333333333333333 * (right_spin - left_spin)
     return _results(
         xp,
         arguments,
         {
             "vx": 0.05 * (right_spin + left_spin),
             "vy": 0.0,
-            "omega": _t0,
+            "omega": _omega,
         },
     )
 
@@ -270,20 +270,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -329,13 +331,13 @@ def contacts(vx, vy, omega):
     xp, arguments = _arrays(vx, vy, omega)
     vx, vy, omega = arguments
     _ball_y = vy + 0.4 * omega
-    _t0 = 20.0 * _sqrt(xp, vx * vx + _ball_y * _ball_y)
+    _ball_roll = 20.0 * _sqrt(xp, vx * vx + _ball_y * _ball_y)
     return _results(
         xp,
         arguments,
         {
             "ball.direction": _atan2(xp, _ball_y, vx),
-            "ball.roll": _t0,
+            "ball.roll": _ball_roll,
         },
     )
 

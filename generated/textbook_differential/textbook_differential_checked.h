@@ -21,7 +21,7 @@
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_09b317290dfb83d1)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_1e6ac9b62123015f)
 #error "this file and textbook_differential.h were not generated together: copy both"
 #endif
 

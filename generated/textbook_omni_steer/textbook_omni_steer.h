@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_OMNI_STEER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_OMNI_STEER_MODEL_HASH "c700d647c0294f964638c3416c0acfef" /**< digest of the model */
-#define TEXTBOOK_OMNI_STEER_PAIR_cfcc0ab981057a78 1 /**< header and source of one run have the same */
+#define TEXTBOOK_OMNI_STEER_PAIR_02e91d6130eb7e60 1 /**< header and source of one run have the same */
 #define TEXTBOOK_OMNI_STEER_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_OMNI_STEER_FRONT_X 0.3f /**< [m] pivot, forward of P */
 #define TEXTBOOK_OMNI_STEER_FRONT_Y 0.0f /**< [m] pivot, to the left of P */

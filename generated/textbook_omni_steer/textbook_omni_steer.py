@@ -296,20 +296,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -340,14 +342,14 @@ def dynamics(x, y, theta, front_steer, eta1, eta2, front_steer_rate):
     _velocity_sin = xp.sin(theta)
     _vx_body = _t2 * (eta1 + _t0 * _t1)
     _velocity_cos = xp.cos(theta)
-    _t3 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
-    _t4 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
+    _x_rate = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _y_rate = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _results(
         xp,
         arguments,
         {
-            "x_rate": _t3,
-            "y_rate": _t4,
+            "x_rate": _x_rate,
+            "y_rate": _y_rate,
             "theta_rate": eta2 * 1.0,
             "front.steer_rate": front_steer_rate * 1.0,
         },
@@ -372,16 +374,18 @@ def contacts(vx, vy, omega):
     _left_y = vy - 0.15 * omega
     _t0 = 0.25980762113533157 * omega
     _left_x = vx - _t0
-    _t1 = _left_y * _left_y
+    _left_y_squared = _left_y * _left_y
+    _t1 = _sqrt(xp, _left_x * _left_x + _left_y_squared)
     _right_x = vx + _t0
+    _t2 = _sqrt(xp, _left_y_squared + _right_x * _right_x)
     return _results(
         xp,
         arguments,
         {
             "left.direction": _atan2(xp, _left_y, _left_x),
-            "left.roll": 20.0 * _sqrt(xp, _left_x * _left_x + _t1),
+            "left.roll": 20.0 * _t1,
             "right.direction": _atan2(xp, _left_y, _right_x),
-            "right.roll": 20.0 * _sqrt(xp, _t1 + _right_x * _right_x),
+            "right.roll": 20.0 * _t2,
         },
     )
 
@@ -420,11 +424,11 @@ def ode(x, u, p=NOMINAL):
     _velocity_sin = xp.sin(x[..., 2])
     _body_vx = _t2 * (u[..., 0] + _t0 * _t1)
     _velocity_cos = xp.cos(x[..., 2])
-    _t3 = _body_vx * _velocity_cos - _body_vy * _velocity_sin
-    _t4 = _body_vx * _velocity_sin + _velocity_cos * _body_vy
+    _x_rate = _body_vx * _velocity_cos - _body_vy * _velocity_sin
+    _y_rate = _body_vx * _velocity_sin + _velocity_cos * _body_vy
     results = [
-        _t3,
-        _t4,
+        _x_rate,
+        _y_rate,
         u[..., 1],
         u[..., 2],
     ]

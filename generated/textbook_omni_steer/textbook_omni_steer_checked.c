@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_cfcc0ab981057a78)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_02e91d6130eb7e60)
 #error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_cfcc0ab981057a78)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_02e91d6130eb7e60)
 #error "this file and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

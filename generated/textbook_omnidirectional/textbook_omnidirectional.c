@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0125a152f713536b)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_b2723eb283a4c7db)
 #error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -176,9 +176,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -218,13 +218,13 @@ void textbook_omnidirectional_forward(
     const textbook_omnidirectional_wheels *wheels,
     textbook_omnidirectional_twist *twist)
 {
-    const float t0 = 0.046188023f * (wheels->w1.spin - wheels->w3.spin);
-    const float t1 = wheels->w1.spin + wheels->w3.spin;
-    const float t2 = 0.026666667f * ((2.0f * wheels->w2.spin) - t1);
+    const float vx = 0.046188023f * (wheels->w1.spin - wheels->w3.spin);
+    const float t0 = wheels->w1.spin + wheels->w3.spin;
+    const float vy = 0.026666667f * ((2.0f * wheels->w2.spin) - t0);
 
-    twist->vx = t0;
-    twist->vy = t2;
-    twist->omega = (-0.07619048f) * (wheels->w2.spin + t1);
+    twist->vx = vx;
+    twist->vy = vy;
+    twist->omega = (-0.07619048f) * (wheels->w2.spin + t0);
 }
 
 void textbook_omnidirectional_forward_slip(
@@ -232,13 +232,13 @@ void textbook_omnidirectional_forward_slip(
     textbook_omnidirectional_twist *twist,
     float *slip)
 {
-    const float t0 = 0.046188023f * (wheels->w1.spin - wheels->w3.spin);
-    const float t1 = wheels->w1.spin + wheels->w3.spin;
-    const float t2 = 0.026666667f * ((2.0f * wheels->w2.spin) - t1);
+    const float vx = 0.046188023f * (wheels->w1.spin - wheels->w3.spin);
+    const float t0 = wheels->w1.spin + wheels->w3.spin;
+    const float vy = 0.026666667f * ((2.0f * wheels->w2.spin) - t0);
 
-    twist->vx = t0;
-    twist->vy = t2;
-    twist->omega = (-0.07619048f) * (wheels->w2.spin + t1);
+    twist->vx = vx;
+    twist->vy = vy;
+    twist->omega = (-0.07619048f) * (wheels->w2.spin + t0);
     *slip = 0.0f;
 }
 
@@ -255,9 +255,9 @@ void textbook_omnidirectional_odometry(
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

@@ -30,7 +30,7 @@
 
 #define TEXTBOOK_OMNIDIRECTIONAL_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_OMNIDIRECTIONAL_MODEL_HASH "0bd70d67735d46e093bc16aa980572b5" /**< digest of the model */
-#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_0125a152f713536b 1 /**< header and source of one run have the same */
+#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_b2723eb283a4c7db 1 /**< header and source of one run have the same */
 #define TEXTBOOK_OMNIDIRECTIONAL_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_OMNIDIRECTIONAL_W1_X 0.175f /**< [m] pivot, forward of P */
 #define TEXTBOOK_OMNIDIRECTIONAL_W1_Y 0.3031089f /**< [m] pivot, to the left of P */

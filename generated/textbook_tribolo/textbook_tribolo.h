@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_TRIBOLO_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TRIBOLO_MODEL_HASH "2020f2c02c076da98ff2e881d15a30f7" /**< digest of the model */
-#define TEXTBOOK_TRIBOLO_PAIR_c2172cadded9a79c 1 /**< header and source of one run have the same */
+#define TEXTBOOK_TRIBOLO_PAIR_959a46298b802f6d 1 /**< header and source of one run have the same */
 #define TEXTBOOK_TRIBOLO_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_TRIBOLO_LEFT_X 0.1f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TRIBOLO_LEFT_Y 0.17320508f /**< [m] pivot, to the left of P */

@@ -215,16 +215,16 @@ def forward(left_spin, rear_spin, right_spin):
     """
     xp, arguments = _arrays(left_spin, rear_spin, right_spin)
     left_spin, rear_spin, right_spin = arguments
-    _t0 = 0.028867513459481287 * (right_spin - left_spin)
-    _t1 = left_spin + right_spin
-    _t2 = 0.016666666666666666 * (_t1 - 2.0 * rear_spin)
+    _vx = 0.028867513459481287 * (right_spin - left_spin)
+    _t0 = left_spin + right_spin
+    _vy = 0.016666666666666666 * (_t0 - 2.0 * rear_spin)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t0,
-            "vy": _t2,
-            "omega": 0.08333333333333333 * (rear_spin + _t1),
+            "vx": _vx,
+            "vy": _vy,
+            "omega": 0.08333333333333333 * (rear_spin + _t0),
             "slip": 0.0,
         },
     )
@@ -244,16 +244,16 @@ def forward_twist(left_spin, rear_spin, right_spin):
     """
     xp, arguments = _arrays(left_spin, rear_spin, right_spin)
     left_spin, rear_spin, right_spin = arguments
-    _t0 = 0.028867513459481287 * (right_spin - left_spin)
-    _t1 = left_spin + right_spin
-    _t2 = 0.016666666666666666 * (_t1 - 2.0 * rear_spin)
+    _vx = 0.028867513459481287 * (right_spin - left_spin)
+    _t0 = left_spin + right_spin
+    _vy = 0.016666666666666666 * (_t0 - 2.0 * rear_spin)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t0,
-            "vy": _t2,
-            "omega": 0.08333333333333333 * (rear_spin + _t1),
+            "vx": _vx,
+            "vy": _vy,
+            "omega": 0.08333333333333333 * (rear_spin + _t0),
         },
     )
 
@@ -282,20 +282,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -350,20 +352,22 @@ def contacts(vx, vy, omega):
     _left_y = vy + 0.1 * omega
     _t0 = 0.17320508075688773 * omega
     _left_x = vx - _t0
-    _t1 = _left_y * _left_y
+    _left_y_squared = _left_y * _left_y
+    _t1 = _sqrt(xp, _left_x * _left_x + _left_y_squared)
     _rear_y = vy - 0.2 * omega
-    _t2 = 20.0 * _sqrt(xp, vx * vx + _rear_y * _rear_y)
+    _rear_roll = 20.0 * _sqrt(xp, vx * vx + _rear_y * _rear_y)
     _right_x = vx + _t0
+    _t2 = _sqrt(xp, _left_y_squared + _right_x * _right_x)
     return _results(
         xp,
         arguments,
         {
             "left.direction": _atan2(xp, _left_y, _left_x),
-            "left.roll": 20.0 * _sqrt(xp, _left_x * _left_x + _t1),
+            "left.roll": 20.0 * _t1,
             "rear.direction": _atan2(xp, _rear_y, vx),
-            "rear.roll": _t2,
+            "rear.roll": _rear_roll,
             "right.direction": _atan2(xp, _left_y, _right_x),
-            "right.roll": 20.0 * _sqrt(xp, _t1 + _right_x * _right_x),
+            "right.roll": 20.0 * _t2,
         },
     )
 
@@ -400,11 +404,11 @@ def ode(x, u, p=NOMINAL):
     _t0 = u[..., 0] + u[..., 2]
     _body_vy = 0.016666666666666666 * (_t0 - 2.0 * u[..., 1])
     _velocity_sin = xp.sin(x[..., 2])
-    _t1 = _body_vx * _velocity_cos - _body_vy * _velocity_sin
-    _t2 = _body_vx * _velocity_sin + _velocity_cos * _body_vy
+    _x_rate = _body_vx * _velocity_cos - _body_vy * _velocity_sin
+    _y_rate = _body_vx * _velocity_sin + _velocity_cos * _body_vy
     results = [
-        _t1,
-        _t2,
+        _x_rate,
+        _y_rate,
         0.08333333333333333 * (u[..., 1] + _t0),
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TRIBOLO_PAIR_c2172cadded9a79c)
+#if !defined(TEXTBOOK_TRIBOLO_PAIR_959a46298b802f6d)
 #error "this file and textbook_tribolo.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

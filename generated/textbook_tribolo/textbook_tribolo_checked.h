@@ -21,7 +21,7 @@
 
 #include "textbook_tribolo.h"
 
-#if !defined(TEXTBOOK_TRIBOLO_PAIR_c2172cadded9a79c)
+#if !defined(TEXTBOOK_TRIBOLO_PAIR_959a46298b802f6d)
 #error "this file and textbook_tribolo.h were not generated together: copy both"
 #endif
 

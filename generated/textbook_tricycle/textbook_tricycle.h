@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_TRICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TRICYCLE_MODEL_HASH "d06a3bc2211fa958781573bfd535a70a" /**< digest of the model */
-#define TEXTBOOK_TRICYCLE_PAIR_f11907a4251220ea 1 /**< header and source of one run have the same */
+#define TEXTBOOK_TRICYCLE_PAIR_fba3000c649b2336 1 /**< header and source of one run have the same */
 #define TEXTBOOK_TRICYCLE_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */

@@ -184,18 +184,18 @@ def inverse(vx, vy, omega, front_steer):
     _t11 = _select(xp, _front_nearest, (-1.614429558094755), _front_nearest + 3.141592653589793, _t10)
     _front_target = _clamp(xp, _t11, 1.3089969389957472)
     _front_excess = _front_target - _front_nearest
-    _t12 = 9.090909090909092 * (_front_rim * xp.cos(_front_excess))
-    _t13 = _front_rim * xp.sin(_front_excess)
-    _t14 = xp.abs(1.4142135623730951 * vy)
+    _front_spin = 9.090909090909092 * (_front_rim * xp.cos(_front_excess))
+    _t12 = _front_rim * xp.sin(_front_excess)
+    _t13 = xp.abs(1.4142135623730951 * vy)
     return _results(
         xp,
         arguments,
         {
             "rear_left.spin": _t0 - _t1,
             "rear_right.spin": _t1 + _t0,
-            "front.spin": _t12,
+            "front.spin": _front_spin,
             "front.steer": _front_target,
-            "slip": _sqrt(xp, _t14 * _t14 + _t13 * _t13),
+            "slip": _sqrt(xp, _t13 * _t13 + _t12 * _t12),
         },
     )
 
@@ -340,20 +340,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -435,9 +437,9 @@ def limits(x, u, p=NOMINAL):
     """
     xp, (x, u, p) = _arrays(x, u, p)
     shape = _leading(x=x, u=u, p=p)
-    _t0 = 0.07857142857142857 * (u[..., 0] * xp.sin(x[..., 3]))
+    _omega = 0.07857142857142857 * (u[..., 0] * xp.sin(x[..., 3]))
     results = [
         0.11 * (xp.cos(x[..., 3]) * u[..., 0]),
-        _t0,
+        _omega,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

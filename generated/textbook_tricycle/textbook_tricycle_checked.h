@@ -21,7 +21,7 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_f11907a4251220ea)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_fba3000c649b2336)
 #error "this file and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_b1e3d6e81fdf8fec)
+#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_34ac3b37b197ad82)
 #error "this file and textbook_two_spheres.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -197,9 +197,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -222,13 +222,13 @@ void textbook_two_spheres_prepare(
     const textbook_two_spheres_params *params,
     textbook_two_spheres_prepared *prepared)
 {
-    const float t0 = 1.0f / wmrgen_at_least(params->r, 1e-12f);
-    const float t1 = params->r / wmrgen_at_least(params->l, 1e-12f);
+    const float k0 = 1.0f / wmrgen_at_least(params->r, 1e-12f);
+    const float t0 = params->r / wmrgen_at_least(params->l, 1e-12f);
 
-    prepared->k0 = t0;
-    prepared->k1 = params->l * t0;
+    prepared->k0 = k0;
+    prepared->k1 = params->l * k0;
     prepared->k2 = 0.5f * params->r;
-    prepared->k3 = 0.5f * t1;
+    prepared->k3 = 0.5f * t0;
     prepared->k4 = 0.70710677f * params->r;
 }
 
@@ -239,12 +239,12 @@ void textbook_two_spheres_inverse(
 {
     const float t0 = twist->vx * prepared->k0;
     const float t1 = twist->omega * prepared->k1;
-    const float t2 = prepared->k0 * twist->vy;
+    const float left_2_spin = prepared->k0 * twist->vy;
 
     out->left_1.spin = t0 - t1;
-    out->left_2.spin = t2;
+    out->left_2.spin = left_2_spin;
     out->right_1.spin = t1 + t0;
-    out->right_2.spin = t2;
+    out->right_2.spin = left_2_spin;
 }
 
 void textbook_two_spheres_inverse_slip(
@@ -263,13 +263,13 @@ void textbook_two_spheres_forward(
     const textbook_two_spheres_wheels *wheels,
     textbook_two_spheres_twist *twist)
 {
-    const float t0 = (wheels->left_1.spin + wheels->right_1.spin) * prepared->k2;
-    const float t1 = prepared->k2 * (wheels->left_2.spin + wheels->right_2.spin);
-    const float t2 = (wheels->right_1.spin - wheels->left_1.spin) * prepared->k3;
+    const float vx = (wheels->left_1.spin + wheels->right_1.spin) * prepared->k2;
+    const float vy = prepared->k2 * (wheels->left_2.spin + wheels->right_2.spin);
+    const float omega = (wheels->right_1.spin - wheels->left_1.spin) * prepared->k3;
 
-    twist->vx = t0;
-    twist->vy = t1;
-    twist->omega = t2;
+    twist->vx = vx;
+    twist->vy = vy;
+    twist->omega = omega;
 }
 
 void textbook_two_spheres_forward_slip(
@@ -278,15 +278,15 @@ void textbook_two_spheres_forward_slip(
     textbook_two_spheres_twist *twist,
     float *slip)
 {
-    const float t0 = (wheels->left_1.spin + wheels->right_1.spin) * prepared->k2;
-    const float t1 = prepared->k2 * (wheels->left_2.spin + wheels->right_2.spin);
-    const float t2 = (wheels->right_1.spin - wheels->left_1.spin) * prepared->k3;
-    const float t3 = (wheels->right_2.spin - wheels->left_2.spin) * prepared->k4;
+    const float vx = (wheels->left_1.spin + wheels->right_1.spin) * prepared->k2;
+    const float vy = prepared->k2 * (wheels->left_2.spin + wheels->right_2.spin);
+    const float omega = (wheels->right_1.spin - wheels->left_1.spin) * prepared->k3;
+    const float t0 = (wheels->right_2.spin - wheels->left_2.spin) * prepared->k4;
 
-    twist->vx = t0;
-    twist->vy = t1;
-    twist->omega = t2;
-    *slip = fabsf(t3);
+    twist->vx = vx;
+    twist->vy = vy;
+    twist->omega = omega;
+    *slip = fabsf(t0);
 }
 
 void textbook_two_spheres_odometry(
@@ -302,9 +302,9 @@ void textbook_two_spheres_odometry(
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

@@ -37,7 +37,7 @@
 
 #define TEXTBOOK_TWO_SPHERES_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TWO_SPHERES_MODEL_HASH "1d2a9acf4bcef9a03aaaeaf5ceb25842" /**< digest of the model */
-#define TEXTBOOK_TWO_SPHERES_PAIR_b1e3d6e81fdf8fec 1 /**< header and source of one run have the same */
+#define TEXTBOOK_TWO_SPHERES_PAIR_34ac3b37b197ad82 1 /**< header and source of one run have the same */
 #define TEXTBOOK_TWO_SPHERES_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_TWO_SPHERES_LEFT_1_X 0.0f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TWO_SPHERES_LEFT_1_Y 0.4f /**< [m] pivot, to the left of P */

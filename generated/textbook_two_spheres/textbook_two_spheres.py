@@ -179,20 +179,20 @@ def inverse(vx, vy, omega, castor_steer, l=0.4, r=0.1):
     _t1 = 1.0 / _t0
     _t2 = vx * _t1
     _t3 = omega * (l * _t1)
-    _t4 = _t1 * vy
-    _t5 = xp.cos(castor_steer)
+    _left_2_spin = _t1 * vy
+    _t4 = xp.cos(castor_steer)
     _castor_b = vy - 0.4 * omega
-    _t6 = xp.sin(castor_steer)
+    _t5 = xp.sin(castor_steer)
     return _results(
         xp,
         arguments,
         {
             "left_1.spin": _t2 - _t3,
-            "left_2.spin": _t4,
+            "left_2.spin": _left_2_spin,
             "right_1.spin": _t3 + _t2,
-            "right_2.spin": _t4 * 1.0,
-            "castor.spin": 10.0 * (vx * _t5 + _castor_b * _t6),
-            "castor.steer_rate": 20.0 * (_t5 * _castor_b - vx * _t6) - omega,
+            "right_2.spin": _left_2_spin * 1.0,
+            "castor.spin": 10.0 * (vx * _t4 + _castor_b * _t5),
+            "castor.steer_rate": 20.0 * (_t4 * _castor_b - vx * _t5) - omega,
             "slip": 0.0,
         },
     )
@@ -222,20 +222,20 @@ def inverse_joints(vx, vy, omega, castor_steer, l=0.4, r=0.1):
     _t1 = 1.0 / _t0
     _t2 = vx * _t1
     _t3 = omega * (l * _t1)
-    _t4 = _t1 * vy
-    _t5 = xp.cos(castor_steer)
+    _left_2_spin = _t1 * vy
+    _t4 = xp.cos(castor_steer)
     _castor_b = vy - 0.4 * omega
-    _t6 = xp.sin(castor_steer)
+    _t5 = xp.sin(castor_steer)
     return _results(
         xp,
         arguments,
         {
             "left_1.spin": _t2 - _t3,
-            "left_2.spin": _t4,
+            "left_2.spin": _left_2_spin,
             "right_1.spin": _t3 + _t2,
-            "right_2.spin": _t4 * 1.0,
-            "castor.spin": 10.0 * (vx * _t5 + _castor_b * _t6),
-            "castor.steer_rate": 20.0 * (_t5 * _castor_b - vx * _t6) - omega,
+            "right_2.spin": _left_2_spin * 1.0,
+            "castor.spin": 10.0 * (vx * _t4 + _castor_b * _t5),
+            "castor.steer_rate": 20.0 * (_t4 * _castor_b - vx * _t5) - omega,
         },
     )
 
@@ -260,16 +260,16 @@ def forward(left_1_spin, left_2_spin, right_1_spin, right_2_spin, l=0.4, r=0.1):
     left_1_spin, left_2_spin, right_1_spin, right_2_spin, l, r = arguments
     _t0 = 0.5 * r
     _t1 = _at_least(xp, l, 1e-12)
-    _t2 = (right_1_spin - left_1_spin) * (0.5 * (r * (1.0 / _t1)))
-    _t3 = (right_2_spin - left_2_spin) * (0.7071067811865476 * r)
+    _omega = (right_1_spin - left_1_spin) * (0.5 * (r * (1.0 / _t1)))
+    _t2 = (right_2_spin - left_2_spin) * (0.7071067811865476 * r)
     return _results(
         xp,
         arguments,
         {
             "vx": (left_1_spin + right_1_spin) * _t0,
             "vy": _t0 * (left_2_spin + right_2_spin),
-            "omega": _t2,
-            "slip": xp.abs(_t3),
+            "omega": _omega,
+            "slip": xp.abs(_t2),
         },
     )
 
@@ -293,14 +293,14 @@ def forward_twist(left_1_spin, left_2_spin, right_1_spin, right_2_spin, l=0.4, r
     left_1_spin, left_2_spin, right_1_spin, right_2_spin, l, r = arguments
     _t0 = 0.5 * r
     _t1 = _at_least(xp, l, 1e-12)
-    _t2 = (right_1_spin - left_1_spin) * (0.5 * (r * (1.0 / _t1)))
+    _omega = (right_1_spin - left_1_spin) * (0.5 * (r * (1.0 / _t1)))
     return _results(
         xp,
         arguments,
         {
             "vx": (left_1_spin + right_1_spin) * _t0,
             "vy": _t0 * (left_2_spin + right_2_spin),
-            "omega": _t2,
+            "omega": _omega,
         },
     )
 
@@ -329,20 +329,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -443,12 +445,12 @@ def ode(x, u, p=NOMINAL):
     _velocity_cos = xp.cos(x[..., 2])
     _body_vy = p[..., 1] * u[..., 1]
     _velocity_sin = xp.sin(x[..., 2])
-    _t0 = _body_vx * _velocity_cos - _body_vy * _velocity_sin
-    _t1 = _body_vx * _velocity_sin + _velocity_cos * _body_vy
+    _x_rate = _body_vx * _velocity_cos - _body_vy * _velocity_sin
+    _y_rate = _body_vx * _velocity_sin + _velocity_cos * _body_vy
     _body_omega = (u[..., 2] - u[..., 0]) * (0.5 * (p[..., 1] * (1.0 / p[..., 0])))
     results = [
-        _t0,
-        _t1,
+        _x_rate,
+        _y_rate,
         _body_omega,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

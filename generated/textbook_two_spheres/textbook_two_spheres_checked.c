@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_b1e3d6e81fdf8fec)
+#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_34ac3b37b197ad82)
 #error "this file and textbook_two_spheres.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -26,7 +26,7 @@
 
 #include "textbook_two_spheres.h"
 
-#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_b1e3d6e81fdf8fec)
+#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_34ac3b37b197ad82)
 #error "this file and textbook_two_spheres.h were not generated together: copy both"
 #endif
 

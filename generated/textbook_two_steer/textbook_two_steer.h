@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_TWO_STEER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TWO_STEER_MODEL_HASH "bcea56379802d536241441413ac0e683" /**< digest of the model */
-#define TEXTBOOK_TWO_STEER_PAIR_365d926473890eb8 1 /**< header and source of one run have the same */
+#define TEXTBOOK_TWO_STEER_PAIR_f65c3406a83f185a 1 /**< header and source of one run have the same */
 #define TEXTBOOK_TWO_STEER_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_TWO_STEER_FRONT_X 0.3f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TWO_STEER_FRONT_Y 0.1f /**< [m] pivot, to the left of P */

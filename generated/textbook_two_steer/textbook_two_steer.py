@@ -174,30 +174,30 @@ def inverse(vx, vy, omega, front_steer, rear_steer):
     vx, vy, omega, front_steer, rear_steer = arguments
     _front_x = vx + (-0.1) * omega
     _front_y = vy + 0.3 * omega
-    _t0 = _front_x * _front_x
-    _t1 = _sqrt(xp, _t0 + _front_y * _front_y)
-    _t2 = _with_sign_of(xp, 2.0, _front_x)
-    _t3 = xp.abs(_front_x)
-    _t4 = xp.atan(_front_y / (_maximum(xp, _t1, 1e-20) + _t3))
-    _t5 = _select(xp, _t1, 1e-20, front_steer, _t2 * _t4)
-    _t6 = xp.round(0.31830988617 * (_t5 - front_steer))
-    _t7 = _with_sign_of(xp, _t1 * 10.0, _front_x)
-    _front_spin = _flip(xp, _t7, _t6)
+    _front_x_squared = _front_x * _front_x
+    _t0 = _sqrt(xp, _front_x_squared + _front_y * _front_y)
+    _t1 = _with_sign_of(xp, 2.0, _front_x)
+    _t2 = xp.abs(_front_x)
+    _t3 = xp.atan(_front_y / (_maximum(xp, _t0, 1e-20) + _t2))
+    _t4 = _select(xp, _t0, 1e-20, front_steer, _t1 * _t3)
+    _t5 = xp.round(0.31830988617 * (_t4 - front_steer))
+    _t6 = _with_sign_of(xp, _t0 * 10.0, _front_x)
+    _front_spin = _flip(xp, _t6, _t5)
     _rear_y = vy + (-0.3) * omega
-    _t8 = _sqrt(xp, _t0 + _rear_y * _rear_y)
-    _t9 = xp.atan(_rear_y / (_maximum(xp, _t8, 1e-20) + _t3))
-    _t10 = _select(xp, _t8, 1e-20, rear_steer, _t2 * _t9)
-    _t11 = xp.round(0.31830988617 * (_t10 - rear_steer))
-    _t12 = _with_sign_of(xp, _t8 * 10.0, _front_x)
-    _rear_spin = _flip(xp, _t12, _t11)
+    _t7 = _sqrt(xp, _front_x_squared + _rear_y * _rear_y)
+    _t8 = xp.atan(_rear_y / (_maximum(xp, _t7, 1e-20) + _t2))
+    _t9 = _select(xp, _t7, 1e-20, rear_steer, _t1 * _t8)
+    _t10 = xp.round(0.31830988617 * (_t9 - rear_steer))
+    _t11 = _with_sign_of(xp, _t7 * 10.0, _front_x)
+    _rear_spin = _flip(xp, _t11, _t10)
     return _results(
         xp,
         arguments,
         {
             "front.spin": _front_spin,
-            "front.steer": _t5 + (-3.141592653589793) * _t6,
+            "front.steer": _t4 + (-3.141592653589793) * _t5,
             "rear.spin": _rear_spin,
-            "rear.steer": _t10 + (-3.141592653589793) * _t11,
+            "rear.steer": _t9 + (-3.141592653589793) * _t10,
             "slip": 0.0,
         },
     )
@@ -222,30 +222,30 @@ def inverse_joints(vx, vy, omega, front_steer, rear_steer):
     vx, vy, omega, front_steer, rear_steer = arguments
     _front_x = vx + (-0.1) * omega
     _front_y = vy + 0.3 * omega
-    _t0 = _front_x * _front_x
-    _t1 = _sqrt(xp, _t0 + _front_y * _front_y)
-    _t2 = _with_sign_of(xp, 2.0, _front_x)
-    _t3 = xp.abs(_front_x)
-    _t4 = xp.atan(_front_y / (_maximum(xp, _t1, 1e-20) + _t3))
-    _t5 = _select(xp, _t1, 1e-20, front_steer, _t2 * _t4)
-    _t6 = xp.round(0.31830988617 * (_t5 - front_steer))
-    _t7 = _with_sign_of(xp, _t1 * 10.0, _front_x)
-    _front_spin = _flip(xp, _t7, _t6)
+    _front_x_squared = _front_x * _front_x
+    _t0 = _sqrt(xp, _front_x_squared + _front_y * _front_y)
+    _t1 = _with_sign_of(xp, 2.0, _front_x)
+    _t2 = xp.abs(_front_x)
+    _t3 = xp.atan(_front_y / (_maximum(xp, _t0, 1e-20) + _t2))
+    _t4 = _select(xp, _t0, 1e-20, front_steer, _t1 * _t3)
+    _t5 = xp.round(0.31830988617 * (_t4 - front_steer))
+    _t6 = _with_sign_of(xp, _t0 * 10.0, _front_x)
+    _front_spin = _flip(xp, _t6, _t5)
     _rear_y = vy + (-0.3) * omega
-    _t8 = _sqrt(xp, _t0 + _rear_y * _rear_y)
-    _t9 = xp.atan(_rear_y / (_maximum(xp, _t8, 1e-20) + _t3))
-    _t10 = _select(xp, _t8, 1e-20, rear_steer, _t2 * _t9)
-    _t11 = xp.round(0.31830988617 * (_t10 - rear_steer))
-    _t12 = _with_sign_of(xp, _t8 * 10.0, _front_x)
-    _rear_spin = _flip(xp, _t12, _t11)
+    _t7 = _sqrt(xp, _front_x_squared + _rear_y * _rear_y)
+    _t8 = xp.atan(_rear_y / (_maximum(xp, _t7, 1e-20) + _t2))
+    _t9 = _select(xp, _t7, 1e-20, rear_steer, _t1 * _t8)
+    _t10 = xp.round(0.31830988617 * (_t9 - rear_steer))
+    _t11 = _with_sign_of(xp, _t7 * 10.0, _front_x)
+    _rear_spin = _flip(xp, _t11, _t10)
     return _results(
         xp,
         arguments,
         {
             "front.spin": _front_spin,
-            "front.steer": _t5 + (-3.141592653589793) * _t6,
+            "front.steer": _t4 + (-3.141592653589793) * _t5,
             "rear.spin": _rear_spin,
-            "rear.steer": _t10 + (-3.141592653589793) * _t11,
+            "rear.steer": _t9 + (-3.141592653589793) * _t10,
         },
     )
 
@@ -271,16 +271,16 @@ def forward(front_spin, front_steer, rear_spin, rear_steer):
     _rear_roll_x = rear_spin * xp.cos(rear_steer)
     _rear_roll_y = rear_spin * xp.sin(rear_steer)
     _t0 = _front_roll_y - _rear_roll_y
-    _t1 = 0.016666666666666666 * _t0 + 0.05 * (_front_roll_x + _rear_roll_x)
-    _t2 = 0.07071067811865475 * (_front_roll_x - _rear_roll_x)
+    _vx = 0.016666666666666666 * _t0 + 0.05 * (_front_roll_x + _rear_roll_x)
+    _t1 = 0.07071067811865475 * (_front_roll_x - _rear_roll_x)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t1,
+            "vx": _vx,
             "vy": 0.05 * (_front_roll_y + _rear_roll_y),
             "omega": 0.16666666666666666 * _t0,
-            "slip": xp.abs(_t2),
+            "slip": xp.abs(_t1),
         },
     )
 
@@ -339,20 +339,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -387,14 +389,14 @@ def dynamics(x, y, theta, front_steer, rear_steer, eta1, front_steer_rate, rear_
     _velocity_cos = xp.cos(theta)
     _vy_body = 0.5 * (_t1 + _t3)
     _velocity_sin = xp.sin(theta)
-    _t5 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
-    _t6 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
+    _x_rate = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _y_rate = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _results(
         xp,
         arguments,
         {
-            "x_rate": _t5,
-            "y_rate": _t6,
+            "x_rate": _x_rate,
+            "y_rate": _y_rate,
             "theta_rate": (-1.6666666666666667) * _t4,
             "front.steer_rate": front_steer_rate * 1.0,
             "rear.steer_rate": rear_steer_rate * 1.0,
@@ -416,13 +418,13 @@ def contacts(vx, vy, omega):
     xp, arguments = _arrays(vx, vy, omega)
     vx, vy, omega = arguments
     _ball_x = vx + 0.3 * omega
-    _t0 = 20.0 * _sqrt(xp, _ball_x * _ball_x + vy * vy)
+    _ball_roll = 20.0 * _sqrt(xp, _ball_x * _ball_x + vy * vy)
     return _results(
         xp,
         arguments,
         {
             "ball.direction": _atan2(xp, vy, _ball_x),
-            "ball.roll": _t0,
+            "ball.roll": _ball_roll,
         },
     )
 
@@ -456,11 +458,11 @@ def ode(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _velocity_cos = xp.cos(x[..., 2])
     _velocity_sin = xp.sin(x[..., 2])
-    _t0 = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
-    _t1 = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
+    _x_rate = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
+    _y_rate = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
     results = [
-        _t0,
-        _t1,
+        _x_rate,
+        _y_rate,
         u[..., 2],
         u[..., 3],
         u[..., 4],
@@ -477,12 +479,12 @@ def rolling(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _t0 = xp.cos(x[..., 3])
     _t1 = xp.sin(x[..., 3])
-    _t2 = (0.3 * _t0 + 0.1 * _t1) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
-    _t3 = xp.cos(x[..., 4])
-    _t4 = xp.sin(x[..., 4])
-    _t5 = u[..., 2] * (0.1 * _t4 - 0.3 * _t3) + (u[..., 1] * _t3 - u[..., 0] * _t4)
+    _front_slide = (0.3 * _t0 + 0.1 * _t1) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
+    _t2 = xp.cos(x[..., 4])
+    _t3 = xp.sin(x[..., 4])
+    _rear_slide = u[..., 2] * (0.1 * _t3 - 0.3 * _t2) + (u[..., 1] * _t2 - u[..., 0] * _t3)
     results = [
-        _t2,
-        _t5,
+        _front_slide,
+        _rear_slide,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_365d926473890eb8)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_f65c3406a83f185a)
 #error "this file and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

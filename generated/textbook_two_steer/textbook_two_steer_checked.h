@@ -21,7 +21,7 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_365d926473890eb8)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_f65c3406a83f185a)
 #error "this file and textbook_two_steer.h were not generated together: copy both"
 #endif
 

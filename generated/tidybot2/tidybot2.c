@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_d8c5fc48f97528c4)
+#if !defined(TIDYBOT2_PAIR_e71937a7c3ce221a)
 #error "this file and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -176,9 +176,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -205,30 +205,30 @@ void tidybot2_inverse(
     const wmrgen_vector caster_1 = wmrgen_direction(now->caster_1.steer);
     const float t4 = wmrgen_fma(caster_1_a, caster_1.x, caster_1_b * caster_1.y);
     const float t5 = wmrgen_fma(caster_1_a, caster_1.y, -(caster_1.x * caster_1_b));
-    const float t6 = wmrgen_fma((-0.27574804f), t4, 0.07387795f * t5);
+    const float caster_1_spin = wmrgen_fma((-0.27574804f), t4, 0.07387795f * t5);
     const float caster_2_a = t1 + t0;
     const wmrgen_vector caster_2 = wmrgen_direction(now->caster_2.steer);
-    const float t7 = wmrgen_fma(caster_2_a, caster_2.x, caster_1_b * caster_2.y);
-    const float t8 = wmrgen_fma(caster_2_a, caster_2.y, -(caster_1_b * caster_2.x));
-    const float t9 = wmrgen_fma((-0.27574804f), t7, 0.07387795f * t8);
+    const float t6 = wmrgen_fma(caster_2_a, caster_2.x, caster_1_b * caster_2.y);
+    const float t7 = wmrgen_fma(caster_2_a, caster_2.y, -(caster_1_b * caster_2.x));
+    const float caster_2_spin = wmrgen_fma((-0.27574804f), t6, 0.07387795f * t7);
     const float caster_3_b = t2 + t3;
     const wmrgen_vector caster_3 = wmrgen_direction(now->caster_3.steer);
-    const float t10 = wmrgen_fma(caster_2_a, caster_3.x, caster_3_b * caster_3.y);
-    const float t11 = wmrgen_fma(caster_2_a, caster_3.y, -(caster_3.x * caster_3_b));
-    const float t12 = wmrgen_fma((-0.27574804f), t10, 0.07387795f * t11);
+    const float t8 = wmrgen_fma(caster_2_a, caster_3.x, caster_3_b * caster_3.y);
+    const float t9 = wmrgen_fma(caster_2_a, caster_3.y, -(caster_3.x * caster_3_b));
+    const float caster_3_spin = wmrgen_fma((-0.27574804f), t8, 0.07387795f * t9);
     const wmrgen_vector caster_4 = wmrgen_direction(now->caster_4.steer);
-    const float t13 = wmrgen_fma(caster_1_a, caster_4.x, caster_3_b * caster_4.y);
-    const float t14 = wmrgen_fma(caster_1_a, caster_4.y, -(caster_3_b * caster_4.x));
-    const float t15 = wmrgen_fma((-0.27574804f), t13, 0.07387795f * t14);
+    const float t10 = wmrgen_fma(caster_1_a, caster_4.x, caster_3_b * caster_4.y);
+    const float t11 = wmrgen_fma(caster_1_a, caster_4.y, -(caster_3_b * caster_4.x));
+    const float caster_4_spin = wmrgen_fma((-0.27574804f), t10, 0.07387795f * t11);
 
-    out->caster_1.spin = t6;
+    out->caster_1.spin = caster_1_spin;
     out->caster_1.steer_rate = t5 - twist->omega;
-    out->caster_2.spin = t9;
-    out->caster_2.steer_rate = t8 - twist->omega;
-    out->caster_3.spin = t12;
-    out->caster_3.steer_rate = t11 - twist->omega;
-    out->caster_4.spin = t15;
-    out->caster_4.steer_rate = t14 - twist->omega;
+    out->caster_2.spin = caster_2_spin;
+    out->caster_2.steer_rate = t7 - twist->omega;
+    out->caster_3.spin = caster_3_spin;
+    out->caster_3.steer_rate = t9 - twist->omega;
+    out->caster_4.spin = caster_4_spin;
+    out->caster_4.steer_rate = t11 - twist->omega;
 }
 
 void tidybot2_inverse_slip(const tidybot2_twist *twist, const tidybot2_wheels *wheels, float *slip)
@@ -293,11 +293,11 @@ void tidybot2_forward(const tidybot2_wheels *wheels, tidybot2_twist *twist)
     const float inertia = wmrgen_fma(68.07843f, caster_4.y - caster_2.y, t27);
     const float t28 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t23, sum_fx, inertia));
     const float omega_fit = t24 / t28;
-    const float t29 = 0.003502f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
-    const float t30 = 0.003502f * wmrgen_fma(t23, omega_fit, sum_wy);
+    const float vx = 0.003502f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
+    const float vy = 0.003502f * wmrgen_fma(t23, omega_fit, sum_wy);
 
-    twist->vx = t29;
-    twist->vy = t30;
+    twist->vx = vx;
+    twist->vy = vy;
     twist->omega = omega_fit;
 #endif
 }
@@ -352,47 +352,47 @@ void tidybot2_forward_slip(const tidybot2_wheels *wheels, tidybot2_twist *twist,
     const float inertia = wmrgen_fma(68.07843f, caster_4.y - caster_2.y, t27);
     const float t28 = wmrgen_fma(-sum_fy, sum_fy, wmrgen_fma(t23, sum_fx, inertia));
     const float omega_fit = t24 / t28;
-    const float t29 = 0.003502f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
-    const float t30 = 0.003502f * wmrgen_fma(t23, omega_fit, sum_wy);
-    const float t31 = (-0.17015f) * omega_fit;
-    const float t32 = t31 - t29;
-    const float t33 = caster_1.y * omega_fit;
-    const float t34 = wmrgen_fma(0.014008f, caster_1_wx - t33, t32);
-    const float t35 = caster_1.x * omega_fit;
-    const float error_0 = wmrgen_fma((-0.003753f), t35, t34);
-    const float t36 = (-0.19015f) * omega_fit;
-    const float t37 = t36 - t30;
-    const float t38 = wmrgen_fma(0.014008f, caster_1_wy + t35, t37);
-    const float error_1 = wmrgen_fma((-0.003753f), t33, t38);
-    const float t39 = wmrgen_fma(error_0, error_0, error_1 * error_1);
-    const float t40 = -(t29 + t31);
-    const float t41 = caster_2.y * omega_fit;
-    const float t42 = wmrgen_fma(0.014008f, caster_2_wx - t41, t40);
-    const float t43 = caster_2.x * omega_fit;
-    const float error_2 = wmrgen_fma((-0.003753f), t43, t42);
-    const float t44 = wmrgen_fma(0.014008f, caster_2_wy + t43, t37);
-    const float error_3 = wmrgen_fma((-0.003753f), t41, t44);
-    const float t45 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t39));
-    const float t46 = caster_3.y * omega_fit;
-    const float t47 = wmrgen_fma(0.014008f, caster_3_wx - t46, t40);
-    const float t48 = caster_3.x * omega_fit;
-    const float error_4 = wmrgen_fma((-0.003753f), t48, t47);
-    const float t49 = -(t30 + t36);
-    const float t50 = wmrgen_fma(0.014008f, caster_3_wy + t48, t49);
-    const float error_5 = wmrgen_fma((-0.003753f), t46, t50);
-    const float t51 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t45));
-    const float t52 = caster_4.y * omega_fit;
-    const float t53 = wmrgen_fma(0.014008f, caster_4_wx - t52, t32);
-    const float t54 = caster_4.x * omega_fit;
-    const float error_6 = wmrgen_fma((-0.003753f), t54, t53);
-    const float t55 = wmrgen_fma(0.014008f, caster_4_wy + t54, t49);
-    const float error_7 = wmrgen_fma((-0.003753f), t52, t55);
-    const float t56 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t51));
+    const float vx = 0.003502f * wmrgen_fma(sum_fy, omega_fit, sum_wx);
+    const float vy = 0.003502f * wmrgen_fma(t23, omega_fit, sum_wy);
+    const float t29 = (-0.17015f) * omega_fit;
+    const float t30 = t29 - vx;
+    const float t31 = caster_1.y * omega_fit;
+    const float t32 = wmrgen_fma(0.014008f, caster_1_wx - t31, t30);
+    const float t33 = caster_1.x * omega_fit;
+    const float error_0 = wmrgen_fma((-0.003753f), t33, t32);
+    const float t34 = (-0.19015f) * omega_fit;
+    const float t35 = t34 - vy;
+    const float t36 = wmrgen_fma(0.014008f, caster_1_wy + t33, t35);
+    const float error_1 = wmrgen_fma((-0.003753f), t31, t36);
+    const float t37 = wmrgen_fma(error_0, error_0, error_1 * error_1);
+    const float t38 = -(vx + t29);
+    const float t39 = caster_2.y * omega_fit;
+    const float t40 = wmrgen_fma(0.014008f, caster_2_wx - t39, t38);
+    const float t41 = caster_2.x * omega_fit;
+    const float error_2 = wmrgen_fma((-0.003753f), t41, t40);
+    const float t42 = wmrgen_fma(0.014008f, caster_2_wy + t41, t35);
+    const float error_3 = wmrgen_fma((-0.003753f), t39, t42);
+    const float t43 = wmrgen_fma(error_3, error_3, wmrgen_fma(error_2, error_2, t37));
+    const float t44 = caster_3.y * omega_fit;
+    const float t45 = wmrgen_fma(0.014008f, caster_3_wx - t44, t38);
+    const float t46 = caster_3.x * omega_fit;
+    const float error_4 = wmrgen_fma((-0.003753f), t46, t45);
+    const float t47 = -(vy + t34);
+    const float t48 = wmrgen_fma(0.014008f, caster_3_wy + t46, t47);
+    const float error_5 = wmrgen_fma((-0.003753f), t44, t48);
+    const float t49 = wmrgen_fma(error_5, error_5, wmrgen_fma(error_4, error_4, t43));
+    const float t50 = caster_4.y * omega_fit;
+    const float t51 = wmrgen_fma(0.014008f, caster_4_wx - t50, t30);
+    const float t52 = caster_4.x * omega_fit;
+    const float error_6 = wmrgen_fma((-0.003753f), t52, t51);
+    const float t53 = wmrgen_fma(0.014008f, caster_4_wy + t52, t47);
+    const float error_7 = wmrgen_fma((-0.003753f), t50, t53);
+    const float t54 = wmrgen_fma(error_7, error_7, wmrgen_fma(error_6, error_6, t49));
 
-    twist->vx = t29;
-    twist->vy = t30;
+    twist->vx = vx;
+    twist->vy = vy;
     twist->omega = omega_fit;
-    *slip = sqrtf(t56);
+    *slip = sqrtf(t54);
 }
 
 void tidybot2_odometry(tidybot2_pose *pose, const tidybot2_twist *twist, float dt)
@@ -405,9 +405,9 @@ void tidybot2_odometry(tidybot2_pose *pose, const tidybot2_twist *twist, float d
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

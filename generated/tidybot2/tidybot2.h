@@ -35,7 +35,7 @@
 
 #define TIDYBOT2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TIDYBOT2_MODEL_HASH "88807fd7035a3a289c25142baf97d6f0" /**< digest of the model */
-#define TIDYBOT2_PAIR_d8c5fc48f97528c4 1 /**< header and source of one run have the same */
+#define TIDYBOT2_PAIR_e71937a7c3ce221a 1 /**< header and source of one run have the same */
 #define TIDYBOT2_WHEELS 4 /**< how many wheels the robot has */
 #define TIDYBOT2_CASTER_1_X 0.19015f /**< [m] pivot, forward of P */
 #define TIDYBOT2_CASTER_1_Y (-0.17015f) /**< [m] pivot, to the left of P */

@@ -334,41 +334,41 @@ def forward(caster_1_spin, caster_1_steer, caster_1_steer_rate, caster_2_spin, c
     _t32 = 134.6295284150266 * (_t16 - _t5) + (126.26765899619733 * (_t2 - _t13) + _t31)
     _t33 = 68.07842895354568 * (_t18 - _t7) + _t32 - _sum_fx * _sum_fx
     _omega_fit = _t30 / (_t33 - _sum_fy * _sum_fy)
-    _t34 = 0.003502 * (_sum_wx + _sum_fy * _omega_fit)
-    _t35 = 0.003502 * (_sum_wy - _sum_fx * _omega_fit)
-    _t36 = (-0.17015) * _omega_fit
-    _t37 = _t36 - _t34
-    _t38 = _t2 * _omega_fit
-    _t39 = _t0 * _omega_fit
-    _error_0 = 0.014008 * (_caster_1_wx - _t38) + _t37 - 0.003753 * _t39
-    _t40 = (-0.19015) * _omega_fit
-    _t41 = _t40 - _t35
-    _error_1 = 0.014008 * (_caster_1_wy + _t39) + _t41 - 0.003753 * _t38
-    _t42 = _t34 + _t36
-    _t43 = _t7 * _omega_fit
-    _t44 = _t5 * _omega_fit
-    _error_2 = 0.014008 * (_caster_2_wx - _t43) - _t42 - 0.003753 * _t44
-    _t45 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
-    _error_3 = _t41 + 0.014008 * (_caster_2_wy + _t44) - 0.003753 * _t43
-    _t46 = _t13 * _omega_fit
-    _t47 = _t11 * _omega_fit
-    _error_4 = 0.014008 * (_caster_3_wx - _t46) - _t42 - 0.003753 * _t47
-    _t48 = _error_4 * _error_4 + (_error_3 * _error_3 + _t45)
-    _t49 = _t35 + _t40
-    _error_5 = 0.014008 * (_caster_3_wy + _t47) - _t49 - 0.003753 * _t46
-    _t50 = _t18 * _omega_fit
-    _t51 = _t16 * _omega_fit
-    _error_6 = _t37 + 0.014008 * (_caster_4_wx - _t50) - 0.003753 * _t51
-    _t52 = _error_6 * _error_6 + (_error_5 * _error_5 + _t48)
-    _error_7 = 0.014008 * (_caster_4_wy + _t51) - _t49 - 0.003753 * _t50
+    _vx = 0.003502 * (_sum_wx + _sum_fy * _omega_fit)
+    _vy = 0.003502 * (_sum_wy - _sum_fx * _omega_fit)
+    _t34 = (-0.17015) * _omega_fit
+    _t35 = _t34 - _vx
+    _t36 = _t2 * _omega_fit
+    _t37 = _t0 * _omega_fit
+    _error_0 = 0.014008 * (_caster_1_wx - _t36) + _t35 - 0.003753 * _t37
+    _t38 = (-0.19015) * _omega_fit
+    _t39 = _t38 - _vy
+    _error_1 = 0.014008 * (_caster_1_wy + _t37) + _t39 - 0.003753 * _t36
+    _t40 = _vx + _t34
+    _t41 = _t7 * _omega_fit
+    _t42 = _t5 * _omega_fit
+    _error_2 = 0.014008 * (_caster_2_wx - _t41) - _t40 - 0.003753 * _t42
+    _t43 = _error_2 * _error_2 + (_error_0 * _error_0 + _error_1 * _error_1)
+    _error_3 = _t39 + 0.014008 * (_caster_2_wy + _t42) - 0.003753 * _t41
+    _t44 = _t13 * _omega_fit
+    _t45 = _t11 * _omega_fit
+    _error_4 = 0.014008 * (_caster_3_wx - _t44) - _t40 - 0.003753 * _t45
+    _t46 = _error_4 * _error_4 + (_error_3 * _error_3 + _t43)
+    _t47 = _vy + _t38
+    _error_5 = 0.014008 * (_caster_3_wy + _t45) - _t47 - 0.003753 * _t44
+    _t48 = _t18 * _omega_fit
+    _t49 = _t16 * _omega_fit
+    _error_6 = _t35 + 0.014008 * (_caster_4_wx - _t48) - 0.003753 * _t49
+    _t50 = _error_6 * _error_6 + (_error_5 * _error_5 + _t46)
+    _error_7 = 0.014008 * (_caster_4_wy + _t49) - _t47 - 0.003753 * _t48
     return _results(
         xp,
         arguments,
         {
-            "vx": _t34,
-            "vy": _t35,
+            "vx": _vx,
+            "vy": _vy,
             "omega": _omega_fit,
-            "slip": _sqrt(xp, _error_7 * _error_7 + _t52),
+            "slip": _sqrt(xp, _error_7 * _error_7 + _t50),
         },
     )
 
@@ -477,20 +477,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -554,25 +556,25 @@ def ode(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _velocity_cos = xp.cos(x[..., 2])
     _velocity_sin = xp.sin(x[..., 2])
-    _t0 = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
-    _t1 = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
-    _t2 = 0.19015 * u[..., 2]
-    _t3 = u[..., 1] + _t2
-    _t4 = 0.17015 * u[..., 2]
-    _t5 = u[..., 0] + _t4
-    _t6 = xp.cos(x[..., 3]) * _t3 - xp.sin(x[..., 3]) * _t5
-    _t7 = u[..., 0] - _t4
-    _t8 = _t3 * xp.cos(x[..., 4]) - xp.sin(x[..., 4]) * _t7
-    _t9 = u[..., 1] - _t2
-    _t10 = xp.cos(x[..., 5]) * _t9 - _t7 * xp.sin(x[..., 5])
-    _t11 = _t9 * xp.cos(x[..., 6]) - _t5 * xp.sin(x[..., 6])
+    _x_rate = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
+    _y_rate = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
+    _t0 = 0.19015 * u[..., 2]
+    _t1 = u[..., 1] + _t0
+    _t2 = 0.17015 * u[..., 2]
+    _t3 = u[..., 0] + _t2
+    _t4 = xp.cos(x[..., 3]) * _t1 - xp.sin(x[..., 3]) * _t3
+    _t5 = u[..., 0] - _t2
+    _t6 = _t1 * xp.cos(x[..., 4]) - xp.sin(x[..., 4]) * _t5
+    _t7 = u[..., 1] - _t0
+    _t8 = xp.cos(x[..., 5]) * _t7 - _t5 * xp.sin(x[..., 5])
+    _t9 = _t7 * xp.cos(x[..., 6]) - _t3 * xp.sin(x[..., 6])
     results = [
-        _t0,
-        _t1,
+        _x_rate,
+        _y_rate,
         u[..., 2],
+        71.3877784123358 * _t4 - u[..., 2],
         71.3877784123358 * _t6 - u[..., 2],
         71.3877784123358 * _t8 - u[..., 2],
-        71.3877784123358 * _t10 - u[..., 2],
-        71.3877784123358 * _t11 - u[..., 2],
+        71.3877784123358 * _t9 - u[..., 2],
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)

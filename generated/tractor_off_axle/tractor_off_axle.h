@@ -30,7 +30,7 @@
 
 #define TRACTOR_OFF_AXLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TRACTOR_OFF_AXLE_MODEL_HASH "bf14f527ca7d8917e5849e10535900a8" /**< digest of the model */
-#define TRACTOR_OFF_AXLE_PAIR_7161e1388d0d1b0a 1 /**< header and source of one run have the same */
+#define TRACTOR_OFF_AXLE_PAIR_d444d1152efd9457 1 /**< header and source of one run have the same */
 #define TRACTOR_OFF_AXLE_WHEELS 3 /**< how many wheels the robot has */
 #define TRACTOR_OFF_AXLE_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TRACTOR_OFF_AXLE_LEFT_Y 0.27f /**< [m] pivot, to the left of P */

@@ -21,7 +21,7 @@
 
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_7161e1388d0d1b0a)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_d444d1152efd9457)
 #error "this file and tractor_off_axle.h were not generated together: copy both"
 #endif
 

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_f8ef7fc07265cfcf)
+#if !defined(TURTLEBOT3_BURGER_PAIR_eba0d35e84fc7cfa)
 #error "this file and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -176,9 +176,9 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_direction(h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -209,12 +209,12 @@ void turtlebot3_burger_forward(
     const turtlebot3_burger_wheels *wheels,
     turtlebot3_burger_twist *twist)
 {
-    const float t0 = 0.0165f * (wheels->left.spin + wheels->right.spin);
-    const float t1 = 0.20625f * (wheels->right.spin - wheels->left.spin);
+    const float vx = 0.0165f * (wheels->left.spin + wheels->right.spin);
+    const float omega = 0.20625f * (wheels->right.spin - wheels->left.spin);
 
-    twist->vx = t0;
+    twist->vx = vx;
     twist->vy = 0.0f;
-    twist->omega = t1;
+    twist->omega = omega;
 }
 
 void turtlebot3_burger_forward_slip(
@@ -222,12 +222,12 @@ void turtlebot3_burger_forward_slip(
     turtlebot3_burger_twist *twist,
     float *slip)
 {
-    const float t0 = 0.0165f * (wheels->left.spin + wheels->right.spin);
-    const float t1 = 0.20625f * (wheels->right.spin - wheels->left.spin);
+    const float vx = 0.0165f * (wheels->left.spin + wheels->right.spin);
+    const float omega = 0.20625f * (wheels->right.spin - wheels->left.spin);
 
-    twist->vx = t0;
+    twist->vx = vx;
     twist->vy = 0.0f;
-    twist->omega = t1;
+    twist->omega = omega;
     *slip = 0.0f;
 }
 
@@ -244,9 +244,9 @@ void turtlebot3_burger_odometry(
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }

@@ -29,7 +29,7 @@
 
 #define TURTLEBOT3_BURGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TURTLEBOT3_BURGER_MODEL_HASH "d257cb35895605045a1957c249f032a5" /**< digest of the model */
-#define TURTLEBOT3_BURGER_PAIR_f8ef7fc07265cfcf 1 /**< header and source of one run have the same */
+#define TURTLEBOT3_BURGER_PAIR_eba0d35e84fc7cfa 1 /**< header and source of one run have the same */
 #define TURTLEBOT3_BURGER_WHEELS 3 /**< how many wheels the robot has */
 #define TURTLEBOT3_BURGER_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TURTLEBOT3_BURGER_LEFT_Y 0.08f /**< [m] pivot, to the left of P */

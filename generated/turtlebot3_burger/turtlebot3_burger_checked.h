@@ -21,7 +21,7 @@
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_f8ef7fc07265cfcf)
+#if !defined(TURTLEBOT3_BURGER_PAIR_eba0d35e84fc7cfa)
 #error "this file and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

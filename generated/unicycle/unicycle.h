@@ -27,7 +27,7 @@
 
 #define UNICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define UNICYCLE_MODEL_HASH "c4b453515404bedd1886e032eccc0a9a" /**< digest of the model */
-#define UNICYCLE_PAIR_037408014689a82e 1 /**< header and source of one run have the same */
+#define UNICYCLE_PAIR_fabedeeabe56cedb 1 /**< header and source of one run have the same */
 #define UNICYCLE_WHEELS 1 /**< how many wheels the robot has */
 #define UNICYCLE_WHEEL_X 0.0f /**< [m] pivot, forward of P */
 #define UNICYCLE_WHEEL_Y 0.0f /**< [m] pivot, to the left of P */

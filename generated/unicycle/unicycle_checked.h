@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_037408014689a82e)
+#if !defined(UNICYCLE_PAIR_fabedeeabe56cedb)
 #error "this file and unicycle.h were not generated together: copy both"
 #endif
 

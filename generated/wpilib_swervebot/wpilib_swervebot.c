@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_8e9fa754453bb714)
+#if !defined(WPILIB_SWERVEBOT_PAIR_ffc4f37a90281ab0)
 #error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -232,11 +232,11 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
     const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
-    const float t3 = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float t4 = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
+    const float spin = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
+    const float steer = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
-    result.spin = t3;
-    result.steer = t4;
+    result.spin = spin;
+    result.steer = steer;
     return result;
 }
 #endif
@@ -252,9 +252,9 @@ WMRGEN_KERNEL float wmrgen_sinc(float h)
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
-    const float t3 = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
-    return t3;
+    return sinc;
 }
 #endif
 
@@ -375,11 +375,11 @@ void wpilib_swervebot_odometry(
     const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
 
     pose->x = wmrgen_fma(t2, chord, pose->x);
     pose->y = wmrgen_fma(chord, t3, pose->y);
-    pose->theta = t5;
+    pose->theta = theta;
 }
 
 void wpilib_swervebot_joints_from_counts(
@@ -487,46 +487,46 @@ void wpilib_swervebot_odometry_covariance(
     const float y_step = chord * t3;
     const float theta_whole = pose->theta + t0;
     const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t5 = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
     const float chord_x = t1.x * chord;
     const float chord_y = t1.y * chord;
     const float by_omega_x = wmrgen_fma(twist_covariance->vxomega, chord_x, -(twist_covariance->vyomega * chord_y));
-    const float t6 = 0.5f * dt;
-    const float x_heading = wmrgen_fma(by_omega_x, t6, pose_covariance->xtheta);
-    const float t7 = -y_step;
-    const float t8 = dt * twist_covariance->omegaomega;
-    const float t9 = dt * t8;
-    const float heading_variance = wmrgen_fma(0.25f, t9, pose_covariance->thetatheta);
-    const float x_turned = wmrgen_fma(t7, heading_variance, x_heading);
-    const float t10 = wmrgen_fma(t7, x_heading + x_turned, pose_covariance->xx);
-    const float t11 = chord_y * twist_covariance->vxvy;
-    const float by_vx_x = wmrgen_fma(chord_x, twist_covariance->vxvx, -t11);
-    const float t12 = -chord_y;
-    const float t13 = chord_x * twist_covariance->vxvy;
-    const float by_vy_x = wmrgen_fma(t12, twist_covariance->vyvy, t13);
-    const float t14 = wmrgen_fma(t12, by_vy_x, wmrgen_fma(chord_x, by_vx_x, t10));
+    const float t5 = 0.5f * dt;
+    const float x_heading = wmrgen_fma(by_omega_x, t5, pose_covariance->xtheta);
+    const float t6 = -y_step;
+    const float t7 = dt * twist_covariance->omegaomega;
+    const float t8 = dt * t7;
+    const float heading_variance = wmrgen_fma(0.25f, t8, pose_covariance->thetatheta);
+    const float x_turned = wmrgen_fma(t6, heading_variance, x_heading);
+    const float t9 = wmrgen_fma(t6, x_heading + x_turned, pose_covariance->xx);
+    const float t10 = chord_y * twist_covariance->vxvy;
+    const float by_vx_x = wmrgen_fma(chord_x, twist_covariance->vxvx, -t10);
+    const float t11 = -chord_y;
+    const float t12 = chord_x * twist_covariance->vxvy;
+    const float by_vy_x = wmrgen_fma(t11, twist_covariance->vyvy, t12);
+    const float xx = wmrgen_fma(t11, by_vy_x, wmrgen_fma(chord_x, by_vx_x, t9));
     const float by_omega_y = wmrgen_fma(twist_covariance->vxomega, chord_y, chord_x * twist_covariance->vyomega);
-    const float y_heading = wmrgen_fma(t6, by_omega_y, pose_covariance->ytheta);
-    const float t15 = wmrgen_fma(t7, y_heading, pose_covariance->xy);
-    const float t16 = wmrgen_fma(chord_y, by_vx_x, wmrgen_fma(x_step, x_turned, t15));
-    const float t17 = 0.5f * t8;
-    const float t18 = wmrgen_fma(t6, wmrgen_fma(t7, t17, by_omega_x), x_turned);
+    const float y_heading = wmrgen_fma(t5, by_omega_y, pose_covariance->ytheta);
+    const float t13 = wmrgen_fma(t6, y_heading, pose_covariance->xy);
+    const float t14 = wmrgen_fma(chord_y, by_vx_x, wmrgen_fma(x_step, x_turned, t13));
+    const float t15 = 0.5f * t7;
+    const float xtheta = wmrgen_fma(t5, wmrgen_fma(t6, t15, by_omega_x), x_turned);
     const float y_turned = wmrgen_fma(x_step, heading_variance, y_heading);
-    const float t19 = wmrgen_fma(x_step, y_heading + y_turned, pose_covariance->yy);
-    const float by_vx_y = wmrgen_fma(chord_y, twist_covariance->vxvx, t13);
-    const float by_vy_y = wmrgen_fma(chord_x, twist_covariance->vyvy, t11);
-    const float t20 = wmrgen_fma(chord_x, by_vy_y, wmrgen_fma(chord_y, by_vx_y, t19));
-    const float t21 = wmrgen_fma(t6, wmrgen_fma(x_step, t17, by_omega_y), y_turned);
+    const float t16 = wmrgen_fma(x_step, y_heading + y_turned, pose_covariance->yy);
+    const float by_vx_y = wmrgen_fma(chord_y, twist_covariance->vxvx, t12);
+    const float by_vy_y = wmrgen_fma(chord_x, twist_covariance->vyvy, t10);
+    const float yy = wmrgen_fma(chord_x, by_vy_y, wmrgen_fma(chord_y, by_vx_y, t16));
+    const float ytheta = wmrgen_fma(t5, wmrgen_fma(x_step, t15, by_omega_y), y_turned);
 
     pose->x = pose->x + x_step;
     pose->y = pose->y + y_step;
-    pose->theta = t5;
-    pose_covariance->xx = t14;
-    pose_covariance->xy = wmrgen_fma(chord_x, by_vy_x, t16);
-    pose_covariance->xtheta = t18;
-    pose_covariance->yy = t20;
-    pose_covariance->ytheta = t21;
-    pose_covariance->thetatheta = pose_covariance->thetatheta + t9;
+    pose->theta = theta;
+    pose_covariance->xx = xx;
+    pose_covariance->xy = wmrgen_fma(chord_x, by_vy_x, t14);
+    pose_covariance->xtheta = xtheta;
+    pose_covariance->yy = yy;
+    pose_covariance->ytheta = ytheta;
+    pose_covariance->thetatheta = pose_covariance->thetatheta + t8;
 }
 
 void wpilib_swervebot_odometry_from_angles(
@@ -564,15 +564,15 @@ void wpilib_swervebot_odometry_from_angles(
     const wmrgen_vector t9 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
     const float vx_fit = 0.0127f * (t6 + t7);
     const float sinc = wmrgen_sinc(half_turn);
-    const float t10 = wmrgen_fma(wmrgen_fma(vx_fit, t9.x, -(vy_fit * t9.y)), sinc, pose->x);
-    const float t11 = wmrgen_fma(sinc, wmrgen_fma(vx_fit, t9.y, t9.x * vy_fit), pose->y);
+    const float x = wmrgen_fma(wmrgen_fma(vx_fit, t9.x, -(vy_fit * t9.y)), sinc, pose->x);
+    const float y = wmrgen_fma(sinc, wmrgen_fma(vx_fit, t9.y, t9.x * vy_fit), pose->y);
     const float theta_whole = wmrgen_fma(0.016666668f, t8, pose->theta);
-    const float t12 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float t13 = wmrgen_fma((-6.2831855f), t12 - 12582912.0f, theta_whole);
+    const float t10 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
+    const float theta = wmrgen_fma((-6.2831855f), t10 - 12582912.0f, theta_whole);
 
-    pose->x = t10;
-    pose->y = t11;
-    pose->theta = t13;
+    pose->x = x;
+    pose->y = y;
+    pose->theta = theta;
 }
 
 void wpilib_swervebot_limit_twist(wpilib_swervebot_twist *twist)
@@ -584,11 +584,11 @@ void wpilib_swervebot_limit_twist(wpilib_swervebot_twist *twist)
     const float load = (t3 < t2) ? t2 : t3;
     const float t4 = (load < 1.0f) ? 1.0f : load;
     const float scale = (load < 0.02f) ? 0.0f : (1.0f / t4);
-    const float t5 = wmrgen_clamp(twist->omega * scale, 3.1415927f);
+    const float omega = wmrgen_clamp(twist->omega * scale, 3.1415927f);
 
     twist->vx = wmrgen_clamp(twist->vx * scale, 3.0f);
     twist->vy = wmrgen_clamp(twist->vy * scale, 3.0f);
-    twist->omega = t5;
+    twist->omega = omega;
 }
 
 void wpilib_swervebot_limit_acceleration(
@@ -607,13 +607,13 @@ void wpilib_swervebot_limit_acceleration(
     const float time = (t4 < t3) ? t3 : t4;
     const float step = (dt < 0.0f) ? 0.0f : dt;
     const float t5 = 0.9999995f * (step / time);
-    const float t6 = (step < time) ? wmrgen_fma(vx_change, t5, twist->vx) : wanted->vx;
-    const float t7 = (step < time) ? wmrgen_fma(vy_change, t5, twist->vy) : wanted->vy;
-    const float t8 = (step < time) ? wmrgen_fma(omega_change, t5, twist->omega) : wanted->omega;
+    const float vx = (step < time) ? wmrgen_fma(vx_change, t5, twist->vx) : wanted->vx;
+    const float vy = (step < time) ? wmrgen_fma(vy_change, t5, twist->vy) : wanted->vy;
+    const float omega = (step < time) ? wmrgen_fma(omega_change, t5, twist->omega) : wanted->omega;
 
-    twist->vx = t6;
-    twist->vy = t7;
-    twist->omega = t8;
+    twist->vx = vx;
+    twist->vy = vy;
+    twist->omega = omega;
 }
 
 void wpilib_swervebot_compensate_steering(
@@ -646,15 +646,15 @@ void wpilib_swervebot_desaturate(wpilib_swervebot_wheels *wheels, float *scale)
     const float t6 = 0.016933333f * fabsf(wheels->back_right.spin);
     const float load = (t6 < t5) ? t5 : t6;
     const float t7 = 1.0f / load;
-    const float t8 = wmrgen_clamp(wheels->front_left.spin * t7, 59.05512f);
-    const float t9 = wmrgen_clamp(wheels->front_right.spin * t7, 59.05512f);
-    const float t10 = wmrgen_clamp(wheels->back_left.spin * t7, 59.05512f);
-    const float t11 = wmrgen_clamp(wheels->back_right.spin * t7, 59.05512f);
+    const float front_left_spin = wmrgen_clamp(wheels->front_left.spin * t7, 59.05512f);
+    const float front_right_spin = wmrgen_clamp(wheels->front_right.spin * t7, 59.05512f);
+    const float back_left_spin = wmrgen_clamp(wheels->back_left.spin * t7, 59.05512f);
+    const float back_right_spin = wmrgen_clamp(wheels->back_right.spin * t7, 59.05512f);
 
-    wheels->front_left.spin = t8;
-    wheels->front_right.spin = t9;
-    wheels->back_left.spin = t10;
-    wheels->back_right.spin = t11;
+    wheels->front_left.spin = front_left_spin;
+    wheels->front_right.spin = front_right_spin;
+    wheels->back_left.spin = back_left_spin;
+    wheels->back_right.spin = back_right_spin;
     *scale = t7;
 }
 

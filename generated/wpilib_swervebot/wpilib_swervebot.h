@@ -32,7 +32,7 @@
 
 #define WPILIB_SWERVEBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define WPILIB_SWERVEBOT_MODEL_HASH "a3198c3536e1dd69a06365a1b1929944" /**< digest of the model */
-#define WPILIB_SWERVEBOT_PAIR_8e9fa754453bb714 1 /**< header and source of one run have the same */
+#define WPILIB_SWERVEBOT_PAIR_ffc4f37a90281ab0 1 /**< header and source of one run have the same */
 #define WPILIB_SWERVEBOT_WHEELS 4 /**< how many wheels the robot has */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_X 0.381f /**< [m] pivot, forward of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_Y 0.381f /**< [m] pivot, to the left of P */

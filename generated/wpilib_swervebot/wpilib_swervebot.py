@@ -180,52 +180,55 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer, back_left_steer,
     _front_left_x = vx + _t0
     _t1 = 0.381 * omega
     _front_left_y = vy + _t1
-    _t2 = _front_left_x * _front_left_x
-    _t3 = _front_left_y * _front_left_y
-    _t4 = _sqrt(xp, _t2 + _t3)
-    _t5 = _with_sign_of(xp, 2.0, _front_left_x)
-    _t6 = xp.abs(_front_left_x)
-    _t7 = _front_left_y / (_maximum(xp, _t4, 1e-20) + _t6)
-    _t8 = _select(xp, _t4, 1e-20, front_left_steer, _t5 * xp.atan(_t7))
-    _t9 = xp.round(0.31830988617 * (_t8 - front_left_steer))
-    _t10 = _with_sign_of(xp, _t4 * 19.68503937007874, _front_left_x)
-    _front_left_spin = _flip(xp, _t10, _t9)
+    _front_left_x_squared = _front_left_x * _front_left_x
+    _front_left_y_squared = _front_left_y * _front_left_y
+    _t2 = _front_left_x_squared + _front_left_y_squared
+    _t3 = _sqrt(xp, _t2)
+    _t4 = _with_sign_of(xp, 2.0, _front_left_x)
+    _t5 = xp.abs(_front_left_x)
+    _t6 = _front_left_y / (_maximum(xp, _t3, 1e-20) + _t5)
+    _t7 = _select(xp, _t3, 1e-20, front_left_steer, _t4 * xp.atan(_t6))
+    _t8 = xp.round(0.31830988617 * (_t7 - front_left_steer))
+    _t9 = _with_sign_of(xp, _t3 * 19.68503937007874, _front_left_x)
+    _front_left_spin = _flip(xp, _t9, _t8)
     _front_right_x = vx + _t1
-    _t11 = _front_right_x * _front_right_x
-    _t12 = _sqrt(xp, _t11 + _t3)
-    _t13 = _with_sign_of(xp, 2.0, _front_right_x)
-    _t14 = xp.abs(_front_right_x)
-    _t15 = _front_left_y / (_maximum(xp, _t12, 1e-20) + _t14)
-    _t16 = _select(xp, _t12, 1e-20, front_right_steer, _t13 * xp.atan(_t15))
-    _t17 = xp.round(0.31830988617 * (_t16 - front_right_steer))
-    _t18 = _with_sign_of(xp, _t12 * 19.68503937007874, _front_right_x)
-    _front_right_spin = _flip(xp, _t18, _t17)
+    _front_right_x_squared = _front_right_x * _front_right_x
+    _t10 = _front_right_x_squared + _front_left_y_squared
+    _t11 = _sqrt(xp, _t10)
+    _t12 = _with_sign_of(xp, 2.0, _front_right_x)
+    _t13 = xp.abs(_front_right_x)
+    _t14 = _front_left_y / (_maximum(xp, _t11, 1e-20) + _t13)
+    _t15 = _select(xp, _t11, 1e-20, front_right_steer, _t12 * xp.atan(_t14))
+    _t16 = xp.round(0.31830988617 * (_t15 - front_right_steer))
+    _t17 = _with_sign_of(xp, _t11 * 19.68503937007874, _front_right_x)
+    _front_right_spin = _flip(xp, _t17, _t16)
     _back_left_y = vy + _t0
-    _t19 = _back_left_y * _back_left_y
-    _t20 = _sqrt(xp, _t2 + _t19)
-    _t21 = _back_left_y / (_maximum(xp, _t20, 1e-20) + _t6)
-    _t22 = _select(xp, _t20, 1e-20, back_left_steer, _t5 * xp.atan(_t21))
-    _t23 = xp.round(0.31830988617 * (_t22 - back_left_steer))
-    _t24 = _with_sign_of(xp, _t20 * 19.68503937007874, _front_left_x)
-    _back_left_spin = _flip(xp, _t24, _t23)
-    _t25 = _sqrt(xp, _t11 + _t19)
-    _t26 = _back_left_y / (_maximum(xp, _t25, 1e-20) + _t14)
-    _t27 = _select(xp, _t25, 1e-20, back_right_steer, _t13 * xp.atan(_t26))
-    _t28 = xp.round(0.31830988617 * (_t27 - back_right_steer))
-    _t29 = _with_sign_of(xp, _t25 * 19.68503937007874, _front_right_x)
-    _back_right_spin = _flip(xp, _t29, _t28)
+    _back_left_y_squared = _back_left_y * _back_left_y
+    _t18 = _sqrt(xp, _front_left_x_squared + _back_left_y_squared)
+    _t19 = _back_left_y / (_maximum(xp, _t18, 1e-20) + _t5)
+    _t20 = _select(xp, _t18, 1e-20, back_left_steer, _t4 * xp.atan(_t19))
+    _t21 = xp.round(0.31830988617 * (_t20 - back_left_steer))
+    _t22 = _with_sign_of(xp, _t18 * 19.68503937007874, _front_left_x)
+    _back_left_spin = _flip(xp, _t22, _t21)
+    _t23 = _front_right_x_squared + _back_left_y_squared
+    _t24 = _sqrt(xp, _t23)
+    _t25 = _back_left_y / (_maximum(xp, _t24, 1e-20) + _t13)
+    _t26 = _select(xp, _t24, 1e-20, back_right_steer, _t12 * xp.atan(_t25))
+    _t27 = xp.round(0.31830988617 * (_t26 - back_right_steer))
+    _t28 = _with_sign_of(xp, _t24 * 19.68503937007874, _front_right_x)
+    _back_right_spin = _flip(xp, _t28, _t27)
     return _results(
         xp,
         arguments,
         {
             "front_left.spin": _front_left_spin,
-            "front_left.steer": _t8 + (-3.141592653589793) * _t9,
+            "front_left.steer": _t7 + (-3.141592653589793) * _t8,
             "front_right.spin": _front_right_spin,
-            "front_right.steer": _t16 + (-3.141592653589793) * _t17,
+            "front_right.steer": _t15 + (-3.141592653589793) * _t16,
             "back_left.spin": _back_left_spin,
-            "back_left.steer": _t22 + (-3.141592653589793) * _t23,
+            "back_left.steer": _t20 + (-3.141592653589793) * _t21,
             "back_right.spin": _back_right_spin,
-            "back_right.steer": _t27 + (-3.141592653589793) * _t28,
+            "back_right.steer": _t26 + (-3.141592653589793) * _t27,
             "slip": 0.0,
         },
     )
@@ -258,52 +261,55 @@ def inverse_joints(vx, vy, omega, front_left_steer, front_right_steer, back_left
     _front_left_x = vx + _t0
     _t1 = 0.381 * omega
     _front_left_y = vy + _t1
-    _t2 = _front_left_x * _front_left_x
-    _t3 = _front_left_y * _front_left_y
-    _t4 = _sqrt(xp, _t2 + _t3)
-    _t5 = _with_sign_of(xp, 2.0, _front_left_x)
-    _t6 = xp.abs(_front_left_x)
-    _t7 = _front_left_y / (_maximum(xp, _t4, 1e-20) + _t6)
-    _t8 = _select(xp, _t4, 1e-20, front_left_steer, _t5 * xp.atan(_t7))
-    _t9 = xp.round(0.31830988617 * (_t8 - front_left_steer))
-    _t10 = _with_sign_of(xp, _t4 * 19.68503937007874, _front_left_x)
-    _front_left_spin = _flip(xp, _t10, _t9)
+    _front_left_x_squared = _front_left_x * _front_left_x
+    _front_left_y_squared = _front_left_y * _front_left_y
+    _t2 = _front_left_x_squared + _front_left_y_squared
+    _t3 = _sqrt(xp, _t2)
+    _t4 = _with_sign_of(xp, 2.0, _front_left_x)
+    _t5 = xp.abs(_front_left_x)
+    _t6 = _front_left_y / (_maximum(xp, _t3, 1e-20) + _t5)
+    _t7 = _select(xp, _t3, 1e-20, front_left_steer, _t4 * xp.atan(_t6))
+    _t8 = xp.round(0.31830988617 * (_t7 - front_left_steer))
+    _t9 = _with_sign_of(xp, _t3 * 19.68503937007874, _front_left_x)
+    _front_left_spin = _flip(xp, _t9, _t8)
     _front_right_x = vx + _t1
-    _t11 = _front_right_x * _front_right_x
-    _t12 = _sqrt(xp, _t11 + _t3)
-    _t13 = _with_sign_of(xp, 2.0, _front_right_x)
-    _t14 = xp.abs(_front_right_x)
-    _t15 = _front_left_y / (_maximum(xp, _t12, 1e-20) + _t14)
-    _t16 = _select(xp, _t12, 1e-20, front_right_steer, _t13 * xp.atan(_t15))
-    _t17 = xp.round(0.31830988617 * (_t16 - front_right_steer))
-    _t18 = _with_sign_of(xp, _t12 * 19.68503937007874, _front_right_x)
-    _front_right_spin = _flip(xp, _t18, _t17)
+    _front_right_x_squared = _front_right_x * _front_right_x
+    _t10 = _front_right_x_squared + _front_left_y_squared
+    _t11 = _sqrt(xp, _t10)
+    _t12 = _with_sign_of(xp, 2.0, _front_right_x)
+    _t13 = xp.abs(_front_right_x)
+    _t14 = _front_left_y / (_maximum(xp, _t11, 1e-20) + _t13)
+    _t15 = _select(xp, _t11, 1e-20, front_right_steer, _t12 * xp.atan(_t14))
+    _t16 = xp.round(0.31830988617 * (_t15 - front_right_steer))
+    _t17 = _with_sign_of(xp, _t11 * 19.68503937007874, _front_right_x)
+    _front_right_spin = _flip(xp, _t17, _t16)
     _back_left_y = vy + _t0
-    _t19 = _back_left_y * _back_left_y
-    _t20 = _sqrt(xp, _t2 + _t19)
-    _t21 = _back_left_y / (_maximum(xp, _t20, 1e-20) + _t6)
-    _t22 = _select(xp, _t20, 1e-20, back_left_steer, _t5 * xp.atan(_t21))
-    _t23 = xp.round(0.31830988617 * (_t22 - back_left_steer))
-    _t24 = _with_sign_of(xp, _t20 * 19.68503937007874, _front_left_x)
-    _back_left_spin = _flip(xp, _t24, _t23)
-    _t25 = _sqrt(xp, _t11 + _t19)
-    _t26 = _back_left_y / (_maximum(xp, _t25, 1e-20) + _t14)
-    _t27 = _select(xp, _t25, 1e-20, back_right_steer, _t13 * xp.atan(_t26))
-    _t28 = xp.round(0.31830988617 * (_t27 - back_right_steer))
-    _t29 = _with_sign_of(xp, _t25 * 19.68503937007874, _front_right_x)
-    _back_right_spin = _flip(xp, _t29, _t28)
+    _back_left_y_squared = _back_left_y * _back_left_y
+    _t18 = _sqrt(xp, _front_left_x_squared + _back_left_y_squared)
+    _t19 = _back_left_y / (_maximum(xp, _t18, 1e-20) + _t5)
+    _t20 = _select(xp, _t18, 1e-20, back_left_steer, _t4 * xp.atan(_t19))
+    _t21 = xp.round(0.31830988617 * (_t20 - back_left_steer))
+    _t22 = _with_sign_of(xp, _t18 * 19.68503937007874, _front_left_x)
+    _back_left_spin = _flip(xp, _t22, _t21)
+    _t23 = _front_right_x_squared + _back_left_y_squared
+    _t24 = _sqrt(xp, _t23)
+    _t25 = _back_left_y / (_maximum(xp, _t24, 1e-20) + _t13)
+    _t26 = _select(xp, _t24, 1e-20, back_right_steer, _t12 * xp.atan(_t25))
+    _t27 = xp.round(0.31830988617 * (_t26 - back_right_steer))
+    _t28 = _with_sign_of(xp, _t24 * 19.68503937007874, _front_right_x)
+    _back_right_spin = _flip(xp, _t28, _t27)
     return _results(
         xp,
         arguments,
         {
             "front_left.spin": _front_left_spin,
-            "front_left.steer": _t8 + (-3.141592653589793) * _t9,
+            "front_left.steer": _t7 + (-3.141592653589793) * _t8,
             "front_right.spin": _front_right_spin,
-            "front_right.steer": _t16 + (-3.141592653589793) * _t17,
+            "front_right.steer": _t15 + (-3.141592653589793) * _t16,
             "back_left.spin": _back_left_spin,
-            "back_left.steer": _t22 + (-3.141592653589793) * _t23,
+            "back_left.steer": _t20 + (-3.141592653589793) * _t21,
             "back_right.spin": _back_right_spin,
-            "back_right.steer": _t27 + (-3.141592653589793) * _t28,
+            "back_right.steer": _t26 + (-3.141592653589793) * _t27,
         },
     )
 
@@ -429,20 +435,22 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (vx * _t1 - vy * _t2) * _chord,
             "y": y + _chord * (vx * _t2 + _t1 * vy),
-            "theta": _theta_whole - _t7,
+            "theta": _theta_whole - _t8,
         },
     )
 
@@ -479,14 +487,14 @@ def dynamics(x, y, theta, front_left_steer, back_right_steer, eta1, front_left_s
     _velocity_cos = xp.cos(theta)
     _vy_body = _t6 + _t4 * (eta1 * _t1)
     _velocity_sin = xp.sin(theta)
-    _t7 = _vx_body * _velocity_cos - _vy_body * _velocity_sin
-    _t8 = _vx_body * _velocity_sin + _velocity_cos * _vy_body
+    _x_rate = _vx_body * _velocity_cos - _vy_body * _velocity_sin
+    _y_rate = _vx_body * _velocity_sin + _velocity_cos * _vy_body
     return _results(
         xp,
         arguments,
         {
-            "x_rate": _t7,
-            "y_rate": _t8,
+            "x_rate": _x_rate,
+            "y_rate": _y_rate,
             "theta_rate": 1.3123359580052494 * (_t5 - _t2),
             "front_left.steer_rate": front_left_steer_rate * 1.0,
             "back_right.steer_rate": back_right_steer_rate * 1.0,
@@ -526,25 +534,25 @@ def joints_from_counts(front_left_steer, front_right_steer, back_left_steer, bac
     _per_time = _select(xp, 0.0, dt, 1.0 / _maximum(xp, dt, 1e-09), 0.0)
     _t0 = 0.0015339807878856412 * _per_time
     _t1 = xp.round(651.8986469044033 * front_left_steer)
-    _t2 = 0.0015339807878856412 * (_t1 + front_left_steer_counts)
-    _t3 = xp.round(651.8986469044033 * front_right_steer)
-    _t4 = 0.0015339807878856412 * (_t3 + front_right_steer_counts)
-    _t5 = xp.round(651.8986469044033 * back_left_steer)
-    _t6 = 0.0015339807878856412 * (_t5 + back_left_steer_counts)
-    _t7 = xp.round(651.8986469044033 * back_right_steer)
-    _t8 = 0.0015339807878856412 * (_t7 + back_right_steer_counts)
+    _front_left_steer = 0.0015339807878856412 * (_t1 + front_left_steer_counts)
+    _t2 = xp.round(651.8986469044033 * front_right_steer)
+    _front_right_steer = 0.0015339807878856412 * (_t2 + front_right_steer_counts)
+    _t3 = xp.round(651.8986469044033 * back_left_steer)
+    _back_left_steer = 0.0015339807878856412 * (_t3 + back_left_steer_counts)
+    _t4 = xp.round(651.8986469044033 * back_right_steer)
+    _back_right_steer = 0.0015339807878856412 * (_t4 + back_right_steer_counts)
     return _results(
         xp,
         arguments,
         {
             "front_left.spin": front_left_spin_counts * _t0,
-            "front_left.steer": _t2,
+            "front_left.steer": _front_left_steer,
             "front_right.spin": _t0 * front_right_spin_counts,
-            "front_right.steer": _t4,
+            "front_right.steer": _front_right_steer,
             "back_left.spin": _t0 * back_left_spin_counts,
-            "back_left.steer": _t6,
+            "back_left.steer": _back_left_steer,
             "back_right.spin": _t0 * back_right_spin_counts,
-            "back_right.steer": _t8,
+            "back_right.steer": _back_right_steer,
         },
     )
 
@@ -622,19 +630,19 @@ def forward_covariance(front_left_spin, front_left_steer, front_right_spin, fron
     _t39 = 0.05 * _t38
     _t40 = _back_left_c01 + _back_right_c01
     _t41 = _front_left_c01 + _front_right_c01
-    _t42 = 0.08202099737532809 * (_t41 + (_t12 - _t25) - _t40)
-    _t43 = 0.08202099737532809 * (_t32 - _t29 - _t35 - _t36)
-    _t44 = 0.10763910416709722 * _t34 - 0.21527820833419445 * _t37
+    _vxomega = 0.08202099737532809 * (_t41 + (_t12 - _t25) - _t40)
+    _vyomega = 0.08202099737532809 * (_t32 - _t29 - _t35 - _t36)
+    _t42 = 0.10763910416709722 * _t34 - 0.21527820833419445 * _t37
     return _results(
         xp,
         arguments,
         {
             "vxvx": 0.0625 * _t26 + _t39,
             "vxvy": 0.0625 * (_t40 + _t41),
-            "vxomega": _t42,
+            "vxomega": _vxomega,
             "vyvy": _t39 + 0.0625 * _t33,
-            "vyomega": _t43,
-            "omegaomega": _t44 + 0.17222256666735555 * _t38,
+            "vyomega": _vyomega,
+            "omegaomega": _t42 + 0.17222256666735555 * _t38,
         },
     )
 
@@ -681,51 +689,53 @@ def odometry_covariance(x, y, theta, xx, xy, xtheta, yy, ytheta, thetatheta, vx,
     _t1 = xp.cos(_middle)
     _t2 = xp.sin(_middle)
     _t3 = xp.abs(_half_turn)
-    _t4 = _half_turn * _half_turn
-    _t5 = (-0.0001984126984126984) * _t4 + 0.008333333333333333
-    _t6 = _maximum(xp, _t3, 0.046875)
-    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t4 * (0.16666666666666666 - _t4 * _t5), xp.sin(_t6) / _t6)
+    _half_turn_squared = _half_turn * _half_turn
+    _t4 = (-0.0001984126984126984) * _half_turn_squared
+    _t5 = _half_turn_squared * (_t4 + 0.008333333333333333)
+    _t6 = _half_turn_squared * (0.16666666666666666 - _t5)
+    _t7 = _maximum(xp, _t3, 0.046875)
+    _sinc = _select(xp, _t3, 0.046875, 1.0 - _t6, xp.sin(_t7) / _t7)
     _chord = dt * _sinc
     _x_step = (vx * _t1 - vy * _t2) * _chord
     _y_step = _chord * (vx * _t2 + _t1 * vy)
     _theta_whole = theta + _t0
-    _t7 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t8 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     _chord_x = _t1 * _chord
     _chord_y = _t2 * _chord
     _by_omega_x = vxomega * _chord_x - vyomega * _chord_y
-    _t8 = 0.5 * dt
-    _x_heading = xtheta + _by_omega_x * _t8
-    _t9 = dt * omegaomega
-    _t10 = dt * _t9
-    _heading_variance = thetatheta + 0.25 * _t10
+    _t9 = 0.5 * dt
+    _x_heading = xtheta + _by_omega_x * _t9
+    _t10 = dt * omegaomega
+    _t11 = dt * _t10
+    _heading_variance = thetatheta + 0.25 * _t11
     _x_turned = _x_heading - _y_step * _heading_variance
-    _t11 = _chord_y * vxvy
-    _by_vx_x = _chord_x * vxvx - _t11
-    _t12 = _chord_x * _by_vx_x + (xx - _y_step * (_x_heading + _x_turned))
-    _t13 = _chord_x * vxvy
-    _by_vy_x = _t13 - _chord_y * vyvy
+    _t12 = _chord_y * vxvy
+    _by_vx_x = _chord_x * vxvx - _t12
+    _t13 = _chord_x * _by_vx_x + (xx - _y_step * (_x_heading + _x_turned))
+    _t14 = _chord_x * vxvy
+    _by_vy_x = _t14 - _chord_y * vyvy
     _by_omega_y = vxomega * _chord_y + _chord_x * vyomega
-    _y_heading = ytheta + _t8 * _by_omega_y
-    _t14 = _x_step * _x_turned + (xy - _y_step * _y_heading)
-    _t15 = _chord_x * _by_vy_x + (_chord_y * _by_vx_x + _t14)
-    _t16 = 0.5 * _t9
-    _t17 = _x_turned + _t8 * (_by_omega_x - _y_step * _t16)
+    _y_heading = ytheta + _t9 * _by_omega_y
+    _t15 = _x_step * _x_turned + (xy - _y_step * _y_heading)
+    _xy = _chord_x * _by_vy_x + (_chord_y * _by_vx_x + _t15)
+    _t16 = 0.5 * _t10
+    _xtheta = _x_turned + _t9 * (_by_omega_x - _y_step * _t16)
     _y_turned = _y_heading + _x_step * _heading_variance
-    _t18 = _chord_y * (_t13 + _chord_y * vxvx) + (yy + _x_step * (_y_heading + _y_turned))
-    _t19 = _y_turned + _t8 * (_by_omega_y + _x_step * _t16)
+    _t17 = _chord_y * (_t14 + _chord_y * vxvx) + (yy + _x_step * (_y_heading + _y_turned))
+    _ytheta = _y_turned + _t9 * (_by_omega_y + _x_step * _t16)
     return _results(
         xp,
         arguments,
         {
             "x": x + _x_step,
             "y": y + _y_step,
-            "theta": _theta_whole - _t7,
-            "xx": _t12 - _chord_y * _by_vy_x,
-            "xy": _t15,
-            "xtheta": _t17,
-            "yy": _chord_x * (_t11 + _chord_x * vyvy) + _t18,
-            "ytheta": _t19,
-            "thetatheta": thetatheta + _t10,
+            "theta": _theta_whole - _t8,
+            "xx": _t13 - _chord_y * _by_vy_x,
+            "xy": _xy,
+            "xtheta": _xtheta,
+            "yy": _chord_x * (_t12 + _chord_x * vyvy) + _t17,
+            "ytheta": _ytheta,
+            "thetatheta": thetatheta + _t11,
         },
     )
 
@@ -784,19 +794,21 @@ def odometry_from_angles(x, y, theta, front_left_spin_step, front_left_steer, fr
     _vy_fit = 0.0127 * (_t7 + _t6)
     _t10 = xp.sin(_middle)
     _t11 = xp.abs(_half_turn)
-    _t12 = _half_turn * _half_turn
-    _t13 = (-0.0001984126984126984) * _t12 + 0.008333333333333333
-    _t14 = _maximum(xp, _t11, 0.046875)
-    _sinc = _select(xp, _t11, 0.046875, 1.0 - _t12 * (0.16666666666666666 - _t12 * _t13), xp.sin(_t14) / _t14)
+    _half_turn_squared = _half_turn * _half_turn
+    _t12 = (-0.0001984126984126984) * _half_turn_squared
+    _t13 = _half_turn_squared * (_t12 + 0.008333333333333333)
+    _t14 = _half_turn_squared * (0.16666666666666666 - _t13)
+    _t15 = _maximum(xp, _t11, 0.046875)
+    _sinc = _select(xp, _t11, 0.046875, 1.0 - _t14, xp.sin(_t15) / _t15)
     _theta_whole = theta + 0.016666666666666666 * _t8
-    _t15 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
+    _t16 = 6.283185307179586 * xp.round(0.15915494309189535 * _theta_whole)
     return _results(
         xp,
         arguments,
         {
             "x": x + (_vx_fit * _t9 - _vy_fit * _t10) * _sinc,
             "y": y + _sinc * (_vx_fit * _t10 + _t9 * _vy_fit),
-            "theta": _theta_whole - _t15,
+            "theta": _theta_whole - _t16,
         },
     )
 
@@ -818,14 +830,14 @@ def limit_twist(vx, vy, omega):
     _t0 = _maximum(xp, 0.3333333333333333 * xp.abs(vx), 0.3333333333333333 * xp.abs(vy))
     _load = _maximum(xp, 0.3183098861837907 * xp.abs(omega), _t0)
     _scale = _select(xp, _load, 0.02, 0.0, 1.0 / _maximum(xp, _load, 1.0))
-    _t1 = _clamp(xp, omega * _scale, 3.141592653589793)
+    _omega = _clamp(xp, omega * _scale, 3.141592653589793)
     return _results(
         xp,
         arguments,
         {
             "vx": _clamp(xp, vx * _scale, 3.0),
             "vy": _clamp(xp, vy * _scale, 3.0),
-            "omega": _t1,
+            "omega": _omega,
         },
     )
 
@@ -856,16 +868,16 @@ def limit_acceleration(vx, vy, omega, vx_wanted, vy_wanted, omega_wanted, dt):
     _time = _maximum(xp, 0.1061032953945969 * xp.abs(_omega_change), _t1)
     _step = _maximum(xp, dt, 0.0)
     _t2 = 0.9999995231628418 * (_step / _time)
-    _t3 = _select(xp, _step, _time, vx + _vx_change * _t2, vx_wanted)
-    _t4 = _select(xp, _step, _time, vy + _vy_change * _t2, vy_wanted)
-    _t5 = _select(xp, _step, _time, omega + _omega_change * _t2, omega_wanted)
+    _vx = _select(xp, _step, _time, vx + _vx_change * _t2, vx_wanted)
+    _vy = _select(xp, _step, _time, vy + _vy_change * _t2, vy_wanted)
+    _omega = _select(xp, _step, _time, omega + _omega_change * _t2, omega_wanted)
     return _results(
         xp,
         arguments,
         {
-            "vx": _t3,
-            "vy": _t4,
-            "omega": _t5,
+            "vx": _vx,
+            "vy": _vy,
+            "omega": _omega,
         },
     )
 
@@ -933,18 +945,18 @@ def desaturate(front_left_spin, front_right_spin, back_left_spin, back_right_spi
     _t3 = _maximum(xp, _t2, _maximum(xp, _t0, _maximum(xp, _t1, 1.0)))
     _t4 = 0.016933333333333335 * xp.abs(back_right_spin)
     _scale = 1.0 / _maximum(xp, _t4, _t3)
-    _t5 = _clamp(xp, front_left_spin * _scale, 59.05511811023622)
-    _t6 = _clamp(xp, front_right_spin * _scale, 59.05511811023622)
-    _t7 = _clamp(xp, back_left_spin * _scale, 59.05511811023622)
-    _t8 = _clamp(xp, back_right_spin * _scale, 59.05511811023622)
+    _front_left_spin = _clamp(xp, front_left_spin * _scale, 59.05511811023622)
+    _front_right_spin = _clamp(xp, front_right_spin * _scale, 59.05511811023622)
+    _back_left_spin = _clamp(xp, back_left_spin * _scale, 59.05511811023622)
+    _back_right_spin = _clamp(xp, back_right_spin * _scale, 59.05511811023622)
     return _results(
         xp,
         arguments,
         {
-            "front_left.spin": _t5,
-            "front_right.spin": _t6,
-            "back_left.spin": _t7,
-            "back_right.spin": _t8,
+            "front_left.spin": _front_left_spin,
+            "front_right.spin": _front_right_spin,
+            "back_left.spin": _back_left_spin,
+            "back_right.spin": _back_right_spin,
             "scale": _scale,
         },
     )
@@ -979,11 +991,11 @@ def ode(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _velocity_cos = xp.cos(x[..., 2])
     _velocity_sin = xp.sin(x[..., 2])
-    _t0 = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
-    _t1 = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
+    _x_rate = u[..., 0] * _velocity_cos - u[..., 1] * _velocity_sin
+    _y_rate = u[..., 0] * _velocity_sin + _velocity_cos * u[..., 1]
     results = [
-        _t0,
-        _t1,
+        _x_rate,
+        _y_rate,
         u[..., 2],
         u[..., 3],
         u[..., 4],
@@ -1002,21 +1014,21 @@ def rolling(x, u, p=NOMINAL):
     shape = _leading(x=x, u=u, p=p)
     _t0 = xp.cos(x[..., 3])
     _t1 = xp.sin(x[..., 3])
-    _t2 = 0.381 * (_t1 + _t0) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
-    _t3 = xp.cos(x[..., 4])
-    _t4 = xp.sin(x[..., 4])
-    _t5 = u[..., 2] * (0.381 * (_t3 - _t4)) + (u[..., 1] * _t3 - u[..., 0] * _t4)
-    _t6 = xp.cos(x[..., 5])
-    _t7 = xp.sin(x[..., 5])
-    _t8 = u[..., 2] * (0.381 * (_t7 - _t6)) + (u[..., 1] * _t6 - u[..., 0] * _t7)
-    _t9 = xp.cos(x[..., 6])
-    _t10 = xp.sin(x[..., 6])
-    _t11 = u[..., 2] * ((-0.381) * (_t10 + _t9)) + (u[..., 1] * _t9 - u[..., 0] * _t10)
+    _front_left_slide = 0.381 * (_t1 + _t0) * u[..., 2] + (_t0 * u[..., 1] - _t1 * u[..., 0])
+    _t2 = xp.cos(x[..., 4])
+    _t3 = xp.sin(x[..., 4])
+    _front_right_slide = u[..., 2] * (0.381 * (_t2 - _t3)) + (u[..., 1] * _t2 - u[..., 0] * _t3)
+    _t4 = xp.cos(x[..., 5])
+    _t5 = xp.sin(x[..., 5])
+    _back_left_slide = u[..., 2] * (0.381 * (_t5 - _t4)) + (u[..., 1] * _t4 - u[..., 0] * _t5)
+    _t6 = xp.cos(x[..., 6])
+    _t7 = xp.sin(x[..., 6])
+    _back_right_slide = u[..., 2] * ((-0.381) * (_t7 + _t6)) + (u[..., 1] * _t6 - u[..., 0] * _t7)
     results = [
-        _t2,
-        _t5,
-        _t8,
-        _t11,
+        _front_left_slide,
+        _front_right_slide,
+        _back_left_slide,
+        _back_right_slide,
     ]
     return xp.stack([_spread(xp, result, x[..., 0], shape) for result in results], axis=-1)
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ACKERMANN_CAR_PAIR_df771217bed210e6)
+#if !defined(ACKERMANN_CAR_PAIR_5bdab327e94169dc)
 #error "this file and ackermann_car.h were not generated together: copy both"
 #endif
 

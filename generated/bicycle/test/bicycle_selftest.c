@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(BICYCLE_PAIR_0fb7ed0f53ff3571)
+#if !defined(BICYCLE_PAIR_22c0ca713eaf3674)
 #error "this file and bicycle.h were not generated together: copy both"
 #endif
 

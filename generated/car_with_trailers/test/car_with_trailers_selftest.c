@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_7e8bf6871bfad18c)
+#if !defined(CAR_WITH_TRAILERS_PAIR_bb8fc5f58ba9fc93)
 #error "this file and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CARE_O_BOT_4_PAIR_c20c1c61e70041bc)
+#if !defined(CARE_O_BOT_4_PAIR_2380ab09b57d4324)
 #error "this file and care_o_bot_4.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_DO100_PAIR_55a8befabbc855e5)
+#if !defined(CLEARPATH_DO100_PAIR_2d66e3cb2722b16a)
 #error "this file and clearpath_do100.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_5058a6f967a2b582)
+#if !defined(F1TENTH_PAIR_c98ba671c5536243)
 #error "this file and f1tenth.h were not generated together: copy both"
 #endif
 

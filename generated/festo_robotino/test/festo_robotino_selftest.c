@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(FESTO_ROBOTINO_PAIR_a2b052c7b164cadb)
+#if !defined(FESTO_ROBOTINO_PAIR_da18a5a7fc020d51)
 #error "this file and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KELLY_4WS_PAIR_6993927d2b1dbd16)
+#if !defined(KELLY_4WS_PAIR_1852b96eb3148f64)
 #error "this file and kelly_4ws.h were not generated together: copy both"
 #endif
 

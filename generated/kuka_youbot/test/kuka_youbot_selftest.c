@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KUKA_YOUBOT_PAIR_c4a6b0fc65cad609)
+#if !defined(KUKA_YOUBOT_PAIR_ca4e91435deecdd2)
 #error "this file and kuka_youbot.h were not generated together: copy both"
 #endif
 

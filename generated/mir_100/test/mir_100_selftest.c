@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(MIR_100_PAIR_abed810c577041f2)
+#if !defined(MIR_100_PAIR_efd197e27fc813a4)
 #error "this file and mir_100.h were not generated together: copy both"
 #endif
 

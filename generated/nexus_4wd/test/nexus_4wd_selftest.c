@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEXUS_4WD_PAIR_6997c82dfd48b93c)
+#if !defined(NEXUS_4WD_PAIR_fbb058ddf9679f85)
 #error "this file and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NOMAD_XR4000_PAIR_0957a92e302a44d0)
+#if !defined(NOMAD_XR4000_PAIR_09cb1dcbbe5f2644)
 #error "this file and nomad_xr4000.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(OFFICE_CHAIR_PAIR_07024d1a44850485)
+#if !defined(OFFICE_CHAIR_PAIR_9037b860972edb62)
 #error "this file and office_chair.h were not generated together: copy both"
 #endif
 

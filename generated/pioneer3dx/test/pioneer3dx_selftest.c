@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PIONEER3DX_PAIR_30d67c05656dd0bc)
+#if !defined(PIONEER3DX_PAIR_10c3c8063a229f7f)
 #error "this file and pioneer3dx.h were not generated together: copy both"
 #endif
 

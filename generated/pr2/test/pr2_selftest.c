@@ -23,7 +23,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PR2_PAIR_4997c54387c2f597)
+#if !defined(PR2_PAIR_a6023239d79ba80d)
 #error "this file and pr2.h were not generated together: copy both"
 #endif
 

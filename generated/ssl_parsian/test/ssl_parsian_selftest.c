@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SSL_PARSIAN_PAIR_6ffcce9a1e037a8a)
+#if !defined(SSL_PARSIAN_PAIR_c8a597d91d933df3)
 #error "this file and ssl_parsian.h were not generated together: copy both"
 #endif
 

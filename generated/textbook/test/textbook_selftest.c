@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_PAIR_a6aea91e56b342ce)
+#if !defined(TEXTBOOK_PAIR_93764b62f34d03dd)
 #error "this file and textbook.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0125a152f713536b)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_b2723eb283a4c7db)
 #error "this file and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

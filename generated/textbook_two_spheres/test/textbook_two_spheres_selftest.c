@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_b1e3d6e81fdf8fec)
+#if !defined(TEXTBOOK_TWO_SPHERES_PAIR_34ac3b37b197ad82)
 #error "this file and textbook_two_spheres.h were not generated together: copy both"
 #endif
 

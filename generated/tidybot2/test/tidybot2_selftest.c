@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TIDYBOT2_PAIR_d8c5fc48f97528c4)
+#if !defined(TIDYBOT2_PAIR_e71937a7c3ce221a)
 #error "this file and tidybot2.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_8e9fa754453bb714)
+#if !defined(WPILIB_SWERVEBOT_PAIR_ffc4f37a90281ab0)
 #error "this file and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

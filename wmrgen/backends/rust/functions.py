@@ -142,7 +142,9 @@ class _Printer(NamedTuple):
         several = None if len(own.members) == 1 else (own.type, own.members)
         texts = zip(own.members, code.results, strict=True)
         result = (
-            f"{own.type} {{ {', '.join(f'{m}: {t}' for m, t in texts)} }}" if several else code.results[0]
+            f"{own.type} {{ {', '.join(m if m == t else f'{m}: {t}' for m, t in texts)} }}"
+            if several
+            else code.results[0]
         )
         arguments = [f"{identifier(port.name)}: {self.scalar}" for port in kernel.inputs]
         head = signature(f"fn {own.function}", arguments, f" -> {own.type}")

@@ -21,7 +21,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_b025f8cf923cbdec)
+#if !defined(ANDINO_PAIR_ab21c1c9dd801fac)
 #error "this file and andino.h were not generated together: copy both"
 #endif
 

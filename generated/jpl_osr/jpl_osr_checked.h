@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_bca0f5cb569bde94)
+#if !defined(JPL_OSR_PAIR_e1ed20eff8cf08f6)
 #error "this file and jpl_osr.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_d99eb06229fdfd80)
+#if !defined(LOCKED_BICYCLE_PAIR_fe0a9bf120e78fab)
 #error "this file and locked_bicycle.h were not generated together: copy both"
 #endif
 

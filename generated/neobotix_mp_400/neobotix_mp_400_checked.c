@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_453c6f2174e42542)
+#if !defined(NEOBOTIX_MP_400_PAIR_e5a1ae518021efec)
 #error "this file and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_0de6b42311926b5f)
+#if !defined(SYNCHRO_DRIVE_PAIR_93a405a09ad337b4)
 #error "this file and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -65,17 +65,19 @@
 #define WMRGEN_FMA
 #if defined(__AVR__)
 #error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
-#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#elif defined(__arm__) && !defined(__ARM_FP) && !defined(WMRGEN_SLOW_FMA)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__riscv) && !defined(__riscv_flen) && !defined(WMRGEN_SLOW_FMA)
 #error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
 #elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
 #if defined(__clang__) && (__clang_major__ < 22)
 /* Without the casts this clang regroups sums; they cost nothing and change nothing. */
-#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#define wmr_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
 #else
-#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#define wmr_fma(a, b, c) fmaf((a), (b), (c))
 #endif
 #else
-#define wmrgen_fma(a, b, c) wmrgen_fused((a), (b), (c))
+#define wmr_fma(a, b, c) wmrgen_fused((a), (b), (c))
 static inline float wmrgen_fused(float a, float b, float c)
 {
     union {
@@ -147,11 +149,10 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
-    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
+    const float t2 = t0 * ((t0 * 2.5989211e-06f) + (-0.0001980605f));
+    const float t3 = (t0 * (t2 + 0.008333009f)) + (-0.16666657f);
 
-    return wmrgen_fma(t1, t4, r);
+    return wmr_fma(t1, t3, r);
 }
 #endif
 
@@ -169,9 +170,9 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
 {
     wmrgen_vector result;
-    const float t0 = wmrgen_fma(angle, 0.63661975f, 25165824.0f);
+    const float t0 = (angle * 0.63661975f) + 25165824.0f;
     const float t1 = t0 - 25165824.0f;
-    const float t2 = wmrgen_fma(t1, 4.371139e-08f, wmrgen_fma(-t1, 1.5707964f, angle));
+    const float t2 = wmr_fma(t1, 4.371139e-08f, wmr_fma(-t1, 1.5707964f, angle));
     const float t3 = wmrgen_negate_if_odd(size, t0);
 
     result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
@@ -187,15 +188,12 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 {
     const float t0 = q * q;
     const float t1 = q * t0;
-    const float t2 = wmrgen_fma(t0, 0.002993259f, (-0.016716665f));
-    const float t3 = wmrgen_fma(t0, t2, 0.04390253f);
-    const float t4 = wmrgen_fma(t0, t3, (-0.0762479f));
-    const float t5 = wmrgen_fma(t0, t4, 0.10709304f);
-    const float t6 = wmrgen_fma(t0, t5, (-0.14225537f));
-    const float t7 = wmrgen_fma(t0, t6, 0.1999624f);
-    const float t8 = wmrgen_fma(t0, t7, (-0.33333313f));
+    const float t2 = (t0 * ((t0 * 0.002993259f) + (-0.016716665f))) + 0.04390253f;
+    const float t3 = (t0 * ((t0 * t2) + (-0.0762479f))) + 0.10709304f;
+    const float t4 = (t0 * ((t0 * t3) + (-0.14225537f))) + 0.1999624f;
+    const float t5 = (t0 * t4) + (-0.33333313f);
 
-    return wmrgen_fma(t1, t8, q);
+    return wmr_fma(t1, t5, q);
 }
 #endif
 
@@ -220,9 +218,9 @@ WMRGEN_ONCE wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float p
     const float t0 = fabsf(x);
     const float t1 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (size < 1e-20f) ? now : (t1 * wmrgen_arctangent(y / (size_safe + t0)));
-    const float t2 = wmrgen_fma(0.31830987f, heading - now, 12582912.0f);
+    const float t2 = wmr_fma(0.31830987f, heading - now, 12582912.0f);
     const float spin = wmrgen_negate_if_odd(wmrgen_with_sign_of(size * per_rim, x), t2);
-    const float steer = wmrgen_fma((-3.1415927f), t2 - 12582912.0f, heading);
+    const float steer = wmr_fma((-3.1415927f), t2 - 12582912.0f, heading);
 
     result.spin = spin;
     result.steer = steer;
@@ -236,12 +234,12 @@ WMRGEN_ONCE wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float p
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmr_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
-    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmr_fma(t1, wmr_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return sinc;
 }
@@ -288,11 +286,11 @@ void synchro_drive_forward(const synchro_drive_wheels *wheels, synchro_drive_twi
     const wmrgen_vector w2 = wmrgen_vector_at(wheels->w2.spin, wheels->w2.steer);
     const wmrgen_vector w3 = wmrgen_vector_at(wheels->w3.spin, wheels->w3.steer);
     const float t0 = w2.y + w3.y;
-    const float t1 = wmrgen_fma(0.11111111f, w1.y, 0.096225046f * (w3.x - w2.x));
+    const float t1 = wmr_fma(0.11111111f, w1.y, 0.096225046f * (w3.x - w2.x));
 
     twist->vx = 0.033333335f * (w3.x + (w1.x + w2.x));
     twist->vy = 0.033333335f * (w1.y + t0);
-    twist->omega = wmrgen_fma((-0.055555556f), t0, t1);
+    twist->omega = wmr_fma((-0.055555556f), t0, t1);
 }
 
 void synchro_drive_forward_slip(
@@ -306,24 +304,24 @@ void synchro_drive_forward_slip(
     const float vx_fit = 0.033333335f * (w3.x + (w1.x + w2.x));
     const float t0 = w2.y + w3.y;
     const float vy_fit = 0.033333335f * (w1.y + t0);
-    const float t1 = wmrgen_fma(0.11111111f, w1.y, 0.096225046f * (w3.x - w2.x));
-    const float omega_fit = wmrgen_fma((-0.055555556f), t0, t1);
+    const float t1 = wmr_fma(0.11111111f, w1.y, 0.096225046f * (w3.x - w2.x));
+    const float omega_fit = wmr_fma((-0.055555556f), t0, t1);
     const float t2 = (-0.25980762f) * omega_fit;
     const float t3 = -vx_fit;
-    const float t4 = wmrgen_fma(0.1f, w2.x, t3) - t2;
-    const float t5 = wmrgen_fma((-0.3f), omega_fit, wmrgen_fma(0.1f, w1.y, -vy_fit));
-    const float t6 = wmrgen_fma(0.1f, w1.x, t3);
-    const float t7 = wmrgen_fma(t4, t4, wmrgen_fma(t6, t6, t5 * t5));
-    const float t8 = -wmrgen_fma((-0.15f), omega_fit, vy_fit);
-    const float t9 = wmrgen_fma(0.1f, w2.y, t8);
-    const float t10 = wmrgen_fma(0.1f, w3.x, t2 - vx_fit);
-    const float t11 = wmrgen_fma(0.1f, w3.y, t8);
-    const float t12 = wmrgen_fma(t11, t11, wmrgen_fma(t10, t10, wmrgen_fma(t9, t9, t7)));
+    const float t4 = wmr_fma(0.1f, w2.x, t3) - t2;
+    const float t5 = wmr_fma((-0.3f), omega_fit, wmr_fma(0.1f, w1.y, -vy_fit));
+    const float t6 = wmr_fma(0.1f, w1.x, t3);
+    const float t7 = -wmr_fma((-0.15f), omega_fit, vy_fit);
+    const float t8 = wmr_fma(0.1f, w2.y, t7);
+    const float t9 = wmr_fma(t8, t8, wmr_fma(t4, t4, wmr_fma(t6, t6, t5 * t5)));
+    const float t10 = wmr_fma(0.1f, w3.x, t2 - vx_fit);
+    const float t11 = wmr_fma(0.1f, w3.y, t7);
+    const float t12 = sqrtf(wmr_fma(t11, t11, wmr_fma(t10, t10, t9)));
 
     twist->vx = vx_fit;
     twist->vy = vy_fit;
     twist->omega = omega_fit;
-    *slip = sqrtf(t12);
+    *slip = t12;
 }
 
 void synchro_drive_odometry(synchro_drive_pose *pose, const synchro_drive_twist *twist, float dt)
@@ -331,14 +329,14 @@ void synchro_drive_odometry(synchro_drive_pose *pose, const synchro_drive_twist 
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
-    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
+    const float t2 = wmr_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
+    const float y = wmr_fma(chord, wmr_fma(twist->vx, t1.y, t1.x * twist->vy), pose->y);
     const float theta_whole = pose->theta + t0;
-    const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float t3 = wmr_fma(0.15915494f, theta_whole, 12582912.0f);
+    const float theta = wmr_fma((-6.2831855f), t3 - 12582912.0f, theta_whole);
 
-    pose->x = wmrgen_fma(t2, chord, pose->x);
-    pose->y = wmrgen_fma(chord, t3, pose->y);
+    pose->x = wmr_fma(t2, chord, pose->x);
+    pose->y = y;
     pose->theta = theta;
 }

@@ -21,7 +21,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_0de6b42311926b5f)
+#if !defined(SYNCHRO_DRIVE_PAIR_93a405a09ad337b4)
 #error "this file and synchro_drive.h were not generated together: copy both"
 #endif
 

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_d444d1152efd9457)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_18c06e457700318d)
 #error "this file and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -65,17 +65,19 @@
 #define WMRGEN_FMA
 #if defined(__AVR__)
 #error "written for processors with a fused multiply-add: run wmrgen derive with --target avr"
-#elif (defined(__arm__) && !defined(__ARM_FP)) || (defined(__riscv) && !defined(__riscv_flen))
+#elif defined(__arm__) && !defined(__ARM_FP) && !defined(WMRGEN_SLOW_FMA)
+#error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
+#elif defined(__riscv) && !defined(__riscv_flen) && !defined(WMRGEN_SLOW_FMA)
 #error "written for processors with a fused multiply-add: run wmrgen derive with --target m0"
 #elif defined(__FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA) || defined(__FMA__) || defined(__riscv_flen)
 #if defined(__clang__) && (__clang_major__ < 22)
 /* Without the casts this clang regroups sums; they cost nothing and change nothing. */
-#define wmrgen_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#define wmr_fma(a, b, c) ((float)(double)fmaf((a), (b), (c)))
 #else
-#define wmrgen_fma(a, b, c) fmaf((a), (b), (c))
+#define wmr_fma(a, b, c) fmaf((a), (b), (c))
 #endif
 #else
-#define wmrgen_fma(a, b, c) wmrgen_fused((a), (b), (c))
+#define wmr_fma(a, b, c) wmrgen_fused((a), (b), (c))
 static inline float wmrgen_fused(float a, float b, float c)
 {
     union {
@@ -126,11 +128,10 @@ WMRGEN_KERNEL float wmrgen_sine(float r)
 {
     const float t0 = r * r;
     const float t1 = r * t0;
-    const float t2 = wmrgen_fma(t0, 2.5989211e-06f, (-0.0001980605f));
-    const float t3 = wmrgen_fma(t0, t2, 0.008333009f);
-    const float t4 = wmrgen_fma(t0, t3, (-0.16666657f));
+    const float t2 = t0 * ((t0 * 2.5989211e-06f) + (-0.0001980605f));
+    const float t3 = (t0 * (t2 + 0.008333009f)) + (-0.16666657f);
 
-    return wmrgen_fma(t1, t4, r);
+    return wmr_fma(t1, t3, r);
 }
 #endif
 
@@ -148,9 +149,9 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
 {
     wmrgen_vector result;
-    const float t0 = wmrgen_fma(angle, 0.63661975f, 25165824.0f);
+    const float t0 = (angle * 0.63661975f) + 25165824.0f;
     const float t1 = t0 - 25165824.0f;
-    const float t2 = wmrgen_fma(t1, 4.371139e-08f, wmrgen_fma(-t1, 1.5707964f, angle));
+    const float t2 = wmr_fma(t1, 4.371139e-08f, wmr_fma(-t1, 1.5707964f, angle));
     const float t3 = wmrgen_negate_if_odd(size, t0);
 
     result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
@@ -165,12 +166,12 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
 WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
-    const float t0 = wmrgen_fma((-0.0001984127f), h_squared, 0.008333334f);
+    const float t0 = wmr_fma((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float h_safe = (h_size < 0.046875f) ? 0.046875f : h_size;
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, h_safe);
-    const float sinc = (h_size < 0.046875f) ? wmrgen_fma(t1, wmrgen_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
+    const float sinc = (h_size < 0.046875f) ? wmr_fma(t1, wmr_fma(t1, t0, 0.16666667f), 1.0f) : (t2.y / h_safe);
 
     return sinc;
 }
@@ -231,15 +232,15 @@ void tractor_off_axle_odometry(
     const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* sigma */
     const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
-    const float t2 = wmrgen_fma(twist->vx, t1.x, -(twist->vy * t1.y));
+    const float t2 = wmr_fma(twist->vx, t1.x, -(twist->vy * t1.y));
     const float chord = dt * wmrgen_sinc(half_turn);
-    const float t3 = wmrgen_fma(twist->vx, t1.y, t1.x * twist->vy);
+    const float y = wmr_fma(chord, wmr_fma(twist->vx, t1.y, t1.x * twist->vy), pose->y);
     const float theta_whole = pose->theta + t0;
-    const float t4 = wmrgen_fma(0.15915494f, theta_whole, 12582912.0f);
-    const float theta = wmrgen_fma((-6.2831855f), t4 - 12582912.0f, theta_whole);
+    const float t3 = wmr_fma(0.15915494f, theta_whole, 12582912.0f);
+    const float theta = wmr_fma((-6.2831855f), t3 - 12582912.0f, theta_whole);
 
-    pose->x = wmrgen_fma(t2, chord, pose->x);
-    pose->y = wmrgen_fma(chord, t3, pose->y);
+    pose->x = wmr_fma(t2, chord, pose->x);
+    pose->y = y;
     pose->theta = theta;
 }
 
@@ -253,8 +254,8 @@ void tractor_off_axle_trailer(
     const wmrgen_vector t0 = wmrgen_vector_at(body_vx, pose->theta);
     const float body_omega = 0.2037037f * (wheels->right.spin - wheels->left.spin);
     const wmrgen_vector cart = wmrgen_vector_at(1.0f, in->cart.theta - pose->theta);
-    const float cart_turn = wmrgen_fma((-1.25f), body_vx * cart.y, -(0.3125f * (body_omega * cart.x)));
-    const float cart_speed = wmrgen_fma(body_vx, cart.x, -(0.25f * (body_omega * cart.y)));
+    const float cart_turn = wmr_fma((-1.25f), body_vx * cart.y, -(0.3125f * (body_omega * cart.x)));
+    const float cart_speed = wmr_fma(body_vx, cart.x, -(0.25f * (body_omega * cart.y)));
 
     out->x_rate = t0.x;
     out->y_rate = t0.y;

@@ -21,7 +21,7 @@
 
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_d444d1152efd9457)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_18c06e457700318d)
 #error "this file and tractor_off_axle.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_fabedeeabe56cedb)
+#if !defined(UNICYCLE_PAIR_00e6d442ffef36c5)
 #error "this file and unicycle.h were not generated together: copy both"
 #endif
 

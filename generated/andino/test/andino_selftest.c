@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ANDINO_PAIR_b025f8cf923cbdec)
+#if !defined(ANDINO_PAIR_ab21c1c9dd801fac)
 #error "this file and andino.h were not generated together: copy both"
 #endif
 

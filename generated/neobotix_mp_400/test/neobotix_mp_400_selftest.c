@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEOBOTIX_MP_400_PAIR_453c6f2174e42542)
+#if !defined(NEOBOTIX_MP_400_PAIR_e5a1ae518021efec)
 #error "this file and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

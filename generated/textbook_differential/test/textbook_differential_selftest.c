@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_1e6ac9b62123015f)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_9a6f36b0b27145af)
 #error "this file and textbook_differential.h were not generated together: copy both"
 #endif
 

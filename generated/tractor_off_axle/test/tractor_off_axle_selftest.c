@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_d444d1152efd9457)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_18c06e457700318d)
 #error "this file and tractor_off_axle.h were not generated together: copy both"
 #endif
 

@@ -54,10 +54,13 @@ def test_no_bound_is_larger_than_what_it_bounds() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_nothing_in_the_gallery_is_singular(name: str) -> None:
-    """Except quotients by a time that may be 0: `limit_acceleration`, and the steering rates of `steer_toward`."""
+    """Except quotients by a time that may be 0: `limit_acceleration`, `setpoint`, steering rates of `steer_toward`."""
     for function, bound in proved(name).pairs:
         assert bound.proved
         for o in bound.outputs:
             rate = function.name == "steer_toward" and not o.name.endswith(".steer")
             if o.high > o.low:
-                assert o.singular == (rate or function.name == "limit_acceleration"), (function.name, o.name)
+                assert o.singular == (rate or function.name in ("limit_acceleration", "setpoint")), (
+                    function.name,
+                    o.name,
+                )

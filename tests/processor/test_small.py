@@ -60,7 +60,7 @@ BEFORE = {  # (m4f, m0)
 HEADING = {"m4f": 42, "m0+": 48}
 # What robot files ask for since.
 LATER = (
-    "limit_twist", "limit_acceleration", "compensate_steering", "desaturate", "steer_toward",
+    "limit_twist", "limit_acceleration", "setpoint", "compensate_steering", "desaturate", "steer_toward",
     "joints_from_counts", "forward_covariance", "odometry_covariance", "odometry_from_angles",
 )  # fmt: skip
 

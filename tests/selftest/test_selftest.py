@@ -25,7 +25,9 @@ from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.selftest import vectors
 from wmrgen.selftest.vectors import _FLOOR, _rounded, tables
 
-LARGEST = 54_000  # bytes for each four tables of eight steered wheels, which have 73 columns; half stay below 27 kB
+LARGEST = (
+    54_000  # bytes for each four tables of eight steered wheels, which have 73 columns; half stay below 27 kB
+)
 needs_compiler = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 
 

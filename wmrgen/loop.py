@@ -3,7 +3,7 @@
 counters, wheels      what encoders count, and what the joints do
 twist, pose           how the robot moves, and where it is, with covariances of both where there is noise to tell of
 wanted, driven        the twist that somebody wants, and what is left of it by the limits of acceleration; `setpoint`
-                      keeps those of `limit_acceleration` and `desaturate`, too, and takes their place
+                      keeps those of `limit_acceleration`, too, and takes its place
 commands, before      what the joints are to do, and what they were to do in the step before
 
 Steering starts from the last commands, not from the measured angles: the error of a measurement (a count of an encoder,
@@ -78,7 +78,7 @@ def loop(module: Module, has: Collection[str], covariances: bool = True) -> Loop
     moves = next(n for n in ("odometry_covariance", "odometry_compensated", "odometry") if n in names)
     names -= {"odometry_covariance", "odometry_compensated", "odometry"} - {moves}
     if "setpoint" in names:
-        names -= {"limit_acceleration", "desaturate"}
+        names -= {"limit_acceleration"}
     driven = {} if names & {"limit_acceleration", "setpoint"} else {"driven": "wanted"}
 
     def stages(table: tuple[tuple[str, Mapping[str, str]], ...]) -> tuple[Stage, ...]:

@@ -190,6 +190,39 @@ def test_what_limit_twist_gives_is_inside_the_steering_stops(car: int) -> None:
     assert 10 < cut < 60
 
 
+TWO_STEERED = """\
+wmrgen: 1
+name: both
+wheels:
+  - {{name: front, type: steered, x: 0.6, y: 0.1, heading: {front}, r: 0.1, limits: {{steer: [-35 deg, 25 deg]}}}}
+  - {{name: rear, type: steered, x: -0.5, y: 0, heading: {rear}, r: 0.1, limits: {{steer: [-80 deg, 80 deg]}}}}
+limits: {{vx: 3, vy: 3, omega: 3}}
+"""
+
+
+@pytest.mark.parametrize(("front", "rear"), [("0", "180 deg"), ("60 deg", "90 deg"), ("-90 deg", "-120 deg")])
+def test_two_steered_wheels_keep_their_stops(front: str, rear: str) -> None:
+    """No wheel slides at what `limit_twist` gives; the twist is left alone where the stops allow it."""
+    text = TWO_STEERED.format(front=front, rear=rear)
+    d = of_text(text, ["inverse", "forward", "limit_twist"])
+    wheels = [
+        {"name": w.name, "type": w.type, "x": w.pivot.real, "y": w.pivot.imag, "heading": w.heading, "r": 0.1}
+        for w in d.robot.wheels
+    ]
+    source, kept_whole = np.random.default_rng(7), 0
+    present = {"front.steer": 0.0, "rear.steer": 0.0}
+    for asked in source.uniform(-1.0, 1.0, (200, 3)):
+        kept = call(d, "limit_twist", named(asked))
+        commands = call(d, "inverse", kept | present)
+        check(d, {"wheels": wheels, "couplings": []}, twist_of(kept), commands)
+        whole = call(d, "inverse", named(asked) | present)["slip"] < 1e-9
+        assert whole == (np.abs(twist_of(kept) - asked).max() < 1e-9)
+        kept_whole += whole
+        present = {name: commands[name] for name in present}
+    assert 5 < kept_whole < 150
+    assert not np.any(twist_of(call(d, "limit_twist", named(np.zeros(3)))))
+
+
 @pytest.mark.parametrize("car", range(4))
 def test_fixed_wheels_roll_about_the_centre_that_the_steering_has(car: int) -> None:
     """Whatever was commanded: at the angles of another twist the wheels drive a multiple of that one, without slip."""

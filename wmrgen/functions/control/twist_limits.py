@@ -21,7 +21,8 @@ import sympy
 
 from wmrgen.exact.number import Exact
 from wmrgen.functions.control.braking import rate_limit
-from wmrgen.functions.control.curvature import reach
+from wmrgen.functions.control.curvature import Reach, reach
+from wmrgen.functions.control.steering_stops import Stops, steering_stops
 from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, scaled
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.least_squares import project
@@ -45,11 +46,12 @@ STEP = replace(DT, text="time since the last command; what is below 0 counts as 
 def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     """A twist inside the limits of vx, vy and omega, along the same path; nothing below the ``deadband``.
 
-    scale = 1 / max(1, component / limit over all three), or 0 where the largest of these is below the deadband. Of a
-    car the yaw rate is cut first to what its steering stops allow at that speed, see `curvature`.
+    scale = 1 / max(1, component / limit over all three), or 0 where the largest of these is below the deadband. Before
+    that the twist is cut to what the steering stops allow: for a car its yaw rate, see `curvature`; for a robot without
+    a fixed axle all but its speed along a direction that all wheels can roll in, see `steering_stops`.
     """
     names = Locals()
-    bends = reach(robot, mobility, names)
+    bends: Reach | Stops | None = reach(robot, mobility, names) or steering_stops(robot, mobility)
     limits = twist_limits(robot, mobility, "limit_twist", needed=bends is None)
     missing = [name for name, limit in limits.items() if limit is None]
     if robot.deadband and missing:

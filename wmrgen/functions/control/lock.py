@@ -74,7 +74,7 @@ def _angle(y: Poly, x: Poly) -> Expr:
 def _check(robot: Robot, steered: list[Wheel]) -> None:
     """NotDerivableError where these angles do not lock the robot, or wheels cannot have them."""
     if not steered:
-        raise underivable(robot, "lock", "no wheel is steered")
+        raise underivable(robot, "lock", "no wheel is steered, so no wheel can be turned across")
     for members in robot.together("steer", steered):
         if len(members) > 1:
             why = f"{members[0].name} and {members[1].name} are steered by one motor"

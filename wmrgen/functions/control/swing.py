@@ -142,7 +142,8 @@ def compensate_steering(robot: Robot, mobility: Mobility) -> Formula:
             aside = times(expression(g.o * g.r.inverse()), signal(TWIST[2].name))
             moved = subtract(moved, times(aside, subtract(sympy.S.One, along)))
         outputs.append((spin, moved))
-    return names.formula("compensate_steering", inputs, outputs, text)
+    ports = (*inputs, *tunable_ports(robot)) if any(w.working.o for w in driven) else inputs
+    return names.formula("compensate_steering", ports, outputs, text)
 
 
 def _present(w: Wheel) -> Port:

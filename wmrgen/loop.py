@@ -1,10 +1,10 @@
-"""The loop of a robot, from sensors to motors: which of its functions it has, in which order, and what is passed.
+"""The loop of a robot, from sensors to motors: its functions, their order, and the variables that they share.
 
-counters, wheels      what encoders count, and what the joints do
-twist, pose           how the robot moves, and where it is, with covariances of both where there is noise to tell of
-wanted, driven        the twist that somebody wants, and what is left of it by the limits of acceleration; `setpoint`
-                      keeps those of `limit_acceleration`, too, and takes its place
-commands, before      what the joints are to do, and what they were to do in the step before
+counters, wheels      counts of the encoders, and measured joints
+twist, pose           the measured motion of the robot and its pose, with covariances if the robot file has noise
+wanted, driven        the wanted twist, and the twist that `limit_acceleration` or `setpoint` makes of it; `setpoint`
+                      keeps the limits of `limit_acceleration` as well, so it replaces it
+commands, before      commands for the joints, and those of the previous step
 
 Steering starts from the last commands, not from the measured angles: the error of a measurement (a count of an encoder,
 the lag of a motor) would become the next command, and modules would creep at rest.

@@ -13,8 +13,8 @@ import sympy
 from wmrgen.constraints import XI, along, rolling_direction, working_view
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import dot
+from wmrgen.kinematics.pivots import pivot
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.kinematics.steer import pivot
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import TWIST, Port, Role
 from wmrgen.symbolic import (

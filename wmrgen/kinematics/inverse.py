@@ -25,8 +25,9 @@ from wmrgen.constraints import rolling_row, steer_gens, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.exact.readable import with_tangents
 from wmrgen.kinematics.least_squares import Projection, norm, project
+from wmrgen.kinematics.pivots import pivot
 from wmrgen.kinematics.records import Formula, Locals, joint_port, slip_port, tunable_ports
-from wmrgen.kinematics.steer import Target, hysteresis, pivot, turned_by
+from wmrgen.kinematics.steer import Target, hysteresis, turned_by
 from wmrgen.kinematics.steer_groups import nearest_steering
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility

@@ -1,14 +1,23 @@
-"""The velocity of a pivot, from whose ratio a direction is taken: plain sums, or precise ones where they cancel."""
+"""The velocity of a pivot, whose components give the direction of a wheel: plain sums or, on request, precise ones."""
 
 from __future__ import annotations
 
-from wmrgen.exact.poly import Poly
+from wmrgen.constraints import along, working_view
+from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Locals
+from wmrgen.layout.records import Wheel
 from wmrgen.symbolic import Compensated, Expr, expression, signal, times
 
 Velocity = tuple[Poly, Poly]
 _CLOSE = 8  # a coefficient so many times another one counts as much smaller
 _GEOMETRY = ("param", "pi", "sqrt", "inv", "atan2", "tan", "cosf", "sinf")  # kinds of generators
+
+
+def pivot(w: Wheel, twist: Row) -> Velocity:
+    """Velocity of the pivot A in the robot frame [m/s]."""
+    g = working_view(w)
+    one, zero = Poly.of(1), Poly({})
+    return dot(along((one, zero), g), twist), dot(along((zero, one), g), twist)
 
 
 def components(

@@ -18,10 +18,10 @@ from typing import NamedTuple
 import mpmath
 import sympy
 
-from wmrgen.constraints import along, working_view
+from wmrgen.constraints import working_view
 from wmrgen.exact.evaluate import PRECISION, add_angles, circle_point, to_fraction, to_mpf, twelfths
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.exact.poly import Poly
 from wmrgen.kinematics.pivots import Velocity, components
 from wmrgen.kinematics.records import Call, Formula, Locals
 from wmrgen.layout.records import Interval, Robot, Wheel
@@ -82,13 +82,6 @@ def line(a: Expr, b: Expr, zero: Expr, names: Locals, name: str) -> Line:
     slope = names.define(f"{name}slope", b / add(safe, absolute(a)))
     heading = times(with_sign_of(sympy.Integer(2), a), arctangent(slope))
     return Line(subtract(heading, zero), size)
-
-
-def pivot(w: Wheel, twist: Row) -> Velocity:
-    """Velocity of the pivot A in the robot frame [m/s]."""
-    g = working_view(w)
-    one, zero = Poly.of(1), Poly({})
-    return dot(along((one, zero), g), twist), dot(along((zero, one), g), twist)
 
 
 def turned_by(w: Wheel, velocity: Velocity, angle: Exact = ZERO) -> Velocity:

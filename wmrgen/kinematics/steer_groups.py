@@ -13,9 +13,9 @@ from wmrgen.constraints import rolling_row, steer_gens, working_view
 from wmrgen.exact.evaluate import add_angles
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.pivots import Velocity
+from wmrgen.kinematics.pivots import Velocity, pivot
 from wmrgen.kinematics.records import Locals
-from wmrgen.kinematics.steer import Target, pivot, present, steer_one, turned_back, turning_points
+from wmrgen.kinematics.steer import Target, present, steer_one, turned_back, turning_points
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.symbolic import (
     Expr,

@@ -52,7 +52,7 @@ def test_no_motion_is_left_and_no_wheel_swings_further_than_it_must(which: int) 
 @pytest.mark.parametrize(
     ("wheels", "lines", "why"),
     [
-        ("\n".join(SWERVE.split("\n")[::3]), (), "stand in one line"),
+        ("\n".join(SWERVE.split("\n")[::3]), (), "on one line"),
         (SWERVE, ("limits: {steer: 30 deg}",), "steering stops of fl keep it"),
         (SWERVE, ("couplings: [{equal: [fl.steer, br.steer]}]",), "steered by one motor"),
         ("  - {name: a, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}", (), "no wheel is steered"),

@@ -18,8 +18,8 @@ from wmrgen.exact.number import ONE as UNIT
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.exact.readable import with_sines_squared
 from wmrgen.kinematics.least_squares import Projection, project
+from wmrgen.kinematics.pivots import pivot
 from wmrgen.kinematics.sensing import generic_rank
-from wmrgen.kinematics.steer import pivot
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import TWIST_NAMES
 from wmrgen.robot import Derivation

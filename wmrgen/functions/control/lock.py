@@ -1,8 +1,9 @@
 """`lock`: steering angles at which no motion is possible, the X of a swerve drive.
 
-Every steered wheel points towards the centroid of all steered pivots, or away from it, and stands. With r the way from
-the centroid to a pivot, its sliding row is (z x r) . v + |r|^2 omega = 0, v the velocity of the centroid. The sum over
-the wheels leaves omega = 0, because the r sum to zero, and then v = 0 unless all wheels stand in one line.
+Every steered wheel points towards the centroid of all steered pivots, or away from it, and does not spin. Let r be the
+vector from the centroid to a pivot and v the velocity of the centroid. The sliding row of the wheel is
+(z x r) . v + |r|^2 omega = 0. The sum over all wheels gives omega = 0, because the vectors r sum to zero. Then v = 0,
+unless all pivots are on one line.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ _CLEAR = (
 
 @function("ours; setX of FRC swerve drives")
 def lock(robot: Robot, _: Mobility) -> Formula:
-    """Present steering angles to those nearest at which the robot can neither move nor turn; wheels stand."""
+    """Present steering angles to the nearest angles at which the robot can neither move nor turn; all spins are 0."""
     steered = [w for w in robot.wheels if w.kind.steers]
     _check(robot, steered)
     names = Locals()
@@ -58,7 +59,7 @@ def lock(robot: Robot, _: Mobility) -> Formula:
         "lock",
         (*(joint_port(w, "steer", Role.STATE) for w in steered), *tunable_ports(robot)),
         outputs,
-        "present steering angles to the nearest ones at which no motion is possible; wheels stand",
+        "present steering angles to the nearest ones at which no motion is possible; all spins are 0",
     )
 
 
@@ -72,7 +73,7 @@ def _angle(y: Poly, x: Poly) -> Expr:
 
 
 def _check(robot: Robot, steered: list[Wheel]) -> None:
-    """NotDerivableError where these angles do not lock the robot, or wheels cannot have them."""
+    """Raise NotDerivableError if these angles do not lock the robot, or if a wheel cannot reach its angle."""
     if not steered:
         raise underivable(robot, "lock", "no wheel is steered, so no wheel can be turned across")
     for members in robot.together("steer", steered):
@@ -80,25 +81,25 @@ def _check(robot: Robot, steered: list[Wheel]) -> None:
             why = f"{members[0].name} and {members[1].name} are steered by one motor"
             raise underivable(robot, "lock", why)
     centre = sum(w.pivot for w in steered) / len(steered)
-    ways = [w.pivot - centre for w in steered]
-    far = max(map(abs, ways))
-    for w, way in zip(steered, ways, strict=True):
-        if abs(way) <= _CLEAR * far:
-            why = f"{w.name} stands in the middle of the steered wheels, and has no direction to point in"
+    arms = [w.pivot - centre for w in steered]
+    far = max(map(abs, arms))
+    for w, arm in zip(steered, arms, strict=True):
+        if abs(arm) <= _CLEAR * far:
+            why = f"{w.name} is at the centroid of the steered wheels, so it has no direction to point in"
             raise underivable(robot, "lock", why)
         limits = robot.limit(w, "steer")
         if limits is not None:
             low, high = float(limits.low), float(limits.high)
-            first = phase(way / w.zero_heading)
+            first = phase(arm / w.zero_heading)
             first += pi * np.ceil((low - first) / pi)
             if first > high:
-                why = f"the steering stops of {w.name} keep it from pointing to the middle of the steered wheels"
+                why = f"the steering stops of {w.name} keep it from pointing to the centroid of the steered wheels"
                 raise underivable(robot, "lock", why)
-    rows = [[-way.imag, way.real, abs(way) ** 2 / far] for way in ways]
+    rows = [[-arm.imag, arm.real, abs(arm) ** 2 / far] for arm in arms]
     fixed = [(w.heading, w.pivot - centre) for w in robot.wheels if w.kind.fixed_axle]
-    for heading, way in fixed:
+    for heading, arm in fixed:
         n = 1j * np.exp(1j * heading)
-        rows.append([n.real * far, n.imag * far, (way.real * n.imag - way.imag * n.real)])
+        rows.append([n.real * far, n.imag * far, (arm.real * n.imag - arm.imag * n.real)])
     if np.linalg.svd(np.array(rows))[1][2:].sum() <= _CLEAR * far:
-        why = "its wheels stand in one line, along which they roll when they point to their middle"
+        why = "all its wheels are on one line, along which they could still roll"
         raise underivable(robot, "lock", why)

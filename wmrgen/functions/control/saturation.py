@@ -1,16 +1,16 @@
-"""What a robot gives up where the wanted twist is too fast for it: `turn_first` and `drive_first`.
+"""Two choices for a twist that is too fast for the robot: `turn_first` and `drive_first`.
 
-`limit_twist` keeps the path: one factor for vx, vy and omega. Here the twist has two parts, translation (vx, vy) and
-rotation (omega), and one of them comes first. It is slowed down only as far as it is too fast by itself; the other one
-takes what limits of twist and of wheel speed (``spin``) leave. With a the speed of a wheel for the first part and b for
-the second one, both linear, the second part is driven times the largest k in [0, 1] with
+`limit_twist` keeps the path: it scales vx, vy and omega by one factor. Here the twist has two parts, translation
+(vx, vy) and rotation (omega). The first part is slowed down only if it is too fast by itself. The second part gets what
+the limits of the twist and of wheel speed (``spin``) leave. Let a be the speed of a wheel for the first part and b for
+the second part; both are linear. The second part is scaled by the largest k in [0, 1] for which
 
     low <= a + k b <= high            for a wheel that does not steer
     |a + k b| <= limit                for the pivot of a steered wheel, where a and b are vectors
 
-and the second one is k = (q - a . b) / b^2 with q = sqrt((a . b)^2 + b^2 (limit^2 - a^2)).
+The second inequality gives k = (q - a . b) / b^2 with q = sqrt((a . b)^2 + b^2 (limit^2 - a^2)).
 
-A car turns only as it drives, so that it has no such choice.
+A car turns only as it drives, so it has no such choice.
 """
 
 from __future__ import annotations
@@ -21,16 +21,15 @@ from functools import reduce
 
 import sympy
 
-from wmrgen.constraints import rolling_row, working_view
+from wmrgen.constraints import working_view
 from wmrgen.exact.number import ONE, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, dot, triple
+from wmrgen.exact.poly import Gen, Poly, Row, triple
 from wmrgen.functions.control.twist_limits import twist_limits, whole
-from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, room
+from wmrgen.functions.control.wheel_limits import linear_spins, most, refuse_one_sided, room
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.inverse import Joints, spins
 from wmrgen.kinematics.least_squares import project
+from wmrgen.kinematics.pivots import pivot
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.kinematics.steer import pivot
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import TWIST, TWIST_NAMES, Limits
@@ -52,7 +51,7 @@ from wmrgen.symbolic import (
 
 _ONE, _ZERO = sympy.S.One, sympy.S.Zero
 _TRANSLATION, _ROTATION = ("vx", "vy"), ("omega",)
-# 1e-12 (m/s)^2: nothing of a speed whose square is less is asked of a wheel.
+# rad/s or (rad/s)^2: the least divisor. A wheel that needs less for the second part does not limit it.
 _LEAST = Exact(Fraction(1, 10**12))
 
 
@@ -136,12 +135,7 @@ def _part(plan: Row, kept: tuple[str, ...]) -> Row:
 
 def _speeds(robot: Robot, driven: list[Wheel], twist: Row) -> dict[int, list[Expr]]:
     """Spins [rad/s] by wheel index: one number, or of a steered wheel two, along x and y of the robot."""
-    still = [w for w in robot.wheels if w.has_spin and not w.turns]
-    rims = {w.index: dot(rolling_row(w, working_view(w)).row, twist) for w in still}
-    found = spins(
-        robot, {w.index: Joints(expression(rims[w.index]), working_view(w).rolling_radius) for w in still}
-    )
-    speeds = {i: [spin] for i, spin in found.items()}
+    speeds = {i: [spin] for i, spin in linear_spins(robot, twist).items()}
     for w in (w for w in driven if w.kind.steers):
         over = working_view(w).r.inverse()
         speeds[w.index] = [expression(p * over) for p in pivot(w, twist)]

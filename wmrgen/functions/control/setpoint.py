@@ -28,8 +28,8 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import rolling_row, working_view
-from wmrgen.exact.poly import Gen, Poly, Row, dot, triple
+from wmrgen.constraints import working_view
+from wmrgen.exact.poly import Gen, Poly, Row, triple
 from wmrgen.functions.control.braking import rate_limit
 from wmrgen.functions.control.curvature import reach
 from wmrgen.functions.control.steering_cone import Unit, blocked_by_stops, named_pivot, share_in_cone
@@ -44,13 +44,12 @@ from wmrgen.functions.control.twist_limits import (
     share_of_limit,
     whole,
 )
-from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, room
+from wmrgen.functions.control.wheel_limits import linear_spins, most, refuse_one_sided, room
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.inverse import Joints, spins
 from wmrgen.kinematics.least_squares import project
-from wmrgen.kinematics.pivots import Velocity
+from wmrgen.kinematics.pivots import Velocity, pivot
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
-from wmrgen.kinematics.steer import NARROW, hysteresis, pivot
+from wmrgen.kinematics.steer import NARROW, hysteresis
 from wmrgen.kinematics.steer_groups import moves_as_one, steered_groups
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
@@ -209,21 +208,10 @@ def _row(plan: Row, when: str, names: Locals) -> Row:
     )
 
 
-def _still(robot: Robot) -> list[Wheel]:
-    """The wheels whose spin is linear in the twist."""
-    return [w for w in robot.wheels if w.has_spin and not w.turns]
-
-
 def _linear(robot: Robot, twist: Row) -> dict[str, tuple[Wheel, Expr]]:
-    """Spin [rad/s] of each driven wheel that does not turn about an upright axis."""
-    joints = {
-        w.index: Joints(
-            expression(dot(rolling_row(w, working_view(w)).row, twist)), working_view(w).rolling_radius
-        )
-        for w in _still(robot)
-    }
-    found = spins(robot, joints)
-    return {w.name: (w, found[w.index]) for w in _still(robot) if w.commands("spin")}
+    """Spin [rad/s] of each driven wheel without an upright axis."""
+    found = linear_spins(robot, twist)
+    return {w.name: (w, found[w.index]) for w in robot.wheels if w.index in found and w.commands("spin")}
 
 
 def _slowed(robot: Robot, units: list[Unit], asked: Row, names: Locals) -> Row:

@@ -1,8 +1,8 @@
 """How far a twist may go in one step so that steered wheels can follow: the cone of `setpoint`.
 
-See `wmrgen.functions.control.setpoint` for the inequality. A wheel whose steering stop is in the way has no cone to go
-through: it `brakes` until it stands, and then `waits`, its pivot no faster than `CREEP`, until it has turned the other
-way.
+See `wmrgen.functions.control.setpoint` for the inequality. If a steering stop is in the way of a wheel, the robot
+brakes until the pivot of the wheel is no faster than `CREEP`, and waits until the wheel has turned in the other
+direction.
 """
 
 from __future__ import annotations
@@ -12,13 +12,11 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import working_view
-from wmrgen.exact.evaluate import add_angles, circle_point
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly, Row
-from wmrgen.kinematics.pivots import Velocity
+from wmrgen.exact.poly import Row
+from wmrgen.kinematics.pivots import Velocity, pivot
 from wmrgen.kinematics.records import Locals
-from wmrgen.kinematics.steer import QUARTER, pivot
+from wmrgen.kinematics.steer import QUARTER, turned_by
 from wmrgen.kinematics.steer_groups import seen_from
 from wmrgen.layout.records import Interval, Wheel
 from wmrgen.symbolic import (
@@ -58,18 +56,17 @@ def named_pivot(w: Wheel, twist: Row, when: str, names: Locals) -> Velocity:
 
 
 class Blocked(NamedTuple):
-    """A steering stop is between the present and the wanted direction: of a wheel that moves where ``brakes`` > 0, of
-    one that stands, and may turn the other way, where ``waits`` > 0."""
+    """A steering stop is between the present and the wanted direction of a wheel."""
 
-    brakes: Expr
-    waits: Expr
+    brakes: Expr  # above 0 if the wheel moves
+    waits: Expr  # above 0 if it stands, and may turn in the other direction
 
 
 def blocked_by_stops(unit: Unit, last: Row, asked: Row, names: Locals) -> Blocked:
-    """Whether a wheel that turns from where it rolls to where it shall roll meets a stop.
+    """Return whether a wheel meets a stop when it turns from the direction of its motion to the wanted one.
 
-    It turns to the left where e x w > 0, w the wanted velocity of the pivot seen from the way that it rolls. It comes
-    past the stop there if the direction d of the stop has d x w > 0, and is less than half a turn away.
+    Let e be the direction in which it rolls and w the wanted velocity of its pivot. It turns to the left if e x w > 0.
+    It passes the left stop, whose direction is d, if d x w > 0 and if the stop is less than half a turn away.
     """
     w, stops = unit.lead, unit.stops
     assert stops is not None
@@ -80,7 +77,7 @@ def blocked_by_stops(unit: Unit, last: Row, asked: Row, names: Locals) -> Blocke
     sense = names.define(f"{w.name}_onward", select(moves, _ZERO, b, a))
     now, sides = signal(f"{w.name}.steer"), list[Expr]()
     for way, stop in ((1, stops.high), (-1, stops.low)):
-        passed = times(way, with_sign_of(_across(w, stop, velocity), sense))
+        passed = times(way, with_sign_of(expression(turned_by(w, velocity, stop)[1]), sense))
         side = minimum(times(way, with_sign_of(d, sense)), subtract(passed, number(CREEP)))
         if stops.high - stops.low > HALF_TURN:
             side = minimum(side, subtract(times(way, now), number(way * stop - HALF_TURN)))
@@ -89,17 +86,10 @@ def blocked_by_stops(unit: Unit, last: Row, asked: Row, names: Locals) -> Blocke
     return Blocked(minimum(met, moves), minimum(met, times(-1, moves)))
 
 
-def _across(w: Wheel, angle: Exact, velocity: Velocity) -> Expr:
-    """The velocity across the wheel at a joint angle."""
-    g, (c, s) = working_view(w), circle_point(angle.rational())
-    x, y = add_angles((g.ch, g.sh), (Poly.of(c), Poly.of(s)))
-    return expression(x * velocity[1] - y * velocity[0])
-
-
 def share_in_cone(
     unit: Unit, motion: tuple[Row, Row], step: Expr, blocked: Blocked | None, names: Locals
 ) -> Expr:
-    """The share that keeps the pivot of a steered wheel in the cone that it reaches in a step."""
+    """Return the largest share of the motion for which a steered wheel stays in the cone that a step can reach."""
     w, rate = unit.lead, unit.rate
     assert rate is not None
     delta = names.define(f"{w.name}_delta", times(number(min(rate.high, -rate.low)), step))

@@ -31,9 +31,9 @@ from wmrgen.exact.evaluate import circle_point
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.kinematics.least_squares import project
-from wmrgen.kinematics.pivots import Velocity
+from wmrgen.kinematics.pivots import Velocity, pivot
 from wmrgen.kinematics.records import Locals
-from wmrgen.kinematics.steer import HYSTERESIS, QUARTER, STILL, pivot, turned_by
+from wmrgen.kinematics.steer import HYSTERESIS, QUARTER, STILL, turned_by
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.symbolic import (

@@ -21,21 +21,15 @@ from typing import NamedTuple
 
 import sympy
 
+from wmrgen.constraints import rolling_row, working_view
 from wmrgen.exact.number import ONE, Exact
-from wmrgen.exact.poly import Row
+from wmrgen.exact.poly import Row, dot
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.inverse import joint_commands
-from wmrgen.kinematics.pivots import Velocity
+from wmrgen.kinematics.inverse import Joints, joint_commands, spins
+from wmrgen.kinematics.pivots import Velocity, pivot
 from wmrgen.kinematics.ranges import steering_spin
 from wmrgen.kinematics.records import Formula, Locals, joint_port
-from wmrgen.kinematics.steer import (
-    QUARTER,
-    Target,
-    hysteresis,
-    pivot,
-    turned_back,
-    turning_points,
-)
+from wmrgen.kinematics.steer import QUARTER, Target, hysteresis, turned_back, turning_points
 from wmrgen.kinematics.steer_groups import moves_as_one, seen_from, steered_groups, turned
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
@@ -127,6 +121,16 @@ def _rates(robot: Robot) -> list[tuple[Port, Interval | None]]:
     rates = [(joint_port(w, joint, Role.COMMAND), room(robot, w, joint, "desaturate")) for w, joint in joints]
     refuse_one_sided(robot, "desaturate", ((port.name, limit) for port, limit in rates))
     return rates
+
+
+def linear_spins(robot: Robot, twist: Row) -> dict[int, Expr]:
+    """Return the spin [rad/s] at a twist of each wheel without an upright axis, by wheel index (Siegwart 3.12)."""
+    rims = {}
+    for w in robot.wheels:
+        if w.has_spin and not w.turns:
+            g = working_view(w)
+            rims[w.index] = Joints(expression(dot(rolling_row(w, g).row, twist)), g.rolling_radius)
+    return spins(robot, rims)
 
 
 def room(robot: Robot, w: Wheel, joint: str, what: str) -> Interval | None:

@@ -25,9 +25,8 @@ from wmrgen.functions.registry import function
 from wmrgen.functions.space.wheel_motion import rolling_direction_at
 from wmrgen.kinematics.inverse import Joints, common_rate, inverse, spins
 from wmrgen.kinematics.least_squares import project
-from wmrgen.kinematics.pivots import Velocity
+from wmrgen.kinematics.pivots import Velocity, pivot
 from wmrgen.kinematics.records import Formula, Locals, joint_port
-from wmrgen.kinematics.steer import pivot
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import TWIST, TWIST_NAMES, Port, Role, output

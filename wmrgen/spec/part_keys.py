@@ -29,7 +29,7 @@ LIMITS = Section(
         Field(
             "vx_rate",
             Interval(Kind.ACCELERATION),
-            "how fast |vx| may shrink (braking, -low) and grow (high), which limit_acceleration keeps",
+            "how fast vx may go towards 0 (braking, -low) and away from it (high), for limit_acceleration and setpoint",
         ),
         Field("vy_rate", Interval(Kind.ACCELERATION), "the same of vy"),
         Field("omega_rate", Interval(Kind.ANGULAR_ACCELERATION), "the same of omega"),

@@ -20,13 +20,13 @@ import wmrgen
 from benchmarks.counts import ROOT
 from benchmarks.magnitudes import magnitudes, ulps
 from benchmarks.singularity import HEADING, NEAR, SPEED, TARGETS, nearby
-from wmrgen.backends.c99 import evaluate
-from wmrgen.exact.number import Exact
+from wmrgen.codegen.c import evaluate
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import Arithmetic, Number, evaluate_nodes
 from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Function, Module, Op, Role
 from wmrgen.ir.rounding import nearest_float32
-from wmrgen.robot import Derivation
 
 DIGITS = 66
 LARGEST_STEER = 100.0  # rad

@@ -16,8 +16,8 @@ import numpy as np
 
 import wmrgen
 from benchmarks.speed import ROOT
-from wmrgen.backends.arrays import emit
-from wmrgen.backends.registry import Facts
+from wmrgen.codegen.arrays import emit
+from wmrgen.codegen.registry import Facts
 
 STATES = 1_000_000
 ROBOT = ROOT / "robots" / "wpilib_swervebot.yaml"

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 import wmrgen
-from tests.calibrating.simulated import LAYOUTS, Encoders, Layout, Reals, Tracker, Twist, csv, drive
-from wmrgen.calibrating.calibrate import calibrate
+from tests.tools.calibrating.simulated import LAYOUTS, Encoders, Layout, Reals, Tracker, Twist, csv, drive
+from wmrgen.tools.calibrating.calibrate import calibrate
 
 DRIVES = 3  # of each run
 SEED = 20

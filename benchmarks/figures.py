@@ -7,7 +7,7 @@ from pathlib import Path
 
 from benchmarks import footprint, processor, small
 from benchmarks.others import wpilib
-from wmrgen.artifacts import write_file
+from wmrgen.derivation.artifacts import write_file
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"
 BEGIN = "<!-- begin: python -m benchmarks processor --update -->"

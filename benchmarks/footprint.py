@@ -13,7 +13,7 @@ from benchmarks.emulator.gcc import PROCESSORS, Processor
 from benchmarks.emulator.image import Image
 from benchmarks.emulator.zig import INCLUDE
 from benchmarks.jobs import JOBS, derivations
-from wmrgen.backends.c99 import sources
+from wmrgen.codegen.c import sources
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Module
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import wmrgen
 from benchmarks.counts import path_of
-from wmrgen.robot import Derivation
+from wmrgen.derivation.facade import Derivation
 
 
 @dataclass(frozen=True)

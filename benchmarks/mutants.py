@@ -33,7 +33,7 @@ COUNT, SEED, JOBS = 200, 1, os.cpu_count() or 1
 READERS = (
     "tests/trust/test_source.py",
     "tests/trust/test_imports.py",
-    "tests/wheels/test_one_home.py",
+    "tests/robotfile/wheel_types/test_one_home.py",
     "tests/gallery/test_gallery.py::test_generated_files",
 )
 SECONDS = 900  # of processor time for the tests of a fault, three times what all take: a loop counts as found

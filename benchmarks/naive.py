@@ -14,7 +14,7 @@ from typing import Any
 import casadi as ca
 
 import wmrgen
-from wmrgen.robot import Derivation
+from wmrgen.derivation.facade import Derivation
 
 Values = Mapping[str, Any]  # parameters by name: numbers or SX
 Rows = list[tuple[list[Any], Any]]  # coefficients of vx, vy, omega, and what they sum to

@@ -15,7 +15,7 @@ from pathlib import Path
 import mpmath
 
 import wmrgen
-from wmrgen.backends.c99 import evaluate
+from wmrgen.codegen.c import evaluate
 from wmrgen.ir.kernels.choice import HOST, INLINE, M0, M4F
 from wmrgen.ir.nodes import Module
 from wmrgen.ir.rounding import nearest_float32

@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.depth import DEEP, mark_slow
-from wmrgen import compiler
+from wmrgen.codegen import compiler
 
 # Fifteen thousand tests are a large heap: looking through it for garbage every 700 objects takes a tenth of the time.
 gc.set_threshold(100_000)

@@ -7,8 +7,8 @@ from functools import cache
 
 import wmrgen
 from tests.conftest import GALLERY
-from wmrgen.robot import Derivation
-from wmrgen.spec.load import read_text
+from wmrgen.derivation.facade import Derivation
+from wmrgen.robotfile.load import read_text
 
 ROBOTS = {path.stem: path for path in GALLERY}
 

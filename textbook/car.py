@@ -5,8 +5,8 @@ from __future__ import annotations
 import sympy
 
 from textbook.page import Chapter, Page
-from wmrgen.kinematics.contacts import TINY
-from wmrgen.symbolic import absolute, angle_of, maximum, minimum, root, select
+from wmrgen.analysis.kinematics.contacts import TINY
+from wmrgen.geometry.symbolic import absolute, angle_of, maximum, minimum, root, select
 
 CARS = Chapter("Cars")
 cos, sin = sympy.cos, sympy.sin

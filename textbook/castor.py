@@ -10,7 +10,7 @@ from __future__ import annotations
 import sympy
 
 from textbook.page import Chapter, Page
-from wmrgen.symbolic import Expr, absolute, angle_of, kept_between, root, select
+from wmrgen.geometry.symbolic import Expr, absolute, angle_of, kept_between, root, select
 
 CASTORS = Chapter("Castors")
 HALVINGS, TERMS = 6, 15

@@ -6,11 +6,11 @@ from pathlib import Path
 
 from textbook.emit import artifacts, errata
 from textbook.library import FUNCTIONS, Textbook, textbook
-from wmrgen.artifacts import Difference, differences, file_difference, write_file, write_tree
 from wmrgen.cli import console
 from wmrgen.cli.textbook import ERRATA, FOLDER
+from wmrgen.derivation.artifacts import Difference, differences, file_difference, write_file, write_tree
 from wmrgen.errors import UsageError
-from wmrgen.spec.text import suggestion
+from wmrgen.robotfile.text import suggestion
 
 
 def library(name: str) -> Textbook:

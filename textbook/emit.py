@@ -14,9 +14,9 @@ import sympy
 from textbook.library import Textbook, textbook
 from textbook.report import report
 from wmrgen import __version__
-from wmrgen.backends.registry import Facts, unasked
-from wmrgen.backends.report.markdown import page
-from wmrgen.ports import Port
+from wmrgen.codegen.registry import Facts, unasked
+from wmrgen.geometry.ports import Port
+from wmrgen.report.sections.markdown import page
 
 DESCRIPTION = "Formulas of the texts that need no robot, in their corrected form"
 

@@ -10,7 +10,7 @@ import sympy
 
 from textbook.page import Chapter, Page
 from wmrgen.errors import NotDerivableError
-from wmrgen.symbolic import Expr
+from wmrgen.geometry.symbolic import Expr
 
 
 @dataclass(frozen=True, slots=True)

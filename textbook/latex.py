@@ -9,11 +9,11 @@ from typing import Any
 import sympy
 
 from textbook.plain import unguarded
-from wmrgen.kinematics.records import Formula, substituted
-from wmrgen.notation import port as port_name
-from wmrgen.ports import Port
-from wmrgen.printing import Latex
-from wmrgen.symbolic import Expr, local, signal
+from wmrgen.analysis.kinematics.records import Formula, substituted
+from wmrgen.geometry.notation import port as port_name
+from wmrgen.geometry.ports import Port
+from wmrgen.geometry.printing import Latex
+from wmrgen.geometry.symbolic import Expr, local, signal
 
 _ENTRY = re.compile(r"([a-z]+)(\d)(\d)")
 WIDE = 180  # characters of LaTeX in a line before a sum is broken

@@ -14,10 +14,10 @@ from textbook.inverses import INVERSES
 from textbook.polar import POLAR
 from textbook.transforms import PLANE, SPACE
 from textbook.wheels import WHEELS
+from wmrgen.analysis.kinematics.records import Formula
+from wmrgen.ir.lower import kernels_of, lower
 from wmrgen.ir.nodes import Module
 from wmrgen.ir.pipeline import optimise
-from wmrgen.kinematics.records import Formula
-from wmrgen.lower import kernels_of, lower
 
 NAME = "textbook"
 
@@ -67,13 +67,13 @@ class Textbook:
 
     def casadi(self) -> dict[str, Any]:
         """Function name -> casadi.Function."""
-        from wmrgen.backends.casadi import functions
+        from wmrgen.codegen.casadi import functions
 
         return functions(self.module)
 
     def numpy(self) -> Any:
         """The functions, vectorised over NumPy arrays."""
-        from wmrgen.backends.arrays import functions
+        from wmrgen.codegen.arrays import functions
 
         return functions(self.module)
 

@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterable
 
 import sympy
 
+from wmrgen.analysis.kinematics.contacts import quotient
+from wmrgen.analysis.kinematics.records import Formula, Locals
 from wmrgen.functions.space.wheel_motion import Vector
-from wmrgen.kinematics.contacts import quotient
-from wmrgen.kinematics.records import Formula, Locals
-from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, signal
+from wmrgen.geometry.ports import Port, Role
+from wmrgen.geometry.symbolic import Expr, signal
 
 AXES = ("x", "y", "z")
 _NEXT = re.compile(r"; (?=\S+ \[)")

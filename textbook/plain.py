@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import sympy
 
-from wmrgen.kinematics.contacts import TINY
-from wmrgen.kinematics.records import Formula
-from wmrgen.symbolic import AtLeast, Expr
+from wmrgen.analysis.kinematics.contacts import TINY
+from wmrgen.analysis.kinematics.records import Formula
+from wmrgen.geometry.symbolic import AtLeast, Expr
 
 
 def unguarded(expr: Expr) -> Expr:

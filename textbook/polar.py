@@ -9,7 +9,7 @@ from __future__ import annotations
 import sympy
 
 from textbook.page import Chapter, Page
-from wmrgen.symbolic import angle_of, minimum, root
+from wmrgen.geometry.symbolic import angle_of, minimum, root
 
 POLAR = Chapter("Polar coordinates of the goal")
 COORDINATES = (

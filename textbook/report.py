@@ -5,8 +5,8 @@ from __future__ import annotations
 from textbook.canonical import CANONICAL, INPUT_SETS
 from textbook.latex import equations
 from textbook.library import CHAPTERS, Textbook
-from wmrgen.backends.report.markdown import aligned, code, escape, table
-from wmrgen.kinematics.records import Formula
+from wmrgen.analysis.kinematics.records import Formula
+from wmrgen.report.sections.markdown import aligned, code, escape, table
 
 _INTRODUCTION = (
     "# Textbook formulas",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sympy
 
 from textbook.page import Chapter, Page
-from wmrgen.symbolic import Expr
+from wmrgen.geometry.symbolic import Expr
 
 PLANE, SPACE = Chapter("Frames of the plane"), Chapter("Frames of space")
 HEADING = "theta [rad] heading of the robot, counter-clockwise from world x"

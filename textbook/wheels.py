@@ -5,8 +5,8 @@ from __future__ import annotations
 import sympy
 
 from textbook.page import Chapter, Page
-from wmrgen.kinematics.contacts import mecanum_roller
-from wmrgen.symbolic import absolute
+from wmrgen.analysis.kinematics.contacts import mecanum_roller
+from wmrgen.geometry.symbolic import absolute
 
 WHEELS = Chapter("Single wheels")
 SPIN = "wheel speed about its axle"

@@ -14,21 +14,22 @@ from functools import partial
 from os import PathLike
 from typing import TYPE_CHECKING
 
+from wmrgen.derivation.version import __version__
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from wmrgen.derivation.facade import Derivation
     from wmrgen.errors import NotDerivableError as NotDerivableError
     from wmrgen.errors import RobotFileError as RobotFileError
     from wmrgen.errors import Several
-    from wmrgen.layout.records import Robot
-    from wmrgen.robot import Derivation
-    from wmrgen.spec.records import RobotSpec
+    from wmrgen.geometry.layout.records import Robot
+    from wmrgen.robotfile.records import RobotSpec
 
-__version__ = "0.1.0"
 _CLASSES = {  # public name -> module
-    "Derivation": "wmrgen.robot",
+    "Derivation": "wmrgen.derivation.facade",
     "NotDerivableError": "wmrgen.errors",
-    "Robot": "wmrgen.layout.records",
+    "Robot": "wmrgen.geometry.layout.records",
     "RobotFileError": "wmrgen.errors",
 }
 __all__ = ["Derivation", "NotDerivableError", "Robot", "RobotFileError", "__version__", "derive", "load"]
@@ -45,7 +46,7 @@ def load(source: str | PathLike[str] | Mapping[str, object]) -> Robot:
         RobotFileError: The robot cannot be accepted. The error names the place: file, line and column, or the path of
             keys in a mapping, ``wheels[0].r``.
     """
-    from wmrgen.spec.load import read_mapping, read_robot, read_text
+    from wmrgen.robotfile.load import read_mapping, read_robot, read_text
 
     if isinstance(source, Mapping):
         return _laid_out(partial(read_mapping, source))[1]
@@ -56,7 +57,7 @@ def load(source: str | PathLike[str] | Mapping[str, object]) -> Robot:
 
 def read(path: str | PathLike[str]) -> tuple[RobotSpec, Robot]:
     """Return what a file says, each value with its place, and the robot that it describes. RobotFileError as `load`."""
-    from wmrgen.spec.load import read_robot
+    from wmrgen.robotfile.load import read_robot
 
     return _laid_out(partial(read_robot, os.fspath(path)))
 
@@ -77,7 +78,7 @@ def robot_of(spec: RobotSpec) -> Robot:
     """The robot that a file's content describes. RobotFileError as `load`."""
     from wmrgen.errors import Several
     from wmrgen.functions.registry import check
-    from wmrgen.layout import build
+    from wmrgen.geometry.layout import build
 
     several = Several()
     with several:
@@ -98,7 +99,7 @@ def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:
     Raises:
         NotDerivableError: When a part is asked for that the robot cannot have.
     """
-    from wmrgen.robot import Derivation
+    from wmrgen.derivation.facade import Derivation
 
     return Derivation(robot, functions)
 

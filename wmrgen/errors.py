@@ -42,7 +42,7 @@ def message(level: str, code: str, what: str, mark: Mark | None, remarks: Iterab
 
 class Code(StrEnum):
     """The kinds of mistakes in robot files, in other files and in calls, and of what stops a command besides;
-    `wmrgen.spec.mistakes` explains them. Those of lint are in its rules."""
+    `wmrgen.robotfile.mistakes` explains them. Those of lint are in its rules."""
 
     NOT_YAML = "WMR101"
     UNKNOWN_KEY = "WMR102"

@@ -11,10 +11,10 @@ from pathlib import Path
 from benchmarks.emulator.image import Image
 from benchmarks.emulator.machine import Machine, Run, Trap
 from benchmarks.emulator.zig import DATA, FLAGS, M4F, Target, compile_objects, link
-from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import unit
-from wmrgen.backends.c99.records import Parameter, Step, Unit
-from wmrgen.backends.c99.text import Struct
+from wmrgen.codegen.c import sources
+from wmrgen.codegen.c.emit import unit
+from wmrgen.codegen.c.records import Parameter, Step, Unit
+from wmrgen.codegen.c.text import Struct
 from wmrgen.ir.interpret import Arithmetic
 from wmrgen.ir.nodes import Module
 from wmrgen.ir.ops import OPERATIONS

@@ -16,8 +16,8 @@ import mpmath
 import numpy as np
 from mpmath import mp
 
-from wmrgen.backends.c99.text import literal
-from wmrgen.exact.number import Exact
+from wmrgen.codegen.c.text import literal
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.rounding import nearest_float32
 
 DIGITS, GRID = 40, 2000

@@ -8,14 +8,14 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from wmrgen.backends.c99 import sources
+from wmrgen.analysis.kinematics.records import VECTOR_AT
+from wmrgen.codegen.c import sources
 from wmrgen.errors import EnvironmentFailure
+from wmrgen.geometry.ports import Port, Role
 from wmrgen.ir.build import Builder
 from wmrgen.ir.kernels.choice import Choice
+from wmrgen.ir.lower import lower
 from wmrgen.ir.nodes import Function, Module, Node, Op
-from wmrgen.kinematics.records import VECTOR_AT
-from wmrgen.lower import lower
-from wmrgen.ports import Port, Role
 
 DRIVER = Path(__file__).with_name("driver.c")
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno")

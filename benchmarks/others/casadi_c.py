@@ -8,7 +8,7 @@ from pathlib import Path
 
 import casadi as ca
 
-from wmrgen.robot import Derivation
+from wmrgen.derivation.facade import Derivation
 
 
 def source(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy
 
-from wmrgen.symbolic import AtLeast, Clamp, WithSignOf
+from wmrgen.geometry.symbolic import AtLeast, Clamp, WithSignOf
 
 
 def decimals(expressions: list[sympy.Expr]) -> dict[sympy.Expr, sympy.Expr]:

@@ -8,8 +8,8 @@ import re
 import sympy
 
 from benchmarks.others.decimals import decimals, with_plain_functions
-from wmrgen.robot import Derivation
-from wmrgen.symbolic import signal
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.symbolic import signal
 
 _CPP = re.compile(r"std::(\w+)(?:<Scalar>)?|\bScalar\b|\bx(\d+)\b")
 _OTHER_NAMES = {"max": "fmax", "min": "fmin", "abs": "fabs"}

@@ -7,8 +7,8 @@ from sympy.codegen.ast import float32, real
 from sympy.printing.c import C99CodePrinter
 
 from benchmarks.others.decimals import decimals, with_plain_functions
-from wmrgen.robot import Derivation
-from wmrgen.symbolic import signal
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.symbolic import signal
 
 
 def source(

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from benchmarks.jobs import derivations
-from wmrgen.backends.c99 import sources
+from wmrgen.codegen.c import sources
 from wmrgen.ir.kernels.choice import MATHS, Choice
 
 ROBOTS = {"differential": "textbook_differential", "mecanum": "clearpath_do100", "swerve": "wpilib_swervebot"}

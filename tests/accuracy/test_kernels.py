@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.kernels import remez, stated, verify
 from tests.depth import everyday
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import FLOAT32, evaluate
 from wmrgen.ir.kernels import expand, trigonometry
 from wmrgen.ir.kernels.choice import HOST, M0, M4F

@@ -12,8 +12,8 @@ from benchmarks.emulator.zig import FLAGS as ZIG
 from benchmarks.emulator.zig import M0, M4F
 from benchmarks.kernels import verify
 from tests.robots import of_gallery
-from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.driver import evaluate_c
+from wmrgen.codegen.c import sources
+from wmrgen.codegen.c.driver import evaluate_c
 from wmrgen.ir.kernels.choice import TARGETS, Choice
 from wmrgen.ir.rounding import nearest_float32
 

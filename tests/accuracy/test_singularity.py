@@ -14,13 +14,13 @@ import pytest
 import sympy
 
 from benchmarks.singularity import HEADING, SPEED, TARGETS, Values, module, nearby, twists, worst
-from wmrgen.exact.poly import Poly
+from wmrgen.analysis.kinematics.pivots import components
+from wmrgen.analysis.kinematics.records import Locals
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.symbolic import Compensated, expression
 from wmrgen.ir.interpret import FLOAT32, evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.nodes import Module, Op
-from wmrgen.kinematics.pivots import components
-from wmrgen.kinematics.records import Locals
-from wmrgen.symbolic import Compensated, expression
 
 CHOICES = [("inline", target) for target in TARGETS] + [("libm", "m4f")]
 

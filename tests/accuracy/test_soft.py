@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from benchmarks.kernels.verify import FLAGS, compiler
-from wmrgen.backends.c99 import sources
+from wmrgen.codegen.c import sources
+from wmrgen.geometry.ports import Port, Role
 from wmrgen.ir.build import Builder
 from wmrgen.ir.kernels.choice import M0, Choice
 from wmrgen.ir.nodes import Function, Module
-from wmrgen.ports import Port, Role
 
 DRIVER = Path(__file__).with_name("soft.c")
 

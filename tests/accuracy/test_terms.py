@@ -18,7 +18,7 @@ FEW = ("lekiwi", "wpilib_swervebot", "nomad_xr4000", "ackermann_car")
 
 
 def predicted(module: Module, name: str, cases: Sequence[Values]) -> list[Values]:
-    """What the expanded C computes, which tests/c shows to be its bits."""
+    """What the expanded C computes, which tests/codegen/c shows to be its bits."""
     return [evaluate_module(module, name, case, FLOAT32) for case in cases]
 
 

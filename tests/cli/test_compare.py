@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import ROOT, Outcome
-from tests.importing.urdf import robot, wheel
+from tests.tools.importing.urdf import robot, wheel
 
 Cli = Callable[..., Outcome]
 PIONEER = ROOT / "robots" / "pioneer3dx.yaml"

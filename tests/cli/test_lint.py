@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import ROOT, Outcome
-from tests.importing.urdf import robot, wheel
-from wmrgen.lint import RULES
+from tests.tools.importing.urdf import robot, wheel
+from wmrgen.tools.lint import RULES
 
 Cli = Callable[..., Outcome]
 

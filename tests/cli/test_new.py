@@ -16,8 +16,8 @@ import wmrgen
 from tests.conftest import ROOT, Outcome
 from wmrgen.cli import console
 from wmrgen.functions.registry import names
-from wmrgen.spec.keys import ROBOT
-from wmrgen.spec.schema import MODELINE
+from wmrgen.robotfile.keys import ROBOT
+from wmrgen.robotfile.schema import MODELINE
 
 Cli = Callable[..., Outcome]
 GALLERY = sorted((ROOT / "robots").glob("*.yaml"))

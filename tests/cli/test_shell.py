@@ -15,7 +15,7 @@ import yaml
 
 from tests.cli.page import PAGE, page
 from tests.conftest import DIFFERENTIAL, ROOT, Outcome
-from tests.tools import tool
+from tests.external_tools import tool
 
 Cli = Callable[..., Outcome]
 

@@ -127,7 +127,7 @@ wait
 SLOW_DISK = """
 import os, sys, time
 from pathlib import Path
-import wmrgen.artifacts as artifacts
+import wmrgen.derivation.artifacts as artifacts
 from wmrgen import __main__
 
 def slow(contents, plain=artifacts._stage):

@@ -8,8 +8,8 @@ import pytest
 
 from wmrgen.cli.values import from_words
 from wmrgen.errors import UsageError
-from wmrgen.exact.number import Exact
-from wmrgen.ports import Port, Role
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.ports import Port, Role
 
 
 def read(text: str, unit: str) -> Exact:

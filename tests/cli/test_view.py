@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import ROOT, Outcome
-from tests.pages.chromium import seen
+from tests.report.pages.chromium import seen
 from wmrgen.cli import view
 
 Cli = Callable[..., Outcome]
@@ -110,7 +110,7 @@ def test_the_page_follows_the_file(watching: subprocess.Popen[str], robot_file: 
 @pytest.mark.slow
 def test_the_page_loads_itself_again(wmrgen_cli: Cli, tmp_path: Path) -> None:
     """The policy lets the script of the version in, and nothing is wrong on the console."""
-    from wmrgen.pages.document import broken
+    from wmrgen.report.pages.document import broken
 
     (tmp_path / "version.js").write_text('window.wmrgenVersion = "1";')
     script = """const s = document.createElement("script"); s.src = "version.js?1"; s.onload = () => {

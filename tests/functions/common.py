@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 import wmrgen
 from tests.robots import with_functions
-from wmrgen.backends import registry
-from wmrgen.exact.number import Exact
-from wmrgen.robot import Derivation
+from wmrgen.codegen import registry
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.exact.number import Exact
 
 Array = NDArray[np.float64]
 ROOT = Path(__file__).resolve().parents[2]

@@ -15,14 +15,14 @@ from tests.depth import everyday
 from tests.functions.motion.common import CAR, DIFFERENTIAL, FOUR_WS, MECANUM_T, OMNI_K, SKEWED, TRICYCLE
 from tests.ir.defined import findings
 from tests.robots import with_functions
-from wmrgen.backends.registry import BACKENDS
+from wmrgen.codegen.registry import BACKENDS
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import declaration, names
+from wmrgen.geometry.layout import build
+from wmrgen.geometry.layout.records import Robot
 from wmrgen.ir.interpret import EXACT, FLOAT32, evaluate_module
-from wmrgen.layout import build
-from wmrgen.layout.records import Robot
-from wmrgen.robot import Derivation
-from wmrgen.spec.load import read_text
+from wmrgen.robotfile.load import read_text
 
 FAMILIES = tuple(f"wmrgen.functions.{family}." for family in ("control", "motion", "space"))
 FUNCTIONS = tuple(n for n in names() if declaration(n).build.__module__.startswith(FAMILIES))

@@ -13,10 +13,10 @@ import wmrgen
 from tests.conftest import Outcome
 from tests.depth import everyday
 from tests.robots import of_text
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import Exact
 from wmrgen.functions.registry import names as functions
-from wmrgen.robot import Derivation
+from wmrgen.geometry.exact.number import Exact
 
 ROBOT = """\
 wmrgen: 1

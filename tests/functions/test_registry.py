@@ -12,16 +12,16 @@ import sympy
 
 import wmrgen
 from tests.conftest import ROOT
+from wmrgen.analysis.kinematics.pose import SINC
+from wmrgen.analysis.kinematics.records import Formula, Locals
 from wmrgen.errors import RobotFileError
-from wmrgen.exact.number import Exact
 from wmrgen.functions import registry
 from wmrgen.functions.registry import Kind, declaration, has_function, names, optional_names
-from wmrgen.kinematics.pose import SINC
-from wmrgen.kinematics.records import Formula, Locals
-from wmrgen.lower import lower
-from wmrgen.ports import TWIST, Limits, Port, Role, output
-from wmrgen.spec.schema import json_schema
-from wmrgen.symbolic import Expr, local, parameter, signal
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.ports import TWIST, Limits, Port, Role, output
+from wmrgen.geometry.symbolic import Expr, local, parameter, signal
+from wmrgen.ir.lower import lower
+from wmrgen.robotfile.schema import json_schema
 
 UNICYCLE = (ROOT / "robots" / "unicycle.yaml").read_text(encoding="utf-8").split("functions:")[0]
 
@@ -100,10 +100,10 @@ def test_the_schema_lists_what_a_file_may_ask_for() -> None:
 OUTSIDE = '''
 """A function from outside the package: half the twist."""
 from wmrgen.functions.registry import function
-from wmrgen.kinematics.records import Formula
-from wmrgen.ports import TWIST, Port, Role
-from wmrgen.symbolic import number, signal, times
-from wmrgen.exact.number import Exact
+from wmrgen.analysis.kinematics.records import Formula
+from wmrgen.geometry.ports import TWIST, Port, Role
+from wmrgen.geometry.symbolic import number, signal, times
+from wmrgen.geometry.exact.number import Exact
 from fractions import Fraction
 
 @function(source="ours: half of everything")
@@ -117,9 +117,9 @@ USE = """
 import sys; sys.path.insert(0, sys.argv[1])
 import outside, wmrgen
 from fractions import Fraction
-from wmrgen.backends.registry import BACKENDS
-from wmrgen.emit import artifacts
-from wmrgen.exact.number import Exact
+from wmrgen.codegen.registry import BACKENDS
+from wmrgen.derivation.emit import artifacts
+from wmrgen.geometry.exact.number import Exact
 d = wmrgen.derive(wmrgen.load(sys.argv[2]))
 case = {"vx": 3.0, "omega": -5.0}
 print(d.evaluate("half_twist", {"vx": Exact(3), "omega": Exact(-5)})["half.omega"])

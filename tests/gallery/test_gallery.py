@@ -14,8 +14,8 @@ from tests.depth import EVERYDAY
 from tests.laws.common import gallery
 from tests.oracle import oracle, robot_file
 from tests.robots import of_gallery
-from wmrgen.artifacts import differences, made_with
-from wmrgen.emit import artifacts
+from wmrgen.derivation.artifacts import differences, made_with
+from wmrgen.derivation.emit import artifacts
 
 ROBOTS = sorted((Path(__file__).parents[2] / "robots").glob("*.yaml"))
 # (mobility, steerability, rank C1f, dof): real robots from their sources' geometry, textbook robots from Campion's

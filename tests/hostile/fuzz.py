@@ -20,11 +20,11 @@ BUILD = Path("build/fuzz")
 def derive(data: bytes) -> None:
     """What `wmrgen derive` does with a text, but for the writing."""
     import wmrgen
-    from wmrgen.emit import artifacts
+    from wmrgen.derivation.emit import artifacts
     from wmrgen.errors import WmrgenError
-    from wmrgen.lint import Subject, findings
-    from wmrgen.spec.load import read_text
-    from wmrgen.spec.text import decode
+    from wmrgen.robotfile.load import read_text
+    from wmrgen.robotfile.text import decode
+    from wmrgen.tools.lint import Subject, findings
 
     try:
         spec = read_text(decode(data, "fuzz.yaml"), "fuzz.yaml")
@@ -41,7 +41,7 @@ def derive(data: bytes) -> None:
 
 def corpus(folder: Path) -> None:
     """The gallery and short robots of every type, as a start."""
-    from tests.spec.files import KEYS, robot, wheel
+    from tests.robotfile.files import KEYS, robot, wheel
 
     folder.mkdir(parents=True, exist_ok=True)
     for path in Path("robots").glob("*.yaml"):
@@ -82,9 +82,7 @@ def main() -> None:
 
     corpus(BUILD / "corpus")
     with atheris.instrument_imports(include=["wmrgen"]):
-        import wmrgen.emit
-        import wmrgen.lint
-        import wmrgen.spec.load  # noqa: F401
+        pass
     options = (
         f"-max_total_time={sys.argv[1]}", f"-timeout={SECONDS}", f"-max_len={LENGTH}", "-rss_limit_mb=3000", "-seed=1",
         f"-artifact_prefix={BUILD}/", "-print_final_stats=1", "-len_control=0",

@@ -19,13 +19,13 @@ from typing import Any, NoReturn
 
 import wmrgen
 from tests.watched import watch
-from wmrgen.emit import artifacts
+from wmrgen.derivation.emit import artifacts
 
 ADDRESSES = 1 << 30  # bytes
 SECONDS = 10  # of the processor, and twice that by the clock
 ROBOT = Path(__file__).parents[2] / "robots" / "turtlebot3_burger.yaml"
 LOADED = (
-    *(f"wmrgen.{name}" for name in "robot lint backends.packages".split()),
+    *(f"wmrgen.{name}" for name in "derivation.facade tools.lint codegen.packages".split()),
     *(f"wmrgen.cli.{name}" for name in "verbs generate evaluate importing lint".split()),
     *"defusedxml.ElementTree xacro casadi".split(),
 )

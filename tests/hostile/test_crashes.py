@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import DIFFERENTIAL, put, tree
+from tests.external_tools import need, tool
 from tests.hostile.attempts import LINUX, Server, harmless
-from tests.tools import need, tool
-from wmrgen.artifacts import MANIFEST
+from wmrgen.derivation.artifacts import MANIFEST
 
 pytestmark = [LINUX, pytest.mark.slow]
 FILES = {"first": DIFFERENTIAL, "second": DIFFERENTIAL.replace("0.0975", "0.1").replace("left", "port")}

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.hostile.attempts import LINUX, Server, everyday, harmless, refused
-from tests.importing.urdf import link, pair, robot
+from tests.tools.importing.urdf import link, pair, robot
 
 pytestmark = LINUX
 HEAD = '<robot name="probe" xmlns:xacro="http://www.ros.org/wiki/xacro">'

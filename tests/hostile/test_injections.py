@@ -18,12 +18,12 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
-from tests.c.test_doxygen import SETTINGS
+from tests.codegen.c.test_doxygen import SETTINGS
+from tests.external_tools import tool
 from tests.hostile.attempts import LINUX, Server, harmless
 from tests.hostile.test_descriptions import HEAD
-from tests.importing.urdf import link, pair
-from tests.pages.test_formats import harmless_page
-from tests.tools import tool
+from tests.report.pages.test_formats import harmless_page
+from tests.tools.importing.urdf import link, pair
 
 pytestmark = LINUX
 PACKAGES = ("cmake", "arduino", "platformio", "esp-idf", "zephyr", "ros2", "rust", "javascript")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import wmrgen
 from tests.depth import examples
 from tests.hostile.fuzz import derive
-from tests.spec.files import HEAD, read, robot, wheel
+from tests.robotfile.files import HEAD, read, robot, wheel
 from wmrgen.errors import RobotFileError
 
 LENGTHS = st.sampled_from(

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from hypothesis import strategies as st
 
-from wmrgen.exact.number import SQRT2, SQRT3, Exact
+from wmrgen.geometry.exact.number import SQRT2, SQRT3, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role
 from wmrgen.ir.pipeline import AFTER_HOIST, BEFORE_HOIST, Pass, hoist, optimise

@@ -2,7 +2,7 @@
 
 Every node gets an enclosing interval, a bound away from zero, and whether it can be zero at all. What a `select` has
 compared is used for the branch that it chooses between the values compared. The code under test has ranges of its own
-(`wmrgen.bounds`), in floats and within limits: this shares nothing with them.
+(`wmrgen.ir.bounds`), in floats and within limits: this shares nothing with them.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import isqrt
 
-from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.nodes import Function, Node, Op
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.depth import examples
 from tests.ir.common import CONSTANTS, functions, verify_function
-from wmrgen.exact.number import SQRT2, Exact
+from wmrgen.geometry.exact.number import SQRT2, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op
 

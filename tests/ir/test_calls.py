@@ -7,8 +7,10 @@ import re
 import pytest
 
 from tests.robots import ROBOTS, of_gallery
-from wmrgen.backends.c99 import sources
-from wmrgen.exact.number import Exact
+from wmrgen.codegen.c import sources
+from wmrgen.derivation.program import optimised
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.ports import Port, Role
 from wmrgen.ir.build import Builder
 from wmrgen.ir.calls import by_name, called, inlined, inlined_calls, with_places
 from wmrgen.ir.interpret import EXACT, FLOAT32, evaluate
@@ -16,8 +18,6 @@ from wmrgen.ir.kernels import expand, with_kernels
 from wmrgen.ir.kernels.choice import INLINE, LIBM, TARGETS
 from wmrgen.ir.nodes import Function, Module, Op, count
 from wmrgen.ir.verify import PassError, verify_module
-from wmrgen.ports import Port, Role
-from wmrgen.program import optimised
 
 
 def ports(*names: str) -> tuple[Port, ...]:

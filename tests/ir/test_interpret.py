@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.depth import examples
 from tests.ir.common import build, functions, port
 from wmrgen.errors import UsageError
-from wmrgen.exact.number import SQRT2, SQRT3, Exact
+from wmrgen.geometry.exact.number import SQRT2, SQRT3, Exact
 from wmrgen.ir.interpret import EXACT, FLOAT32, FLOAT64, evaluate, evaluate_module
 from wmrgen.ir.nodes import Function, Module, Node, Op, Role
 from wmrgen.ir.rounding import to_float32, to_float64

@@ -10,7 +10,7 @@ from fractions import Fraction
 import pytest
 
 from tests.ir.common import build
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.interpret import EXACT, FLOAT32, evaluate
 from wmrgen.ir.kernels import expand

@@ -8,14 +8,14 @@ from fractions import Fraction
 
 import pytest
 
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.ports import Port, Role
 from wmrgen.ir.build import Builder
 from wmrgen.ir.interpret import EXACT, FLOAT32, FLOAT64, evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import TARGETS
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import nearest_float32, round_rational
-from wmrgen.ports import Port, Role
 
 
 def alternating() -> Function:

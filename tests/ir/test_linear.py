@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.depth import examples
 from tests.ir.common import CONSTANTS, Matrix, port, pseudo_inverse, transposed
 from tests.work import calls
-from wmrgen.exact.number import SQRT2, SQRT3, Exact
+from wmrgen.geometry.exact.number import SQRT2, SQRT3, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.linear_program import Coefficient, Emitter

@@ -10,9 +10,9 @@ import pytest
 
 import wmrgen
 from tests.work import ends
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, FLOAT64, evaluate
-from wmrgen.lower import lower
+from wmrgen.ir.lower import lower
 
 
 @pytest.mark.slow

@@ -12,33 +12,33 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.bounds.small import walked
-from tests.c.harness import COMPILERS, STRICT, Program
+from tests.codegen.c.harness import COMPILERS, STRICT, Program
+from tests.external_tools import need
+from tests.ir.bounds.small import walked
 from tests.ir.common import optimised, verify_function
 from tests.ir.defined import RULES, Fact, facts, findings
-from tests.tools import need
-from wmrgen.backends import arrays, casadi, rust
-from wmrgen.backends.registry import Facts
-from wmrgen.backends.rust.emit import library
-from wmrgen.backends.rust.functions import unit
-from wmrgen.bounds.partition import cases
-from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.ir import interval as iv
+from wmrgen.analysis.kinematics.records import Formula
+from wmrgen.codegen import arrays, casadi, rust
+from wmrgen.codegen.registry import Facts
+from wmrgen.codegen.rust.emit import library
+from wmrgen.codegen.rust.functions import unit
+from wmrgen.geometry.exact import interval as iv
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.printing import Latex
+from wmrgen.geometry.symbolic import Operation, signal
+from wmrgen.ir.bounds.partition import cases
 from wmrgen.ir.build import Builder
 from wmrgen.ir.interpret import EXACT, FLOAT32, FLOAT64, evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import DEFAULT
+from wmrgen.ir.lower import lower
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role, count
 from wmrgen.ir.ops import OPERATIONS
 from wmrgen.ir.ops.analysis import Bounded
 from wmrgen.ir.pipeline import optimise
+from wmrgen.ir.selftest.rounding_bounds import bounds
+from wmrgen.ir.selftest.vectors import tables
 from wmrgen.ir.verify import RESIDUES, PassError
-from wmrgen.kinematics.records import Formula
-from wmrgen.lower import lower
-from wmrgen.printing import Latex
-from wmrgen.selftest.rounding_bounds import bounds
-from wmrgen.selftest.vectors import tables
-from wmrgen.symbolic import Operation, signal
 
 NAMES = ("x", "y", "z")
 

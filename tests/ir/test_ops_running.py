@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from tests.ir.defined import RULES, Fact
-from wmrgen.exact.number import ZERO, Exact
-from wmrgen.ir import interval as iv
+from wmrgen.geometry.exact import interval as iv
+from wmrgen.geometry.exact.number import ZERO, Exact
 from wmrgen.ir.interpret import EXACT
 from wmrgen.ir.ops import OPERATIONS, Op
 from wmrgen.ir.ops.analysis import Bounded, from_slopes

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import EXACT
 from wmrgen.ir.ops import OPERATIONS, Op
 from wmrgen.ir.verify import RESIDUES

@@ -8,14 +8,14 @@ import random
 
 import pytest
 
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.ports import Port, Role
 from wmrgen.ir.build import Builder
 from wmrgen.ir.interpret import FLOAT32, evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import HOST, LIBM
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import nearest_float32
-from wmrgen.ports import Port, Role
 
 
 def function(b: Builder, results: list[int], *names: str) -> Function:

@@ -10,7 +10,7 @@ import pytest
 
 from tests.ir.common import port
 from tests.robots import of_gallery
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.calls import keep_outputs, nominal
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, evaluate_module
 from wmrgen.ir.kernels import expand

@@ -95,7 +95,7 @@ def sensitivity(layout: Layout, case: dict[str, float]) -> float:
 @law(20)
 @given(layouts(), st.lists(st.integers(-150, 150), min_size=24, max_size=24))
 def test_random_layouts(layout: Layout, numbers: list[int]) -> None:
-    """Exact, CasADi, NumPy and the float64 interpreter, which tests/c finds equal to C bit for bit."""
+    """Exact, CasADi, NumPy and the float64 interpreter, which tests/codegen/c finds equal to C bit for bit."""
     model = derived(layout)
     for function in FUNCTIONS:
         case = {n: k / 100 for n, k in zip(model.ports(function)[0], numbers, strict=False)}
@@ -117,7 +117,7 @@ def test_random_layouts(layout: Layout, numbers: list[int]) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_float_exact(name: str) -> None:
-    """The float32 interpreter, which tests/c finds equal to C bit for bit, to the rounding of such sums."""
+    """The float32 interpreter, which tests/codegen/c finds equal to C bit for bit, to the rounding of such sums."""
     model, _ = gallery(name)
     for function, in_c in (("inverse", "inverse"), ("forward", "forward_slip"), ("odometry", "odometry")):
         given = cases(name, function)

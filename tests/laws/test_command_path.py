@@ -16,9 +16,9 @@ from tests.laws.common import NAMES, admissible, gallery
 from tests.oracle import oracle
 from tests.oracle.harness import named, twist_of
 from tests.robots import of_gallery, of_text, with_functions
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
-from wmrgen.robot import Derivation
 
 Case = dict[str, float]
 DT, STEPS = 0.02, 40

@@ -17,8 +17,8 @@ from tests.functions.control.corners import MECANUM, SWERVE
 from tests.laws.test_command_path import CAR, call
 from tests.oracle.harness import named, twist_of
 from tests.robots import of_text
+from wmrgen.derivation.facade import Derivation
 from wmrgen.functions.control.steering_cone import CREEP
-from wmrgen.robot import Derivation
 
 Case = dict[str, float]
 DT = 0.02

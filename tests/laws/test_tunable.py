@@ -15,9 +15,9 @@ from tests.conftest import Outcome
 from tests.depth import everyday
 from tests.robots import of_text
 from tests.work import ends
-from wmrgen.exact.number import Exact
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate_module
-from wmrgen.robot import Derivation
 
 MECANUM = [
     f"{{{{name: w{i}, type: swedish, x: {x}, y: {y}, heading: {{h{i}}}, gamma: {{g{i}}}, r: 0.1}}}}"

@@ -13,7 +13,7 @@ from tests.laws.common import derived
 from tests.oracle import oracle
 from tests.oracle.harness import twist_of
 from wmrgen.cli.evaluate import computed
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
 
 Layout = dict[str, Any]
 STEERS = (0.0, 0.1, 0.7, math.pi / 2, -2.3, 11.65)

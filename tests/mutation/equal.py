@@ -2,7 +2,7 @@
 
 The mutant is computed, in float32 as it stands, at thousands of inputs, far more and other ones than the self-test
 has, and beside the thresholds of the function, which few of them meet. It is set aside only where none of them gives an
-output further from the exact value than rounding may bring the original (`wmrgen.selftest.rounding_bounds`): an even
+output further from the exact value than rounding may bring the original (`wmrgen.ir.selftest.rounding_bounds`): an even
 function's sign, a guard that no geometry of the robot reaches, a term of a series below the last bit.
 """
 
@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 
 from tests.mutation.mutants import LITERAL, Mutant, unfolded
-from wmrgen.interface import arguments
+from wmrgen.codegen.signature import arguments
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Function, Module, Role, contract
 from wmrgen.ir.ops.analysis import Bounded
-from wmrgen.selftest.points import near_thresholds
-from wmrgen.selftest.rounding_bounds import UNITS, bounds
-from wmrgen.selftest.vectors import prepared_of
+from wmrgen.ir.selftest.points import near_thresholds
+from wmrgen.ir.selftest.rounding_bounds import UNITS, bounds
+from wmrgen.ir.selftest.vectors import prepared_of
 
 Array = Any
 POINTS = 4096

@@ -53,7 +53,9 @@ def mutate(source: str) -> tuple[str, list[Mutant]]:
         begun = _FUNCTION.match(line)
         if begun:
             function, names = begun[1], []
-            if function.endswith("_joints_from_counters"):  # tests/processor/test_counters.py has its tests
+            if function.endswith(
+                "_joints_from_counters"
+            ):  # tests/codegen/processor/test_counters.py has its tests
                 function = ""
             body = source[source.index(line) :].partition("\n}")[0]
         statement = _STATEMENT.match(line)

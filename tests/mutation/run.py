@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tests.conftest import put
 from tests.mutation.mutants import Mutant, mutate
-from wmrgen.compiler import compile_program, run_program
+from wmrgen.codegen.compiler import compile_program, run_program
 
 _DRIVER = """
 #include <stdio.h>

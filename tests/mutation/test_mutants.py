@@ -16,7 +16,7 @@ from tests.mutation.equal import Judge
 from tests.mutation.mutants import mutate
 from tests.mutation.run import survivors
 from tests.robots import of_gallery
-from wmrgen.emit import artifacts
+from wmrgen.derivation.emit import artifacts
 from wmrgen.ir.kernels.choice import LIBM, Choice
 
 PLAIN = Choice("float", LIBM)

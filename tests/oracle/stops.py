@@ -1,4 +1,5 @@
-"""Where a steered wheel with limits should point, by trying every heading: the rule of `wmrgen.kinematics.steer`."""
+"""Where a steered wheel with limits should point, by trying every heading: the rule of
+`wmrgen.analysis.kinematics.steer`."""
 
 from __future__ import annotations
 

@@ -22,7 +22,8 @@ from typing import Any
 
 from tests.conftest import DIFFERENTIAL, ROOT, Outcome
 
-# Pages that a program makes, each held by a test of its own: tests/cli/page.py, tests/lint/page.py, `wmrgen schema`.
+# Pages that a program makes, each held by a test of its own: tests/cli/page.py, tests/tools/lint/page.py, `wmrgen
+# schema`.
 MADE = ("command_line.md", "lint.md", "robot_file.md")
 PAGES = (ROOT / "README.md", *(p for p in sorted((ROOT / "docs").glob("*.md")) if p.name not in MADE))
 NOTES = ("file", "in", "exit", "slow", "needs", "run by", "not run")

@@ -13,12 +13,12 @@ from typing import Any
 
 import wmrgen
 from tests.conftest import ROOT
-from wmrgen.exact.number import Exact
-from wmrgen.kinematics.records import Formula
-from wmrgen.layout.records import Parameter, Robot, Wheel
-from wmrgen.mobility.records import Mobility, Rank, Singularity
-from wmrgen.ports import Port
-from wmrgen.robot import Derivation
+from wmrgen.analysis.kinematics.records import Formula
+from wmrgen.analysis.mobility.records import Mobility, Rank, Singularity
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.layout.records import Parameter, Robot, Wheel
+from wmrgen.geometry.ports import Port
 
 PAGE = ROOT / "docs" / "python.md"
 MARK = "<!-- What follows is written by python -m tests.packaging.python_page. -->\n"

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import ROOT, Outcome
+from tests.external_tools import need
 from tests.packaging.blocks import NOTES, PAGES, Block, Session, blocks, matches
-from tests.pages.katex import mistakes
-from tests.tools import need
+from tests.report.pages.katex import mistakes
 
 Cli = Callable[..., Outcome]
 SLOW = [p for p in PAGES if not all(b.everyday for b in blocks(p))]

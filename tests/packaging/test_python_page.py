@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from tests.packaging.python_page import PAGE, page
-from wmrgen.robot import Derivation
+from wmrgen.derivation.facade import Derivation
 
 
 def test_the_reference_is_that_of_the_docstrings() -> None:

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from tests.conftest import put
-from tests.selftest.every import files_of, place_of
-from tests.tools import BIN, missing, tool
+from tests.external_tools import BIN, missing, tool
+from tests.ir.selftest.every import files_of, place_of
 
 Finding = tuple[str, str, str]
 TIDY_CHECKS = "-*,bugprone-*,cert-*,clang-analyzer-*,misc-*"

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.c.harness import STRICT
+from tests.codegen.c.harness import STRICT
 from tests.conftest import put
 from wmrgen import derive, load
-from wmrgen.backends.c99 import emit
-from wmrgen.backends.registry import Facts
-from wmrgen.compiler import compile_program, run_program
-from wmrgen.emit import site
+from wmrgen.codegen.c import emit
+from wmrgen.codegen.compiler import compile_program, run_program
+from wmrgen.codegen.registry import Facts
+from wmrgen.derivation.emit import site
 
 HEAD = """
 #include "{0}_checked.h"

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.harness import COMPILERS, EACH, STRICT
+from tests.codegen.c.harness import COMPILERS, EACH, STRICT
 from tests.conftest import put
+from tests.ir.selftest.every import files_of
 from tests.rules.probe import HEAD, TAIL
-from tests.selftest.every import files_of
-from wmrgen.compiler import compile_program, run_program
+from wmrgen.codegen.compiler import compile_program, run_program
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 

@@ -12,14 +12,14 @@ import pytest
 
 from tests.conftest import GALLERY, put
 from tests.depth import everyday
+from tests.external_tools import missing
+from tests.ir.selftest.every import FEW
 from tests.mutation.mutants import unfolded
 from tests.rules.test_joints import CAR
-from tests.selftest.every import FEW
-from tests.tools import missing
 from wmrgen import derive, load
-from wmrgen.backends.c99 import emit
-from wmrgen.backends.registry import Facts
-from wmrgen.emit import site
+from wmrgen.codegen.c import emit
+from wmrgen.codegen.registry import Facts
+from wmrgen.derivation.emit import site
 
 SANITIZERS = "fuzzer,address,undefined,float-divide-by-zero,float-cast-overflow"
 WARNINGS = ("-Wall", "-Wextra", "-Werror")

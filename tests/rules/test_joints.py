@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.harness import COMPILERS
+from tests.codegen.c.harness import COMPILERS
 from tests.robots import of_text
 from tests.rules.probe import printed
-from wmrgen.interface import members
+from wmrgen.codegen.signature import members
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.harness import COMPILERS
+from tests.codegen.c.harness import COMPILERS
 from tests.depth import everyday
 from tests.rules.probe import printed
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.harness import COMPILERS
+from tests.codegen.c.harness import COMPILERS
 from tests.rules.probe import printed
 from wmrgen import derive, load
-from wmrgen.emit import site
+from wmrgen.derivation.emit import site
 
 QUICK = """
 wmrgen: 1

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import ROOT
+from tests.ir.selftest.every import FEW, NAMES
 from tests.rules.checkers import CALLER, Finding, clang_tidy, cppcheck, gcc_analyzer, write
 from tests.rules.deviations import DEVIATIONS, MISRA, TIDY, Deviation, kept, table
-from tests.selftest.every import FEW, NAMES
 
 ONE = "ackermann_car"
 PLANTED = """

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.harness import EACH, STRICT
+from tests.codegen.c.harness import EACH, STRICT
 from tests.conftest import put
-from tests.selftest.every import files_of
-from wmrgen.compiler import compile_program, run_program
+from tests.ir.selftest.every import files_of
+from wmrgen.codegen.compiler import compile_program, run_program
 
 ROBOTS = ("pioneer3dx", "ackermann_car", "agilex_ranger")
 MAIN = """

@@ -15,12 +15,12 @@ import pytest
 from tests.robots import of_text
 from tests.seeds.systems import ROBOTS, SYSTEMS, TEXTBOOK, asked, robot_file
 from textbook.library import textbook
-from wmrgen.backends.c99.driver import answer, calls, driver, request
-from wmrgen.backends.c99.emit import sources, unit
-from wmrgen.backends.registry import BACKENDS
-from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
-from wmrgen.exact.number import Exact
+from wmrgen.codegen.c.driver import answer, calls, driver, request
+from wmrgen.codegen.c.emit import sources, unit
+from wmrgen.codegen.compiler import DEFAULT_FLAGS, compile_and_run
+from wmrgen.codegen.registry import BACKENDS
 from wmrgen.functions.registry import optional_names
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.ir.kernels.choice import Choice
 
@@ -38,7 +38,7 @@ def derivation(robot: str) -> Any:
 
 @cache
 def report(robot: str) -> str:
-    from wmrgen.emit import facts
+    from wmrgen.derivation.emit import facts
 
     if robot == TEXTBOOK:
         from textbook.emit import artifacts

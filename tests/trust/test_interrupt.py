@@ -11,7 +11,7 @@ import pytest
 
 import wmrgen
 from tests.conftest import DIFFERENTIAL
-from wmrgen.emit import artifacts
+from wmrgen.derivation.emit import artifacts
 from wmrgen.ir.kernels.choice import Choice
 
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")

@@ -10,7 +10,7 @@ import jinja2
 import pytest
 
 from tests.conftest import ROOT, process, tree
-from wmrgen import render
+from wmrgen.codegen import render
 
 ROBOTS = [
     ROOT / "robots" / f"{name}.yaml"

@@ -40,11 +40,11 @@ FORBIDDEN_MODULES = {
 
 # What lives in one module each. compiler.py also writes, but only C sources into its own temporary folder.
 HOMES = {
-    "casadi": {"backends/casadi"},
-    "jinja2": {"render"},
-    "yaml": {"spec/reader"},
-    "subprocess": {"compiler"},
-    "markdown_it": {"pages/document"},
+    "casadi": {"codegen/casadi"},
+    "jinja2": {"codegen/render"},
+    "yaml": {"robotfile/reader"},
+    "subprocess": {"codegen/compiler"},
+    "markdown_it": {"report/pages/document"},
     "webbrowser": {"cli/view"},
     "rich": {"cli/console"},
     "typer": {
@@ -52,10 +52,14 @@ HOMES = {
         "cli/verbs",
         *(f"cli/verbs/{v}" for v in "analyse compute generate inputs".split()),
     },
-    "defusedxml": {"importing/read"},
-    "xacro": {"importing/xacro"},
+    "defusedxml": {"tools/importing/read"},
+    "xacro": {"tools/importing/xacro"},
 }
-WRITERS = {"artifacts", "compiler", "calibrating/stored"}  # the last two in temporary folders of their own
+WRITERS = {
+    "derivation/artifacts",
+    "codegen/compiler",
+    "tools/calibrating/stored",
+}  # the last two in temporary folders of their own
 WRITING = {
     "write_text",
     "write_bytes",
@@ -159,8 +163,8 @@ def _writes_or_prints(module: str) -> Iterator[str]:
 
 # What is filled while something is worked out; every other record is a value.
 FILLED = {
-    "bounds/assumptions:Domain", "bounds/lengths:Length", "ir/linear_forms:_Plan",
-    "ir/linear_program:Graph", "backends/drawing/paper:Paper", "spec/typesetting:_Line",
+    "ir/bounds/assumptions:Domain", "ir/bounds/lengths:Length", "ir/linear_forms:_Plan",
+    "ir/linear_program:Graph", "report/figures/paper:Paper", "robotfile/typesetting:_Line",
 }  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import tree
-from wmrgen.artifacts import MANIFEST, differences, write_file, write_tree
+from wmrgen.derivation.artifacts import MANIFEST, differences, write_file, write_tree
 from wmrgen.errors import EnvironmentFailure
 
 OLD = {"a.c": b"old a", "b.h": b"old b", "c.json": b"same"}
@@ -162,7 +162,7 @@ def test_a_full_disk_leaves_the_old_files(place: Path, monkeypatch: pytest.Monke
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from wmrgen import artifacts
+from wmrgen.derivation import artifacts
 
 left = int(sys.argv[2])
 plain = Path.replace

@@ -10,7 +10,7 @@ from textbook.errata.forms import Form, Value
 from textbook.errata.records import Check, Finding, Slip
 from textbook.errata.zero import Point, counterexample, is_zero
 from textbook.latex import latex
-from wmrgen.symbolic import Expr
+from wmrgen.geometry.symbolic import Expr
 
 Residual = Callable[..., Value]
 

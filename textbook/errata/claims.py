@@ -11,7 +11,7 @@ from textbook.errata.forms import EQ, Value, forms, symbol
 from textbook.errata.records import Record
 from textbook.library import formula
 from textbook.plain import plain
-from wmrgen.symbolic import Expr
+from wmrgen.geometry.symbolic import Expr
 
 Line = tuple[str, Value, Value]  # left-hand side in LaTeX, the printed right-hand side, the truth
 

@@ -10,10 +10,10 @@ import sympy
 
 from textbook.errata.forms import symbol
 from wmrgen import derive
-from wmrgen.layout import build
-from wmrgen.robot import Derivation
-from wmrgen.spec.load import read_text
-from wmrgen.symbolic import Expr, Parameter, signal
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.layout import build
+from wmrgen.geometry.symbolic import Expr, Parameter, signal
+from wmrgen.robotfile.load import read_text
 
 ONE_OF_EACH = """\
 wmrgen: 1

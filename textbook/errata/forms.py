@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import sympy
 
 from textbook.latex import latex
-from wmrgen.symbolic import Expr
+from wmrgen.geometry.symbolic import Expr
 
 Value: TypeAlias = Any  # sympy expression, matrix or relation
 

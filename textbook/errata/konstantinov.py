@@ -15,7 +15,7 @@ from textbook.errata.claims import claim, residual
 from textbook.errata.forms import EQ, Form, form, forms, symbol
 from textbook.errata.records import Class, Finding, Record
 from textbook.transforms import world_to_robot_rows
-from wmrgen.symbolic import Expr
+from wmrgen.geometry.symbolic import Expr
 
 # Pages of formulas, laid out by hand.
 # fmt: off

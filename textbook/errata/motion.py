@@ -8,7 +8,7 @@ import sympy
 
 from textbook.errata.forms import symbol
 from textbook.transforms import rotation_rows
-from wmrgen.symbolic import Expr
+from wmrgen.geometry.symbolic import Expr
 
 
 def vector(name: str) -> sympy.Matrix:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from textbook.errata.forms import Form
 from textbook.errata.records import Class, Finding, Record, judge
 from textbook.errata.texts import BIBLIOGRAPHY, ENTRIES, HOLDS
-from wmrgen.backends.report.markdown import code, items, math, table
+from wmrgen.report.sections.markdown import code, items, math, table
 
 WIDEST = 700  # characters of LaTeX in a cell
 _PARTS = (

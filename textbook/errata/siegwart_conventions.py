@@ -11,9 +11,9 @@ from textbook.errata.forms import EQ, Form, form, forms, symbol
 from textbook.errata.records import Check, Class, Finding, Quote, Record
 from textbook.errata.siegwart import TEXT, omega, vx, vy
 from textbook.inverses import generic_rank
-from wmrgen.robot import Derivation
-from wmrgen.symbolic import number as number_of
-from wmrgen.symbolic import signal
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.symbolic import number as number_of
+from wmrgen.geometry.symbolic import signal
 
 # Pages of formulas, laid out by hand.
 # fmt: off

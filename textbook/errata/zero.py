@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from wmrgen.symbolic import Expr
+from wmrgen.geometry.symbolic import Expr
 
 _DIGITS, _SMALL = 40, sympy.Rational(1, 10**25)
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from tests.conftest import ROOT
 from textbook import Textbook, textbook
-from wmrgen.backends.c99.driver import evaluate_c
-from wmrgen.backends.registry import BACKENDS
+from wmrgen.codegen.c.driver import evaluate_c
+from wmrgen.codegen.registry import BACKENDS
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.ir.kernels.choice import Choice
 

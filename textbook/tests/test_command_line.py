@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import DIFFERENTIAL, ROOT, Outcome, tree
-from wmrgen.artifacts import write_tree
+from wmrgen.derivation.artifacts import write_tree
 
 Cli = Callable[..., Outcome]
 

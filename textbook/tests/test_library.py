@@ -14,9 +14,9 @@ from tests.functions.control import polar
 from textbook import FUNCTIONS, formula, textbook
 from textbook.emit import artifacts
 from textbook.tests.common import call, integrate, matrix, one, spread, vector
-from wmrgen.backends.registry import BACKENDS
-from wmrgen.exact.number import Exact
+from wmrgen.codegen.registry import BACKENDS
 from wmrgen.functions.control.gains import judge
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate_module
 
 NAMES = sorted(FUNCTIONS)
@@ -47,7 +47,7 @@ def test_backends_agree(name: str) -> None:
 @pytest.mark.slow
 def test_c_agrees_in_float() -> None:
     """All functions in one compiled library; inputs of moderate size, results to a few float roundings."""
-    from wmrgen.backends.c99.driver import evaluate_c
+    from wmrgen.codegen.c.driver import evaluate_c
 
     names = ("polar_rates", "two_step_acceleration", "castor_swivel", "mecanum_wheel_inverse", "inverse_3x4")
     requests = [(name, case) for name in names for case in points(name, 1)]

@@ -10,19 +10,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import wmrgen
-from wmrgen.artifacts import write_file
 from wmrgen.cli import console
 from wmrgen.cli.loading import derived
+from wmrgen.derivation.artifacts import write_file
 from wmrgen.errors import UsageError
 
 _SHOWN = 1e-9  # [rad] rounding
 
 if TYPE_CHECKING:
-    from wmrgen.calibrating.calibrate import Calibration
-    from wmrgen.calibrating.fit import Problem
-    from wmrgen.calibrating.observability import Course
-    from wmrgen.calibrating.path import Reals
-    from wmrgen.robot import Derivation
+    from wmrgen.derivation.facade import Derivation
+    from wmrgen.tools.calibrating.calibrate import Calibration
+    from wmrgen.tools.calibrating.fit import Problem
+    from wmrgen.tools.calibrating.observability import Course
+    from wmrgen.tools.calibrating.path import Reals
 
 
 def calibrate(
@@ -39,11 +39,11 @@ def calibrate(
     as_json: bool,
 ) -> int:
     """Print what the logs tell of the parameters, and which drives would tell more."""
-    from wmrgen.calibrating import calibrate as work
-    from wmrgen.calibrating.cluster import cluster
-    from wmrgen.calibrating.fit import serial
-    from wmrgen.calibrating.written import told as values_of
-    from wmrgen.calibrating.written import with_values
+    from wmrgen.tools.calibrating import calibrate as work
+    from wmrgen.tools.calibrating.cluster import cluster
+    from wmrgen.tools.calibrating.fit import serial
+    from wmrgen.tools.calibrating.written import told as values_of
+    from wmrgen.tools.calibrating.written import with_values
 
     with derived(robot) as derivation:
         pass
@@ -83,8 +83,8 @@ def _write_all(
     folder: Path, robot: Path, derivation: Derivation, result: Calibration, values: dict[str, float]
 ) -> None:
     """The new robot file, the picture, parameters for ROS and the numbers for the C."""
-    from wmrgen.calibrating.picture import picture
-    from wmrgen.calibrating.written import c_values, controllers, with_values
+    from wmrgen.tools.calibrating.picture import picture
+    from wmrgen.tools.calibrating.written import c_values, controllers, with_values
 
     name = derivation.robot.name
     write_file(folder / robot.name, with_values(robot, values).encode())
@@ -110,9 +110,9 @@ class _Told:
 
     @staticmethod
     def of(derivation: Derivation, result: Calibration) -> _Told:
-        from wmrgen.calibrating.drawn import by_joint
-        from wmrgen.calibrating.notes import notes
-        from wmrgen.calibrating.written import counts_per_turn, told
+        from wmrgen.tools.calibrating.drawn import by_joint
+        from wmrgen.tools.calibrating.notes import notes
+        from wmrgen.tools.calibrating.written import counts_per_turn, told
 
         values = {name: e.nominal for name, e in result.parameters.items()} | told(result)
         counts = counts_per_turn(derivation.robot, values)
@@ -120,7 +120,7 @@ class _Told:
 
 
 def _as_data(result: Calibration, told: _Told) -> dict[str, Any]:
-    from wmrgen.calibrating.drawn import by_time
+    from wmrgen.tools.calibrating.drawn import by_time
 
     return {
         "parameters": {name: asdict(e) for name, e in result.parameters.items()},
@@ -193,7 +193,7 @@ class _Planned:
     @staticmethod
     def of(problem: Problem, derivation: Derivation, precision: float, told: Reals | None = None) -> _Planned:
         """Beside the information of drives that there are, ``told``."""
-        from wmrgen.calibrating.observability import blind, offers, plan
+        from wmrgen.tools.calibrating.observability import blind, offers, plan
 
         choices = offers(problem, derivation)
         courses = plan(problem, choices, precision, told)

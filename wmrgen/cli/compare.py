@@ -8,10 +8,10 @@ from typing import Any
 
 from wmrgen.cli import console
 from wmrgen.cli.loading import paths_and_arguments
-from wmrgen.comparing.compare import compare as compared
-from wmrgen.comparing.record import Comparison
-from wmrgen.comparing.sources import layouts
 from wmrgen.errors import StaleError, UsageError
+from wmrgen.tools.comparing.compare import compare as compared
+from wmrgen.tools.comparing.record import Comparison
+from wmrgen.tools.comparing.sources import layouts
 
 
 def compare(

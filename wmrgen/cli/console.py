@@ -285,7 +285,7 @@ def _bug(error: BaseException) -> str:
     """One line about an error that is ours; the stack trace goes to a file."""
     import traceback
 
-    from wmrgen.artifacts import write_log
+    from wmrgen.derivation.artifacts import write_log
 
     what = f"{type(error).__name__}: {error}".splitlines()[0][:200]
     text = f"this is a bug in wmrgen {__version__}: {what}"

@@ -44,7 +44,7 @@ class Commands(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The command that the first of ``args`` names; typer's error for usage where there is none."""
         if args[0] not in self.commands and not ctx.resilient_parsing:
-            from wmrgen.spec.text import quoted, suggestion
+            from wmrgen.robotfile.text import quoted, suggestion
 
             ctx.fail(f"there is no command {quoted(args[0])}. {suggestion(args[0], list(self.commands))}")
         return super().resolve_command(ctx, args)
@@ -94,7 +94,7 @@ app = Verbs(
 def _unusable(error: Any, as_json: bool) -> int:
     """Tell what is wrong with the words of a command, below how it is called; the exit code."""
     from wmrgen.errors import UsageError
-    from wmrgen.spec.text import quoted, suggestion
+    from wmrgen.robotfile.text import quoted, suggestion
 
     text = str(error.format_message())
     if hasattr(error, "option_name") and hasattr(error, "possibilities"):

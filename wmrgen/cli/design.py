@@ -15,9 +15,9 @@ from wmrgen.cli import console
 from wmrgen.cli.loading import derived
 from wmrgen.cli.values import from_words, spelled
 from wmrgen.errors import UsageError
-from wmrgen.exact.evaluate import pi_rational
-from wmrgen.exact.number import ZERO, Exact
-from wmrgen.ports import Port, Role
+from wmrgen.geometry.exact.evaluate import pi_rational
+from wmrgen.geometry.exact.number import ZERO, Exact
+from wmrgen.geometry.ports import Port, Role
 
 FEWEST = 3  # rollers
 NEGLIGIBLE = 1e-15  # part of the radius
@@ -29,9 +29,9 @@ _NEVER = 1e8  # [m/s^2] a force that no robot meets
 
 def rollers(radius: str, count: str, angle: str, as_json: bool) -> int:
     """Print roller length D_r, wheel width d and half chord b in metres."""
+    from wmrgen.analysis.kinematics.contacts import mecanum_roller
     from wmrgen.ir.interpret import EXACT, evaluate
-    from wmrgen.kinematics.contacts import mecanum_roller
-    from wmrgen.lower import lower
+    from wmrgen.ir.lower import lower
 
     function = lower(mecanum_roller())
     case = from_words([f"radius={radius}", f"count={count}", f"angle={angle}"], function.inputs)

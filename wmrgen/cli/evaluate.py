@@ -10,22 +10,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
 
 import wmrgen
-from wmrgen.backends.registry import EXACT_WORD, Entry, known_words, of_word
 from wmrgen.cli import console
 from wmrgen.cli.loading import noted, warn_of_gains
 from wmrgen.cli.textbook import installed
 from wmrgen.cli.values import Case, from_file, from_words, note_zeros
+from wmrgen.codegen.registry import EXACT_WORD, Entry, known_words, of_word
 from wmrgen.errors import UsageError
-from wmrgen.exact.evaluate import over_pi
-from wmrgen.exact.number import ZERO, Exact
+from wmrgen.geometry.exact.evaluate import over_pi
+from wmrgen.geometry.exact.number import ZERO, Exact
+from wmrgen.geometry.layout.expressions import multiple_of_pi
+from wmrgen.geometry.ports import Limits, timeless
 from wmrgen.ir.kernels.choice import DEFAULT, Choice, choice
-from wmrgen.layout.expressions import multiple_of_pi
-from wmrgen.ports import Limits, timeless
-from wmrgen.spec.text import suggestion
+from wmrgen.robotfile.text import suggestion
 
 if TYPE_CHECKING:
+    from wmrgen.geometry.layout.records import Robot
     from wmrgen.ir.nodes import Function, Module
-    from wmrgen.layout.records import Robot
 
 
 LONGEST = 24  # characters of an exact value printed beside its decimals: (sqrt(2) + sqrt(6))/4 is shorter

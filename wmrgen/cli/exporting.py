@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import wmrgen
-from wmrgen.artifacts import write_file
 from wmrgen.cli import console
 from wmrgen.cli.loading import noted
+from wmrgen.derivation.artifacts import write_file
 from wmrgen.errors import UsageError
-from wmrgen.exporting.ros2_control import ros2_control
-from wmrgen.exporting.sdf import sdf
-from wmrgen.exporting.urdf import urdf
-from wmrgen.exporting.wpilib import wpilib
+from wmrgen.tools.exporting.ros2_control import ros2_control
+from wmrgen.tools.exporting.sdf import sdf
+from wmrgen.tools.exporting.urdf import urdf
+from wmrgen.tools.exporting.wpilib import wpilib
 
 _KINDS = {
     "urdf": lambda robot: {f"{robot.name}.urdf": urdf(robot)},

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from wmrgen.artifacts import write_file
 from wmrgen.cli import console
+from wmrgen.derivation.artifacts import write_file
 from wmrgen.errors import StaleError
-from wmrgen.spec.load import text_of
-from wmrgen.spec.typesetting import formatted
+from wmrgen.robotfile.load import text_of
+from wmrgen.robotfile.typesetting import formatted
 
 
 def fmt(robots: Sequence[Path], only_check: bool, as_json: bool) -> int:

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import wmrgen
-from wmrgen.artifacts import Difference, file_difference, write_file
 from wmrgen.cli import console
+from wmrgen.derivation.artifacts import Difference, file_difference, write_file
 from wmrgen.errors import UsageError
-from wmrgen.shipped import shipped
+from wmrgen.robotfile.shipped import shipped
 
 
 def gallery() -> dict[str, Path]:
@@ -52,7 +52,7 @@ def _row(path: Path) -> dict[str, Any]:
 
 def write_gallery(out: Path, as_json: bool) -> int:
     """Write the pages of all robots under ``out``, and say so."""
-    from wmrgen.pages.overview import overview
+    from wmrgen.report.pages.overview import overview
 
     pages = overview(out)
     if not pages:
@@ -70,7 +70,7 @@ def write_gallery(out: Path, as_json: bool) -> int:
 
 def differing_gallery(out: Path) -> list[Difference]:
     """Which pages are not as `write_gallery` would leave them; nothing is asked of a directory that has none."""
-    from wmrgen.pages.overview import PAGES, overview
+    from wmrgen.report.pages.overview import PAGES, overview
 
     if not any((out / name).exists() for name in PAGES):
         return []

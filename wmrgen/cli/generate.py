@@ -11,18 +11,18 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 import wmrgen
-from wmrgen.artifacts import Difference, Written, differences, made_with, write_tree
-from wmrgen.backends.registry import BACKENDS
 from wmrgen.cli import console
 from wmrgen.cli.loading import linted, noted, warn_of_gains
+from wmrgen.codegen.registry import BACKENDS
+from wmrgen.derivation.artifacts import Difference, Written, differences, made_with, write_tree
 from wmrgen.errors import NotDerivableError, Several, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
-    from wmrgen.backends.packages import Package
+    from wmrgen.codegen.packages import Package
+    from wmrgen.derivation.facade import Derivation
+    from wmrgen.geometry.layout.records import Robot
     from wmrgen.ir.kernels.choice import Choice
-    from wmrgen.layout.records import Robot
-    from wmrgen.robot import Derivation
-    from wmrgen.spec.records import RobotSpec
+    from wmrgen.robotfile.records import RobotSpec
 
 _WHY = {
     "missing": "missing",
@@ -49,7 +49,7 @@ def derive(
 
     kinds: list[Package] = []
     if package:
-        from wmrgen.backends.packages import of_kinds
+        from wmrgen.codegen.packages import of_kinds
 
         kinds = of_kinds(package)
     chosen = choice(scalar, math, target)
@@ -59,15 +59,15 @@ def derive(
     with console.progress() as step:
         files_read = _load_all(robots)
         # This loads sympy, for which a file that is refused need not wait.
-        from wmrgen.emit import MODEL, artifacts
-        from wmrgen.emit import package as packaged
+        from wmrgen.derivation.emit import MODEL, artifacts
+        from wmrgen.derivation.emit import package as packaged
 
         for spec, robot in files_read:
             step(f"deriving {robot.name} ({len(results) + 1} of {len(robots)})")
             derivation = derived(spec, robot)
             files = artifacts(derivation, chosen, switches)
             if formats:
-                from wmrgen.pages.formats import formatted
+                from wmrgen.report.pages.formats import formatted
 
                 files |= formatted(derivation, files, formats)
             results.append((derivation, files))
@@ -231,9 +231,9 @@ def _tell_stale(
 
 def _differing_robot(path: Path, out: Path) -> tuple[str, list[Difference]]:
     """The name of a robot, and which files of its folder and its packages are not what its file gives today."""
-    from wmrgen.backends.packages import PACKAGES
-    from wmrgen.emit import artifacts
-    from wmrgen.emit import package as packaged
+    from wmrgen.codegen.packages import PACKAGES
+    from wmrgen.derivation.emit import artifacts
+    from wmrgen.derivation.emit import package as packaged
     from wmrgen.ir.kernels.choice import noted as noted_choice
 
     robot = wmrgen.load(path)
@@ -257,7 +257,7 @@ def _noted_formats(
     derivation: Derivation, files: Mapping[str, bytes], folder: Path, formats: Sequence[str]
 ) -> dict[str, bytes]:
     """The report in the formats that a manifest notes; of a PDF, which browsers print unlike, what stands there."""
-    from wmrgen.pages.formats import PDF, formatted
+    from wmrgen.report.pages.formats import PDF, formatted
 
     again = formatted(derivation, files, [name for name in formats if name == "html"])
     printed = folder / PDF
@@ -266,9 +266,9 @@ def _noted_formats(
 
 def _strangers(out: Path, names: set[str]) -> list[Path]:
     """What stands under ``out``, or in a folder of packages there, and belongs to no robot."""
-    from wmrgen.backends.packages import PACKAGES
     from wmrgen.cli.textbook import ERRATA, FOLDER
-    from wmrgen.pages.overview import PAGES
+    from wmrgen.codegen.packages import PACKAGES
+    from wmrgen.report.pages.overview import PAGES
 
     packages = [kind.folder for kind in PACKAGES.values()]
     places = {

@@ -8,18 +8,18 @@ from pathlib import Path
 
 from wmrgen.cli import console
 from wmrgen.cli.new import write_robot_file
-from wmrgen.comparing.compare import compare
-from wmrgen.comparing.sources import of_controller, of_import
 from wmrgen.errors import RobotFileError
-from wmrgen.importing.controllers import read_controllers
-from wmrgen.importing.instructions import instructed
-from wmrgen.importing.records import Controller, Description, Imported
-from wmrgen.importing.robot_file import as_json as imported_json
-from wmrgen.importing.robot_file import counted, text
-from wmrgen.importing.source import description_of, pairs
-from wmrgen.importing.wheels import import_wheels
-from wmrgen.spec.schema import MODELINE
-from wmrgen.spec.text import printable
+from wmrgen.robotfile.schema import MODELINE
+from wmrgen.robotfile.text import printable
+from wmrgen.tools.comparing.compare import compare
+from wmrgen.tools.comparing.sources import of_controller, of_import
+from wmrgen.tools.importing.controllers import read_controllers
+from wmrgen.tools.importing.instructions import instructed
+from wmrgen.tools.importing.records import Controller, Description, Imported
+from wmrgen.tools.importing.robot_file import as_json as imported_json
+from wmrgen.tools.importing.robot_file import counted, text
+from wmrgen.tools.importing.source import description_of, pairs
+from wmrgen.tools.importing.wheels import import_wheels
 
 
 def import_robot(

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.loading import linted, paths_and_arguments
-from wmrgen.comparing.compare import compare, labelled
-from wmrgen.comparing.compare import findings as between
-from wmrgen.comparing.record import DESCRIPTION, ROBOT_FILE
-from wmrgen.comparing.sources import layouts
 from wmrgen.errors import StaleError, UsageError, WmrgenError
+from wmrgen.tools.comparing.compare import compare, labelled
+from wmrgen.tools.comparing.compare import findings as between
+from wmrgen.tools.comparing.record import DESCRIPTION, ROBOT_FILE
+from wmrgen.tools.comparing.sources import layouts
 
 if TYPE_CHECKING:
-    from wmrgen.comparing.record import Layout
-    from wmrgen.lint import Finding, Rule
-    from wmrgen.spec.mistakes import Mistake
+    from wmrgen.robotfile.mistakes import Mistake
+    from wmrgen.tools.comparing.record import Layout
+    from wmrgen.tools.lint import Finding, Rule
 
 _NAMES_ALONE = (
     "of its wheels, names are held against places, nothing else; `wmrgen import` makes the robot file in which `lint` "
@@ -80,16 +80,16 @@ def lint(robots: Sequence[str], base: str | None, package: Sequence[str] | None,
 
 def explained() -> dict[str, Rule | Mistake]:
     """What `explain` knows by its code: rules, and the mistakes for which a robot file is refused."""
-    from wmrgen.comparing.rules import BETWEEN
-    from wmrgen.lint import RULES
-    from wmrgen.spec.mistakes import CALLS, MISTAKES
+    from wmrgen.robotfile.mistakes import CALLS, MISTAKES
+    from wmrgen.tools.comparing.rules import BETWEEN
+    from wmrgen.tools.lint import RULES
 
     return {**RULES, **BETWEEN, **MISTAKES, **CALLS}
 
 
 def explain(code: str | None, as_json: bool) -> int:
     """Print a rule with its examples; without a code, all of them in a line each."""
-    from wmrgen.lint import rule_called
+    from wmrgen.tools.lint import rule_called
 
     codes = explained()
     rules = [rule_called(code, codes)] if code else list(codes.values())
@@ -108,7 +108,7 @@ def explain(code: str | None, as_json: bool) -> int:
 def _lines(rule: Rule | Mistake) -> Iterable[str]:
     from textwrap import fill, indent
 
-    from wmrgen.lint import Rule
+    from wmrgen.tools.lint import Rule
 
     yield f"{rule.code}: {rule.title}"
     yield fill(rule.text, 100)

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import wmrgen
 from wmrgen.cli import console
-from wmrgen.notation import plain
+from wmrgen.geometry.notation import plain
 
 if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot
-    from wmrgen.lint import Finding
-    from wmrgen.robot import Derivation
-    from wmrgen.spec.records import RobotSpec
+    from wmrgen.derivation.facade import Derivation
+    from wmrgen.geometry.layout.records import Robot
+    from wmrgen.robotfile.records import RobotSpec
+    from wmrgen.tools.lint import Finding
 
 
 def paths_and_arguments(words: Sequence[str]) -> tuple[list[Path], list[str]]:
@@ -50,6 +50,6 @@ def derived(path: Path, functions: Sequence[str] | None = None) -> Iterator[Deri
 
 def linted(spec: RobotSpec, derivation: Derivation) -> list[Finding]:
     """What is likely wrong with a robot, but for what its file says is to be ignored."""
-    from wmrgen.lint import Subject, findings
+    from wmrgen.tools.lint import Subject, findings
 
     return findings(Subject(spec, derivation.robot, derivation.mobility))

@@ -12,22 +12,22 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wmrgen.artifacts import write_file
-from wmrgen.backends.registry import BACKENDS
 from wmrgen.cli import console
 from wmrgen.cli.loading import derived
 from wmrgen.cli.values import from_words
+from wmrgen.codegen.registry import BACKENDS
+from wmrgen.derivation.artifacts import write_file
 from wmrgen.errors import NotDerivableError, UsageError
-from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.functions.models.state_space import data as entries
 from wmrgen.functions.models.state_space import default_form, lags, limit_lines, regularity, state_space
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.ports import Port, Role
 from wmrgen.ir.interpret import FLOAT64, evaluate
-from wmrgen.lower import lower
-from wmrgen.ports import Port, Role
+from wmrgen.ir.lower import lower
 
 if TYPE_CHECKING:
+    from wmrgen.derivation.facade import Derivation
     from wmrgen.functions.system import System
-    from wmrgen.robot import Derivation
 
     Shown = Callable[[Any], str]
 
@@ -147,7 +147,7 @@ def _unbounded(system: System, case: Mapping[str, Exact]) -> bool:
 def structure(robot: Path, form: str | None, as_json: bool) -> int:
     """Print Frobenius's test with its proofs, integrals, Lie brackets (of the model called ``form``), flat outputs and
     the chained form."""
-    from wmrgen.printing import exact
+    from wmrgen.geometry.printing import exact
 
     with derived(robot) as derivation:
         if as_json:
@@ -199,8 +199,8 @@ def functions(robot: Path, as_json: bool) -> int:
 def schema(as_markdown: bool, as_json: bool) -> int:
     """Print the JSON Schema of robot files, or their reference in Markdown."""
     from wmrgen.functions.registry import optional_names
-    from wmrgen.spec.reference import reference
-    from wmrgen.spec.schema import json_schema
+    from wmrgen.robotfile.reference import reference
+    from wmrgen.robotfile.schema import json_schema
 
     if as_markdown and as_json:
         raise UsageError("there are --json and --markdown. Give one of them, not both.")
@@ -213,7 +213,7 @@ def schema(as_markdown: bool, as_json: bool) -> int:
 
 def _lines(d: Derivation, form: str | None) -> list[str]:
     """What a reader sees: fractions too long to read as decimals."""
-    from wmrgen.printing import Reader
+    from wmrgen.geometry.printing import Reader
 
     shown = Reader()
     facts = _facts(d, form, shown)

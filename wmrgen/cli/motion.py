@@ -13,12 +13,12 @@ from wmrgen.cli import console
 from wmrgen.cli.loading import derived
 from wmrgen.cli.values import from_file, from_words, note_zeros, spelled
 from wmrgen.errors import UsageError
-from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.ports import TWIST_NAMES, Port, Role
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.ports import TWIST_NAMES, Port, Role
 
 if TYPE_CHECKING:
+    from wmrgen.derivation.facade import Derivation
     from wmrgen.functions.motion.segments import Phase
-    from wmrgen.robot import Derivation
 
 _TOLERANCE = 1e-9  # a residual or a slip [m/s] worth a note
 _FAR = 1e9  # [m] a centre that counts as infinitely far

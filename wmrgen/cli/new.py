@@ -14,21 +14,21 @@ import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.gallery import gallery, list_robots
 from wmrgen.errors import Mark, UsageError
-from wmrgen.spec.fields import Field, ListOf, Section
-from wmrgen.spec.keys import ROBOT
-from wmrgen.spec.load import read_text
-from wmrgen.spec.names import robot_name
-from wmrgen.spec.reader import read_tree
-from wmrgen.spec.schema import MODELINE
-from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, quoted, suggestion
-from wmrgen.spec.typesetting import formatted
+from wmrgen.robotfile.fields import Field, ListOf, Section
+from wmrgen.robotfile.keys import ROBOT
+from wmrgen.robotfile.load import read_text
+from wmrgen.robotfile.names import robot_name
+from wmrgen.robotfile.reader import read_tree
+from wmrgen.robotfile.schema import MODELINE
+from wmrgen.robotfile.text import MappingNode, Node, Scalar, SequenceNode, quoted, suggestion
+from wmrgen.robotfile.typesetting import formatted
 
 if TYPE_CHECKING:
-    from wmrgen.spec.records import RobotSpec
+    from wmrgen.robotfile.records import RobotSpec
 
-from wmrgen.artifacts import write_file
-from wmrgen.shipped import shipped
-from wmrgen.spec.schema import SCHEMA_FILE
+from wmrgen.derivation.artifacts import write_file
+from wmrgen.robotfile.schema import SCHEMA_FILE
+from wmrgen.robotfile.shipped import shipped
 
 _WIDTH = 110
 _PLAIN = re.compile(r"[\w.+*/() -]+")  # values that mean the same without quotes, anywhere in YAML

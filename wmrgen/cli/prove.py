@@ -8,11 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import wmrgen
-from wmrgen import compiler
-from wmrgen.backends.c99.driver import alarms, command, harness
-from wmrgen.bounds.assumptions import wanted
-from wmrgen.bounds.partition import cases
-from wmrgen.bounds.robot import (
+from wmrgen.cli import console
+from wmrgen.cli.loading import noted
+from wmrgen.codegen import compiler
+from wmrgen.codegen.c.driver import alarms, command, harness
+from wmrgen.errors import NotDerivableError
+from wmrgen.ir.bounds.assumptions import wanted
+from wmrgen.ir.bounds.partition import cases
+from wmrgen.ir.bounds.robot import (
     SINGULAR,
     TIES,
     Bounds,
@@ -24,13 +27,10 @@ from wmrgen.bounds.robot import (
     functions,
     limit,
 )
-from wmrgen.cli import console
-from wmrgen.cli.loading import noted
-from wmrgen.errors import NotDerivableError
 
 if TYPE_CHECKING:
+    from wmrgen.derivation.facade import Derivation
     from wmrgen.ir.nodes import Function
-    from wmrgen.robot import Derivation
 
 _TOOL = "frama-c"
 _FINER = 5  # how often Eva gets the inputs in smaller parts

@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, cast
 
-from wmrgen.artifacts import Difference
+from wmrgen.derivation.artifacts import Difference
 from wmrgen.errors import EnvironmentFailure
 
 FOLDER, ERRATA = "textbook", "errata.md"  # in the output directory

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING
 
 from wmrgen.cli import console
 from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError, UsageError
-from wmrgen.exact.number import Exact
-from wmrgen.layout.expressions import evaluate
-from wmrgen.ports import Port
-from wmrgen.spec.numbers import Kind, Scope
-from wmrgen.spec.quantities import read_quantity
-from wmrgen.spec.text import Scalar, bytes_of, quoted, read_stream, suggestion
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.layout.expressions import evaluate
+from wmrgen.geometry.ports import Port
+from wmrgen.robotfile.numbers import Kind, Scope
+from wmrgen.robotfile.quantities import read_quantity
+from wmrgen.robotfile.text import Scalar, bytes_of, quoted, read_stream, suggestion
 
 if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot
+    from wmrgen.geometry.layout.records import Robot
 
 MAX_BYTES = 16 << 20  # of a file of cases: some 100,000 of them
 _KINDS = {"m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.RATE}

@@ -11,13 +11,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import wmrgen
-from wmrgen.artifacts import write_file
 from wmrgen.cli import console
 from wmrgen.cli.generate import derived
-from wmrgen.emit import artifacts
+from wmrgen.derivation.artifacts import write_file
+from wmrgen.derivation.emit import artifacts
 from wmrgen.errors import WmrgenError
-from wmrgen.pages.document import broken, page
-from wmrgen.pages.formats import report
+from wmrgen.report.pages.document import broken, page
+from wmrgen.report.pages.formats import report
 
 PAGE, VERSION = "view.html", "version.js"
 _PAUSE = 0.3  # s between two looks at the robot files

@@ -18,15 +18,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from wmrgen.errors import Code, NotDerivableError, RobotFileError, Several, UsageError
-from wmrgen.ports import Limits
-from wmrgen.spec.text import nearest, quoted, suggestion
+from wmrgen.geometry.ports import Limits
+from wmrgen.robotfile.text import nearest, quoted, suggestion
 
 if TYPE_CHECKING:
+    from wmrgen.analysis.kinematics.records import Formula
+    from wmrgen.analysis.mobility.records import Mobility
     from wmrgen.functions.system import System
-    from wmrgen.kinematics.records import Formula
-    from wmrgen.layout.records import Robot
-    from wmrgen.mobility.records import Mobility
-    from wmrgen.spec.records import FunctionSpec
+    from wmrgen.geometry.layout.records import Robot
+    from wmrgen.robotfile.records import FunctionSpec
 
     Builder = Callable[[Robot, Mobility], Formula]
     SystemBuilder = Callable[[Robot, Mobility, bool], System]
@@ -48,8 +48,8 @@ class Declaration(NamedTuple):
 
     ``source``: equations of the texts in their corrected form, or that it is ours. ``limits``: see `Limits`.
     ``exists``: whether a robot has a STANDARD function. ``in_place``: the twist or the wheels that it gives take the
-    place of those that it is given, in languages where that can be said (`wmrgen.interface`). ``contacts``: it is about
-    the wheels where they touch the ground, also of a robot with an effective track (`layout.skid`).
+    place of those that it is given, in languages where that can be said (`wmrgen.codegen.signature`). ``contacts``:
+    it is about the wheels where they touch the ground, also of a robot with an effective track (`layout.skid`).
     """
 
     name: str

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from wmrgen import kinematics
+from wmrgen.analysis import kinematics
+from wmrgen.analysis.kinematics import Formula
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import Kind, function
-from wmrgen.kinematics import Formula
-from wmrgen.layout.records import Robot
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Limits
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.ports import Limits
 
 
 @function("Siegwart (3.12)-(3.19)", Kind.FIRMWARE, Limits.COMMANDED)

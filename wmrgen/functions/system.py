@@ -8,10 +8,21 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.exact.number import Exact
-from wmrgen.kinematics.records import Formula, Locals
-from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, Local, Parameter, absolute, add, at_least, maximum, select, signal, times
+from wmrgen.analysis.kinematics.records import Formula, Locals
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.ports import Port, Role
+from wmrgen.geometry.symbolic import (
+    Expr,
+    Local,
+    Parameter,
+    absolute,
+    add,
+    at_least,
+    maximum,
+    select,
+    signal,
+    times,
+)
 
 
 class Domain(NamedTuple):

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import partialmethod
 
-from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.nodes import Function, Node, Op, Port, pruned
 from wmrgen.ir.tape import Tape
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from wmrgen.errors import UsageError
-from wmrgen.exact.number import ONE
+from wmrgen.geometry.exact.number import ONE
 from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role, contract, pruned, rebuilt, renumbered
 
 Kernels = Mapping[str, Function]

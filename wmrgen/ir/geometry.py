@@ -7,7 +7,7 @@ whatever way they were written.
 
 from __future__ import annotations
 
-from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.linear_program import Coefficient
 from wmrgen.ir.nodes import Function, Op, Role, pruned, rebuilt

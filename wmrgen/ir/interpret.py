@@ -16,7 +16,7 @@ from operator import attrgetter
 from typing import Any, NamedTuple
 
 from wmrgen.errors import UsageError
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.calls import by_name, inlined
 from wmrgen.ir.nodes import Function, Module, Op, Role
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64

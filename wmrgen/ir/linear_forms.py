@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from wmrgen.exact.number import ONE, Exact
+from wmrgen.geometry.exact.number import ONE, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.geometry import Form, Monomial, Scalars, accumulate, geometry_only, times
 from wmrgen.ir.linear_program import Coefficient, Emitter, Graph

@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from wmrgen.exact.number import ONE, Exact
+from wmrgen.geometry.exact.number import ONE, Exact
 from wmrgen.ir.build import Builder
 
 Edge = tuple[int, int]  # (node, sign)

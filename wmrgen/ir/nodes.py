@@ -1,7 +1,8 @@
 """The intermediate representation: a flat single-assignment list of scalar operations.
 
 A function is a tuple of nodes; a node's arguments are indices of earlier nodes. Constants are exact
-(`wmrgen.exact.Exact`, the field Q(sqrt2, sqrt3)), rounded once, by the backend that prints them. What is read off the
+(`wmrgen.geometry.exact.Exact`, the field Q(sqrt2, sqrt3)), rounded once, by the backend that prints them. What is
+read off the
 list stands here, too: uses, what results need, an order that keeps few values alive, counts of operations.
 """
 
@@ -12,9 +13,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeVar
 
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.ports import Limits, Port, Role
 from wmrgen.ir.ops import Op
-from wmrgen.ports import Limits, Port, Role
 
 T = TypeVar("T")
 __all__ = ["Function", "Limits", "Module", "Node", "Op", "Port", "Role"]
@@ -54,7 +55,8 @@ class Function:
 
     ``named``: intermediate results of the formula; passes keep them as long as they compute them.
     ``variant_of``: the function whose inputs and intermediate results this one shares, where it gives other outputs
-    of the same formula. ``limits``: which inputs the limits of the robot bound. ``in_place``: see `wmrgen.interface`.
+    of the same formula. ``limits``: which inputs the limits of the robot bound. ``in_place``: see
+    `wmrgen.codegen.signature`.
     ``zeros``: outputs of the formula that are 0 whatever the inputs, and that no function computes.
     """
 

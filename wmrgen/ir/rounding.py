@@ -8,8 +8,8 @@ from functools import lru_cache
 from math import inf, isinf, ldexp
 
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import ZERO, Exact
-from wmrgen.ports import Port, usual_range
+from wmrgen.geometry.exact.number import ZERO, Exact
+from wmrgen.geometry.ports import Port, usual_range
 
 
 def round_rational(value: Fraction, precision: int, lowest: int, highest: int) -> float:

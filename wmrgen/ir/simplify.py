@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.ir import interval as iv
+from wmrgen.geometry.exact import interval as iv
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.nodes import Function, Node, Op, pruned, rebuilt, uses_of

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from wmrgen.exact.number import ZERO, Exact
+from wmrgen.geometry.exact.number import ZERO, Exact
 from wmrgen.ir.nodes import Node, Op
 
 

@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, Arithmetic, Number, evaluate
 from wmrgen.ir.nodes import Function, Module, Op
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import random
 
 from tests.robots import of_text
+from wmrgen.derivation.facade import Derivation
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, Arithmetic, evaluate_module
-from wmrgen.robot import Derivation
 
 CORNERS = {"fl": (1, 1), "fr": (1, -1), "bl": (-1, 1), "br": (-1, -1)}
 SWERVE = "\n".join(

@@ -10,7 +10,7 @@ from functools import cache
 
 import sympy
 
-from wmrgen.symbolic import Expr, signal
+from wmrgen.geometry.symbolic import Expr, signal
 
 RHO, ALPHA, BETA = (signal(n) for n in ("rho", "alpha", "beta"))
 V, OMEGA = signal("v"), signal("omega")

@@ -16,11 +16,11 @@ from tests.functions.control.corners import (
     robot_text,
     twists,
 )
-from wmrgen.backends.c99.checked import ranges
-from wmrgen.bounds.robot import data, header_lines
+from wmrgen.codegen.c.checked import ranges
 from wmrgen.errors import NotDerivableError
+from wmrgen.geometry.ports import Site
+from wmrgen.ir.bounds.robot import data, header_lines
 from wmrgen.ir.rounding import nearest_float32
-from wmrgen.ports import Site
 
 LIMIT = 12.3
 

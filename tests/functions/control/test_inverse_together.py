@@ -19,13 +19,13 @@ from tests.functions.control.corners import (
     steers,
     twists,
 )
-from wmrgen.backends.c99.driver import evaluate_c
+from wmrgen.codegen.c.driver import evaluate_c
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
 from wmrgen.ir.interpret import evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import TARGETS, Choice
 from wmrgen.ir.rounding import nearest_float32
-from wmrgen.robot import Derivation
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tests.functions.control.corners import CORNERS, SWERVE, call, derived, robot_text
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
-from wmrgen.robot import Derivation
 
 TUNABLE = "parameters: {a: {value: 0.3, tunable: true}}"
 THREE = SWERVE.replace("x: 0.3, y: 0.25,", "x: a, y: 0.1,").rsplit("\n", 1)[0]

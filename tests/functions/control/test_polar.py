@@ -30,8 +30,8 @@ from tests.functions.common import (
 )
 from tests.functions.control import polar
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import Exact
 from wmrgen.functions.control.gains import exceeds, judge
+from wmrgen.geometry.exact.number import Exact
 
 Array = NDArray[np.float64]
 rho, alpha, beta = polar.STATE

@@ -23,7 +23,7 @@ from tests.functions.common import (
     write,
 )
 from wmrgen.errors import NotDerivableError
-from wmrgen.symbolic import signal
+from wmrgen.geometry.symbolic import signal
 
 ACKERMANN = next(p for p in ROBOTS if p.stem == "ackermann_car")
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.functions.control.corners import CORNERS, MECANUM, SWERVE, call, derived, robot_text
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
-from wmrgen.robot import Derivation
 
 PAIR = """\
   - {name: left, type: fixed, x: 0, y: 0.5, heading: 0, r: 0.1}

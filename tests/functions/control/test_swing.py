@@ -18,14 +18,14 @@ from tests.functions.control.corners import (
     steers,
     twists,
 )
-from wmrgen.backends.c99.checked import ranges
-from wmrgen.backends.c99.driver import evaluate_c
+from wmrgen.codegen.c.checked import ranges
+from wmrgen.codegen.c.driver import evaluate_c
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.ports import Site
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.rounding import nearest_float32
-from wmrgen.ports import Site
-from wmrgen.robot import Derivation
 
 RATE, DT = 2.5, 0.01
 

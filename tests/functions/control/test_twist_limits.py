@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from tests.functions.control.corners import FLOAT32, MECANUM, SWERVE, call, derived, robot_text, steers
-from wmrgen.backends.c99.checked import ranges
-from wmrgen.backends.c99.driver import evaluate_c
+from wmrgen.codegen.c.checked import ranges
+from wmrgen.codegen.c.driver import evaluate_c
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.ports import Site
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.rounding import nearest_float32
-from wmrgen.ports import Site
-from wmrgen.robot import Derivation
 
 Twist = dict[str, float]
 LIMITS = "limits: {vx: [-0.7, 1.3], vy: 0.9, omega: 2.1}"

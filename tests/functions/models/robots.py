@@ -10,9 +10,9 @@ from typing import Any
 import sympy
 
 from tests.robots import of_text, with_functions
-from wmrgen.exact.number import Exact
-from wmrgen.robot import Derivation
-from wmrgen.symbolic import parameter, signal
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.symbolic import parameter, signal
 
 UNICYCLE = "{name: wheel, type: fixed, x: 0, y: 0, heading: 0, r: r}"
 DIFFERENTIAL = """{name: right, type: fixed, x: b, y: -a, heading: 0, r: r}
@@ -123,7 +123,7 @@ def call(
         f = _in_casadi(d, function)
         outputs = f.call([full[name] for name in f.name_in()])
         return {name: float(v) for name, v in zip(f.name_out(), outputs, strict=True)}
-    from wmrgen.backends.c99 import evaluate
+    from wmrgen.codegen.c import evaluate
 
     name = "forward_slip" if function == "forward" else function
     return dict(evaluate(one.c_module, [(name, full)], scalar="double")[0])

@@ -16,12 +16,12 @@ import sympy
 
 import wmrgen
 from tests.functions.models.robots import CAR_FRONT, CAR_REAR, DIFFERENTIAL, UNICYCLE, derived, p, s
-from tests.report.common import FACTS, page_of
-from wmrgen.backends import report
+from tests.report.sections.common import FACTS, page_of
+from wmrgen.derivation.facade import Derivation
 from wmrgen.functions.models.exceptional import exceptional
 from wmrgen.functions.models.growth import growing, growth
 from wmrgen.functions.system import System
-from wmrgen.robot import Derivation
+from wmrgen.report import sections as report
 
 ROBOTS = Path(__file__).parents[3] / "robots"
 

@@ -14,9 +14,9 @@ import sympy
 import wmrgen
 from tests.functions.models.robots import CAR_REAR, DIFFERENTIAL, OMNI, TWO_STEER, UNICYCLE, call, derived
 from tests.robots import of_gallery
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.integrals import Integral
-from wmrgen.robot import Derivation
 
 ROBOTS = sorted((Path(__file__).parents[3] / "robots").glob("*.yaml"))
 CASTOR = (
@@ -65,9 +65,9 @@ def test_components_by_finite_differences(wheels: str) -> None:
     """c ^ dc of every row against differences of the Pfaffian matrix, which knows no forms."""
     d = derived(wheels)
     joints = list(d.pfaffian_rates[3:])
-    numbers = {wmrgen.symbolic.parameter(p.name): float(p.nominal) for p in d.robot.parameters}
+    numbers = {wmrgen.geometry.symbolic.parameter(p.name): float(p.nominal) for p in d.robot.parameters}
     matrix = sympy.lambdify(
-        [wmrgen.symbolic.signal(f"{w.name}.steer") for w in d.robot.wheels if w.turns],
+        [wmrgen.geometry.symbolic.signal(f"{w.name}.steer") for w in d.robot.wheels if w.turns],
         d.pfaffian.xreplace(numbers), "numpy",
     )  # fmt: skip
     turning = [f"{w.name}.steer_rate" for w in d.robot.wheels if w.turns]
@@ -88,7 +88,9 @@ def test_components_by_finite_differences(wheels: str) -> None:
     here = forms(q)
     slope = np.array([(forms(q | {n: q[n] + h}) - forms(q | {n: q[n] - h})) / (2 * h) for n in coordinates])
     order = [*d.constraints.rolling, *d.constraints.sliding]
-    values = {wmrgen.symbolic.signal(n.replace("_rate", "")): q[n] for n in ("theta", *turning)} | numbers
+    values = {
+        wmrgen.geometry.symbolic.signal(n.replace("_rate", "")): q[n] for n in ("theta", *turning)
+    } | numbers
     for test in d.integrability.rows:
         k = next(i for i, r in enumerate(order) if (r.wheel.name, r.kind) == (test.wheel, test.kind))
         names = [n.replace(".steer", ".steer_rate").replace(".angle", ".spin") for n in test.coordinates]
@@ -129,7 +131,7 @@ def along(d: Derivation, integral: Integral, seed: int) -> float:
     """How much the integral changes along a random admissible motion, in units of what moves."""
     rng = random.Random(seed)
     twists = np.array(
-        [[float(sympy.N(e.xreplace({wmrgen.symbolic.parameter(p.name): sympy.Float(float(p.nominal))
+        [[float(sympy.N(e.xreplace({wmrgen.geometry.symbolic.parameter(p.name): sympy.Float(float(p.nominal))
           for p in d.robot.parameters}))) for e in d.null_space.col(k)] for k in range(d.null_space.cols)]
     )  # fmt: skip
     total = dict.fromkeys(("x_body", "y_body", "theta"), 0.0)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from wmrgen.exact.number import ZERO, Exact
 from wmrgen.functions.models.integrals import _reachable
+from wmrgen.geometry.exact.number import ZERO, Exact
 
 
 def test_of_a_gradient_counts_what_lies_along_the_only_line() -> None:

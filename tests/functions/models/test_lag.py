@@ -10,9 +10,9 @@ import pytest
 
 import wmrgen
 from tests.robots import of_text
-from wmrgen.backends.report.motion import regular
 from wmrgen.errors import RobotFileError
 from wmrgen.functions.models.state_space import state_space
+from wmrgen.report.sections.motion import regular
 
 CAR = """\
 wmrgen: 1

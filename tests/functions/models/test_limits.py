@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.robots import ROBOTS, of_gallery, of_text
-from wmrgen.layout.records import Robot, Wheel
+from wmrgen.geometry.layout.records import Robot, Wheel
 
 LIMITS = (
     "limits: {vx: 2, vy: 1, omega: [-3, 2.5], vx_rate: 4, spin: 9, steer: [-1, 0.9], steer_rate: [-2, 1.5]}"

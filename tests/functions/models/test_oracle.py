@@ -24,7 +24,7 @@ from tests.functions.models.robots import (
     derived,
     on_axle,
 )
-from wmrgen.robot import Derivation
+from wmrgen.derivation.facade import Derivation
 
 STEP = 1e-5
 CASTORS = "\n".join(

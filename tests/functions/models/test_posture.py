@@ -24,7 +24,7 @@ from tests.functions.models.robots import (
     zero,
 )
 from tests.robots import of_text
-from wmrgen.robot import Derivation
+from wmrgen.derivation.facade import Derivation
 
 THETA, PSI, FRONT = s("theta"), s("psi.steer"), s("front.steer")
 C, S = sympy.cos(THETA), sympy.sin(THETA)

@@ -22,7 +22,7 @@ from tests.functions.models.robots import CAR_REAR, UNICYCLE, call, derived
 from tests.oracle.harness import robot_text, same_span, turn
 from tests.robots import of_text
 from tests.seeds import layouts
-from wmrgen.robot import Derivation
+from wmrgen.derivation.facade import Derivation
 
 Array = NDArray[np.float64]
 CASES = json.loads((Path(__file__).parents[2] / "seeds" / "cases.json").read_text(encoding="utf-8"))["cases"]

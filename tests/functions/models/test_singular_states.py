@@ -13,7 +13,7 @@ import sympy
 from tests.functions.models.test_state_space import nominal
 from tests.ir.defined import findings
 from tests.robots import ROBOTS, of_gallery, of_text
-from wmrgen.backends.report.motion import regular
+from wmrgen.report.sections.motion import regular
 
 
 def test_a_swerve_is_regular_on_the_spot_and_sideways() -> None:

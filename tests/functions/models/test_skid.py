@@ -18,11 +18,11 @@ import pytest
 import wmrgen
 from tests.functions.motion.common import run_cli
 from tests.robots import of_text
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import RobotFileError
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import FLOAT64, evaluate
-from wmrgen.lower import lower
-from wmrgen.robot import Derivation
+from wmrgen.ir.lower import lower
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,8 @@ import sympy
 
 from tests.functions.models.robots import UNICYCLE, derived, p, s
 from tests.robots import of_gallery, of_text
+from wmrgen.analysis.mobility.ranks import generic
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly
 from wmrgen.functions.models import growth as growth_of
 from wmrgen.functions.models.growth import MOST_STATES, growth, robot_growth
 from wmrgen.functions.models.vector_fields import (
@@ -25,9 +24,10 @@ from wmrgen.functions.models.vector_fields import (
     to_poly,
     value_at,
 )
-from wmrgen.mobility.ranks import generic
-from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, expression
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.ports import Port, Role
+from wmrgen.geometry.symbolic import Expr, expression
 
 A, B, L = s("a"), s("b.theta"), p("length")
 AT = {A: 0.7, B: -0.4, L: 1.3}

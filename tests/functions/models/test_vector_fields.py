@@ -22,9 +22,9 @@ from tests.functions.models.robots import (
     s,
     zero,
 )
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.growth import growth
-from wmrgen.robot import Derivation
 
 ROBOTS = sorted((Path(__file__).parents[3] / "robots").glob("*.yaml"))
 THETA, PSI = s("theta"), s("front.steer")

@@ -13,8 +13,8 @@ import sympy
 
 from tests.conftest import command_line
 from tests.robots import of_text
-from wmrgen.robot import Derivation
-from wmrgen.symbolic import parameter, signal
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.symbolic import parameter, signal
 
 Expr = Any
 

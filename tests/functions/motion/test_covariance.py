@@ -13,12 +13,12 @@ from tests.oracle import oracle, weighted
 from tests.oracle.harness import robot_text
 from tests.oracle.weighted import LAYOUTS
 from tests.robots import of_text
-from wmrgen.backends.c99.checked import safe
+from wmrgen.codegen.c.checked import safe
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError, RobotFileError
+from wmrgen.geometry.ports import NO_SITE, POSE_COVARIANCE
+from wmrgen.geometry.ports import POSE as PORTS
 from wmrgen.ir.interpret import FLOAT32, evaluate_module
-from wmrgen.ports import NO_SITE, POSE_COVARIANCE
-from wmrgen.ports import POSE as PORTS
-from wmrgen.robot import Derivation
 
 Array = NDArray[np.float64]
 NOISE = {"spin": (0.02, 0.01), "steer": (0.0, 0.004), "steer_rate": (0.05, 0.02)}

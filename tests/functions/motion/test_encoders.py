@@ -11,10 +11,10 @@ from tests.oracle.harness import robot_text
 from tests.oracle.weighted import LAYOUTS
 from tests.robots import of_text
 from wmrgen import derive, load
-from wmrgen.backends.c99.driver import evaluate_c
+from wmrgen.codegen.c.driver import evaluate_c
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError, RobotFileError
 from wmrgen.ir.kernels.choice import Choice
-from wmrgen.robot import Derivation
 
 NAME = "joints_from_counts"
 WHEEL = "{{name: {0}, type: {1}, x: {2}, y: 0, heading: 0, r: 0.1, encoder: {{{3}}}, {4}}}"

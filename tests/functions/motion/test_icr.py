@@ -11,8 +11,8 @@ import pytest
 from tests.functions.motion.common import derived
 from wmrgen import derive
 from wmrgen.functions.motion.icr import axle_distances, check_steering
+from wmrgen.geometry.layout.records import Robot
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
-from wmrgen.layout.records import Robot
 
 WHEELS = """\
 wmrgen: 1

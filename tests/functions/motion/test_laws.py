@@ -13,8 +13,8 @@ import pytest
 from tests.functions.motion.common import CAR, FOUR_WS, MECANUM_T, OMNI_K, SKEWED, derived
 from tests.oracle.harness import Array, named, turn
 from tests.robots import of_gallery, with_functions
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
-from wmrgen.robot import Derivation
 
 ROBOTS = sorted((Path(__file__).parents[3] / "robots").glob("*.yaml"))
 NAMES = [p.stem for p in ROBOTS]

@@ -12,22 +12,22 @@ import numpy as np
 import pytest
 import sympy
 
-from tests.c.harness import COMPILERS
+from tests.codegen.c.harness import COMPILERS
 from tests.depth import everyday
 from tests.oracle import oracle, weighted
 from tests.oracle.harness import robot_text
 from tests.oracle.weighted import LAYOUTS
 from wmrgen import derive, load
-from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.driver import evaluate_c
-from wmrgen.compiler import compile_program, run_program
-from wmrgen.exact.number import Exact
+from wmrgen.codegen.c import sources
+from wmrgen.codegen.c.driver import evaluate_c
+from wmrgen.codegen.compiler import compile_program, run_program
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.symbolic import RoundingError
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Module, Op
 from wmrgen.ir.rounding import nearest_float32
-from wmrgen.symbolic import RoundingError
 
 UNICYCLE = Path(__file__).resolve().parents[3] / "robots" / "unicycle.yaml"
 POSE, TWIST = ("x", "y", "theta"), ("vx", "vy", "omega")

@@ -6,8 +6,8 @@ import pytest
 
 from tests.functions.motion.common import derived
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.motion.paths import _sees_yaw
+from wmrgen.geometry.exact.poly import Poly, Row
 
 PAIR = """\
 wmrgen: 1

@@ -12,9 +12,9 @@ import pytest
 
 from tests.functions.motion.common import CAR, FOUR_WS, SKEWED, derived, run_cli
 from wmrgen.errors import NotDerivableError, UsageError
-from wmrgen.exact.number import ZERO, Exact
 from wmrgen.functions.motion.icr import check_steering
 from wmrgen.functions.motion.segments import Phase, Segment, plan, segment
+from wmrgen.geometry.exact.number import ZERO, Exact
 
 ROBOTS = Path(__file__).parents[3] / "robots"
 DIFFERENTIAL = str(ROBOTS / "textbook_differential.yaml")

@@ -23,7 +23,7 @@ from tests.functions.motion.common import (
     sym,
     vanishes,
 )
-from wmrgen.symbolic import signal
+from wmrgen.geometry.symbolic import signal
 
 Expr = Any
 PHI = signal("theta")

@@ -12,8 +12,8 @@ import sympy
 
 from tests.depth import BACKENDS
 from tests.functions.common import ROBOTS, TRICYCLE, call, derived, write
-from wmrgen.layout.records import Wheel
-from wmrgen.symbolic import signal
+from wmrgen.geometry.layout.records import Wheel
+from wmrgen.geometry.symbolic import signal
 
 TWIST = ("vx", "vy", "omega")
 # mean, amplitude, frequency, phase of each component; the second stays inside steering limits

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tests.depth import BACKENDS
 from tests.functions.common import CASES, PAIR, ROBOTS, call, derived, write
 from wmrgen.functions.space.wheel_motion import Frame, Point, cross, plus, scaled, seen_from_before
-from wmrgen.symbolic import signal
+from wmrgen.geometry.symbolic import signal
 
 Array = NDArray[np.float64]
 OFFSET = """\

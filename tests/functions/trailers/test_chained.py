@@ -27,13 +27,13 @@ from tests.functions.models.robots import (
     zero,
 )
 from wmrgen import derive
-from wmrgen.backends.c99 import evaluate as in_c
+from wmrgen.codegen.c import evaluate as in_c
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.trailers import chained_sheet
 from wmrgen.functions.trailers.chained import chained
 from wmrgen.functions.trailers.chained_sheet import verify
-from wmrgen.robot import Derivation
-from wmrgen.symbolic import AtLeast
+from wmrgen.geometry.symbolic import AtLeast
 
 FREE = {k: f"{{value: {v}, tunable: true}}" for k, v in (("base", "1.4"), ("b", "0.3"), ("a", "0.27"))}
 LENGTHS = {f"l{k}": f"{{value: {1.5 - 0.2 * k:.1f}, tunable: true}}" for k in range(1, 4)}

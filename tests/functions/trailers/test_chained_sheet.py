@@ -17,7 +17,7 @@ from tests.functions.models.robots import (
     derived,
     on_axle,
 )
-from wmrgen.exact.number import Exact
+from wmrgen.derivation.facade import Derivation
 from wmrgen.functions.models.sheet import Sheet
 from wmrgen.functions.trailers import chained_sheet as module
 from wmrgen.functions.trailers.chained_sheet import (
@@ -27,7 +27,7 @@ from wmrgen.functions.trailers.chained_sheet import (
     Verification,
     chained_sheet,
 )
-from wmrgen.robot import Derivation
+from wmrgen.geometry.exact.number import Exact
 
 TRAINS = {
     "differential": (DIFFERENTIAL, ""),

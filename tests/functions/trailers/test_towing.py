@@ -8,7 +8,7 @@ import random
 import pytest
 
 from tests.functions.models.robots import TWO_STEER, call, derived
-from wmrgen.robot import Derivation
+from wmrgen.derivation.facade import Derivation
 
 OBLIQUE = """{name: one, type: fixed, x: 0.2 - 0.3*sin(pi/6), y: -0.1 + 0.3*cos(pi/6), heading: -5*pi/6, r: 0.1}
 {name: two, type: fixed, x: 0.2 + 0.3*sin(pi/6), y: -0.1 - 0.3*cos(pi/6), heading: pi/6, r: 0.2}"""

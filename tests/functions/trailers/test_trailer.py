@@ -19,8 +19,8 @@ from tests.functions.models.robots import (
     zero,
 )
 from tests.robots import of_text
+from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError, RobotFileError
-from wmrgen.robot import Derivation
 
 HEAD = "wmrgen: 1\nname: sample\nwheels:\n"
 D, R, A = p("base"), p("r"), p("a")

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from tests.functions.models.robots import CAR_REAR, DIFFERENTIAL, TRICYCLE, UNICYCLE, derived, on_axle, s
-from wmrgen.exact.poly import Poly
+from wmrgen.derivation.facade import Derivation
 from wmrgen.functions.models.axle import Axle
 from wmrgen.functions.trailers.train import train
-from wmrgen.robot import Derivation
-from wmrgen.symbolic import expression
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.symbolic import expression
 
 PLACES = [("0", "0"), ("0.3", "-0.2"), ("-0.1", "0.4")]
 

@@ -26,7 +26,7 @@ verb = group("Generate")
 
 
 def _kinds(incomplete: str) -> list[str]:
-    from wmrgen.backends.packages import PACKAGES
+    from wmrgen.codegen.packages import PACKAGES
 
     return [kind for kind in PACKAGES if kind.startswith(incomplete)]
 

@@ -10,13 +10,13 @@ so that with vx = vy = 0 the robot turns about C.
 
 from __future__ import annotations
 
+from wmrgen.analysis.kinematics import inverse
+from wmrgen.analysis.kinematics.records import Formula, Locals
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.registry import function
-from wmrgen.kinematics import inverse
-from wmrgen.kinematics.records import Formula, Locals
-from wmrgen.layout.records import Robot
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import TWIST_NAMES, Limits, Port, Role, output
-from wmrgen.symbolic import add, signal, subtract, times
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.ports import TWIST_NAMES, Limits, Port, Role, output
+from wmrgen.geometry.symbolic import add, signal, subtract, times
 
 _CENTRE = (
     Port("centre_x", Role.COMMAND, "m", "centre of rotation, robot frame"),

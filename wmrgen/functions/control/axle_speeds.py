@@ -20,15 +20,15 @@ from collections.abc import Sequence
 
 import sympy
 
-from wmrgen.constraints import along, rolling_row, working_view
-from wmrgen.exact.evaluate import add_angles
-from wmrgen.exact.poly import Poly, dot
+from wmrgen.analysis.kinematics.records import Locals
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.unicycle import drives
 from wmrgen.functions.models.axle import Axle, fixed_axle
-from wmrgen.kinematics.records import Locals
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.symbolic import Expr, add, expression, maximum, over, signal, subtract, times
+from wmrgen.geometry.constraints import along, rolling_row, working_view
+from wmrgen.geometry.exact.evaluate import add_angles
+from wmrgen.geometry.exact.poly import Poly, dot
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.symbolic import Expr, add, expression, maximum, over, signal, subtract, times
 
 _LEAST = sympy.Rational(
     1, 10**6

@@ -14,10 +14,10 @@ from __future__ import annotations
 
 import sympy
 
-from wmrgen.exact.number import ONE
-from wmrgen.kinematics.records import Locals
-from wmrgen.layout.records import Interval
-from wmrgen.symbolic import Expr, absolute, add, maximum, minimum, number, select, times
+from wmrgen.analysis.kinematics.records import Locals
+from wmrgen.geometry.exact.number import ONE
+from wmrgen.geometry.layout.records import Interval
+from wmrgen.geometry.symbolic import Expr, absolute, add, maximum, minimum, number, select, times
 
 
 def rate_limit(

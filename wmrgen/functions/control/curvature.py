@@ -20,16 +20,16 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import nominal_view, working_view
-from wmrgen.exact.evaluate import add_angles, circle_point
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly
+from wmrgen.analysis.kinematics.records import Locals
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.unicycle import drives
 from wmrgen.functions.models.axle import Axle, fixed_axle
-from wmrgen.kinematics.records import Locals
-from wmrgen.layout.records import Interval, Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.symbolic import (
+from wmrgen.geometry.constraints import nominal_view, working_view
+from wmrgen.geometry.exact.evaluate import add_angles, circle_point
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.layout.records import Interval, Robot, Wheel
+from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import mpmath
 
-from wmrgen.exact.evaluate import to_fraction
-from wmrgen.exact.number import Exact
-from wmrgen.layout.records import Robot
+from wmrgen.geometry.exact.evaluate import to_fraction
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.layout.records import Robot
 
 # Siegwart (3.59).
 TEXTBOOK = {"k_rho": Exact(3), "k_alpha": Exact(8), "k_beta": Exact(Fraction(-3, 2))}

@@ -17,19 +17,19 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import working_view
+from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.evaluate import circle_point
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly
 from wmrgen.functions.control.unicycle import reference, wheelbase
 from wmrgen.functions.models.axle import Axle
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.layout.records import Interval, Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role, output
-from wmrgen.symbolic import (
+from wmrgen.geometry.constraints import working_view
+from wmrgen.geometry.exact.evaluate import circle_point
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.layout.records import Interval, Robot, Wheel
+from wmrgen.geometry.ports import Port, Role, output
+from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,

@@ -15,18 +15,27 @@ import mpmath
 import numpy as np
 import sympy
 
-from wmrgen.constraints import working_view
-from wmrgen.exact.evaluate import PRECISION, to_fraction, to_mpf
-from wmrgen.exact.linalg import mean
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, tunable_ports
+from wmrgen.analysis.kinematics.steer import PER_HALF_TURN, present, turned_back, turned_by
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
-from wmrgen.kinematics.steer import PER_HALF_TURN, present, turned_back, turned_by
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, angle_of, expression, kept_between, nearest, number, subtract, times
+from wmrgen.geometry.constraints import working_view
+from wmrgen.geometry.exact.evaluate import PRECISION, to_fraction, to_mpf
+from wmrgen.geometry.exact.linalg import mean
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import Port, Role
+from wmrgen.geometry.symbolic import (
+    Expr,
+    angle_of,
+    expression,
+    kept_between,
+    nearest,
+    number,
+    subtract,
+    times,
+)
 
 _CLEAR = (
     1e-3  # of the largest distance: a wheel as near to the centroid points nowhere; and of singular values

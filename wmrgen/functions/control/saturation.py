@@ -21,19 +21,19 @@ from functools import reduce
 
 import sympy
 
-from wmrgen.constraints import working_view
-from wmrgen.exact.number import ONE, Exact
-from wmrgen.exact.poly import Gen, Poly, Row, triple
+from wmrgen.analysis.kinematics.least_squares import project
+from wmrgen.analysis.kinematics.pivots import pivot
+from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.twist_limits import twist_limits, whole
 from wmrgen.functions.control.wheel_limits import linear_spins, most, refuse_one_sided, room
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.least_squares import project
-from wmrgen.kinematics.pivots import pivot
-from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.layout.records import Interval, Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import TWIST, TWIST_NAMES, Limits
-from wmrgen.symbolic import (
+from wmrgen.geometry.constraints import working_view
+from wmrgen.geometry.exact.number import ONE, Exact
+from wmrgen.geometry.exact.poly import Gen, Poly, Row, triple
+from wmrgen.geometry.layout.records import Interval, Robot, Wheel
+from wmrgen.geometry.ports import TWIST, TWIST_NAMES, Limits
+from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,

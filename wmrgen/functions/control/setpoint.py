@@ -28,8 +28,12 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import working_view
-from wmrgen.exact.poly import Gen, Poly, Row, triple
+from wmrgen.analysis.kinematics.least_squares import project
+from wmrgen.analysis.kinematics.pivots import Velocity, pivot
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, tunable_ports
+from wmrgen.analysis.kinematics.steer import NARROW, hysteresis
+from wmrgen.analysis.kinematics.steer_groups import moves_as_one, steered_groups
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.braking import rate_limit
 from wmrgen.functions.control.curvature import reach
 from wmrgen.functions.control.steering_cone import Unit, blocked_by_stops, named_pivot, share_in_cone
@@ -46,15 +50,11 @@ from wmrgen.functions.control.twist_limits import (
 )
 from wmrgen.functions.control.wheel_limits import linear_spins, most, refuse_one_sided, room
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.least_squares import project
-from wmrgen.kinematics.pivots import Velocity, pivot
-from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
-from wmrgen.kinematics.steer import NARROW, hysteresis
-from wmrgen.kinematics.steer_groups import moves_as_one, steered_groups
-from wmrgen.layout.records import Interval, Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import DT, TWIST_NAMES, Limits, Role
-from wmrgen.symbolic import (
+from wmrgen.geometry.constraints import working_view
+from wmrgen.geometry.exact.poly import Gen, Poly, Row, triple
+from wmrgen.geometry.layout.records import Interval, Robot, Wheel
+from wmrgen.geometry.ports import DT, TWIST_NAMES, Limits, Role
+from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,

@@ -12,14 +12,14 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Row
-from wmrgen.kinematics.pivots import Velocity, pivot
-from wmrgen.kinematics.records import Locals
-from wmrgen.kinematics.steer import QUARTER, turned_by
-from wmrgen.kinematics.steer_groups import seen_from
-from wmrgen.layout.records import Interval, Wheel
-from wmrgen.symbolic import (
+from wmrgen.analysis.kinematics.pivots import Velocity, pivot
+from wmrgen.analysis.kinematics.records import Locals
+from wmrgen.analysis.kinematics.steer import QUARTER, turned_by
+from wmrgen.analysis.kinematics.steer_groups import seen_from
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.exact.poly import Row
+from wmrgen.geometry.layout.records import Interval, Wheel
+from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,

@@ -27,16 +27,16 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.exact.evaluate import circle_point
-from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Poly
-from wmrgen.kinematics.least_squares import project
-from wmrgen.kinematics.pivots import Velocity, pivot
-from wmrgen.kinematics.records import Locals
-from wmrgen.kinematics.steer import HYSTERESIS, QUARTER, STILL, turned_by
-from wmrgen.layout.records import Interval, Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.symbolic import (
+from wmrgen.analysis.kinematics.least_squares import project
+from wmrgen.analysis.kinematics.pivots import Velocity, pivot
+from wmrgen.analysis.kinematics.records import Locals
+from wmrgen.analysis.kinematics.steer import HYSTERESIS, QUARTER, STILL, turned_by
+from wmrgen.analysis.mobility.records import Mobility
+from wmrgen.geometry.exact.evaluate import circle_point
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.layout.records import Interval, Robot, Wheel
+from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,

@@ -35,16 +35,16 @@ from dataclasses import replace
 
 import sympy
 
-from wmrgen.constraints import working_view
+from wmrgen.analysis.kinematics.pose import rate_per_change
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, tunable_ports
+from wmrgen.analysis.kinematics.steer import present
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.axle_speeds import axle_speeds, car_axle
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.pose import rate_per_change
-from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
-from wmrgen.kinematics.steer import present
-from wmrgen.layout.records import Interval, Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import DT, TWIST, Limits, Port, Role
-from wmrgen.symbolic import (
+from wmrgen.geometry.constraints import working_view
+from wmrgen.geometry.layout.records import Interval, Robot, Wheel
+from wmrgen.geometry.ports import DT, TWIST, Limits, Port, Role
+from wmrgen.geometry.symbolic import (
     Expr,
     add,
     expression,

@@ -19,18 +19,18 @@ from functools import reduce
 
 import sympy
 
-from wmrgen.exact.number import Exact
+from wmrgen.analysis.kinematics.least_squares import project
+from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.braking import rate_limit
 from wmrgen.functions.control.curvature import Reach, reach
 from wmrgen.functions.control.steering_stops import Stops, steering_stops
 from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, scaled
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.least_squares import project
-from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.layout.records import Interval, Robot
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import DT, TWIST, TWIST_NAMES, Limits, Port, Role
-from wmrgen.symbolic import Expr, absolute, add, maximum, number, select, signal, subtract, times
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.layout.records import Interval, Robot
+from wmrgen.geometry.ports import DT, TWIST, TWIST_NAMES, Limits, Port, Role
+from wmrgen.geometry.symbolic import Expr, absolute, add, maximum, number, select, signal, subtract, times
 
 # Of the way that a step may go: no rounding carries it past the wanted twist.
 SHORT = Exact(1 - Fraction(1, 2**21))

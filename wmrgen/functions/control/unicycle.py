@@ -15,19 +15,19 @@ from __future__ import annotations
 import numpy as np
 import sympy
 
-from wmrgen.constraints import nominal_view, rolling_row, working_view
-from wmrgen.exact.evaluate import number as nominal_number
-from wmrgen.exact.number import ZERO
-from wmrgen.exact.poly import Poly
+from wmrgen.analysis.kinematics.inverse import inverse
+from wmrgen.analysis.kinematics.records import Formula, Locals
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.gains import TEXTBOOK, judge, nominal_gains, shown
 from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, axle_of
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.inverse import inverse
-from wmrgen.kinematics.records import Formula, Locals
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, TWIST_NAMES, Port, Role, output
-from wmrgen.symbolic import (
+from wmrgen.geometry.constraints import nominal_view, rolling_row, working_view
+from wmrgen.geometry.exact.evaluate import number as nominal_number
+from wmrgen.geometry.exact.number import ZERO
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import POSE, TWIST_NAMES, Port, Role, output
+from wmrgen.geometry.symbolic import (
     Expr,
     add,
     angle_of,

@@ -21,20 +21,20 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import rolling_row, working_view
-from wmrgen.exact.number import ONE, Exact
-from wmrgen.exact.poly import Row, dot
+from wmrgen.analysis.kinematics.inverse import Joints, joint_commands, spins
+from wmrgen.analysis.kinematics.pivots import Velocity, pivot
+from wmrgen.analysis.kinematics.ranges import steering_spin
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port
+from wmrgen.analysis.kinematics.steer import QUARTER, Target, hysteresis, turned_back, turning_points
+from wmrgen.analysis.kinematics.steer_groups import moves_as_one, seen_from, steered_groups, turned
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.inverse import Joints, joint_commands, spins
-from wmrgen.kinematics.pivots import Velocity, pivot
-from wmrgen.kinematics.ranges import steering_spin
-from wmrgen.kinematics.records import Formula, Locals, joint_port
-from wmrgen.kinematics.steer import QUARTER, Target, hysteresis, turned_back, turning_points
-from wmrgen.kinematics.steer_groups import moves_as_one, seen_from, steered_groups, turned
-from wmrgen.layout.records import Interval, Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Limits, Port, Role, output
-from wmrgen.symbolic import (
+from wmrgen.geometry.constraints import rolling_row, working_view
+from wmrgen.geometry.exact.number import ONE, Exact
+from wmrgen.geometry.exact.poly import Row, dot
+from wmrgen.geometry.layout.records import Interval, Robot, Wheel
+from wmrgen.geometry.ports import Limits, Port, Role, output
+from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from wmrgen.constraints import View
-from wmrgen.exact.linalg import mean
-from wmrgen.exact.poly import Poly
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.polynomials import clean
-from wmrgen.layout.records import Geometry, Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.symbolic import Expr, add, expression, rotated, subtract, times
+from wmrgen.geometry.constraints import View
+from wmrgen.geometry.exact.linalg import mean
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.layout.records import Geometry, Robot, Wheel
+from wmrgen.geometry.symbolic import Expr, add, expression, rotated, subtract, times
 
 Vector = tuple[Expr, Expr]
 

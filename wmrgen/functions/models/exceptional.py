@@ -17,15 +17,15 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.exact.evaluate import fix
-from wmrgen.exact.linalg import determinant, rank
-from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly
 from wmrgen.functions.models.growth import Growth
 from wmrgen.functions.models.polynomials import split, whole, without_lengths
 from wmrgen.functions.models.vector_fields import Field, Slopes, bracket_by, generic_point, value_at
 from wmrgen.functions.system import System
-from wmrgen.symbolic import Expr, expression
+from wmrgen.geometry.exact.evaluate import fix
+from wmrgen.geometry.exact.linalg import determinant, rank
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.exact.poly import Gen, Poly
+from wmrgen.geometry.symbolic import Expr, expression
 
 MOST_TERMS = 4_000  # of the entries' product in a minor that is expanded: a tenth of a second
 MOST_FACTORED = 60  # terms of a minor that is factored: a hundredth of a second

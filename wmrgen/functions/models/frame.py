@@ -10,7 +10,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from wmrgen.constraints import (
+from wmrgen.analysis.kinematics.records import parameter_ports, tunable_ports
+from wmrgen.analysis.mobility.analyse import fixed
+from wmrgen.analysis.mobility.basis import null_columns
+from wmrgen.analysis.mobility.ranks import generic, nominal_at, straight
+from wmrgen.analysis.mobility.records import Mobility
+from wmrgen.errors import NotDerivableError
+from wmrgen.functions.models.polynomials import angles_in, by_steering, clean, cleaned
+from wmrgen.functions.registry import underivable
+from wmrgen.geometry.constraints import (
     View,
     along,
     castor_rate,
@@ -20,19 +28,11 @@ from wmrgen.constraints import (
     symbolic_view,
     working_view,
 )
-from wmrgen.errors import NotDerivableError
-from wmrgen.exact.evaluate import sqrt_poly
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly, Row, at_angle, dot, each
-from wmrgen.functions.models.polynomials import angles_in, by_steering, clean, cleaned
-from wmrgen.functions.registry import underivable
-from wmrgen.kinematics.records import parameter_ports, tunable_ports
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.analyse import fixed
-from wmrgen.mobility.basis import null_columns
-from wmrgen.mobility.ranks import generic, nominal_at, straight
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port
+from wmrgen.geometry.exact.evaluate import sqrt_poly
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.exact.poly import Poly, Row, at_angle, dot, each
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import Port
 
 MOST_TERMS = 120  # a second for their square; twice as many take five
 ONE, ZERO = Poly.of(1), Poly({})

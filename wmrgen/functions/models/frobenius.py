@@ -17,16 +17,16 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import ConstraintRow, constrain, nominal_view, symbolic_view
-from wmrgen.exact.poly import Poly
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.integrals import Integral, integrals
 from wmrgen.functions.models.polynomials import by_steering
 from wmrgen.functions.models.vector_fields import by_state
-from wmrgen.layout.records import Robot
-from wmrgen.mobility.records import Mobility
-from wmrgen.notation import escape
-from wmrgen.printing import Latex, exact
-from wmrgen.symbolic import Expr, expression
+from wmrgen.geometry.constraints import ConstraintRow, constrain, nominal_view, symbolic_view
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.notation import escape
+from wmrgen.geometry.printing import Latex, exact
+from wmrgen.geometry.symbolic import Expr, expression
 
 SMALL = 1e-12  # what rounding to 40 digits leaves of a zero
 ZERO = Poly({})

@@ -9,17 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.linalg import rank
-from wmrgen.exact.number import Exact
 from wmrgen.functions.models.sheet import tidy
 from wmrgen.functions.models.vector_fields import Field, Slopes, bracket_by, generic_point, to_poly, value_at
 from wmrgen.functions.registry import system_builder
 from wmrgen.functions.system import System
-from wmrgen.layout.records import Robot
-from wmrgen.mobility.records import Mobility
-from wmrgen.printing import exact
-from wmrgen.symbolic import Expr, expression
+from wmrgen.geometry.exact.linalg import rank
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.printing import exact
+from wmrgen.geometry.symbolic import Expr, expression
 
 MOST_STATES = 10  # each further state triples the time; 10 take a second
 MOST_PRODUCTS = 80_000  # of terms, in all derivatives and brackets together: 7,000 to 18,000 take a second

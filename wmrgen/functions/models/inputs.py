@@ -13,9 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wmrgen.analysis.kinematics.pose import unit_of_eta
+from wmrgen.analysis.kinematics.records import joint_port
+from wmrgen.analysis.mobility.analyse import fixed
+from wmrgen.analysis.mobility.basis import scaled
+from wmrgen.analysis.mobility.ranks import generic, nominal_at, numeric_rank
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.linalg import adjugate, determinant
-from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.models.frame import (
     ZERO,
     Frame,
@@ -29,15 +33,11 @@ from wmrgen.functions.models.polynomials import angles_in, cleaned, divided, dom
 from wmrgen.functions.models.tied import meeting
 from wmrgen.functions.models.virtual import as_wheel, driving, steering_frame
 from wmrgen.functions.system import Domain
-from wmrgen.kinematics.pose import unit_of_eta
-from wmrgen.kinematics.records import joint_port
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.analyse import fixed
-from wmrgen.mobility.basis import scaled
-from wmrgen.mobility.ranks import generic, nominal_at, numeric_rank
-from wmrgen.mobility.records import Mobility
-from wmrgen.notation import in_code
-from wmrgen.ports import Port, Role, output
+from wmrgen.geometry.exact.linalg import adjugate, determinant
+from wmrgen.geometry.exact.poly import Poly, Row
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.notation import in_code
+from wmrgen.geometry.ports import Port, Role, output
 
 Eta = tuple[Poly, ...]  # coordinates of a twist along the columns of N
 

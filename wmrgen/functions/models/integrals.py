@@ -12,18 +12,18 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import constrain, nominal_view, rolling_row, working_view
+from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.evaluate import fix
-from wmrgen.exact.linalg import left_null_space
-from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Row, dot, triple
 from wmrgen.functions.registry import function
-from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, Port, Role
-from wmrgen.symbolic import add, expression, rotated_back, signal, times
+from wmrgen.geometry.constraints import constrain, nominal_view, rolling_row, working_view
+from wmrgen.geometry.exact.evaluate import fix
+from wmrgen.geometry.exact.linalg import left_null_space
+from wmrgen.geometry.exact.number import ZERO, Exact
+from wmrgen.geometry.exact.poly import Row, dot, triple
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import POSE, Port, Role
+from wmrgen.geometry.symbolic import add, expression, rotated_back, signal, times
 
 Terms = tuple[tuple[str, float], ...]  # a linear function: quantity, coefficient
 Twist = tuple[Exact, Exact, Exact]

@@ -11,18 +11,18 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import driving_row, steer_gens, working_view
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly, Row, at_angle, dot, each, triple
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.frame import Frame, frame, steering_direction, steering_rates
 from wmrgen.functions.models.polynomials import NEGLIGIBLE
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.system import Lag, System
-from wmrgen.kinematics.records import Formula, Locals, joint_port
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, TWIST, TWIST_NAMES, Port, Role
-from wmrgen.symbolic import Expr, add, angle_of, expression, norm, over, signal, times
+from wmrgen.geometry.constraints import driving_row, steer_gens, working_view
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.exact.poly import Poly, Row, at_angle, dot, each, triple
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import POSE, TWIST, TWIST_NAMES, Port, Role
+from wmrgen.geometry.symbolic import Expr, add, angle_of, expression, norm, over, signal, times
 
 Bound = tuple[float, float]
 NO_BOUND = (-inf, inf)

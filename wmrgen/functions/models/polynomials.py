@@ -6,12 +6,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import cos, lcm, pi, sin
 
-from wmrgen.exact.evaluate import fix
-from wmrgen.exact.number import ONE
-from wmrgen.exact.poly import Gen, Poly, Row, common_powers, derivative, each, triple
 from wmrgen.functions.system import Domain
-from wmrgen.layout.records import Robot
-from wmrgen.symbolic import Expr, expression
+from wmrgen.geometry.exact.evaluate import fix
+from wmrgen.geometry.exact.number import ONE
+from wmrgen.geometry.exact.poly import Gen, Poly, Row, common_powers, derivative, each, triple
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.symbolic import Expr, expression
 
 NEGLIGIBLE = 1e-12
 _STEPS = 720

@@ -23,17 +23,9 @@ from dataclasses import replace
 
 import sympy
 
-from wmrgen.constraints import (
-    along,
-    castor_rate,
-    driving_row,
-    heading,
-    steer_gens,
-    symbolic_view,
-    working_view,
-)
-from wmrgen.exact.number import ONE
-from wmrgen.exact.poly import Poly, Row, at_angle, common_powers, dot, triple
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, signal_poly, substituted
+from wmrgen.analysis.mobility.analyse import towards
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.frame import (
     ZERO,
     Frame,
@@ -49,12 +41,20 @@ from wmrgen.functions.models.tied import meeting
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.registry import function, system, underivable
 from wmrgen.functions.system import Domain, System, rate_port
-from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, substituted
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.analyse import towards
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, TWIST_NAMES, Port, Role, output
-from wmrgen.symbolic import Expr, add, expression, rotated, signal, square, subtract
+from wmrgen.geometry.constraints import (
+    along,
+    castor_rate,
+    driving_row,
+    heading,
+    steer_gens,
+    symbolic_view,
+    working_view,
+)
+from wmrgen.geometry.exact.number import ONE
+from wmrgen.geometry.exact.poly import Poly, Row, at_angle, common_powers, dot, triple
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import POSE, TWIST_NAMES, Port, Role, output
+from wmrgen.geometry.symbolic import Expr, add, expression, rotated, signal, square, subtract
 
 _COURSE = "course"  # stands for zeta - theta
 ZETA_STATE = (

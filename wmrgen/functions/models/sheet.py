@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 import sympy
 
-from wmrgen.exact.number import ZERO
 from wmrgen.functions.system import Domain, Lag, System, rate_port
-from wmrgen.notation import plain
-from wmrgen.ports import Port, Role
-from wmrgen.printing import Latex, Reader, Text, Writer, exact, size
-from wmrgen.symbolic import Expr, number, signal
+from wmrgen.geometry.exact.number import ZERO
+from wmrgen.geometry.notation import plain
+from wmrgen.geometry.ports import Port, Role
+from wmrgen.geometry.printing import Latex, Reader, Text, Writer, exact, size
+from wmrgen.geometry.symbolic import Expr, number, signal
 
 LONGEST = 4000  # nodes of an expression that is still written out
 _ORDER = cmp_to_key(sympy.Basic.compare)  # of the terms of a sum, as sympy has it

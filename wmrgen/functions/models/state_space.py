@@ -7,21 +7,21 @@ from dataclasses import replace
 from math import inf
 from typing import Any, NamedTuple
 
+from wmrgen.analysis.kinematics.records import Formula, substituted
+from wmrgen.analysis.mobility.analyse import driving
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import ZERO
 from wmrgen.functions.models.limits import NO_BOUND, Bound, Limited, limited
 from wmrgen.functions.models.sheet import singular_sets
 from wmrgen.functions.models.twist import sliding, where_it_slides
 from wmrgen.functions.registry import system_builder
 from wmrgen.functions.system import Lag, System, of_commands
-from wmrgen.kinematics.records import Formula, substituted
-from wmrgen.layout.records import Robot
-from wmrgen.layout.skid import parallel
-from wmrgen.mobility.analyse import driving
-from wmrgen.mobility.records import Mobility
-from wmrgen.notation import listed
-from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, number, over, signal, subtract
+from wmrgen.geometry.exact.number import ZERO
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.layout.skid import parallel
+from wmrgen.geometry.notation import listed
+from wmrgen.geometry.ports import Port, Role
+from wmrgen.geometry.symbolic import Expr, number, over, signal, subtract
 
 
 class StateSpace(NamedTuple):

@@ -11,18 +11,18 @@ from collections.abc import Sequence
 import numpy as np
 import sympy
 
-from wmrgen.constraints import View
-from wmrgen.exact.poly import Row
+from wmrgen.analysis.mobility.admissible import along
+from wmrgen.analysis.mobility.analyse import towards
+from wmrgen.analysis.mobility.basis import led
+from wmrgen.analysis.mobility.ranks import numeric_rank
 from wmrgen.functions.models.polynomials import NEGLIGIBLE, essential
 from wmrgen.functions.system import Domain
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.layout.skid import parallel
-from wmrgen.mobility.admissible import along
-from wmrgen.mobility.analyse import towards
-from wmrgen.mobility.basis import led
-from wmrgen.mobility.ranks import numeric_rank
-from wmrgen.notation import in_code
-from wmrgen.symbolic import add, expression, signal, square
+from wmrgen.geometry.constraints import View
+from wmrgen.geometry.exact.poly import Row
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.layout.skid import parallel
+from wmrgen.geometry.notation import in_code
+from wmrgen.geometry.symbolic import add, expression, signal, square
 
 
 def tied(robot: Robot) -> list[list[Wheel]]:

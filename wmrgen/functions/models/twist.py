@@ -14,19 +14,19 @@ from collections.abc import Sequence
 
 import sympy
 
-from wmrgen.constraints import View, heading, sliding_row, symbolic_view, working_view
-from wmrgen.exact.poly import triple
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, parameter_ports, tunable_ports
+from wmrgen.analysis.mobility.basis import led
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.posture import in_world
 from wmrgen.functions.models.tied import meeting, only_straight, tied
 from wmrgen.functions.registry import system, underivable
 from wmrgen.functions.system import System, rate_port
-from wmrgen.kinematics.records import Formula, Locals, joint_port, parameter_ports, tunable_ports
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.layout.skid import no_track, parallel
-from wmrgen.mobility.basis import led
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, TWIST, TWIST_NAMES, Port, Role, output
-from wmrgen.symbolic import Expr, add, expression, over, signal, square, subtract, times
+from wmrgen.geometry.constraints import View, heading, sliding_row, symbolic_view, working_view
+from wmrgen.geometry.exact.poly import triple
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.layout.skid import no_track, parallel
+from wmrgen.geometry.ports import POSE, TWIST, TWIST_NAMES, Port, Role, output
+from wmrgen.geometry.symbolic import Expr, add, expression, over, signal, square, subtract, times
 
 Column = tuple[Expr, Expr, Expr]
 

@@ -12,11 +12,11 @@ from fractions import Fraction
 
 import sympy
 
-from wmrgen.exact.evaluate import CosSin, add_angles, circle, function, multiple, number, sqrt_poly
-from wmrgen.exact.number import ONE, Exact
-from wmrgen.exact.poly import Gen, Poly, derivative
-from wmrgen.ports import Port
-from wmrgen.symbolic import Expr, Parameter, Quantity
+from wmrgen.geometry.exact.evaluate import CosSin, add_angles, circle, function, multiple, number, sqrt_poly
+from wmrgen.geometry.exact.number import ONE, Exact
+from wmrgen.geometry.exact.poly import Gen, Poly, derivative
+from wmrgen.geometry.ports import Port
+from wmrgen.geometry.symbolic import Expr, Parameter, Quantity
 
 Field = tuple[Poly, ...]
 

@@ -10,20 +10,20 @@ from dataclasses import replace
 
 import numpy as np
 
+from wmrgen.analysis.kinematics.records import Formula, joint_port, tunable_ports
+from wmrgen.analysis.mobility.admissible import along
+from wmrgen.analysis.mobility.analyse import fixed
+from wmrgen.analysis.mobility.configure import pivot_velocity
+from wmrgen.analysis.mobility.ranks import generic, nominal_at, numeric_rank, straight, unit_rows
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly, has_angles
 from wmrgen.functions.models.frame import Frame, constant_rows, frame, steering_direction
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
-from wmrgen.layout.records import Geometry, Robot, T, Virtual, Wheel
-from wmrgen.mobility.admissible import along
-from wmrgen.mobility.analyse import fixed
-from wmrgen.mobility.configure import pivot_velocity
-from wmrgen.mobility.ranks import generic, nominal_at, numeric_rank, straight, unit_rows
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Role
-from wmrgen.symbolic import angle_of, expression
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.exact.poly import Poly, has_angles
+from wmrgen.geometry.layout.records import Geometry, Robot, T, Virtual, Wheel
+from wmrgen.geometry.ports import Role
+from wmrgen.geometry.symbolic import angle_of, expression
 
 _SMALL = 1e-9
 

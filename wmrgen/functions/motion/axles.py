@@ -18,19 +18,19 @@ from collections.abc import Sequence
 
 import sympy
 
-from wmrgen.constraints import along, heading, working_view
-from wmrgen.exact.linalg import adjugate, mean, symmetric
-from wmrgen.exact.poly import Poly, Row, dot, triple
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, tunable_ports
+from wmrgen.analysis.mobility.basis import null_columns
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.polynomials import angles_in
 from wmrgen.functions.motion.icr import centre_ports
 from wmrgen.functions.motion.paths import path, sign
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.basis import null_columns
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role, output
-from wmrgen.symbolic import (
+from wmrgen.geometry.constraints import along, heading, working_view
+from wmrgen.geometry.exact.linalg import adjugate, mean, symmetric
+from wmrgen.geometry.exact.poly import Poly, Row, dot, triple
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import Port, Role, output
+from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,

@@ -30,18 +30,12 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import XI
-from wmrgen.exact.linalg import symmetric
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Gen, Poly, Row, derivative, dot
-from wmrgen.functions.models.polynomials import by_angle
-from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.forward import forward, nominal_rank
-from wmrgen.kinematics.gyro import YawRate
-from wmrgen.kinematics.least_squares import Matrix, named_normal, normal_equations, pseudo_inverse
-from wmrgen.kinematics.pose import increments, wrapped
-from wmrgen.kinematics.records import Formula, Locals, signal_poly, slip_port, tunable_ports
-from wmrgen.kinematics.sensing import (
+from wmrgen.analysis.kinematics.forward import forward, nominal_rank
+from wmrgen.analysis.kinematics.gyro import YawRate
+from wmrgen.analysis.kinematics.least_squares import Matrix, named_normal, normal_equations, pseudo_inverse
+from wmrgen.analysis.kinematics.pose import increments, wrapped
+from wmrgen.analysis.kinematics.records import Formula, Locals, signal_poly, slip_port, tunable_ports
+from wmrgen.analysis.kinematics.sensing import (
     EDGE,
     FLOOR,
     Component,
@@ -54,10 +48,16 @@ from wmrgen.kinematics.sensing import (
     sensed_joints,
     sensed_ports,
 )
-from wmrgen.layout.records import Noise, Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import DT, GYRO, POSE, POSE_COVARIANCE, TWIST, TWIST_COVARIANCE, Limits, Port
-from wmrgen.symbolic import (
+from wmrgen.analysis.mobility.records import Mobility
+from wmrgen.functions.models.polynomials import by_angle
+from wmrgen.functions.registry import function, underivable
+from wmrgen.geometry.constraints import XI
+from wmrgen.geometry.exact.linalg import symmetric
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.exact.poly import Gen, Poly, Row, derivative, dot
+from wmrgen.geometry.layout.records import Noise, Robot, Wheel
+from wmrgen.geometry.ports import DT, GYRO, POSE, POSE_COVARIANCE, TWIST, TWIST_COVARIANCE, Limits, Port
+from wmrgen.geometry.symbolic import (
     Expr,
     add,
     expression,

@@ -20,16 +20,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wmrgen.analysis.kinematics.inverse import inverse
+from wmrgen.analysis.kinematics.records import Formula, Locals
+from wmrgen.analysis.mobility.admissible import along
+from wmrgen.analysis.mobility.ranks import numeric_rank, unit_rows
+from wmrgen.analysis.mobility.records import Array, Mobility
 from wmrgen.functions.motion.paths import FARTHEST, SLOWEST, path
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.inverse import inverse
-from wmrgen.kinematics.records import Formula, Locals
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.admissible import along
-from wmrgen.mobility.ranks import numeric_rank, unit_rows
-from wmrgen.mobility.records import Array, Mobility
-from wmrgen.ports import TWIST, TWIST_NAMES, Port, Role, output
-from wmrgen.symbolic import absolute, add, maximum, norm, over, signal, subtract, times
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import TWIST, TWIST_NAMES, Port, Role, output
+from wmrgen.geometry.symbolic import absolute, add, maximum, norm, over, signal, subtract, times
 
 POINT = (
     Port("point.x", Role.COMMAND, "m", "a point of the body, robot frame"),

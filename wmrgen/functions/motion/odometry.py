@@ -27,15 +27,15 @@ from dataclasses import replace
 
 import sympy
 
+from wmrgen.analysis.kinematics.forward import forward
+from wmrgen.analysis.kinematics.pose import increments, odometry, rate_per_change, wrapped
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port
+from wmrgen.analysis.kinematics.sensing import sensed_joints
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.pose import increments, odometry, rate_per_change, wrapped
-from wmrgen.kinematics.records import Formula, Locals, joint_port
-from wmrgen.kinematics.sensing import sensed_joints
-from wmrgen.layout.records import Encoder, Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import DT, GYRO, POSE, TWIST, Limits, Port, Role, output
-from wmrgen.symbolic import (
+from wmrgen.geometry.layout.records import Encoder, Robot, Wheel
+from wmrgen.geometry.ports import DT, GYRO, POSE, TWIST, Limits, Port, Role, output
+from wmrgen.geometry.symbolic import (
     Compensated,
     Expr,
     Nearest,

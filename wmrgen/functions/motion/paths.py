@@ -11,8 +11,8 @@ Where the yaw rate is a constant combination of wheel speeds, it integrates to a
 phi = phi0 - (r/3a)(psi1 + psi2 + psi3) (Konstantinov (6)) and phi = phi0 + r (theta_r - theta_l) / 2a of the
 differential drive (Tzafestas (2.36c)).
 
-`reach` is the inverse of `wmrgen.kinematics.pose` (SE(2) logarithm): the chord of the arc points along theta / 2
-and is dt sinc(theta / 2) times the velocity, so
+`reach` is the inverse of `wmrgen.analysis.kinematics.pose` (SE(2) logarithm): the chord of the arc points along
+theta / 2 and is dt sinc(theta / 2) times the velocity, so
 
     v = R(-theta / 2) (x, y) / (dt sinc(theta / 2)),   omega = theta / dt
 """
@@ -25,18 +25,18 @@ from dataclasses import replace
 import numpy as np
 import sympy
 
-from wmrgen.exact.evaluate import number as nominal_number
-from wmrgen.exact.poly import Poly, Row, triple
+from wmrgen.analysis.kinematics.forward import forward
+from wmrgen.analysis.kinematics.pose import SHORTEST, arc
+from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.analysis.kinematics.sensing import measurements
+from wmrgen.analysis.mobility.ranks import numeric_rank, unit_of
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.pose import SHORTEST, arc
-from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.kinematics.sensing import measurements
-from wmrgen.layout.records import Robot
-from wmrgen.mobility.ranks import numeric_rank, unit_of
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import DT, POSE, TWIST, TWIST_NAMES, Port, Role, output
-from wmrgen.symbolic import (
+from wmrgen.geometry.exact.evaluate import number as nominal_number
+from wmrgen.geometry.exact.poly import Poly, Row, triple
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.ports import DT, POSE, TWIST, TWIST_NAMES, Port, Role, output
+from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,

@@ -11,10 +11,10 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from wmrgen.errors import UsageError
-from wmrgen.exact.number import ZERO, Exact
 from wmrgen.functions.registry import underivable
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.ports import TWIST_NAMES
+from wmrgen.geometry.exact.number import ZERO, Exact
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import TWIST_NAMES
 
 Values = Mapping[str, Exact]
 Triple = tuple[Exact, Exact, Exact]  # a twist or a pose

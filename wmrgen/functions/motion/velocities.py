@@ -21,18 +21,27 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import XI, View, arm, heading, rolling_row, sliding_row, symbolic_view, working_view
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.analysis.kinematics.forward import forward
+from wmrgen.analysis.kinematics.inverse import inverse
+from wmrgen.analysis.kinematics.pose import RATES
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.motion.paths import named
 from wmrgen.functions.registry import function
-from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.inverse import inverse
-from wmrgen.kinematics.pose import RATES
-from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, TWIST, TWIST_NAMES, Limits, Port, Role, output
-from wmrgen.symbolic import Expr, expression, matrix, rotated, rotated_back, signal
+from wmrgen.geometry.constraints import (
+    XI,
+    View,
+    arm,
+    heading,
+    rolling_row,
+    sliding_row,
+    symbolic_view,
+    working_view,
+)
+from wmrgen.geometry.exact.poly import Poly, Row, dot
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import POSE, TWIST, TWIST_NAMES, Limits, Port, Role, output
+from wmrgen.geometry.symbolic import Expr, expression, matrix, rotated, rotated_back, signal
 
 ZERO, ONE = Poly({}), Poly.of(1)
 

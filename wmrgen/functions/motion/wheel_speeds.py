@@ -18,20 +18,27 @@ from collections.abc import Sequence
 import numpy as np
 import sympy
 
-from wmrgen.constraints import View, driving_row, nominal_view, rolling_row, symbolic_view, working_view
-from wmrgen.exact.linalg import determinant
-from wmrgen.exact.number import ZERO
-from wmrgen.exact.poly import Poly, dot
+from wmrgen.analysis.kinematics.least_squares import ratio_of
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
+from wmrgen.analysis.mobility.basis import IDENTITY, primitive
+from wmrgen.analysis.mobility.ranks import generic, independent, nominal_at, numeric_rank, to_array, unit_rows
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.polynomials import NEGLIGIBLE, angles_in, clean
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.least_squares import ratio_of
-from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.basis import IDENTITY, primitive
-from wmrgen.mobility.ranks import generic, independent, nominal_at, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role, output
-from wmrgen.symbolic import (
+from wmrgen.geometry.constraints import (
+    View,
+    driving_row,
+    nominal_view,
+    rolling_row,
+    symbolic_view,
+    working_view,
+)
+from wmrgen.geometry.exact.linalg import determinant
+from wmrgen.geometry.exact.number import ZERO
+from wmrgen.geometry.exact.poly import Poly, dot
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import Port, Role, output
+from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,

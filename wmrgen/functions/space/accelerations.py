@@ -18,19 +18,19 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import heading, rolling_row, working_view
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Gen, Poly, Row, dot, each, triple
+from wmrgen.analysis.kinematics.inverse import Joints, common_rate, inverse, spins
+from wmrgen.analysis.kinematics.least_squares import project
+from wmrgen.analysis.kinematics.pivots import Velocity, pivot
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.registry import function
 from wmrgen.functions.space.wheel_motion import rolling_direction_at
-from wmrgen.kinematics.inverse import Joints, common_rate, inverse, spins
-from wmrgen.kinematics.least_squares import project
-from wmrgen.kinematics.pivots import Velocity, pivot
-from wmrgen.kinematics.records import Formula, Locals, joint_port
-from wmrgen.layout.records import Interval, Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import TWIST, TWIST_NAMES, Port, Role, output
-from wmrgen.symbolic import Expr, add, expression, maximum, number, select, subtract, times
+from wmrgen.geometry.constraints import heading, rolling_row, working_view
+from wmrgen.geometry.exact.number import Exact
+from wmrgen.geometry.exact.poly import Gen, Poly, Row, dot, each, triple
+from wmrgen.geometry.layout.records import Interval, Robot, Wheel
+from wmrgen.geometry.ports import TWIST, TWIST_NAMES, Port, Role, output
+from wmrgen.geometry.symbolic import Expr, add, expression, maximum, number, select, subtract, times
 
 RATES, JERKS = (
     tuple(Port(f"{p.name}_{kind}", Role.COMMAND, f"{p.unit}^{power}", f"{text} of {p.name}") for p in TWIST)

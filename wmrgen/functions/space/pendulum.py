@@ -19,13 +19,13 @@ from typing import NamedTuple
 
 import sympy
 
+from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.functions.registry import underivable
 from wmrgen.functions.space.wheel_motion import AXES, FORCE, Vector, cross, dot, input_vector
-from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.layout.records import Point, Robot, Wheel
-from wmrgen.layout.skid import parallel
-from wmrgen.ports import Port, output
-from wmrgen.symbolic import (
+from wmrgen.geometry.layout.records import Point, Robot, Wheel
+from wmrgen.geometry.layout.skid import parallel
+from wmrgen.geometry.ports import Port, output
+from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,

@@ -25,8 +25,8 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import arm, working_view
-from wmrgen.exact.number import ZERO, Exact
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, tunable_ports
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.registry import function, underivable
 from wmrgen.functions.space.pendulum import axle, hanging_stability
 from wmrgen.functions.space.wheel_motion import (
@@ -40,11 +40,11 @@ from wmrgen.functions.space.wheel_motion import (
     named_vector,
     rolling_direction_at,
 )
-from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role, output
-from wmrgen.symbolic import (
+from wmrgen.geometry.constraints import arm, working_view
+from wmrgen.geometry.exact.number import ZERO, Exact
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import Port, Role, output
+from wmrgen.geometry.symbolic import (
     Expr,
     add,
     angle_of,

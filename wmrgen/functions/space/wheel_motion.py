@@ -15,15 +15,15 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import arm, working_view
-from wmrgen.exact.evaluate import add_angles
-from wmrgen.exact.poly import Poly, triple
+from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, tunable_ports
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
-from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role, output
-from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
+from wmrgen.geometry.constraints import arm, working_view
+from wmrgen.geometry.exact.evaluate import add_angles
+from wmrgen.geometry.exact.poly import Poly, triple
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import Port, Role, output
+from wmrgen.geometry.symbolic import Expr, add, expression, signal, subtract, times
 
 Vector = tuple[Expr, Expr, Expr]
 AXES = ("x", "y", "z")

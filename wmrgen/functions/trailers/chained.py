@@ -16,14 +16,14 @@ from dataclasses import replace
 
 import sympy
 
+from wmrgen.analysis.kinematics.records import Formula, tunable_ports
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import function
 from wmrgen.functions.trailers.train import TrainTerms, V, terms_of, train
-from wmrgen.kinematics.records import Formula, tunable_ports
-from wmrgen.layout.records import Robot
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import TWIST, Port, output
-from wmrgen.symbolic import Expr, add, signal, subtract, times
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.ports import TWIST, Port, output
+from wmrgen.geometry.symbolic import Expr, add, signal, subtract, times
 
 Outputs = tuple[tuple[Port, Expr], ...]
 

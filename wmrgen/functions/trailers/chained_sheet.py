@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import sympy
 
+from wmrgen.analysis.kinematics.records import Formula, parameter_ports, tunable_ports
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.inputs import eta_motion
 from wmrgen.functions.models.sheet import Equation, Sheet, tidy
 from wmrgen.functions.models.vector_fields import at_point, by_state, to_poly
@@ -23,11 +23,11 @@ from wmrgen.functions.system import Domain
 from wmrgen.functions.trailers.chained import U, chained, chained_input, chained_rates
 from wmrgen.functions.trailers.trailer import towing_system
 from wmrgen.functions.trailers.train import OMEGA, Train, V, last_axle, links_of, train
-from wmrgen.kinematics.records import Formula, parameter_ports, tunable_ports
-from wmrgen.layout.records import Robot
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, Port
-from wmrgen.symbolic import AtLeast, Expr, expression, local, rotated, signal
+from wmrgen.geometry.exact.number import ZERO, Exact
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.ports import POSE, Port
+from wmrgen.geometry.symbolic import AtLeast, Expr, expression, local, rotated, signal
 
 POINTS = 3
 MANY_TRAILERS = 8  # beyond, one exact point takes seconds

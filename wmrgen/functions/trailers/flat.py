@@ -11,15 +11,15 @@ from typing import NamedTuple
 
 import sympy
 
+from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import function
 from wmrgen.functions.system import Gate, rate_port
 from wmrgen.functions.trailers.train import Steering, Train, V, train
-from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.layout.records import Robot
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, TWIST, Port, output
-from wmrgen.symbolic import (
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.ports import POSE, TWIST, Port, output
+from wmrgen.geometry.symbolic import (
     Expr,
     add,
     angle_of,

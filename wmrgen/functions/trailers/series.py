@@ -20,9 +20,9 @@ from typing import NamedTuple
 
 import sympy
 
+from wmrgen.analysis.kinematics.records import Locals
 from wmrgen.functions.system import Gate
-from wmrgen.kinematics.records import Locals
-from wmrgen.symbolic import Expr, add, subtract, times
+from wmrgen.geometry.symbolic import Expr, add, subtract, times
 
 DIGITS = 24  # float32 holds 38; what is left is for lengths and factorials
 NARROW = sympy.Rational(1, 10**5)  # a divisor of the steering nearer to zero than this counts as zero

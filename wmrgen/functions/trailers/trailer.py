@@ -26,9 +26,9 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import working_view
+from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, fixed_axle, leading_axle
 from wmrgen.functions.models.inputs import Motion, best_motion
 from wmrgen.functions.models.polynomials import whole, without_lengths
@@ -37,12 +37,12 @@ from wmrgen.functions.models.sheet import LONGEST
 from wmrgen.functions.models.vector_fields import to_poly
 from wmrgen.functions.registry import function, system, underivable
 from wmrgen.functions.system import Domain, System, rate_port, with_guards
-from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.layout.records import Length, Robot, Trailer
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, Port, Role, output
-from wmrgen.printing import size
-from wmrgen.symbolic import (
+from wmrgen.geometry.constraints import working_view
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.layout.records import Length, Robot, Trailer
+from wmrgen.geometry.ports import POSE, Port, Role, output
+from wmrgen.geometry.printing import size
+from wmrgen.geometry.symbolic import (
     Expr,
     add,
     angle_of,

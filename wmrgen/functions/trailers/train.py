@@ -15,23 +15,23 @@ from typing import NamedTuple
 
 import sympy
 
-from wmrgen.constraints import symbolic_view, working_view
+from wmrgen.analysis.kinematics.records import Locals
+from wmrgen.analysis.mobility.analyse import fixed
+from wmrgen.analysis.mobility.ranks import nominal_at, straight
+from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.evaluate import sqrt_poly
-from wmrgen.exact.poly import Poly, Row, has_angles
 from wmrgen.functions.models.axle import Axle, Vector, fixed_axle
 from wmrgen.functions.models.frame import constant_rows
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.system import Gate
 from wmrgen.functions.trailers.series import NARROW, Link, Path, path
 from wmrgen.functions.trailers.trailer import behind, check_trailers, in_view, state_ports
-from wmrgen.kinematics.records import Locals
-from wmrgen.layout.records import Robot
-from wmrgen.mobility.analyse import fixed
-from wmrgen.mobility.ranks import nominal_at, straight
-from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, TWIST, Port, Role, output
-from wmrgen.symbolic import Expr, add, expression, rotated, signal, subtract, times
+from wmrgen.geometry.constraints import symbolic_view, working_view
+from wmrgen.geometry.exact.evaluate import sqrt_poly
+from wmrgen.geometry.exact.poly import Poly, Row, has_angles
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.ports import POSE, TWIST, Port, Role, output
+from wmrgen.geometry.symbolic import Expr, add, expression, rotated, signal, subtract, times
 
 SMALL = 1e-9
 V = output("v", "m/s", "speed of the centre of the axle, along the direction of travel")

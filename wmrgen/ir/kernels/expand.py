@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from wmrgen.exact.number import ONE
+from wmrgen.geometry.exact.number import ONE
 from wmrgen.ir.calls import called, inlined_calls
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
 from wmrgen.ir.kernels.cycles import fused_pays

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from wmrgen.exact.number import Exact
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.nodes import Function, Node, Op, Shared, pruned, rebuilt, shared, uses_of
 from wmrgen.ir.rounding import round_rational, to_float32
 from wmrgen.ir.tape import Tape

@@ -11,13 +11,13 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
-from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.ports import Port, Role
 from wmrgen.ir.kernels.choice import M0, M4F
 from wmrgen.ir.kernels.sums import fuse
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.rounding import to_float32
 from wmrgen.ir.tape import Tape
-from wmrgen.ports import Port, Role
 
 RINT32 = Exact(12582912)  # 1.5 * 2**23: floats this large are whole numbers
 EVEN32 = Exact(25165824)  # 1.5 * 2**24: floats this large are even

@@ -1,6 +1,6 @@
 """What analyses hand to the rules of an operation, and what these give back.
 
-Two analyses ask: `wmrgen.selftest`, at many points at once (`Bounded`); `wmrgen.bounds`, over boxes of inputs
+Two analyses ask: `wmrgen.ir.selftest`, at many points at once (`Bounded`); `wmrgen.ir.bounds`, over boxes of inputs
 (`Value`).
 """
 
@@ -12,9 +12,9 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from wmrgen.exact.number import Exact
-from wmrgen.ir import interval as iv
-from wmrgen.ir.interval import Array, Interval
+from wmrgen.geometry.exact import interval as iv
+from wmrgen.geometry.exact.interval import Array, Interval
+from wmrgen.geometry.exact.number import Exact
 
 # ---- running error bounds: many points at once
 
@@ -57,7 +57,7 @@ class Partial(NamedTuple):
 class Noise:
     """The rounding of a node: at most ``size`` plus, by length, ``over`` / h.
 
-    ``divisions``: see `wmrgen.bounds.walk.Errors`.
+    ``divisions``: see `wmrgen.ir.bounds.walk.Errors`.
     """
 
     size: Array
@@ -83,7 +83,7 @@ class Value(NamedTuple):
 
 
 class Walk(Protocol):
-    """What lemmas ask of a walk over boxes (`wmrgen.bounds.walk.Walk`), of node ``i`` and those before it.
+    """What lemmas ask of a walk over boxes (`wmrgen.ir.bounds.walk.Walk`), of node ``i`` and those before it.
 
     ``behind``: the lengths by which each node, or what it depends on, is divided. ``share(j, i)``: s where |node i| is
     at most s times the length of ``j``. ``effective``: how far nodes count.

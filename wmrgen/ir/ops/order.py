@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from wmrgen.ir import interval as iv
-from wmrgen.ir.interval import Array, Interval
+from wmrgen.geometry.exact import interval as iv
+from wmrgen.geometry.exact.interval import Array, Interval
 from wmrgen.ir.ops.analysis import Bounded, Noise, Partial, Value, Walk
 from wmrgen.ir.ops.record import Conditional, Op
 

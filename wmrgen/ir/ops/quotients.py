@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from wmrgen.exact.number import Exact, exact_sqrt
-from wmrgen.ir import interval as iv
-from wmrgen.ir.interval import Array
+from wmrgen.geometry.exact import interval as iv
+from wmrgen.geometry.exact.interval import Array
+from wmrgen.geometry.exact.number import Exact, exact_sqrt
 from wmrgen.ir.ops.analysis import Bounded, Noise, Partial, Value, Walk, rounded
 from wmrgen.ir.ops.record import Op
 

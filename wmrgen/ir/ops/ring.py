@@ -10,9 +10,9 @@ from struct import pack, unpack
 
 import numpy as np
 
-from wmrgen.exact.number import Exact
-from wmrgen.ir import interval as iv
-from wmrgen.ir.interval import Array, Interval
+from wmrgen.geometry.exact import interval as iv
+from wmrgen.geometry.exact.interval import Array, Interval
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.ops.analysis import Bounded, Noise, Partial, Value, Walk, rounded
 from wmrgen.ir.ops.record import Op
 from wmrgen.ir.rounding import nearest_float32, to_float64

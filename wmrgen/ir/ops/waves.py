@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.ir import interval as iv
-from wmrgen.ir.interval import Array, Interval
+from wmrgen.geometry.exact import interval as iv
+from wmrgen.geometry.exact.interval import Array, Interval
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.ops import integer
 from wmrgen.ir.ops.analysis import Bounded, Noise, Partial, Value, Walk
 from wmrgen.ir.ops.record import Op
@@ -30,7 +30,7 @@ def _exactly(name: str, a: Exact) -> Exact:
     """A function of mpmath, good to 60 digits; exact of multiples of pi/12, and where it is such a multiple."""
     from mpmath import libmp  # a slow import that only exact sines need
 
-    from wmrgen.exact.evaluate import direction_over_pi, over_pi, twelfths
+    from wmrgen.geometry.exact.evaluate import direction_over_pi, over_pi, twelfths
 
     if name == "mpf_atan":
         if (half_turns := direction_over_pi(a, ONE)) is not None:
@@ -44,7 +44,7 @@ def _exactly(name: str, a: Exact) -> Exact:
 
 
 def _of_pi(half_turns: Fraction) -> Exact:
-    from wmrgen.exact.evaluate import pi_rational
+    from wmrgen.geometry.exact.evaluate import pi_rational
 
     return Exact(pi_rational() * half_turns)
 
@@ -136,7 +136,7 @@ Op.IATAN = Op(
 def _exact_direction(y: Exact, x: Exact) -> Exact:
     from mpmath import libmp
 
-    from wmrgen.exact.evaluate import direction_over_pi
+    from wmrgen.geometry.exact.evaluate import direction_over_pi
 
     if not y and x.sign >= 0:
         return ZERO

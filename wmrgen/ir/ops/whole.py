@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from wmrgen.exact.number import Exact
-from wmrgen.ir import interval as iv
-from wmrgen.ir.interval import Array
+from wmrgen.geometry.exact import interval as iv
+from wmrgen.geometry.exact.interval import Array
+from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.ops.analysis import Bounded, Partial, Value, Walk
 from wmrgen.ir.ops.record import Conditional, Op
 

@@ -1,0 +1,99 @@
+"""Words that languages keep. Macros of AVR are names of wheels and parameters, as they are written; where such a macro
+is, a header says so."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import wmrgen
+from tests.codegen.packages.arduino import SHARE
+from tests.external_tools import missing, need, tool
+from tests.robotfile.files import read
+from wmrgen.derivation.emit import artifacts
+from wmrgen.errors import RobotFileError
+from wmrgen.robotfile.reserved_words import AVR_MACROS, C, why_reserved
+
+CORE = SHARE / "arduino" / "hardware" / "arduino" / "avr"
+ROBOT = "wmrgen: 1\nname: pair\nwheels:\n  - {{name: {}, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}}\n"
+
+
+@pytest.mark.parametrize("name", ["SE", "SP", "XL", "PB0", "LOW", "B11"])
+def test_a_robot_is_not_called_as_macros_of_avr_are(name: str) -> None:
+    with pytest.raises(RobotFileError, match="macro of that name") as refused:
+        read(ROBOT.replace("pair", name).format("left"))
+    assert refused.value.instead == f"Write {name.lower()}."
+    assert read(ROBOT.replace("pair", name.lower()).format("left")).name == name.lower()
+
+
+def test_a_header_is_read_where_its_names_are_no_macros(tmp_path: Path) -> None:
+    """Wheels SE and FL, a parameter PB0: kept, the C compiles, and where avr-libc defines them it says what to do."""
+    path = tmp_path / "pair.yaml"
+    path.write_text(
+        "wmrgen: 1\nname: pair\nparameters: {PB0: {value: 0.1, tunable: true}}\nwheels:\n"
+        "  - {name: SE, type: fixed, x: 0, y: 0.2, heading: 0, r: PB0}\n"
+        "  - {name: FL, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}\n"
+    )
+    for name, text in artifacts(wmrgen.derive(wmrgen.load(path))).items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(text)
+    assert "} SE; " in (tmp_path / "pair.h").read_text()
+    command = [tool("gcc"), "-std=c99", "-Wall", "-Werror", "-c", "pair.c", "-o", "pair.o"]
+    for macro, told in (("SW", False), ("SE", True), ("PB0", True)):
+        done = subprocess.run([*command, f"-D{macro}=0"], cwd=tmp_path, capture_output=True, text=True)
+        assert (f"a macro called {macro}, as avr-libc or Arduino has" in done.stderr) == told, done.stderr
+        assert (done.returncode == 0) == (not told)
+
+
+@pytest.mark.parametrize(
+    "name", ["SE", "PB0", "LOW", "FL", "fr", "SW", "NE", "M1", "P1", "B2", "L", "F", "High", "spl"]
+)
+def test_other_names_are_taken(name: str) -> None:
+    assert read(ROBOT.format(name)).wheels[0].name == name
+
+
+def test_words_of_c_are_kept_in_any_case() -> None:
+    assert (
+        C.keeps("Float") and C.keeps("FLOAT") and not AVR_MACROS.keeps("float") and not AVR_MACROS.keeps("se")
+    )
+
+
+def test_no_macro_of_what_the_c_includes_is_a_name() -> None:
+    """Macros without arguments of these headers, as gcc defines them unasked: `out->M_PI` would not be C."""
+    headers = "".join(f"#include <{name}.h>\n" for name in ("math", "stdint", "float"))
+    command = [tool("gcc"), "-x", "c", "-dM", "-E", "-"]
+    done = subprocess.run(command, input=headers, capture_output=True, text=True, check=True)
+    macros = re.findall(r"#define ([A-Za-z]\w*) ", done.stdout)
+    assert {"M_PI", "math_errhandling", "INT_LEAST16_MIN", "UINTPTR_MAX"} <= set(macros)
+    assert [name for name in macros if "__" not in name and not why_reserved(name)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "chip", ["atmega8", "atmega328p", "atmega2560", "atmega32u4", "attiny84", "attiny85"]
+)
+def test_no_short_macro_is_missing(chip: str, tmp_path: Path) -> None:
+    """Of what a sketch includes: macros without arguments that may be names, of up to three letters."""
+    need("avr-g++")
+    if not CORE.is_dir():
+        missing("not installed: arduino-core-avr")
+    (tmp_path / "sketch.cpp").write_text("#include <Arduino.h>\n")
+    folders = (f"-I{CORE / 'cores' / 'arduino'}", f"-I{CORE / 'variants' / 'standard'}")
+    command = (
+        "avr-g++",
+        f"-mmcu={chip}",
+        "-DF_CPU=16000000L",
+        "-DARDUINO=10800",
+        *folders,
+        "-dM",
+        "-E",
+        "sketch.cpp",
+    )
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    names = {line.split()[1] for line in done.stdout.splitlines()}
+    short = {name for name in names if name.isalnum() and name[0].isalpha() and len(name) <= 3}
+    assert {"SP", "PI"} <= short
+    assert [name for name in sorted(short) if not AVR_MACROS.keeps(name)] == []

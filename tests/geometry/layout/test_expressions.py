@@ -1,0 +1,60 @@
+"""Angles that were meant to be special: what is snapped, what is kept, and how a note names the multiple of pi/12."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import pytest
+
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.layout.expressions import PI, snap
+
+NONE: frozenset[str] = frozenset()
+TEXTS = {
+    0: "0", 1: "pi/12", 2: "pi/6", 3: "pi/4", 4: "pi/3", 5: "5*pi/12", 6: "pi/2", 8: "2*pi/3", 9: "3*pi/4", 12: "pi",
+    18: "3*pi/2", 24: "2*pi", 36: "3*pi", -1: "-pi/12", -6: "-pi/2", -9: "-3*pi/4", -12: "-pi", -24: "-2*pi",
+}  # fmt: skip
+
+
+def near(k: int, error: str) -> Poly:
+    """So many twelfths of pi, to eight decimals, and an error [rad]."""
+    return Poly.of(Fraction(f"{k * math.pi / 12:.8f}") + Fraction(error))
+
+
+@pytest.mark.parametrize("k", TEXTS)
+@pytest.mark.parametrize("side", ["", "-"])
+def test_an_angle_is_taken_as_what_it_stands_for(k: int, side: str) -> None:
+    angle, note = snap(near(k, f"{side}0.0005"), {}, NONE, "left: heading")
+    assert angle == PI.scale(Fraction(k, 12))
+    assert note is not None and note.startswith("left: heading: ")
+    assert note.endswith(f" rad is taken as {TEXTS[k]} (0.0005 rad away)")
+
+
+@pytest.mark.parametrize("k", TEXTS)
+@pytest.mark.parametrize("side", ["", "-"])
+def test_both_sides_of_the_thresholds(k: int, side: str) -> None:
+    for error, words in (
+        ("0.00199", "taken as"),
+        ("0.00201", "kept as written"),
+        ("0.0049", "kept as written"),
+    ):
+        angle, note = snap(near(k, side + error), {}, NONE, "x")
+        assert note is not None and words in note and TEXTS[k] in note
+        assert (angle == near(k, side + error)) == (words == "kept as written")
+    far = near(k, f"{side}0.0051")
+    assert snap(far, {}, NONE, "x") == (far, None)
+
+
+def test_what_is_exact_and_what_is_tunable_stays() -> None:
+    for k in TEXTS:
+        exact = PI.scale(Fraction(k, 12))
+        assert snap(exact, {}, NONE, "x") == (exact, None)
+    a = Poly.gen("param", "a")
+    values = {"a": Poly.of(Fraction("1.5705"))}
+    assert snap(a, values, frozenset("a"), "x") == (a, None)
+    assert snap(a, values, NONE, "x")[0] == PI.scale(Fraction(1, 2))
+    seventh = PI.scale(Fraction(1, 7))
+    assert snap(seventh, {}, NONE, "x") == (seventh, None)
+    assert snap(a, {"a": PI.scale(Fraction(1, 4))}, NONE, "x") == (a, None)
+    assert snap(PI.scale(Fraction("0.2501")), {}, NONE, "x")[0] == PI.scale(Fraction(1, 4))

@@ -1,0 +1,51 @@
+"""Names that are refused: the word that is offered in the place of each is accepted there."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from wmrgen.errors import RobotFileError
+from wmrgen.robotfile import names
+from wmrgen.robotfile.reader import read_tree
+from wmrgen.robotfile.text import Scalar
+
+WORDS = sorted(
+    {
+        *names._DEVICES, *names._FILE_NAMES, *names._SCOPES, *names._EXPRESSION_WORDS, *names._CONTRACT_WORDS,
+        *"textbook PI Pi Sin double Float NAN int while fn let F0 PORTB eta7 CON lpt1 None r2 left".split(),
+        *"wheel_t a__b T_t size_t __init__ x__t 1st vorne-links größe σ a.b _x".split(), "front left", 40 * "long",
+    }
+)  # fmt: skip
+
+
+def accepted(kind: str, word: str) -> str:
+    """What there is against ``word`` as the name of a robot, a wheel or a parameter: nothing, or what to write."""
+    node = read_tree(f'"{word}"', "robot.yaml")
+    assert isinstance(node, Scalar)
+    try:
+        assert getattr(names, f"{kind}_name")(node) == word
+    except RobotFileError as error:
+        return error.instead
+    return ""
+
+
+@pytest.mark.parametrize("kind", ["robot", "wheel", "parameter"])
+def test_what_is_offered_is_accepted(kind: str) -> None:
+    words = [*WORDS, *(f"_{word}" for word in WORDS)]
+    refused = {word: instead for word in words if (instead := accepted(kind, word))}
+    assert len(refused) > len(WORDS) and not accepted(kind, "front_left")
+    assert {
+        *names._DEVICES,
+        "while",
+        "PORTB" if kind == "robot" else "double",
+        "size_t",
+        "a__b",
+    } <= refused.keys()
+    for word, instead in refused.items():
+        if kind == "parameter" and word.lower() == "pi":
+            assert instead == "Write pi as it is.", word
+            continue
+        offered = re.match(r"Write (?:a name such as )?(\w+)", instead)
+        assert offered and not accepted(kind, offered[1]), (word, instead)

@@ -1,0 +1,112 @@
+"""How large a robot file may be: what is as large as the limit is taken, what is one more is not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from tests.robotfile.files import HEAD, read, robot, wheel
+from wmrgen.errors import RobotFileError
+from wmrgen.robotfile.reader import MAX_DEPTH, read_tree
+from wmrgen.robotfile.text import quoted
+
+
+def block(levels: int, key: bool) -> str:
+    """Mappings or, inside ``key``, lists in block style, the scalar ``x`` on the level given."""
+    if key:
+        return "? " + "- " * (levels - 1) + "x\n"
+    return "".join(f"{'  ' * k}a:\n" for k in range(levels - 1)) + "  " * (levels - 1) + "a: x\n"
+
+
+NESTED: dict[str, Callable[[int], str]] = {
+    "list in brackets": lambda n: "[" * n + "x" + "]" * n,
+    "mapping in braces": lambda n: "{a: " * n + "x" + "}" * n,
+    "list of dashes": lambda n: "- " * n + "x\n",
+    "mapping of lines": lambda n: block(n, key=False),
+}
+
+
+@pytest.mark.parametrize("style", NESTED)
+def test_nesting(style: str) -> None:
+    assert MAX_DEPTH == 16
+    read_tree(NESTED[style](MAX_DEPTH), "bot.yaml")
+    with pytest.raises(RobotFileError, match="nested deeper than 16 levels"):
+        read_tree(NESTED[style](MAX_DEPTH + 1), "bot.yaml")
+
+
+def test_nesting_inside_a_key() -> None:
+    """A key counts as its value does; one that is no word is refused, but only when it is read."""
+    with pytest.raises(RobotFileError, match="a key must be a short word"):
+        read_tree(block(MAX_DEPTH, key=True), "bot.yaml")
+    with pytest.raises(RobotFileError, match="nested deeper than 16 levels"):
+        read_tree(block(MAX_DEPTH + 1, key=True), "bot.yaml")
+
+
+def many(count: int, item: str) -> str:
+    return "".join(item.replace("#", str(k)) for k in range(count))
+
+
+WHEELS = robot().removeprefix(HEAD)
+SIZES: dict[str, tuple[int, Callable[[int], str]]] = {
+    "characters of the description": (2000, lambda n: f"{HEAD}description: {'x' * n}\n{WHEELS}"),
+    "characters of the source": (2000, lambda n: f"{HEAD}source: {'x' * n}\n{WHEELS}"),
+    "characters of a name": (31, lambda n: f"wmrgen: 1\nname: {'n' * n}\n{WHEELS}"),
+    "parameters": (256, lambda n: robot(top="parameters:\n" + many(n, "  p#: 1\n"))),
+    "angles whose sum, with pi, is one": (
+        8,
+        lambda n: robot(
+            wheel("a", heading=" + ".join(["pi", *(f"p{k}" for k in range(n))])),
+            top="parameters:\n" + many(n, "  p#: 0.1\n"),
+        ),
+    ),
+    "trailers": (16, lambda n: robot(top="trailers:\n" + many(n, "  - {name: t#, length: 1}\n"))),
+    "wheels": (64, lambda n: robot(*(wheel(f"w{k}", y=str(k)) for k in range(n)))),
+}
+
+
+@pytest.mark.parametrize("what", SIZES)
+def test_sizes(what: str) -> None:
+    most, text = SIZES[what]
+    read(text(most))
+    with pytest.raises(RobotFileError):
+        read(text(most + 1))
+
+
+@pytest.mark.parametrize(
+    ("inside", "enough"),
+    [
+        ("couplings: [{equal: [a.spin, b.spin]}]\n", True),
+        ("couplings: [{equal: [a.spin]}]\n", False),
+        ("couplings: []\n", True),
+        ("trailers: []\n", True),
+    ],
+)
+def test_lists_that_are_too_short(inside: str, enough: bool) -> None:
+    text = robot(wheel("a"), wheel("b"), top=inside)
+    if enough:
+        read(text)
+        return
+    with pytest.raises(RobotFileError):
+        read(text)
+
+
+def test_keys() -> None:
+    for length, message in ((100, "unknown key"), (101, "a key must be a short word")):
+        with pytest.raises(RobotFileError, match=message):
+            read(f"{HEAD}{'k' * length}: 1\n{WHEELS}")
+
+
+def test_values() -> None:
+    """Counted: the list itself, and what stands in it."""
+    read_tree(f"[{'1,' * 19_999}]", "bot.yaml")
+    with pytest.raises(RobotFileError, match="more than 20000 values"):
+        read_tree(f"[{'1,' * 20_000}]", "bot.yaml")
+
+
+def test_quotations_in_messages() -> None:
+    assert quoted("x" * 60) == f"'{'x' * 60}'"
+    assert quoted("x" * 61) == f"'{'x' * 59}…'"
+    assert quoted("abcd", 4) == "'abcd'"
+    assert quoted("abcde", 4) == "'abc…'"
+    assert quoted("a\nb\tc\x07") == "'a b c\ufffd'"

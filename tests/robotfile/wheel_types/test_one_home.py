@@ -1,0 +1,81 @@
+"""A wheel type has one home: outside `wmrgen.robotfile.wheel_types` nothing asks for its name."""
+
+from __future__ import annotations
+
+import ast
+
+import pytest
+
+from tests.conftest import ROOT
+from wmrgen.robotfile.wheel_types import WHEEL_TYPES, Glyph, WheelType, Words, register
+
+PACKAGE = ROOT / "wmrgen"
+ELSEWHERE = [p for p in sorted(PACKAGE.rglob("*.py")) if "wheel_types" not in p.parts]
+NAMES = ("fixed", "steered", "castor", "swedish", "spherical")
+
+
+def named(source: str) -> list[int]:
+    """Lines with a string that is the name of a wheel type."""
+    return [
+        node.lineno
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Constant) and node.value in NAMES
+    ]
+
+
+def test_the_types_are_these() -> None:
+    assert tuple(WHEEL_TYPES) == NAMES
+    assert all(name == kind.name for name, kind in WHEEL_TYPES.items())
+
+
+def test_no_module_elsewhere_names_a_wheel_type() -> None:
+    assert named('w.type == "fixed"') == [1] and named('WIDTH = {\n"castor": 3}') == [2]
+    places = [
+        f"{p.relative_to(ROOT)}:{line}" for p in ELSEWHERE for line in named(p.read_text(encoding="utf-8"))
+    ]
+    assert places == []
+
+
+# What Siegwart's table of wheels says of the five: (rolls about an axle, turns, swivels, has rollers,
+# constrains the twist, by an axle that stands fixed in the body).
+SIEGWART = {
+    "fixed": (True, False, False, False, True, True),
+    "steered": (True, True, False, False, True, False),
+    "castor": (True, True, True, False, False, False),
+    "swedish": (True, False, False, True, False, False),
+    "spherical": (False, False, False, False, False, False),
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_the_five_types_are(name: str) -> None:
+    kind = WHEEL_TYPES[name]
+    facts = (kind.has_spin, kind.turns, kind.swivels, kind.rollers, kind.constrains, kind.fixed_axle)
+    assert facts == SIEGWART[name]
+    assert kind.steers == (name == "steered")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"name": "fixed"}, "there is a wheel type fixed already"),
+        ({"joints": ("spin", "steer"), "sliding_row": False}, "needs a sliding row"),
+        ({"joints": ("steer",)}, "needs a spin"),
+        ({"actuated": ("steer",)}, "of the joints"),
+        ({"required": ()}, "needs r among its required keys"),
+        ({"joints": ("spin", "steer"), "keys": ("d",)}, "d among its required keys"),
+        ({"required": ("r", "d")}, "it has none"),
+        ({"keys": ("offset_y",)}, "it has none"),
+        ({"keys": ("gamma",)}, "slides across them"),
+        ({"required": ("r", "gamma")}, "slides across them"),
+        ({"sliding_row": False}, "words.free must say"),
+    ],
+)
+def test_a_type_that_is_none_is_refused(change: dict[str, object], words: str) -> None:
+    before = tuple(WHEEL_TYPES)
+    whole = {
+        "name": "new", "meaning": "", "noun": "new wheel", "joints": ("spin",), "required": ("r",)
+    } | change  # fmt: skip
+    with pytest.raises(ValueError, match=words):
+        register(WheelType(words=Words(""), glyph=Glyph("#000000"), **whole))  # type: ignore[arg-type]
+    assert tuple(WHEEL_TYPES) == before

@@ -1,0 +1,183 @@
+"""Import after export is the same robot: wheels, places, headings, rollers, motors, couplings, degrees.
+
+Import knows wheels by their axles, so balls are not among what comes back. One wheel alone it takes for one where the
+file drives it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from random import Random
+
+import pytest
+
+import wmrgen
+from tests.conftest import GALLERY, Outcome
+from tests.depth import DEEP
+from tests.tools.exporting.common import drives, load, same_angle
+from wmrgen.errors import NotDerivableError
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.robotfile.wheel_types import CASTOR
+from wmrgen.tools.exporting.ros2_control import ros2_control
+from wmrgen.tools.exporting.sdf import sdf
+from wmrgen.tools.exporting.urdf import urdf
+from wmrgen.tools.importing.records import SUPPORT, Imported, Question
+from wmrgen.tools.importing.robot_file import text
+from wmrgen.tools.importing.source import description_of
+from wmrgen.tools.importing.wheels import import_wheels
+
+WRITERS = {"urdf": urdf, "sdf": sdf}
+
+
+def back(robot: Robot, folder: Path, kind: str, written: str = "") -> Imported:
+    path = folder / f"{robot.name}.{kind}"
+    path.write_text(written or WRITERS[kind](robot), encoding="utf-8")
+    return import_wheels(description_of(path, (), ()), None)
+
+
+def asked(robot: Robot, imported: Imported) -> list[Question]:
+    """What is asked, but whether two wheels stand, of castors alone without motors which have one, and whether a wheel
+    stands so that differs in one length from three others or more."""
+    motors = any(w.actuated or (w.has_spin and w.kind != CASTOR) for w in robot.wheels)
+    questions = [q for q in imported.questions if q.wheel != SUPPORT and "others" not in q.text]
+    return [q for q in questions if motors or (q.key, q.hints) != ("actuated", ("[spin, steer]", "[]"))]
+
+
+def same(robot: Robot, imported: Imported) -> None:
+    assert imported.base in ("base_link", "__model__")  # of SDFormat the model, where base_link lies
+    assert [q for q in asked(robot, imported) if "which way is forward" not in q.text] == []
+    by_joint = {w.joint: w for w in imported.wheels}
+    rolling = [w for w in robot.wheels if w.has_spin]
+    assert list(by_joint) == [f"{w.name}_spin" for w in rolling]
+    for w in rolling:
+        got = by_joint[f"{w.name}_spin"]
+        assert got.steer_joint == (f"{w.name}_steer" if w.turns else None)
+        assert got.type == w.type
+        g = w.nominal
+        for value, wanted in ((got.x, g.x), (got.y, g.y), (got.r, g.r), (got.d, g.d), (got.offset_y, g.o)):
+            assert float(value or 0) == pytest.approx(float(wanted), abs=1e-9)
+        assert got.heading is not None and same_angle(got.heading, w.heading)
+        if w.kind.rollers:
+            assert got.gamma is not None and abs(math.remainder(got.gamma - w.gamma, math.pi)) < 1e-9
+        assert got.actuated == (w.actuated if any(v.actuated for v in robot.wheels) else None)
+    names = {w.name: w.joint.removesuffix("_spin") for w in imported.wheels if w.joint}
+    pairs = {
+        (c.first.rpartition(".")[2], *(names[s.rpartition(".")[0]] for s in (c.first, c.second))): float(
+            c.ratio
+        )
+        for c in imported.couplings
+    }
+    wanted = {
+        (j, a.name, b.name): float(robot.turn_ratio(j, b))
+        for j in ("spin", "steer")
+        for a, *others in robot.together(j, [w for w in robot.wheels if j in w.kind.joints])
+        for b in others
+    }
+    assert pairs == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+@pytest.mark.parametrize("path", GALLERY, ids=lambda p: p.stem)
+def test_the_gallery_comes_back(path: Path, kind: str, tmp_path: Path) -> None:
+    robot = wmrgen.load(path)
+    if any(w.ball for w in robot.wheels):  # no joint of URDF or SDF is one of a driven ball
+        with pytest.raises(NotDerivableError):
+            back(robot, tmp_path, kind)
+        return
+    robot = replace(
+        robot, name=robot.name.replace("omni_", "")
+    )  # of which import would ask where its rollers are
+    imported = back(robot, tmp_path, kind)
+    same(robot, imported)
+    assert asked(robot, imported) == []
+    file = text(imported, "again.urdf").replace("actuated: TODO", "actuated: []")
+    (tmp_path / "again.yaml").write_text(file, encoding="utf-8")
+    once, again = wmrgen.derive(robot).mobility, wmrgen.derive(wmrgen.load(tmp_path / "again.yaml")).mobility
+    assert (again.robot_type, again.degenerate) == (once.robot_type, once.degenerate)
+
+
+def drawn(draw: Random) -> tuple[list[str], str]:
+    """Any mix of wheels that import can tell: wheels with rollers, or wheels that steer beside plain ones. No angle is
+    so near a multiple of pi/12 that import takes it for one."""
+
+    def angle(low: int, high: int) -> str:
+        return f"{math.pi / 12 * (draw.randint(low, high) + draw.uniform(0.02, 0.98)):.5f}"
+
+    def near(low: float, high: float) -> str:
+        return f"{draw.choice((-1, 1)) * draw.uniform(low, high):.5f}"
+
+    def wheel(k: int, kind: str) -> str:
+        r = f"{draw.uniform(0.02, 0.3):.4f}"
+        base = f"name: w{k}, type: {kind}, x: {near(0, 2)}, y: {near(0, 2)}"
+        if kind == "spherical":
+            return base + draw.choice(("", f", r: {r}"))
+        heading = parallel if kind == "fixed" else draw.choice((angle(-12, 11), "pi", "0", "-pi/2"))
+        base += f", heading: {heading}, r: {r}"
+        if kind == "castor":
+            base += f", d: {near(0.035, 0.2)}, offset_y: {near(0, 0.1)}"
+        if kind == "swedish":
+            base += f", gamma: {angle(-5, 4)}"
+        if kind == "steered":
+            base += f", offset_y: {near(0, 0.1)}"
+        joints = {"fixed": ["spin"], "swedish": ["spin"], "steered": ["steer"], "castor": []}[kind]
+        more = {"steered": ["spin"], "castor": ["spin", "steer"]}.get(kind, [])
+        return base + f", actuated: [{', '.join(joints + more * draw.randint(0, 1))}]"
+
+    parallel = angle(-12, 11)
+    some = draw.choice((["swedish"], ["fixed", "steered", "castor"], ["castor", "fixed"], ["steered"]))
+    count = draw.randint(2, 6)
+    wheels = [wheel(k, draw.choice(some)) for k in range(count)]
+    wheels += [wheel(k, "spherical") for k in range(count, count + draw.randint(0, 2))]
+    steered = [k for k, w in enumerate(wheels) if "steered" in w]
+    more = (
+        f"couplings:\n  - equal: [{', '.join(f'w{k}.steer' for k in steered)}]\n" if len(steered) > 1 else ""
+    )
+    return wheels, more * draw.randint(0, 1)
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+@pytest.mark.parametrize("seed", range(100 if DEEP else 12))
+def test_drawn_robots_come_back(seed: int, kind: str, tmp_path: Path) -> None:
+    wheels, more = drawn(Random(seed))
+    robot = load(tmp_path, *wheels, more=more)
+    same(robot, back(robot, tmp_path, kind))
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_spins_in_a_ratio_come_back(kind: str, tmp_path: Path) -> None:
+    """The first of a set leads, whatever the shaft is that the file names."""
+    wheels = [
+        f"name: w{k}, type: swedish, x: {x}, y: {y}, heading: 0, gamma: {g} deg, r: 0.1"
+        for k, (x, y, g) in enumerate([(0.3, 0.2, 45), (0.3, -0.2, -45), (-0.3, 0.2, -45), (-0.3, -0.2, 45)])
+    ]
+    more = "couplings:\n  - {equal: [w0.spin, w3.spin, w1.spin], ratios: [2, -17/42, 1]}\n"
+    robot = load(tmp_path, *wheels, more=more)
+    assert [float(k) for k in robot.spin_ratios] == pytest.approx([1, 0.5, 1, -17 / 84])
+    same(robot, back(robot, tmp_path, kind))
+
+
+@pytest.mark.parametrize("kind", list(drives(Random(0))))
+def test_what_ros2_control_gets_comes_back(kind: str, tmp_path: Path) -> None:
+    """Its <ros2_control> says what drives, in the place of <transmission>."""
+    wheels, more = drives(Random(kind))[kind]
+    robot = load(tmp_path, *wheels, more=more)
+    same(robot, back(robot, tmp_path, "urdf", ros2_control(robot)["drawn.urdf"]))
+
+
+@pytest.mark.parametrize("kind", list(drives(Random(0))))
+def test_compare_finds_no_difference(kind: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
+    """`wmrgen compare` of the robot file, without its ball, with each file that was made of it. A multiplier of a
+    radius it takes for a correction, so that wheels have one radius and roll forward."""
+    wheels, more = drives(Random(kind))[kind]
+    forward = [w.replace("heading: pi,", "heading: 0,") for w in wheels if "spherical" not in w]
+    if kind == "differential":
+        forward[1] = forward[1].rpartition("r: ")[0] + "r: " + forward[0].rpartition("r: ")[2]
+    robot = load(tmp_path, *forward, more=more)
+    files = {**ros2_control(robot), "drawn.sdf": sdf(robot)}
+    for name, written in files.items():
+        (tmp_path / name).write_text(written, encoding="utf-8")
+        done = wmrgen_cli("compare", tmp_path / "drawn.yaml", tmp_path / name)
+        assert (done.code, done.out.strip().endswith("equal")) == (0, True), (name, done.out)

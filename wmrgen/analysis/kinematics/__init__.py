@@ -1,0 +1,9 @@
+"""Inverse and forward kinematics, odometry and the posture model, in symbols."""
+
+from wmrgen.analysis.kinematics.contacts import contacts
+from wmrgen.analysis.kinematics.forward import forward
+from wmrgen.analysis.kinematics.inverse import inverse
+from wmrgen.analysis.kinematics.pose import dynamics, odometry
+from wmrgen.analysis.kinematics.records import Formula
+
+__all__ = ["Formula", "contacts", "dynamics", "forward", "inverse", "odometry"]

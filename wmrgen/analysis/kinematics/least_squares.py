@@ -1,0 +1,204 @@
+"""Least squares at derivation time: inverses of constant normal matrices, norms of residuals, the nearest twist.
+
+Each connected block of a normal matrix is inverted exactly, by cofactors, so that with tunable geometry prepare() is
+left with one reciprocal per block. A rank-deficient matrix gets its Moore-Penrose inverse, of the rank that it has
+where tunable parameters are nominal.
+
+Of a twist that the wheels forbid the nearest admissible one is driven. One axle line forbids motion along the axle:
+that component of the velocity is taken away. Coupled steering that keeps all axles parallel forbids rotation: the
+centroid of the wheels keeps its velocity. Distances are velocities of contact points [m/s], so they do not change with
+the frame or the unit of length. A degenerate robot (skid-steer) would have next to nothing to drive: it keeps the
+commanded twist, its wheels follow in the least-squares sense, and the sliding is reported.
+
+slip is the norm of the speeds at which wheels slide, as the residual of `forward` is: a mean would hide one wheel that
+slides fast behind others, and a maximum would not add up to the residual that `forward` measures of the same motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import sympy
+
+from wmrgen.analysis.mobility.ranks import independent, numeric_rank, to_array
+from wmrgen.analysis.mobility.records import Mobility
+from wmrgen.geometry.constraints import XI, rolling_row, sliding_row, working_view
+from wmrgen.geometry.exact.evaluate import fix, sqrt_poly
+from wmrgen.geometry.exact.linalg import inverse, mean, symmetric
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.exact.poly import Poly, Row, dot, has_angles, triple
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.ports import TWIST_NAMES
+from wmrgen.geometry.symbolic import Expr, absolute, add, expression, number, root, square, times
+
+Matrix = list[list[Poly]]
+Numbers = list[list[Exact]]
+Measured = tuple[Row, Poly, Exact]  # row . xi = value, which counts so much
+
+
+def normal_equations(rows: Sequence[Measured]) -> tuple[Matrix, list[Poly]]:
+    """H^T W H and H^T W z."""
+    normal = symmetric(lambda i, j: Poly.sum((r[i] * r[j]).scale(w) for r, _, w in rows))
+    return normal, [Poly.sum((r[i] * z).scale(w) for r, z, w in rows) for i in range(3)]
+
+
+def named_normal(normal: Matrix, name: Callable[[str, Poly, str], Poly]) -> Matrix:
+    """H^T W H with names for its entries."""
+    return symmetric(lambda i, j: name(f"n{i}{j}", normal[i][j], f"HtH[{i}][{j}]"))
+
+
+def pseudo_inverse(normal: Matrix, nominal: Numbers | None) -> Matrix:
+    """The inverse of a symmetric positive semidefinite 3x3 matrix H^T H of constants.
+
+    ``nominal``: its values at nominal parameters, for the rank of the Moore-Penrose inverse; None where H has rank 3.
+    """
+    result = [[Poly({}) for _ in range(3)] for _ in range(3)]
+    for block in _blocks(normal):
+        part = [[normal[i][j] for j in block] for i in block]
+        numbers = None if nominal is None else [[nominal[i][j] for j in block] for i in block]
+        for i, row in zip(block, _invert(part, numbers), strict=True):
+            for j, value in zip(block, row, strict=True):
+                result[i][j] = value
+    return result
+
+
+def _blocks(m: Matrix) -> list[list[int]]:
+    """Indices that are connected by non-zero entries."""
+    blocks: list[list[int]] = []
+    for i in range(3):
+        linked = [b for b in blocks if any(m[i][j] for j in b)]
+        blocks = [b for b in blocks if b not in linked] + [sorted([*(j for b in linked for j in b), i])]
+    return sorted(blocks)
+
+
+def _invert(part: Matrix, numbers: Numbers | None) -> Matrix:
+    """B^T (B m B^T)^-1 B, the rows B spanning the range of m at the tolerance; plainly m^-1 where that is all."""
+    size = len(part)
+    if numbers is None:
+        return inverse(part)
+    padded = to_array([[*row, *[ZERO] * (3 - size)] for row in numbers])
+    rank, _ = numeric_rank(padded)
+    if rank == size:
+        return inverse(part)
+    if not rank:
+        return [[Poly({}) for _ in part] for _ in part]
+    rows = [part[i] for i in independent(padded, rank)]  # m = m^T: rows span its range
+    columns = [list(column) for column in zip(*rows, strict=True)]
+    core = [[_sum(a, [_sum(row, b) for row in part]) for b in rows] for a in rows]
+    middle = inverse(core)
+    return [[_sum(a, [_sum(row, b) for row in middle]) for b in columns] for a in columns]
+
+
+def _sum(a: list[Poly], b: list[Poly]) -> Poly:
+    return Poly.sum(x * y for x, y in zip(a, b, strict=True))
+
+
+NEGLIGIBLE = 1e-12
+
+
+def norm(forms: Sequence[Poly], weight: Exact = ONE, weights: Sequence[Exact] | None = None) -> Expr:
+    """sqrt(weight * sum of squares), each times its own of ``weights``.
+
+    Proportional forms are merged: one form needs no square root.
+    """
+    groups: list[tuple[Poly, Exact]] = []
+    for form, own in zip(forms, weights or [ONE] * len(forms), strict=True):
+        if not form or max(abs(float(c)) for c in form.terms.values()) < NEGLIGIBLE:
+            continue
+        for i, (base, total) in enumerate(groups):
+            ratio = ratio_of(form, base)
+            if ratio is not None:
+                groups[i] = (base, total + ratio * ratio * own)
+                break
+        else:
+            groups.append((form, own))
+    if not groups:
+        return sympy.S.Zero
+    if len(groups) == 1:
+        base, total = groups[0]
+        factor = fix(sqrt_poly(Poly.of(total * weight)), {})
+        return absolute(expression(base * factor))
+    return root(add(*(times(number(t * weight), square(expression(b))) for b, t in groups)))
+
+
+def ratio_of(a: Poly, b: Poly, negligible: float = 0.0) -> Exact | None:
+    """a / b when it is a number, but for parts of a coefficient that are ``negligible``."""
+    if a.terms.keys() != b.terms.keys():
+        return None
+    m = next(iter(b.terms))
+    ratio = a.terms[m] / b.terms[m]
+    off = ((c, c - ratio * b.terms[k]) for k, c in a.terms.items())
+    return ratio if all(abs(float(rest)) <= negligible * abs(float(c)) for c, rest in off) else None
+
+
+class Projection(NamedTuple):
+    """``twist``: what is driven. slip = sqrt(weight * sum of residuals**2)."""
+
+    twist: Row
+    residuals: tuple[Poly, ...]
+    weight: Exact
+
+    def named(self, name: Callable[[str, Poly], Poly]) -> Row:
+        """The twist; components that are not the commanded ones go by what ``name`` makes of them."""
+        each = zip(self.twist, XI, TWIST_NAMES, strict=True)
+        return triple(p if p == q or not p else name(f"{n}_driven", p) for p, q, n in each)
+
+
+def project(robot: Robot, mobility: Mobility) -> Projection:
+    """The driven twist of a commanded one, and the residuals of the difference."""
+    fixed = [w for w in robot.wheels if w.kind.fixed_axle]
+    picked = mobility.admissible
+    if len(picked.chosen) == 1 and mobility.rank_C1f.value == 1:
+        nx, ny, k = sliding_row(fixed[0], working_view(fixed[0])).row
+        lateral = dot((nx, ny, k), XI)
+        return Projection((XI[0] - nx * lateral, XI[1] - ny * lateral, XI[2]), (lateral,), Exact(len(fixed)))
+    if picked.normal is not None and not picked.normal[0] and not picked.normal[1]:
+        return _translate(robot)
+    if len(picked.chosen) == 1 and not mobility.degenerate and not has_angles(mobility.basis_rows[0]):
+        return _nearest(robot, mobility.basis_rows[0])
+    residuals = [dot(sliding_row(w, working_view(w)).row, XI) for w in fixed]
+    residuals += _spin_residuals(robot)
+    return Projection(XI, tuple(residuals), ONE)
+
+
+def _nearest(robot: Robot, row: Row) -> Projection:
+    """The nearest twist with row . xi = 0, measured by the mean square velocity of all wheel pivots.
+
+    xi - M^-1 row^T (row . xi) / (row M^-1 row^T), M the mean of [1 0 -y; 0 1 x]^T [1 0 -y; 0 1 x].
+    """
+    wheels = [working_view(w) for w in robot.wheels]
+    one, zero = Poly.of(1), Poly({})
+    gx, gy = mean([g.x for g in wheels]), mean([g.y for g in wheels])
+    spread = mean([g.x * g.x + g.y * g.y for g in wheels])
+    inverse = pseudo_inverse([[one, zero, -gy], [zero, one, gx], [-gy, gx, spread]], None)
+    direction = [dot(r, row) for r in inverse]
+    size = dot(direction, row)
+    violation = dot(row, XI)
+    factor = violation * size.inverse()
+    twist = triple(t - d * factor for t, d in zip(XI, direction, strict=True))
+    return Projection(twist, (violation * fix(sqrt_poly(size.inverse()), {}),), Exact(len(wheels)))
+
+
+def _spin_residuals(robot: Robot) -> list[Poly]:
+    """Rim-speed differences that equal spins cannot follow, of groups in which no wheel turns."""
+    residuals: list[Poly] = []
+    for members in robot.together("spin", (w for w in robot.wheels if w.has_spin)):
+        if len(members) == 1 or any(w.turns for w in members):
+            continue
+        radii = [robot.per_turn(w, working_view(w)) for w in members]
+        rims = [dot(rolling_row(w, working_view(w)).row, XI) for w in members]
+        total = Poly.sum(r * r for r in radii).inverse()
+        speed = Poly.sum(r * z for r, z in zip(radii, rims, strict=True)) * total
+        residuals += [z - r * speed for r, z in zip(radii, rims, strict=True)]
+    return residuals
+
+
+def _translate(robot: Robot) -> Projection:
+    """Rotation taken away about the centroid of the steered wheels."""
+    wheels = [working_view(w) for w in robot.wheels if w.kind.steers]
+    gx, gy = mean([g.x for g in wheels]), mean([g.y for g in wheels])
+    spread = Poly.sum((g.x - gx) ** 2 + (g.y - gy) ** 2 for g in wheels)
+    root = fix(sqrt_poly(spread), {})
+    omega = XI[2]
+    return Projection((XI[0] - omega * gy, XI[1] + omega * gx, Poly({})), (omega * root,), ONE)

@@ -1,0 +1,3 @@
+"""The version of wmrgen, which every generated file names."""
+
+__version__ = "0.1.0"

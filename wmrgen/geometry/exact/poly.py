@@ -1,0 +1,298 @@
+"""Sparse polynomials over Q(sqrt2, sqrt3) in named generators: the algebra of the whole derivation.
+
+A generator is a parameter, pi, the cosine or sine of a joint angle, or a function of other polynomials
+that has no polynomial form (sqrt(a**2 + b**2)). Relations are applied on the way: sin**2 = 1 - cos**2 and
+sqrt(p)**2 = p. Exponents may be negative, so a monomial can be divided by.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from fractions import Fraction
+from functools import lru_cache
+from math import prod
+from typing import TypeVar
+from weakref import WeakValueDictionary
+
+from wmrgen.geometry.exact.number import ONE, Exact
+
+Number = Exact | Fraction | int
+T = TypeVar("T")
+
+
+class Gen:
+    """A generator. ``kind``: param, input, local, pi, cos or sin of a joint angle, or a function of ``args``.
+
+    Functions are sqrt, inv, atan2, tan, cosf and sinf. There is one object for each: equal ones are identical.
+    """
+
+    __slots__ = ("__weakref__", "args", "key", "kind", "name")
+
+    kind: str
+    name: str
+    args: tuple[Poly, ...]
+    key: str
+
+    def __new__(cls, kind: str, name: str = "", args: tuple[Poly, ...] = ()) -> Gen:
+        key = f"{kind}:{name}({';'.join(a.key for a in args)})"
+        known = _generators.get(key)
+        if known is None:
+            known = _generators[key] = object.__new__(cls)
+            known.kind, known.name, known.args, known.key = kind, name, args, key
+        return known
+
+    def __lt__(self, other: Gen) -> bool:
+        return self.key < other.key
+
+    @property
+    def alone(self) -> Poly:
+        """The polynomial that is this generator."""
+        return Poly({((self, 1),): ONE})
+
+
+_generators: WeakValueDictionary[str, Gen] = WeakValueDictionary()
+
+Monomial = tuple[tuple[Gen, int], ...]
+
+
+class Poly:
+    """An immutable polynomial. ``terms`` maps monomials (sorted by generator key) to coefficients."""
+
+    __slots__ = ("_key", "terms")
+
+    def __init__(self, terms: Mapping[Monomial, Exact]) -> None:
+        self.terms = {m: c for m, c in terms.items() if c}
+        self._key: str | None = None
+
+    @staticmethod
+    def of(value: Poly | Number) -> Poly:
+        """``value`` as a polynomial."""
+        if isinstance(value, Poly):
+            return value
+        e = Exact.of(value)
+        return Poly({(): e} if e else {})
+
+    @staticmethod
+    def gen(kind: str, name: str = "", *args: Poly) -> Poly:
+        """The polynomial that is one generator."""
+        return Gen(kind, name, args).alone
+
+    @property
+    def key(self) -> str:
+        """A canonical text: equal polynomials have equal keys."""
+        if self._key is None:
+            parts = sorted(("*".join(f"{g.key}^{e}" for g, e in m), c.key) for m, c in self.terms.items())
+            self._key = "+".join(f"{c}*{m}" for m, c in parts)
+        return self._key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Poly):
+            return self.terms == other.terms
+        return isinstance(other, Exact | Fraction | int) and self.terms == Poly.of(other).terms
+
+    def __bool__(self) -> bool:
+        return bool(self.terms)
+
+    @property
+    def constant(self) -> Exact | None:
+        """The value when no generator occurs, else None."""
+        if not self.terms:
+            return Exact(0)
+        return self.terms.get(()) if len(self.terms) == 1 else None
+
+    @property
+    def ordered(self) -> list[tuple[Monomial, Exact]]:
+        """The terms in the order of their generators."""
+        return sorted(self.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])
+
+    @property
+    def generators(self) -> tuple[Gen, ...]:
+        """The generators that occur, sorted."""
+        return tuple(sorted({g for m in self.terms for g, _ in m}))
+
+    def __add__(self, other: Poly | Number) -> Poly:
+        o = Poly.of(other)
+        if not o.terms:
+            return self
+        if not self.terms:
+            return o
+        terms = dict(self.terms)
+        _add_to(terms, o.terms.items())
+        return Poly(terms)
+
+    __radd__ = __add__
+
+    @staticmethod
+    def sum(polys: Iterable[Poly]) -> Poly:
+        """The sum of many polynomials, in one pass."""
+        terms: dict[Monomial, Exact] = {}
+        for p in polys:
+            _add_to(terms, p.terms.items())
+        return Poly(terms)
+
+    def __neg__(self) -> Poly:
+        return Poly({m: -c for m, c in self.terms.items()})
+
+    def __sub__(self, other: Poly | Number) -> Poly:
+        return self + (-Poly.of(other))
+
+    def __rsub__(self, other: Poly | Number) -> Poly:
+        return Poly.of(other) + (-self)
+
+    def scale(self, k: Number) -> Poly:
+        """k * self for a number k."""
+        e = Exact.of(k)
+        return self if e == ONE else Poly({m: c * e for m, c in self.terms.items()})
+
+    def __mul__(self, other: Poly | Number) -> Poly:
+        o = Poly.of(other)
+        if not (self.terms and o.terms):
+            return o if self.terms else self
+        a, b = self.constant, o.constant
+        if b is not None:
+            return self.scale(b)
+        if a is not None:
+            return o.scale(a)
+        related: list[Poly] = []
+        plain: list[tuple[Monomial, Exact]] = []
+        for m1, c1 in self.terms.items():
+            for m2, c2 in o.terms.items():
+                m, factor = _merge(m1, m2)
+                if factor is None:
+                    plain.append((m, c1 * c2))
+                else:
+                    related.append(Poly({m: c1 * c2}) * factor)
+        terms: dict[Monomial, Exact] = {}
+        _add_to(terms, plain)
+        return Poly.sum((*related, Poly(terms)))
+
+    __rmul__ = __mul__
+
+    def __pow__(self, n: int) -> Poly:
+        if n < 0:
+            return self.inverse() ** -n
+        return prod([self] * n, start=Poly.of(1))
+
+    def inverse(self) -> Poly:
+        """1/self: a number's inverse, a monomial with negated exponents, or the generator inv(self)."""
+        value = self.constant
+        if value is not None:
+            return Poly.of(value.inverse())
+        if len(self.terms) == 1:
+            ((m, c),) = self.terms.items()
+            return Poly({tuple((g, -e) for g, e in m): c.inverse()})
+        return Poly.gen("inv", "", self)
+
+    def substitute(self, value: Callable[[Gen], Poly | None]) -> Poly:
+        """Replace generators for which ``value`` returns a polynomial; the others stay."""
+        if self.constant is not None:
+            return self
+        summands: list[Poly] = []
+        cache: dict[Gen, tuple[Poly | None, Exact | None]] = {}
+        for m, number in self.terms.items():
+            kept: list[tuple[Gen, int]] = []
+            factor: Poly | None = None
+            for g, e in m:
+                if g not in cache:
+                    v = value(g)
+                    cache[g] = v, None if v is None else v.constant
+                v, constant = cache[g]
+                if v is None:
+                    kept.append((g, e))
+                elif constant is not None:
+                    number = number * constant**e
+                else:
+                    factor = v**e if factor is None else factor * v**e
+            term = Poly({tuple(kept): number})
+            summands.append(term if factor is None else term * factor)
+        return Poly.sum(summands)
+
+    def __repr__(self) -> str:
+        return f"Poly({self.key})"
+
+
+def _add_to(terms: dict[Monomial, Exact], others: Iterable[tuple[Monomial, Exact]]) -> None:
+    for m, c in others:
+        old = terms.get(m)
+        terms[m] = c if old is None else old + c
+
+
+def _merge(a: Monomial, b: Monomial) -> tuple[Monomial, Poly | None]:
+    """The product of two monomials; the second part is the factor that a relation puts in place of squares, or None."""
+    if not a:
+        return b, None
+    if not b:
+        return a, None
+    powers = dict(a)
+    for g, e in b:
+        powers[g] = powers.get(g, 0) + e
+    special: Poly | None = None
+    for g in [g for g, e in powers.items() if e >= 2 and g.kind in ("sin", "sqrt", "sinf")]:
+        half, powers[g] = divmod(powers[g], 2)
+        power = _square(g) ** half
+        special = power if special is None else special * power
+    return tuple(sorted(((g, e) for g, e in powers.items() if e), key=lambda power: power[0].key)), special
+
+
+@lru_cache(maxsize=1000)
+def _square(g: Gen) -> Poly:
+    """What stands for the square of a sine or a square root."""
+    if g.kind == "sqrt":
+        return g.args[0]
+    cosine = Gen("cos" if g.kind == "sin" else "cosf", g.name, g.args).alone
+    return 1 - cosine * cosine
+
+
+Row = tuple[Poly, Poly, Poly]
+
+
+def triple(values: Iterable[T]) -> tuple[T, T, T]:
+    """Three values, as a row, a twist or a vector has them."""
+    a, b, c = values
+    return a, b, c
+
+
+def each(row: Sequence[Poly], function: Callable[[Poly], Poly]) -> Row:
+    """A row with each entry put through a function."""
+    return triple(map(function, row))
+
+
+def cross(a: Row, b: Row) -> Row:
+    """a x b: the null vector of two independent rows."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def common_powers(polys: Iterable[Poly]) -> dict[Gen, int]:
+    """Of each generator the least power in any term (negative ones too): the largest monomial that divides all."""
+    monomials = [dict(m) for p in polys for m in p.terms]
+    return {g: min(m.get(g, 0) for m in monomials) for g in {g for m in monomials for g in m}}
+
+
+def has_angles(row: Iterable[Poly]) -> bool:
+    """True where the angle of a joint occurs."""
+    return any(g.kind in ("cos", "sin") for p in row for g in p.generators)
+
+
+def at_angle(p: Poly, c: Poly, s: Poly) -> Poly:
+    """``p`` with every joint at the angle of this cosine and sine."""
+    return p.substitute(lambda g: {"cos": c, "sin": s}.get(g.kind))
+
+
+def dot(a: Sequence[Poly], b: Sequence[Poly]) -> Poly:
+    """a . b of vectors of three."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def derivative(poly: Poly, of_generator: Callable[[Gen], Poly]) -> Poly:
+    """The sum over generators g of d poly / d g times ``of_generator(g)``, the derivative of g."""
+    parts = []
+    for monomial, coefficient in poly.terms.items():
+        for g, e in monomial:
+            inner = of_generator(g)
+            if inner:
+                rest = tuple((h, n - (h == g)) for h, n in monomial if n - (h == g))
+                parts.append(Poly({rest: coefficient * e}) * inner)
+    return Poly.sum(parts)

@@ -1,0 +1,356 @@
+"""From what the robot file says to an exact layout."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from itertools import combinations
+from math import atan2, hypot, pi, remainder
+from typing import Any, NamedTuple
+
+from wmrgen.errors import RobotFileError, Several
+from wmrgen.geometry.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
+from wmrgen.geometry.exact.linalg import mean
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.exact.poly import Poly
+from wmrgen.geometry.layout.domains import needs
+from wmrgen.geometry.layout.encoders import encoders_of, refuse_ambiguous
+from wmrgen.geometry.layout.expressions import PI, Scope, computable, snap, to_poly
+from wmrgen.geometry.layout.joints import (
+    common_limits,
+    constant,
+    deadband_of,
+    groups,
+    gyro_of,
+    lag_of,
+    limits_of,
+    noise_of,
+    refuse_unmodelled,
+    turn_ratios,
+    weight_of,
+)
+from wmrgen.geometry.layout.measured import agreed, tolerance_of
+from wmrgen.geometry.layout.records import (
+    Geometry,
+    Length,
+    Parameter,
+    Point,
+    Robot,
+    Trailer,
+    Virtual,
+    Wheel,
+)
+from wmrgen.geometry.layout.skid import effective_track, parallel
+from wmrgen.geometry.ports import GYRO, usual_range
+from wmrgen.robotfile.records import (
+    Neg,
+    Num,
+    ParameterSpec,
+    Quantity,
+    RobotSpec,
+    TrailerSpec,
+    VirtualSpec,
+    WheelSpec,
+)
+
+HALF_PI = PI.scale(Fraction(1, 2))
+
+
+def build(spec: RobotSpec) -> Robot:
+    """The exact layout of a robot file. RobotFileError where values make no sense."""
+    several = Several()
+    parameters = _parameters(spec, several)
+    scope = Scope(
+        {p.name: p.value for p in parameters}, {p.name: p.working for p in parameters if not p.tunable}
+    )
+    parameters = _with_ranges(spec, parameters, scope, several)
+    tunable = frozenset(p.name for p in parameters if parameters_in(p.working))
+    notes: list[str] = []
+    wheels: list[Wheel] = []
+    for i, w in enumerate(spec.wheels):
+        with several:
+            try:
+                wheels.append(_wheel(i, w, _Angles(w.name, scope, tunable if spec.snap else None, notes)))
+            except ZeroDivisionError:
+                what = f"the wheel {w.name} has a value too small to be told from zero"
+                raise RobotFileError(what, w.mark, "", "Write 0, or a length.") from None
+            except RobotFileError:
+                if (rest := computable(w, scope, several)) == w:
+                    raise
+                _wheel(i, rest, _Angles(w.name, scope, None, []))
+    with several:
+        _check_directions(spec, wheels)
+    _check_names(spec, several)
+    facts = _of_joints(spec, "the robot", scope, several)
+    steer_group, spin_group = groups(spec, "steer"), groups(spec, "spin")
+    with several:
+        facts["spin_ratios"] = turn_ratios(spec, "spin", spin_group, scope)
+    with several:
+        signs = turn_ratios(spec, "steer", steer_group, scope)
+        if len(signs) == len(wheels):
+            wheels = [replace(w, steer_sign=s.sign) for w, s in zip(wheels, signs, strict=True)]
+    with several:
+        facts["tolerance"] = tolerance_of(spec.tolerance, wheels, scope)
+    if not several.errors:
+        wheels, facts["near"] = agreed(wheels, steer_group, facts["tolerance"])
+        notes += (near.sentence(facts["tolerance"]) for near in facts["near"] if near.moves)
+    for part, laid_out in _PARTS.items():
+        with several:
+            facts[part] = laid_out(spec, scope, wheels)
+    if not several.errors:
+        facts["needs"] = needs(spec, parameters, scope, several)
+    several.end()
+    robot = Robot(
+        name=spec.name, description=spec.description, source=spec.source, parameters=parameters,
+        wheels=tuple(wheels), steer_group=steer_group, spin_group=spin_group,
+        couplings=tuple((c.joint, c.wheels) for c in spec.couplings), notes=tuple(notes), slip=spec.slip,
+        precise=spec.precise, functions=tuple(f.name for f in spec.functions), **facts,
+    )  # fmt: skip
+    refuse_unmodelled(spec, robot)
+    robot = common_limits(spec, robot)
+    refuse_ambiguous(spec, robot)
+    return robot
+
+
+def _parameters(spec: RobotSpec, several: Several) -> tuple[Parameter, ...]:
+    """Parameters, each after those it uses."""
+    values: dict[str, Poly] = {}
+    working: dict[str, Poly] = {}
+    parameters = []
+    for p in spec.parameters:
+        with several:
+            symbolic = to_poly(p.value, values)
+            kept = substituted(symbolic, working)
+            if p.tunable:
+                _check_independent(p, kept)
+            working[p.name] = Poly.gen("param", p.name) if p.tunable else kept
+            values[p.name] = substituted(symbolic, values)
+            nominal = number(symbolic, values)
+            low, high = usual_range(nominal) if p.tunable else (nominal, nominal)
+            parameters.append(
+                Parameter(p.name, values[p.name], working[p.name], nominal, p.tunable, low, high)
+            )
+    return tuple(parameters)
+
+
+def _with_ranges(
+    spec: RobotSpec, parameters: tuple[Parameter, ...], scope: Scope, several: Several
+) -> tuple[Parameter, ...]:
+    """The parameters with the ranges that the file states. RobotFileError for a range without the parameter's value."""
+    stated = {p.name: p.range for p in spec.parameters if p.range is not None}
+    ranged = {p.name: p for p in parameters}
+    for name in stated.keys() & ranged.keys():
+        with several:
+            low, high = (constant(f"the range of {name}", end, scope) for end in stated[name])
+            nominal, (lower, upper) = ranged[name].nominal, stated[name]
+            if not low < high:
+                raise RobotFileError(
+                    f"the range of {name} runs from {lower.text} to {upper.text}", lower.mark,
+                    "The lower end is not below the upper end.", "Write tunable: [low, high].",
+                )  # fmt: skip
+            if not low <= nominal <= high:
+                around = ", ".join(f"{float(end):.6g}" for end in usual_range(nominal))
+                raise RobotFileError(
+                    f"{name} is {float(nominal):.6g}, outside its range from {float(low):.6g} to {float(high):.6g}",
+                    (lower if nominal < low else upper).mark,
+                    "Generated code begins with the value, and refuses what is outside the range.",
+                    f"Write a range around the value, such as tunable: [{around}].",
+                )  # fmt: skip
+            ranged[name] = ranged[name]._replace(low=low, high=high)
+    return tuple(ranged.values())
+
+
+def _check_independent(p: ParameterSpec, working: Poly) -> None:
+    """A tunable parameter is an input: another one cannot decide its value."""
+    names = sorted(parameters_in(working))
+    if names:
+        raise RobotFileError(
+            f"parameter {p.name} is tunable and computed from {names[0]}, which is tunable too", p.value.mark,
+            f"When {names[0]} changes it is not clear whether {p.name} follows or keeps its value.",
+            f"Delete tunable: true of {p.name}, which then follows {names[0]}; or give {p.name} a number.",
+        )  # fmt: skip
+
+
+class _Angles(NamedTuple):
+    """The angles of one wheel, snapped unless ``tunable`` is None; ``notes`` collects what snapping did."""
+
+    name: str
+    scope: Scope
+    tunable: frozenset[str] | None
+    notes: list[str]
+
+    def snapped(self, angle: Poly, key: str) -> Poly:
+        """The angle, or the multiple of pi/12 that it stands for."""
+        if self.tunable is None:
+            return angle
+        angle, note = snap(angle, self.scope.values, self.tunable, f"`{self.name}.{key}`")
+        self.notes.extend([note] if note else [])
+        return angle
+
+    def placement(self, w: WheelSpec) -> tuple[Poly, Poly, Poly, Poly]:
+        """x, y, alpha and alpha as written. Where x and y are given, nothing goes through the angle."""
+        scope = self.scope
+        if w.x is not None and w.y is not None:
+            x, y = scope.poly(w.x), scope.poly(w.y)
+            at_origin = not scope.number(x) and not scope.number(y)
+            alpha = Poly({}) if at_origin else Poly.gen("atan2", "", y, x)
+            return x, y, alpha, alpha
+        written = scope.poly(w.alpha)
+        alpha = self.snapped(written, "alpha")
+        c, s = cos_sin(alpha)
+        return scope.poly(w.l) * c, scope.poly(w.l) * s, alpha, written
+
+    def heading(self, w: WheelSpec, alpha: Poly, written: Poly) -> Poly:
+        """The zero heading alpha + beta - pi/2.
+
+        The sum as written is snapped first, because rounding of alpha and beta cancels in it; then the sum of
+        the snapped angles.
+        """
+        if w.heading is not None:
+            return self.snapped(self.scope.poly(w.heading), "heading")
+        if w.beta is None:
+            return Poly({})
+        what = "heading (alpha + beta - pi/2)"
+        beta = self.scope.poly(w.beta)
+        raw = written + beta - HALF_PI
+        heading = self.snapped(raw, what)
+        if heading == raw:
+            heading = self.snapped(alpha + self.snapped(beta, "beta") - HALF_PI, what)
+        return heading
+
+
+def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
+    scope = angles.scope
+    px, py, alpha, written = angles.placement(w)
+    heading = angles.heading(w, alpha, written)
+    gamma = angles.snapped(scope.poly(w.gamma), "gamma")
+    r, d, o, r_sw = (scope.poly(q) for q in (w.r, w.d, w.offset_y, w.r_sw))
+    per_steer = ZERO if w.per_steer is None else constant(f"per_steer of {w.name}", w.per_steer, scope)
+    symbolic = Geometry(px, py, *cos_sin(heading), *cos_sin(gamma), r, d, o, r_sw, Poly.of(per_steer))
+    nominal = symbolic.mapped(scope.number)
+    several = Several()
+    _check(w, nominal, several)
+    facts = _of_joints(w, w.name, scope, several)
+    with several:
+        facts["weight"] = ONE if w.weight is None else weight_of(w.name, w.weight, scope)
+    several.end()
+    x, y, shown = float(nominal.x), float(nominal.y), float(scope.number(heading))
+    direction = float(scope.number(alpha)) or atan2(y, x)
+    return Wheel(
+        index=index, name=w.name, type=w.type,
+        symbolic=symbolic, working=symbolic.mapped(lambda p: fix(p, scope.constants)), nominal=nominal,
+        l=hypot(x, y), alpha=direction, beta=remainder(shown + pi / 2 - direction, 2 * pi),
+        gamma=float(scope.number(gamma)), heading=shown,
+        actuated=w.actuated, sensed=w.sensed, ball=w.ball, **facts,
+    )  # fmt: skip
+
+
+def _of_joints(spec: RobotSpec | WheelSpec, whose: str, scope: Scope, several: Several) -> dict[str, Any]:
+    """What a wheel, or the robot for all its wheels, says of joints; ``several`` takes what is wrong."""
+    parts: dict[str, Callable[[], Any]] = {
+        "limits": lambda: limits_of(spec.limits, scope),
+        "noise": lambda: noise_of(spec.noise, scope),
+        "encoders": lambda: encoders_of(whose, spec.encoders, scope),
+        "lag": lambda: lag_of(whose, spec.lag, scope),
+    }
+    facts = {}
+    for part, laid_out in parts.items():
+        with several:
+            facts[part] = laid_out()
+    return facts
+
+
+def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
+    """What no value may be: r <= 0, d = 0 of a castor, and what the wheel's type refuses."""
+    kind = w.kind
+    what = f"the {kind.name} wheel {w.ball or w.name}".rstrip()
+    with several:
+        if w.r is not None and "r" in kind.required and g.r.sign <= 0:
+            said = w.r.text if isinstance(w.r.expr, Num | Neg) else f"{w.r.text} = {float(g.r):g}"
+            raise RobotFileError(f"{what} has r = {said}, which is not positive", w.r.mark, "",
+                                 "Write r in metres, the radius and not the diameter, larger than 0.")  # fmt: skip
+    with several:
+        if w.d is not None and kind.swivels and not g.d:
+            raise RobotFileError(
+                f"{what}: a {kind.noun} with d = 0 is a steered wheel", w.d.mark,
+                "With the contact point under the pivot the wheel cannot follow: it constrains the robot.",
+                "Write type: steered and delete d, or give d, from pivot to contact along the rolling direction.",
+            )  # fmt: skip
+    for check in kind.checks:
+        quantity = getattr(w, check.key)
+        with several:
+            if quantity is not None and check.bad(g):
+                problem = check.problem.format(what=what, text=quantity.text)
+                raise RobotFileError(problem, quantity.mark, check.why, check.instead)
+
+
+def _check_directions(spec: RobotSpec, wheels: Sequence[Wheel]) -> None:
+    """The two driven directions of a ball must be independent."""
+    written = {w.name: w for w in spec.wheels}
+    for a, b in combinations((w for w in wheels if w.ball), 2):
+        if a.ball == b.ball and parallel([a.zero_heading, b.zero_heading]):
+            heading = written[b.name].heading
+            mark = heading.mark if heading else None
+            raise RobotFileError(
+                f"the two driven directions of the ball {a.ball} are parallel", mark,
+                "Along one line a ball has one speed, so its two drives would be one joint.",
+                "Write one direction, or a second one across the first, such as driven: [0, 90 deg].",
+            )  # fmt: skip
+
+
+def _check_names(spec: RobotSpec, several: Several) -> None:
+    """A parameter is an input of the generated code, as joints are."""
+    parts = (
+        (spec.wheels, ("_spin", "_steer", "_steer_rate")),
+        (spec.virtual, ("_steer", "_steer_rate", "_speed")),
+        (spec.trailers, ("_theta", "_theta_rate", "_x", "_y")),
+    )
+    names = {
+        f"{part.name}{ending}".lower() for group, endings in parts for part in group for ending in endings
+    }
+    names |= {GYRO.name} if spec.gyro else set()
+    for p in spec.parameters:
+        with several:
+            if p.name.lower() in names:
+                raise RobotFileError(
+                    f"parameter {p.name} has the name of a sensed value",
+                    p.value.mark,
+                    "",
+                    "Write another name.",
+                )
+
+
+def _virtual(v: VirtualSpec, wheels: Iterable[Wheel], scope: Scope) -> Virtual:
+    """A virtual wheel, in the middle of the real ones where no place is given."""
+    members = [w for w in wheels if w.name in v.wheels]
+
+    def place(axis: str, quantity: Quantity | None) -> Length:
+        if quantity is not None:
+            return scope.length(quantity)
+        return scope.views(mean([getattr(w.symbolic, axis) for w in members]))
+
+    return Virtual(v.name, v.role, v.wheels, place("x", v.x), place("y", v.y), v.mark)
+
+
+def _trailer(t: TrailerSpec, scope: Scope) -> Trailer:
+    """A trailer. RobotFileError for a length that is not positive."""
+    length = scope.length(t.length)
+    if length.nominal.sign <= 0:
+        raise RobotFileError(
+            f"length of {t.name} is {t.length.text}, which is not positive", t.length.mark,
+            "A trailer turns about its axle by the lever arm `length`; without one it cannot follow.",
+            "Write the distance from the trailer's coupling back to its axle.",
+        )  # fmt: skip
+    return Trailer(t.name, length, scope.length(t.hitch), t.mark)
+
+
+_PARTS: dict[str, Callable[[RobotSpec, Scope, list[Wheel]], Any]] = {  # of a Robot
+    "virtual": lambda spec, scope, wheels: tuple(_virtual(v, wheels, scope) for v in spec.virtual),
+    "trailers": lambda spec, scope, _: tuple(_trailer(t, scope) for t in spec.trailers),
+    "gyro": lambda spec, scope, _: spec.gyro and gyro_of(spec.gyro, scope),
+    "cg": lambda spec, scope, _: spec.cg and Point(*map(scope.length, (spec.cg.x, spec.cg.y, spec.cg.z))),
+    "gains": lambda spec, scope, _: {name: scope.length(quantity) for name, quantity in spec.gains},
+    "deadband": lambda spec, scope, _: ZERO if spec.deadband is None else deadband_of(spec.deadband, scope),
+    "effective_track": lambda spec, scope, wheels: effective_track(spec.effective_track, scope, wheels),
+}

@@ -1,0 +1,186 @@
+"""Expressions for readers, as LaTeX and as text: the printers of sympy with the names of the contract.
+
+Numbers too long to read become decimals, by `readable`; plain data keep the fraction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import sympy
+from sympy.printing.latex import LatexPrinter
+from sympy.printing.str import StrPrinter
+
+from wmrgen.geometry import notation
+from wmrgen.geometry.ports import Port
+from wmrgen.geometry.symbolic import Expr, Operation
+
+DIGITS = 12
+Writer = Callable[[Expr], str]
+
+
+def symbol_names(ports: Iterable[Port]) -> dict[str, str]:
+    """Symbol name -> contract name: ``left_spin`` -> ``left.spin``."""
+    return {p.name.replace(".", "_"): p.name for p in ports}
+
+
+class Latex(LatexPrinter):  # type: ignore[misc]
+    """LaTeX that GitHub renders (no \\operatorname), terms as they stand. A plain symbol's name is its LaTeX."""
+
+    printmethod = ""  # not the symbols' own
+
+    def __init__(self, ports: Iterable[Port] = (), **settings: Any) -> None:
+        super().__init__({"order": "none", **settings})
+        self.names = symbol_names(ports)
+
+    def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
+        del style
+        return str(expr.name)
+
+    def _print_Quantity(self, expr: Expr, style: str = "plain") -> str:
+        del style
+        name = self.names.get(expr.name)
+        return notation.port(name) if name else str(expr._latex(self))
+
+    _print_Input = _print_Local = _print_Quantity
+
+    def _print_Parameter(self, expr: Expr, style: str = "plain") -> str:
+        del style
+        return notation.parameter(expr.name)
+
+    def _print_Pi(self, expr: Expr, exp: str | None = None) -> str:
+        del expr  # sympy's own way to print it is a method of the number, see `printmethod`
+        return r"\pi" if exp is None else rf"\pi^{{{exp}}}"
+
+    def _print_Max(self, expr: Expr, exp: str | None = None) -> str:
+        text = ", ".join(self._print(a) for a in _together(expr))
+        text = rf"\{expr.func.__name__.lower()}\left({text}\right)"
+        return text if exp is None else f"{text}^{{{exp}}}"
+
+    _print_Min = _print_Max
+
+    def _upright(self, name: str, expr: Expr, exponent: str | None) -> str:
+        arguments = r",\, ".join(self._print(a) for a in expr.args)
+        text = rf"{name}\left({arguments}\right)"
+        return text if exponent is None else f"{text}^{{{exponent}}}"
+
+    def _print_atan2(self, expr: Expr, exp: str | None = None) -> str:
+        return self._upright(r"\mathrm{atan2}", expr, exp)
+
+    def _print_atan(self, expr: Expr, exp: str | None = None) -> str:
+        return self._upright(r"\arctan", expr, exp)
+
+    def _print_sign(self, expr: Expr, exp: str | None = None) -> str:
+        return self._upright(r"\mathrm{sign}", expr, exp)
+
+    def _print_Function(self, expr: Expr, exp: str | None = None) -> str:
+        if not isinstance(expr, Operation):
+            return str(super()._print_Function(expr, exp))
+        name = str(expr.op).replace("_", r"\ ")
+        return self._upright(rf"\mathrm{{{name}}}", expr, exp)
+
+    def _print_Add(self, expr: Expr, order: str | None = None) -> str:
+        # The signs of products that are not evaluated stand twice.
+        text = str(super()._print_Add(expr, order))
+        return text.replace("- - ", "+ ").replace("+ - ", "- ")
+
+    def summand(self, expr: Expr) -> str:
+        """A term of a sum with its sign."""
+        text = str(self.doprint(expr))
+        text = rf"\left({text}\right)" if self._needs_add_brackets(expr) else text
+        return text if text.startswith("-") else f"+ {text}"
+
+    def parts(self, expr: Expr) -> list[str]:
+        """A sum, the greatest or the least of several, or anything else; between the parts a line may end."""
+        if expr.is_Add:
+            first, *rest = map(self.summand, expr.args)
+            return [first.removeprefix("+ "), *rest]
+        if not isinstance(expr, sympy.Max | sympy.Min):
+            return [str(self.doprint(expr))]
+        *before, (*last, end) = map(self.parts, _together(expr))
+        first, *rest = [text for own in before for text in (*own[:-1], f"{own[-1]},")]
+        return [rf"\{expr.func.__name__.lower()}\Bigl({first}", *rest, *last, rf"{end}\Bigr)"]
+
+    def _print_Piecewise(self, expr: Expr) -> str:
+        (then, condition), (otherwise, _) = expr.args
+        then, condition, otherwise = (self._print(e) for e in (then, condition, otherwise))
+        return rf"\begin{{cases}} {then} & {condition} \\ {otherwise} & \mathrm{{else}} \end{{cases}}"
+
+    def _print_Rational(self, expr: Expr) -> str:
+        if len(str(expr.q)) < 7 and len(str(expr.p)) < 10:
+            return str(super()._print_Rational(expr))
+        power = len(str(expr.q)) - 1
+        return f"10^{{-{power}}}" if expr.q == 10**power and expr.p == 1 else notation.decimal(float(expr))
+
+
+def _together(expr: Expr) -> list[Expr]:
+    """The arguments of max and min: a, b and c of max(a, max(b, c))."""
+    return [inner for a in expr.args for inner in (_together(a) if a.func is expr.func else [a])]
+
+
+class Text(StrPrinter):  # type: ignore[misc]
+    """Python syntax; ``front.steer`` for the ports that are named, else the identifier ``front_steer``."""
+
+    def __init__(self, ports: Iterable[Port] = ()) -> None:
+        super().__init__()
+        self.names = symbol_names(ports)
+
+    def _print_Symbol(self, expr: Expr) -> str:
+        return self.names.get(expr.name, str(expr.name))
+
+    _print_Quantity = _print_Parameter = _print_Input = _print_Local = _print_Symbol
+
+
+def size(expr: Expr, memo: dict[Expr, int] | None = None) -> int:
+    """How many nodes the expression has, written out."""
+    sizes = {} if memo is None else memo
+    if expr not in sizes:
+        sizes[expr] = 1 + sum(size(a, sizes) for a in expr.args)
+    return sizes[expr]
+
+
+def exact(expr: Expr) -> str:
+    """Python syntax over identifiers, every number as it is."""
+    return str(sympy.sstr(expr))
+
+
+class Reader:
+    """Writes expressions for reading; ``note`` says so where a number had to be rounded."""
+
+    def __init__(self, write: Writer = exact) -> None:
+        self.write, self.note = write, ""
+
+    def __call__(self, expr: Expr) -> str:
+        short = readable(expr)
+        if short is not expr:
+            self.note = f"Numbers of {DIGITS} digits are rounded for reading; --json gives the exact ones."
+        return self.write(short)
+
+
+def readable(expr: Expr) -> Expr:
+    """The expression with numbers of more than `DIGITS` digits, above or below the line, as rounded decimals."""
+    if isinstance(expr, sympy.Rational):
+        return _rounded(expr) if max(abs(expr.p), expr.q) >= 10**DIGITS else expr
+    if not expr.args:
+        return expr
+    args = [readable(a) for a in expr.args]
+    return expr if all(a is b for a, b in zip(args, expr.args, strict=True)) else expr.func(*args)
+
+
+def by_hand(symbols: Iterable[Expr], exprs: Iterable[Expr]) -> dict[Expr, Expr]:
+    """What stands in LaTeX for names of the code, and in ``exprs`` for numbers of more than 6 digits."""
+    spaced = r"\;"
+    numbers = {n for e in exprs for n in e.atoms(sympy.Rational) if max(abs(n.p), n.q) >= 10**7}
+    names = {s: sympy.Symbol(rf"\mathrm{{{s.name.replace('_', spaced)}}}") for s in symbols}
+    return names | {
+        n: sympy.Mul(sympy.sign(n), sympy.Symbol(notation.decimal(abs(float(n)))))
+        for n in numbers
+        if abs(n.p) != 1 or n.q != 10 ** (len(str(n.q)) - 1)  # a power of ten is short
+    }
+
+
+def _rounded(value: Expr) -> Expr:
+    """A symbol that prints as the decimal: sympy has no number of a given look. The sign stays outside."""
+    sign = -1 if value < 0 else 1
+    return sympy.Mul(sign, sympy.Symbol(f"{float(abs(value)):.{DIGITS}g}"))

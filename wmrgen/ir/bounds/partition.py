@@ -1,0 +1,119 @@
+"""Parts of the inputs on each of which plain interval arithmetic shows every operation defined.
+
+An analyser that knows no shapes (Frama-C Eva) cannot see that x is not zero where x x is not small. Given the inputs
+in parts it can: each part is halved along the inputs of what it cannot show, until it can or `MOST` parts are reached.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from wmrgen.geometry.exact import interval as iv
+from wmrgen.geometry.exact.interval import Interval
+from wmrgen.ir.bounds.assumptions import SINGLE, Range, constant
+from wmrgen.ir.nodes import Function, Node, Op
+
+MOST = 512
+_DEPTH = 24
+_LARGE = 2.0**-28  # a value beyond this share of the largest number is halved as if it overflowed
+_MARGIN = 1 + 1e-5  # float results may lie this much farther out
+
+
+def cases(function: Function, ranges: Mapping[str, Range], finer: int = 0) -> list[dict[str, Range]]:
+    """A partition of ``ranges``; one part where nothing needs to be divided.
+
+    ``finer``: how often every part is halved once more along the inputs that were divided, or on which divisors depend.
+    """
+    names = [name for name, (lo, hi) in ranges.items() if lo < hi]
+    parts: list[dict[str, Range]] = []
+    open_: list[dict[str, Range]] = [dict(ranges)]
+    cones = _cones(function)
+    for depth in range(_DEPTH):
+        first = _first_alarm(function, open_)
+        halves: list[dict[str, Range]] = []
+        for part, node in zip(open_, first, strict=True):
+            along = [n for n in names if node >= 0 and n in cones[node]]
+            if not along or len(parts) + len(halves) + len(open_) > MOST:
+                parts.append(part)
+            else:
+                halves += _halved(part, along[depth % len(along)])
+        open_ = halves
+        if not open_:
+            break
+    parts += open_
+    divided = [n for n in names if any(part[n] != ranges[n] for part in parts)]
+    if not divided:  # an analyser may see less than is seen here: what divisors depend on
+        below = {n for node in function.nodes if node.op is Op.DIV for n in cones[node.args[1]]}
+        divided = [n for n in names if n in below]
+    for name in divided * finer:
+        parts = [half for part in parts for half in _halved(part, name)]
+    return parts
+
+
+def _halved(part: dict[str, Range], name: str) -> list[dict[str, Range]]:
+    lo, hi = part[name]
+    middle = float(np.float32(lo + (hi - lo) / 2))
+    return [{**part, name: (lo, middle)}, {**part, name: (middle, hi)}]
+
+
+def _cones(function: Function) -> list[frozenset[str]]:
+    """The inputs on which each node depends."""
+    cones: list[frozenset[str]] = []
+    for node in function.nodes:
+        own = frozenset({node.name}) if node.op is Op.INPUT and node.name else frozenset[str]()
+        cones.append(own.union(*(cones[k] for k in node.args)))
+    return cones
+
+
+def _first_alarm(function: Function, parts: list[dict[str, Range]]) -> list[int]:
+    """Per part: the first divisor that may be zero, or value that may overflow; -1 where there is none."""
+    first = np.full(len(parts), -1)
+    values: list[Interval] = []
+    with np.errstate(all="ignore"):
+        for i, node in enumerate(function.nodes):
+            if node.op is Op.INPUT:
+                ends = [part[node.name or ""] for part in parts]
+                value = np.array([lo for lo, _ in ends]), np.array([hi for _, hi in ends])
+            elif node.op is Op.DIV:
+                value = _quotient(function.nodes, values, node)
+            else:
+                value = _value(node, values, len(parts))
+            values.append(value)
+            bad = ~(iv.magnitude(value) <= SINGLE.largest * _LARGE)
+            where = node.args[1] if node.op is Op.DIV else i
+            first = np.where((first < 0) & bad, where, first)
+    return [int(i) for i in first]
+
+
+def _value(node: Node, values: Sequence[Interval], count: int) -> Interval:
+    if node.value is not None:
+        lo, hi, _, _ = constant(node.value)
+        return np.full(count, lo), np.full(count, hi)
+    op, args = node.meaning
+    assert op.interval is not None
+    value = op.interval(*(values[k] for k in args))
+    return _widened(value) if op.rounds else value
+
+
+def _quotient(nodes: Sequence[Node], values: Sequence[Interval], node: Node) -> Interval:
+    """A quotient; of a divisor that is one of two values, both quotients: an analyser may keep branches apart."""
+    a, b = node.args
+    guard = nodes[b]
+    if guard.op is Op.AT_LEAST:  # the code gives the sign to what is divided
+        divisor, least = (values[k] for k in guard.args)
+        first = iv.quotient(values[a], iv.larger(iv.absolute(divisor), least))
+        zero = np.zeros(len(divisor[0])), np.zeros(len(divisor[0]))
+        return _widened(iv.chosen(divisor, zero, iv.negative(first), first))
+    if guard.op is not Op.SELECT:
+        return _widened(iv.quotient(values[a], values[b]))
+    small, large, x, y = (values[k] for k in guard.args)
+    first, second = (iv.quotient(values[a], branch) for branch in (x, y))
+    return _widened(iv.chosen(small, large, first, second))
+
+
+def _widened(value: Interval) -> Interval:
+    """As floats: each end moves by its own rounding, so that what is positive stays so."""
+    low, high = (np.abs(end) * (_MARGIN - 1) + SINGLE.tiny for end in value)
+    return value[0] - low, value[1] + high

@@ -1,0 +1,139 @@
+"""An example motion: in the robot frame its ICR and velocities, in the world frame the arc of odometry."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import degrees, hypot, pi, sin
+
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.report.figures.example import Example, Twist, example, extent
+from wmrgen.report.figures.figure import RIGHT, Figure, Group, Pose, View, figure, fitted, moved, panel
+from wmrgen.report.figures.instant import FAR, instant, number
+from wmrgen.report.figures.marks import body, chassis, extremes, frame, icr_mark, placed
+from wmrgen.report.figures.paper import (
+    FIRM,
+    Box,
+    Paper,
+    Point,
+    along,
+    arrow,
+    bounds,
+    circle,
+    distance,
+    line,
+    lines,
+    wrapped,
+)
+
+FILE = "motion.svg"
+_LEFT: Box = (8.0, 24.0, 236.0, 268.0)
+_RIGHT: Box = (248.0, 24.0, 472.0, 268.0)
+
+
+def motion(derivation: Derivation) -> Figure | None:
+    """``motion.svg``; None where the robot cannot move. One with an effective track turns, and its wheels slide."""
+    shown = example(derivation.robot, derivation.driven.mobility)
+    return None if shown is None else drawn(derivation.robot, shown)
+
+
+def drawn(robot: Robot, shown: Example) -> Figure:
+    """The figure of a motion."""
+    where, path = "at infinity: the robot translates", "a straight line"
+    if shown.icr:
+        where, path = f"at ({number(shown.icr[0])}, {number(shown.icr[1])}) m", "an arc about it"
+    values = (
+        f"{number(v)}{FIRM}{unit}" for v, unit in zip(shown.twist, ("m/s", "m/s", "rad/s"), strict=True)
+    )
+    words = ", ".join(f"{name}{FIRM}{value}" for name, value in zip(("vx", "vy", "ω"), values, strict=True))
+    alt = (
+        f"{robot.name} moving: left the instantaneous centre of rotation {where}, right the same motion in the world, "
+        f"{path}."
+    )
+    below = wrapped(f"{words}{', wheels slide' if robot.effective_track else ''}", 222)
+    groups = [*instant(robot, shown, _LEFT, "robot frame", below), *world(robot, shown, _RIGHT)]
+    return figure(FILE, alt, _LEFT[3] + 6 + 15 * len(below), groups)
+
+
+# ---- the world frame
+
+START, TURN = 0.4, 1.75  # heading at the start of the arc, and its largest turn [rad]
+_WAY = 2.4  # length of the arc, in robot sizes
+_PIECES = 24  # of the path as it is drawn
+
+
+def world(robot: Robot, shown: Example, area: Box) -> list[Group]:
+    """Two poses in the world frame, x to the right, and the path of P between them."""
+    _, size = extent(robot.wheels)
+    omega, time = shown.twist[2], _time(shown, size)
+    poses = [_after(shown.twist, k * time / _PIECES) for k in range(_PIECES + 1)]
+    outline = [p for w in robot.wheels for p in extremes(w, shown.headings[w.name])] + [(0.0, 0.0)]
+    points = [moved(p, pose) for pose in (poses[0], poses[-1]) for p in outline] + [
+        (x, y) for x, y, _ in poses
+    ]
+    icr = moved(shown.icr, poses[0]) if shown.icr and hypot(*shown.icr) < FAR * size else None
+    points += [icr] if icr else []
+    view = fitted(points, (area[0] + 30, area[1] + 16, area[2] - 16, area[3] - 30), RIGHT)
+    paper = Paper(area)
+    turn = f"turn ωΔt = {number(degrees(omega * time))}°" if shown.icr else "straight on"
+    elements = [
+        paper.write((area[0], area[1] - 8), "world frame", "title"),
+        paper.write((area[0], area[3] + 14), f"{turn} in {number(time)} s"),
+        *frame(View(1.0, (area[0] + 10, area[3] - 10), RIGHT), ("x", "y", ""), paper, 44.0),
+    ]
+    path = [view.on((x, y)) for x, y, _ in poses]
+    paper.segments += list(pairwise(path))
+    return [
+        (panel(view), _body(robot, shown, view, poses[0])),
+        (' class="ghost"', _wheels(robot, shown, view, poses[0])),
+        ("", [*_body(robot, shown, view, poses[-1]), *_wheels(robot, shown, view, poses[-1])]),
+        ("", [*_path(path, icr and view.on(icr), view, paper), *elements]),
+    ]
+
+
+def _path(path: list[Point], icr: Point | None, view: View, paper: Paper) -> list[str]:
+    """The path with its ends, the heading at its start and the ICR."""
+    first, last = path[0], path[-1]
+    paper.boxes += [bounds([p], 4) for p in (first, last)]
+    elements = [line(first, along(first, view.way(k * START), 40.0), "help") for k in (0, 1)]
+    elements += view.around(first, 30.0, 0.0, START, "angle")
+    elements += paper.put("θ", bounds([along(first, view.way(START / 2), 34.0)], 1), first, "letter")
+    if icr:
+        paper.boxes.append(bounds([icr], 6))
+        elements += [line(icr, first, "help"), line(icr, last, "help"), *icr_mark(icr)]
+        elements += paper.put("ICR", bounds([icr], 6), first)
+    if distance(first, last) > 6:
+        elements += [lines(path, "course"), *arrow(path[-3], last, "course", 4.5)[1:]]
+    for p, other in ((first, last), (last, first)):
+        elements += [circle(p, 2.2, "dot"), *paper.put("P", bounds([p], 4), other, "letter")]
+    return elements
+
+
+def _time(shown: Example, size: float) -> float:
+    """How long the motion lasts [s]: so many robot sizes or radians, what comes first."""
+    vx, vy, omega = shown.twist
+    most = [_WAY * size / hypot(vx, vy)] if vx or vy else []
+    return min([*most, TURN / abs(omega)] if shown.icr else most)
+
+
+def _after(twist: Twist, time: float) -> Pose:
+    """The pose after ``time`` [s] at a constant twist, from (0, 0, START): the chord points along half the turn."""
+    vx, vy, omega = twist
+    half = omega * time / 2
+    k = time * (sin(half) / half if abs(half) > 1e-6 else 1.0)
+    x, y = moved((k * vx, k * vy), (0.0, 0.0, START + half))
+    return x, y, START + 2 * half
+
+
+def _body(robot: Robot, shown: Example, view: View, pose: Pose) -> list[str]:
+    return chassis([placed(w, shown.headings[w.name], view, pose).pivot for w in robot.wheels])
+
+
+def _wheels(robot: Robot, shown: Example, view: View, pose: Pose) -> list[str]:
+    """The wheels, and the axes of the robot frame."""
+    p = view.on((pose[0], pose[1]))
+    tips = [along(p, view.way(pose[2] + k * pi / 2), 20.0) for k in (0, 1)]
+    wheels = [
+        e for w in robot.wheels for e in body(placed(w, shown.headings[w.name], view, pose), fine=False)
+    ]
+    return [*wheels, *(e for tip in tips for e in arrow(p, tip, "frame", 3.5))]

@@ -1,0 +1,63 @@
+"""A small top view in plain characters, for a terminal: x forward is up, a character is twice as high as wide."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from wmrgen.geometry.layout.records import Robot, Wheel
+
+_WIDE, _HIGH = 26.0, 9.0  # characters between the outermost wheels
+_LONGEST = 20  # characters of a name
+_STROKES = "|\\-/"  # a wheel that rolls up, to the upper left, to the left, to the lower left
+_BALL, _P = "o", "+"
+Cell = tuple[int, int]  # row, column
+
+
+def sketch(robot: Robot) -> list[str]:
+    """Lines of at most 80 characters: wheels by their rolling direction, P and the names that find a free place."""
+    pivots = [w.pivot for w in robot.wheels] + [0j]
+    spans = [max(values) - min(values) for values in ([p.imag for p in pivots], [p.real for p in pivots])]
+    step = max(
+        spans[0] / _WIDE, spans[1] / _HIGH / 2, max(float(w.nominal.r) for w in robot.wheels) / 3, 1e-9
+    )
+    cells: dict[Cell, str] = {(0, 0): _P, (-1, 0): "^"}
+    bodies = [_body(w, step) for w in robot.wheels]
+    for w, body in zip(robot.wheels, bodies, strict=True):
+        cells |= dict.fromkeys(body, _stroke(w))
+    for w, body in zip(robot.wheels, bodies, strict=True):
+        cells |= _name(w, body, cells)
+    rows, columns = zip(*cells, strict=True)
+    return [
+        "".join(cells.get((row, k), " ") for k in range(min(columns), max(columns) + 1)).rstrip()
+        for row in range(min(rows), max(rows) + 1)
+    ]
+
+
+def _body(w: Wheel, step: float) -> list[Cell]:
+    """The cells of a tyre, one to three."""
+    b = w.contact(w.zero_heading)
+    row, column = round(-b.real / (2 * step)), round(-b.imag / step)
+    if w.kind.glyph.ball:
+        return [(row, column)]
+    down, right = round(-cos(w.heading)), round(-sin(w.heading))
+    reach = 1 if float(w.nominal.r) > step else 0
+    return [(row + k * down, column + k * right) for k in range(-reach, reach + 1)]
+
+
+def _stroke(w: Wheel) -> str:
+    return _BALL if w.kind.glyph.ball else _STROKES[round(w.heading / (pi / 4)) % 4]
+
+
+def _name(w: Wheel, body: list[Cell], cells: dict[Cell, str]) -> dict[Cell, str]:
+    """The name beside the wheel, on the outer side first, else above or below it; none where no place is free."""
+    text = w.name if len(w.name) <= _LONGEST else f"{w.name[: _LONGEST - 3]}..."
+    rows, columns = zip(*body, strict=True)
+    row, column = body[len(body) // 2]
+    sides = [(row, min(columns) - 1 - len(text)), (row, max(columns) + 2)]
+    above = column - (len(text) - 1) // 2
+    starts = [*sides[:: 1 if w.pivot.imag > 0 else -1], (min(rows) - 1, above), (max(rows) + 1, above)]
+    for at, start in starts:
+        place = {(at, start + k): c for k, c in enumerate(text)}
+        if not cells.keys() & {*place, (at, start - 1), (at, start + len(text))}:
+            return place
+    return {}

@@ -1,0 +1,301 @@
+"""Exact polynomials, and formulas of the program (sympy), as LaTeX sums of terms: a term is a number and factors.
+
+Sums collect what multiplies the same velocity and pull common factors out. Numbers are exact where they are short:
+fractions, roots and decimals; the rest is rounded.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from math import lcm
+
+import sympy
+
+from wmrgen.geometry import notation
+from wmrgen.geometry.exact.number import ONE, Exact
+from wmrgen.geometry.exact.poly import Gen, Monomial, Poly
+from wmrgen.geometry.symbolic import Expr, Parameter, expression
+from wmrgen.ir.lower import number_of
+from wmrgen.report.sections.terms import WIDE, Factor, Term, merged, width, wrapped
+
+COMMON = 12  # the largest denominator written once for a sum
+Ports = Mapping[str, str]  # name of a symbol -> contract name
+_LEADS = {"vx": 0, "vy": 1, "omega": 2, "vx_driven": 0, "vy_driven": 1, "omega_driven": 2}
+_TWIST = {notation.port(n) for n in _LEADS}
+_SPACE = "\\;"
+_FUNCTION = re.compile(r"\\(cos|sin|tan|cot|mathrm)")
+
+
+def latex(value: Poly | Expr, ports: Ports | None = None) -> str:
+    """A polynomial or a formula on one line."""
+    return total(terms(value, ports))
+
+
+def broken(value: Poly | Expr, ports: Ports | None = None) -> str:
+    """A polynomial or a formula, on several lines where it is long."""
+    return wrapped(summands(terms(value, ports)))
+
+
+# From polynomials and formulas to terms.
+
+
+def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
+    """The summands of a polynomial, or of a formula whose symbols have these contract names."""
+    if isinstance(value, Poly):
+        return [_term(c, m) for m, c in value.terms.items()]
+    summed: list[Term] = []
+    for arg in sympy.Add.make_args(value):
+        number, factors, inner = ONE, [], None
+        for factor in _factors(arg):
+            own = number_of(factor)
+            if own is not None:
+                number = number * own
+            elif isinstance(factor, sympy.Add) and inner is None:
+                inner = factor
+            else:
+                factors.append(_factor(factor, ports or {}))
+        if inner is None:
+            summed.append(Term(number, tuple(factors)))
+        else:
+            summed += [Term(t.number * number, merged((*t.factors, *factors))) for t in terms(inner, ports)]
+    return [t for t in summed if t.number]
+
+
+def _term(number: Exact, monomial: Monomial) -> Term:
+    """A summand of a polynomial; a divisor such as 1 - 100 a / 11 as a - 0.11, its number before the fraction."""
+    factors = []
+    for g, power in monomial:
+        if g.kind == "inv":
+            scale = _leading(g.args[0]).inverse()
+            number *= scale**power
+            g = Gen("inv", "", (g.args[0].scale(scale),))
+        factors.append(_generator(g, power))
+    return Term(number, tuple(factors))
+
+
+def _leading(p: Poly) -> Exact:
+    """The least number before the products of most lengths; 1 where there are no lengths."""
+    lengths = {m: sum(e for g, e in m if g.kind == "param") for m in p.terms}
+    most = max(lengths.values())
+    return min((c for m, c in p.terms.items() if lengths[m] == most), key=abs) if most > 0 else ONE
+
+
+def _factors(expr: Expr) -> list[Expr]:
+    """The factors of a product, those of products in it among them."""
+    return [factor for arg in expr.args for factor in _factors(arg)] if expr.is_Mul else [expr]
+
+
+def reduced(above: Poly, below: Poly) -> Expr:
+    """above / below in lowest terms, no root below the line, sums that are powers or products as such."""
+    return sympy.factor(sympy.radsimp(expression(above) / expression(below)))
+
+
+def _generator(gen: Gen, power: int) -> Factor:
+    match gen.kind:
+        case "param":
+            return Factor(notation.parameter(gen.name), power, 0, (0, gen.name))
+        case "pi":
+            return Factor(r"\pi", power, 0, (0, ""))
+        case "cos" | "sin":
+            angle = notation.port(f"{gen.name}.steer")
+            return Factor(rf"\{gen.kind}{angle}", power, 1, (0, gen.name + gen.kind))
+        case "input" | "local":
+            late = 3 if gen.name.endswith(".spin") else 4  # joints in file order, spins before steering rates
+            return Factor(notation.port(gen.name), power, 2, (_LEADS.get(gen.name, late), ""))
+        case "inv":
+            return Factor(latex(gen.args[0]), -power, 0, (1, gen.key), True)
+        case "sqrt":
+            return Factor(rf"\sqrt{{{latex(gen.args[0])}}}", power, 0, (1, gen.key))
+    arguments = ", ".join(latex(a) for a in gen.args)
+    head = r"\mathrm{atan2}" if gen.kind == "atan2" else "\\" + gen.kind.removesuffix("f")
+    if [g.alone for g in gen.args[0].generators] == list(gen.args):
+        return Factor(f"{head}{' ' * arguments[0].isalpha()}{arguments}", power, 1, (1, gen.key))
+    return Factor(rf"{head}\left({arguments}\right)", power, 1, (1, gen.key))
+
+
+def _name(symbol: Expr) -> str:
+    return notation.parameter(symbol.name) if isinstance(symbol, Parameter) else notation.symbol(symbol.name)
+
+
+def _factor(expr: Expr, ports: Ports) -> Factor:
+    base, power = (expr.base, expr.exp) if isinstance(expr, sympy.Pow) else (expr, sympy.S.One)
+    if power.is_Rational and power.q == 2:
+        return Factor(rf"\sqrt{{{latex(base, ports)}}}", int(power.p), 2, (8, ""))
+    n = int(power)
+    if isinstance(base, Parameter):
+        return Factor(notation.parameter(base.name), n, 0, (0, base.name))
+    if isinstance(base, sympy.Symbol):
+        port = ports.get(base.name, base.name.removesuffix("_fit"))
+        order = list(ports).index(base.name) if base.name in ports else -1
+        return Factor(notation.port(port), n, 2, (_LEADS.get(port, 3 + order), ""))
+    if base is sympy.pi:
+        return Factor(r"\pi", n, 0, (0, "pi"))
+    if isinstance(base, sympy.Abs):
+        return Factor(rf"\left|{latex(base.args[0], ports)}\right|", n, 2, (8, ""))
+    if isinstance(base, sympy.cos | sympy.sin | sympy.tan | sympy.atan):
+        head, angle = rf"\{base.func.__name__.replace('atan', 'arctan')}", base.args[0]
+        if not isinstance(angle, sympy.Symbol):
+            return Factor(rf"{head}\left({latex(angle, ports)}\right)", n, 1, (0, head))
+        shown = notation.port(ports[angle.name]) if angle.name in ports else _name(angle)
+        return Factor(f"{head}{' ' * shown[0].isalpha()}{shown}", n, 1, (0, head))
+    if isinstance(base, sympy.atan2):
+        y, x = (latex(a, ports) for a in base.args)
+        return Factor(rf"\mathrm{{atan2}}\left({y},\, {x}\right)", n, 1, (8, ""))
+    return Factor(latex(base, ports), n, 0, (2, ""), True)
+
+
+# From terms to LaTeX.
+
+
+def total(terms: Sequence[Term]) -> str:
+    """The sum of terms."""
+    return "".join(pieces(terms)).removeprefix("+").strip() or "0"
+
+
+def pieces(terms: Sequence[Term]) -> list[str]:
+    """The signed summands of a sum, each beginning with + or -."""
+    if len(terms) < 2:
+        return [_product(t.number, t.factors, style=t.style) for t in terms]
+    number, common, rest = pulled_out(terms)
+    if common or number != 1:
+        return [_product(number, common, total(rest), terms[0].style)]
+    terms = _alike(terms)
+    groups: dict[str, list[Term]] = {}
+    for t in sorted(terms, key=_key):
+        groups.setdefault(_lead(t), []).append(t)
+    if not any(groups):
+        return sorted(_by_angles(terms), key=lambda piece: piece.startswith("-"))
+    signed: list[str] = []
+    for lead, members in groups.items():
+        if not lead or len(members) == 1:
+            signed += [_product(t.number, t.factors, style=t.style) for t in members]
+            continue
+        rest = [replace(t, factors=tuple(f for f in t.factors if f.base != lead)) for t in members]
+        inside = pieces(rest)
+        one = inside[0] if len(inside) == 1 else rf"+\left({total(rest)}\right)"
+        signed.append(f"{one}{lead}" if one.endswith(")") else f"{one}{_SPACE}{lead}")
+    two_joints = len(signed) == 2 and not any(lead in _TWIST for lead in groups)
+    return sorted(signed, key=lambda piece: two_joints and piece.startswith("-"))
+
+
+def _by_angles(terms: Sequence[Term]) -> list[str]:
+    """Summands without velocities; lengths before the same sines and cosines together, (a - 0.11) cos psi."""
+    groups: dict[tuple[Factor, ...], list[Term]] = {}
+    for t in sorted(terms, key=_key):
+        groups.setdefault(tuple(f for f in t.factors if f.rank == 1), []).append(t)
+    signed: list[str] = []
+    for angles, members in groups.items():
+        if not angles or len(members) == 1:
+            signed += [_product(t.number, t.factors, style=t.style) for t in members]
+            continue
+        rest = [replace(t, factors=tuple(f for f in t.factors if f.rank != 1)) for t in members]
+        number, common, inner = pulled_out(rest)
+        signed.append(_product(number, (*common, *angles), total(inner), members[0].style))
+    return signed
+
+
+def alike(values: Sequence[Poly]) -> list[str]:
+    """Polynomials of one formula, such as the entries of a matrix, with one style of numbers."""
+    every = [terms(value) for value in values]
+    styled = iter(_alike([t for own in every for t in own]))
+    return [total([next(styled) for _ in own]) for own in every]
+
+
+def _alike(terms: Sequence[Term]) -> Sequence[Term]:
+    """The terms with one style of numbers."""
+    style = "" if any(t.style for t in terms) else notation.style_of([t.number for t in terms])
+    return [replace(t, style=style) for t in terms] if style else terms
+
+
+def summands(terms: Sequence[Term]) -> list[str]:
+    """Like ``pieces``, for a formula that may be broken: a long sum in brackets stays a list."""
+    parts = pieces(terms)
+    if len(parts) != 1 or len(terms) < 2 or width(parts[0]) <= WIDE:
+        return parts
+    number, common, rest = pulled_out(terms)
+    inside = pieces(rest)
+    if len(inside) < 2:
+        return parts
+    head, bracket, after = _product(number, common, total(rest)).partition(rf"\left({total(rest)}\right)")
+    head = head if bracket else _product(number, common)
+    return [rf"{head}\Bigl({inside[0].removeprefix('+')}", *inside[1:-1], rf"{inside[-1]}\Bigr){after}"]
+
+
+def _lead(t: Term) -> str:
+    return next((f.base for f in t.factors if f.rank == 2 and f.power == 1), "")
+
+
+def _key(t: Term) -> tuple[object, ...]:
+    leads = tuple(f.order for f in t.factors if f.rank == 2)
+    plain = not any(f.rank == 1 for f in t.factors)
+    return leads or ((9, ""),), plain, tuple((f.rank, *f.order) for f in t.factors)
+
+
+def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[Term]]:
+    """The number and the factors that all terms share, and the terms without them."""
+    shared = []
+    for f in terms[0].factors:
+        powers = [next((g.power for g in t.factors if g.base == f.base), 0) for t in terms]
+        if all(p > 0 for p in powers) or all(p < 0 for p in powers):
+            shared.append(replace(f, power=min(powers, key=abs)))
+    common = {f.base: f.power for f in shared}
+    # The common magnitude; negative when all terms are and nothing is collected.
+    first = abs(terms[0].number)
+    negative = all(t.number.sign < 0 for t in terms) and _TWIST.isdisjoint(map(_lead, terms))
+    size = first if all(abs(t.number) == first for t in terms) else _over_common(terms)
+    number = -size if negative else size
+    if not shared and number == ONE:
+        return ONE, (), list(terms)
+    rest = []
+    for t in terms:
+        reduced = (replace(f, power=f.power - common.get(f.base, 0)) for f in t.factors)
+        rest.append(Term(t.number / number, tuple(f for f in reduced if f.power), t.style))
+    return number, tuple(shared), rest
+
+
+def _over_common(terms: Sequence[Term]) -> Exact:
+    """1/6 of halves and thirds, where each number is written as a fraction of small numbers; a root that all numbers
+    have; else 1."""
+    first = abs(terms[0].number)
+    alike = all((t.number / first).is_rational for t in terms)
+    if alike and not first.is_rational and not notation.magnitude(first)[2]:
+        return first
+    below = [notation.magnitude(t.number)[1] for t in terms]
+    common = lcm(*map(int, below)) if all(below) else 1
+    return Exact(1) / Exact(common if common <= COMMON or len(set(below)) == 1 else 1)
+
+
+def _product(number: Exact, factors: Iterable[Factor], inner: str = "", style: notation.Style = "") -> str:
+    """One signed summand; ``inner`` is a sum that is multiplied with it."""
+    sign = "-" if number.sign < 0 else "+"
+    ordered = sorted(factors, key=lambda f: (f.rank, f.order))
+    head, divisor, is_sum = notation.magnitude(number, style)
+    above = [f.shown() for f in ordered if f.power > 0 and f.rank < 2]
+    leads = "".join(f"{_SPACE}{f.shown()}" for f in ordered if f.power > 0 and f.rank == 2)
+    below = [f for f in ordered if f.power < 0]
+    bottom = [divisor] if divisor else []
+    if len(below) == 1 and not bottom and below[0].power == -1:
+        bottom = [below[0].base]
+    else:
+        bottom += [f.shown() for f in below]
+    after = ""
+    if inner and not leads and not _FUNCTION.search(inner):  # (a + b) cos psi
+        last = [f.shown() for f in ordered if f.power > 0 and f.rank == 1]
+        above, after = above[: len(above) - len(last)], _times(last)
+    if inner and bottom and not (above or head):
+        return rf"{sign}\frac{{{inner}}}{{{_times(bottom)}}}{after}{leads}"
+    leads += rf"\left({inner}\right){after}" if inner else ""
+    if is_sum and (above if bottom else above or leads or sign == "-"):
+        head = rf"\left({head}\right)"
+    top = _times([head, *above] if head else above)
+    if bottom:
+        if not top and leads and not inner:
+            return rf"{sign}\frac{{{leads.removeprefix(_SPACE)}}}{{{_times(bottom)}}}"
+        return rf"{sign}\frac{{{top or '1'}}}{{{_times(bottom)}}}{leads}"
+    return sign + (f"{top}{leads}" if top else leads.removeprefix(_SPACE) or "1")
+
+
+def _times(parts: Sequence[str]) -> str:
+    return r"\,".join(parts)

@@ -1,0 +1,164 @@
+"""The result on top: top view, type, inverse and forward in closed form, an example with numbers, the files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from fractions import Fraction
+from itertools import chain, islice, product
+
+from wmrgen.derivation.facade import Derivation
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.ports import GYRO, TWIST_NAMES
+from wmrgen.report.sections.closed import closed_forward, closed_inverse
+from wmrgen.report.sections.further import wanted
+from wmrgen.report.sections.markdown import code, listed, pictures, table, written
+from wmrgen.report.sections.overview import kind_of_robot
+from wmrgen.report.wiring import admissible
+
+Values = Mapping[str, Exact]
+Texts = Mapping[str, str]
+_NO_SLIP = 1e-5  # m/s; of numbers with six digits
+_TRIED = 4  # twists
+_FEW, _EVERY = 6, 12  # digits of joints
+_DIGITS = 5  # of a round number, with its point
+_MANY = 24  # values of one step of an example
+_SPEEDS: tuple[tuple[Fraction | int, ...], ...] = (
+    (5, 2, 4), (5, 0, 4), (5, 0, 2), (5, 0, 1), (5, 0, Fraction(1, 2)), (5, 0, Fraction(1, 10)), (0, 0, 4), (5, 2, 0),
+    (5, 0, 0), (0, 5, 0),
+)  # tenths  # fmt: skip
+_SCALES = (Fraction(1, 10), Fraction(1, 20), Fraction(1, 50), Fraction(1, 100), Fraction(1, 1000))
+
+
+def result(d: Derivation) -> list[str]:
+    """The section before the first one."""
+    return [
+        "## The result",
+        *pictures(d.figures, "layout.svg", "motion.svg"),
+        kind_of_robot(d),
+        "**Inverse kinematics** (`inverse`), from the twist ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) to the joints "
+        "(section 6):",
+        *closed_inverse(d.driven),
+        "**Forward kinematics** (`forward`), from measured joints to the twist (section 7):",
+        *closed_forward(d.driven),
+        *_example(d), *_files(d),
+    ]  # fmt: skip
+
+
+def _example(d: Derivation) -> list[str]:
+    """A twist, its wheel speeds, the twist of these, the pose after a second, and the commands that say so."""
+    steps = example(d)
+    if not steps:
+        return []
+    rows = []
+    for function, inputs, outputs in steps:
+        units = {p.name: p.unit for p, _ in d.formula(function).outputs}
+        shown = ", ".join(f"{n} = {v} {units[n]}".rstrip() for n, v in outputs.items())
+        words = " ".join(f"{n}={v}" for n, v in inputs.items() if v != "0")
+        rows.append([shown, code(f"wmrgen eval {d.robot.name}.yaml {function} {words}")])
+    again = "the same twist again"
+    if len(steps) > 2 and any(steps[1][2][n] != v for n, v in steps[0][1].items()):
+        again = "the part of the twist that is measured"
+    head = f"**An example**: twist, joints, {f'{again}, ' if len(steps) > 2 else ''}and the pose after one second."
+    return [head, *table(["result", "command"], rows, "l")]
+
+
+def example(d: Derivation) -> list[tuple[str, Texts, Texts]]:
+    """Function, inputs and outputs of each step, as they are printed; nothing where the robot has no joint to command
+    or cannot move."""
+    if not any(w.actuated for w in d.robot.wheels):
+        return []
+    tried = ((twist, joints, _again(d, twist, joints)) for twist, joints in islice(_driven(d), _TRIED))
+    first = next(tried, None)
+    if first is None:
+        return []
+    repeated = (t for t in chain([first], tried) if not t[2] or t[2] == _each(_six, t[0]))
+    twist, joints, again = next(repeated, first)
+    digits = next((k for k in range(_FEW, _EVERY) if _again(d, twist, joints, k) == again), _EVERY)
+    own = {n: v for n, v in joints.items() if d.robot.wheel(n.rpartition(".")[0]).actuated}
+    steps = [("inverse", _each(_six, twist), _each(_short, own, digits))]
+    if again:
+        steps.append(("forward", _each(_short, _measured(d, twist, joints), digits), again))
+    pose = d.evaluate("odometry", {**twist, "dt": ONE})
+    return [*steps, ("odometry", {**_each(_six, twist), "dt": "1"}, _each(_short, pose))]
+
+
+def _measured(d: Derivation, twist: Values, joints: Values) -> Values:
+    """What sensors show `forward` of a twist and its joints; nothing where that is too much for a line."""
+    sensed = [p.name for p in d.formula("forward").inputs if p.default is None]
+    shown = {**joints, GYRO.name: twist["omega"]}
+    return {n: shown.get(n, ZERO) for n in sensed} if len(sensed) <= _MANY else {}
+
+
+def _again(d: Derivation, driven: Values, joints: Values, digits: int = _EVERY) -> Texts:
+    """The twist of the measurements that joints give, where these are printed with so many digits."""
+    measured = _measured(d, driven, joints)
+    twist = measured and d.evaluate("forward", {n: _read(_short(v, digits)) for n, v in measured.items()})
+    return {n: _six(twist[n]) for n in TWIST_NAMES if twist}
+
+
+def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
+    """Round twists, without what the wheels forbid, that the robot can drive inside its limits, with their joints."""
+    sample = [float(v) for v in d.mobility.admissible.sample] if d.mobility.degree_of_mobility else [0.0]
+    size = 2 * max(map(abs, sample))
+    rounded = [tuple(Fraction(round(10**7 * v / size), 10**6) for v in sample)] if size else []
+    for goes, scale in product((True, False), _SCALES):  # what drives and turns tells most
+        asked = (
+            {n: Exact(k * scale) for n, k in zip(TWIST_NAMES, s, strict=True)} for s in (*_SPEEDS, *rounded)
+        )
+        allowed = [{n: _read(_six(v)) for n, v in admissible(d, twist).items()} for twist in asked]
+        for twist in sorted(allowed, key=_plain):
+            if _goes(twist) != goes or not any(twist.values()):
+                continue
+            if not all(_inside(d, n, v) for n, v in twist.items()):
+                continue
+            joints = d.evaluate("inverse", twist)
+            slip = joints.pop("slip")
+            if abs(float(slip)) < _NO_SLIP and all(_inside(d, n, v) for n, v in joints.items()):
+                yield twist, joints
+
+
+def _goes(twist: Values) -> bool:
+    """Whether P moves and the robot turns."""
+    return bool(twist["omega"]) and any(twist[n] for n in ("vx", "vy"))
+
+
+def _plain(twist: Values) -> tuple[bool, bool]:
+    """What turns comes first, of that what has few digits."""
+    return not twist["omega"], any(len(_six(v)) > _DIGITS for v in twist.values())
+
+
+def _each(shown: Callable[..., str], values: Values, *digits: int) -> Texts:
+    return {n: shown(v, *digits) for n, v in values.items()}
+
+
+def _six(value: Exact) -> str:
+    """Six decimals, as a command has the twist."""
+    return f"{round(float(value), 6) + 0.0:.{_EVERY}g}"
+
+
+def _inside(d: Derivation, name: str, value: Exact) -> bool:
+    limit = d.robot.limit_of(name)
+    return limit is None or float(limit.low) <= float(value) <= float(limit.high)
+
+
+def _short(value: Exact, digits: int = _FEW) -> str:
+    """As `wmrgen eval` reads it."""
+    return f"{round(float(value), 12) + 0.0:.{digits}g}"
+
+
+def _read(text: str) -> Exact:
+    return Exact(Fraction(text))
+
+
+def _files(d: Derivation) -> list[str]:
+    """What the backends write beside this page, numerics.md saying what each is."""
+    names = [name for names, _ in written(d) for name in names]
+    further = [f.name for f in wanted(d)]
+    asked = f", with formulas of {listed(further)}, which the robot file asks for, too" if further else ""
+    return [
+        f"**Files** (what each is{asked}: [numerics.md](numerics.md)): {' · '.join([*map(_link, names)])}"
+    ]
+
+
+def _link(name: str) -> str:
+    return code(name) if "*" in name else f"[{code(name)}]({name})"

@@ -1,0 +1,97 @@
+"""Reading what a robot file says of joints, of the robot's or of a wheel's: limits, noise, encoders, lag."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import Any
+
+from wmrgen.errors import Several
+from wmrgen.robotfile.fields import Interval, Section
+from wmrgen.robotfile.numbers import Scope
+from wmrgen.robotfile.part_keys import LIMITS, WRAPS
+from wmrgen.robotfile.quantities import read_quantity
+from wmrgen.robotfile.records import EncoderSpec, Limit, Neg, NoiseSpec, Quantity
+from wmrgen.robotfile.tables import Table, table_of
+from wmrgen.robotfile.text import SequenceNode
+
+
+def read_of_joints(
+    key: str, owner: Table, what: str, scope: Scope, several: Several, joints: tuple[str, ...] | None = None
+) -> tuple[Any, ...]:
+    """What ``owner`` has under ``key`` (limits, noise, encoder or lag) of ``joints``, of any where none are given, in
+    the order of the file; ``several`` takes what cannot be read."""
+    node, section = owner.get(key), owner.section.field(key).value
+    assert isinstance(section, Section)
+    if node is None:
+        return ()
+    entries: list[Any] = []
+    valid = None if joints is None else section.keys_of(joints)
+    table = table_of(node, section, several, f"{key} of {what}", valid)
+    for name in table.values:
+        with several:
+            entries.append(_READERS[key](name, table, what, scope, several))
+    return tuple(entry for entry in entries if entry is not None)
+
+
+def _limit(name: str, table: Table, what: str, scope: Scope, several: Several) -> Limit:
+    """A single value v means [-v, v]."""
+    del what, several
+    node, value, limit = table.values[name], LIMITS.field(name).value, f"limit {name}"
+    assert isinstance(value, Interval)
+    if isinstance(node, SequenceNode):
+        if len(node.items) != 2:
+            raise node.error(
+                f"{limit} has {len(node.items)} value{'s' * (len(node.items) != 1)}",
+                "A range has two.",
+                f"Write {name}: [low, high], or one value.",
+            )
+        low, high = (read_quantity(item, value.kind, limit, scope) for item in node.items)
+    else:
+        high = read_quantity(node, value.kind, limit, scope)
+        low = replace(high, expr=Neg(high.expr), text=_negated(high.text))
+    return Limit(name, low, high, node.mark)
+
+
+def _negated(text: str) -> str:
+    """The text of the negative of a quantity: -1.2, 30 deg, -(a + b)."""
+    bare = text.removeprefix("-").strip()
+    if not re.fullmatch(r"[\w. ]+", bare):
+        return f"-({text})"
+    return f"-{bare}" if bare == text else bare
+
+
+def _noise(joint: str, table: Table, what: str, scope: Scope, several: Several) -> NoiseSpec:
+    of, name = _of(joint, table, f"noise of {what}", several), f"the noise of {joint}"
+    return NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
+
+
+def _encoder(joint: str, table: Table, what: str, scope: Scope, several: Several) -> EncoderSpec | None:
+    of, name = _of(joint, table, f"encoder of {what}", several), f"the encoder of {joint}"
+    of.require_all(name, several)
+    of.choose(WRAPS, name)
+    counts, gear, bits, modulus = (
+        of.amount(key, name, scope) for key in ("counts", "gear", "bits", "modulus")
+    )
+    offset = of.amount("offset", name, scope) if "offset" in of.section.keys else None
+    if counts is None:
+        return None
+    return EncoderSpec(joint, counts, gear, of.word("reversed"), bits, modulus, offset)
+
+
+def _lag(joint: str, table: Table, what: str, scope: Scope, several: Several) -> tuple[str, Quantity]:
+    """The joint with its time constant."""
+    del several
+    time = table.amount(joint, f"the lag of {what}", scope)
+    assert time is not None
+    return joint, time
+
+
+_READERS = {"limits": _limit, "noise": _noise, "encoder": _encoder, "lag": _lag}
+
+
+def _of(joint: str, table: Table, title: str, several: Several) -> Table:
+    """The mapping that stands behind a joint."""
+    section = table.section.field(joint).value
+    assert isinstance(section, Section)
+    return table_of(table.values[joint], section, several, f"{joint} of the {title}")

@@ -1,0 +1,256 @@
+"""Robot files to RobotSpec: form is checked here, values are computed by the layout."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from wmrgen.errors import Code, RobotFileError, Several, WmrgenError
+from wmrgen.robotfile.expressions import UndeclaredParameter
+from wmrgen.robotfile.fields import Text, Version
+from wmrgen.robotfile.joints import read_of_joints
+from wmrgen.robotfile.keys import ROBOT
+from wmrgen.robotfile.mapping import tree_of
+from wmrgen.robotfile.names import Names, robot_name
+from wmrgen.robotfile.numbers import Scope
+from wmrgen.robotfile.parts import (
+    Reading,
+    read_gains,
+    read_gyro,
+    read_parameters,
+    read_point,
+    read_trailers,
+    read_virtual,
+)
+from wmrgen.robotfile.reader import read_tree
+from wmrgen.robotfile.records import FunctionSpec, RobotSpec
+from wmrgen.robotfile.tables import Table, table_of
+from wmrgen.robotfile.text import (
+    MAX_BYTES,
+    MappingNode,
+    Node,
+    Scalar,
+    SequenceNode,
+    Source,
+    bytes_of,
+    decode,
+    quoted,
+    scalar_of,
+)
+from wmrgen.robotfile.wheels import declared_types, every_wheel_is_named, read_couplings, read_wheels
+
+_DUNDER = re.compile(r"__\w+__")
+# What stands in the place of an answer that nobody has given yet, as `wmrgen import` writes it: a plain word, for text
+# may say it in quotes.
+OPEN = "TODO"
+_OF_A_MODEL = {"format", "robot_type", "C1f"}
+
+
+def read_robot(path: str | Path, several: Several | None = None) -> RobotSpec:
+    """`read_text` of the file at ``path``."""
+    return read_text(text_of(path), str(path), several)
+
+
+def text_of(path: str | Path) -> str:
+    """The text of a robot file. RobotFileError where it cannot be read."""
+    return decode(bytes_of(path, MAX_BYTES + 1), str(path))
+
+
+def read_text(text: str, file_name: str, several: Several | None = None) -> RobotSpec:
+    """A robot file given as text; ``file_name`` stands in messages. RobotFileError for everything that can be wrong.
+
+    With ``several``, which takes what is wrong in its parts: what the parts say in which nothing is.
+    """
+    wrong, tree = Several(), None
+    with wrong:
+        tree = read_tree(text, file_name, wrong)
+    if tree is None or (isinstance(tree, Scalar) and not tree.text):
+        wrong.end()
+        mark, example = Source.of(text, file_name).mark(0, 0), f"A robot file begins {ROBOT.example}."
+        raise RobotFileError("the file is empty", mark, "", example, Code.NOT_YAML)
+    return _read(tree, wrong, several)
+
+
+def read_mapping(values: Mapping[str, object], several: Several | None = None) -> RobotSpec:
+    """`read_text` of a robot given as a mapping with the keys of a robot file; places in it are paths of keys."""
+    return _read(tree_of(values), Several(), several)
+
+
+def _read(tree: Node, wrong: Several, several: Several | None) -> RobotSpec:
+    """The robot that a tree describes; ``wrong`` has what is wrong with its YAML."""
+    if isinstance(tree, MappingNode) and {key.text for key, _ in tree.entries} >= _OF_A_MODEL:
+        raise tree.error(
+            "this is a model.json, which `wmrgen derive` writes",
+            "It says what follows from a robot file, and is none.",
+            "Give the robot file; `wmrgen compare` reads the header beside it, too.",
+            code=Code.FILE,
+        )
+    table = table_of(tree, ROBOT, wrong)
+    if not _of_this_format(table, wrong):
+        wrong.errors = [error for error in wrong.errors if error.code is not Code.UNKNOWN_KEY]
+        wrong.end()
+    with wrong:
+        _refuse_questions(tree)
+    if any(error.code is Code.OPEN for error in wrong.errors):
+        wrong.end()
+    spec = _robot(table, wrong)
+    wrong.errors = _causes(table, wrong.errors)
+    if several is None or not wrong.errors:
+        wrong.end()
+        return spec
+    several.add(*wrong.errors)
+    return replace(spec, couplings=(), virtual=())
+
+
+def _robot(table: Table, several: Several) -> RobotSpec:
+    """What can be read; ``several`` takes the rest."""
+    table.require_all("the robot file", several)
+    name, scope, names = "", Scope(), Names()
+    facts: dict[str, Any] = {"parameters": (), "wheels": ()}
+    with several:
+        name = robot_name(scalar_of(table.require("name", "the robot file"), "name"))
+    with several:
+        scope = Scope(degrees=table.word("angles"))
+    with several:
+        facts["parameters"], scope = read_parameters(table.get("parameters"), scope, names, several)
+    with several:
+        facts["wheels"] = read_wheels(table, scope, names, several)
+    reading = Reading(table, scope, names, declared_types(table), several)
+    for part, read in _PARTS.items():
+        with several:
+            facts[part] = read(reading)
+    return RobotSpec(name=name, **facts)
+
+
+def _of_this_format(table: Table, several: Several) -> bool:
+    """Whether the file can be read on: it is one of a robot, and names no other version of the format."""
+    version = ROBOT.field("wmrgen").value
+    assert isinstance(version, Version)
+    with several:
+        node = scalar_of(table.require("wmrgen", "the robot file"), "wmrgen")
+        if node.text == version.number:
+            return True
+        several.add(
+            node.error(
+                f"format version {quoted(node.text)} is not known",
+                f"This wmrgen reads version {version.number}; another one may mean the same words differently.",
+                f"Write wmrgen: {version.number}.",
+            )
+        )
+        return not re.fullmatch(r"[0-9.]+", node.text) or bool(
+            re.fullmatch(rf"{version.number}(\.0*)?", node.text)
+        )
+    return table.get("wheels") is not None or table.get("name") is not None
+
+
+def _free_text(table: Table, key: str) -> str:
+    """A text for people. Writers escape it for the language it lands in."""
+    node, value = table.get(key), ROBOT.field(key).value
+    assert isinstance(value, Text)
+    if node is None:
+        return ""
+    scalar = scalar_of(node, key)
+    text = scalar.text.strip()
+    if len(text) > value.longest:
+        raise scalar.error(
+            f"{key} has {len(text)} characters", f"At most {value.longest} are kept.", "Shorten it."
+        )
+    if "\t" in text:
+        raise scalar.error(f"{key} holds a tab", "Control characters are refused.", "Write spaces.")
+    if _DUNDER.search(text):
+        raise scalar.error(
+            f"{key} holds {quoted(_DUNDER.findall(text)[0])}",
+            "Names with two underscores on both sides belong to code, which a robot file cannot hold.",
+            "Write it in plain words.",
+        )
+    return text
+
+
+_PARTS: dict[str, Callable[[Reading], Any]] = {  # of a RobotSpec
+    "description": lambda r: _free_text(r.table, "description"),
+    "source": lambda r: _free_text(r.table, "source"),
+    "snap": lambda r: r.table.word("snap"),
+    "tolerance": lambda r: r.table.amount("tolerance", "the robot", r.scope),
+    "couplings": lambda r: read_couplings(r.table, r.types, r.scope, r.several),
+    "limits": lambda r: read_of_joints("limits", r.table, "the robot", r.scope, r.several),
+    "noise": lambda r: read_of_joints("noise", r.table, "the robot", r.scope, r.several),
+    "encoders": lambda r: read_of_joints("encoder", r.table, "the robot", r.scope, r.several),
+    "gyro": read_gyro,
+    "lag": lambda r: read_of_joints("lag", r.table, "the robot", r.scope, r.several),
+    "virtual": read_virtual,
+    "trailers": read_trailers,
+    "slip": lambda r: r.table.word("slip"),
+    "precise": lambda r: r.table.word("precise"),
+    "cg": lambda r: read_point(r.table.get("cg"), r.scope),
+    "gains": lambda r: read_gains(r.table.get("gains"), r.scope),
+    "effective_track": lambda r: r.table.amount("effective_track", "the robot", r.scope),
+    "deadband": lambda r: r.table.amount("deadband", "the robot", r.scope),
+    "functions": lambda r: tuple(FunctionSpec(item.text, item.mark) for item in r.table.scalars("functions")),
+}
+
+
+# ---- what is told of the file as a whole
+
+
+def _refuse_questions(tree: Node) -> None:
+    """RobotFileError for every open question."""
+    several = Several()
+    for key, node in _questions(tree, ""):
+        with several:
+            raise node.error(
+                f"{key or 'this value'} is an open question",
+                "Nothing is derived from a robot that is not known.",
+                f"Write the answer in the place of {OPEN}; the comment beside it says what is asked.",
+                code=Code.OPEN,
+            )
+    several.end()
+
+
+def _questions(node: Node, key: str) -> Iterator[tuple[str, Scalar]]:
+    if isinstance(node, Scalar) and node.plain and node.text == OPEN:
+        yield key, node
+    elif isinstance(node, SequenceNode):
+        for item in node.items:
+            yield from _questions(item, key)
+    elif isinstance(node, MappingNode):
+        for name, value in node.entries:
+            yield from _questions(value, name.text)
+
+
+def _causes(table: Table, errors: Sequence[WmrgenError]) -> list[WmrgenError]:
+    """``errors`` without: names of parameters that are used where some of them cannot be read, and so those of wheels;
+    what stands where the YAML has a slip; keys that stand twice among wheels whose dashes are missing."""
+    slips = [error.mark for error in errors if error.code is Code.NOT_YAML]
+    parameters, others = _names_in_doubt(table, errors)
+    return [
+        error
+        for error in errors
+        if not (
+            error.code is Code.UNDECLARED
+            and (parameters if isinstance(error, UndeclaredParameter) else others)
+        )
+        and (error.code is Code.NOT_YAML or error.mark not in slips)
+        and not (error.code is Code.TWICE and _in_wheels(table, error))
+    ]
+
+
+def _names_in_doubt(table: Table, errors: Sequence[WmrgenError]) -> tuple[bool, bool]:
+    """Whether some name of a parameter cannot be read, and of a wheel or what else bears one: where such names are used
+    nothing is to be told."""
+    parameters = table.get("parameters")
+    declared = [key.mark for key, _ in parameters.entries] if isinstance(parameters, MappingNode) else []
+    unread = [error.mark in declared for error in errors if error.code is Code.NAME]
+    no_mapping = parameters is not None and not isinstance(parameters, MappingNode)
+    return no_mapping or any(unread), not every_wheel_is_named(table) or not all(unread)
+
+
+def _in_wheels(table: Table, error: WmrgenError) -> bool:
+    """The key stands in what should be a list of wheels and is a mapping."""
+    wheels, mark = table.get("wheels"), error.mark
+    if not isinstance(wheels, MappingNode) or not mark:
+        return False
+    after = [key.mark.line for key in table.keys.values() if key.mark.line > wheels.mark.line]
+    return wheels.mark.line < mark.line < min(after, default=mark.line + 1)

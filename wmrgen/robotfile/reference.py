@@ -1,0 +1,194 @@
+"""The reference of robot files in Markdown: from the field table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from wmrgen.errors import Code
+from wmrgen.robotfile.fields import (
+    Amount,
+    Choice,
+    Field,
+    Interval,
+    ListOf,
+    Mapped,
+    Name,
+    OneOf,
+    Section,
+    Text,
+    Value,
+    Version,
+    Word,
+)
+from wmrgen.robotfile.keys import SECTIONS, WHEEL
+from wmrgen.robotfile.numbers import Kind, units_of
+from wmrgen.robotfile.schema import SI
+from wmrgen.robotfile.wheel_types import WHEEL_TYPES
+from wmrgen.robotfile.wheels import takes
+
+# Of each kind of quantity one that is right and one that is wrong.
+_AMOUNTS = {
+    Kind.LENGTH: ("150 mm", "45 deg"), Kind.ANGLE: ("45 deg", "150 mm"), Kind.SPEED: ("1.2 m/s", "1.2 m"),
+    Kind.RATE: ("90 deg/s", "90 deg"), Kind.ACCELERATION: ("0.6", "0.6 m/s"),
+    Kind.ANGULAR_ACCELERATION: ("200 deg/s^2", "200 deg/s"), Kind.TIME: ("150 ms", "150 mm"),
+}  # fmt: skip
+_HEAD = """\
+# Robot files
+
+A robot file is a page of YAML (UTF-8, 256 KiB at most; no anchors, tags or directives) that is read, never executed.
+The frame: origin P, x forward, y left, angles counter-clockwise. `wmrgen schema` prints the JSON Schema of these keys,
+`wmrgen schema --markdown` this page; both are made from the table that reading goes by.
+
+A quantity is a number (`0.15`), a number with a unit (`150 mm`, `45 deg`) or an expression of `+ - * / **`,
+`sqrt sin cos tan atan2`, `pi` and parameters. Without a unit it is in SI units, angles as `angles` says. What is
+written as a fraction or a root stays exact.
+
+Of each key the tables show a value that a file may have, and one that is refused, with the code that
+`wmrgen explain CODE` knows. A key that a section requires is missed as WMR103, one that it does not have is WMR102.
+"""
+_ONE_OF = {
+    "joint": "joints: `spin`, `steer`", "wheel": "names of wheels", "wheel.joint": "joints, as `left.steer`",
+    "type": "a wheel type, see below", "function": "names of functions",
+}  # fmt: skip
+
+
+def reference() -> str:
+    """The page ``docs/robot_file.md``."""
+    lines = [_HEAD, *_units(), ""]
+    for title, section in SECTIONS.items():
+        lines += [f"## {title}", "", f"Such as `{section.example}`.", "", *_table(section), ""]
+        if section is WHEEL:
+            lines += [*_types(), ""]
+        lines += [f"{' '.join(map(_sentence, section.choices))}\n"] if section.choices else []
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _units() -> Iterator[str]:
+    yield "| quantity | SI | units |"
+    yield "|---|---|---|"
+    for kind in Kind:
+        if kind is not Kind.ANY:
+            yield f"| {kind} | {SI[kind]} | {' '.join(units_of(kind))} |"
+
+
+def _table(section: Section) -> Iterator[str]:
+    yield "| key | meaning | value | when not given | such as | refused |"
+    yield "|---|---|---|---|---|---|"
+    for f in section.fields:
+        spelled = " or ".join(f"`{word}`" for word in f.spellings)
+        right, (wrong, code) = example(f), mistake(f)
+        cells = (
+            f.meaning, _in_words(f.value), _default(section, f), f"`{right}`",
+            f"`{wrong}` ([{code}](lint.md#{code.lower()}))",
+        )  # fmt: skip
+        yield f"| {spelled} | {' | '.join(cells)} |"
+
+
+def example(field: Field) -> str:
+    """``key: value`` as a robot file may have it."""
+    key = field.key
+    if field.example:
+        return f"{key}: {field.example}"
+    match field.value:
+        case Version(number):
+            return f"{key}: {number}"
+        case Name():
+            return f"{key}: front"
+        case Text():
+            return f"{key}: two wheels and a ball"
+        case Word(words, default):
+            return f"{key}: {next(word for word in words if word != default)}"
+        case Amount(kind) | Interval(kind):
+            return f"{key}: {_AMOUNTS[kind][0] if kind in _AMOUNTS else field.default}"
+        case OneOf():
+            return f"{key}: fixed"
+        case ListOf(Section() as section):
+            return f"{key}: [{section.example}]"
+        case ListOf(example=text):
+            return f"{key}: {text}"
+        case Mapped(section):
+            return f"{key}: {{track: 0.4, radius: {section.example}}}"
+        case Section(example=text):
+            return text if text.startswith(f"{key}:") else f"{key}: {text.partition(': ')[2]}"
+
+
+def mistake(field: Field) -> tuple[str, Code]:
+    """``key: value`` that is refused, and with which code."""
+    key = field.key
+    match field.value:
+        case Name():
+            return f"{key}: front-left", Code.NAME
+        case ListOf(OneOf("wheel" | "function")):
+            return f"{key}: [none]", Code.UNDECLARED
+        case ListOf(OneOf()):
+            return f"{key}: [none]", Code.FORM
+        case Amount(Kind.ANY):
+            return f"{key}: half", Code.UNDECLARED
+        case Amount(kind):
+            return f"{key}: {_AMOUNTS[kind][1]}", Code.FORM
+        case Interval():
+            return f"{key}: [1, 0]", Code.VALUE
+        case Version():
+            return f"{key}: 2", Code.FORM
+        case Text():
+            return f"{key}: [two wheels]", Code.FORM
+    return f"{key}: maybe", Code.FORM
+
+
+def _default(section: Section, field: Field) -> str:
+    if field.required:
+        return "**required**"
+    if isinstance(field.value, Word):
+        return f"`{field.value.default}`"
+    if section is WHEEL and any(field.key in kind.required for kind in WHEEL_TYPES.values()):
+        return "see the wheel types"
+    return field.default
+
+
+def _in_words(value: Value) -> str:
+    match value:
+        case Version(number):
+            return f"`{number}`"
+        case Name():
+            return "new name: a-z, A-Z, 0-9 and _, 31 characters at most"
+        case Text(longest):
+            return f"text, {longest} characters at most"
+        case Word(words, interval=interval):
+            return " or ".join(f"`{word}`" for word in (*words, *(["[low, high]"] if interval else [])))
+        case Amount(Kind.ANY, unit):
+            return f"number [{unit}]" if unit else "quantity"
+        case Amount(kind):
+            return f"{kind} [{SI[kind]}]"
+        case Interval(kind):
+            return f"{kind} [{SI[kind]}]: `high` for [-high, high], or `[low, high]`"
+        case OneOf(what):
+            return _ONE_OF[what]
+        case ListOf(item, least=least, most=most):
+            bounds = [f"at least {least}" if least else "", f"at most {most}" if most else ""]
+            many = ", ".join(text for text in bounds if text)
+            items = "mappings, see below" if isinstance(item, Section) else _in_words(item)
+            return f"list of {items}{f' ({many})' if many else ''}"
+        case Mapped(_, most):
+            return f"`name: quantity` or `name: {{value, tunable}}`, at most {most}"
+        case Section():
+            return "mapping, see below"
+
+
+def _types() -> Iterator[str]:
+    """Which keys each wheel type takes beyond those of all."""
+    yield "| type | what it is | required | may have besides | joints | driven |"
+    yield "|---|---|---|---|---|---|"
+    for kind in WHEEL_TYPES.values():
+        own = [f.key for f in WHEEL.fields if f.misfit and takes(kind, f.key) and f.key not in kind.required]
+        orientation = ["beta or heading"] if kind.oriented else []
+        columns = [[*kind.required, *orientation], own, kind.joints, kind.actuated]
+        cells = " | ".join(", ".join(words) for words in columns)
+        yield f"| `{kind.name}` | {kind.meaning} | {cells} |"
+
+
+def _sentence(choice: Choice) -> str:
+    """Sets of keys that stand together or exclude each other."""
+    sets = [" with ".join(f"`{key}`" for key in keys) for keys in choice.sets]
+    if len(sets) == 1:
+        return f"{sets[0]}, or neither."
+    return f"{' or '.join(sets)}, not both." if choice.optional else f"Either {' or '.join(sets)}."

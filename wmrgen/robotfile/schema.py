@@ -1,0 +1,246 @@
+"""Robot files as a JSON Schema, for editors and validators: from the field table."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from itertools import combinations, permutations
+from typing import Any
+
+from wmrgen.robotfile.expressions import MAX_CHARACTERS
+from wmrgen.robotfile.fields import (
+    Amount,
+    Choice,
+    Field,
+    Interval,
+    ListOf,
+    Mapped,
+    Name,
+    OneOf,
+    Section,
+    Text,
+    Value,
+    Version,
+    Word,
+)
+from wmrgen.robotfile.keys import ROBOT, WHEEL
+from wmrgen.robotfile.load import OPEN
+from wmrgen.robotfile.names import NAME_PATTERN
+from wmrgen.robotfile.numbers import NUMBER, Kind, spellings_of, units_of
+from wmrgen.robotfile.part_keys import ENCODER, LIMITS, NOISE
+from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
+from wmrgen.robotfile.wheels import takes
+
+Schema = dict[str, Any]
+SCHEMA_FILE = "robot.schema.json"  # beside robot files
+MODELINE = f"# yaml-language-server: $schema={SCHEMA_FILE}"  # the first line of robot files: editors check and complete
+SI = {
+    Kind.LENGTH: "m", Kind.ANGLE: "rad", Kind.SPEED: "m/s", Kind.RATE: "rad/s", Kind.TIME: "s", Kind.ANY: "SI",
+    Kind.ACCELERATION: "m/s^2", Kind.ANGULAR_ACCELERATION: "rad/s^2",
+}  # fmt: skip
+
+
+def json_schema(functions: Sequence[str] = ()) -> Schema:
+    """JSON Schema 2020-12 of a robot file. ``functions``: those that a file may ask for; any where none are listed.
+
+    It admits a little more than reading does: names may be reserved or nowhere declared, expressions wrong.
+    """
+    function = {"enum": list(functions)} if functions else _ref("name")
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **_section(ROBOT),
+        "title": "wmrgen robot file",
+        "$defs": {
+            "name": _name(
+                NAME_PATTERN, "a name: a letter, then letters, digits and _, 31 characters at most"
+            ),
+            "function": function,
+            **{_kind(kind): _quantity(kind) for kind in Kind},
+            "plain": _written("a number, or an expression", []),
+            **{kind.name: _wheel(kind) for kind in WHEEL_TYPES.values()},
+        },
+    }
+
+
+def _kind(kind: Kind) -> str:
+    return kind.name.lower()
+
+
+def _quantity(kind: Kind, more: str = "") -> Schema:
+    text = (
+        f"[{SI[kind]}] a number, a number with a unit ({', '.join(units_of(kind))}), or an expression{more}"
+    )
+    return _written(text, spellings_of(kind))
+
+
+def _written(text: str, units: Iterable[str]) -> Schema:
+    """What ``text`` says: no open question, behind a number no word but one of ``units``, at the end, and nothing that
+    no quantity has. Editors show the text of a value that is none."""
+    number = rf"[+-]?{NUMBER}(?![0-9.]|[eE][+-]?[0-9])"
+    other = rf"\s*{number}[ \t]*(?!(?:{'|'.join(map(re.escape, units))})\s*$)[A-Za-zµμ°π_]"
+    return {
+        "type": ["number", "string"],
+        "maxLength": MAX_CHARACTERS,
+        "pattern": rf"^(?!{OPEN}$|{other})[-+*/().,\sA-Za-z0-9_πΠµμ°²^]+$",
+        "errorMessage": text,
+        "description": text,
+    }
+
+
+def _name(pattern: str, text: str) -> Schema:
+    return {"type": "string", "pattern": pattern, "errorMessage": text}
+
+
+def _ref(name: str) -> Schema:
+    return {"$ref": f"#/$defs/{name}"}
+
+
+def _section(
+    section: Section, fields: Iterable[Field] | None = None, choices: Iterable[Choice] | None = None
+) -> Schema:
+    """A mapping with the keys of a section, or with those of ``fields``."""
+    fields = section.fields if fields is None else tuple(fields)
+    schema: Schema = {
+        "title": section.title,
+        "type": "object",
+        "additionalProperties": False,
+        "properties": {word: _property(f) for f in fields for word in f.spellings},
+    }
+    if section.required:
+        schema["required"] = list(section.required)
+    choices = section.choices if choices is None else choices
+    rules = [rule for choice in choices for rule in _choice(section, choice)]
+    rules += [_spelled_once(f) for f in fields if f.greek]
+    return {**schema, "allOf": rules} if rules else schema
+
+
+def _property(field: Field) -> Schema:
+    """A key's value with its meaning, its unit and what counts where it is not given."""
+    value = field.value
+    unit = SI[value.kind] if isinstance(value, Amount | Interval) and value.kind is not Kind.ANY else ""
+    default = value.default if isinstance(value, Word) else field.default
+    said = f"{field.meaning}{f' [{unit}]' if unit else ''}{f'; default: {default}' if default else ''}"
+    return {**_value(value), "description": said}
+
+
+def _value(value: Value) -> Schema:
+    """What stands behind a key."""
+    match value:
+        case Version(number):
+            return {"const": int(number)}
+        case Name():
+            return _ref("name")
+        case Text(longest):
+            return {"type": "string", "maxLength": longest}
+        case Word(words, default, interval=Kind() as kind):
+            ends = {"type": "array", "minItems": 2, "maxItems": 2, "items": _ref(_kind(kind))}
+            return {"anyOf": [_value(Word(words, default)), ends]}
+        case Word(words, default):
+            if set(words) == {"true", "false"}:
+                return {"type": "boolean", "default": default == "true"}
+            return {"enum": list(words), "default": default}
+        case Amount(kind, unit):
+            return _ref("plain" if unit else _kind(kind))
+        case Interval(kind):
+            ends = {"minItems": 2, "maxItems": 2, "prefixItems": [_ref(_kind(kind))] * 2}
+            return {
+                **_quantity(kind, ", or a list [low, high]"),
+                "type": ["number", "string", "array"],
+                **ends,
+            }
+        case OneOf(what):
+            return _one_of(what)
+        case ListOf():
+            return _list(value)
+        case Mapped(section, most):
+            return {
+                "type": "object",
+                "maxProperties": most,
+                "propertyNames": _ref("name"),
+                "additionalProperties": {"anyOf": [_ref(_kind(Kind.ANY)), _section(section)]},
+            }
+        case Section():
+            return {"oneOf": [_ref(name) for name in WHEEL_TYPES]} if value is WHEEL else _section(value)
+
+
+def _one_of(what: str) -> Schema:
+    match what:
+        case "wheel.joint":
+            return _name(
+                NAME_PATTERN[:-1] + r"\.(spin|steer)$", "a joint: the wheel's name, then .spin or .steer"
+            )
+        case "function":
+            return _ref("function")
+        case "type":
+            return {"enum": list(WHEEL_TYPES)}
+    return _ref("name")
+
+
+def _list(value: ListOf) -> Schema:
+    schema: Schema = {"type": "array", "items": _value(value.item)}
+    if value.least:
+        schema["minItems"] = value.least
+    if value.most is not None:
+        schema["maxItems"] = value.most
+    if value.once:
+        schema["uniqueItems"] = True
+    return schema
+
+
+def _wheel(kind: WheelType) -> Schema:
+    """One wheel type: the keys that it takes, its joints and their limits."""
+    placement, orientation = WHEEL.choices
+    choices = (placement, orientation._replace(optional=not kind.oriented))
+    schema = _section(WHEEL, (f for f in WHEEL.fields if takes(kind, f.key)), choices)
+    properties = schema["properties"]
+    properties["type"] = {"const": kind.name, "description": kind.meaning}
+    joints = kind.powered.joints if kind.powered else kind.joints
+    for key in ("actuated", "sensed"):
+        properties[key]["items"] = {"enum": list(joints)}
+    for key, section in (("limits", LIMITS), ("noise", NOISE), ("encoder", ENCODER)):
+        own = section.keys_of(joints)
+        of_joints = _section(section, (f for f in section.fields if f.key in own))
+        properties[key] = {**of_joints, "description": WHEEL.field(key).meaning}
+    required = [*WHEEL.required, *kind.required]
+    if kind.powered:
+        schema["allOf"] = [*schema.get("allOf", []), _driven(kind.powered)]
+    return {**schema, "title": kind.name, "description": kind.meaning, "required": required}
+
+
+def _driven(powered: WheelType) -> Schema:
+    """With driven directions a wheel has what each of them requires, and no orientation of its own."""
+    oriented = {word: False for key in ("beta", "heading") for word in WHEEL.field(key).spellings}
+    driven = {"required": ["driven"], "properties": {"driven": {"minItems": 1}}}
+    return {"if": driven, "then": {"required": [*powered.required], "properties": oriented}}
+
+
+def _choice(section: Section, choice: Choice) -> list[Schema]:
+    """Exactly one of the sets of keys, whole; where optional, or none. A rule for each mistake, in its words."""
+    rules = [
+        {"if": _any_of(section, [other]), "then": _any_of(section, [key])}
+        for keys in choice.sets
+        for key, other in permutations(keys, 2)
+    ]
+    for one, (key, *_) in combinations(choice.sets, 2):
+        twice = {"errorMessage": " ".join(choice.several[1:])}
+        refused = {"properties": dict.fromkeys(section.field(key).spellings, False), **twice}
+        rules.append({"if": _any_of(section, one), "then": refused})
+    if not choice.optional:
+        every = [key for keys in choice.sets for key in keys]
+        words = {"errorMessage": f"{section.title} {choice.none[0]}. {choice.none[2]}"}
+        rules.append({"if": {"not": _any_of(section, every)}, "then": {"required": every[:1], **words}})
+    return rules
+
+
+def _any_of(section: Section, keys: Iterable[str]) -> Schema:
+    """One of the keys at least stands, in one of its spellings."""
+    alternatives = [{"required": [word]} for key in keys for word in section.field(key).spellings]
+    return {"anyOf": alternatives} if len(alternatives) > 1 else alternatives[0]
+
+
+def _spelled_once(field: Field) -> Schema:
+    same = f"{field.greek} is {field.key}. Keep one of them."
+    return {
+        "if": {"required": [field.greek]},
+        "then": {"properties": {field.key: False}, "errorMessage": same},
+    }

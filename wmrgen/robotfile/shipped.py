@@ -1,0 +1,20 @@
+"""What comes with the package and is no Python: in an installed wheel below it, in a checkout beside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from wmrgen.errors import EnvironmentFailure
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def shipped(name: str) -> Path:
+    """The folder ``templates`` or ``robots``. EnvironmentFailure where there is none."""
+    places = [_PACKAGE / name, _PACKAGE.parent / name]
+    for folder in places:
+        if folder.is_dir():
+            return folder
+    raise EnvironmentFailure(
+        f"the {name} of wmrgen are missing: neither {places[0]} nor {places[1]} exists. Install wmrgen again."
+    )

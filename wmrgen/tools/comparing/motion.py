@@ -1,0 +1,188 @@
+"""How a robot moves that is driven by the commands of another description of it.
+
+A twist is commanded; the second description makes joint rates and angles of it; the first robot's wheels turn so, and
+its twist is that of least squares over its rolling and sliding rows (those of `wmrgen.geometry.constraints`, in
+doubles).
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmrgen.tools.comparing.quantities import forward
+from wmrgen.tools.comparing.record import SAME, Effect, Side, Tie
+
+Array = NDArray[np.float64]
+Pairs = Sequence[tuple[Side, Side]]  # wheels of the first robot, each with what the second file says of it
+Coupled = tuple[Sequence[Side], Sequence[Tie]]  # wheels, and which of their joints turn together
+_SEEN = 5e-4  # of a motion: what changes less is not told
+# Curvature of the turn of a car, per its own size: there the angles of its wheels are in proportion.
+_GENTLE = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """Joint angle [rad] and rates [rad/s] of a wheel."""
+
+    steer: float
+    steer_rate: float
+    spin: float
+
+
+def _along(w: Side, direction: complex) -> Array:
+    """The velocity of the pivot along a direction, per twist."""
+    return np.array([direction.real, direction.imag, (w.pivot.conjugate() * direction).imag])
+
+
+def _rows(w: Side, steer: float) -> tuple[Array, Array]:
+    """The rolling and the sliding row at a joint angle, of the twist."""
+    e = cmath.rect(1, w.of("heading") + steer)
+    rolling = _along(w, e * cmath.rect(1, w.of("gamma"))) - [0, 0, w.of("offset_y")]
+    return rolling, _along(w, 1j * e) + np.array([0, 0, w.of("d")])
+
+
+def _command(w: Side, twist: Array) -> Command:
+    """What a wheel is told for a twist (vx, vy, omega): at most a quarter turn; a castor has angle 0."""
+    kind = w.kind
+    steer = rate = 0.0
+    if kind.steers:
+        velocity = complex(*twist[:2]) + 1j * twist[2] * w.pivot
+        if abs(velocity) > 1e-9 * math.hypot(*twist[:2], abs(twist[2] * w.pivot)):
+            steer = math.remainder(cmath.phase(velocity) - w.of("heading"), math.pi)
+    rolling, sliding = _rows(w, steer)
+    if kind.swivels:
+        rate = -float(sliding @ twist) / w.of("d")
+    rim = float(rolling @ twist) - w.of("offset_y") * rate
+    return Command(steer, rate, rim / (w.values["r"] * math.cos(w.of("gamma"))))
+
+
+def _together(commands: Sequence[Command], wheels: Sequence[Side], ties: Sequence[Tie]) -> Sequence[Command]:
+    """Commands of which coupled joints follow the one that has the motor."""
+    result, names = list(commands), [w.name for w in wheels]
+    for tie in ties:
+        members = [(names.index(name), turns) for name, turns in tie.turns.items() if name in names]
+        for i, turns in members[1:]:
+            first, own = members[0]
+            lead = result[first]
+            if tie.joint == "spin":
+                result[i] = replace(result[i], spin=lead.spin * turns / own)
+            else:
+                k = turns / own
+                result[i] = replace(result[i], steer=lead.steer * k, steer_rate=lead.steer_rate * k)
+    return result
+
+
+def _response(wheels: Sequence[Side], commands: Sequence[Command]) -> Array:
+    """The twist of least squares over all rows whose rates are known, then what is left of each row [m/s]. In a car,
+    whose wheels cannot follow speeds that contradict its angles, the angles decide."""
+    rows, rates, weights = [], [], []
+    firm = 1e4 if _is_car(wheels) else 1.0
+    for w, c in zip(wheels, commands, strict=True):
+        kind = w.kind
+        rolling, sliding = _rows(w, c.steer)
+        if w.actuated is None or "spin" in w.actuated:
+            rows.append(rolling)
+            weights.append(1.0)
+            rates.append(w.values["r"] * math.cos(w.of("gamma")) * c.spin + w.of("offset_y") * c.steer_rate)
+        if kind.sliding_row:
+            rows.append(sliding)
+            weights.append(firm)
+            rates.append(-w.of("d") * c.steer_rate if kind.swivels else 0.0)
+    h, z, weight = np.array(rows), np.array(rates), np.array(weights)
+    twist, *_ = np.linalg.lstsq(h * weight[:, None], z * weight, rcond=1e-12)
+    return np.concatenate([twist, h @ twist - z])
+
+
+def _is_car(wheels: Sequence[Side]) -> bool:
+    kinds = [w.kind for w in wheels]
+    return any(k.fixed_axle for k in kinds) and any(k.steers for k in kinds)
+
+
+def _ahead(wheels: Sequence[Side]) -> float:
+    """How far in front of P the fixed axle lies, along the direction of driving; 0 without one."""
+    along = forward(wheels).conjugate()
+    fixed = [(along * w.pivot).real for w in wheels if w.kind.fixed_axle]
+    return math.fsum(fixed) / len(fixed) if fixed else 0.0
+
+
+def _asked(motion: str, wheels: Sequence[Side]) -> Array:
+    """The twist of unit speed, of its own fixed axle where a robot has one."""
+    along = forward(wheels)
+    if motion != "turn":
+        direction = along * (1 if motion == "straight" else 1j)
+        return np.array([direction.real, direction.imag, 0.0])
+    aside = -1j * along * _ahead(wheels)  # of P, while the axle does not move sideways
+    return np.array([aside.real, aside.imag, 1.0])
+
+
+def effects(pairs: Pairs, own_ties: Sequence[Tie] = (), told_ties: Sequence[Tie] = ()) -> Iterator[Effect]:
+    """What each motion becomes that the robot can do, by its own couplings and those of the second file."""
+    own, told = [a for a, _ in pairs], [b for _, b in pairs]
+    size = max(abs(w.pivot - v.pivot) for w in own for v in own) or 1.0
+    robot = own, own_ties
+    for motion in ("straight", "strafe", "turn"):
+        nominal, actual = (_driven(robot, each, motion, size) for each in (robot, (told, told_ties)))
+        effect = _effect(motion, nominal, actual, forward(own), size / 2)
+        if effect:
+            yield effect
+
+
+def _driven(robot: Coupled, by: Coupled, motion: str, size: float) -> Array:
+    """The response of a robot to what wheels like those of ``by`` are told for a motion; of a car, per curvature."""
+    (own, ties), (told, _) = robot, by
+
+    def response(twist: Array) -> Array:
+        commands = _together([_command(w, twist) for w in told], *by)
+        return _response(own, _together(commands, own, ties))
+
+    asked = _asked(motion, told)
+    if motion != "turn" or not _is_car(own):
+        return response(asked)
+    ahead, bend = _asked("straight", told), _GENTLE / size
+    return (response(ahead + bend * asked) - response(ahead - bend * asked)) / (2 * bend)
+
+
+def _effect(motion: str, nominal: Array, actual: Array, forward: complex, arm: float) -> Effect | None:
+    """The change from one's own motion to that by the other's commands; None where it is not one's own to do."""
+
+    def parts(twist: Array) -> dict[str, float]:
+        along = forward.conjugate() * complex(*twist[:2])
+        return {"straight": along.real, "strafe": along.imag, "turn": float(twist[2]) * arm}
+
+    was, now = parts(nominal), parts(actual)
+    if was[motion] < {"straight": 0.5, "strafe": 0.99, "turn": 1e-3 * arm}[motion]:
+        return None
+    ratio = now[motion] / was[motion]
+    others = {m: (now[m] - was[m] * ratio) / abs(was[motion]) for m in now if m != motion}
+    slip = float(np.linalg.norm(actual[3:]) - np.linalg.norm(nominal[3:]) * abs(ratio)) / abs(was[motion])
+    return Effect(motion, ratio, ", ".join(_words(motion, ratio, others, slip)))
+
+
+_SAY = {  # the wrong way, not at all, more, less
+    "straight": ("drives backwards", "does not drive straight", "drives {} too fast", "drives {} too slow"),
+    "strafe": ("strafes the wrong way", "does not strafe", "strafes {} too fast", "strafes {} too slow"),
+    "turn": ("turns the wrong way", "does not turn", "yaw rate {} high", "yaw rate {} low"),
+}  # fmt: skip
+_BESIDE = {"straight": "drives ahead or back", "strafe": "drifts sideways", "turn": "turns"}
+_WHILE = {"straight": "driving straight", "strafe": "strafing", "turn": "turning"}
+
+
+def _words(motion: str, ratio: float, others: Mapping[str, float], slip: float) -> Iterator[str]:
+    wrong, none, more, less = _SAY[motion]
+    if abs(ratio) < _SEEN:
+        yield none
+    elif ratio < 0:
+        yield wrong
+    if abs(ratio) >= _SEEN and abs(abs(ratio) - 1) >= _SEEN:
+        yield (more if abs(ratio) > 1 else less).format(f"{abs(abs(ratio) - 1):.1%}".replace("%", " %"))
+    for other, share in others.items():
+        if abs(share) >= SAME:
+            yield f"{_BESIDE[other]} while {_WHILE[motion]}"
+    if slip >= 5 * SAME:
+        yield f"wheels work against each other, by {slip:.1%}".replace("%", " %")

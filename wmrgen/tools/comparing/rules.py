@@ -1,0 +1,156 @@
+"""The codes of differences between files, for `explain` and docs/lint.md."""
+
+from __future__ import annotations
+
+from wmrgen.tools.lint.record import PAIR, Rule
+
+DIFF = "drive:\n  type: diff_drive_controller/DiffDriveController\n"
+MECANUM = """
+wheels:
+  - {name: front_left,  type: swedish, x: 0.3,  y: 0.2,  heading: 0, r: 0.1, gamma: -45 deg}
+  - {name: front_right, type: swedish, x: 0.3,  y: -0.2, heading: 0, r: 0.1, gamma: 45 deg}
+  - {name: rear_left,   type: swedish, x: -0.3, y: 0.2,  heading: 0, r: 0.1, gamma: 45 deg}
+  - {name: rear_right,  type: swedish, x: -0.3, y: -0.2, heading: 0, r: 0.1, gamma: -45 deg}
+"""
+CAR = """
+wheels:
+  - {name: front, type: steered, x: 1.5, y: 0, heading: 0, r: 0.3, actuated: [steer]}
+  - {name: left,  type: fixed, x: 0, y: 0.6,  heading: 0, r: 0.3}
+  - {name: right, type: fixed, x: 0, y: -0.6, heading: 0, r: 0.3}
+"""
+BELTS = """
+wheels:
+  - {name: front_left,  type: fixed, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
+  - {name: front_right, type: fixed, x: 0.3,  y: -0.2, heading: 0, r: 0.1}
+  - {name: rear_left,   type: fixed, x: -0.3, y: 0.2,  heading: 0, r: 0.1}
+  - {name: rear_right,  type: fixed, x: -0.3, y: -0.2, heading: 0, r: 0.1}
+couplings:
+  - {equal: [rear_left.spin, front_left.spin]}
+  - {equal: [rear_right.spin, front_right.spin]}
+"""
+CASTOR = PAIR + "  - {name: tail, type: castor, x: -0.3, y: 0, heading: 0, d: -0.04, r: 0.05}\n"
+BETWEEN: dict[str, Rule] = {}
+
+
+def _between(code: str, title: str, text: str, robot: str, wrong: str, right: str) -> None:
+    """Enter a rule; its examples are a robot, without the first two lines of its file, and a second file."""
+    bad, good = (f"{robot.strip()}\n---\n{other.strip()}\n" for other in (wrong, right))
+    BETWEEN[code] = Rule(code, title, " ".join(text.split()), bad, good, lambda _: iter(()))
+
+
+_between(
+    "WMR040",
+    "another track",
+    """The distance between the left and the right wheels decides how fast the robot turns: with a track that is 4 %
+    short in the controller, it turns 4 % less than it is told and odometry counts 4 % too much. Half of the track, or
+    its double, is a half-track. A wheel_separation_multiplier counts; on robots that turn by skidding only where the
+    robot file says `effective_track`, to which their product is held.""",
+    PAIR,
+    f"{DIFF}  wheel_separation: 0.2\n  wheel_radius: 0.1",
+    f"{DIFF}  wheel_separation: 0.4\n  wheel_radius: 0.1",
+)
+_between(
+    "WMR041",
+    "another wheelbase",
+    """The distance from the rear to the front wheels decides how far a car steers for a curve: with a wheelbase that is
+    too short it steers too little, and turns less than it is told.""",
+    CAR,
+    "car: {type: tricycle_controller/TricycleController, wheelbase: 1.2, wheel_radius: 0.3}",
+    "car: {type: tricycle_controller/TricycleController, wheelbase: 1.5, wheel_radius: 0.3}",
+)
+_between(
+    "WMR042",
+    "another wheel radius",
+    """With a radius that is too large in the controller the wheels turn too slowly: the robot drives and turns less
+    than it is told. The double of the radius is the diameter.""",
+    PAIR,
+    f"{DIFF}  wheel_separation: 0.4\n  wheel_radius: 0.2",
+    f"{DIFF}  wheel_separation: 0.4\n  wheel_radius: 0.1",
+)
+_between(
+    "WMR043",
+    "another lx + ly, or distance of the wheels from the centre",
+    """The yaw rate of a mecanum robot follows from half the wheelbase and half the track together, that of an omni
+    robot from how far its wheels stand from the centre. Both are measured to the middle of the wheel.""",
+    MECANUM,
+    "base:\n  type: mecanum_drive_controller/MecanumDriveController\n  kinematics:\n    wheels_radius: 0.1\n"
+    "    sum_of_robot_center_projection_on_X_Y_axis: 1.0",
+    "base:\n  type: mecanum_drive_controller/MecanumDriveController\n  kinematics:\n    wheels_radius: 0.1\n"
+    "    sum_of_robot_center_projection_on_X_Y_axis: 0.5",
+)
+_between(
+    "WMR044",
+    "another place of a wheel, or of the origin",
+    """A wheel stands elsewhere than track and wheelbase alone would move it: wheels have changed their names, a joint
+    is given from another frame, or the two files have different origins. Or a controller takes a joint for one on the
+    other side: then the robot turns the wrong way.""",
+    PAIR,
+    "wheels:\n  - {name: left,  type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}\n"
+    "  - {name: right, type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}",
+    PAIR,
+)
+_between(
+    "WMR045",
+    "another sign, or heading",
+    """A joint that counts the other way turns its wheel backwards. Motors mounted mirrored have such signs; then both
+    files must say so.""",
+    PAIR,
+    PAIR.replace("heading: 0, r: 0.1}\n  - {name: right", "heading: pi, r: 0.1}\n  - {name: right"),
+    PAIR,
+)
+_between(
+    "WMR046",
+    "rollers that stand otherwise",
+    """The rollers of a mecanum wheel lean one way at the ground and the other way on top, where one sees them. With all
+    four taken from above, the robot strafes the wrong way.""",
+    MECANUM,
+    MECANUM.replace("-45", "+45").replace(" 45", " -45").replace("+45", "45"),
+    MECANUM,
+)
+_between(
+    "WMR047",
+    "another order of wheels",
+    """Programs that know the wheels by number, as arrays of joints and the enumeration in the C do, send each command
+    to another wheel.""",
+    PAIR,
+    "wheels:\n  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}\n"
+    "  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}",
+    PAIR,
+)
+_between(
+    "WMR048",
+    "a wheel or joint that only one file has",
+    """A controller that names a joint that the robot does not have does not start, or drives nothing. Wheels that leave
+    every motion free, such as ball castors, are only noted.""",
+    PAIR,
+    f"{PAIR.rstrip()}\n  - {{name: middle, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}}",
+    PAIR,
+)
+_between(
+    "WMR049",
+    "parameters or wheels of another kind",
+    """The controller is made for other wheels than the robot has: a differential drive makes nothing of rollers.""",
+    MECANUM,
+    f"{DIFF}  wheel_separation: 0.4\n  wheel_radius: 0.1",
+    "base: {type: mecanum_drive_controller/MecanumDriveController, wheel_radius: 0.1}",
+)
+_between(
+    "WMR050",
+    "another place of the contact beside the steering axis",
+    """How far a castor trails, or how far along its axle a steered wheel stands from its steering axis. A driven castor
+    or steered wheel turns at another speed for it; of a castor that only follows, its angle differs.""",
+    CASTOR,
+    CASTOR.replace("-0.04", "-0.03"),
+    CASTOR,
+)
+_between(
+    "WMR051",
+    "joints that turn together in one file alone, or in another ratio",
+    """A shaft, a belt or gears make joints turn as one: the first has the motor, and what is commanded of the others is
+    not done. A program that does not know it, or has another ratio, commands what the robot cannot do.""",
+    BELTS,
+    BELTS.replace(
+        "equal: [rear_left.spin, front_left.spin]", "equal: [rear_left.spin, front_left.spin], ratios: [1, 2]"
+    ),
+    BELTS,
+)

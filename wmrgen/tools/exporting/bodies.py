@@ -1,0 +1,155 @@
+"""The links of a robot, ready to print: one for each joint, the axle of a steered wheel below its steering.
+
+base_link is P, on the ground, x forward. A wheel's link lies in its centre, turned so that it rolls along its x and
+turns about its y; a steering link lies in the pivot at the height of the axle and turns about z.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from math import degrees, pi
+from typing import Any
+
+from wmrgen.errors import NotDerivableError
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.robotfile.text import quoted
+from wmrgen.tools.exporting.text import banner, decimal, decimals
+from wmrgen.tools.importing.records import RIGID
+
+BASE = "base_link"
+WIDTH = 0.4  # of a wheel, in radii
+CHASSIS, FORK, WHEEL, BALL = 10.0, 0.5, 1.0, 0.2  # masses [kg]
+EFFORT, SPEED = "100", 10.0  # [Nm], [rad/s] of joints of which the robot file says nothing
+_NOTES = (
+    f"{BASE} is the frame of the robot file: P, on the ground, x forward.",
+    "PLACEHOLDERS, of which the robot file says nothing: masses, inertias, the chassis, widths of wheels, efforts; "
+    "velocities of joints, radii of balls, where it gives none.",
+)
+Moments = tuple[str, str, str]
+Pairs = tuple[tuple[str, str], ...]
+Frictions = tuple[tuple[str, tuple[str, ...]], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A link of ``wheel`` and the joint of that ``part`` (spin, steer, ball) that carries it, at ``xyz`` [m] and
+    ``yaw`` [rad] in the link ``parent``. ``moments`` [kg m2] about x, y, z. ``roles`` of its shape, each with friction:
+    mu, and its directions in base_link. ``leaders``: the joint that it follows by a coupling, and how many times as
+    far. ``driven``: it has a motor of its own. What a body has not is a tuple of none."""
+
+    wheel: Wheel
+    part: str
+    parent: str
+    xyz: str
+    yaw: str
+    mass: str
+    moments: Moments
+    kind: str = RIGID
+    solid: str = ""
+    sizes: Pairs = ()
+    roles: Mapping[str, Frictions] = field(default_factory=dict)
+    axes: tuple[str, ...] = ()
+    limits: tuple[Pairs, ...] = ()
+    leaders: Pairs = ()
+    remarks: tuple[str, ...] = ()
+    driven: bool = False
+
+    @property
+    def joint(self) -> str:
+        return joint_of(self.wheel, self.part)
+
+    @property
+    def link(self) -> str:
+        return f"{self.joint}_link"
+
+
+def joint_of(wheel: Wheel, part: str) -> str:
+    """What ROS calls a joint of a wheel, as in packages of `wmrgen derive`: left_spin."""
+    return f"{wheel.name}_{part}"
+
+
+def bodies(robot: Robot) -> list[Body]:
+    """The links of all wheels in the order of the file, each after its parent."""
+    return [body for wheel in robot.wheels for body in _bodies(robot, wheel)]
+
+
+def context(robot: Robot) -> dict[str, Any]:
+    """What templates of URDF and SDFormat print of a robot."""
+    height = max((float(w.nominal.r) for w in robot.wheels), default=0.0) or 0.1
+    spans = [[float(getattr(w.nominal, axis)) for w in robot.wheels] for axis in "xy"]
+    (x, length), (y, width) = (((max(s) + min(s)) / 2, max(s) - min(s) + height) for s in spans)
+    chassis = {
+        "mass": decimal(CHASSIS), "size": decimals(length, width, height), "xyz": decimals(x, y, 2 * height),
+        "moments": _moments(CHASSIS, *(a**2 / 12 for a in (length, width, height))),
+    }  # fmt: skip
+    about = [*banner(robot), *_NOTES]
+    return {"robot": robot.name, "about": about, "base": BASE, "chassis": chassis, "quarter": decimal(pi / 2)}
+
+
+def _moments(mass: float, x: float, y: float, z: float) -> Moments:
+    """Of a mass that lies so far [m2, mean square] along x, y and z."""
+    return decimal(mass * (y + z)), decimal(mass * (x + z)), decimal(mass * (x + y))
+
+
+def _bodies(robot: Robot, wheel: Wheel) -> Iterator[Body]:
+    g, yaw = wheel.nominal, decimal(wheel.heading)
+    r = float(g.r) or min((float(w.nominal.r) for w in robot.wheels if w.nominal.r), default=0.1) / 2
+    at, ball, radius = decimals(g.x, g.y, r), (r**2 / 5,) * 3, (("radius", decimal(r)),)
+    if wheel.ball:
+        raise NotDerivableError(
+            f"{quoted(wheel.ball)} is a driven ball; URDF and SDF have no joint that rolls a ball along one direction "
+            "only\n"
+            "For this export, write each driven direction as an omni wheel (type: swedish, gamma: 0, heading: the "
+            "direction), or delete driven: the ball is then passive."
+        )
+    if not wheel.has_spin:
+        yield Body(
+            wheel, "ball", BASE, at, "0", decimal(BALL), _moments(BALL, *ball),
+            solid="sphere", sizes=radius, roles=_roles((("0", ()),)),
+        )  # fmt: skip
+        return
+    below = BASE
+    if wheel.turns:
+        angles = robot.limit(wheel, "steer")
+        ends = (("lower", decimal(angles.low)), ("upper", decimal(angles.high))) if angles else ()
+        steering = Body(
+            wheel, "steer", BASE, at, yaw, decimal(FORK), _moments(FORK, *ball),
+            "revolute" if ends else "continuous", axes=("0 0 1",),
+            **_jointed(robot, wheel, "steer", "steer_rate", ends),
+        )  # fmt: skip
+        yield steering
+        below, at, yaw = steering.link, decimals(g.d, g.o, 0), "0"
+    width = WIDTH * r
+    grips, remarks = _rollers(wheel) if wheel.kind.rollers else ((), ())
+    yield Body(
+        wheel, "spin", below, at, yaw, decimal(WHEEL), _moments(WHEEL, r**2 / 4, width**2 / 12, r**2 / 4),
+        "continuous", "cylinder", (*radius, ("length", decimal(width))), _roles(grips), ("0 1 0",), remarks=remarks,
+        **_jointed(robot, wheel, "spin", "spin", ()),
+    )  # fmt: skip
+
+
+def _roles(frictions: Frictions) -> dict[str, Frictions]:
+    return {"visual": (), "collision": frictions}
+
+
+def _jointed(robot: Robot, wheel: Wheel, part: str, rate: str, ends: Pairs) -> dict[str, Any]:
+    """Limits and motor of a joint. Of coupled joints the first leads, and has their motor."""
+    together = next(group for group in robot.together(part, robot.wheels) if wheel in group)
+    leads, speed = together[0] is wheel, robot.limit(wheel, rate)
+    most = SPEED if speed is None else max(abs(float(speed.low)), abs(float(speed.high)))
+    limit = (*ends, ("effort", EFFORT), ("velocity", decimal(most)))
+    ratio = decimal(float(robot.turn_ratio(part, wheel)))
+    return {
+        "limits": (limit,) if ends or speed is not None else (),
+        "leaders": () if leads else ((joint_of(together[0], part), ratio),),
+        "driven": leads and any(part in w.actuated for w in together),
+    }
+
+
+def _rollers(wheel: Wheel) -> tuple[Frictions, tuple[str]]:
+    """It grips along the axis of the roller at the ground, seen from base_link, which does not turn with the wheel."""
+    ch, sh, cg, sg = (float(getattr(wheel.nominal, name)) for name in ("ch", "sh", "cg", "sg"))
+    axis = decimals(ch * cg - sh * sg, sh * cg + ch * sg, 0)
+    text = "from the rolling direction to the axis of the roller at the ground"
+    return (("1", (axis,)),), (f"{wheel.name}: gamma = {decimal(degrees(wheel.gamma))} deg, {text}.",)

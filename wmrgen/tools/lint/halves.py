@@ -1,0 +1,191 @@
+"""Full sizes where halves are meant: tracks, wheelbases and diameters in the places of distances and radii."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from wmrgen.errors import Mark
+from wmrgen.robotfile.records import ParameterSpec
+from wmrgen.tools.lint.record import Finding, Subject, rule
+
+_WHOLE = r"^(?:(?:robot|body|base|chassis|frame|platform|vehicle|car|total|overall)_?)?"  # a size of the robot itself
+_SPANS = {
+    "x": re.compile(rf"wheel_?base(?!_?(radius|link))|{_WHOLE}(?:base|length)$"),
+    "y": re.compile(
+        rf"track|separation|gauge|tread|spacing|wheel_distance|between|axle_length|{_WHOLE}width$"
+    ),
+}
+_SURE = re.compile(
+    r"wheel_?base|track|separation|gauge|tread|spacing|wheel_distance|between|^axle(_?(length|width|base|distance))?$"
+)  # the others may be sizes of the body
+_HALF = re.compile("half|semi")
+_ROUND = re.compile(r"diam|(^|_)dia(_|$)|^(?!.*(base|robot|body)).*radius")
+_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
+_NUMBER = r"(?:\s+(?:of|is|width))*[\s:=~]*(\d+(?:\.\d+)?)\s*(mm|cm|m|in)?\b"
+_WRITTEN = {
+    "diameter": re.compile(rf"(?:\bdia(?:meter|m)?\b\.?|[Øø⌀]){_NUMBER}", re.IGNORECASE),
+    "x": re.compile(rf"(?<!half )\bwheel[ -]?base\b{_NUMBER}", re.IGNORECASE),
+    "y": re.compile(rf"(?<!half[ -])\b(?:track|wheel separation|gauge)\b{_NUMBER}", re.IGNORECASE),
+}
+_DIAMETER = re.compile(r"(?:the )?(?:wheel )?(?:diameter|dia\.?|[Øø⌀])", re.IGNORECASE)
+_CLOSE, _ABOUT = 1e-6, 1e-3
+_LEAST = 0.95  # of the track of its wheels, the effective one of a robot that skids
+
+
+@rule(
+    "WMR005",
+    "a full track or a diameter for a half",
+    """A parameter that is called track, wheelbase or width is the distance between wheels; one called diameter is twice
+    a radius. Where a wheel stands that far from the middle, or has that radius, the robot is twice as large as meant,
+    and it turns half as fast. Divide by 2, or call the parameter half_track where it is the half. The same is told of a
+    half that is halved again, where the comment beside a number or the description says such a size, where of two
+    wheels that face each other one has twice the size of the other, of wheels that are larger than the robot, and of an
+    effective track below the track of the wheels: skidding makes a robot turn slower, never faster.""",
+    """
+parameters: {track: 0.331, diameter: 0.195}
+wheels:
+  - {name: left,  type: fixed, x: 0, y: track,  heading: 0, r: diameter}
+  - {name: right, type: fixed, x: 0, y: -track, heading: 0, r: diameter}
+""",
+    """
+parameters: {track: 0.331, diameter: 0.195}
+wheels:
+  - {name: left,  type: fixed, x: 0, y: track/2,  heading: 0, r: diameter/2}
+  - {name: right, type: fixed, x: 0, y: -track/2, heading: 0, r: diameter/2}
+""",
+)
+def full(subject: Subject) -> Iterator[Finding]:
+    yield from _called(subject)
+    yield from _said(subject)
+    yield from faced(subject)
+    yield from _skids(subject)
+    rolling = [w for w in subject.robot.wheels if w.has_spin]
+    extent, _ = subject.extent
+    large = [w for w in rolling if float(w.nominal.r) > extent > 0]
+    if large and len(large) == len(rolling):
+        what = f"a wheel of radius {float(large[0].nominal.r):.4g} m is larger than the robot, which is {extent:.4g} m"
+        yield Finding(subject.mark(large[0]), what, "r is the radius, not the diameter.")
+
+
+def _skids(subject: Subject) -> Iterator[Finding]:
+    """An effective track that is less than the wheels stand apart across their heading."""
+    told = subject.spec.effective_track
+    ahead = subject.robot.wheels[0].zero_heading.conjugate()
+    sides = [(ahead * w.pivot).imag for w in subject.robot.wheels if w.kind.directed]
+    if told and (size := subject.value(told)) < _LEAST * (track := max(sides) - min(sides)):
+        what = (
+            f"effective_track = {told.text} is {size:.4g} m, less than the wheels stand apart, {track:.4g} m"
+        )
+        yield Finding(
+            told.mark, what, "Write the whole of it, not the half: 1.2 to 2 times the track of the wheels."
+        )
+
+
+def _extent(subject: Subject, axis: str) -> float:
+    """How far apart the outermost pivots stand along x or y [m]."""
+    at = [w.pivot.real if axis == "x" else w.pivot.imag for w in subject.robot.wheels]
+    return max(at) - min(at)
+
+
+def _called(subject: Subject) -> Iterator[Finding]:
+    """Sizes that are parameters, by their names."""
+    for p in subject.spec.parameters:
+        size, name, half = abs(subject.value(p.value)), p.name.lower(), bool(_HALF.search(p.name.lower()))
+        sure = bool(_SURE.search(name))
+        for axis, pattern in _SPANS.items() if size else ():
+            span = _extent(subject, axis) / (2 * size if half else size)
+            told = pattern.search(name) or (sure and _places(p, axis, subject))
+            word = _times(span) if told else ""
+            if word and (sure or (word == "twice" and not half)):
+                yield _span(p, word, axis, half)
+        right, whole = (f"{p.name}/2", size / 2) if "dia" in name else (p.name, size)
+        for w in subject.spec.wheels if size and _ROUND.search(name) else ():
+            word = _times(subject.value(w.r) / whole) if w.r and re.search(rf"\b{p.name}\b", w.r.text) else ""
+            if w.r and word:
+                what = f"{w.name}: r = {w.r.text} is {word} the radius that {p.name} says"
+                yield Finding(w.r.mark, what, f"Write r: {right}.")
+
+
+def _places(p: ParameterSpec, axis: str, subject: Subject) -> bool:
+    """Whether a parameter says where along ``axis`` wheels stand."""
+    quantities = [getattr(w, axis) for w in subject.spec.wheels]
+    return any(q and re.search(rf"\b{p.name}\b", q.text) for q in quantities)
+
+
+def _span(p: ParameterSpec, word: str, axis: str, half: bool) -> Finding:
+    """The distance of wheels that a parameter names, or the half of it; they stand ``word`` as far apart."""
+    what = f"{p.name} = {p.value.text}, and the wheels stand {word} as far apart in {axis}"
+    if half:
+        instead = f"Write {p.name} in the places of the wheels, or call it otherwise."
+        return Finding(p.value.mark, f"{what} as two of it", instead)
+    name = f": half_{p.name}" if word == "twice" else ""
+    return Finding(
+        p.value.mark, what, f"Write {p.name}/2 in the places of the wheels, or call it otherwise{name}."
+    )
+
+
+def _times(ratio: float) -> str:
+    """The word for a ratio that a full size in the place of a half makes, or a half of a half; else ""."""
+    words = {"twice": 2, "half": 0.5}
+    return next((word for word, times in words.items() if abs(ratio / times - 1) < _CLOSE), "")
+
+
+def _said(subject: Subject) -> Iterator[Finding]:
+    """Sizes that a comment beside a number says, or the description."""
+    about = subject.spec.description or ""
+    for spec, w in subject.wheels:
+        r = float(w.nominal.r)
+        comment = _comment(spec.r.mark) if spec.r else ""
+        alone = spec.r is not None and spec.r.mark.text.lstrip(" -").startswith("r:")
+        if r and (_says(f"{comment}; {about}", "diameter", r) or (alone and _DIAMETER.fullmatch(comment))):
+            yield Finding(
+                spec.r.mark if spec.r else spec.mark,
+                f"{w.name}: a diameter of {r:.4g} m is written here, and r is as large",
+                "Write half of it: r is the radius.",
+            )
+    lines = {spec.mark.line: spec.mark for spec in subject.spec.wheels}
+    lines |= {q.mark.line: q.mark for w in subject.spec.wheels for q in (w.x, w.y, w.l) if q}
+    for axis in _SPANS:
+        half = _extent(subject, axis) / 2
+        for mark in lines.values():
+            if half and _says(f"{_comment(mark)}; {about}", axis, half):
+                what = f"a size of {half:.4g} m is written here, and the wheels stand twice as far apart in {axis}"
+                yield Finding(mark, what, "Write half of it: x and y are distances from P.")
+                break
+
+
+def _comment(mark: Mark) -> str:
+    """The comment of a line."""
+    return mark.text.partition("#")[2].strip()
+
+
+def _says(text: str, what: str, size: float) -> bool:
+    """Whether a text gives ``size`` [m] as a diameter, or as the whole extent in x or y. Of a number without a unit it
+    is open whether metres or millimetres are meant."""
+    for match in _WRITTEN[what].finditer(text):
+        scales = [_UNITS[match[2].lower()]] if match[2] else [1.0, 1e-3]
+        if any(abs(float(match[1]) * scale - size) < _ABOUT * size for scale in scales):
+            return True
+    return False
+
+
+def faced(subject: Subject) -> Iterator[Finding]:
+    """Two wheels that face each other across the x axis, of which one has exactly twice what the other has."""
+    forward = [w.pivot.real for w in subject.robot.wheels]
+    for spec, a in subject.wheels:
+        others = [
+            w
+            for w, x in zip(subject.robot.wheels, forward, strict=True)
+            if w is not a and w.type == a.type and abs(x - forward[a.index]) < _CLOSE
+        ]
+        b = others[0] if len(others) == 1 else a
+        if a.pivot.imag * b.pivot.imag >= 0:
+            continue
+        radii, sides = float(a.nominal.r) / (float(b.nominal.r) or 1), abs(a.pivot.imag / b.pivot.imag)
+        if abs(radii - 2) < _CLOSE and abs(sides - 1) < _CLOSE:
+            what = f"{a.name}: r is twice that of {b.name}, which faces it: a diameter?"
+            yield Finding(spec.r.mark if spec.r else spec.mark, what, "Write the radius of both.")
+        if abs(sides - 2) < _CLOSE and abs(radii - 1) < _CLOSE:
+            what = f"{a.name} stands twice as far from the x axis as {b.name}, which faces it: a full track?"
+            yield Finding(spec.mark, what, f"Write the distance from P, as of {b.name}.")

@@ -1,0 +1,248 @@
+"""Numbers that were likely meant otherwise: degrees without their unit, millimetres, sizes that do not go together."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import combinations
+from math import degrees, pi, tau
+
+from wmrgen.geometry.ports import TWIST_NAMES
+from wmrgen.robotfile.numbers import UNITS
+from wmrgen.robotfile.records import Limit, Quantity
+from wmrgen.tools.lint.record import PAIR, Finding, Subject, rule
+
+LARGEST, APART = 20.0, 100.0  # of a robot [m]; the largest of its sizes over the smallest
+FASTEST = 10 * tau  # a body or a steering joint that turns faster is no robot's [rad/s]
+_SPEED = 100.0  # nor is one that drives faster [m/s]
+_SLOWEST = 10.0  # time constant of a joint [s]
+_MOST = {
+    "steer": (tau, "rad", "deg"),
+    **dict.fromkeys(("omega", "steer_rate"), (FASTEST, "rad/s", "deg/s")),
+    **dict.fromkeys(("vx", "vy"), (_SPEED, "m/s", "mm/s")),
+}
+_ANGLES = ("alpha", "beta", "heading", "gamma")
+_NUMBER = re.compile(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?")
+_UNIT = re.compile(r"deg|rad|°|/s")
+_MEANT = re.compile(r"deg|°|/s")  # of a limit: radians, written or not, may be degrees
+_PI = re.compile(r"pi|π")
+ROUNDED = 2e-3  # a turn written as 6.28 or 6.2832 [rad]
+
+
+@rule(
+    "WMR001",
+    "an angle of more than a turn",
+    """An angle without a unit is in radians unless the file says `angles: deg`. One of more than a turn is most likely
+    in degrees.""",
+    """
+wheels:
+  - {name: left,  type: fixed, l: 0.2, alpha: 90,      beta: 0,       r: 0.1}
+  - {name: right, type: fixed, l: 0.2, alpha: -90 deg, beta: 180 deg, r: 0.1}
+""",
+    """
+wheels:
+  - {name: left,  type: fixed, l: 0.2, alpha: 90 deg,  beta: 0,       r: 0.1}
+  - {name: right, type: fixed, l: 0.2, alpha: -90 deg, beta: 180 deg, r: 0.1}
+""",
+)
+def turns(subject: Subject) -> Iterator[Finding]:
+    for w in subject.spec.wheels:
+        for key in _ANGLES:
+            quantity: Quantity | None = getattr(w, key)
+            if (
+                quantity
+                and not _UNIT.search(quantity.text)
+                and abs(value := subject.value(quantity)) > tau + ROUNDED
+            ):
+                yield Finding(
+                    quantity.mark,
+                    f"{w.name}: {key} = {quantity.text} is {value:.4g} rad, {abs(value) / tau:.3g} turns",
+                    _in_degrees(quantity, value),
+                )
+
+
+def _in_degrees(quantity: Quantity, value: float) -> str:
+    """What to write in place of an angle of ``value`` [rad] that has no unit."""
+    if _PI.search(quantity.text):
+        return f"Write {value % tau / pi:.6g}*pi, unless something else was meant."
+    if not _NUMBER.fullmatch(quantity.text):
+        return "Write deg beside the numbers that it is made of."
+    if abs(float(quantity.text) - value) > ROUNDED:  # the file's angles are in degrees
+        return f"Write {degrees(value) % 360:.6g}, unless something else was meant."
+    return f"Did you mean {quantity.text} deg?"
+
+
+def _limits(subject: Subject) -> Iterator[tuple[str, Limit]]:
+    yield from (("the robot", limit) for limit in subject.spec.limits)
+    yield from ((w.name, limit) for w in subject.spec.wheels for limit in w.limits)
+
+
+@rule(
+    "WMR002",
+    "a limit or a lag that no robot has",
+    """A steering limit of more than a turn, a body or a steering joint that turns ten times a second, a speed of more
+    than 100 m/s, at the rim of a wheel too, a lag of more than 10 s: without a unit they are in radians, metres and
+    seconds, and degrees, turns a minute, millimetres or milliseconds were likely meant. A joint with a limit of 0
+    stands still, and a speed whose acceleration has one never changes.""",
+    """
+wheels:
+  - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
+  - {name: front, type: steered, x: 1, y: 0, heading: 0, r: 0.3, actuated: [steer], limits: {steer: [-35, 35]}}
+""",
+    """
+wheels:
+  - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
+  - {name: front, type: steered, x: 1, y: 0, heading: 0, r: 0.3, actuated: [steer], limits: {steer: [-35 deg, 35 deg]}}
+""",
+)
+def limits(subject: Subject) -> Iterator[Finding]:
+    radius = max(float(w.nominal.r) for w in subject.robot.wheels)
+    most = _MOST | ({"spin": (_SPEED / radius, "rad/s", "rpm, or deg/s")} if radius else {})
+    for name, limit in _limits(subject):
+        bound, unit, meant = most.get(limit.name, (0.0, "", ""))
+        worst = max((limit.low, limit.high), key=lambda q: abs(subject.value(q)))
+        value = subject.value(worst)
+        if bound and not _MEANT.search(worst.text) and abs(value) > bound:
+            turns = f", {abs(value) / tau:.3g} turns{' a second' * ('/' in unit)}" if "rad" in unit else ""
+            yield Finding(
+                limit.mark,
+                f"{name}: a limit {limit.name} of {value:.4g} {unit}{turns}",
+                f"Did you mean {meant}? Write the unit.",
+            )
+        elif not value and limit.name not in TWIST_NAMES:
+            stays = limit.name.removesuffix("_rate")
+            what = f"{name}: a limit {limit.name} of 0, with which {stays} never changes"
+            yield Finding(limit.mark, what, "Write the largest value, or delete the key.")
+    lags = [("the robot", lag) for lag in subject.spec.lag]
+    lags += [(w.name, lag) for w in subject.spec.wheels for lag in w.lag]
+    for name, (joint, time) in lags:
+        if (value := subject.value(time)) > _SLOWEST:
+            what = f"{name}: a lag of {joint} of {value:.4g} s"
+            yield Finding(time.mark, what, "Did you mean ms? Write the unit.")
+
+
+@rule(
+    "WMR003",
+    "a robot larger than 20 m",
+    """Lengths without a unit are in metres; a base of more than 20 m, or that far from its origin, was likely
+    written in millimetres, and so was a trailer, a place of the centre of gravity or an effective track of more.""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 165,  heading: 0, r: 97}
+  - {name: right, type: fixed, x: 0, y: -165, heading: 0, r: 97}
+""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 165 mm,  heading: 0, r: 97 mm}
+  - {name: right, type: fixed, x: 0, y: -165 mm, heading: 0, r: 97 mm}
+""",
+)
+def huge(subject: Subject) -> Iterator[Finding]:
+    extent, wheel = subject.extent
+    largest = max(subject.robot.wheels, key=lambda w: float(w.nominal.r))
+    if (r := float(largest.nominal.r)) > LARGEST:
+        yield Finding(
+            subject.mark(largest),
+            f"{largest.name}: a wheel of radius {r:.4g} m",
+            _meant(r, 0.01, 0.5),
+        )
+    elif extent > LARGEST:
+        yield Finding(
+            subject.mark(wheel),
+            f"the wheels stand up to {extent:.4g} m apart",
+            _meant(extent),
+        )
+    elif abs((far := max(subject.robot.wheels, key=lambda w: abs(w.pivot))).pivot) > LARGEST:
+        what = f"{far.name} stands {abs(far.pivot):.4g} m from the origin P"
+        yield Finding(subject.mark(far), what, _meant(abs(far.pivot)))
+    for words, quantity in _lengths(subject):
+        if abs(size := subject.value(quantity)) > LARGEST:
+            yield Finding(quantity.mark, f"{words} of {size:.4g} m", _meant(abs(size)))
+
+
+def _meant(size: float, least: float = 0.1, most: float = 3.0) -> str:
+    """The units [m] in which a size is one that robots have."""
+    units = [unit for unit in ("mm", "cm", "in") if least <= size * float(UNITS[unit].factor) <= most]
+    return f"Did you mean {' or '.join(units) or 'mm'}? Write the unit."
+
+
+def _lengths(subject: Subject) -> Iterator[tuple[str, Quantity]]:
+    """Lengths that are no wheel's, in words."""
+    spec = subject.spec
+    told = [(f"the trailer {t.name} has a length", q) for t in spec.trailers for q in (t.length, t.hitch)]
+    told += [(f"the centre of gravity has a {key}", getattr(spec.cg, key, None)) for key in "xyz"]
+    told.append(("the robot has an effective track", spec.effective_track))
+    yield from ((words, quantity) for words, quantity in told if quantity)
+
+
+@rule(
+    "WMR004",
+    "sizes a hundred times apart",
+    """Radii of the wheels and the distance between them that differ by more than a factor of 100 were likely written in
+    different units; so was an offset of a contact, or a radius of rollers, that is larger than the robot or a hundred
+    times smaller than its wheels, and a trailer that is that small.""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1 mm}
+""",
+    PAIR,
+)
+def sizes(subject: Subject) -> Iterator[Finding]:
+    wheels = [w for w in subject.robot.wheels if float(w.nominal.r) > 0]
+    if not wheels:
+        return
+    radii = sorted(float(w.nominal.r) for w in wheels)
+    usual, extent = radii[len(radii) // 2], subject.extent[0]
+    unit = "Write the unit where it is not metres: 97 mm."
+    odd = [w for w in wheels if not 1 / APART < float(w.nominal.r) / usual < APART]
+    for w in odd:
+        what = f"{w.name}: a radius of {float(w.nominal.r):.4g} m beside one of {usual:.4g} m"
+        yield Finding(subject.mark(w), what, unit)
+    if extent and not odd and not 1 / APART < usual / extent < APART:
+        what = f"wheels of a radius of {usual:.4g} m stand {extent:.4g} m apart"
+        yield Finding(subject.mark(wheels[0]), what, unit)
+    for spec, w in subject.wheels:
+        for key in ("d", "offset_y", "r_sw"):
+            quantity: Quantity | None = getattr(spec, key)
+            size = abs(subject.value(quantity)) if quantity else 0.0
+            if quantity and size and (size > max(usual, extent) or not size / usual > 1 / APART):
+                what = f"{w.name}: {key} = {quantity.text} is {size:.4g} m beside a radius of {usual:.4g} m"
+                yield Finding(quantity.mark, what, unit)
+    for trailer in subject.spec.trailers:
+        if (size := abs(subject.value(trailer.length))) and not size / usual > 1 / APART:
+            what = f"{trailer.name}: a length of {size:.4g} m beside a radius of {usual:.4g} m"
+            yield Finding(trailer.length.mark, what, unit)
+
+
+@rule(
+    "WMR006",
+    "wheels that stand in one another",
+    """Two wheels that roll along one line are nearer to each other than their radii: the radii are likely diameters, or
+    the distance is.""",
+    """
+wheels:
+  - {name: rear,  type: fixed,   x: 0,    y: 0, heading: 0, r: 0.34}
+  - {name: front, type: steered, x: 0.55, y: 0, heading: 0, r: 0.34, actuated: [steer]}
+""",
+    """
+wheels:
+  - {name: rear,  type: fixed,   x: 0,   y: 0, heading: 0, r: 0.34}
+  - {name: front, type: steered, x: 1.1, y: 0, heading: 0, r: 0.34, actuated: [steer]}
+""",
+)
+def overlapping(subject: Subject) -> Iterator[Finding]:
+    wheels = [w for w in subject.robot.wheels if w.kind.directed and not w.kind.swivels]
+    placed = [(w, w.pivot, w.zero_heading, float(w.nominal.r)) for w in wheels]
+    for (a, p, p_heading, p_radius), (b, q, q_heading, q_radius) in combinations(placed, 2):
+        apart = p_heading.conjugate() * (q - p)
+        turned = abs((p_heading.conjugate() * q_heading).imag)
+        ahead, aside = abs(apart.real), abs(apart.imag) + abs(float(a.nominal.o - b.nominal.o))
+        radii = p_radius + q_radius
+        if turned < 1e-3 and aside < 0.05 * radii and 0.05 * radii < ahead < radii:
+            yield Finding(
+                subject.mark(b),
+                f"{b.name} stands {ahead:.4g} m from {a.name}, in line with it, "
+                f"and their radii add up to {radii:.4g} m",
+                "r is the radius, not the diameter; x and y are distances from P.",
+            )

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from wmrgen.derivation.facade import Derivation
+    from wmrgen.errors import ErrorCollector
     from wmrgen.errors import NotDerivableError as NotDerivableError
     from wmrgen.errors import RobotFileError as RobotFileError
-    from wmrgen.errors import Several
     from wmrgen.geometry.layout.records import Robot
     from wmrgen.robotfile.records import RobotSpec
 
@@ -62,30 +62,30 @@ def read(path: str | PathLike[str]) -> tuple[RobotSpec, Robot]:
     return _laid_out(partial(read_robot, os.fspath(path)))
 
 
-def _laid_out(spec_of: Callable[[Several], RobotSpec]) -> tuple[RobotSpec, Robot]:
+def _laid_out(spec_of: Callable[[ErrorCollector], RobotSpec]) -> tuple[RobotSpec, Robot]:
     """What a source says and the robot that it describes; the errors of both as one."""
-    from wmrgen.errors import Several
+    from wmrgen.errors import ErrorCollector
 
-    several = Several()
-    spec = spec_of(several)
-    with several:
+    collector = ErrorCollector()
+    spec = spec_of(collector)
+    with collector:
         robot = robot_of(spec)
-    several.end()
+    collector.end()
     return spec, robot
 
 
 def robot_of(spec: RobotSpec) -> Robot:
     """The robot that a file's content describes. RobotFileError as `load`."""
-    from wmrgen.errors import Several
+    from wmrgen.errors import ErrorCollector
     from wmrgen.functions.registry import check
     from wmrgen.geometry.layout import build
 
-    several = Several()
-    with several:
+    collector = ErrorCollector()
+    with collector:
         check(spec.functions)
-    with several:
+    with collector:
         robot = build(spec)
-    several.end()
+    collector.end()
     return robot
 
 

@@ -13,7 +13,7 @@ def main() -> None:
     from wmrgen.cli import console
 
     console.prepare()
-    console.heed_signals()
+    console.install_signal_handlers()
     try:
         from wmrgen.cli.verbs import app
 

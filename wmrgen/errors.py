@@ -114,9 +114,9 @@ class RobotFileError(WmrgenError):
         )
 
 
-class Several:
+class ErrorCollector:
     """Mistakes in parts of a robot file that can be read one without the other: each part stands in a block
-    ``with several:``, and `end` raises what was wrong in them as one error."""
+    ``with collector:``, and `end` raises what was wrong in them as one error."""
 
     def __init__(self) -> None:
         self.errors: list[WmrgenError] = []

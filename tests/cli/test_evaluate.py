@@ -44,9 +44,9 @@ def test_eval_knows_the_limits_of_joints_and_what_keeps_limits(wmrgen_cli: Cli) 
     cases = (
         '[{"vx": 0, "vy": 0, "omega": 9, "tail.steer": 0}, {"vx": 2, "vy": 0, "omega": 0, "tail.steer": 0}]'
     )
-    several = wmrgen_cli("eval", PIONEER, "inverse", "--cases", "-", stdin=cases)
-    assert [line.split()[0] for line in several.err.splitlines()] == ["vx", "omega"]
-    assert all("beyond_limits" not in result for result in json.loads(several.out))
+    collector = wmrgen_cli("eval", PIONEER, "inverse", "--cases", "-", stdin=cases)
+    assert [line.split()[0] for line in collector.err.splitlines()] == ["vx", "omega"]
+    assert all("beyond_limits" not in result for result in json.loads(collector.out))
     assert wmrgen_cli("eval", PIONEER, "limit_twist", "vx=9", "vy=0", "omega=0").err == ""
 
 

@@ -213,7 +213,7 @@ class Stopped(BaseException):
         self.name, self.number = name, number
 
 
-def heed_signals() -> None:
+def install_signal_handlers() -> None:
     """End by `Stopped` at signals that ask for an end, but for those that the caller ignores."""
     for name in _WORDS:
         number = getattr(signal, name, None)

@@ -15,7 +15,7 @@ from wmrgen.cli import console
 from wmrgen.cli.loading import linted, noted, warn_of_gains
 from wmrgen.codegen.registry import BACKENDS
 from wmrgen.derivation.artifacts import Difference, Written, differences, made_with, write_tree
-from wmrgen.errors import NotDerivableError, Several, StaleError, UsageError, WmrgenError
+from wmrgen.errors import ErrorCollector, NotDerivableError, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
     from wmrgen.codegen.packages import Package
@@ -129,11 +129,11 @@ def _refuse_functions(spec: RobotSpec, derivation: Derivation) -> None:
 
 def _load_all(paths: Sequence[Path]) -> list[tuple[RobotSpec, Robot]]:
     """All robots, before any is derived: a bad file must leave nothing behind. Names are unique."""
-    several, robots = Several(), []
+    collector, robots = ErrorCollector(), []
     for path in paths:
-        with several:
+        with collector:
             robots.append(wmrgen.read(path))
-    several.end()
+    collector.end()
     seen: dict[str, Path] = {}
     for (_, robot), path in zip(robots, paths, strict=True):
         word = robot.name.lower()  # disks may not tell folders apart by case

@@ -17,7 +17,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from wmrgen.errors import Code, NotDerivableError, RobotFileError, Several, UsageError
+from wmrgen.errors import Code, ErrorCollector, NotDerivableError, RobotFileError, UsageError
 from wmrgen.geometry.ports import Limits
 from wmrgen.robotfile.text import nearest, quoted, suggestion
 
@@ -149,9 +149,9 @@ def optional_names() -> tuple[str, ...]:
 
 def check(requests: Iterable[FunctionSpec]) -> None:
     """RobotFileError for functions that no robot has or that every robot has."""
-    several = Several()
+    collector = ErrorCollector()
     for request in requests:
-        with several:
+        with collector:
             if not has_function(request.name):
                 near, instead = nearest(request.name, names()), suggestion(request.name, optional_names())
                 if near and _FUNCTIONS[near].kind is Kind.FIRMWARE:
@@ -164,7 +164,7 @@ def check(requests: Iterable[FunctionSpec]) -> None:
                 raise RobotFileError(
                     f"{request.name} is generated for every robot", request.mark, instead="Leave it out here."
                 )
-    several.end()
+    collector.end()
 
 
 def _declared(name: str, table: dict[str, Declaration] | dict[str, SystemBuilder]) -> bool:

@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 from typing import Any
 
-from wmrgen.errors import Several
+from wmrgen.errors import ErrorCollector
 from wmrgen.robotfile.fields import Interval, Section
 from wmrgen.robotfile.numbers import Scope
 from wmrgen.robotfile.part_keys import LIMITS, WRAPS
@@ -17,7 +17,12 @@ from wmrgen.robotfile.text import SequenceNode
 
 
 def read_of_joints(
-    key: str, owner: Table, what: str, scope: Scope, several: Several, joints: tuple[str, ...] | None = None
+    key: str,
+    owner: Table,
+    what: str,
+    scope: Scope,
+    collector: ErrorCollector,
+    joints: tuple[str, ...] | None = None,
 ) -> tuple[Any, ...]:
     """What ``owner`` has under ``key`` (limits, noise, encoder or lag) of ``joints``, of any where none are given, in
     the order of the file; ``several`` takes what cannot be read."""
@@ -27,16 +32,16 @@ def read_of_joints(
         return ()
     entries: list[Any] = []
     valid = None if joints is None else section.keys_of(joints)
-    table = table_of(node, section, several, f"{key} of {what}", valid)
+    table = table_of(node, section, collector, f"{key} of {what}", valid)
     for name in table.values:
-        with several:
-            entries.append(_READERS[key](name, table, what, scope, several))
+        with collector:
+            entries.append(_READERS[key](name, table, what, scope, collector))
     return tuple(entry for entry in entries if entry is not None)
 
 
-def _limit(name: str, table: Table, what: str, scope: Scope, several: Several) -> Limit:
+def _limit(name: str, table: Table, what: str, scope: Scope, collector: ErrorCollector) -> Limit:
     """A single value v means [-v, v]."""
-    del what, several
+    del what, collector
     node, value, limit = table.values[name], LIMITS.field(name).value, f"limit {name}"
     assert isinstance(value, Interval)
     if isinstance(node, SequenceNode):
@@ -61,14 +66,16 @@ def _negated(text: str) -> str:
     return f"-{bare}" if bare == text else bare
 
 
-def _noise(joint: str, table: Table, what: str, scope: Scope, several: Several) -> NoiseSpec:
-    of, name = _of(joint, table, f"noise of {what}", several), f"the noise of {joint}"
+def _noise(joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector) -> NoiseSpec:
+    of, name = _of(joint, table, f"noise of {what}", collector), f"the noise of {joint}"
     return NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
 
 
-def _encoder(joint: str, table: Table, what: str, scope: Scope, several: Several) -> EncoderSpec | None:
-    of, name = _of(joint, table, f"encoder of {what}", several), f"the encoder of {joint}"
-    of.require_all(name, several)
+def _encoder(
+    joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector
+) -> EncoderSpec | None:
+    of, name = _of(joint, table, f"encoder of {what}", collector), f"the encoder of {joint}"
+    of.require_all(name, collector)
     of.choose(WRAPS, name)
     counts, gear, bits, modulus = (
         of.amount(key, name, scope) for key in ("counts", "gear", "bits", "modulus")
@@ -79,9 +86,11 @@ def _encoder(joint: str, table: Table, what: str, scope: Scope, several: Several
     return EncoderSpec(joint, counts, gear, of.word("reversed"), bits, modulus, offset)
 
 
-def _lag(joint: str, table: Table, what: str, scope: Scope, several: Several) -> tuple[str, Quantity]:
+def _lag(
+    joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector
+) -> tuple[str, Quantity]:
     """The joint with its time constant."""
-    del several
+    del collector
     time = table.amount(joint, f"the lag of {what}", scope)
     assert time is not None
     return joint, time
@@ -90,8 +99,8 @@ def _lag(joint: str, table: Table, what: str, scope: Scope, several: Several) ->
 _READERS = {"limits": _limit, "noise": _noise, "encoder": _encoder, "lag": _lag}
 
 
-def _of(joint: str, table: Table, title: str, several: Several) -> Table:
+def _of(joint: str, table: Table, title: str, collector: ErrorCollector) -> Table:
     """The mapping that stands behind a joint."""
     section = table.section.field(joint).value
     assert isinstance(section, Section)
-    return table_of(table.values[joint], section, several, f"{joint} of the {title}")
+    return table_of(table.values[joint], section, collector, f"{joint} of the {title}")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from wmrgen.errors import Code, RobotFileError, Several, WmrgenError
+from wmrgen.errors import Code, ErrorCollector, RobotFileError, WmrgenError
 from wmrgen.robotfile.expressions import UndeclaredParameter
 from wmrgen.robotfile.fields import Text, Version
 from wmrgen.robotfile.joints import read_of_joints
@@ -49,9 +49,9 @@ OPEN = "TODO"
 _OF_A_MODEL = {"format", "robot_type", "C1f"}
 
 
-def read_robot(path: str | Path, several: Several | None = None) -> RobotSpec:
+def read_robot(path: str | Path, collector: ErrorCollector | None = None) -> RobotSpec:
     """`read_text` of the file at ``path``."""
-    return read_text(text_of(path), str(path), several)
+    return read_text(text_of(path), str(path), collector)
 
 
 def text_of(path: str | Path) -> str:
@@ -59,27 +59,27 @@ def text_of(path: str | Path) -> str:
     return decode(bytes_of(path, MAX_BYTES + 1), str(path))
 
 
-def read_text(text: str, file_name: str, several: Several | None = None) -> RobotSpec:
+def read_text(text: str, file_name: str, collector: ErrorCollector | None = None) -> RobotSpec:
     """A robot file given as text; ``file_name`` stands in messages. RobotFileError for everything that can be wrong.
 
-    With ``several``, which takes what is wrong in its parts: what the parts say in which nothing is.
+    With ``collector``, which takes what is wrong in its parts: what the parts say in which nothing is.
     """
-    wrong, tree = Several(), None
+    wrong, tree = ErrorCollector(), None
     with wrong:
         tree = read_tree(text, file_name, wrong)
     if tree is None or (isinstance(tree, Scalar) and not tree.text):
         wrong.end()
         mark, example = Source.of(text, file_name).mark(0, 0), f"A robot file begins {ROBOT.example}."
         raise RobotFileError("the file is empty", mark, "", example, Code.NOT_YAML)
-    return _read(tree, wrong, several)
+    return _read(tree, wrong, collector)
 
 
-def read_mapping(values: Mapping[str, object], several: Several | None = None) -> RobotSpec:
+def read_mapping(values: Mapping[str, object], collector: ErrorCollector | None = None) -> RobotSpec:
     """`read_text` of a robot given as a mapping with the keys of a robot file; places in it are paths of keys."""
-    return _read(tree_of(values), Several(), several)
+    return _read(tree_of(values), ErrorCollector(), collector)
 
 
-def _read(tree: Node, wrong: Several, several: Several | None) -> RobotSpec:
+def _read(tree: Node, wrong: ErrorCollector, collector: ErrorCollector | None) -> RobotSpec:
     """The robot that a tree describes; ``wrong`` has what is wrong with its YAML."""
     if isinstance(tree, MappingNode) and {key.text for key, _ in tree.entries} >= _OF_A_MODEL:
         raise tree.error(
@@ -98,42 +98,42 @@ def _read(tree: Node, wrong: Several, several: Several | None) -> RobotSpec:
         wrong.end()
     spec = _robot(table, wrong)
     wrong.errors = _causes(table, wrong.errors)
-    if several is None or not wrong.errors:
+    if collector is None or not wrong.errors:
         wrong.end()
         return spec
-    several.add(*wrong.errors)
+    collector.add(*wrong.errors)
     return replace(spec, couplings=(), virtual=())
 
 
-def _robot(table: Table, several: Several) -> RobotSpec:
-    """What can be read; ``several`` takes the rest."""
-    table.require_all("the robot file", several)
+def _robot(table: Table, collector: ErrorCollector) -> RobotSpec:
+    """What can be read; ``collector`` takes the rest."""
+    table.require_all("the robot file", collector)
     name, scope, names = "", Scope(), Names()
     facts: dict[str, Any] = {"parameters": (), "wheels": ()}
-    with several:
+    with collector:
         name = robot_name(scalar_of(table.require("name", "the robot file"), "name"))
-    with several:
+    with collector:
         scope = Scope(degrees=table.word("angles"))
-    with several:
-        facts["parameters"], scope = read_parameters(table.get("parameters"), scope, names, several)
-    with several:
-        facts["wheels"] = read_wheels(table, scope, names, several)
-    reading = Reading(table, scope, names, declared_types(table), several)
+    with collector:
+        facts["parameters"], scope = read_parameters(table.get("parameters"), scope, names, collector)
+    with collector:
+        facts["wheels"] = read_wheels(table, scope, names, collector)
+    reading = Reading(table, scope, names, declared_types(table), collector)
     for part, read in _PARTS.items():
-        with several:
+        with collector:
             facts[part] = read(reading)
     return RobotSpec(name=name, **facts)
 
 
-def _of_this_format(table: Table, several: Several) -> bool:
+def _of_this_format(table: Table, collector: ErrorCollector) -> bool:
     """Whether the file can be read on: it is one of a robot, and names no other version of the format."""
     version = ROBOT.field("wmrgen").value
     assert isinstance(version, Version)
-    with several:
+    with collector:
         node = scalar_of(table.require("wmrgen", "the robot file"), "wmrgen")
         if node.text == version.number:
             return True
-        several.add(
+        collector.add(
             node.error(
                 f"format version {quoted(node.text)} is not known",
                 f"This wmrgen reads version {version.number}; another one may mean the same words differently.",
@@ -174,12 +174,12 @@ _PARTS: dict[str, Callable[[Reading], Any]] = {  # of a RobotSpec
     "source": lambda r: _free_text(r.table, "source"),
     "snap": lambda r: r.table.word("snap"),
     "tolerance": lambda r: r.table.amount("tolerance", "the robot", r.scope),
-    "couplings": lambda r: read_couplings(r.table, r.types, r.scope, r.several),
-    "limits": lambda r: read_of_joints("limits", r.table, "the robot", r.scope, r.several),
-    "noise": lambda r: read_of_joints("noise", r.table, "the robot", r.scope, r.several),
-    "encoders": lambda r: read_of_joints("encoder", r.table, "the robot", r.scope, r.several),
+    "couplings": lambda r: read_couplings(r.table, r.types, r.scope, r.collector),
+    "limits": lambda r: read_of_joints("limits", r.table, "the robot", r.scope, r.collector),
+    "noise": lambda r: read_of_joints("noise", r.table, "the robot", r.scope, r.collector),
+    "encoders": lambda r: read_of_joints("encoder", r.table, "the robot", r.scope, r.collector),
     "gyro": read_gyro,
-    "lag": lambda r: read_of_joints("lag", r.table, "the robot", r.scope, r.several),
+    "lag": lambda r: read_of_joints("lag", r.table, "the robot", r.scope, r.collector),
     "virtual": read_virtual,
     "trailers": read_trailers,
     "slip": lambda r: r.table.word("slip"),
@@ -197,16 +197,16 @@ _PARTS: dict[str, Callable[[Reading], Any]] = {  # of a RobotSpec
 
 def _refuse_questions(tree: Node) -> None:
     """RobotFileError for every open question."""
-    several = Several()
+    collector = ErrorCollector()
     for key, node in _questions(tree, ""):
-        with several:
+        with collector:
             raise node.error(
                 f"{key or 'this value'} is an open question",
                 "Nothing is derived from a robot that is not known.",
                 f"Write the answer in the place of {OPEN}; the comment beside it says what is asked.",
                 code=Code.OPEN,
             )
-    several.end()
+    collector.end()
 
 
 def _questions(node: Node, key: str) -> Iterator[tuple[str, Scalar]]:

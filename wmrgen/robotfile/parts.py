@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from wmrgen.errors import RobotFileError, Several
+from wmrgen.errors import ErrorCollector, RobotFileError
 from wmrgen.robotfile.fields import Mapped
 from wmrgen.robotfile.keys import PARAMETER, ROBOT
 from wmrgen.robotfile.names import Names, parameter_name, wheel_name
@@ -40,7 +40,7 @@ class Reading(NamedTuple):
     scope: Scope
     names: Names
     types: Mapping[str, WheelType | None]
-    several: Several
+    collector: ErrorCollector
 
 
 def read_gyro(reading: Reading) -> GyroSpec | None:
@@ -48,10 +48,10 @@ def read_gyro(reading: Reading) -> GyroSpec | None:
     node, what = reading.table.get("gyro"), "the gyro"
     if node is None:
         return None
-    with reading.several:
-        table = table_of(node, GYRO, reading.several)
+    with reading.collector:
+        table = table_of(node, GYRO, reading.collector)
         constant, proportional, weight = (
-            _amount(table, key, what, reading.scope, reading.several)
+            _amount(table, key, what, reading.scope, reading.collector)
             for key in ("constant", "proportional", "weight")
         )
         return GyroSpec(NoiseSpec("gyro", proportional, constant), weight)
@@ -62,22 +62,24 @@ def read_trailers(reading: Reading) -> tuple[TrailerSpec, ...]:
     """Trailers from the robot backwards; without a name they are trailer1, trailer2, …"""
     trailers = []
     for number, item in enumerate(reading.table.items("trailers"), 1):
-        several, name = Several(), f"trailer{number}"
-        with reading.several:
-            table = table_of(item, TRAILER, several)
-            with several:
+        collector, name = ErrorCollector(), f"trailer{number}"
+        with reading.collector:
+            table = table_of(item, TRAILER, collector)
+            with collector:
                 name = _own_name(table, name, reading.names, "a trailer")
-            table.require_all(f"the trailer {name}", several)
-            length, hitch = (_amount(table, key, name, reading.scope, several) for key in ("length", "hitch"))
-            several.end()
+            table.require_all(f"the trailer {name}", collector)
+            length, hitch = (
+                _amount(table, key, name, reading.scope, collector) for key in ("length", "hitch")
+            )
+            collector.end()
             assert length is not None
             trailers.append(TrailerSpec(name, length, hitch, table.mark))
     return tuple(trailers)
 
 
-def _amount(table: Table, key: str, of: str, scope: Scope, several: Several) -> Quantity | None:
+def _amount(table: Table, key: str, of: str, scope: Scope, collector: ErrorCollector) -> Quantity | None:
     """A quantity; ``several`` takes what is wrong with it."""
-    with several:
+    with collector:
         return table.amount(key, of, scope)
     return None
 
@@ -86,38 +88,38 @@ def read_virtual(reading: Reading) -> tuple[VirtualSpec, ...]:
     """Virtual wheels: each steers or drives in place of real ones."""
     virtual = []
     for item in reading.table.items("virtual"):
-        several, name, role = Several(), "", ""
+        collector, name, role = ErrorCollector(), "", ""
         wheels: tuple[str, ...] = ()
-        with reading.several:
-            table = table_of(item, VIRTUAL, several)
-            table.require_all("the virtual wheel", several)
-            with several:
+        with reading.collector:
+            table = table_of(item, VIRTUAL, collector)
+            table.require_all("the virtual wheel", collector)
+            with collector:
                 name = _own_name(table, "", reading.names, "a virtual wheel")
             what = f"the virtual wheel {name}".rstrip()
-            with several:
+            with collector:
                 (role,) = table.choose(_ROLE, what)
                 wheels = _members(table, role, reading.types)
-            with several:
+            with collector:
                 table.choose(_POINT, what)
-            x, y = (_amount(table, key, name, reading.scope, several) for key in ("x", "y"))
-            several.end()
+            x, y = (_amount(table, key, name, reading.scope, collector) for key in ("x", "y"))
+            collector.end()
             virtual.append(VirtualSpec(name, role, wheels, x, y, table.mark))
     return tuple(virtual)
 
 
 def _members(table: Table, role: str, types: Mapping[str, WheelType | None]) -> tuple[str, ...]:
-    several = Several()
+    collector = ErrorCollector()
     wanted = [k.name for k in WHEEL_TYPES.values() if (k.steers if role == "steers" else k.constrains)]
     scalars = table.scalars(role)
     for scalar in scalars:
-        with several:
+        with collector:
             kind = wheel_called(scalar.text, scalar, types)
             if kind is not None and kind.name not in wanted:
                 raise scalar.error(
                     f"{scalar.text} is a {kind.name} wheel",
                     f"A virtual wheel that {role} stands for {' or '.join(wanted)} wheels.",
                 )
-    several.end()
+    collector.end()
     return tuple(scalar.text for scalar in scalars)
 
 
@@ -125,11 +127,11 @@ def read_point(node: Node | None, scope: Scope) -> PointSpec | None:
     """``cg``: x, y from P in the robot frame, z above the ground."""
     if node is None:
         return None
-    several = Several()
-    table = table_of(node, CG, several)
-    table.require_all("cg", several)
-    x, y, z = (_amount(table, key, "cg", scope, several) for key in ("x", "y", "z"))
-    several.end()
+    collector = ErrorCollector()
+    table = table_of(node, CG, collector)
+    table.require_all("cg", collector)
+    x, y, z = (_amount(table, key, "cg", scope, collector) for key in ("x", "y", "z"))
+    collector.end()
     return PointSpec(x, y, z) if x and y and z else None
 
 
@@ -137,11 +139,11 @@ def read_gains(node: Node | None, scope: Scope) -> tuple[tuple[str, Quantity], .
     """Gains of the control laws, as expressions over parameters."""
     if node is None:
         return ()
-    several, gains = Several(), []
-    for key, value in table_of(node, GAINS, several).values.items():
-        with several:
+    collector, gains = ErrorCollector(), []
+    for key, value in table_of(node, GAINS, collector).values.items():
+        with collector:
             gains.append((key, read_number(value, key, scope)))
-    several.end()
+    collector.end()
     return tuple(gains)
 
 
@@ -158,7 +160,7 @@ def _own_name(table: Table, default: str, names: Names, what: str) -> str:
 
 
 def read_parameters(
-    node: Node | None, scope: Scope, names: Names, several: Several
+    node: Node | None, scope: Scope, names: Names, collector: ErrorCollector
 ) -> tuple[tuple[ParameterSpec, ...], Scope]:
     """Parameters that can be read, each after those it uses, and the scope that knows them."""
     if node is None:
@@ -168,7 +170,7 @@ def read_parameters(
     assert isinstance(value, Mapped)
     if len(mapping.entries) > value.most:
         what = f"{len(mapping.entries)} parameters"
-        several.add(mapping.error(what, f"At most {value.most} are read."))
+        collector.add(mapping.error(what, f"At most {value.most} are read."))
     facts: dict[str, Facts | None] = dict.fromkeys(key.text for key, _ in mapping.entries)
     scope = replace(scope, facts=facts)
     nodes: dict[str, Scalar] = {}
@@ -179,27 +181,27 @@ def read_parameters(
     for (key, entry), rest, behind in zip(mapping.entries, rests, [*rests, None][1:], strict=True):
         name = key.text
         if rest:
-            several.add(key.error(f"{quoted(name)} stands where a key is expected", *rest))
+            collector.add(key.error(f"{quoted(name)} stands where a key is expected", *rest))
         if rest or behind:  # half of a value is not judged
             facts[name] = None
             continue
-        with several:
+        with collector:
             names.add(parameter_name(key), "a parameter", key)
-        with several:
+        with collector:
             nodes[name], tunable[name], ends[name] = _entry(name, entry)
             trees[name] = parse_value(nodes[name], scope.facts, Kind.ANY, f"parameter {name}")
     parameters: list[ParameterSpec] = []
     order: list[str] = []
-    with several:
+    with collector:
         order = _dependency_order({name: parameters_in(tree) for name, (tree, _) in trees.items()}, nodes)
     for name in order:
-        with several:
+        with collector:
             expr, unit = trees[name]
             facts[name] = facts_of(expr, unit, scope, nodes[name])
             quantity = Quantity(expr, nodes[name].text.strip(), nodes[name].mark)
             parameters.append(ParameterSpec(name, quantity, tunable[name]))
     for k, p in enumerate(parameters):
-        with several:
+        with collector:
             parameters[k] = p._replace(range=_range(p.name, ends[p.name], scope))
     return tuple(parameters), scope
 
@@ -258,12 +260,12 @@ def _entry(name: str, node: Node) -> tuple[Scalar, bool, SequenceNode | None]:
     what = f"parameter {name}"
     if not isinstance(node, MappingNode):
         return scalar_of(node, what), False, None
-    several, tunable = Several(), False
-    table = table_of(node, PARAMETER, several, what)
+    collector, tunable = ErrorCollector(), False
+    table = table_of(node, PARAMETER, collector, what)
     ends = table.get("tunable")
-    with several:
+    with collector:
         tunable = isinstance(ends, SequenceNode) or table.word("tunable")
-    with several:
+    with collector:
         value = scalar_of(table.require("value", what), what)
-    several.end()
+    collector.end()
     return value, tunable, ends if isinstance(ends, SequenceNode) else None

@@ -15,7 +15,7 @@ from yaml.parser import Parser
 from yaml.reader import Reader
 from yaml.scanner import Scanner
 
-from wmrgen.errors import Code, Mark, RobotFileError, Several
+from wmrgen.errors import Code, ErrorCollector, Mark, RobotFileError
 from wmrgen.robotfile.slips import Line, Place, Slip, slip_of
 from wmrgen.robotfile.text import (
     MappingNode,
@@ -46,11 +46,11 @@ class _Composer(Reader, Scanner, Parser):
 
     last_counts = False  # of a key that stands twice; else the first
 
-    def __init__(self, lines: tuple[Line, ...], source: Source, several: Several) -> None:
+    def __init__(self, lines: tuple[Line, ...], source: Source, collector: ErrorCollector) -> None:
         Reader.__init__(self, "\n".join(line.text for line in lines))
         Scanner.__init__(self)
         Parser.__init__(self)
-        self._lines, self._source, self._several = lines, source, several
+        self._lines, self._source, self._collector = lines, source, collector
         self._nodes = 0
 
     def _refuse(self, what: str, why: str, instead: str) -> NoReturn:
@@ -140,7 +140,7 @@ class _Composer(Reader, Scanner, Parser):
             key = self._key(depth + 1)
             value = self._node(depth + 1)
             if key.text in entries:
-                self._several.add(_duplicate(key, entries[key.text][0]))
+                self._collector.add(_duplicate(key, entries[key.text][0]))
                 repeated = True
             if key.text not in entries or self.last_counts:
                 entries[key.text] = (key, value)
@@ -182,8 +182,8 @@ class _Aliased(_Composer):
         ours = any(self.prefix(len(tag)) == tag for tag in ("!degrees", "!radians"))
         (Scanner if ours else _Composer).fetch_tag(self)
 
-    def __init__(self, lines: tuple[Line, ...], source: Source, several: Several) -> None:
-        super().__init__(lines, source, several)
+    def __init__(self, lines: tuple[Line, ...], source: Source, collector: ErrorCollector) -> None:
+        super().__init__(lines, source, collector)
         self._anchored: dict[str, tuple[Node, int]] = {}  # with the number of its nodes
 
     def _node(self, depth: int) -> Node:
@@ -202,21 +202,23 @@ class _Aliased(_Composer):
         return node
 
 
-def read_tree(text: str, file: str, several: Several | None = None, aliases: bool = False) -> Node | None:
+def read_tree(
+    text: str, file: str, collector: ErrorCollector | None = None, aliases: bool = False
+) -> Node | None:
     """The raw tree of ``text``, None for an empty file; ``several``, where given, takes keys that stand twice, and
     slips of YAML, which are mended to read on; None where that fails. ``aliases``: of files of others, which are not
     mended."""
     text = normalise(text, file)
-    source, wrong = Source.of(text, file), several or Several()
+    source, wrong = Source.of(text, file), collector or ErrorCollector()
     lines, slips = tuple(Line(line) for line in text.split("\n")), list[Slip]()
     while True:
-        twice = Several()
+        twice = ErrorCollector()
         try:
             tree = _composed(lines, source, twice, aliases)
             break
         except _Slipped as slipped:
             slip = slipped.slip
-            if several is None or aliases:
+            if collector is None or aliases:
                 raise slip.error from None
             slips += [] if _of_a_mend(slip, slips) else [slip]
             tree = None
@@ -224,7 +226,7 @@ def read_tree(text: str, file: str, several: Several | None = None, aliases: boo
                 break
             lines = (*lines[: slip.number], slip.meant, *lines[slip.number + 1 :])
     wrong.add(*(slip.error for slip in slips), *twice.errors)
-    if several is None:
+    if collector is None:
         wrong.end()
     return tree
 
@@ -254,9 +256,11 @@ def _without(lines: tuple[Line, ...], mark: Mark) -> Line | None:
     return line._replace(text=line.text[:at] + blank + line.text[at + len(blank) :]) if word else None
 
 
-def _composed(lines: tuple[Line, ...], source: Source, several: Several, aliases: bool) -> Node | None:
+def _composed(
+    lines: tuple[Line, ...], source: Source, collector: ErrorCollector, aliases: bool
+) -> Node | None:
     """The tree of lines that stand in ``source`` as they were before they were mended."""
-    composer = (_Aliased if aliases else _Composer)(lines, source, several)
+    composer = (_Aliased if aliases else _Composer)(lines, source, collector)
     try:
         return composer.document()
     except RobotFileError as error:
@@ -288,7 +292,7 @@ class Token(NamedTuple):
 def tokens(text: str, file: str) -> Iterator[Token]:
     """The words of a robot file that `read_tree` reads, in order; what stands between them is blank or comment."""
     lines = tuple(Line(line) for line in text.split("\n"))
-    composer = _Composer(lines, Source.of(text, file), Several())
+    composer = _Composer(lines, Source.of(text, file), ErrorCollector())
     while composer.check_token():
         token = composer.get_token()
         start, end = token.start_mark, token.end_mark

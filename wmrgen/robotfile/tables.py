@@ -7,7 +7,7 @@ import unicodedata
 from collections.abc import Collection
 from dataclasses import dataclass, field
 
-from wmrgen.errors import Code, Mark, RobotFileError, Several
+from wmrgen.errors import Code, ErrorCollector, Mark, RobotFileError
 from wmrgen.robotfile.fields import Amount, Choice, Field, ListOf, OneOf, Section, Word
 from wmrgen.robotfile.keys import ROBOT, WHEEL
 from wmrgen.robotfile.numbers import Kind, Scope, plain_number
@@ -66,10 +66,10 @@ class Table:
         code = Code.CONSEQUENCE if key in self.excused else Code.MISSING
         return self.node.error(f"{what} has no {key}", why, instead, code=code)
 
-    def require_all(self, what: str, several: Several) -> None:
+    def require_all(self, what: str, collector: ErrorCollector) -> None:
         """Every key that the section requires must be there."""
         for key in self.section.required:
-            with several:
+            with collector:
                 self.require(key, what)
 
     def word(self, key: str) -> bool:
@@ -185,11 +185,15 @@ def mapping_of(node: Node, what: str, example: str) -> MappingNode:
 
 
 def table_of(
-    node: Node, section: Section, several: Several, what: str = "", valid: Collection[str] | None = None
+    node: Node,
+    section: Section,
+    collector: ErrorCollector,
+    what: str = "",
+    valid: Collection[str] | None = None,
 ) -> Table:
     """The node as a table whose keys are those of ``section``, or of them the ``valid`` ones.
 
-    ``several`` takes what is wrong with keys. A misspelt key stands for the one that is meant.
+    ``collector`` takes what is wrong with keys. A misspelt key stands for the one that is meant.
     """
     what = what or section.title
     table = Table(mapping_of(node, what, section.example), section)
@@ -207,12 +211,12 @@ def table_of(
         elif name in table.keys:
             both = f"{quoted(key.text)} and {quoted(table.keys[name].text)} are the same key"
             why = "Only one of the two could count."
-            several.add(key.error(both, why, "Delete one of them.", code=Code.TWICE))
+            collector.add(key.error(both, why, "Delete one of them.", code=Code.TWICE))
         else:
             table.keys[name], table.values[name] = key, value
             last = name
     for key, value in unknown:
-        several.add(unknown_key(key, value, fields, what))
+        collector.add(unknown_key(key, value, fields, what))
         if _one_level_too_deep(value, fields):
             table.excused.update(section.keys)
             continue

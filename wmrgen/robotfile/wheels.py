@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from wmrgen.errors import Code, RobotFileError, Several
+from wmrgen.errors import Code, ErrorCollector, RobotFileError
 from wmrgen.robotfile.fields import Amount
 from wmrgen.robotfile.joints import read_of_joints
 from wmrgen.robotfile.keys import WHEEL
@@ -59,49 +59,49 @@ def _declared(robot: Table) -> Iterator[tuple[str, str, WheelType | None]]:
             yield name.text, owner, kind.powered if kind and count else kind
 
 
-def read_wheels(robot: Table, scope: Scope, names: Names, several: Several) -> tuple[WheelSpec, ...]:
+def read_wheels(robot: Table, scope: Scope, names: Names, collector: ErrorCollector) -> tuple[WheelSpec, ...]:
     """The wheels whose type can be read, with what else of them can; ``several`` takes the rest."""
     wheels: list[WheelSpec] = []
     for item in robot.items("wheels"):
-        with several:
-            wheels += _wheel(item, scope, names, several)
+        with collector:
+            wheels += _wheel(item, scope, names, collector)
     return tuple(wheels)
 
 
-def _wheel(item: Node, scope: Scope, names: Names, several: Several) -> list[WheelSpec]:
+def _wheel(item: Node, scope: Scope, names: Names, collector: ErrorCollector) -> list[WheelSpec]:
     """One entry of ``wheels``: one record, or one for each driven direction of a ball."""
-    name, table = "", table_of(item, WHEEL, several)
-    with several:
+    name, table = "", table_of(item, WHEEL, collector)
+    with collector:
         node = scalar_of(table.require("name", "the wheel"), "name")
         name = wheel_name(node)
         names.add(name, "a wheel", node)
     kind, what = None, f"the wheel {name}".rstrip()
-    with several:
+    with collector:
         kind = _type(table, what)
     facts: dict[str, Any] = {}
     for key in _QUANTITIES:
-        with several:
+        with collector:
             facts[key] = table.amount(key, name or "the wheel", scope)
-    with several:
+    with collector:
         table.choose(_PLACEMENT, what)
     if kind is None:
         return []
     what = f"the {kind.name} wheel {name}".rstrip()
     directions: list[Quantity] = []
     if kind.powered and table.get("driven") is not None:
-        with several:
+        with collector:
             of = f"driven of {name or 'the wheel'}"
             directions = [read_quantity(d, Kind.ANGLE, of, scope) for d in table.items("driven")]
     powered = kind.powered if directions else None
-    _check_keys(table, kind, what, several)
+    _check_keys(table, kind, what, collector)
     if not powered:
-        facts |= _joint_facts(table, kind, what, scope, several)
+        facts |= _joint_facts(table, kind, what, scope, collector)
         return [WheelSpec(name=name, type=kind.name, mark=table.mark, **facts)]
-    with several:
+    with collector:
         _check_driven(table, powered, what)
-    facts |= _joint_facts(table, powered, what, scope, several) | {"beta": None}
+    facts |= _joint_facts(table, powered, what, scope, collector) | {"beta": None}
     drives = []
-    with several:
+    with collector:
         owners = numbered_names(node, len(directions)) if name else [""] * len(directions)
         for owner, direction in zip(owners, directions, strict=True):
             if owner != name:
@@ -132,7 +132,7 @@ def _check_driven(table: Table, powered: WheelType, what: str) -> None:
         table.require(key, what)
 
 
-def _check_keys(table: Table, kind: WheelType, what: str, several: Several) -> None:
+def _check_keys(table: Table, kind: WheelType, what: str, collector: ErrorCollector) -> None:
     """The keys that the wheel's type asks for and no others."""
     if unknown := {*kind.keys, *kind.required} - {f.key for f in WHEEL.fields}:
         raise ValueError(f"the wheel type {kind.name} has the key {min(unknown)}, which no wheel has")
@@ -140,25 +140,25 @@ def _check_keys(table: Table, kind: WheelType, what: str, several: Several) -> N
         reason = WHEEL.field(key).misfit
         if reason and not kind.takes(key) and key not in table.excused:
             why, instead = kind.misfits.get(key, reason)
-            several.add(node.error(f"{what} has the key {key}", why, instead, code=Code.TWICE))
-    with several:
+            collector.add(node.error(f"{what} has the key {key}", why, instead, code=Code.TWICE))
+    with collector:
         table.choose(_ORIENTATION, what, kind.oriented)
     for key in kind.required:
-        with several:
+        with collector:
             table.require(key, what)
 
 
 def _joint_facts(
-    table: Table, kind: WheelType, what: str, scope: Scope, several: Several
+    table: Table, kind: WheelType, what: str, scope: Scope, collector: ErrorCollector
 ) -> dict[str, tuple[Any, ...]]:
     """Which joints of a wheel are driven and measured, and what is said of them."""
     facts: dict[str, tuple[Any, ...]] = {"actuated": kind.actuated}
     for key in ("actuated", "sensed"):
-        with several:
+        with collector:
             facts[key] = read_joints(table, key, kind, facts["actuated"])
     for part, key in (("limits", "limits"), ("noise", "noise"), ("encoders", "encoder"), ("lag", "lag")):
-        with several:
-            facts[part] = read_of_joints(key, table, what, scope, several, kind.joints)
+        with collector:
+            facts[part] = read_of_joints(key, table, what, scope, collector, kind.joints)
     return facts
 
 
@@ -210,13 +210,13 @@ def _no_joint(scalar: Scalar, what: str, joint: str, kind: WheelType, without: s
 
 
 def read_couplings(
-    robot: Table, types: Mapping[str, WheelType | None], scope: Scope, several: Several
+    robot: Table, types: Mapping[str, WheelType | None], scope: Scope, collector: ErrorCollector
 ) -> tuple[Coupling, ...]:
     """Sets of joints that move alike: each names one joint of at least two wheels. ``types``: of the wheels."""
     couplings: dict[tuple[str, frozenset[str]], Coupling] = {}
     for item in robot.items("couplings"):
-        with several:
-            table = table_of(item, COUPLING, several)
+        with collector:
+            table = table_of(item, COUPLING, collector)
             coupling = _coupling(table, types, scope)
             key = coupling.joint, frozenset(coupling.wheels)
             if key in couplings:
@@ -228,9 +228,9 @@ def read_couplings(
 
 def _coupling(table: Table, types: Mapping[str, WheelType | None], scope: Scope) -> Coupling:
     table.require("equal", "a coupling")
-    several, joint, names = Several(), "", list[str]()
+    collector, joint, names = ErrorCollector(), "", list[str]()
     for scalar in table.scalars("equal"):
-        with several:
+        with collector:
             name, this = _joint(scalar, types)
             if joint and this != joint:
                 raise scalar.error(
@@ -241,9 +241,9 @@ def _coupling(table: Table, types: Mapping[str, WheelType | None], scope: Scope)
             joint = this
             names.append(name)
     ratios = list[Quantity]()
-    with several:
+    with collector:
         ratios += (read_number(item, "a ratio of the coupling", scope) for item in table.items("ratios"))
-    several.end()
+    collector.end()
     if ratios and len(ratios) != len(names):
         raise table.values["ratios"].error(
             f"{len(ratios)} ratio{'s' * (len(ratios) != 1)} of {len(names)} joints", "Each joint has one.",

@@ -94,7 +94,7 @@ class Step(NamedTuple):
 
 
 class Kernel(NamedTuple):
-    """A static function, ready to print. ``struct``: (type, members) of its results where there are several."""
+    """A static function, ready to print. ``struct``: (type, members) of its results where there are collector."""
 
     guard: str
     comment: tuple[str, ...]

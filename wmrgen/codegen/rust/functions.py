@@ -139,16 +139,16 @@ class _Printer(NamedTuple):
         names = {port.name for port in kernel.inputs}
         code = body(kernel, identifier, self.style, kernels=self.kernels, reserved=names)
         own = self.kernels[kernel.name]
-        several = None if len(own.members) == 1 else (own.type, own.members)
+        collector = None if len(own.members) == 1 else (own.type, own.members)
         texts = zip(own.members, code.results, strict=True)
         result = (
             f"{own.type} {{ {', '.join(m if m == t else f'{m}: {t}' for m, t in texts)} }}"
-            if several
+            if collector
             else code.results[0]
         )
         arguments = [f"{identifier(port.name)}: {self.scalar}" for port in kernel.inputs]
         head = signature(f"fn {own.function}", arguments, f" -> {own.type}")
-        return Kernel(doc(kernel.text), head, (*code.statements, result), code.ops, several)
+        return Kernel(doc(kernel.text), head, (*code.statements, result), code.ops, collector)
 
 
 def _stored(
@@ -176,7 +176,7 @@ def _stored(
 
 
 def _together(values: Sequence[list[str]]) -> list[str]:
-    """One value, or a tuple of several."""
+    """One value, or a tuple of collector."""
     if len(values) < 2:
         return values[0] if values else []
     if all(len(value) == 1 for value in values):

@@ -74,7 +74,7 @@ class Step(NamedTuple):
 
 
 class Kernel(NamedTuple):
-    """A private function, ready to print. ``struct``: name and members of its results where there are several."""
+    """A private function, ready to print. ``struct``: name and members of its results where there are collector."""
 
     docs: str
     head: tuple[str, ...]

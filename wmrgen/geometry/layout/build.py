@@ -9,7 +9,7 @@ from itertools import combinations
 from math import atan2, hypot, pi, remainder
 from typing import Any, NamedTuple
 
-from wmrgen.errors import RobotFileError, Several
+from wmrgen.errors import ErrorCollector, RobotFileError
 from wmrgen.geometry.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
 from wmrgen.geometry.exact.linalg import mean
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
@@ -59,48 +59,48 @@ HALF_PI = PI.scale(Fraction(1, 2))
 
 def build(spec: RobotSpec) -> Robot:
     """The exact layout of a robot file. RobotFileError where values make no sense."""
-    several = Several()
-    parameters = _parameters(spec, several)
+    collector = ErrorCollector()
+    parameters = _parameters(spec, collector)
     scope = Scope(
         {p.name: p.value for p in parameters}, {p.name: p.working for p in parameters if not p.tunable}
     )
-    parameters = _with_ranges(spec, parameters, scope, several)
+    parameters = _with_ranges(spec, parameters, scope, collector)
     tunable = frozenset(p.name for p in parameters if parameters_in(p.working))
     notes: list[str] = []
     wheels: list[Wheel] = []
     for i, w in enumerate(spec.wheels):
-        with several:
+        with collector:
             try:
                 wheels.append(_wheel(i, w, _Angles(w.name, scope, tunable if spec.snap else None, notes)))
             except ZeroDivisionError:
                 what = f"the wheel {w.name} has a value too small to be told from zero"
                 raise RobotFileError(what, w.mark, "", "Write 0, or a length.") from None
             except RobotFileError:
-                if (rest := computable(w, scope, several)) == w:
+                if (rest := computable(w, scope, collector)) == w:
                     raise
                 _wheel(i, rest, _Angles(w.name, scope, None, []))
-    with several:
+    with collector:
         _check_directions(spec, wheels)
-    _check_names(spec, several)
-    facts = _of_joints(spec, "the robot", scope, several)
+    _check_names(spec, collector)
+    facts = _of_joints(spec, "the robot", scope, collector)
     steer_group, spin_group = groups(spec, "steer"), groups(spec, "spin")
-    with several:
+    with collector:
         facts["spin_ratios"] = turn_ratios(spec, "spin", spin_group, scope)
-    with several:
+    with collector:
         signs = turn_ratios(spec, "steer", steer_group, scope)
         if len(signs) == len(wheels):
             wheels = [replace(w, steer_sign=s.sign) for w, s in zip(wheels, signs, strict=True)]
-    with several:
+    with collector:
         facts["tolerance"] = tolerance_of(spec.tolerance, wheels, scope)
-    if not several.errors:
+    if not collector.errors:
         wheels, facts["near"] = agreed(wheels, steer_group, facts["tolerance"])
         notes += (near.sentence(facts["tolerance"]) for near in facts["near"] if near.moves)
     for part, laid_out in _PARTS.items():
-        with several:
+        with collector:
             facts[part] = laid_out(spec, scope, wheels)
-    if not several.errors:
-        facts["needs"] = needs(spec, parameters, scope, several)
-    several.end()
+    if not collector.errors:
+        facts["needs"] = needs(spec, parameters, scope, collector)
+    collector.end()
     robot = Robot(
         name=spec.name, description=spec.description, source=spec.source, parameters=parameters,
         wheels=tuple(wheels), steer_group=steer_group, spin_group=spin_group,
@@ -113,13 +113,13 @@ def build(spec: RobotSpec) -> Robot:
     return robot
 
 
-def _parameters(spec: RobotSpec, several: Several) -> tuple[Parameter, ...]:
+def _parameters(spec: RobotSpec, collector: ErrorCollector) -> tuple[Parameter, ...]:
     """Parameters, each after those it uses."""
     values: dict[str, Poly] = {}
     working: dict[str, Poly] = {}
     parameters = []
     for p in spec.parameters:
-        with several:
+        with collector:
             symbolic = to_poly(p.value, values)
             kept = substituted(symbolic, working)
             if p.tunable:
@@ -135,13 +135,13 @@ def _parameters(spec: RobotSpec, several: Several) -> tuple[Parameter, ...]:
 
 
 def _with_ranges(
-    spec: RobotSpec, parameters: tuple[Parameter, ...], scope: Scope, several: Several
+    spec: RobotSpec, parameters: tuple[Parameter, ...], scope: Scope, collector: ErrorCollector
 ) -> tuple[Parameter, ...]:
     """The parameters with the ranges that the file states. RobotFileError for a range without the parameter's value."""
     stated = {p.name: p.range for p in spec.parameters if p.range is not None}
     ranged = {p.name: p for p in parameters}
     for name in stated.keys() & ranged.keys():
-        with several:
+        with collector:
             low, high = (constant(f"the range of {name}", end, scope) for end in stated[name])
             nominal, (lower, upper) = ranged[name].nominal, stated[name]
             if not low < high:
@@ -229,12 +229,12 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
     per_steer = ZERO if w.per_steer is None else constant(f"per_steer of {w.name}", w.per_steer, scope)
     symbolic = Geometry(px, py, *cos_sin(heading), *cos_sin(gamma), r, d, o, r_sw, Poly.of(per_steer))
     nominal = symbolic.mapped(scope.number)
-    several = Several()
-    _check(w, nominal, several)
-    facts = _of_joints(w, w.name, scope, several)
-    with several:
+    collector = ErrorCollector()
+    _check(w, nominal, collector)
+    facts = _of_joints(w, w.name, scope, collector)
+    with collector:
         facts["weight"] = ONE if w.weight is None else weight_of(w.name, w.weight, scope)
-    several.end()
+    collector.end()
     x, y, shown = float(nominal.x), float(nominal.y), float(scope.number(heading))
     direction = float(scope.number(alpha)) or atan2(y, x)
     return Wheel(
@@ -246,7 +246,9 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
     )  # fmt: skip
 
 
-def _of_joints(spec: RobotSpec | WheelSpec, whose: str, scope: Scope, several: Several) -> dict[str, Any]:
+def _of_joints(
+    spec: RobotSpec | WheelSpec, whose: str, scope: Scope, collector: ErrorCollector
+) -> dict[str, Any]:
     """What a wheel, or the robot for all its wheels, says of joints; ``several`` takes what is wrong."""
     parts: dict[str, Callable[[], Any]] = {
         "limits": lambda: limits_of(spec.limits, scope),
@@ -256,21 +258,21 @@ def _of_joints(spec: RobotSpec | WheelSpec, whose: str, scope: Scope, several: S
     }
     facts = {}
     for part, laid_out in parts.items():
-        with several:
+        with collector:
             facts[part] = laid_out()
     return facts
 
 
-def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
+def _check(w: WheelSpec, g: Geometry[Exact], collector: ErrorCollector) -> None:
     """What no value may be: r <= 0, d = 0 of a castor, and what the wheel's type refuses."""
     kind = w.kind
     what = f"the {kind.name} wheel {w.ball or w.name}".rstrip()
-    with several:
+    with collector:
         if w.r is not None and "r" in kind.required and g.r.sign <= 0:
             said = w.r.text if isinstance(w.r.expr, Num | Neg) else f"{w.r.text} = {float(g.r):g}"
             raise RobotFileError(f"{what} has r = {said}, which is not positive", w.r.mark, "",
                                  "Write r in metres, the radius and not the diameter, larger than 0.")  # fmt: skip
-    with several:
+    with collector:
         if w.d is not None and kind.swivels and not g.d:
             raise RobotFileError(
                 f"{what}: a {kind.noun} with d = 0 is a steered wheel", w.d.mark,
@@ -279,7 +281,7 @@ def _check(w: WheelSpec, g: Geometry[Exact], several: Several) -> None:
             )  # fmt: skip
     for check in kind.checks:
         quantity = getattr(w, check.key)
-        with several:
+        with collector:
             if quantity is not None and check.bad(g):
                 problem = check.problem.format(what=what, text=quantity.text)
                 raise RobotFileError(problem, quantity.mark, check.why, check.instead)
@@ -299,7 +301,7 @@ def _check_directions(spec: RobotSpec, wheels: Sequence[Wheel]) -> None:
             )  # fmt: skip
 
 
-def _check_names(spec: RobotSpec, several: Several) -> None:
+def _check_names(spec: RobotSpec, collector: ErrorCollector) -> None:
     """A parameter is an input of the generated code, as joints are."""
     parts = (
         (spec.wheels, ("_spin", "_steer", "_steer_rate")),
@@ -311,7 +313,7 @@ def _check_names(spec: RobotSpec, several: Several) -> None:
     }
     names |= {GYRO.name} if spec.gyro else set()
     for p in spec.parameters:
-        with several:
+        with collector:
             if p.name.lower() in names:
                 raise RobotFileError(
                     f"parameter {p.name} has the name of a sensed value",

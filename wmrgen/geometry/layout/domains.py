@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wmrgen.errors import Mark, RobotFileError, Several
+from wmrgen.errors import ErrorCollector, Mark, RobotFileError
 from wmrgen.geometry.exact.evaluate import fix, number, substituted
 from wmrgen.geometry.exact.number import ZERO, Exact
 from wmrgen.geometry.exact.poly import Poly
@@ -193,7 +193,7 @@ class _Judge(NamedTuple):
 
 
 def needs(
-    spec: RobotSpec, parameters: tuple[Parameter, ...], scope: Scope, several: Several
+    spec: RobotSpec, parameters: tuple[Parameter, ...], scope: Scope, collector: ErrorCollector
 ) -> tuple[Need, ...]:
     """What the tunable parameters must keep, in polynomials of them; ``several`` takes what their ranges break."""
     judge = _Judge.of(spec, parameters)
@@ -203,9 +203,9 @@ def needs(
     every = [d for d in demands(spec) if judge.tunables_in(*d.values)]
     judge = judge._replace(total=len({(d.values, d.strict) for d in every}))
     for demand in every:
-        if any(error.mark == demand.quantity.mark for error in several.errors):
+        if any(error.mark == demand.quantity.mark for error in collector.errors):
             continue  # the whole of a value follows from its parts
-        with several:
+        with collector:
             key = demand.values, demand.strict
             verdict = verdicts[key] = verdicts.get(key) or judge.verdict(demand)
             if verdict.point is not None:

@@ -12,7 +12,7 @@ from math import degrees
 
 import numpy as np
 
-from wmrgen.errors import RobotFileError, Several
+from wmrgen.errors import ErrorCollector, RobotFileError
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.layout.expressions import Scope
 from wmrgen.geometry.layout.joints import constant, positive
@@ -69,7 +69,7 @@ def refuse_ambiguous(spec: RobotSpec, robot: Robot) -> None:
         spec: the robot file, for the places of messages.
         robot: the layout, couplings applied.
     """
-    several = Several()
+    collector = ErrorCollector()
     written = {w.name: {e.joint: e for e in (*spec.encoders, *w.encoders)} for w in spec.wheels}
     for w in robot.wheels:
         encoder = robot.encoder_of(w, "steer")
@@ -77,9 +77,9 @@ def refuse_ambiguous(spec: RobotSpec, robot: Robot) -> None:
             continue
         offset = written[w.name]["steer"].offset
         assert offset is not None
-        with several:
+        with collector:
             _refuse_ambiguous(robot, w, encoder, offset)
-    several.end()
+    collector.end()
 
 
 def _refuse_ambiguous(robot: Robot, w: Wheel, encoder: Encoder, offset: Quantity) -> None:

@@ -12,7 +12,7 @@ from fractions import Fraction
 from operator import add, mul, sub
 from typing import Any, NamedTuple
 
-from wmrgen.errors import Code, Mark, RobotFileError, Several
+from wmrgen.errors import Code, ErrorCollector, Mark, RobotFileError
 from wmrgen.geometry.exact.evaluate import (
     angle_value,
     cos_sin,
@@ -63,7 +63,7 @@ class Scope(NamedTuple):
         return self.views(self.poly(quantity))
 
 
-def computable(w: WheelSpec, scope: Scope, several: Several) -> WheelSpec:
+def computable(w: WheelSpec, scope: Scope, collector: ErrorCollector) -> WheelSpec:
     """The wheel without the quantities that have no value; ``several`` takes why."""
     without: dict[str, Any] = {}
     for field in fields(w):
@@ -71,7 +71,7 @@ def computable(w: WheelSpec, scope: Scope, several: Several) -> WheelSpec:
         try:
             scope.number(scope.poly(value if isinstance(value, Quantity) else None))
         except RobotFileError as error:
-            several.add(error)
+            collector.add(error)
             without[field.name] = None
     return replace(w, **without)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from wmrgen.errors import NotDerivableError, RobotFileError, Several
+from wmrgen.errors import ErrorCollector, NotDerivableError, RobotFileError
 from wmrgen.geometry.exact.evaluate import parameters_in, substituted
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.layout.expressions import Scope
@@ -31,9 +31,9 @@ def constant(what: str, quantity: Quantity, scope: Scope) -> Exact:
 
 def limits_of(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
     """The limits in SI units. RobotFileError where low is above high, and for one that a tunable parameter moves."""
-    several, intervals = Several(), {}
+    collector, intervals = ErrorCollector(), {}
     for limit in limits:
-        with several:
+        with collector:
             high, low = (constant(f"limit {limit.name}", end, scope) for end in (limit.high, limit.low))
             if low > high:
                 raise RobotFileError(
@@ -42,7 +42,7 @@ def limits_of(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
                     f"Write {limit.name}: [low, high]; one positive value v means [-v, v].",
                 )  # fmt: skip
             intervals[limit.name] = Interval(low, high)
-    several.end()
+    collector.end()
     return intervals
 
 

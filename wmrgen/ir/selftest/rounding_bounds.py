@@ -1,10 +1,10 @@
 """Running error bounds: a function at many points at once, each value with a bound of its rounding error.
 
 Values are computed in float64. Two bounds go along: how far code in the target's arithmetic (rounding unit ``unit``,
-library functions as `wmrgen.ir.ops.waves` says) may be from the float64 value, and how far that value may be from
-the exact formula: Higham, Accuracy and Stability of Numerical Algorithms, 3.3. Contraction to fused multiply-add only
-leaves roundings out, so the bounds hold with it. A comparison that rounding may turn counts both branches. The last
-bits of a value may depend on the processor's sine; no result that is printed does, for those are rounded where the
+library functions as `wmrgen.ir.ops.trigonometric` says) may be from the float64 value, and how far that value may be
+from the exact formula: Higham, Accuracy and Stability of Numerical Algorithms, 3.3. Contraction to fused multiply-add
+only leaves roundings out, so the bounds hold with it. A comparison that rounding may turn counts both branches. The
+last bits of a value may depend on the processor's sine; no result that is printed does, for those are rounded where the
 second bound leaves no doubt.
 """
 

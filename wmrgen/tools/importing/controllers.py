@@ -13,7 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from wmrgen.errors import Code, Mark, RobotFileError, Several
+from wmrgen.errors import Code, ErrorCollector, Mark, RobotFileError
 from wmrgen.robotfile.names import role
 from wmrgen.robotfile.numbers import NUMBER
 from wmrgen.robotfile.reader import read_tree
@@ -94,7 +94,7 @@ class _Leaf:
 def read_controllers(path: Path, arguments: Mapping[str, str] | None = None) -> tuple[Controller, ...]:
     """The controllers of a YAML file; ``arguments`` stand for ``$(arg name)``. RobotFileError where it cannot be read,
     or a length is no number. Of keys that stand twice the last holds, as in ROS, which the first controller notes."""
-    name, told, wrong = printable(str(path)), Several(), Several()
+    name, told, wrong = printable(str(path)), ErrorCollector(), ErrorCollector()
     tree = read_tree(decode(bytes_of(path, MAX_BYTES + 1), name), name, told, aliases=True)
     twice = [error for error in told.errors if error.code is Code.TWICE]
     wrong.add(*(error for error in told.errors if error not in twice))

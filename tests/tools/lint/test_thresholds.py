@@ -68,7 +68,9 @@ def polar(alpha: str, head: str = "") -> str:
         (differential().replace("y: 0.2,", "y: 0.4,"), ["WMR005"]),
         (differential().replace("y: 0.2,", "y: 0.39,"), ["WMR014"]),
         (differential().replace("r: 0.1}", "r: 0.2}", 1), ["WMR005"]),
-        (differential().replace("r: 0.1}", "r: 0.19}", 1), []),
+        (differential().replace("r: 0.1}", "r: 0.19}", 1), ["WMR015"]),
+        (differential().replace("r: 0.1}", "r: 0.112}", 1), ["WMR015"]),
+        (differential().replace("r: 0.1}", "r: 0.111}", 1), []),  # as calibration may find them
         (differential(r="0.41"), ["WMR005"]),
         (differential(r="0.39"), []),
         (differential(x="-0.05"), ["WMR014"]),
@@ -509,3 +511,32 @@ def test_mecanum_wheels_in_each_others_places(
         for k, ((x, y), g) in enumerate(zip(places, gammas, strict=True))
     )
     assert codes(tmp_path / "robot.yaml", wheels(*entries)) == expected
+
+
+CAR = (
+    "name: rear_left, type: fixed, x: 0, y: 0.3, heading: 0, r: 0.1",
+    "name: rear_right, type: fixed, x: 0, y: -0.3, heading: 0, r: 0.1",
+    "name: front_left, type: steered, x: 1, y: 0.3, heading: 0, r: 0.1, actuated: [steer], "
+    "limits: {steer: [-30 deg, 35 deg]}",
+    "name: front_right, type: steered, x: 1, y: -0.3, heading: 0, r: 0.1, actuated: [steer], "
+    "limits: {steer: [-35 deg, 30 deg]}",
+)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "count"),
+    [
+        ("", "", 0),
+        ("[-35 deg, 30 deg]", "[-30 deg, 35 deg]", 0),  # the same limits, not mirrored
+        ("[-35 deg, 30 deg]", "[-25 deg, 35 deg]", 1),
+        ("x: 1, y: -0.3", "x: 1.1, y: -0.3", 0),  # less than 10 % of the distance of the wheels
+        ("x: 1, y: -0.3", "x: 1.2, y: -0.3", 1),
+        ("x: 1, y: -0.3", "x: 1, y: -0.03", 1),
+        ("front_right, type: steered, x: 1, y: -0.3, heading: 0, r: 0.1", "front_right, type: steered, x: 1, "
+         "y: -0.3, heading: 0, r: 1", 1),
+        ("r: 0.1", "r: 0.11", 0),  # of all wheels alike
+    ],
+)  # fmt: skip
+def test_left_and_right_partners(old: str, new: str, count: int, tmp_path: Path) -> None:
+    entries = [entry.replace(old, new) if old else entry for entry in CAR]
+    assert codes(tmp_path / "robot.yaml", wheels(*entries)).count("WMR015") == count

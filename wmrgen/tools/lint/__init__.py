@@ -5,9 +5,9 @@ A rule stands beside its check in one of the modules of this room; `RULES` is th
 
 from __future__ import annotations
 
-from wmrgen.tools.lint import driving, halves, numbers, places, ranks
+from wmrgen.tools.lint import driving, halves, mirror, numbers, places, ranks
 from wmrgen.tools.lint.record import RULES, Finding, Rule, Subject, findings, rule_called
 
 __all__ = ["RULES", "Finding", "Rule", "Subject", "findings", "modules", "rule_called"]
 
-modules = (numbers, halves, places, driving, ranks)  # importing them fills the table
+modules = (numbers, halves, places, mirror, driving, ranks)  # importing them fills the table

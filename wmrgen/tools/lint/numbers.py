@@ -34,16 +34,8 @@ ROUNDED = 2e-3  # a turn written as 6.28 or 6.2832 [rad]
     "an angle of more than a turn",
     """An angle without a unit is in radians unless the file says `angles: deg`. One of more than a turn is most likely
     in degrees.""",
-    """
-wheels:
-  - {name: left,  type: fixed, l: 0.2, alpha: 90,      beta: 0,       r: 0.1}
-  - {name: right, type: fixed, l: 0.2, alpha: -90 deg, beta: 180 deg, r: 0.1}
-""",
-    """
-wheels:
-  - {name: left,  type: fixed, l: 0.2, alpha: 90 deg,  beta: 0,       r: 0.1}
-  - {name: right, type: fixed, l: 0.2, alpha: -90 deg, beta: 180 deg, r: 0.1}
-""",
+    PAIR + "  - {name: tail, type: castor, x: -0.3, y: 0, heading: 180, d: 0.04, r: 0.05}\n",
+    PAIR + "  - {name: tail, type: castor, x: -0.3, y: 0, heading: 180 deg, d: 0.04, r: 0.05}\n",
 )
 def turns(subject: Subject) -> Iterator[Finding]:
     for w in subject.spec.wheels:

@@ -224,3 +224,37 @@ def _doubtful_rank(subject: Subject) -> Iterator[Finding]:
             place = (fixed or list(robot.wheels))[-1 if fixed else 0]
             yield Finding(subject.mark(place), what, "Look for decimals that were rounded.")
             return
+
+
+@rule(
+    "WMR035",
+    "a layout outside Campion's five types",
+    """The fixed axles are not on one line, or steering cannot choose between motions: less than two degrees of
+    maneuverability are left, and the robot moves along one fixed curve. In most such files x and y are exchanged, a
+    heading is a quarter turn off, or a wheel that steers has the type fixed. A robot on rails or an axle on a test
+    stand is meant like this: ignore the finding there.""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0.2,  y: 0, heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: -0.2, y: 0, heading: 0, r: 0.1}
+""",
+    PAIR,
+)
+def degenerate(subject: Subject) -> Iterator[Finding]:
+    mobility = subject.mobility
+    other_rule_reports = (
+        mobility.degree_of_mobility == 0  # WMR030
+        or mobility.skids  # WMR031, unless effective_track says that skidding is meant
+        or any(not near.moves for near in _near(subject.robot))  # WMR034
+        or any(_doubtful_rank(subject))  # WMR034
+    )
+    if not mobility.degenerate or other_rule_reports:
+        return
+    fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]
+    first = (fixed or list(subject.robot.wheels))[0]
+    pair = f"({mobility.degree_of_mobility}, {mobility.degree_of_steerability})"
+    yield Finding(
+        subject.mark(first),
+        f"the robot has one motion only: {pair} is none of Campion's five types",
+        "x points forward and y to the left: look at the places and headings of the fixed wheels.",
+    )

@@ -9,28 +9,24 @@ from wmrgen.tools.lint import Rule
 
 INTRO = """# Likely mistakes
 
-`wmrgen lint ROBOT.yaml...` says what is likely wrong with a robot that can be derived, each finding with its place and
-a code; `wmrgen derive` says the same on stderr and derives. `wmrgen explain WMR012` prints what stands here of one
-code. Exit code 1 means that there are findings.
+`wmrgen lint ROBOT.yaml...` reports likely mistakes in robots that can be derived. Each finding has a place and a code.
+`wmrgen derive` prints the same findings on stderr and derives the robot. `wmrgen explain WMR012` prints the section of
+one code. Exit code 1 means that there are findings.
 
-What is right about a robot keeps its line by a comment on it, and a sentence that says why:
+To keep a line that `lint` questions, add a comment to it, with a sentence that says why the line is right:
 
 ```yaml
-wheels:   # base_link lies behind the axle
+wheels:   # base_link is behind the axle
   - {name: left, type: fixed, x: 18.5 mm, y: 67.5 mm, heading: 0, r: 33.1 mm}   # wmrgen: ignore WMR014
 ```
 
-Several codes stand one after the other. A finding about the whole robot stands at its first wheel concerned.
+A comment may list several codes. A finding about the whole robot is reported at the first wheel concerned.
 
-`wmrgen lint ROBOT.yaml controllers.yaml` and `wmrgen compare` hold other files against the robot before them: URDF and
-SDF, parameters of wheel controllers, headers that wmrgen wrote. What they say differently has the codes from WMR040 on;
-their examples are two files, parted by `---`. Lengths within 0.2 % and angles within 0.002 rad are equal. A comment
-beside the number in either file keeps it. What only one of them says is told as not compared; of a description
-alone the names of wheels are held against their places, nothing else.
-
-Codes from WMR101 on are not findings: they are the kinds of errors for which a robot file, another file or a call is
-refused, with exit code 2.
-All errors of a file are told in one run, in the order of the file; what only follows from another one is not.
+`wmrgen lint ROBOT.yaml controllers.yaml` and `wmrgen compare` check other files against the robot file that precedes
+them: URDF and SDF, parameters of wheel controllers, and headers that wmrgen wrote. Differences have the codes from WMR040
+on; their examples are two files, separated by `---`. Lengths within 0.2 % and angles within 0.002 rad are equal. A
+comment next to the number in either file keeps it. Values that only one file gives are listed under "not compared". If
+there is only a description, `lint` checks the names of its wheels against their places, and nothing else.
 """
 
 

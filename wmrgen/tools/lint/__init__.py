@@ -1,6 +1,6 @@
-"""What is likely wrong with a robot that can be derived: rules, each with a code, and what they find.
+"""Rules that find likely mistakes in robots that can be derived, each with a code.
 
-A rule stands beside its check in one of the modules of this room; `RULES` is the table of all of them.
+Each rule is registered next to its check, in one of the modules here; `RULES` is the table of all rules.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Joints that drive, steer or measure: too few, too many, or in one another's way."""
+"""Rules about joints that drive, steer or measure: too few, too many, or joints that contradict each other."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from wmrgen.geometry.notation import listed
 from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.tools.lint.record import PAIR, Finding, Subject, rule
 
-NEAR = 2e-3  # a limit written as 1.57 reaches pi/2 [rad]
+NEAR = 2e-3  # [rad]; a limit written as 1.57 allows pi/2
 
 
 @rule(
     "WMR020",
     "too few actuated joints",
-    """Each freedom of the robot needs a joint that is driven, each freedom of steering one that is steered. With fewer
-    the robot does not go where it is told: the rest of the motion is left to chance. Fixed, steered and Swedish wheels
-    are driven unless the file says otherwise, castors are not.""",
+    """Each degree of freedom of the robot needs a joint that drives it, and each degree of steerability a joint that
+    is steered. With fewer, some motions are left to chance. Fixed, steered and Swedish wheels are actuated
+    unless the file says otherwise; castors are not.""",
     PAIR.removesuffix("}\n") + ", actuated: [], sensed: [spin]}\n",
     PAIR,
 )
 def short(subject: Subject) -> Iterator[Finding]:
-    lost = any(s.everywhere for s in subject.mobility.singularities)  # another rule speaks of it
+    lost = any(s.everywhere for s in subject.mobility.singularities)  # WMR033 reports it
     if subject.mobility.degree_of_mobility and not lost:
         for balance in subject.mobility.actuation:
             if balance.lacking:
@@ -40,7 +40,7 @@ def short(subject: Subject) -> Iterator[Finding]:
 
 
 def _more(subject: Subject, balance: Balance) -> str:
-    """Which joints could be actuated besides, that drive or that steer as those that are lacking."""
+    """Advise which idle joint could be actuated to supply the lacking motor."""
     steering = balance.joint == "steer"
     idle = [
         f"{joint} to actuated of {w.name}"
@@ -49,19 +49,20 @@ def _more(subject: Subject, balance: Balance) -> str:
         if joint not in w.actuated and steering == (joint == "steer" and w.kind.steers)
     ]
     if idle:
-        return f"Add {idle[0]}, or another."
+        return f"Add {idle[0]}, or to another wheel."
     if balance.motors < balance.need:
-        return "Every joint is driven already: it takes more driven wheels."
-    return "Every joint is driven already, and some drive the same motion: look at places and headings."
+        return "Every joint is driven already: add a driven wheel."
+    return "Every joint is driven already, and some drive the same motion: check the places and headings."
 
 
 @rule(
     "WMR021",
-    "more actuated joints than freedoms, and not of all like wheels",
-    """Where more joints are driven than the robot has freedoms, their rates must agree, or wheels slide. That is usual
-    where all wheels of a kind are driven, as four mecanum wheels or a skid-steer's are, and no finding: the report
-    and `actuation` of model.json say by how many motors it is. Where some are and others not, or castors beside
-    wheels that do without them, an entry of actuated is likely missing or too many.""",
+    "unequally actuated wheels",
+    """If more joints are driven than the robot has degrees of freedom, their rates must agree, or wheels slide. That
+    is usual, and no finding, if all wheels of one type are driven, as on mecanum bases and skid-steer robots:
+    the report and `actuation` of model.json give the number of surplus motors. If some wheels of a type are
+    driven and others are not, or if castors are driven that need no motor, an entry of actuated is likely
+    missing or superfluous.""",
     """
 wheels:
   - {name: front_left,  type: steered, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
@@ -84,7 +85,7 @@ def uneven(subject: Subject) -> Iterator[Finding]:
             if 0 < len(idle) < len(alike) - len(idle):
                 yield Finding(
                     subject.mark(idle[0]),
-                    f"{balance}; {listed([w.name for w in idle])} alone of the {idle[0].kind.noun}s "
+                    f"{balance}; of the {idle[0].kind.noun}s only {listed([w.name for w in idle])} "
                     f"{'is' if len(idle) == 1 else 'are'} not actuated",
                     f"Write {balance.joint} in actuated of all of them, or of as many as are needed.",
                 )
@@ -92,14 +93,14 @@ def uneven(subject: Subject) -> Iterator[Finding]:
     if castors and any(balance.surplus for balance in subject.mobility.actuation):
         passive = (replace(w, actuated=() if w in castors else w.actuated) for w in subject.robot.wheels)
         if not any(b.lacking for b in analyse(replace(subject.robot, wheels=tuple(passive))).actuation):
-            what = f"{listed([w.name for w in castors])}: driven, and the other wheels drive every motion without"
+            what = f"{listed([w.name for w in castors])}: driven, although other wheels drive every motion already"
             yield Finding(
-                subject.mark(castors[0]), what, "Write actuated: [], or leave it out: castors follow."
+                subject.mark(castors[0]), what, "Write actuated: [], or delete the key: castors follow."
             )
 
 
 def _alike(robot: Robot, joint: str) -> list[list[Wheel]]:
-    """The wheels that have the joint, by type."""
+    """Return the wheels that have the joint, one list for each wheel type."""
     types: dict[str, list[Wheel]] = {}
     for w in robot.wheels:
         if joint in w.kind.joints:
@@ -110,9 +111,10 @@ def _alike(robot: Robot, joint: str) -> list[list[Wheel]]:
 @rule(
     "WMR022",
     "odometry lacks a sensor",
-    """The sensed joints do not tell the whole twist, though the wheels would if all their joints were sensed: `forward`
-    and `odometry` give the smallest twist that fits. What is actuated is sensed unless the file says otherwise. Two
-    tracking wheels show how a point of the robot moves; with a yaw-rate sensor (`gyro:`) that is the whole twist.""",
+    """The sensed joints do not determine the whole twist, although they would if every joint of the wheels were
+    sensed. `forward` and `odometry` then return the smallest twist that fits. Actuated joints are sensed unless
+    the file says otherwise. Two tracking wheels determine the velocity of one point of the robot; with a yaw-
+    rate sensor (`gyro:`) they determine the twist.""",
     PAIR.removesuffix("}\n") + ", sensed: []}\n",
     PAIR,
 )
@@ -125,14 +127,14 @@ def unsensed(subject: Subject) -> Iterator[Finding]:
     if seen < (possible := _seen(driven(every))):
         yield Finding(
             subject.mark(blind[0]),
-            f"the sensed joints tell {seen} of the 3 components of the twist, all joints would tell {possible}",
-            f"Write sensed: [{', '.join(blind[0].kind.joints)}] where there is a sensor: "
+            f"the sensed joints determine {seen} of the 3 components of the twist, all joints {possible}",
+            f"Write sensed: [{', '.join(blind[0].kind.joints)}] for a wheel with a sensor: "
             f"{listed([w.name for w in blind])} {'lacks' if len(blind) == 1 else 'lack'} one.{_with_a_gyro(robot)}",
         )
 
 
 def _with_a_gyro(robot: Robot) -> str:
-    """The advice to add a yaw-rate sensor, where that is all that is lacking."""
+    """Advise to add a yaw-rate sensor if nothing else is lacking."""
     noiseless = Gyro(ONE, Noise(ZERO, ZERO))
     if robot.gyro is not None or _seen(driven(replace(robot, gyro=noiseless))) < 3:
         return ""
@@ -142,18 +144,18 @@ def _with_a_gyro(robot: Robot) -> str:
 
 
 def _seen(robot: Robot) -> int:
-    """How many components of the twist the sensed joints and the gyro tell."""
+    """Return how many components of the twist the sensed joints and the gyro determine."""
     measured = measurements(robot)
     return generic_rank(measured) if measured.all else 0
 
 
 @rule(
     "WMR023",
-    "a motion beyond the steering limits",
-    """The limits of steering do not reach a motion that the limits of vx, vy and omega promise: a car whose omega is
-    too large even at its highest speed, a base told to drive sideways whose wheels do not turn so far; or they do not
-    let the robot drive straight on, as about a heading that is a quarter turn off. Headings half a turn apart count as
-    one, for the wheel may roll backwards.""",
+    "motion beyond the steering limits",
+    """The limits of steering exclude a motion that the limits of vx, vy and omega allow: for example an omega that is
+    too large for a car even at its highest speed, or a vy of a base whose wheels do not steer far enough. The
+    rule also checks that the robot can drive straight on; it cannot if a heading is a quarter turn off.
+    Headings half a turn apart are treated as one, because the wheel may roll backwards.""",
     """
 wheels:
   - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
@@ -178,15 +180,15 @@ def beyond(subject: Subject) -> Iterator[Finding]:
             if not any(float(limit.low) - NEAR <= a <= float(limit.high) + NEAR for a in turned):
                 own = (v for v in (*spec.limits, *subject.spec.limits) if v.name == "steer")
                 least = degrees(min(turned, key=abs))
-                what = f"{motion} is out of reach: {w.name} would have to steer {least:.4g} deg"
+                what = f"{motion} is not possible: {w.name} would have to steer {least:.4g} deg"
                 yield Finding(
-                    next(own).mark, what, "Write a smaller limit of the motion, or a larger one of steering."
+                    next(own).mark, what, "Reduce the limit of the motion, or increase the limit of steering."
                 )
                 return
 
 
 def _promised(subject: Subject) -> Iterator[tuple[str, Array]]:
-    """Driving straight on, and motions that the limits of the twist promise, in words and as a twist."""
+    """Yield straight driving and the motions that the limits of the twist allow, each with its twist in SI units."""
     limits, free = subject.robot.limits, subject.mobility.admissible
     most = {name: max(abs(float(limits[name].low)), abs(float(limits[name].high))) for name in limits}
     vx, vy, omega = (most.get(name, 0.0) for name in TWIST_NAMES)

@@ -1,4 +1,4 @@
-"""Full sizes where halves are meant: tracks, wheelbases and diameters in the places of distances and radii."""
+"""Rules about full sizes in place of halves: tracks, wheelbases and diameters written as distances and radii."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SPANS = {
 }
 _SURE = re.compile(
     r"wheel_?base|track|separation|gauge|tread|spacing|wheel_distance|between|^axle(_?(length|width|base|distance))?$"
-)  # the others may be sizes of the body
+)  # other names may be sizes of the body
 _HALF = re.compile("half|semi")
 _ROUND = re.compile(r"diam|(^|_)dia(_|$)|^(?!.*(base|robot|body)).*radius")
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
@@ -29,19 +29,20 @@ _WRITTEN = {
     "y": re.compile(rf"(?<!half[ -])\b(?:track|wheel separation|gauge)\b{_NUMBER}", re.IGNORECASE),
 }
 _DIAMETER = re.compile(r"(?:the )?(?:wheel )?(?:diameter|dia\.?|[Øø⌀])", re.IGNORECASE)
-_CLOSE, _ABOUT = 1e-6, 1e-3
-_LEAST = 0.95  # of the track of its wheels, the effective one of a robot that skids
+_CLOSE = 1e-6  # relative; equal but for rounding of decimals
+_ABOUT = 1e-3  # relative; texts give sizes with three or four digits
+_LEAST = 0.95  # least effective track, as a share of the track of the wheels; 1 but for tyre width
 
 
 @rule(
     "WMR005",
-    "a full track or a diameter for a half",
-    """A parameter that is called track, wheelbase or width is the distance between wheels; one called diameter is twice
-    a radius. Where a wheel stands that far from the middle, or has that radius, the robot is twice as large as meant,
-    and it turns half as fast. Divide by 2, or call the parameter half_track where it is the half. The same is told of a
-    half that is halved again, where the comment beside a number or the description says such a size, where of two
-    wheels that face each other one has twice the size of the other, of wheels that are larger than the robot, and of an
-    effective track below the track of the wheels: skidding makes a robot turn slower, never faster.""",
+    "full size in place of a half",
+    """A parameter called track, wheelbase or width is the distance between wheels; one called diameter is twice a
+    radius. If a wheel is that far from the middle, or has that radius, the robot is twice as large as meant and
+    turns half as fast. Divide by 2, or call the parameter half_track if it is the half. The rule also finds: a
+    half that is halved again; a comment or a description that gives such a size; a wheel with twice the value
+    of the wheel that faces it; wheels that are larger than the robot; and an effective track below the track of
+    the wheels, because skidding makes a robot turn slower, never faster.""",
     """
 parameters: {track: 0.331, diameter: 0.195}
 wheels:
@@ -69,27 +70,29 @@ def full(subject: Subject) -> Iterator[Finding]:
 
 
 def _skids(subject: Subject) -> Iterator[Finding]:
-    """An effective track that is less than the wheels stand apart across their heading."""
+    """Find an effective track that is shorter than the distance of the wheels across their heading."""
     told = subject.spec.effective_track
     ahead = subject.robot.wheels[0].zero_heading.conjugate()
     sides = [(ahead * w.pivot).imag for w in subject.robot.wheels if w.kind.directed]
     if told and (size := subject.value(told)) < _LEAST * (track := max(sides) - min(sides)):
         what = (
-            f"effective_track = {told.text} is {size:.4g} m, less than the wheels stand apart, {track:.4g} m"
+            f"effective_track = {told.text} is {size:.4g} m, less than the track of the wheels, {track:.4g} m"
         )
         yield Finding(
-            told.mark, what, "Write the whole of it, not the half: 1.2 to 2 times the track of the wheels."
+            told.mark,
+            what,
+            "Write the full effective track, not half of it: it is 1.2 to 2 times the track of the wheels.",
         )
 
 
 def _extent(subject: Subject, axis: str) -> float:
-    """How far apart the outermost pivots stand along x or y [m]."""
+    """Return the distance between the outermost pivots along x or y [m]."""
     at = [w.pivot.real if axis == "x" else w.pivot.imag for w in subject.robot.wheels]
     return max(at) - min(at)
 
 
 def _called(subject: Subject) -> Iterator[Finding]:
-    """Sizes that are parameters, by their names."""
+    """Find full sizes among the parameters, by their names."""
     for p in subject.spec.parameters:
         size, name, half = abs(subject.value(p.value)), p.name.lower(), bool(_HALF.search(p.name.lower()))
         sure = bool(_SURE.search(name))
@@ -103,36 +106,34 @@ def _called(subject: Subject) -> Iterator[Finding]:
         for w in subject.spec.wheels if size and _ROUND.search(name) else ():
             word = _times(subject.value(w.r) / whole) if w.r and re.search(rf"\b{p.name}\b", w.r.text) else ""
             if w.r and word:
-                what = f"{w.name}: r = {w.r.text} is {word} the radius that {p.name} says"
+                what = f"{w.name}: r = {w.r.text} is {word} the radius that {p.name} gives"
                 yield Finding(w.r.mark, what, f"Write r: {right}.")
 
 
 def _places(p: ParameterSpec, axis: str, subject: Subject) -> bool:
-    """Whether a parameter says where along ``axis`` wheels stand."""
+    """Return whether a parameter is used in the places of wheels along ``axis``."""
     quantities = [getattr(w, axis) for w in subject.spec.wheels]
     return any(q and re.search(rf"\b{p.name}\b", q.text) for q in quantities)
 
 
 def _span(p: ParameterSpec, word: str, axis: str, half: bool) -> Finding:
-    """The distance of wheels that a parameter names, or the half of it; they stand ``word`` as far apart."""
-    what = f"{p.name} = {p.value.text}, and the wheels stand {word} as far apart in {axis}"
+    """Return the finding for a parameter that names a distance of wheels, which are ``word`` as far apart."""
+    what = f"{p.name} = {p.value.text}, and the wheels are {word} as far apart in {axis}"
     if half:
-        instead = f"Write {p.name} in the places of the wheels, or call it otherwise."
-        return Finding(p.value.mark, f"{what} as two of it", instead)
+        instead = f"Write {p.name} in the places of the wheels, or rename it."
+        return Finding(p.value.mark, f"{what} as twice that value", instead)
     name = f": half_{p.name}" if word == "twice" else ""
-    return Finding(
-        p.value.mark, what, f"Write {p.name}/2 in the places of the wheels, or call it otherwise{name}."
-    )
+    return Finding(p.value.mark, what, f"Write {p.name}/2 in the places of the wheels, or rename it{name}.")
 
 
 def _times(ratio: float) -> str:
-    """The word for a ratio that a full size in the place of a half makes, or a half of a half; else ""."""
+    """Return "twice" or "half" if the ratio is 2 or 1/2 to rounding, else ""."""
     words = {"twice": 2, "half": 0.5}
     return next((word for word, times in words.items() if abs(ratio / times - 1) < _CLOSE), "")
 
 
 def _said(subject: Subject) -> Iterator[Finding]:
-    """Sizes that a comment beside a number says, or the description."""
+    """Find full sizes by the comment next to a number, or by the description."""
     about = subject.spec.description or ""
     for spec, w in subject.wheels:
         r = float(w.nominal.r)
@@ -141,7 +142,7 @@ def _said(subject: Subject) -> Iterator[Finding]:
         if r and (_says(f"{comment}; {about}", "diameter", r) or (alone and _DIAMETER.fullmatch(comment))):
             yield Finding(
                 spec.r.mark if spec.r else spec.mark,
-                f"{w.name}: a diameter of {r:.4g} m is written here, and r is as large",
+                f"{w.name}: the text gives a diameter of {r:.4g} m, and r has the same value",
                 "Write half of it: r is the radius.",
             )
     lines = {spec.mark.line: spec.mark for spec in subject.spec.wheels}
@@ -150,19 +151,23 @@ def _said(subject: Subject) -> Iterator[Finding]:
         half = _extent(subject, axis) / 2
         for mark in lines.values():
             if half and _says(f"{_comment(mark)}; {about}", axis, half):
-                what = f"a size of {half:.4g} m is written here, and the wheels stand twice as far apart in {axis}"
+                what = (
+                    f"the text gives a size of {half:.4g} m, and the wheels are twice as far apart in {axis}"
+                )
                 yield Finding(mark, what, "Write half of it: x and y are distances from P.")
                 break
 
 
 def _comment(mark: Mark) -> str:
-    """The comment of a line."""
+    """Return the comment of a line."""
     return mark.text.partition("#")[2].strip()
 
 
 def _says(text: str, what: str, size: float) -> bool:
-    """Whether a text gives ``size`` [m] as a diameter, or as the whole extent in x or y. Of a number without a unit it
-    is open whether metres or millimetres are meant."""
+    """Return whether a text gives ``size`` [m] as a diameter, or as the full extent in x or y.
+
+    A number without a unit may be in metres or in millimetres.
+    """
     for match in _WRITTEN[what].finditer(text):
         scales = [_UNITS[match[2].lower()]] if match[2] else [1.0, 1e-3]
         if any(abs(float(match[1]) * scale - size) < _ABOUT * size for scale in scales):
@@ -171,7 +176,7 @@ def _says(text: str, what: str, size: float) -> bool:
 
 
 def faced(subject: Subject) -> Iterator[Finding]:
-    """Two wheels that face each other across the x axis, of which one has exactly twice what the other has."""
+    """Find wheels with twice the radius or twice the distance of the wheel that faces them across the x axis."""
     forward = [w.pivot.real for w in subject.robot.wheels]
     for spec, a in subject.wheels:
         others = [
@@ -184,8 +189,10 @@ def faced(subject: Subject) -> Iterator[Finding]:
             continue
         radii, sides = float(a.nominal.r) / (float(b.nominal.r) or 1), abs(a.pivot.imag / b.pivot.imag)
         if abs(radii - 2) < _CLOSE and abs(sides - 1) < _CLOSE:
-            what = f"{a.name}: r is twice that of {b.name}, which faces it: a diameter?"
-            yield Finding(spec.r.mark if spec.r else spec.mark, what, "Write the radius of both.")
+            what = f"{a.name}: r is twice the radius of {b.name}, which faces it: is it a diameter?"
+            yield Finding(spec.r.mark if spec.r else spec.mark, what, "Write the radius for both.")
         if abs(sides - 2) < _CLOSE and abs(radii - 1) < _CLOSE:
-            what = f"{a.name} stands twice as far from the x axis as {b.name}, which faces it: a full track?"
-            yield Finding(spec.mark, what, f"Write the distance from P, as of {b.name}.")
+            what = (
+                f"{a.name} is twice as far from the x axis as {b.name}, which faces it: is it the full track?"
+            )
+            yield Finding(spec.mark, what, f"Write the distance from P, as for {b.name}.")

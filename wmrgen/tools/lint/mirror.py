@@ -36,7 +36,7 @@ class Partners(NamedTuple):
 
 @rule(
     "WMR015",
-    "left and right wheels that are no mirror images",
+    "unequal left and right wheels",
     """A left wheel and its partner on the right have the same radius, the same x and the same limits, and they are
     equally far from the middle of the robot. If one value differs by more than calibration explains, a digit or a unit
     is likely wrong. Partners are wheels of one type whose names differ in left and right only, or the only two of a

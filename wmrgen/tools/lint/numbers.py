@@ -1,4 +1,4 @@
-"""Numbers that were likely meant otherwise: degrees without their unit, millimetres, sizes that do not go together."""
+"""Rules about numbers in a wrong unit: degrees without their unit, millimetres, sizes that do not fit together."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from wmrgen.robotfile.numbers import UNITS
 from wmrgen.robotfile.records import Limit, Quantity
 from wmrgen.tools.lint.record import PAIR, Finding, Subject, rule
 
-LARGEST, APART = 20.0, 100.0  # of a robot [m]; the largest of its sizes over the smallest
-FASTEST = 10 * tau  # a body or a steering joint that turns faster is no robot's [rad/s]
-_SPEED = 100.0  # nor is one that drives faster [m/s]
-_SLOWEST = 10.0  # time constant of a joint [s]
+LARGEST = 20.0  # [m]; the largest robot
+APART = 100.0  # largest ratio of two sizes of a robot
+FASTEST = 10 * tau  # [rad/s]; ten turns a second of a body or a steering joint
+_SPEED = 100.0  # [m/s]; the fastest robot
+_SLOWEST = 10.0  # [s]; the longest time constant of a joint
 _MOST = {
     "steer": (tau, "rad", "deg"),
     **dict.fromkeys(("omega", "steer_rate"), (FASTEST, "rad/s", "deg/s")),
@@ -24,16 +25,16 @@ _MOST = {
 _ANGLES = ("alpha", "beta", "heading", "gamma")
 _NUMBER = re.compile(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?")
 _UNIT = re.compile(r"deg|rad|°|/s")
-_MEANT = re.compile(r"deg|°|/s")  # of a limit: radians, written or not, may be degrees
+_MEANT = re.compile(r"deg|°|/s")  # units of a limit that is surely meant as written
 _PI = re.compile(r"pi|π")
-ROUNDED = 2e-3  # a turn written as 6.28 or 6.2832 [rad]
+ROUNDED = 2e-3  # [rad]; a turn may be written as 6.28 or 6.2832
 
 
 @rule(
     "WMR001",
-    "an angle of more than a turn",
-    """An angle without a unit is in radians unless the file says `angles: deg`. One of more than a turn is most likely
-    in degrees.""",
+    "angle of more than a turn",
+    """An angle without a unit is in radians unless the file says `angles: deg`. An angle of more than a turn is most
+    likely in degrees.""",
     PAIR + "  - {name: tail, type: castor, x: -0.3, y: 0, heading: 180, d: 0.04, r: 0.05}\n",
     PAIR + "  - {name: tail, type: castor, x: -0.3, y: 0, heading: 180 deg, d: 0.04, r: 0.05}\n",
 )
@@ -54,11 +55,11 @@ def turns(subject: Subject) -> Iterator[Finding]:
 
 
 def _in_degrees(quantity: Quantity, value: float) -> str:
-    """What to write in place of an angle of ``value`` [rad] that has no unit."""
+    """Advise what to write in place of an angle of ``value`` [rad] that has no unit."""
     if _PI.search(quantity.text):
         return f"Write {value % tau / pi:.6g}*pi, unless something else was meant."
     if not _NUMBER.fullmatch(quantity.text):
-        return "Write deg beside the numbers that it is made of."
+        return "Write deg after the numbers of the expression."
     if abs(float(quantity.text) - value) > ROUNDED:  # the file's angles are in degrees
         return f"Write {degrees(value) % 360:.6g}, unless something else was meant."
     return f"Did you mean {quantity.text} deg?"
@@ -71,11 +72,11 @@ def _limits(subject: Subject) -> Iterator[tuple[str, Limit]]:
 
 @rule(
     "WMR002",
-    "a limit or a lag that no robot has",
-    """A steering limit of more than a turn, a body or a steering joint that turns ten times a second, a speed of more
-    than 100 m/s, at the rim of a wheel too, a lag of more than 10 s: without a unit they are in radians, metres and
-    seconds, and degrees, turns a minute, millimetres or milliseconds were likely meant. A joint with a limit of 0
-    stands still, and a speed whose acceleration has one never changes.""",
+    "implausible limit or lag",
+    """No robot has a steering limit of more than a turn, a body or a steering joint that turns ten times a second, a
+    speed or rim speed above 100 m/s, or a lag above 10 s. Values without a unit are in radians, metres and
+    seconds; degrees, turns per minute, millimetres or milliseconds were likely meant. A joint with a limit of 0
+    does not move, and a speed whose acceleration has a limit of 0 never changes.""",
     """
 wheels:
   - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
@@ -103,7 +104,7 @@ def limits(subject: Subject) -> Iterator[Finding]:
             )
         elif not value and limit.name not in TWIST_NAMES:
             stays = limit.name.removesuffix("_rate")
-            what = f"{name}: a limit {limit.name} of 0, with which {stays} never changes"
+            what = f"{name}: a limit {limit.name} of 0: {stays} never changes"
             yield Finding(limit.mark, what, "Write the largest value, or delete the key.")
     lags = [("the robot", lag) for lag in subject.spec.lag]
     lags += [(w.name, lag) for w in subject.spec.wheels for lag in w.lag]
@@ -115,9 +116,9 @@ def limits(subject: Subject) -> Iterator[Finding]:
 
 @rule(
     "WMR003",
-    "a robot larger than 20 m",
-    """Lengths without a unit are in metres; a base of more than 20 m, or that far from its origin, was likely
-    written in millimetres, and so was a trailer, a place of the centre of gravity or an effective track of more.""",
+    "robot larger than 20 m",
+    """Lengths without a unit are in metres. A base of more than 20 m, or one that far from its origin, was likely
+    written in millimetres. The same holds for a trailer, a centre of gravity or an effective track.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0, y: 165,  heading: 0, r: 97}
@@ -141,11 +142,11 @@ def huge(subject: Subject) -> Iterator[Finding]:
     elif extent > LARGEST:
         yield Finding(
             subject.mark(wheel),
-            f"the wheels stand up to {extent:.4g} m apart",
+            f"the wheels are up to {extent:.4g} m apart",
             _meant(extent),
         )
     elif abs((far := max(subject.robot.wheels, key=lambda w: abs(w.pivot))).pivot) > LARGEST:
-        what = f"{far.name} stands {abs(far.pivot):.4g} m from the origin P"
+        what = f"{far.name} is {abs(far.pivot):.4g} m from the origin P"
         yield Finding(subject.mark(far), what, _meant(abs(far.pivot)))
     for words, quantity in _lengths(subject):
         if abs(size := subject.value(quantity)) > LARGEST:
@@ -153,13 +154,13 @@ def huge(subject: Subject) -> Iterator[Finding]:
 
 
 def _meant(size: float, least: float = 0.1, most: float = 3.0) -> str:
-    """The units [m] in which a size is one that robots have."""
+    """Ask for the unit: those in which a size between ``least`` and ``most`` [m] results."""
     units = [unit for unit in ("mm", "cm", "in") if least <= size * float(UNITS[unit].factor) <= most]
     return f"Did you mean {' or '.join(units) or 'mm'}? Write the unit."
 
 
 def _lengths(subject: Subject) -> Iterator[tuple[str, Quantity]]:
-    """Lengths that are no wheel's, in words."""
+    """Yield the lengths that do not belong to a wheel: the start of a sentence, and the quantity."""
     spec = subject.spec
     told = [(f"the trailer {t.name} has a length", q) for t in spec.trailers for q in (t.length, t.hitch)]
     told += [(f"the centre of gravity has a {key}", getattr(spec.cg, key, None)) for key in "xyz"]
@@ -170,9 +171,9 @@ def _lengths(subject: Subject) -> Iterator[tuple[str, Quantity]]:
 @rule(
     "WMR004",
     "sizes a hundred times apart",
-    """Radii of the wheels and the distance between them that differ by more than a factor of 100 were likely written in
-    different units; so was an offset of a contact, or a radius of rollers, that is larger than the robot or a hundred
-    times smaller than its wheels, and a trailer that is that small.""",
+    """If radii of the wheels and the distance between them differ by more than a factor of 100, they were likely
+    written in different units. The same holds for a contact offset or a roller radius that is larger than the
+    robot or a hundred times smaller than its wheels, and for a trailer that is that small.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
@@ -186,32 +187,32 @@ def sizes(subject: Subject) -> Iterator[Finding]:
         return
     radii = sorted(float(w.nominal.r) for w in wheels)
     usual, extent = radii[len(radii) // 2], subject.extent[0]
-    unit = "Write the unit where it is not metres: 97 mm."
+    unit = "Write the unit if it is not metres: 97 mm."
     odd = [w for w in wheels if not 1 / APART < float(w.nominal.r) / usual < APART]
     for w in odd:
-        what = f"{w.name}: a radius of {float(w.nominal.r):.4g} m beside one of {usual:.4g} m"
+        what = f"{w.name}: a radius of {float(w.nominal.r):.4g} m, where other wheels have {usual:.4g} m"
         yield Finding(subject.mark(w), what, unit)
     if extent and not odd and not 1 / APART < usual / extent < APART:
-        what = f"wheels of a radius of {usual:.4g} m stand {extent:.4g} m apart"
+        what = f"wheels with a radius of {usual:.4g} m are {extent:.4g} m apart"
         yield Finding(subject.mark(wheels[0]), what, unit)
     for spec, w in subject.wheels:
         for key in ("d", "offset_y", "r_sw"):
             quantity: Quantity | None = getattr(spec, key)
             size = abs(subject.value(quantity)) if quantity else 0.0
             if quantity and size and (size > max(usual, extent) or not size / usual > 1 / APART):
-                what = f"{w.name}: {key} = {quantity.text} is {size:.4g} m beside a radius of {usual:.4g} m"
+                what = f"{w.name}: {key} = {quantity.text} is {size:.4g} m, and the radius is {usual:.4g} m"
                 yield Finding(quantity.mark, what, unit)
     for trailer in subject.spec.trailers:
         if (size := abs(subject.value(trailer.length))) and not size / usual > 1 / APART:
-            what = f"{trailer.name}: a length of {size:.4g} m beside a radius of {usual:.4g} m"
+            what = f"{trailer.name}: a length of {size:.4g} m, and wheels have a radius of {usual:.4g} m"
             yield Finding(trailer.length.mark, what, unit)
 
 
 @rule(
     "WMR006",
-    "wheels that stand in one another",
-    """Two wheels that roll along one line are nearer to each other than their radii: the radii are likely diameters, or
-    the distance is.""",
+    "overlapping wheels",
+    """Two wheels that roll along one line are closer together than the sum of their radii. The radii are likely
+    diameters, or the distance is wrong.""",
     """
 wheels:
   - {name: rear,  type: fixed,   x: 0,    y: 0, heading: 0, r: 0.34}
@@ -234,7 +235,7 @@ def overlapping(subject: Subject) -> Iterator[Finding]:
         if turned < 1e-3 and aside < 0.05 * radii and 0.05 * radii < ahead < radii:
             yield Finding(
                 subject.mark(b),
-                f"{b.name} stands {ahead:.4g} m from {a.name}, in line with it, "
+                f"{b.name} is {ahead:.4g} m from {a.name}, in line with it, "
                 f"and their radii add up to {radii:.4g} m",
                 "r is the radius, not the diameter; x and y are distances from P.",
             )

@@ -1,4 +1,4 @@
-"""Wheels in places or headings that contradict their names, one another or the frame of the robot."""
+"""Rules about places and headings of wheels that contradict their names, each other or the frame of the robot."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from wmrgen.tools.lint.record import PAIR, Finding, Subject, rule
 
 _NOSE = PAIR + "  - {name: nose,  type: castor, x: 0.3, y: 0, d: -0.04, r: 0.05}\n"
 _OPPOSITE = {"front": "behind", "rear": "in front of", "left": "right of", "right": "left of"}
-_SAME = 1e-6
-_OUTSIDE = 2.0  # of what the wheels reach from their middle
-_ORIGIN = "Give places from the middle of the axle, or ignore this where another origin is meant."
-_NEAR = 0.05  # of the radii, or of the robot where that is smaller
-_OPPOSED = 0.05  # radians, by and large
+_SAME = 1e-6  # [m]; equal but for rounding of decimals
+_OUTSIDE = 2.0  # distance of P from the middle of the wheels, over their largest distance from it
+_ORIGIN = "Measure places from the middle of the axle, or ignore this finding if another origin is meant."
+_NEAR = 0.05  # share of the radii, or of the robot if that is smaller: nearer contacts are one
+_OPPOSED = 0.05  # [rad]; headings that differ by less are parallel
 _OBLIQUE = 0.7  # sine of twice the angle to the axes; cosine of that between arm and heading
 
 
 def _middle(wheels: tuple[Wheel, ...]) -> complex:
-    """The middle of the rectangle that the pivots fill."""
+    """Return the middle of the rectangle around the pivots: x + iy [m]."""
     at = [w.pivot for w in wheels]
     xs, ys = [p.real for p in at], [p.imag for p in at]
     return complex(max(xs) + min(xs), max(ys) + min(ys)) / 2
@@ -32,7 +32,7 @@ def _middle(wheels: tuple[Wheel, ...]) -> complex:
 @rule(
     "WMR010",
     "two wheels at one place",
-    """Two wheels that touch the ground at one point are one wheel written twice, or a sign is missing.""",
+    """Two wheels touch the ground at one point. Either one wheel is written twice, or a sign is missing.""",
     f"{_NOSE}  - {{name: tail,  type: castor, x: 0.3, y: 0, d: -0.04, r: 0.05}}\n",
     f"{_NOSE}  - {{name: tail,  type: castor, x: -0.3, y: 0, d: -0.04, r: 0.05}}\n",
 )
@@ -49,11 +49,11 @@ def together(subject: Subject) -> Iterator[Finding]:
         if one or abs(p_contact - q_contact) <= near:
             at = f"({q_contact.real:.4g}, {q_contact.imag:.4g})"
             what = f"{b.name} touches the ground where {a.name} does, at {at}"
-            yield Finding(subject.mark(b), what, "Look for a sign that is missing.")
+            yield Finding(subject.mark(b), what, "Check the signs of x and y.")
 
 
 def _contradicted(side: str, places: Mapping[str, complex]) -> str:
-    """Whence a wheel of the side that a name says stands on the other one: the first that tells; "" where none does."""
+    """Return from which point the wheel is on the wrong side: the first place that is not 0 along the axis decides."""
     for whence, at in places.items():
         along = {"front": at.real, "rear": -at.real, "left": at.imag, "right": -at.imag}.get(side, 0.0)
         if abs(along) > _SAME:
@@ -63,10 +63,10 @@ def _contradicted(side: str, places: Mapping[str, complex]) -> str:
 
 @rule(
     "WMR011",
-    "a name that contradicts its place",
-    """x points forward and y to the left. A wheel called back_left stands behind the middle of the wheels and left of
-    it, on the only axle behind the origin; where it does not, names or signs are swapped, and every command goes to the
-    wrong motor.""",
+    "name contradicts place",
+    """x points forward and y to the left. A wheel called back_left is behind the middle of the wheels and left of it,
+    or on the only axle behind the origin. If it is not, names or signs are exchanged, and every command goes to
+    the wrong motor.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
@@ -88,7 +88,7 @@ def labels(subject: Subject) -> Iterator[Finding]:
             sides = f"{'neither' if len(wrong) > 1 else 'not'} {' nor '.join(side for side, _ in wrong)}"
             yield Finding(
                 subject.mark(w),
-                f"{w.name} stands at ({w.pivot.real:.4g}, {w.pivot.imag:.4g}), {where}: {sides}",
+                f"{w.name} is at ({w.pivot.real:.4g}, {w.pivot.imag:.4g}), {where}: {sides}",
                 "x points forward, y to the left. Change the sign or the name.",
             )
 
@@ -96,11 +96,11 @@ def labels(subject: Subject) -> Iterator[Finding]:
 @rule(
     "WMR012",
     "wheels that roll against each other",
-    """Two wheels with one axle direction whose headings point opposite ways turn with opposite signs when the robot
-    drives straight. On a differential drive with l and alpha that is the right wheel with beta = 0: its beta is pi.
-    Where the joints of the two sides really count opposite ways, as on robots whose motors are mounted mirrored, the
-    finding is to be ignored. Of wheels that steer, angle 0 counts. Omni wheels that stand tangentially are none of
-    these.""",
+    """Two wheels with one axle direction and opposite headings turn with opposite signs when the robot drives
+    straight. On a differential drive with l and alpha this is the right wheel with beta = 0: its beta is pi. If
+    the joints of the two sides really count in opposite directions, because the motors are mounted mirrored,
+    ignore the finding. For wheels that steer, the heading at angle 0 counts. Omni wheels that are mounted
+    tangentially are excluded.""",
     """
 wheels:
   - {name: left,  type: fixed, l: 0.2, alpha: pi/2,  beta: 0, r: 0.1}
@@ -134,12 +134,12 @@ def against(subject: Subject) -> Iterator[Finding]:
             yield Finding(
                 subject.mark(b),
                 f"{others[0].name} and {b.name} turn against each other when the robot drives straight",
-                f"Turn {b.name} by pi (beta: pi, or heading: 0), or ignore this where its joint counts that way.",
+                f"Turn {b.name} by pi (beta: pi, or heading: 0), or ignore this finding if its joint counts that way.",
             )
 
 
 def _tangential(w: Wheel, middle: complex) -> bool:
-    """A wheel that rolls around the middle and moves freely across; by and large, at the corners of an oblong base."""
+    """Return whether an omni wheel rolls around the middle, at the corners of an oblong base at least roughly."""
     arm, oblique = w.pivot - middle, abs((w.zero_heading**2).imag) > _OBLIQUE
     along = abs((w.zero_heading.conjugate() * arm).real)
     return w.kind.rolls_across and along < _SAME + (_OBLIQUE if oblique else 0.01) * abs(arm)
@@ -147,10 +147,10 @@ def _tangential(w: Wheel, middle: complex) -> bool:
 
 @rule(
     "WMR013",
-    "a castor that leads",
-    """d is the distance from a castor's pivot to its contact along its rolling direction: with heading 0 and d > 0 the
-    contact lies in front of the pivot at angle 0, where no castor stays when the robot drives forward: it swings round
-    to pi. Write d negative, or heading: pi, and angle 0 is the one at which it trails.""",
+    "leading castor",
+    """d is the distance from a castor's pivot to its contact along its rolling direction. With heading 0 and d > 0 the
+    contact is in front of the pivot at angle 0. No castor stays there when the robot drives forward: it swings
+    round to pi. Write d negative, or heading: pi; then angle 0 is the angle at which the castor trails.""",
     PAIR + "  - {name: tail,  type: castor, x: -0.3, y: 0, heading: 0, d: 0.04, r: 0.05}\n",
     PAIR + "  - {name: tail,  type: castor, x: -0.3, y: 0, heading: 0, d: -0.04, r: 0.05}\n",
 )
@@ -162,16 +162,16 @@ def leading(subject: Subject) -> Iterator[Finding]:
             yield Finding(
                 spec.d.mark,
                 f"{w.name}: d = {spec.d.text} puts the contact in front of the pivot",
-                f"Write d {other}, or heading: {heading}, for a castor that trails.",
+                f"Write d {other}, or heading: {heading}, so that the castor trails.",
             )
 
 
 @rule(
     "WMR014",
-    "the origin is off the axle",
-    """A robot with one fixed axle turns about points of that axle. vx, vy and omega are those of P, the origin: with P
-    off the axle a turn moves P sideways, and vy is not 0. Most drivers take P in the middle of the axle. Where another
-    origin is meant, such as the centre of gravity, the finding is to be ignored.""",
+    "origin off the axle",
+    """A robot with one fixed axle turns about points of that axle. vx, vy and omega are the velocities of P, the
+    origin. If P is off the axle, a turn moves P sideways and vy is not 0. Most drivers use the middle of the
+    axle as P. If another origin is meant, such as the centre of gravity, ignore the finding.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0.1, y: 0.2,  heading: 0, r: 0.1}

@@ -1,4 +1,4 @@
-"""Layouts that cannot move, move by sliding, or do so only because of how their numbers are rounded."""
+"""Rules about layouts that cannot move, that move by sliding, or whose rank depends on rounded numbers."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from wmrgen.geometry.layout.tolerance import Near
 from wmrgen.geometry.notation import listed, plain
 from wmrgen.tools.lint.record import PAIR, Finding, Subject, rule
 
-NARROW = 1e-2  # the smallest relative singular value that is no accident
-NOISE = 1e-9  # of the robot's size
-FLAT = 10.0  # the ratio of good ones
+NARROW = 1e-2  # relative singular value below which a rank may be due to rounded decimals
+NOISE = 1e-9  # share of the robot's size; rounding of doubles
+FLAT = 10.0  # largest ratio of singular values of a base that measures every motion well
 _MECANUM = (
     "Rollers at the ground must form an O: gamma -45 deg at the front left and rear right, 45 deg at the others. "
     "The rollers on top, which one sees, then form an X."
 )
-_LOOK = "Look at headings, gamma and places of the wheels."
+_LOOK = "Check headings, gamma and places of the wheels."
 _FOUR = """\
 wheels:
   - {name: front_left,  type: fixed, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
@@ -36,9 +36,9 @@ wheels:
 
 @rule(
     "WMR030",
-    "nothing can move",
-    """The axles meet in no common point, whatever the steering: every motion slides a wheel, and kinematics by rolling
-    do not exist. `derive` refuses such a robot with exit code 3 unless the finding is ignored.""",
+    "no motion without sliding",
+    """The axles have no common point, whatever the steering angles are: every motion slides a wheel, and kinematics by
+    rolling do not exist. `derive` refuses such a robot with exit code 3 unless the finding is ignored.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0,   y: 0.2,  heading: 0,      r: 0.1}
@@ -58,19 +58,20 @@ def stuck(subject: Subject) -> Iterator[Finding]:
         apart = subject.mobility.apart
         yield Finding(
             subject.mark(subject.robot.wheels[0]),
-            f"the axles of {listed(apart)} meet in no common point: nothing can move"
+            f"the axles of {listed(apart)} have no common point: nothing can move"
             if apart
-            else "no motion is free of sliding",
-            "Look at headings and places of the fixed wheels.",
+            else "every motion slides a wheel",
+            "Check headings and places of the fixed wheels.",
         )
 
 
 @rule(
     "WMR031",
-    "skid-steer",
+    "skid-steer without a track",
     """Fixed wheels on several parallel axles roll straight ahead only; the robot turns by skidding. Its kinematics are
-    least squares and `slip` says what is left; how far it turns, they do not know. Where that is the robot, as a Husky
-    is, `effective_track` says so, a length to be measured; else a wheel is a castor or steers.""",
+    a least-squares fit with the residual `slip`, which does not predict how far the robot turns. If the robot
+    is meant like this, as a Husky is, measure its `effective_track` and write it. Otherwise one of the wheels
+    is a castor or steers.""",
     _FOUR,
     f"effective_track: 0.7\n{_FOUR}",
 )
@@ -81,13 +82,14 @@ def skids(subject: Subject) -> Iterator[Finding]:
     if subject.mobility.skids and not apart and not list(_doubtful_rank(subject)):
         fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]
         names = listed([w.name for w in fixed])
-        what = f"{names} stand on parallel axles: the robot turns only by skidding (skid-steer)"
+        what = f"{names} are on parallel axles: the robot turns only by skidding (skid-steer)"
         about = (
-            "Some of its wheels move across their rolling direction, so it has no effective_track: kinematics are "
-            "least squares, which do not know how far it turns."
+            "Some of its wheels also roll sideways, so it has no effective_track: its kinematics are least "
+            "squares, which do not predict how far it turns."
             if any(no_track(subject.robot.wheels))
-            else "Write effective_track: and the track of a differential drive that turns as it does (measured, some "
-            "1.5 times its own). Without it kinematics are least squares, which do not know how far it turns."
+            else "Write effective_track: the track of a differential drive that turns like this robot. Measure it: it "
+            "is often 1.5 times the track of the wheels. Without it kinematics are least squares, which do not "
+            "predict how far the robot turns."
         )
         remedies = [near.remedies for near in subject.robot.near if not near.moves]
         yield Finding(subject.mark(fixed[0]), what, " ".join((about, *remedies)))
@@ -96,10 +98,10 @@ def skids(subject: Subject) -> Iterator[Finding]:
 @rule(
     "WMR032",
     "mecanum rollers that form no O",
-    """Seen at the ground, the rollers of four mecanum wheels form an O: their lines run around the middle. Those of an
-    X pass near it, so that the wheels hardly turn the robot, and not at all where wheelbase and track are equal. gamma
-    is the angle at the ground; the rollers on top, which one sees, lie the other way. Of four wheels none, or all, are
-    turned so, and none has a gamma of 0 where the others stand aslant.""",
+    """At the ground, the rollers of four mecanum wheels form an O: their axes run around the middle. Rollers that form
+    an X point at the middle, so that the wheels hardly turn the robot, and not at all if wheelbase and track
+    are equal. gamma is the angle at the ground; the rollers on top, which one sees, point the other way. Either
+    all four wheels are wrong or one of them is, for example with gamma 0.""",
     """
 wheels:
   - {name: fl, type: swedish, x: 0.2,  y: 0.25,  heading: 0, gamma: 45 deg,  r: 0.1}
@@ -123,7 +125,9 @@ def crossed(subject: Subject) -> Iterator[Finding]:
     straight = parallel([w.zero_heading for w in rollers])
     rest = [w for w in subject.robot.wheels if w not in rollers]
     if straight and len(rest) == 1 and rest[0].kind.rollers and len(rollers) == 3:
-        what = f"{rest[0].name} has gamma 0, as an omni wheel, and the rollers of the others stand aslant"
+        what = (
+            f"{rest[0].name} has gamma 0, as an omni wheel, but the rollers of the other wheels are oblique"
+        )
         yield Finding(subject.mark(rest[0]), what, _MECANUM)
         return
     ways = []
@@ -137,7 +141,7 @@ def crossed(subject: Subject) -> Iterator[Finding]:
         yield Finding(subject.mark(rollers[0]), what, _MECANUM)
     elif any(ways) and len(rollers) == len(subject.robot.wheels) == 4 and straight:
         odd = [w.name for w, crossing in zip(rollers, ways, strict=True) if crossing]
-        what = f"the rollers of {listed(odd)} point past the middle, as of an X, those of the others run around it"
+        what = f"the rollers of {listed(odd)} point at the middle, as in an X, but the other rollers run around it"
         yield Finding(subject.mark(rollers[ways.index(True)]), what, _MECANUM)
 
 
@@ -148,8 +152,8 @@ def _lost(subject: Subject) -> Singularity | None:
 @rule(
     "WMR033",
     "wheels that cannot drive every motion",
-    """The robot could move every way, and its wheels cannot drive it so: one motion turns no wheel, or hardly turns
-    one. `forward` then tells that motion badly: small errors of the wheels become large ones.""",
+    """The constraints allow every motion, but the wheels cannot drive all of them: one motion turns no wheel, or
+    hardly turns any. `forward` then multiplies measurement errors of the wheels in that motion.""",
     """
 wheels:
   - {name: w1, type: swedish, x: 0.2,  y: 0.003,  heading: 0,    gamma: 0, r: 0.05}
@@ -178,16 +182,17 @@ def conditioned(subject: Subject) -> Iterator[Finding]:
         values = np.linalg.svd(about, compute_uv=False)
         if values[2] * FLAT < values[0]:
             worse = values[0] / values[2]
-            what = f"one motion hardly turns the wheels: forward multiplies errors of theirs by {worse:.3g}"
+            what = f"one motion hardly turns the wheels: forward multiplies their measurement errors by {worse:.3g}"
             yield Finding(subject.mark(wheels[0]), what, _LOOK)
 
 
 @rule(
     "WMR034",
-    "two axles that nearly are one, or a rank that nearly is another",
-    """Two axles that nearly are one. Above the `tolerance` the robot is taken for one with two axles, which hardly
-    turns; below, for one with one axle, and its wheels are moved a little. Write numbers alike, or with all their
-    digits; a robot file that names its `tolerance` is told nothing of what lies within it.""",
+    "nearly common axle or nearly lower rank",
+    """Two axles are nearly one. If they miss each other by more than the `tolerance`, the robot is treated as one with
+    two axles, which hardly turns. If they miss by less, they are treated as one axle, and the wheels are moved
+    a little. Write equal numbers, or all their digits. If a robot file gives its `tolerance`, axles within it
+    have no finding.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0.005, y: 0.2,  heading: 0, r: 0.1}
@@ -206,7 +211,7 @@ def narrow(subject: Subject) -> Iterator[Finding]:
 
 
 def _near(robot: Robot) -> list[Near]:
-    """What nearly is on one line or at one heading, by more than the noise of floats."""
+    """Return the axles that are nearly on one line or at one heading, but differ by more than rounding."""
     size = robot.tolerance.size
     return [near for near in robot.near if NOISE * size < near.apart < SLIP * size]
 
@@ -220,15 +225,17 @@ def _doubtful_rank(subject: Subject) -> Iterator[Finding]:
         least, most = rank.singular_values[rank.value - 1], rank.singular_values[0]
         if rank.disagrees or least < NARROW * most:
             values = ", ".join(f"{v:.3g}" for v in rank.singular_values)
-            what = f"rank {name} is {rank.value} by a hair's breadth: singular values {values}"
+            what = f"rank {name} is {rank.value}, but nearly lower: singular values {values}"
             place = (fixed or list(robot.wheels))[-1 if fixed else 0]
-            yield Finding(subject.mark(place), what, "Look for decimals that were rounded.")
+            yield Finding(
+                subject.mark(place), what, "Write all decimals, or exact expressions such as 0.4/3."
+            )
             return
 
 
 @rule(
     "WMR035",
-    "a layout outside Campion's five types",
+    "layout outside Campion's five types",
     """The fixed axles are not on one line, or steering cannot choose between motions: less than two degrees of
     maneuverability are left, and the robot moves along one fixed curve. In most such files x and y are exchanged, a
     heading is a quarter turn off, or a wheel that steers has the type fixed. A robot on rails or an axle on a test

@@ -1,4 +1,4 @@
-"""A rule, what it looks at, and what it finds."""
+"""The records of lint: a rule, the robot that it checks, and a finding; and the function that runs all rules."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _IGNORED = re.compile(r"#\s*wmrgen:\s*ignore\s+(WMR\d+(?:[,\s]+WMR\d+)*)")
 
 
-# A robot with which nothing is wrong.
+# A robot without findings.
 PAIR = """
 wheels:
   - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
@@ -34,7 +34,7 @@ wheels:
 
 
 class Subject(NamedTuple):
-    """A robot: what its file says, its layout, and what that can do."""
+    """A robot in three forms: its file, its layout and its mobility."""
 
     spec: RobotSpec
     robot: Robot
@@ -42,38 +42,38 @@ class Subject(NamedTuple):
 
     @property
     def wheels(self) -> tuple[tuple[WheelSpec, Wheel], ...]:
-        """Each wheel as written and as laid out."""
+        """Return each wheel as written in the file, with its record in the layout."""
         return tuple(zip(self.spec.wheels, self.robot.wheels, strict=True))
 
     @property
     def extent(self) -> tuple[float, Wheel]:
-        """The largest distance of two pivots [m], and the second wheel of them; 0 for a single wheel."""
+        """Return the largest distance of two pivots [m] and the second of the two wheels; 0 for a single wheel."""
         places = [(w.pivot, w) for w in self.robot.wheels]
         distances = ((abs(q - p), w) for (p, _), (q, w) in combinations(places, 2))
         return max(distances, key=itemgetter(0), default=(0.0, self.robot.wheels[0]))
 
     def mark(self, wheel: Wheel) -> Mark:
-        """The place of a wheel."""
+        """Return the place of a wheel in the file."""
         return self.spec.wheels[wheel.index].mark
 
     def value(self, quantity: Quantity) -> float:
-        """What a quantity is worth at the nominal parameters, SI units."""
+        """Return the value of a quantity at the nominal parameters, in SI units."""
         scope = Scope({p.name: p.value for p in self.robot.parameters}, {})
         return float(scope.number(scope.poly(quantity)))
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """``what`` is likely wrong at ``mark``, and what to write instead. ``code``: of the rule."""
+    """A likely mistake in a robot file."""
 
-    mark: Mark
-    what: str
-    instead: str = ""
-    code: str = ""
+    mark: Mark  # where it is
+    what: str  # what is likely wrong
+    instead: str = ""  # what to write
+    code: str = ""  # of the rule
 
     @property
     def stops(self) -> bool:
-        """`derive` goes on only where the file says to ignore it."""
+        """Whether `derive` refuses the robot unless the file ignores the finding."""
         return RULES[self.code].stops
 
     def __str__(self) -> str:
@@ -84,17 +84,15 @@ Check = Callable[[Subject], Iterator[Finding]]
 
 
 class Rule(NamedTuple):
-    """``title``: the mistake. ``text``: why it is one, and when it is none. ``wrong``, ``right``: robot files without
-    their first two lines; the rule finds something in the first, and no rule anything in the second.
-    ``stops``: `derive` goes on only where the file says to ignore it."""
+    """A rule of lint. The tests run its examples: ``wrong`` has this finding alone, ``right`` has none."""
 
     code: str
-    title: str
-    text: str
-    wrong: str
+    title: str  # the name of the mistake
+    text: str  # why it is a mistake, and when it is none
+    wrong: str  # a robot file without its first two lines
     right: str
     check: Check
-    stops: bool = False
+    stops: bool = False  # `derive` refuses the robot unless the file ignores the finding
 
 
 RULES: dict[str, Rule] = {}
@@ -105,7 +103,19 @@ LAYOUT = "WMR010"  # the first rule that is not about numbers
 def rule(
     code: str, title: str, text: str, wrong: str, right: str, stops: bool = False
 ) -> Callable[[Check], Check]:
-    """Enter a check into `RULES`."""
+    """Return a decorator that registers a check in `RULES`.
+
+    Args:
+        code: WMR and three digits.
+        title: The name of the mistake.
+        text: Why it is a mistake, and when it is none.
+        wrong: A robot file with the mistake, without its first two lines.
+        right: The same robot without the mistake.
+        stops: Whether `derive` refuses a robot with the finding.
+
+    Returns:
+        The decorator, which returns the check unchanged.
+    """
 
     def register(check: Check) -> Check:
         if code in RULES:
@@ -121,32 +131,38 @@ def rule(
 
 
 def findings(subject: Subject) -> list[Finding]:
-    """What all rules find, in order of place; without what the file says is to be ignored on its line. Where degrees
-    were taken for radians the layout is not the one that is meant: of it nothing is told but what stops `derive`."""
-    every = [replace(f, code=rule.code) for rule in RULES.values() for f in _checked(rule, subject)]
-    told = [f for f in every if f.code not in ignored(f.mark)]
-    if any(f.code == DEGREES for f in told):
-        told = [f for f in told if f.code < LAYOUT or f.stops]
-    return sorted(dict.fromkeys(told), key=lambda f: (f.mark.line, f.mark.column, f.code))
+    """Return the findings of all rules in order of place, without those that a comment on the line ignores.
+
+    If an angle in degrees was read as radians, the layout is not the one that was meant. Findings about the layout are
+    then left out, except those that stop `derive`.
+    """
+    reported = list[Finding]()
+    for rule in RULES.values():
+        for finding in _checked(rule, subject):
+            if rule.code not in ignored(finding.mark):
+                reported.append(replace(finding, code=rule.code))
+    if any(f.code == DEGREES for f in reported):
+        reported = [f for f in reported if f.code < LAYOUT or f.stops]
+    return sorted(dict.fromkeys(reported), key=lambda f: (f.mark.line, f.mark.column, f.code))
 
 
 def _checked(rule: Rule, subject: Subject) -> list[Finding]:
-    """What a rule finds; nothing where a size is beyond the range of doubles, which must not stop `derive`."""
+    """Return the findings of one rule; none if a size is beyond the range of doubles, which must not stop `derive`."""
     try:
         with np.errstate(all="ignore"):
             return list(rule.check(subject))
-    except (OverflowError, ValueError):  # of infinities and of NaN, LinAlgError among them
+    except (OverflowError, ValueError):  # from infinities and NaN; LinAlgError is a ValueError
         return []
 
 
 def ignored(mark: Mark) -> list[str]:
-    """The codes of the comment ``# wmrgen: ignore WMR012`` on a line."""
+    """Return the codes in the comment ``# wmrgen: ignore WMR012`` of a line."""
     match = _IGNORED.search(mark.text)
     return re.findall(r"WMR\d+", match[1]) if match else []
 
 
 def rule_called(code: str, rules: Mapping[str, Rule | Mistake]) -> Rule | Mistake:
-    """What of ``rules`` a code stands for, in any case. UsageError where it stands for nothing."""
+    """Return the rule or mistake with a code, in upper or lower case. Raise UsageError if there is none."""
     if code.upper() not in rules:
         near = "".join(f" Did you mean {c}?" for c in get_close_matches(code.upper()[:20], rules, 1))
         raise UsageError(f"{quoted(code)} is not the code of a rule.{near} `wmrgen explain` lists them.")

@@ -25,7 +25,7 @@ A comment may list several codes. A finding about the whole robot is reported at
 `wmrgen lint ROBOT.yaml controllers.yaml` and `wmrgen compare` check other files against the robot file that precedes
 them: URDF and SDF, parameters of wheel controllers, and headers that wmrgen wrote. Differences have the codes from
 WMR040 on; their examples are two files, separated by `---`. Lengths within 0.2 % and angles within 0.002 rad are equal.
-A comment next to the number in either file keeps it. Values that only one file gives are listed under "not compared". If
+A comment next to the number in either file keeps it. Values that only one file gives are listed as "not compared". If
 there is only a description, `lint` checks the names of its wheels against their places, and nothing else.
 
 Codes from WMR101 on are not findings. They are the kinds of errors for which a robot file, another file or a call is

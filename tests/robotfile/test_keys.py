@@ -24,9 +24,8 @@ from wmrgen.functions.control.gains import TEXTBOOK
 from wmrgen.functions.registry import check, optional_names
 from wmrgen.geometry.layout import build
 from wmrgen.robotfile.fields import Amount, Field
-from wmrgen.robotfile.keys import ROBOT, SECTIONS, WHEEL
+from wmrgen.robotfile.keys import GAINS, ROBOT, SECTIONS, VIRTUAL, WHEEL
 from wmrgen.robotfile.numbers import Kind, spellings_of
-from wmrgen.robotfile.part_keys import GAINS, VIRTUAL
 from wmrgen.robotfile.quantities import parse_value
 from wmrgen.robotfile.reference import example, mistake, reference
 from wmrgen.robotfile.schema import MODELINE, SCHEMA_FILE, json_schema

@@ -8,8 +8,8 @@ from typing import Any
 
 from wmrgen.errors import ErrorCollector
 from wmrgen.robotfile.fields import Interval, Section
+from wmrgen.robotfile.keys import LIMITS, WRAPS
 from wmrgen.robotfile.numbers import Scope
-from wmrgen.robotfile.part_keys import LIMITS, WRAPS
 from wmrgen.robotfile.quantities import read_quantity
 from wmrgen.robotfile.records import EncoderSpec, Limit, Neg, NoiseSpec, Quantity
 from wmrgen.robotfile.tables import Table, table_of

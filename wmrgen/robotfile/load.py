@@ -221,20 +221,21 @@ def _questions(node: Node, key: str) -> Iterator[tuple[str, Scalar]]:
 
 
 def _causes(table: Table, errors: Sequence[WmrgenError]) -> list[WmrgenError]:
-    """``errors`` without: names of parameters that are used where some of them cannot be read, and so those of wheels;
-    what stands where the YAML has a slip; keys that stand twice among wheels whose dashes are missing."""
-    slips = [error.mark for error in errors if error.code is Code.NOT_YAML]
+    """Return ``errors`` without those that merely follow from another error.
+
+    These are uses of names whose declaration cannot be read, and repeated keys in a mapping that should be a list of
+    wheels.
+    """
     parameters, others = _names_in_doubt(table, errors)
-    return [
-        error
-        for error in errors
-        if not (
-            error.code is Code.UNDECLARED
-            and (parameters if isinstance(error, UndeclaredParameter) else others)
-        )
-        and (error.code is Code.NOT_YAML or error.mark not in slips)
-        and not (error.code is Code.TWICE and _in_wheels(table, error))
-    ]
+    causes = []
+    for error in errors:
+        if error.code is Code.UNDECLARED:
+            follows = parameters if isinstance(error, UndeclaredParameter) else others
+        else:
+            follows = error.code is Code.TWICE and _in_wheels(table, error)
+        if not follows:
+            causes.append(error)
+    return causes
 
 
 def _names_in_doubt(table: Table, errors: Sequence[WmrgenError]) -> tuple[bool, bool]:

@@ -9,10 +9,9 @@ from typing import NamedTuple
 
 from wmrgen.errors import ErrorCollector, RobotFileError
 from wmrgen.robotfile.fields import Mapped
-from wmrgen.robotfile.keys import PARAMETER, ROBOT
+from wmrgen.robotfile.keys import CG, GAINS, GYRO, PARAMETER, ROBOT, TRAILER, VIRTUAL
 from wmrgen.robotfile.names import Names, parameter_name, wheel_name
 from wmrgen.robotfile.numbers import Facts, Kind, Scope, facts_of
-from wmrgen.robotfile.part_keys import CG, GAINS, GYRO, TRAILER, VIRTUAL
 from wmrgen.robotfile.quantities import of_one_kind, parse_value, read_quantity
 from wmrgen.robotfile.records import (
     GyroSpec,

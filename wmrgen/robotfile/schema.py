@@ -23,11 +23,10 @@ from wmrgen.robotfile.fields import (
     Version,
     Word,
 )
-from wmrgen.robotfile.keys import ROBOT, WHEEL
+from wmrgen.robotfile.keys import ENCODER, LIMITS, NOISE, ROBOT, WHEEL
 from wmrgen.robotfile.load import OPEN
 from wmrgen.robotfile.names import NAME_PATTERN
 from wmrgen.robotfile.numbers import NUMBER, Kind, spellings_of, units_of
-from wmrgen.robotfile.part_keys import ENCODER, LIMITS, NOISE
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
 from wmrgen.robotfile.wheels import takes
 

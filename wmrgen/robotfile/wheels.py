@@ -8,10 +8,9 @@ from typing import Any
 from wmrgen.errors import Code, ErrorCollector, RobotFileError
 from wmrgen.robotfile.fields import Amount
 from wmrgen.robotfile.joints import read_of_joints
-from wmrgen.robotfile.keys import WHEEL
+from wmrgen.robotfile.keys import COUPLING, WHEEL
 from wmrgen.robotfile.names import Names, numbered_names, wheel_name
 from wmrgen.robotfile.numbers import Kind, Scope
-from wmrgen.robotfile.part_keys import COUPLING
 from wmrgen.robotfile.quantities import read_quantity
 from wmrgen.robotfile.records import Coupling, Quantity, WheelSpec
 from wmrgen.robotfile.tables import Table, read_number, table_of

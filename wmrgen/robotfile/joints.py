@@ -1,4 +1,4 @@
-"""Reading what a robot file says of joints, of the robot's or of a wheel's: limits, noise, encoders, lag."""
+"""Read the limits, noise, encoders and lags of joints, for the whole robot or for one wheel."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from typing import Any
 from wmrgen.errors import ErrorCollector
 from wmrgen.robotfile.fields import Interval, Section
 from wmrgen.robotfile.keys import LIMITS, WRAPS
-from wmrgen.robotfile.numbers import Scope
-from wmrgen.robotfile.quantities import read_quantity
+from wmrgen.robotfile.quantities import Scope, read_quantity
 from wmrgen.robotfile.records import EncoderSpec, Limit, Neg, NoiseSpec, Quantity
 from wmrgen.robotfile.tables import Table, table_of
 from wmrgen.robotfile.text import SequenceNode
@@ -24,8 +23,19 @@ def read_of_joints(
     collector: ErrorCollector,
     joints: tuple[str, ...] | None = None,
 ) -> tuple[Any, ...]:
-    """What ``owner`` has under ``key`` (limits, noise, encoder or lag) of ``joints``, of any where none are given, in
-    the order of the file; ``several`` takes what cannot be read."""
+    """Read what a robot or a wheel gives for its joints.
+
+    Args:
+        key: ``limits``, ``noise``, ``encoder`` or ``lag``.
+        owner: The table of the robot or the wheel.
+        what: Names the owner in messages.
+        scope: The parameters that expressions may use.
+        collector: Receives the errors.
+        joints: The joints that the owner has; by default any.
+
+    Returns:
+        A record for each entry that can be read, in the order of the file.
+    """
     node, section = owner.get(key), owner.section.field(key).value
     assert isinstance(section, Section)
     if node is None:
@@ -40,7 +50,7 @@ def read_of_joints(
 
 
 def _limit(name: str, table: Table, what: str, scope: Scope, collector: ErrorCollector) -> Limit:
-    """A single value v means [-v, v]."""
+    """Read a limit: a list [low, high], or one value v, which means [-v, v]."""
     del what, collector
     node, value, limit = table.values[name], LIMITS.field(name).value, f"limit {name}"
     assert isinstance(value, Interval)
@@ -48,7 +58,7 @@ def _limit(name: str, table: Table, what: str, scope: Scope, collector: ErrorCol
         if len(node.items) != 2:
             raise node.error(
                 f"{limit} has {len(node.items)} value{'s' * (len(node.items) != 1)}",
-                "A range has two.",
+                "A range has two values.",
                 f"Write {name}: [low, high], or one value.",
             )
         low, high = (read_quantity(item, value.kind, limit, scope) for item in node.items)
@@ -59,7 +69,7 @@ def _limit(name: str, table: Table, what: str, scope: Scope, collector: ErrorCol
 
 
 def _negated(text: str) -> str:
-    """The text of the negative of a quantity: -1.2, 30 deg, -(a + b)."""
+    """Return the text of the negative of a quantity, such as -1.2, 30 deg or -(a + b)."""
     bare = text.removeprefix("-").strip()
     if not re.fullmatch(r"[\w. ]+", bare):
         return f"-({text})"
@@ -89,7 +99,7 @@ def _encoder(
 def _lag(
     joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector
 ) -> tuple[str, Quantity]:
-    """The joint with its time constant."""
+    """Read the time constant of a joint."""
     del collector
     time = table.amount(joint, f"the lag of {what}", scope)
     assert time is not None
@@ -100,7 +110,7 @@ _READERS = {"limits": _limit, "noise": _noise, "encoder": _encoder, "lag": _lag}
 
 
 def _of(joint: str, table: Table, title: str, collector: ErrorCollector) -> Table:
-    """The mapping that stands behind a joint."""
+    """Return the table that a joint has as its value."""
     section = table.section.field(joint).value
     assert isinstance(section, Section)
     return table_of(table.values[joint], section, collector, f"{joint} of the {title}")

@@ -29,7 +29,7 @@ from wmrgen.robotfile.text import (
 )
 
 MAX_DEPTH = 16  # levels; a robot file needs five
-MAX_NODES = 20_000  # values in one file; 64 wheels with every key have about 3,000
+MAX_NODES = 20_000  # values in one file; limits the work for hostile input, far above any robot
 _LONGEST_KEY = 100  # characters; the longest key or name has 31
 
 _TOO_DEEP = (

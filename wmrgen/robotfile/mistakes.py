@@ -33,34 +33,36 @@ MISTAKES = {
     for mistake in (
         Mistake(
             Code.NOT_YAML, "invalid YAML",
-            "A robot file is a page of YAML in UTF-8: lines `key: value`, lists with lines that begin with `- `, or { } "
-            "and [ ] on one line, indented by spaces. Anchors, aliases, tags and invisible characters are refused. "
-            "Reading stops at the first such mistake.",
+            "A robot file is a page of YAML in UTF-8: lines `key: value`, lists with lines that begin with `- `, or "
+            "{ } and [ ] on one line, indented by spaces. Anchors, aliases, tags and invisible characters are "
+            "refused. Reading stops at the first such mistake.",
             _WHEELS.replace("}", ""), _WHEELS,
         ),
         Mistake(
             Code.UNKNOWN_KEY, "unknown key",
-            f"The robot file has a key that wmrgen does not know. It may be misspelt, and would have no effect. {_KEYS}",
+            "The robot file has a key that wmrgen does not know. It may be misspelt, and would have no effect. "
+            f"{_KEYS}",
             _WHEELS.replace("r:", "radius:"), _WHEELS,
         ),
         Mistake(
             Code.MISSING, "missing key",
-            f"wmrgen does not guess what changes the motion: position, rolling direction and radius of each wheel. {_KEYS}",
+            "wmrgen does not guess what changes the motion: position, rolling direction and radius of each wheel. "
+            f"{_KEYS}",
             _WHEELS.replace(", heading: 0", ""), _WHEELS,
         ),
         Mistake(
             Code.FORM, "wrong type",
-            "The value of a key is not of the type that the key has. A quantity is a number, a number with a unit of its "
-            f"kind, or an expression of parameters. Other keys have a word, a list or a mapping. {_KEYS}",
+            "The value of a key is not of the type that the key has. A quantity is a number, a number with a unit of "
+            f"its kind, or an expression of parameters. Other keys have a word, a list or a mapping. {_KEYS}",
             _WHEELS.replace("50 mm", "50 deg"), _WHEELS,
         ),
         Mistake(
-            Code.NAME, "a word that cannot be a name",
-            "Names of robots, wheels and parameters become identifiers of C, C++, Rust and Python, and file names, as "
-            "they are written: letters, digits and _, a letter first, at most 31, for C need compare "
-            "only the first 63 characters of a macro such as ROBOT_WHEEL_SPIN. Words that one of these languages or "
-            "its library keeps are no names, in whatever case, nor is a robot called as a namespace or library is that "
-            "its packages meet.",
+            Code.NAME, "invalid name",
+            "Names of robots, wheels and parameters become identifiers in C, C++, Rust and Python, and file names. "
+            "They have letters, digits and _, a letter first, and at most 31 characters, because C compilers need to "
+            "compare only the first 63 characters of a macro such as ROBOT_WHEEL_SPIN. Words that a language or its "
+            "library reserves are not names, in any case. A robot also cannot have the name of a namespace or "
+            "library that its packages use.",
             _WHEELS.replace("left", "rear-left"), _WHEELS.replace("left", "rearLeft"),
         ),
         Mistake(
@@ -78,14 +80,14 @@ MISTAKES = {
         ),
         Mistake(
             Code.OPEN, "open question",
-            "`wmrgen import` writes TODO for a value that changes the motion and that the imported description does not "
-            "have, such as the direction of rollers. Write the value before deriving.",
+            "`wmrgen import` writes TODO for a value that changes the motion and that the imported description does "
+            "not have, such as the direction of rollers. Write the value before deriving.",
             _WHEELS.replace("50 mm", "TODO"), _WHEELS,
         ),
         Mistake(
             Code.VALUE, "invalid value",
-            "The value has the right type, but no wheel or robot can have it: a radius of 0, a castor with d = 0 (which "
-            "is a steered wheel), a lower limit above the upper one, or a division by zero.",
+            "The value has the right type, but no wheel or robot can have it: a radius of 0, a castor with d = 0 "
+            "(which is a steered wheel), a lower limit above the upper one, or a division by zero.",
             _WHEELS.replace("50 mm", "0"), _WHEELS,
         ),
     )
@@ -114,10 +116,10 @@ CALLS = {
         ),
         Mistake(
             Code.UNDERIVABLE, "impossible derivation",
-            "The robot file is valid, but the requested result cannot be derived from it: a function that this type of "
-            "robot cannot have, a controller that does not fit its wheels, or couplings with which steering alone would "
-            "move the robot. The exit code is 3. `wmrgen functions ROBOT.yaml` lists the functions of a robot, and why "
-            "it does not have the others.",
+            "The robot file is valid, but the requested result cannot be derived from it: a function that this type "
+            "of robot cannot have, a controller that does not fit its wheels, or couplings with which steering alone "
+            "would move the robot. The exit code is 3. `wmrgen functions ROBOT.yaml` lists the functions of a robot, "
+            "and why it does not have the others.",
             _TURNING.replace("rear, type: steered", "rear, type: castor, d: -0.04"), _TURNING,
         ),
         Mistake(

@@ -20,7 +20,7 @@ import pytest
 
 from tests.conftest import Outcome
 from wmrgen import derive, load
-from wmrgen.errors import NotDerivableError
+from wmrgen.errors import Code, NotDerivableError
 from wmrgen.functions.registry import names
 from wmrgen.report.sections.rows import general_rows
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, Glyph, WheelType, Words, register
@@ -157,7 +157,7 @@ def test_a_key_that_no_wheel_has(tmp_path: Path) -> None:
     robot = written(tmp_path, SLEIGH)
     for change in ({"keys": ("gama",)}, {"required": ("gama",)}):
         WHEEL_TYPES["runner"] = replace(RUNNER, **change)  # type: ignore[arg-type]
-        with pytest.raises(ValueError, match="runner has the key gama, which no wheel has"):
+        with pytest.raises(ValueError, match=r"runner .*gama"):
             load(robot)
 
 
@@ -202,18 +202,20 @@ def test_what_a_runner_has_of_a_wheel(wmrgen_cli: Cli, tmp_path: Path) -> None:
 
 
 def test_the_reader_knows_it(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """Each error has its code, and names the wheel, the key or the type that is meant."""
     trouble = {
-        CART.replace("d: -0.03, ", ""): "the twin_castor wheel twin has no d",
-        CART.replace("d: -0.03, ", "d: 0, "): "twin: a twin castor with d = 0 is a steered wheel",
-        CART.replace("type: twin_castor", "type: double"): "Did you mean twin_castor?",
+        CART.replace("d: -0.03, ", ""): (Code.MISSING, " twin ", " d\n"),
+        CART.replace("d: -0.03, ", "d: 0, "): (Code.VALUE, "twin castor", "d = 0"),
+        CART.replace("type: twin_castor", "type: double"): (Code.FORM, "twin_castor?"),
         SLEIGH.replace("heading: 0}\n  - {name: front", "heading: 0, gamma: 0}\n  - {name: front"):
-            "the runner wheel blade has the key gamma",
-        SLEIGH.replace("heading: 0}", "heading: 0, actuated: [spin]}", 1): "It has no joint.",
-        SLEIGH.replace(" type: runner,", ""): " ".join(WHEEL_TYPES),
+            (Code.TWICE, " runner ", " gamma\n"),
+        SLEIGH.replace("heading: 0}", "heading: 0, actuated: [spin]}", 1): (Code.FORM, " runner ", "'spin'"),
+        SLEIGH.replace(" type: runner,", ""): (Code.MISSING, " ".join(WHEEL_TYPES)),
     }  # fmt: skip
-    for text, words in trouble.items():
+    for text, (code, *words) in trouble.items():
         done = wmrgen_cli("derive", written(tmp_path, text), "-o", tmp_path / "out")
-        assert done.code == 2 and words in done.err, (words, done.err)
+        assert done.code == 2 and f"error[{code}]" in done.err, done.err
+        assert all(word in done.err for word in words), (words, done.err)
 
 
 def test_the_schema_knows_it() -> None:

@@ -183,7 +183,7 @@ class _Parser:
             parameter_name(replace(self._node, text=word))
             instead = f"Declare it, such as parameters: {{{word}: 0.1}}, or write the number."
         raise UndeclaredParameter(
-            f"undeclared parameter {quoted(word)}",
+            f"{quoted(word)} is not a declared parameter",
             self._node.mark_at(at),
             "A name in an expression is pi, or is declared under parameters:.",
             f"Did you mean {near}?" if near else instead,

@@ -197,7 +197,7 @@ def parse_value(node: Scalar, names: Collection[str], kind: Kind, what: str) -> 
 
 def _of_another_kind(node: Scalar, what: str, kind: Kind, given: str, is_a: Kind) -> RobotFileError:
     """Return the error for a key of one kind and a value, shown as ``given``, of another."""
-    wrong = f"{what} is {_article(kind)}, but {given} is {_article(is_a)}"
+    wrong = f"{what} is {_article(kind)}, and {given} is {_article(is_a)}"
     return node.error(wrong, "", f"Use one of {' '.join(units_of(kind))}.")
 
 

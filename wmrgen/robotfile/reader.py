@@ -205,7 +205,7 @@ class _AliasComposer(_Composer):
         self.get_event()
         name = str(event.anchor)
         if name not in self._anchored:
-            what = f"there is no anchor {quoted('&' + name)} above this alias"
+            what = f"nothing above is called {quoted('&' + name)}"
             raise RobotFileError(what, self.mark_here(), "", "Write the value out.")
         node, count = self._anchored[name]
         self._nodes += count

@@ -41,7 +41,7 @@ restrict return short signed sizeof static static_assert static_cast struct swit
 this thread_local throw true try typedef typeid typename typeof typeof_unqual union unsigned using virtual
 void volatile wchar_t while xor xor_eq main fortran unix linux near far errno offsetof complex imaginary
 """,
-    "C or C++ reserves this word.",
+    "C or C++ keeps that word for itself.",
 )
 C_LIBRARY = reserved(
     """
@@ -61,7 +61,7 @@ strstr strtok strxfrm index rindex bcmp bcopy bzero asctime clock ctime difftime
 strftime time signal raise setjmp longjmp bufsiz eof exit_failure exit_success huge_val huge_valf huge_vall maxfloat
 math_errhandling null seek_cur seek_end seek_set
 """,
-    "The C library has a function, variable or macro of this name.",
+    "The C library has a function, variable or macro of that name.",
     r"M_(E|PI|PI_2|PI_4|1_PI|2_PI|3PI_4|TWOPI|SQRTPI|2_SQRTPI|SQRT2|SQRT3|SQRT1_2|LN2|LN2HI|LN2LO|LN10|LOG2_?E|LOG10E|"
     r"INVLN2|IVLN10)|FP_[A-Z0-9]+|MATH_ERR(NO|EXCEPT)|(FLT|DBL|LDBL)_[A-Z0-9_]+|DECIMAL_DIG|CHAR_BIT|MB_LEN_MAX|"
     r"([SU]?CHAR|U?SHRT|U?INT(_LEAST|_FAST)?(8|16|32|64)?|U?LL?ONG|U?INT(MAX|PTR)|PTRDIFF|SIZE|SSIZE|SIG_ATOMIC|WCHAR|"
@@ -72,7 +72,7 @@ math_errhandling null seek_cur seek_end seek_set
 # robot may not, because its name is used without a prefix.
 AVR_MACROS = Reserved(
     frozenset(),
-    "avr-libc or the Arduino core has a macro of this name.",
+    "avr-libc or the Arduino core has a macro of that name.",
     (
         "B[01]{1,8}|P[A-L][0-7]|DD[A-L]?[0-7]|(PORT|PIN)([0-7]|[A-L][0-7]?)|DDR[A-L]|[XYZ][HL]|SP[EHL]?|S[EM]|SM[0-2]|"
         "PE|PI|ID|AVR|AC[DIO]|ADC[HLW]?|AS[0-2]|BIN|OCT|DEC|HEX|NAN|EOF|DT[1-8]|IPR|ISR|JTD|LSM|PRR[0-2]?|PUD|RCE|SRE|"
@@ -81,13 +81,15 @@ AVR_MACROS = Reserved(
         "INFINITY|INPUT|INTERNAL|LOCKBITS|LOW|NULL|OUTPUT|PROGMEM|RISING|SERIAL|SPEED|VBUS"
     ),
 )
-PYTHON = Reserved(frozenset(map(str.lower, kwlist)), "Python reserves this word.")
-RUST = reserved("crate self super", "Rust reserves this word.")  # Rust code can use its other words as r#box
+PYTHON = Reserved(frozenset(map(str.lower, kwlist)), "Python keeps that word for itself.")
+RUST = reserved(
+    "crate self super", "Rust keeps that word for itself."
+)  # Rust code can use its other words as r#box
 JAVASCRIPT = reserved(
     "constructor hasownproperty isprototypeof propertyisenumerable tolocalestring tostring valueof",
-    "Every JavaScript object has a property of this name.",
+    "Every object of JavaScript has a property of that name.",
 )
-CASADI = reserved("null jac hess nan inf infinity", "CasADi reserves this word.")
+CASADI = reserved("null jac hess nan inf infinity", "CasADi keeps that word for itself.")
 
 # Names of Windows devices, which no file may have.
 DEVICES = {*"con prn aux nul clock".split(), *(f"{port}{i}" for port in ("com", "lpt") for i in range(10))}

@@ -87,7 +87,7 @@ class Table:
             hint = suggestion(scalar.text, value.words, {**_YES_AND_NO, **value.aliases})
             why = f"The value is {' or '.join(value.words)}."
             raise scalar.error(
-                f"unknown value {quoted(scalar.text)} of {key}", why, "" if hint.startswith("Valid") else hint
+                f"{key}: {quoted(scalar.text)} is not known", why, "" if hint.startswith("Valid") else hint
             )
         return value.words[scalar.text]
 
@@ -193,7 +193,7 @@ def read_number(node: Node, what: str, scope: Scope) -> Quantity:
     plain = plain_number(scalar)
     if plain and plain[1] is not None:
         raise scalar.error(
-            f"{what} is a number, but {quoted(scalar.text.strip())} has a unit",
+            f"{what} is a number, and {quoted(scalar.text.strip())} has a unit",
             "",
             "Write the number without a unit.",
         )

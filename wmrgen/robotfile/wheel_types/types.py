@@ -165,8 +165,8 @@ STEERED = WheelType(
     },
     words=Words(
         f"{_OBEYS}Its contact point is below the pivot, so ψ̇ does not occur:",
-        offset_intro=f"{_OBEYS}Here the contact point is at a distance o from the pivot along the axle, so that "
-        "steering rolls the wheel. The book does not have this term:",
+        offset_intro=f"{_OBEYS}Here the contact point is at a distance o from the pivot along the axle, so steering "
+        "rolls the wheel. The book does not have this term:",
         equations=(15, 16),
     ),
     glyph=Glyph("#56b4e9"),

@@ -24,20 +24,6 @@ _WHY_SO_LONG = (
     "C compilers need to compare only 63 characters of a macro (C99, 5.2.4.1): the robot's name, _ and a wheel's name, "
     f"with at most {MAX_NAME} characters each."
 )
-# How names say where a wheel is: in words (front, hind), in letters (fl, rr), or in both (fleft).
-_ENDS = {"front": "front", "fore": "front", "fwd": "front", "middle": "middle", "center": "middle"}
-_ENDS |= dict.fromkeys(("rear", "back", "hind", "aft"), "rear")
-_SIDES = {"left": "left", "right": "right"}
-_WHOLE = {**_ENDS, **_SIDES}
-_WORDS = re.compile(r"(?<![A-Z])(?:[FMRB][LR]|[LR][FMB])(?=[a-z]{2})|[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
-_LETTERS = {"f": "front", "m": "middle", "r": "rear", "b": "rear"}, {"l": "left", "r": "right"}
-_PAIRS = [(end, side) for end in _ENDS.items() for side in (_SIDES | _LETTERS[1]).items()]
-_PAIRS += [(end, side) for end in _LETTERS[0].items() for side in _LETTERS[1].items()]
-# Both orders of an end and a side, in words or letters, each with the end and the side that it means.
-_TOGETHER = {a[0] + b[0]: [end[1], side[1]] for end, side in _PAIRS for a, b in ((end, side), (side, end))}
-_INITIALS = re.compile(  # the underscore in f_l or R_F
-    r"(?i)(?<=(?<![a-z])[fmrb])_(?=[lr](?![a-z]))|(?<=(?<![a-z])[lr])_(?=[fmrb](?![a-z]))"
-)
 
 
 def _reserved(name: str) -> str:
@@ -160,6 +146,34 @@ class Names:
         raise node.error(problem, why, "Write another name.", code=Code.TWICE)
 
 
+# ---- where a wheel is, by its name
+
+_ENDS = {"front": "front", "fore": "front", "fwd": "front", "middle": "middle", "center": "middle"}
+_ENDS |= dict.fromkeys(("rear", "back", "hind", "aft"), "rear")
+_SIDES = {"left": "left", "right": "right"}
+_WHOLE = _ENDS | _SIDES
+_END_LETTERS = {"f": "front", "m": "middle", "r": "rear", "b": "rear"}
+_SIDE_LETTERS = {"l": "left", "r": "right"}
+
+
+def _joined_words() -> dict[str, list[str]]:
+    """Return the words that join an end and a side, in both orders, such as frontleft, lfront and fl."""
+    found = {}
+    for ends, sides in ((_ENDS, _SIDES | _SIDE_LETTERS), (_END_LETTERS, _SIDE_LETTERS)):
+        for end, end_meant in ends.items():
+            for side, side_meant in sides.items():
+                found[end + side] = found[side + end] = [end_meant, side_meant]
+    return found
+
+
+_JOINED = _joined_words()
+# The words of a name: two capitals before a word (FLwheel), a run of capitals, or a word with or without a capital.
+_WORDS = re.compile(r"(?<![A-Z])(?:[FMRB][LR]|[LR][FMB])(?=[a-z]{2})|[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
+_UNDERSCORE_BETWEEN_LETTERS = re.compile(  # as in f_l or R_F
+    r"(?i)(?<=(?<![a-z])[fmrb])_(?=[lr](?![a-z]))|(?<=(?<![a-z])[lr])_(?=[fmrb](?![a-z]))"
+)
+
+
 def role(*texts: str) -> str:
     """Return the position of a wheel that its names say, such as "front left".
 
@@ -167,7 +181,7 @@ def role(*texts: str) -> str:
     """
     found: dict[str, str] = {}  # by axis: x for front, middle and rear, y for left and right
     for text in texts:
-        joined = _INITIALS.sub("", text)
+        joined = _UNDERSCORE_BETWEEN_LETTERS.sub("", text)
         words = [word.lower() for word in _WORDS.findall(joined)]
         words.sort(key=lambda word: word not in _WHOLE)
         for word in words:
@@ -183,4 +197,4 @@ def _sides(word: str) -> list[str]:
     word = word.removeprefix("wheel").removesuffix("wheel")
     if word in _WHOLE:
         return [_WHOLE[word]]
-    return _TOGETHER.get(word, ["left"] if word == "l" else [])
+    return _JOINED.get(word, ["left"] if word == "l" else [])

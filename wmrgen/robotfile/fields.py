@@ -95,15 +95,20 @@ class Section(NamedTuple):
 
     @property
     def keys(self) -> tuple[str, ...]:
+        """All keys."""
         return tuple(f.key for f in self.fields)
 
     @property
     def required(self) -> tuple[str, ...]:
+        """The keys that must be there."""
         return tuple(f.key for f in self.fields if f.required)
 
     def keys_of(self, joints: Iterable[str]) -> tuple[str, ...]:
         """Return the keys that belong to these joints."""
-        return tuple(f.key for joint in joints for f in self.fields if f.joint == joint)
+        keys: list[str] = []
+        for joint in joints:
+            keys += [f.key for f in self.fields if f.joint == joint]
+        return tuple(keys)
 
     def field(self, key: str) -> Field:
         """Return the record of a key; raise KeyError if the section does not have it."""
@@ -137,6 +142,7 @@ class Field:
 
     @property
     def spellings(self) -> tuple[str, ...]:
+        """The key, and its Greek letter if it has one."""
         return (self.key, self.greek) if self.greek else (self.key,)
 
     @property

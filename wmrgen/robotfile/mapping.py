@@ -59,6 +59,13 @@ class _Tree:
         return Mark(_FILE, number, 1, "", path or _FILE)
 
     def node(self, value: object, path: str, depth: int) -> Node:
+        """Return the node of a value.
+
+        Args:
+            value: A text, number, truth value, list or mapping.
+            path: The keys that lead to it.
+            depth: The number of lists and mappings around it.
+        """
         if depth > MAX_DEPTH:
             instead = "Look for a mapping that contains itself."
             raise _refused(f"nested deeper than {MAX_DEPTH} levels", self._mark(path), instead)
@@ -71,6 +78,7 @@ class _Tree:
         return self.scalar(value, path)
 
     def mapping(self, values: Mapping[str, object], path: str, depth: int) -> MappingNode:
+        """Return the node of a mapping; see `node` for the arguments."""
         mark, entries = self._mark(path), list[tuple[Scalar, Node]]()
         for key, value in values.items():
             if not isinstance(key, str):
@@ -81,6 +89,7 @@ class _Tree:
         return MappingNode(mark, tuple(entries))
 
     def scalar(self, value: object, path: str) -> Scalar:
+        """Return the node of a text, number or truth value."""
         mark = self._mark(path)
         text = _text(value, mark)
         self._size += len(text)

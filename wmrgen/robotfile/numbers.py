@@ -71,7 +71,8 @@ UNITS: dict[str, Unit] = {
     "ms": _unit(Kind.TIME, "1/1000"),
 }
 _SPELLINGS = {"µm": "um", "μm": "um", "°": "deg", "°/s": "deg/s"}
-_SPELLINGS |= {f"{unit}{two}": f"{unit}^2" for unit in ("m/s", "rad/s", "deg/s") for two in ("2", "²")}
+for _unit_per_second in ("m/s", "rad/s", "deg/s"):
+    _SPELLINGS |= dict.fromkeys((f"{_unit_per_second}2", f"{_unit_per_second}²"), f"{_unit_per_second}^2")
 _ALIASES = {
     **dict.fromkeys(('"', "inch", "inches"), "Write in for inches."),
     **dict.fromkeys(("degree", "degrees", "degs", "grad"), "Write deg for degrees."),

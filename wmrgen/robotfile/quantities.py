@@ -71,7 +71,9 @@ def _facts(expr: Expr, declared: Mapping[str, Facts]) -> Facts:
             spread = int(bool(parameters_in(left)))
             return Facts(base.bits * times, base.terms**times, spread, base.in_radians)
     parts = [_facts(child, declared) for child in children(expr)]
-    bits, terms, spread = (sum(getattr(f, key) for f in parts) for key in ("bits", "terms", "spread"))
+    bits = sum(f.bits for f in parts)
+    terms = sum(f.terms for f in parts)
+    spread = sum(f.spread for f in parts)
     in_radians = any(f.in_radians for f in parts)
     match expr:
         case Call("sin" | "cos" | "tan"):

@@ -254,6 +254,7 @@ class Token(NamedTuple):
 
     @property
     def end(self) -> int:
+        """Index of the character after the last one."""
         return self.start + len(self.text)
 
 
@@ -299,6 +300,7 @@ class _Problem(NamedTuple):
         return self.line
 
     def here(self, what: str, instead: str) -> _Explanation:
+        """Return an explanation at the place that PyYAML reports."""
         return _Explanation(what, instead, self.line, self.column)
 
 

@@ -92,7 +92,7 @@ JAVASCRIPT = reserved(
 CASADI = reserved("null jac hess nan inf infinity", "CasADi keeps that word for itself.")
 
 # Names of Windows devices, which no file may have.
-DEVICES = {*"con prn aux nul clock".split(), *(f"{port}{i}" for port in ("com", "lpt") for i in range(10))}
+DEVICES = {*"con prn aux nul clock".split(), *(f"com{i}" for i in range(10)), *(f"lpt{i}" for i in range(10))}
 # Headers and modules that the files of a robot of this name would hide.
 FILE_NAMES = {
     *"math stdio stdint stdlib stdbool string stddef stdarg float limits tgmath fenv inttypes".split(),
@@ -122,4 +122,8 @@ LANGUAGES: dict[str, tuple[Reserved, ...]] = {  # by the name of the back end fo
 
 def why_reserved(name: str) -> str:
     """Return why ``name`` may not be a name, for the first language that reserves it; empty if no language does."""
-    return next((r.why for records in LANGUAGES.values() for r in records if r.keeps(name)), "")
+    for records in LANGUAGES.values():
+        for record in records:
+            if record.keeps(name):
+                return record.why
+    return ""

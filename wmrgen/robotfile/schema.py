@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from itertools import combinations, permutations
+from itertools import chain, combinations, permutations
 from typing import Any
 
 from wmrgen.robotfile.expressions import MAX_CHARACTERS
@@ -111,16 +111,20 @@ def _section(
         choices: Its choices between keys; by default those of the section.
     """
     fields = section.fields if fields is None else tuple(fields)
+    properties: Schema = {}
+    for field in fields:
+        properties |= dict.fromkeys(field.spellings, _property(field))
     schema: Schema = {
         "title": section.title,
         "type": "object",
         "additionalProperties": False,
-        "properties": {word: _property(f) for f in fields for word in f.spellings},
+        "properties": properties,
     }
     if section.required:
         schema["required"] = list(section.required)
-    choices = section.choices if choices is None else choices
-    rules = [rule for choice in choices for rule in _choice(section, choice)]
+    rules: list[Schema] = []
+    for choice in section.choices if choices is None else choices:
+        rules += _choice(section, choice)
     rules += [_spelled_once(f) for f in fields if f.greek]
     return {**schema, "allOf": rules} if rules else schema
 
@@ -224,24 +228,24 @@ def _wheel(kind: WheelType) -> Schema:
 
 def _driven(powered: WheelType) -> Schema:
     """Return the rule that a driven ball has the keys that its drives require, and no orientation of its own."""
-    oriented = {word: False for key in ("beta", "heading") for word in WHEEL.field(key).spellings}
+    spellings = (*WHEEL.field("beta").spellings, *WHEEL.field("heading").spellings)
+    oriented = dict.fromkeys(spellings, False)
     driven = {"required": ["driven"], "properties": {"driven": {"minItems": 1}}}
     return {"if": driven, "then": {"required": [*powered.required], "properties": oriented}}
 
 
 def _choice(section: Section, choice: Choice) -> list[Schema]:
     """Return the rules of a choice, one for each possible mistake, with its error message."""
-    rules = [
-        {"if": _any_of(section, [other]), "then": _any_of(section, [key])}
-        for keys in choice.sets
-        for key, other in permutations(keys, 2)
-    ]
+    rules: list[Schema] = []
+    for keys in choice.sets:
+        for key, other in permutations(keys, 2):
+            rules.append({"if": _any_of(section, [other]), "then": _any_of(section, [key])})
     for one, (key, *_) in combinations(choice.sets, 2):
         twice = {"errorMessage": " ".join(choice.several)}
         refused = {"properties": dict.fromkeys(section.field(key).spellings, False), **twice}
         rules.append({"if": _any_of(section, one), "then": refused})
     if not choice.optional:
-        every = [key for keys in choice.sets for key in keys]
+        every = list(chain.from_iterable(choice.sets))
         words = {"errorMessage": f"{section.title} {choice.none[0]}. {choice.none[2]}"}
         rules.append({"if": {"not": _any_of(section, every)}, "then": {"required": every[:1], **words}})
     return rules
@@ -249,7 +253,9 @@ def _choice(section: Section, choice: Choice) -> list[Schema]:
 
 def _any_of(section: Section, keys: Iterable[str]) -> Schema:
     """Return the rule that at least one of the keys is present, in one of its spellings."""
-    alternatives = [{"required": [word]} for key in keys for word in section.field(key).spellings]
+    alternatives: list[Schema] = []
+    for key in keys:
+        alternatives += ({"required": [word]} for word in section.field(key).spellings)
     return {"anyOf": alternatives} if len(alternatives) > 1 else alternatives[0]
 
 

@@ -6,6 +6,7 @@ import re
 import unicodedata
 from collections.abc import Collection
 from dataclasses import dataclass, field
+from itertools import chain
 
 from wmrgen.errors import Code, ErrorCollector, Mark, RobotFileError
 from wmrgen.robotfile.fields import Amount, Choice, Field, ListOf, OneOf, Section, Word
@@ -46,9 +47,11 @@ class Table:
 
     @property
     def mark(self) -> Mark:
+        """The place where the mapping begins."""
         return self.node.mark
 
     def get(self, key: str) -> Node | None:
+        """Return the value of a key, or None if it is absent."""
         return self.values.get(key)
 
     def require(self, key: str, what: str) -> Node:
@@ -98,14 +101,8 @@ class Table:
         if node is None:
             return ()
         if not isinstance(node, SequenceNode):
-            item = value.item.example if isinstance(value.item, Section) else ""
-            example = f"and one line for each, such as - {item}" if item else value.example
-            said = node.text if isinstance(node, Scalar) and isinstance(value.item, OneOf) else ""
-            if said.lower() in _NO_ITEMS:
-                example = "[]"
-            elif said.lower() != "true" and re.fullmatch(r"[A-Za-z][\w.]*( *, *[A-Za-z][\w.]*)*", said):
-                example = f"[{said}]"
-            raise node.error(f"{key} must be a list, not {kind_of(node)}", "", f"Write {key}: {example}.")
+            instead = f"Write {key}: {_list_for(node, value)}."
+            raise node.error(f"{key} must be a list, not {kind_of(node)}", "", instead)
         n = len(node.items)
         words = {"key": key, "n": n, "s": "s" * (n != 1), "most": value.most}
         if n < value.least:
@@ -163,7 +160,7 @@ class Table:
             present = [key for key in every if key in self.keys]
             if present:
                 chosen.append((present, every))
-        excused = not self.excused.isdisjoint(key for keys in choice.sets for key in keys)
+        excused = not self.excused.isdisjoint(chain.from_iterable(choice.sets))
         if len(chosen) > 1:
             later = max((keys[0] for keys, _ in chosen), key=list(self.keys).index)
             both = " as well as ".join(" and ".join(keys) for keys, _ in chosen)
@@ -179,6 +176,18 @@ class Table:
             if not excused:
                 self.require(key, what)
         return chosen[0][1]
+
+
+def _list_for(node: Node, value: ListOf) -> str:
+    """Return the list to write in place of a node that is not a list: of its words, if it has words."""
+    if isinstance(value.item, Section):
+        return f"and one line for each, such as - {value.item.example}"
+    text = node.text if isinstance(node, Scalar) and isinstance(value.item, OneOf) else ""
+    if text.lower() in _NO_ITEMS:
+        return "[]"
+    if text.lower() != "true" and re.fullmatch(r"[A-Za-z][\w.]*( *, *[A-Za-z][\w.]*)*", text):
+        return f"[{text}]"
+    return value.example
 
 
 def read_number(node: Node, what: str, scope: Scope) -> Quantity:
@@ -262,7 +271,8 @@ def table_of(
         meant, certain = _meant(key.text, fields)
         if meant and meant not in table.keys:
             table.excused.add(meant)
-            if certain and not (isinstance(value, Scalar) and not value.text):
+            empty = isinstance(value, Scalar) and not value.text
+            if certain and not empty:
                 table.keys[meant], table.values[meant] = key, value
     return table
 
@@ -298,25 +308,19 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
         fields: The valid keys.
         what: Names the mapping in messages.
     """
-    empty = isinstance(value, Scalar) and not value.text
-    valid = {f.key for f in fields}
     cut = cut_by_comma(key, value)
     if cut:
         return key.error(f"{quoted(key.text)} is not a key", *cut)
-    colon = re.search("[:\uff1a]", key.text)
-    if key.plain and colon and empty:
-        word, rest = key.text[: colon.start()], key.text[colon.end() :]
-        missing = "space after ':'" if colon[0] == ":" else "':'"
-        what = f"missing {missing} in {quoted(key.text)}"
-        return key.error(what, lookalike(key.text), f"Write {word}: {rest.strip()}")
-    word = re.split("[ =]", key.text, maxsplit=1)[0]
-    rest = key.text[len(word) :]
-    if key.plain and empty and word in valid:
-        return key.error(f"missing ':' in {quoted(key.text)}", "", f"Write {word}: {rest.lstrip(' =')}")
+    if key.plain and isinstance(value, Scalar) and not value.text:
+        no_colon = _missing_colon(key, {f.key for f in fields})
+        if no_colon:
+            return no_colon
     if key.text == "<<":
         return key.error("'<<' is a YAML merge key", "Robot files have no merge keys.", "Write the keys out.")
     unknown, why = f"unknown key {quoted(key.text)} in {what}", lookalike(key.text)
-    aliases = {alias: text for f in fields for alias, text in f.hints.items()}
+    aliases: dict[str, str] = {}
+    for f in fields:
+        aliases |= f.hints
     instead = suggestion(key.text, [f.key for f in fields], aliases)
     inside = () if key.text.lower() in aliases else _inside(fields, key.text)
     if inside:
@@ -325,6 +329,21 @@ def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) 
         owners = [section.title for section in (ROBOT, WHEEL) if key.text in section.keys]
         why = f"It is a key of {owners[0]}." if owners else why
     return key.error(unknown, why, instead, code=Code.UNKNOWN_KEY)
+
+
+def _missing_colon(key: Scalar, valid: Collection[str]) -> RobotFileError | None:
+    """Return the error for a key without a value that should be ``key: value``, such as x:0 or x = 0; else None."""
+    colon = re.search("[:\uff1a]", key.text)
+    if colon:
+        word, rest = key.text[: colon.start()], key.text[colon.end() :]
+        missing = "space after ':'" if colon[0] == ":" else "':'"
+        what = f"missing {missing} in {quoted(key.text)}"
+        return key.error(what, lookalike(key.text), f"Write {word}: {rest.strip()}")
+    word = re.split("[ =]", key.text, maxsplit=1)[0]
+    if word in valid:
+        rest = key.text[len(word) :].lstrip(" =")
+        return key.error(f"missing ':' in {quoted(key.text)}", "", f"Write {word}: {rest}")
+    return None
 
 
 def _inside(fields: Collection[Field], word: str) -> list[str]:

@@ -99,7 +99,7 @@ def _wheel(item: Node, scope: Scope, names: Names, collector: ErrorCollector) ->
         return []
     what = f"the {kind.name} wheel {name}".rstrip()
     directions: list[Quantity] = []
-    if kind.powered and table.get("driven") is not None:
+    if kind.powered:
         with collector:
             of = f"driven of {name or 'the wheel'}"
             directions = [read_quantity(d, Kind.ANGLE, of, scope) for d in table.items("driven")]
@@ -117,15 +117,9 @@ def _wheel(item: Node, scope: Scope, names: Names, collector: ErrorCollector) ->
         for owner, direction in zip(owners, directions, strict=True):
             if owner != name:
                 names.add(owner, f"a drive of the ball {name}", node)
-            drives.append(
-                WheelSpec(
-                    name=owner,
-                    type=kind.name,
-                    mark=table.mark,
-                    ball=name or owner,
-                    **{**facts, "heading": direction},
-                )
-            )
+            facts["heading"] = direction
+            ball = name or owner
+            drives.append(WheelSpec(name=owner, type=kind.name, mark=table.mark, ball=ball, **facts))
     return drives
 
 
@@ -189,11 +183,11 @@ def _type(table: Table, what: str) -> WheelType:
 
 def _aliases() -> dict[str, str]:
     """Return other names of wheel types, each with a hint."""
-    return {
-        alias: f"Did you mean {kind.name}? {hint}".rstrip()
-        for kind in WHEEL_TYPES.values()
-        for alias, hint in kind.aliases.items()
-    }
+    hints = {}
+    for kind in WHEEL_TYPES.values():
+        for alias, hint in kind.aliases.items():
+            hints[alias] = f"Did you mean {kind.name}? {hint}".rstrip()
+    return hints
 
 
 def takes(kind: WheelType, key: str) -> bool:

@@ -230,19 +230,12 @@ def _questions(node: Node, key: str) -> Iterator[tuple[str, Scalar]]:
 
 
 def _causes(table: Table, errors: Sequence[WmrgenError]) -> list[WmrgenError]:
-    """Return ``errors`` without those that merely follow from another error.
-
-    These are uses of names whose declaration cannot be read, and repeated keys in a mapping that should be a list of
-    wheels.
-    """
+    """Return ``errors`` without uses of names whose declaration cannot be read."""
     parameters, others = _names_in_doubt(table, errors)
     causes = []
     for error in errors:
-        if error.code is Code.UNDECLARED:
-            follows = parameters if isinstance(error, UndeclaredParameter) else others
-        else:
-            follows = error.code is Code.TWICE and _in_wheels(table, error)
-        if not follows:
+        in_doubt = parameters if isinstance(error, UndeclaredParameter) else others
+        if error.code is not Code.UNDECLARED or not in_doubt:
             causes.append(error)
     return causes
 
@@ -257,12 +250,3 @@ def _names_in_doubt(table: Table, errors: Sequence[WmrgenError]) -> tuple[bool, 
     unread = [error.mark in declared for error in errors if error.code is Code.NAME]
     no_mapping = parameters is not None and not isinstance(parameters, MappingNode)
     return no_mapping or any(unread), not every_wheel_is_named(table) or not all(unread)
-
-
-def _in_wheels(table: Table, error: WmrgenError) -> bool:
-    """Return whether an error is inside ``wheels``, if that is a mapping where it should be a list."""
-    wheels, mark = table.get("wheels"), error.mark
-    if not isinstance(wheels, MappingNode) or not mark:
-        return False
-    after = [key.mark.line for key in table.keys.values() if key.mark.line > wheels.mark.line]
-    return wheels.mark.line < mark.line < min(after, default=mark.line + 1)

@@ -107,18 +107,18 @@ def test_refused_files(text: str, where: str) -> None:
     assert (places(error), error.exit_code) == (where, 2)
 
 
-TURNS = {"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"}  # bidirectional classes of controls
+BIDIRECTIONAL = {"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"}  # classes of Unicode
 TURNING = ("LEFT-TO-RIGHT MARK", "RIGHT-TO-LEFT MARK", "ARABIC LETTER MARK")
 
 
-def test_characters_are_refused_as_unicode_classes_them() -> None:
-    """Controls but for tab and newline, halves of characters, what turns the direction of reading, what none sees."""
+def test_refused_characters_follow_the_classes_of_unicode() -> None:
+    """Controls except tab and newline, surrogates, bidirectional controls, and invisible characters."""
     for c in map(
         chr, chain(range(0x700), range(0x2000, 0x2100), range(0xD7F0, 0xE010), range(0xFD00, 0x10000))
     ):
         category = unicodedata.category(c)
         kind = {"Cc": "control character", "Cs": "lone surrogate"}.get(category)
-        if unicodedata.bidirectional(c) in TURNS or unicodedata.name(c, "") in TURNING:
+        if unicodedata.bidirectional(c) in BIDIRECTIONAL or unicodedata.name(c, "") in TURNING:
             kind = "bidirectional control"
         refused = refused_character(f"ab{c}")
         if refused and not kind:
@@ -205,7 +205,7 @@ def test_a_robot_must_not_shadow_a_header_or_module(name: str) -> None:
     assert places(refused(f"wmrgen: 1\nname: {name}\n{WHEELS}")) == "WMR105 2:7"
 
 
-def test_paths_that_are_no_robot_file(tmp_path: Path) -> None:
+def test_paths_that_cannot_be_read(tmp_path: Path) -> None:
     for path in (tmp_path / "none.yaml", "nowhere/lekiwi.yaml", tmp_path, "a\0b", tmp_path / ("x" * 5000)):
         with pytest.raises(RobotFileError) as caught:
             read_robot(path)
@@ -232,7 +232,7 @@ def test_an_unreadable_file(tmp_path: Path) -> None:
         (b"\0" * 100, "WMR101 1:1"), (b"", "WMR101 1:1"), (b"\x89PNG\r\n", "WMR101 1:1"),
     ],
 )  # fmt: skip
-def test_bytes_that_are_no_robot_file(data: bytes, where: str, tmp_path: Path) -> None:
+def test_bytes_that_are_not_a_robot_file(data: bytes, where: str, tmp_path: Path) -> None:
     path = tmp_path / "bot.yaml"
     path.write_bytes(data)
     with pytest.raises(RobotFileError) as caught:

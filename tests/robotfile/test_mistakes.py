@@ -47,7 +47,7 @@ def test_examples_of_calls(
 
 
 def test_examples_of_descriptions(wmrgen_cli: Callable[..., Outcome], tmp_path: Path) -> None:
-    """The place of what is no XML; the right one is XML, and a robot without a wheel."""
+    """The wrong example has a place; the right one is XML, but a robot without a wheel."""
     for name in ("wrong", "right"):
         (tmp_path / name).write_text(getattr(CALLS[Code.DESCRIPTION], name))
     wrong, right = (wmrgen_cli("import", tmp_path / name) for name in ("wrong", "right"))

@@ -21,8 +21,8 @@ WORDS = sorted(
 )  # fmt: skip
 
 
-def accepted(kind: str, word: str) -> str:
-    """What there is against ``word`` as the name of a robot, a wheel or a parameter: nothing, or what to write."""
+def offered_for(kind: str, word: str) -> str:
+    """What to write in place of ``word`` as the name of a robot, wheel or parameter; "" if it is accepted."""
     node = read_tree(f'"{word}"', "robot.yaml")
     assert isinstance(node, Scalar)
     try:
@@ -35,8 +35,8 @@ def accepted(kind: str, word: str) -> str:
 @pytest.mark.parametrize("kind", ["robot", "wheel", "parameter"])
 def test_what_is_offered_is_accepted(kind: str) -> None:
     every = [*WORDS, *(f"_{word}" for word in WORDS)]
-    refused = {word: instead for word in every if (instead := accepted(kind, word))}
-    assert len(refused) > len(WORDS) and not accepted(kind, "front_left")
+    refused = {word: instead for word in every if (instead := offered_for(kind, word))}
+    assert len(refused) > len(WORDS) and not offered_for(kind, "front_left")
     assert {
         *words.DEVICES,
         "while",
@@ -49,4 +49,4 @@ def test_what_is_offered_is_accepted(kind: str) -> None:
             assert instead == "Write pi as it is.", word
             continue
         offered = re.match(r"Write (?:a name such as )?(\w+)", instead)
-        assert offered and not accepted(kind, offered[1]), (word, instead)
+        assert offered and not offered_for(kind, offered[1]), (word, instead)

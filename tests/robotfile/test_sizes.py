@@ -1,4 +1,4 @@
-"""How large a robot file may be: what is as large as the limit is taken, what is one more is not."""
+"""Limits of size: a file at the limit is accepted, a file with one more is refused."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_nesting(style: str) -> None:
 
 
 def test_nesting_inside_a_key() -> None:
-    """A key counts as its value does; one that is no word is refused, but only when it is read."""
+    """A key is as deep as its value. A key that is not a word is refused after it has been read."""
     for levels in (MAX_DEPTH, MAX_DEPTH + 1):
         with pytest.raises(RobotFileError) as caught:
             read_tree(block(levels, key=True), "bot.yaml")
@@ -99,7 +99,7 @@ def test_keys() -> None:
 
 
 def test_values() -> None:
-    """Counted: the list itself, and what stands in it."""
+    """The list and its items are counted."""
     read_tree(f"[{'1,' * 19_999}]", "bot.yaml")
     with pytest.raises(RobotFileError) as caught:
         read_tree(f"[{'1,' * 20_000}]", "bot.yaml")

@@ -216,6 +216,7 @@ class _Parser:
         return self._columns[max(starts)] if starts else 0
 
     def _convert(self, node: ast.expr) -> Expr:
+        """Return the tree of a node of Python's tree."""
         match node:
             case ast.Constant():
                 return Num(number(self._numbers[node.col_offset], self._node))
@@ -237,6 +238,7 @@ class _Parser:
         raise self._error("not an expression", _GRAMMAR, "", self._offset(node.col_offset))
 
     def _power(self, node: ast.expr) -> Num:
+        """Return an exponent; raise RobotFileError if it is not a whole number from -MAX_POWER to MAX_POWER."""
         value: Fraction | None = None
         match node:
             case ast.Constant():
@@ -253,6 +255,7 @@ class _Parser:
         return Num(value)
 
     def _call(self, node: ast.expr, name: str, args: list[ast.expr]) -> Expr:
+        """Return a call; raise RobotFileError for a wrong number of arguments."""
         if len(args) != ARITY[name]:
             form = "atan2(y, x)" if name == "atan2" else f"{name}(…)"
             what = f"{name} takes {ARITY[name]} argument{'s' * (ARITY[name] > 1)}, not {len(args)}"

@@ -77,6 +77,7 @@ def _negated(text: str) -> str:
 
 
 def _noise(joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector) -> NoiseSpec:
+    """Read the noise of a joint."""
     of, name = _of(joint, table, f"noise of {what}", collector), f"the noise of {joint}"
     return NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
 
@@ -84,6 +85,7 @@ def _noise(joint: str, table: Table, what: str, scope: Scope, collector: ErrorCo
 def _encoder(
     joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector
 ) -> EncoderSpec | None:
+    """Read the encoder of a joint; return None if it has no counts, which has been reported."""
     of, name = _of(joint, table, f"encoder of {what}", collector), f"the encoder of {joint}"
     of.require_all(name, collector)
     of.choose(WRAPS, name)

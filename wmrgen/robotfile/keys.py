@@ -80,6 +80,7 @@ LIMITS = Section(
 
 
 def _noise_of(kind: Kind, example: str) -> Section:
+    """Return the section for the noise of joints; ``kind`` is what the constant part measures."""
     return Section(
         "the noise of a joint",
         example,

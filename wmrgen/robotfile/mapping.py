@@ -49,6 +49,7 @@ class _Tree:
         self._size = 0
 
     def _mark(self, path: str) -> Mark:
+        """Return the mark of the next value; raise RobotFileError if there are too many."""
         number = next(self._numbers)
         if number > MAX_NODES:
             raise _refused(
@@ -122,4 +123,5 @@ def _text(value: object, mark: Mark) -> str:
 
 
 def _refused(what: str, mark: Mark, instead: str = "", why: str = "") -> RobotFileError:
+    """Return the error for a value that no robot file could have."""
     return RobotFileError(what, mark, why, instead, Code.FORM)

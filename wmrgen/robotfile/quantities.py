@@ -221,6 +221,7 @@ def check_same_kind(node: Scalar, what: str, own: Facts, scope: Scope) -> None:
 
 
 def _article(kind: Kind) -> str:
+    """Return the name of a kind with its article."""
     return f"an {kind}" if kind[0] == "a" else f"a {kind}"
 
 

@@ -53,6 +53,7 @@ class _Composer(Reader, Scanner, Parser):
         self._nodes = 0
 
     def _refuse(self, what: str, why: str, instead: str) -> NoReturn:
+        """Raise an error at the place that the scanner has reached."""
         raise RobotFileError(what, self.mark_here(), why, instead, Code.NOT_YAML)
 
     def mark_here(self) -> Mark:
@@ -158,6 +159,7 @@ class _Composer(Reader, Scanner, Parser):
         return MappingNode(mark, tuple(entries.values()), repeated)
 
     def _key(self, depth: int) -> Scalar:
+        """Return the next key; raise RobotFileError if it is not a word."""
         key = self._node(depth)
         if not isinstance(key, Scalar) or "\n" in key.text or len(key.text) > _LONGEST_KEY:
             raise key.error(
@@ -168,6 +170,7 @@ class _Composer(Reader, Scanner, Parser):
 
 
 def _duplicate(key: Scalar, first: Scalar) -> RobotFileError:
+    """Return the error for a key that is repeated."""
     return key.error(
         f"duplicate key {quoted(key.text)}",
         f"The key is also on line {first.mark.line}.",
@@ -315,7 +318,14 @@ class _Explanation(NamedTuple):
 
 
 def _explained(error: yaml.MarkedYAMLError, reached: Mark, text: str, source: Source) -> RobotFileError:
-    """Return the error for what PyYAML reports; ``reached`` is its place if PyYAML gives none."""
+    """Return the error for what PyYAML reports.
+
+    Args:
+        error: The error of PyYAML.
+        reached: The place that the scanner has reached, in case PyYAML gives none.
+        text: The whole file.
+        source: The lines of the file, from which marks are made.
+    """
     problem_text = str(error.problem or error.context or "")
     mark, start = error.problem_mark or error.context_mark, error.context_mark
     lines = tuple(text.split("\n"))
@@ -330,7 +340,7 @@ def _explained(error: yaml.MarkedYAMLError, reached: Mark, text: str, source: So
 
 
 def _not_yaml(problem: str, mark: Mark) -> tuple[str, Mark, str, str, Code]:
-    """Return the arguments of the error for what no rule below explains."""
+    """Return the arguments of the error for a problem that has no explanation below."""
     instead = "Compare the line with a file under robots/."
     return f"not YAML: {quoted(problem, 120)}", mark, "", instead, Code.NOT_YAML
 
@@ -351,16 +361,18 @@ def _missing_colon(line: int, text: str) -> _Explanation:
 
 
 def _dash_without_space(line: str) -> bool:
+    """Return whether a line begins with - and no space."""
     return bool(re.match(r" *-[^ -]", line))
 
 
 def _key_without_colon(p: _Problem) -> _Explanation:
+    """Explain a key that has no colon."""
     line = p.start[0] if p.start else p.line
     return _missing_colon(line, p.lines[line])
 
 
 def _unexpected_colon(p: _Problem) -> _Explanation:
-    """The line has a second colon, the line above has none, or the indentation is wrong."""
+    """Explain an unexpected colon: a second one, none in the line above, or wrong indentation."""
     above = p.lines[p.line_above]
     if ":" not in p.before and p.line_above < p.line:
         if _dash_without_space(above) or not re.search(r":( |$)", above):
@@ -376,7 +388,7 @@ _INDENTATION = "wrong indentation", "Align the line with its neighbours."
 
 
 def _unexpected_text(p: _Problem) -> _Explanation:
-    """A bracket or comma too many, text after a value, or wrong indentation."""
+    """Explain unexpected text: an extra bracket or comma, text after a value, or wrong indentation."""
     sign = p.rest[:1]
     if sign in ("]", "}"):
         return p.here(f"'{sign}' closes nothing", "Delete it.")
@@ -391,11 +403,12 @@ def _unexpected_text(p: _Problem) -> _Explanation:
 
 
 def _unclosed_quote(p: _Problem) -> _Explanation:
+    """Explain a quote that is not closed before the end of the file."""
     return _Explanation("a quote that is never closed", "Close the quote.", *(p.start or (p.line, p.column)))
 
 
 def _unclosed_bracket(p: _Problem) -> _Explanation:
-    """The bracket is missing where the text ends before the problem."""
+    """Explain a bracket that is not closed. It is missing after the last text before the problem."""
     end = "]" if "']'" in p.text else "}"
     line, column = p.line, p.column
     if p.start and not p.before.strip(" -"):
@@ -408,6 +421,7 @@ def _unclosed_bracket(p: _Problem) -> _Explanation:
 
 
 def _missing_value(p: _Problem) -> _Explanation:
+    """Explain a missing value, or a file that ends inside a bracket."""
     if "<stream end>" in p.text:
         line = p.line if p.before.strip() else p.line_above
         return _Explanation(
@@ -423,6 +437,7 @@ def _missing_value(p: _Problem) -> _Explanation:
 
 
 def _reserved_character(p: _Problem) -> _Explanation:
+    """Explain a value that begins with a character that YAML reserves."""
     return p.here(f"{quoted(p.rest[:1])} cannot begin a value", "Delete it, or put the value in quotes.")
 
 

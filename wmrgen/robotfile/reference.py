@@ -65,6 +65,7 @@ def reference() -> str:
 
 
 def _units() -> Iterator[str]:
+    """Yield the table of quantities and units."""
     yield "| quantity | SI | units |"
     yield "|---|---|---|"
     for kind in Kind:
@@ -73,6 +74,7 @@ def _units() -> Iterator[str]:
 
 
 def _table(section: Section) -> Iterator[str]:
+    """Yield the table of the keys of a section."""
     yield "| key | meaning | value | default | example | invalid |"
     yield "|---|---|---|---|---|---|"
     for f in section.fields:
@@ -137,6 +139,7 @@ def mistake(field: Field) -> tuple[str, Code]:
 
 
 def _default(section: Section, field: Field) -> str:
+    """Return the cell for the default of a key."""
     if field.required:
         return "**required**"
     if isinstance(field.value, Word):
@@ -147,6 +150,7 @@ def _default(section: Section, field: Field) -> str:
 
 
 def _in_words(value: Value) -> str:
+    """Return what a value is, in words."""
     match value:
         case Version(number):
             return f"`{number}`"

@@ -93,10 +93,12 @@ def _written(text: str, units: Iterable[str]) -> Schema:
 
 
 def _name(pattern: str, text: str) -> Schema:
+    """Return the schema of a name; editors show ``text`` if it does not match."""
     return {"type": "string", "pattern": pattern, "errorMessage": text}
 
 
 def _ref(name: str) -> Schema:
+    """Return a reference to a definition."""
     return {"$ref": f"#/$defs/{name}"}
 
 
@@ -183,6 +185,7 @@ def _value(value: Value) -> Schema:
 
 
 def _one_of(what: str) -> Schema:
+    """Return the schema of a name that is declared elsewhere."""
     match what:
         case "wheel.joint":
             return _name(
@@ -196,6 +199,7 @@ def _one_of(what: str) -> Schema:
 
 
 def _list(value: ListOf) -> Schema:
+    """Return the schema of a list."""
     schema: Schema = {"type": "array", "items": _value(value.item)}
     if value.least:
         schema["minItems"] = value.least

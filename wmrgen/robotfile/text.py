@@ -81,6 +81,7 @@ class Source:
 
 
 def _too_large(file: str) -> RobotFileError:
+    """Return the error for a file that is larger than MAX_BYTES."""
     return RobotFileError(
         f"{printable(file)}: the file is larger than {MAX_BYTES // 1024} KiB",
         None,

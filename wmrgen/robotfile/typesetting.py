@@ -182,6 +182,7 @@ def _align(table: Sequence[_Line], k: int) -> None:
     """Align entry ``k`` + 1 of lines whose mappings begin in one column and have the same keys up to it."""
 
     def keys(line: _Line) -> tuple[str, ...]:
+        """The first words of the entries up to ``k`` + 1; empty if the line has too few entries."""
         cells = line.cells
         return tuple(line.words[i][1] for i in cells[:-1]) if len(cells) > k + 2 else ()
 

@@ -64,23 +64,21 @@ class _Composer(Reader, Scanner, Parser):
 
     def fetch_anchor(self) -> None:
         self._refuse(
-            "'&' starts a YAML anchor", "Robot files have no anchors.", "Write the value out, or quote it."
+            "'&' starts an anchor", "Robot files have no anchors.", "Write the value out, or quote it."
         )
 
     def fetch_alias(self) -> None:
         self._refuse(
-            "'*' starts a YAML alias",
+            "'*' starts an alias",
             "Robot files have no aliases.",
             "Write the value out, or declare it under parameters: and use its name.",
         )
 
     def fetch_tag(self) -> None:
-        self._refuse(
-            "'!' starts a YAML tag", "Robot files have no tags.", "Delete the tag, or quote the value."
-        )
+        self._refuse("'!' starts a tag", "Robot files have no tags.", "Delete the tag, or quote the value.")
 
     def fetch_directive(self) -> None:
-        self._refuse("'%' starts a YAML directive", "Robot files have no directives.", "Delete the line.")
+        self._refuse("'%' starts a directive", "Robot files have no directives.", "Delete the line.")
 
     def fetch_flow_collection_start(self, TokenClass: Any) -> None:
         # The scanner runs ahead of the parser: without this limit it would read 1024 brackets first.
@@ -415,7 +413,7 @@ def _unclosed_bracket(p: _Problem) -> _Explanation:
         line = p.line_above
         text = p.lines[line]
         column = len((text if re.search("['\"]", text) else text.partition(" #")[0]).rstrip())
-    why = f"The bracket opens on line {p.start[0] + 1}." if p.start else ""
+    why = f"The bracket on line {p.start[0] + 1} is not closed." if p.start else ""
     instead = f"Separate entries by ',' and close the bracket with '{end}'."
     return _Explanation(f"missing ',' or '{end}'", instead, line, column, why)
 

@@ -163,9 +163,11 @@ class Table:
         excused = not self.excused.isdisjoint(chain.from_iterable(choice.sets))
         if len(chosen) > 1:
             later = max((keys[0] for keys, _ in chosen), key=list(self.keys).index)
-            both = " as well as ".join(" and ".join(keys) for keys, _ in chosen)
+            *others, last = chain.from_iterable(keys for keys, _ in chosen)
             code = Code.CONSEQUENCE if excused else Code.TWICE
-            raise self.keys[later].error(f"{what} has {both}", *choice.several, code=code)
+            raise self.keys[later].error(
+                f"{what} has {', '.join(others)} and {last}", *choice.several, code=code
+            )
         if not chosen:
             if choice.optional and not required:
                 return ()

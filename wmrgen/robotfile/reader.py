@@ -389,7 +389,7 @@ def _unexpected_text(p: _Problem) -> _Explanation:
     """Explain unexpected text: an extra bracket or comma, text after a value, or wrong indentation."""
     sign = p.rest[:1]
     if sign in ("]", "}"):
-        return p.here(f"'{sign}' closes nothing", "Delete it.")
+        return p.here(f"'{sign}' without an opening bracket", "Delete it.")
     if sign == ",":
         return p.here("a ',' after a complete value", "Delete it.")
     if _dash_without_space(p.lines[p.line]):
@@ -446,6 +446,10 @@ _EXPLANATIONS: tuple[tuple[str, Callable[[_Problem], _Explanation]], ...] = (
     ("expected <block end>", _unexpected_text),
     ("'\\t'", lambda p: p.here("a tab in the indentation", "Replace the tab with spaces.")),
     ("unexpected end of stream", _unclosed_quote),
+    (
+        "sequence entries are not allowed",
+        lambda p: p.here("a list item in the line of its key", "Begin the list on the next line."),
+    ),
     ("expected ',' or ", _unclosed_bracket),
     ("expected <document start>", lambda p: p.here("text after the end of the document", "Delete it.")),
     ("expected the node content", _missing_value),

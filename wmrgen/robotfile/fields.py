@@ -70,12 +70,9 @@ class ListOf(NamedTuple):
     least: int = 0  # number of items
     most: int | None = None  # number of items
     once: bool = False  # whether all items must differ
-    few: Error = ("", "", "")  # the error for fewer than `least` items, {n} of {key}
-    many: Error = (
-        "{n} {key}",
-        "At most {most} are allowed.",
-        "Delete the others.",
-    )  # the error for more than `most`
+    # The errors for too few and too many items: {n} items of {key}.
+    few: Error = ("", "", "")
+    many: Error = ("{n} {key}", "At most {most} are allowed.", "Delete the others.")
 
 
 class Mapped(NamedTuple):

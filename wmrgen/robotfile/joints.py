@@ -49,9 +49,8 @@ def read_of_joints(
     return tuple(entry for entry in entries if entry is not None)
 
 
-def _limit(name: str, table: Table, what: str, scope: Scope, collector: ErrorCollector) -> Limit:
+def _limit(name: str, table: Table, _what: str, scope: Scope, _collector: ErrorCollector) -> Limit:
     """Read a limit: a list [low, high], or one value v, which means [-v, v]."""
-    del what, collector
     node, value, limit = table.values[name], LIMITS.field(name).value, f"limit {name}"
     assert isinstance(value, Interval)
     if isinstance(node, SequenceNode):
@@ -78,40 +77,42 @@ def _negated(text: str) -> str:
 
 def _noise(joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector) -> NoiseSpec:
     """Read the noise of a joint."""
-    of, name = _of(joint, table, f"noise of {what}", collector), f"the noise of {joint}"
-    return NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
+    entry, name = _entry(joint, table, f"noise of {what}", collector), f"the noise of {joint}"
+    proportional = entry.amount("proportional", name, scope)
+    constant = entry.amount("constant", name, scope)
+    return NoiseSpec(joint, proportional, constant)
 
 
 def _encoder(
     joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector
 ) -> EncoderSpec | None:
     """Read the encoder of a joint; return None if it has no counts, which has been reported."""
-    of, name = _of(joint, table, f"encoder of {what}", collector), f"the encoder of {joint}"
-    of.require_all(name, collector)
-    of.choose(WRAPS, name)
+    entry, name = _entry(joint, table, f"encoder of {what}", collector), f"the encoder of {joint}"
+    entry.require_all(name, collector)
+    entry.choose(WRAPS, name)
     counts, gear, bits, modulus = (
-        of.amount(key, name, scope) for key in ("counts", "gear", "bits", "modulus")
+        entry.amount(key, name, scope) for key in ("counts", "gear", "bits", "modulus")
     )
-    offset = of.amount("offset", name, scope) if "offset" in of.section.keys else None
+    offset = entry.amount("offset", name, scope) if "offset" in entry.section.keys else None
     if counts is None:
         return None
-    return EncoderSpec(joint, counts, gear, of.word("reversed"), bits, modulus, offset)
+    return EncoderSpec(joint, counts, gear, entry.word("reversed"), bits, modulus, offset)
 
 
 def _lag(
-    joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector
+    joint: str, table: Table, what: str, scope: Scope, _collector: ErrorCollector
 ) -> tuple[str, Quantity]:
     """Read the time constant of a joint."""
-    del collector
     time = table.amount(joint, f"the lag of {what}", scope)
     assert time is not None
     return joint, time
 
 
+# What reads one entry of each key: takes the name of the entry, the table of entries, the owner, scope and collector.
 _READERS = {"limits": _limit, "noise": _noise, "encoder": _encoder, "lag": _lag}
 
 
-def _of(joint: str, table: Table, title: str, collector: ErrorCollector) -> Table:
+def _entry(joint: str, table: Table, title: str, collector: ErrorCollector) -> Table:
     """Return the table that a joint has as its value."""
     section = table.section.field(joint).value
     assert isinstance(section, Section)

@@ -270,7 +270,7 @@ def _coupling(table: Table, types: Mapping[str, WheelType | None], scope: Scope)
     collector.end()
     if ratios and len(ratios) != len(names):
         raise table.values["ratios"].error(
-            f"{len(ratios)} ratio{'s' * (len(ratios) != 1)} for {len(names)} joints", "Each joint has one.",
+            f"{len(ratios)} ratio{'s' * (len(ratios) != 1)} of {len(names)} joints", "Each joint has one.",
             f"Write ratios: [{', '.join(['1'] * len(names))}], the turns of each joint per turn of the shaft.",
         )  # fmt: skip
     return Coupling(joint, tuple(names), table.mark, tuple(ratios))

@@ -1,4 +1,4 @@
-"""Every failure wmrgen can report, with the exit code that the command line gives it, and the one form of messages."""
+"""The errors that wmrgen reports, with their exit codes, and the layout of error messages."""
 
 from __future__ import annotations
 
@@ -8,41 +8,50 @@ from enum import StrEnum
 from types import TracebackType
 from unicodedata import east_asian_width
 
-WIDEST = 160  # characters of a line of a robot file that a message shows
-MOST = 20  # errors that a message shows
+MOST_COLUMNS = 160  # characters; a message shows no more of a line of a file, which may be very long
+MOST_ERRORS = 20  # errors; a message shows no more of them, because people fix the first ones and run again
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A place in a robot file: 1-based line and column, and the text of that line. ``path``: the keys that lead to a
-    place in a robot that is no file, ``wheels[0].r``; its lines count its values."""
+    """A place in a file, or in a robot that is given as a mapping."""
 
     file: str
-    line: int
-    column: int
-    text: str
-    path: str = ""
+    line: int  # from 1; in a mapping, the number of the value
+    column: int  # from 1
+    text: str  # of the line
+    path: str = ""  # in a mapping, the keys that lead to the place, such as wheels[0].r
 
     def __str__(self) -> str:
         return self.path or f"{self.file}:{self.line}:{self.column}"
 
 
 def message(level: str, code: str, what: str, mark: Mark | None, remarks: Iterable[str]) -> str:
-    """An error or a warning: what is wrong, its place with the line that it stands on, and ``remarks``."""
+    """Return the text of an error or a warning.
+
+    Args:
+        level: ``error`` or ``warning``.
+        code: The code that `wmrgen explain` knows, or "".
+        what: What is wrong, in one line.
+        mark: The place. The message shows its line with a caret below the column.
+        remarks: Further lines, such as the reason and what to write. Empty ones are left out.
+
+    Returns:
+        The lines of the message, without a line end.
+    """
     lines = [f"{level}[{code}]: {what}" if code else f"{level}: {what}"]
     margin = " " * len(str(mark.line)) if mark else ""
     if mark:
         lines.append(f"{margin}--> {mark}")
         if mark.text:
-            shown = mark.text[:WIDEST]
+            shown = mark.text[:MOST_COLUMNS]
             wide = "".join("\u3000" if east_asian_width(c) in "WF" else " " for c in shown[: mark.column - 1])
             lines += [f"{mark.line} | {shown}", f"{margin} | {wide}^"]
     return "\n".join([*lines, *(f"{margin} = {text}" for text in remarks if text)])
 
 
 class Code(StrEnum):
-    """The kinds of mistakes in robot files, in other files and in calls, and of what stops a command besides;
-    `wmrgen.robotfile.mistakes` explains them. Those of lint are in its rules."""
+    """The codes of errors; `wmrgen.robotfile.mistakes` explains each. The codes of lint are in its rules."""
 
     NOT_YAML = "WMR101"
     UNKNOWN_KEY = "WMR102"
@@ -58,15 +67,20 @@ class Code(StrEnum):
     USAGE = "WMR112"
     UNDERIVABLE = "WMR113"
     ENVIRONMENT = "WMR114"
-    CONSEQUENCE = ""  # of another mistake; never told
+    CONSEQUENCE = ""  # follows from another error, and is not shown if that error is
 
 
 class WmrgenError(Exception):
-    """Base of all errors a user can cause or cure.
+    """Base class of the errors that a user can cause or fix.
 
-    ``what`` is wrong, ``mark`` where, ``why`` it matters, ``instead`` what to write; ``code``: of `wmrgen explain`.
-    ``parts``: the errors that this one stands for, in order of place; itself where it is one. ``again``: where else
-    the same is wrong.
+    Attributes:
+        what: What is wrong.
+        mark: Where it is wrong, or None.
+        why: Why it matters.
+        instead: What to write.
+        code: The code that `wmrgen explain` knows.
+        parts: The errors that this error combines, in order of place; a single error is its own part.
+        again: Other places with the same error.
     """
 
     exit_code = 1
@@ -81,28 +95,31 @@ class WmrgenError(Exception):
 
     def __str__(self) -> str:
         if self.parts != (self,):
-            rest = len(self.parts) - MOST
-            more = [f"and {rest} error{'s' * (rest > 1)} more"] if rest > 0 else []
-            return "\n\n".join([*map(str, self.parts[:MOST]), *more])
+            rest = len(self.parts) - MOST_ERRORS
+            more = [f"and {rest} more error{'s' * (rest > 1)}"] if rest > 0 else []
+            return "\n\n".join([*map(str, self.parts[:MOST_ERRORS]), *more])
         what, *remarks = self.what.split("\n")
-        again = f"The same at {', '.join(map(str, self.again[:MOST]))}." if self.again else ""
+        again = f"Also at {', '.join(map(str, self.again[:MOST_ERRORS]))}." if self.again else ""
         remarks = [*(line.strip() for line in remarks), self.why, self.instead, again]
         return message("error", self.code, what, self.mark, remarks)
 
 
 def _place(mark: Mark | None, files: list[str]) -> tuple[int, int, int]:
+    """Return a key that sorts marks by file, line and column; errors without a mark come first."""
     return (files.index(mark.file), mark.line, mark.column) if mark else (-1, 0, 0)
 
 
 class StaleError(WmrgenError):
-    """A file under the output directory is not what the robot files give today; also the code of findings."""
+    """A generated file differs from what the robot file gives now. Commands also exit with this code on findings."""
 
     exit_code = 1
 
 
 class RobotFileError(WmrgenError):
-    """A robot file that cannot be accepted. ``code``, where nothing else is said: that of a value, or of a file as a
-    whole where it has no place."""
+    """A robot file, or a robot description, that wmrgen cannot accept.
+
+    Without a ``code`` it is an invalid value if it has a place, and an invalid description if it has none.
+    """
 
     exit_code = 2
 
@@ -115,8 +132,10 @@ class RobotFileError(WmrgenError):
 
 
 class ErrorCollector:
-    """Mistakes in parts of a robot file that can be read one without the other: each part stands in a block
-    ``with collector:``, and `end` raises what was wrong in them as one error."""
+    """Collects the errors of parts that can be read independently, to report all of them in one run.
+
+    Each part is read in a block ``with collector:``, which catches a RobotFileError. `end` raises the collected errors.
+    """
 
     def __init__(self) -> None:
         self.errors: list[WmrgenError] = []
@@ -131,13 +150,16 @@ class ErrorCollector:
         return True
 
     def add(self, *errors: WmrgenError) -> None:
-        """Take errors; RobotFileError with those until now where they are more than anybody reads."""
+        """Collect errors. Raise them if there are far more than a message shows."""
         self.errors += errors
-        if len(self.errors) > 5 * MOST:
+        if len(self.errors) > 5 * MOST_ERRORS:
             self.end()
 
     def end(self) -> None:
-        """RobotFileError where something was wrong: in order of place, the same once, without consequences."""
+        """Raise the collected errors as one RobotFileError, if there are any.
+
+        Errors are in order of place. Equal errors are joined, and errors that follow from others are left out.
+        """
         if not self.errors:
             return
         distinct: dict[tuple[str, ...], list[WmrgenError]] = {}
@@ -146,19 +168,22 @@ class ErrorCollector:
             distinct.setdefault((error.what, error.why, error.instead), []).append(error)
         parts = []
         for first, *others in distinct.values():
-            marks = [m for e in (first, *others) for m in (e.mark, *e.again) if m and m != first.mark]
-            first.again = tuple(dict.fromkeys(marks))
+            places: list[Mark | None] = []
+            for error in (first, *others):
+                places += (error.mark, *error.again)
+            first.again = tuple(dict.fromkeys(mark for mark in places if mark and mark != first.mark))
             parts.append(first)
-        told = tuple(e for e in parts if e.code or not e.mark) or tuple(parts)
-        if len(told) == 1:
-            raise told[0]
-        joined = RobotFileError(told[0].what, told[0].mark, told[0].why, told[0].instead, told[0].code)
-        joined.parts = told
+        shown = tuple(e for e in parts if e.code or not e.mark) or tuple(parts)
+        if len(shown) == 1:
+            raise shown[0]
+        first = shown[0]
+        joined = RobotFileError(first.what, first.mark, first.why, first.instead, first.code)
+        joined.parts = shown
         raise joined
 
 
 class UsageError(WmrgenError):
-    """A command called with names or values it does not have."""
+    """A command that is called with names or values that it does not know."""
 
     exit_code = 2
 
@@ -167,7 +192,7 @@ class UsageError(WmrgenError):
 
 
 class NotDerivableError(WmrgenError):
-    """A well-formed robot whose model cannot be derived. ``mark``: the part of the file that asks for it."""
+    """A robot with a valid file whose model cannot be derived. The mark, if any, is at the part that requests it."""
 
     exit_code = 3
 
@@ -183,8 +208,7 @@ class NotDerivableError(WmrgenError):
 
 
 class EnvironmentFailure(WmrgenError):
-    """Something outside wmrgen is missing or refuses: no compiler, no write permission. What a tool said stays as it
-    is."""
+    """A program, a package or a permission that is missing. The output of a tool is shown unchanged."""
 
     exit_code = 4
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
+
+from wmrgen.errors import RobotFileError
+from wmrgen.geometry.layout import build
 from wmrgen.robotfile.load import read_text
 from wmrgen.robotfile.records import Binary, Call, Expr, Neg, Num, Param, Pi, RobotSpec, WheelSpec
 
@@ -34,6 +38,23 @@ def read(text: str) -> RobotSpec:
 
 def one_wheel(inside: str, top: str = "") -> WheelSpec:
     return read(robot(inside, top=top)).wheels[0]
+
+
+def places(error: RobotFileError) -> str:
+    """The code and the place of each error, such as ``WMR104 3:9``, joined by commas."""
+    return ", ".join(
+        f"{part.code} {part.mark.line}:{part.mark.column}" if part.mark else str(part.code)
+        for part in error.parts
+    )
+
+
+def refused(text: str, built: bool = False) -> RobotFileError:
+    """The error of a robot file, or of its layout if ``built``. Each part can be printed and says what to write."""
+    with pytest.raises(RobotFileError) as caught:
+        build(read(text)) if built else read(text)
+    str(caught.value).encode()
+    assert all(part.why or part.instead for part in caught.value.parts)
+    return caught.value
 
 
 def show(expr: Expr) -> str:

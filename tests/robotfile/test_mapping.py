@@ -90,13 +90,15 @@ def test_errors_name_the_keys(path: str, value: object, place: str, code: Code |
 def test_a_mapping_that_holds_itself_ends_in_an_error() -> None:
     endless: dict[str, object] = dict(PAIR)
     endless["wheels"] = [endless]
-    with pytest.raises(wmrgen.RobotFileError, match="nested deeper"):
+    with pytest.raises(wmrgen.RobotFileError) as caught:
         wmrgen.load(endless)
+    assert caught.value.code == Code.FORM and caught.value.mark.path.startswith("wheels[0].wheels[0].")
 
 
 def test_a_mapping_without_end_ends_in_an_error() -> None:
-    with pytest.raises(wmrgen.RobotFileError, match="more than 20000 values"):
+    with pytest.raises(wmrgen.RobotFileError) as caught:
         wmrgen.load({**PAIR, "wheels": [{"name": "a"}] * 30_000})
+    assert caught.value.code == Code.FORM and "20000" in caught.value.what
 
 
 @pytest.mark.parametrize("value", [{}, {"wmrgen": 1}])

@@ -1,4 +1,4 @@
-"""The examples of `wmrgen explain`: the wrong one has that mistake and no other, the right one is a robot."""
+"""The examples of `wmrgen explain`: the wrong one has this mistake and no other, the right one is a robot."""
 
 from __future__ import annotations
 
@@ -47,15 +47,13 @@ def test_examples_of_calls(
 
 
 def test_examples_of_descriptions(wmrgen_cli: Callable[..., Outcome], tmp_path: Path) -> None:
-    """The place of what is no XML; the right one is XML, and a robot without a wheel."""
+    """The wrong example has a place; the right one is XML, but a robot without a wheel."""
     for name in ("wrong", "right"):
         (tmp_path / name).write_text(getattr(CALLS[Code.DESCRIPTION], name))
     wrong, right = (wmrgen_cli("import", tmp_path / name) for name in ("wrong", "right"))
-    assert wrong.err.splitlines()[:3] == [
-        "error[WMR111]: wrong: not XML: 'mismatched tag'",
-        f" --> {tmp_path / 'wrong'}:3:3",
-        "3 | </robot>",
-    ]
+    code, place, line = wrong.err.splitlines()[:3]
+    assert code.startswith("error[WMR111]: ")
+    assert [place, line] == [f" --> {tmp_path / 'wrong'}:3:3", "3 | </robot>"]
     assert right.err.startswith("error[WMR111]: right: ") and " --> " not in right.err
 
 

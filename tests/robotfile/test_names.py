@@ -1,4 +1,4 @@
-"""Names that are refused: the word that is offered in the place of each is accepted there."""
+"""Names that are refused: the name that the message offers is accepted."""
 
 from __future__ import annotations
 
@@ -8,20 +8,21 @@ import pytest
 
 from wmrgen.errors import RobotFileError
 from wmrgen.robotfile import names
+from wmrgen.robotfile import reserved_words as words
 from wmrgen.robotfile.reader import read_tree
 from wmrgen.robotfile.text import Scalar
 
 WORDS = sorted(
     {
-        *names._DEVICES, *names._FILE_NAMES, *names._SCOPES, *names._EXPRESSION_WORDS, *names._CONTRACT_WORDS,
+        *words.DEVICES, *words.FILE_NAMES, *words.NAMES_OF_LIBRARIES, *words.EXPRESSION_WORDS, *words.MODEL_WORDS,
         *"textbook PI Pi Sin double Float NAN int while fn let F0 PORTB eta7 CON lpt1 None r2 left".split(),
         *"wheel_t a__b T_t size_t __init__ x__t 1st vorne-links größe σ a.b _x".split(), "front left", 40 * "long",
     }
 )  # fmt: skip
 
 
-def accepted(kind: str, word: str) -> str:
-    """What there is against ``word`` as the name of a robot, a wheel or a parameter: nothing, or what to write."""
+def offered_for(kind: str, word: str) -> str:
+    """What to write in place of ``word`` as the name of a robot, wheel or parameter; "" if it is accepted."""
     node = read_tree(f'"{word}"', "robot.yaml")
     assert isinstance(node, Scalar)
     try:
@@ -33,11 +34,11 @@ def accepted(kind: str, word: str) -> str:
 
 @pytest.mark.parametrize("kind", ["robot", "wheel", "parameter"])
 def test_what_is_offered_is_accepted(kind: str) -> None:
-    words = [*WORDS, *(f"_{word}" for word in WORDS)]
-    refused = {word: instead for word in words if (instead := accepted(kind, word))}
-    assert len(refused) > len(WORDS) and not accepted(kind, "front_left")
+    every = [*WORDS, *(f"_{word}" for word in WORDS)]
+    refused = {word: instead for word in every if (instead := offered_for(kind, word))}
+    assert len(refused) > len(WORDS) and not offered_for(kind, "front_left")
     assert {
-        *names._DEVICES,
+        *words.DEVICES,
         "while",
         "PORTB" if kind == "robot" else "double",
         "size_t",
@@ -48,4 +49,4 @@ def test_what_is_offered_is_accepted(kind: str) -> None:
             assert instead == "Write pi as it is.", word
             continue
         offered = re.match(r"Write (?:a name such as )?(\w+)", instead)
-        assert offered and not accepted(kind, offered[1]), (word, instead)
+        assert offered and not offered_for(kind, offered[1]), (word, instead)

@@ -1,4 +1,4 @@
-"""How large a robot file may be: what is as large as the limit is taken, what is one more is not."""
+"""Limits of size: a file at the limit is accepted, a file with one more is refused."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.robotfile.files import HEAD, read, robot, wheel
-from wmrgen.errors import RobotFileError
+from tests.robotfile.files import HEAD, places, read, refused, robot, wheel
+from wmrgen.errors import Code, RobotFileError
 from wmrgen.robotfile.reader import MAX_DEPTH, read_tree
 from wmrgen.robotfile.text import quoted
 
@@ -31,16 +31,18 @@ NESTED: dict[str, Callable[[int], str]] = {
 def test_nesting(style: str) -> None:
     assert MAX_DEPTH == 16
     read_tree(NESTED[style](MAX_DEPTH), "bot.yaml")
-    with pytest.raises(RobotFileError, match="nested deeper than 16 levels"):
+    with pytest.raises(RobotFileError) as caught:
         read_tree(NESTED[style](MAX_DEPTH + 1), "bot.yaml")
+    assert caught.value.code == Code.NOT_YAML and "16" in caught.value.what
 
 
 def test_nesting_inside_a_key() -> None:
-    """A key counts as its value does; one that is no word is refused, but only when it is read."""
-    with pytest.raises(RobotFileError, match="a key must be a short word"):
-        read_tree(block(MAX_DEPTH, key=True), "bot.yaml")
-    with pytest.raises(RobotFileError, match="nested deeper than 16 levels"):
-        read_tree(block(MAX_DEPTH + 1, key=True), "bot.yaml")
+    """A key is as deep as its value. A key that is not a word is refused after it has been read."""
+    for levels in (MAX_DEPTH, MAX_DEPTH + 1):
+        with pytest.raises(RobotFileError) as caught:
+            read_tree(block(levels, key=True), "bot.yaml")
+        assert caught.value.code == Code.NOT_YAML
+        assert ("16" in caught.value.what) is (levels > MAX_DEPTH)
 
 
 def many(count: int, item: str) -> str:
@@ -92,16 +94,16 @@ def test_lists_that_are_too_short(inside: str, enough: bool) -> None:
 
 
 def test_keys() -> None:
-    for length, message in ((100, "unknown key"), (101, "a key must be a short word")):
-        with pytest.raises(RobotFileError, match=message):
-            read(f"{HEAD}{'k' * length}: 1\n{WHEELS}")
+    for length, code in ((100, Code.UNKNOWN_KEY), (101, Code.NOT_YAML)):
+        assert places(refused(f"{HEAD}{'k' * length}: 1\n{WHEELS}")) == f"{code} 3:1"
 
 
 def test_values() -> None:
-    """Counted: the list itself, and what stands in it."""
+    """The list and its items are counted."""
     read_tree(f"[{'1,' * 19_999}]", "bot.yaml")
-    with pytest.raises(RobotFileError, match="more than 20000 values"):
+    with pytest.raises(RobotFileError) as caught:
         read_tree(f"[{'1,' * 20_000}]", "bot.yaml")
+    assert caught.value.code == Code.NOT_YAML and "20000" in caught.value.what
 
 
 def test_quotations_in_messages() -> None:

@@ -30,7 +30,7 @@ SOURCE = robot(
 
 
 def tried(text: str) -> RobotSpec | None:
-    """What the text gives; a RobotFileError must print, as UTF-8, with nothing unprintable in it."""
+    """The robot of a text, or None. The message of an error must be UTF-8 without unprintable characters."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:

@@ -14,8 +14,8 @@ from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError, UsageError
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.layout.expressions import evaluate
 from wmrgen.geometry.ports import Port
-from wmrgen.robotfile.numbers import Kind, Scope
-from wmrgen.robotfile.quantities import read_quantity
+from wmrgen.robotfile.numbers import Kind
+from wmrgen.robotfile.quantities import Scope, read_quantity
 from wmrgen.robotfile.text import Scalar, bytes_of, quoted, read_stream, suggestion
 
 if TYPE_CHECKING:

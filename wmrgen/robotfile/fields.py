@@ -1,7 +1,7 @@
-"""What a key of a robot file is: one record says its meaning, its value and the words of every message about it.
+"""The records that describe a key of a robot file: its meaning, its value and the text of its messages.
 
-`wmrgen.robotfile.keys` holds the records. Reading, messages, the JSON Schema and the reference documentation all go by
-them, so that a key is declared once.
+`wmrgen.robotfile.keys` declares each key once. Reading, messages, the JSON Schema and the reference page all use these
+records.
 """
 
 from __future__ import annotations
@@ -27,140 +27,131 @@ class Name:
 class Text(NamedTuple):
     """Free text for people."""
 
-    longest: int
+    longest: int  # characters
 
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """One of a few words; ``words`` says what each means, ``default`` which stands for none.
+    """One of a few words."""
 
-    ``interval``: instead of the word that means yes a list [low, high] of such quantities may stand.
-    """
-
-    words: Mapping[str, bool]
-    default: str
-    aliases: Mapping[str, str] = field(default_factory=dict)
-    interval: Kind | None = None
+    words: Mapping[str, bool]  # each word with its meaning
+    default: str  # the word that is assumed if the key is absent
+    aliases: Mapping[str, str] = field(default_factory=dict)  # other words, with a hint
+    interval: Kind | None = None  # a list [low, high] of such quantities may replace the word that means yes
 
 
 YES = {"true": True, "false": False}
 
 
 class Amount(NamedTuple):
-    """A quantity: a number, a number with a unit, an expression. ``unit``: what else than the units of the kind."""
+    """A quantity: a number, a number with a unit, or an expression."""
 
     kind: Kind
-    unit: str = ""
+    unit: str = ""  # shown in place of the units of the kind; "1" is a number that has no unit
 
 
 class Interval(NamedTuple):
-    """A quantity v for [-v, v], or a list [low, high]."""
+    """A quantity v, which means [-v, v], or a list [low, high]."""
 
     kind: Kind
 
 
 class OneOf(NamedTuple):
-    """A name that something else declares: a ``joint`` of the wheel, a ``wheel``, a wheel's joint as
-    ``wheel.joint``, a wheel ``type``, a ``function``."""
+    """A name that is declared elsewhere."""
 
-    what: str
+    what: str  # joint (of the same wheel), wheel, wheel.joint, type (of wheels) or function
 
 
 class ListOf(NamedTuple):
-    """A list of at least ``least`` and at most ``most`` items; ``once``: all different.
-
-    ``few`` and ``many`` are the error (what, why, what to write) where there are fewer or more: {n} items of {key}.
-    """
+    """A list of values."""
 
     item: Value
     example: str = ""
-    least: int = 0
-    most: int | None = None
-    once: bool = False
+    least: int = 0  # number of items
+    most: int | None = None  # number of items
+    once: bool = False  # whether all items must differ
+    # The errors for too few and too many items: {n} items of {key}.
     few: Error = ("", "", "")
-    many: Error = ("{n} {key}", "At most {most} are derived.", "")
+    many: Error = ("{n} {key}", "At most {most} are allowed.", "Delete the others.")
 
 
 class Mapped(NamedTuple):
-    """New names, at most ``most``, each with a value of its own or with the keys of ``section``."""
+    """New names, each with a value or with the keys of a section."""
 
     section: Section
-    most: int
+    most: int  # number of names
 
 
 class Section(NamedTuple):
-    """A mapping with known keys. ``title`` names it in messages, ``example`` is what to write.
+    """A mapping with known keys."""
 
-    ``choices``: sets of keys of which exactly one stands, all its keys together.
-    """
-
-    title: str
-    example: str
+    title: str  # names the section in messages
+    example: str  # of what to write
     fields: tuple[Field, ...]
     choices: tuple[Choice, ...] = ()
 
     @property
     def keys(self) -> tuple[str, ...]:
+        """All keys."""
         return tuple(f.key for f in self.fields)
 
     @property
     def required(self) -> tuple[str, ...]:
+        """The keys that must be there."""
         return tuple(f.key for f in self.fields if f.required)
 
     def keys_of(self, joints: Iterable[str]) -> tuple[str, ...]:
-        """The keys that are about these joints."""
-        return tuple(f.key for joint in joints for f in self.fields if f.joint == joint)
+        """Return the keys that belong to these joints."""
+        keys: list[str] = []
+        for joint in joints:
+            keys += [f.key for f in self.fields if f.joint == joint]
+        return tuple(keys)
 
     def field(self, key: str) -> Field:
-        """The record of a key; KeyError where there is none."""
+        """Return the record of a key; raise KeyError if the section does not have it."""
         return {f.key: f for f in self.fields}[key]
 
 
 Value = Version | Name | Text | Word | Amount | Interval | OneOf | ListOf | Mapped | Section
-Reason = tuple[str, str]  # why it matters, what to write instead
-Error = tuple[str, str, str]  # what is wrong, why it matters, what to write instead
+Reason = tuple[str, str]  # why it matters, what to write
+Error = tuple[str, str, str]  # what is wrong, why it matters, what to write
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A key.
-
-    ``meaning``: in a phrase. ``greek``: the letter that may stand for it. ``default``: what counts where the key is
-    not given, in words. ``aliases``: what people write instead, each with a hint ("" asks whether they meant the
-    key). ``missing``: of a required key. ``misfit``: of a wheel's key that its type does not take; such a key is
-    taken by the wheel types that name it (`wmrgen.robotfile.wheel_types`), one without by all. ``joint``: of a
-    limit, the joint that has it; "" is the robot. ``example``: a value, where that of its kind makes no sense.
-    """
+    """A key."""
 
     key: str
     value: Value
-    meaning: str
+    meaning: str  # a phrase
     required: bool = False
-    default: str = ""
-    greek: str = ""
-    aliases: Mapping[str, str] = field(default_factory=dict)
-    missing: Reason | None = None
-    misfit: Reason | None = None
-    joint: str = ""
-    example: str = ""
+    default: str = ""  # the value that is assumed if the key is absent, in words
+    greek: str = ""  # the letter that may be written in place of the key
+    aliases: Mapping[str, str] = field(
+        default_factory=dict
+    )  # other words for the key, with a hint; "": "Did you mean"
+    missing: Reason | None = None  # the error for an absent required key
+    misfit: Reason | None = (
+        None  # the error for a wheel whose type does not have the key; None if all types have it
+    )
+    joint: str = ""  # the joint that a limit, noise, encoder or lag belongs to; "" is the robot
+    example: str = ""  # a value, if the usual one of its kind makes no sense
 
     @property
     def spellings(self) -> tuple[str, ...]:
+        """The key, and its Greek letter if it has one."""
         return (self.key, self.greek) if self.greek else (self.key,)
 
     @property
     def hints(self) -> dict[str, str]:
-        """Alias -> what to write."""
+        """What to write in place of each alias."""
         return {alias: text or f"Did you mean {self.key}?" for alias, text in self.aliases.items()}
 
 
 class Choice(NamedTuple):
-    """Of several sets of keys exactly one stands, all its keys together; ``optional``: or none.
-
-    ``several`` and ``none``: what is wrong, why, and what to write. {keys} are those that stand.
-    """
+    """Sets of keys. A mapping has all keys of exactly one set and no key of another."""
 
     sets: tuple[tuple[str, ...], ...]
-    several: Error = ("", "", "")
-    none: Error = ("", "", "")
-    optional: bool = False
+    several: Reason = ("", "")  # the error if keys of several sets are there
+    none: Error = ("", "", "")  # the error if no key is there
+    optional: bool = False  # whether a mapping may have none of the keys

@@ -1,4 +1,4 @@
-"""Reading what a robot file says of joints, of the robot's or of a wheel's: limits, noise, encoders, lag."""
+"""Read the limits, noise, encoders and lags of joints, for the whole robot or for one wheel."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from typing import Any
 
 from wmrgen.errors import ErrorCollector
 from wmrgen.robotfile.fields import Interval, Section
-from wmrgen.robotfile.numbers import Scope
-from wmrgen.robotfile.part_keys import LIMITS, WRAPS
-from wmrgen.robotfile.quantities import read_quantity
+from wmrgen.robotfile.keys import LIMITS, WRAPS
+from wmrgen.robotfile.quantities import Scope, read_quantity
 from wmrgen.robotfile.records import EncoderSpec, Limit, Neg, NoiseSpec, Quantity
 from wmrgen.robotfile.tables import Table, table_of
 from wmrgen.robotfile.text import SequenceNode
@@ -24,8 +23,19 @@ def read_of_joints(
     collector: ErrorCollector,
     joints: tuple[str, ...] | None = None,
 ) -> tuple[Any, ...]:
-    """What ``owner`` has under ``key`` (limits, noise, encoder or lag) of ``joints``, of any where none are given, in
-    the order of the file; ``several`` takes what cannot be read."""
+    """Read what a robot or a wheel gives for its joints.
+
+    Args:
+        key: ``limits``, ``noise``, ``encoder`` or ``lag``.
+        owner: The table of the robot or the wheel.
+        what: Names the owner in messages.
+        scope: The parameters that expressions may use.
+        collector: Receives the errors.
+        joints: The joints that the owner has; by default any.
+
+    Returns:
+        A record for each entry that can be read, in the order of the file.
+    """
     node, section = owner.get(key), owner.section.field(key).value
     assert isinstance(section, Section)
     if node is None:
@@ -39,16 +49,15 @@ def read_of_joints(
     return tuple(entry for entry in entries if entry is not None)
 
 
-def _limit(name: str, table: Table, what: str, scope: Scope, collector: ErrorCollector) -> Limit:
-    """A single value v means [-v, v]."""
-    del what, collector
+def _limit(name: str, table: Table, _what: str, scope: Scope, _collector: ErrorCollector) -> Limit:
+    """Read a limit: a list [low, high], or one value v, which means [-v, v]."""
     node, value, limit = table.values[name], LIMITS.field(name).value, f"limit {name}"
     assert isinstance(value, Interval)
     if isinstance(node, SequenceNode):
         if len(node.items) != 2:
             raise node.error(
                 f"{limit} has {len(node.items)} value{'s' * (len(node.items) != 1)}",
-                "A range has two.",
+                "A range has two values.",
                 f"Write {name}: [low, high], or one value.",
             )
         low, high = (read_quantity(item, value.kind, limit, scope) for item in node.items)
@@ -59,7 +68,7 @@ def _limit(name: str, table: Table, what: str, scope: Scope, collector: ErrorCol
 
 
 def _negated(text: str) -> str:
-    """The text of the negative of a quantity: -1.2, 30 deg, -(a + b)."""
+    """Return the text of the negative of a quantity, such as -1.2, 30 deg or -(a + b)."""
     bare = text.removeprefix("-").strip()
     if not re.fullmatch(r"[\w. ]+", bare):
         return f"-({text})"
@@ -67,40 +76,44 @@ def _negated(text: str) -> str:
 
 
 def _noise(joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector) -> NoiseSpec:
-    of, name = _of(joint, table, f"noise of {what}", collector), f"the noise of {joint}"
-    return NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
+    """Read the noise of a joint."""
+    entry, name = _entry(joint, table, f"noise of {what}", collector), f"the noise of {joint}"
+    proportional = entry.amount("proportional", name, scope)
+    constant = entry.amount("constant", name, scope)
+    return NoiseSpec(joint, proportional, constant)
 
 
 def _encoder(
     joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector
 ) -> EncoderSpec | None:
-    of, name = _of(joint, table, f"encoder of {what}", collector), f"the encoder of {joint}"
-    of.require_all(name, collector)
-    of.choose(WRAPS, name)
+    """Read the encoder of a joint; return None if it has no counts, which has been reported."""
+    entry, name = _entry(joint, table, f"encoder of {what}", collector), f"the encoder of {joint}"
+    entry.require_all(name, collector)
+    entry.choose(WRAPS, name)
     counts, gear, bits, modulus = (
-        of.amount(key, name, scope) for key in ("counts", "gear", "bits", "modulus")
+        entry.amount(key, name, scope) for key in ("counts", "gear", "bits", "modulus")
     )
-    offset = of.amount("offset", name, scope) if "offset" in of.section.keys else None
+    offset = entry.amount("offset", name, scope) if "offset" in entry.section.keys else None
     if counts is None:
         return None
-    return EncoderSpec(joint, counts, gear, of.word("reversed"), bits, modulus, offset)
+    return EncoderSpec(joint, counts, gear, entry.word("reversed"), bits, modulus, offset)
 
 
 def _lag(
-    joint: str, table: Table, what: str, scope: Scope, collector: ErrorCollector
+    joint: str, table: Table, what: str, scope: Scope, _collector: ErrorCollector
 ) -> tuple[str, Quantity]:
-    """The joint with its time constant."""
-    del collector
+    """Read the time constant of a joint."""
     time = table.amount(joint, f"the lag of {what}", scope)
     assert time is not None
     return joint, time
 
 
+# What reads one entry of each key: takes the name of the entry, the table of entries, the owner, scope and collector.
 _READERS = {"limits": _limit, "noise": _noise, "encoder": _encoder, "lag": _lag}
 
 
-def _of(joint: str, table: Table, title: str, collector: ErrorCollector) -> Table:
-    """The mapping that stands behind a joint."""
+def _entry(joint: str, table: Table, title: str, collector: ErrorCollector) -> Table:
+    """Return the table that a joint has as its value."""
     section = table.section.field(joint).value
     assert isinstance(section, Section)
     return table_of(table.values[joint], section, collector, f"{joint} of the {title}")

@@ -1,4 +1,4 @@
-"""Robot files to RobotSpec: form is checked here, values are computed by the layout."""
+"""Read a robot file as a RobotSpec. Keys and the form of values are checked here; `geometry.layout` computes values."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from wmrgen.robotfile.joints import read_of_joints
 from wmrgen.robotfile.keys import ROBOT
 from wmrgen.robotfile.mapping import tree_of
 from wmrgen.robotfile.names import Names, robot_name
-from wmrgen.robotfile.numbers import Scope
 from wmrgen.robotfile.parts import (
     Reading,
     read_gains,
@@ -25,6 +24,7 @@ from wmrgen.robotfile.parts import (
     read_trailers,
     read_virtual,
 )
+from wmrgen.robotfile.quantities import Scope
 from wmrgen.robotfile.reader import read_tree
 from wmrgen.robotfile.records import FunctionSpec, RobotSpec
 from wmrgen.robotfile.tables import Table, table_of
@@ -42,54 +42,62 @@ from wmrgen.robotfile.text import (
 )
 from wmrgen.robotfile.wheels import declared_types, every_wheel_is_named, read_couplings, read_wheels
 
-_DUNDER = re.compile(r"__\w+__")
-# What stands in the place of an answer that nobody has given yet, as `wmrgen import` writes it: a plain word, for text
-# may say it in quotes.
-OPEN = "TODO"
-_OF_A_MODEL = {"format", "robot_type", "C1f"}
+_DUNDER = re.compile(r"__\w+__")  # names such as __import__, which would be code in Python
+OPEN = "TODO"  # `wmrgen import` writes it, without quotes, for a value that the user must fill in
+_KEYS_OF_A_MODEL = {"format", "robot_type", "C1f"}  # by which a model.json is recognised
 
 
 def read_robot(path: str | Path, collector: ErrorCollector | None = None) -> RobotSpec:
-    """`read_text` of the file at ``path``."""
+    """Read the robot file at ``path``; see `read_text`."""
     return read_text(text_of(path), str(path), collector)
 
 
 def text_of(path: str | Path) -> str:
-    """The text of a robot file. RobotFileError where it cannot be read."""
+    """Return the text of a robot file. Raise RobotFileError if it cannot be read."""
     return decode(bytes_of(path, MAX_BYTES + 1), str(path))
 
 
 def read_text(text: str, file_name: str, collector: ErrorCollector | None = None) -> RobotSpec:
-    """A robot file given as text; ``file_name`` stands in messages. RobotFileError for everything that can be wrong.
+    """Read the text of a robot file.
 
-    With ``collector``, which takes what is wrong in its parts: what the parts say in which nothing is.
+    Args:
+        text: The whole file.
+        file_name: The name of the file, for messages.
+        collector: Receives errors in parts of the file, so that the other parts can be checked further. Without it,
+            all errors are raised.
+
+    Returns:
+        The robot; with a collector that received errors, only what could be read of it.
+
+    Raises:
+        RobotFileError: The file is not a valid robot file.
     """
     wrong, tree = ErrorCollector(), None
     with wrong:
         tree = read_tree(text, file_name, wrong)
     if tree is None or (isinstance(tree, Scalar) and not tree.text):
         wrong.end()
-        mark, example = Source.of(text, file_name).mark(0, 0), f"A robot file begins {ROBOT.example}."
+        mark, example = Source.of(text, file_name).mark(0, 0), f"Write {ROBOT.example}."
         raise RobotFileError("the file is empty", mark, "", example, Code.NOT_YAML)
     return _read(tree, wrong, collector)
 
 
 def read_mapping(values: Mapping[str, object], collector: ErrorCollector | None = None) -> RobotSpec:
-    """`read_text` of a robot given as a mapping with the keys of a robot file; places in it are paths of keys."""
+    """Read a robot that is given as a mapping with the keys of a robot file; see `read_text`."""
     return _read(tree_of(values), ErrorCollector(), collector)
 
 
 def _read(tree: Node, wrong: ErrorCollector, collector: ErrorCollector | None) -> RobotSpec:
-    """The robot that a tree describes; ``wrong`` has what is wrong with its YAML."""
-    if isinstance(tree, MappingNode) and {key.text for key, _ in tree.entries} >= _OF_A_MODEL:
+    """Return the robot that a tree describes; ``wrong`` has the errors that the YAML reader found."""
+    if isinstance(tree, MappingNode) and {key.text for key, _ in tree.entries} >= _KEYS_OF_A_MODEL:
         raise tree.error(
             "this is a model.json, which `wmrgen derive` writes",
-            "It says what follows from a robot file, and is none.",
-            "Give the robot file; `wmrgen compare` reads the header beside it, too.",
+            "It is the result of a robot file.",
+            "Give the robot file itself. To compare with the generated code, give its C header.",
             code=Code.FILE,
         )
     table = table_of(tree, ROBOT, wrong)
-    if not _of_this_format(table, wrong):
+    if not _can_read_on(table, wrong):
         wrong.errors = [error for error in wrong.errors if error.code is not Code.UNKNOWN_KEY]
         wrong.end()
     with wrong:
@@ -106,7 +114,7 @@ def _read(tree: Node, wrong: ErrorCollector, collector: ErrorCollector | None) -
 
 
 def _robot(table: Table, collector: ErrorCollector) -> RobotSpec:
-    """What can be read; ``collector`` takes the rest."""
+    """Return what can be read of a robot; ``collector`` receives the errors in the rest."""
     table.require_all("the robot file", collector)
     name, scope, names = "", Scope(), Names()
     facts: dict[str, Any] = {"parameters": (), "wheels": ()}
@@ -125,8 +133,8 @@ def _robot(table: Table, collector: ErrorCollector) -> RobotSpec:
     return RobotSpec(name=name, **facts)
 
 
-def _of_this_format(table: Table, collector: ErrorCollector) -> bool:
-    """Whether the file can be read on: it is one of a robot, and names no other version of the format."""
+def _can_read_on(table: Table, collector: ErrorCollector) -> bool:
+    """Return whether this is a robot file of this version, so that errors in its parts make sense."""
     version = ROBOT.field("wmrgen").value
     assert isinstance(version, Version)
     with collector:
@@ -135,8 +143,8 @@ def _of_this_format(table: Table, collector: ErrorCollector) -> bool:
             return True
         collector.add(
             node.error(
-                f"format version {quoted(node.text)} is not known",
-                f"This wmrgen reads version {version.number}; another one may mean the same words differently.",
+                f"unknown format version {quoted(node.text)}",
+                f"This wmrgen reads version {version.number}. In another version, keys may have other meanings.",
                 f"Write wmrgen: {version.number}.",
             )
         )
@@ -147,7 +155,7 @@ def _of_this_format(table: Table, collector: ErrorCollector) -> bool:
 
 
 def _free_text(table: Table, key: str) -> str:
-    """A text for people. Writers escape it for the language it lands in."""
+    """Return a text for people. Each back end escapes it for its language."""
     node, value = table.get(key), ROBOT.field(key).value
     assert isinstance(value, Text)
     if node is None:
@@ -155,21 +163,21 @@ def _free_text(table: Table, key: str) -> str:
     scalar = scalar_of(node, key)
     text = scalar.text.strip()
     if len(text) > value.longest:
-        raise scalar.error(
-            f"{key} has {len(text)} characters", f"At most {value.longest} are kept.", "Shorten it."
-        )
+        what = f"{key} has {len(text)} characters"
+        raise scalar.error(what, f"At most {value.longest} are allowed.", "Shorten it.")
     if "\t" in text:
-        raise scalar.error(f"{key} holds a tab", "Control characters are refused.", "Write spaces.")
+        raise scalar.error(f"{key} has a tab", "Control characters are refused.", "Write spaces.")
     if _DUNDER.search(text):
         raise scalar.error(
-            f"{key} holds {quoted(_DUNDER.findall(text)[0])}",
-            "Names with two underscores on both sides belong to code, which a robot file cannot hold.",
-            "Write it in plain words.",
+            f"{key} has {quoted(_DUNDER.findall(text)[0])}",
+            "Names with two underscores on both sides are code, and a robot file has no code.",
+            "Write it in words.",
         )
     return text
 
 
-_PARTS: dict[str, Callable[[Reading], Any]] = {  # of a RobotSpec
+# The fields of a RobotSpec that are read after parameters and wheels, each with its reader.
+_PARTS: dict[str, Callable[[Reading], Any]] = {
     "description": lambda r: _free_text(r.table, "description"),
     "source": lambda r: _free_text(r.table, "source"),
     "snap": lambda r: r.table.word("snap"),
@@ -192,24 +200,25 @@ _PARTS: dict[str, Callable[[Reading], Any]] = {  # of a RobotSpec
 }
 
 
-# ---- what is told of the file as a whole
+# ---- errors about the file as a whole
 
 
 def _refuse_questions(tree: Node) -> None:
-    """RobotFileError for every open question."""
+    """Raise RobotFileError with all open questions."""
     collector = ErrorCollector()
     for key, node in _questions(tree, ""):
         with collector:
             raise node.error(
                 f"{key or 'this value'} is an open question",
-                "Nothing is derived from a robot that is not known.",
-                f"Write the answer in the place of {OPEN}; the comment beside it says what is asked.",
+                "The import could not find this value.",
+                f"Write the value in place of {OPEN}; the comment next to it says what is asked.",
                 code=Code.OPEN,
             )
     collector.end()
 
 
 def _questions(node: Node, key: str) -> Iterator[tuple[str, Scalar]]:
+    """Yield each open question below a node with its key."""
     if isinstance(node, Scalar) and node.plain and node.text == OPEN:
         yield key, node
     elif isinstance(node, SequenceNode):
@@ -221,36 +230,23 @@ def _questions(node: Node, key: str) -> Iterator[tuple[str, Scalar]]:
 
 
 def _causes(table: Table, errors: Sequence[WmrgenError]) -> list[WmrgenError]:
-    """``errors`` without: names of parameters that are used where some of them cannot be read, and so those of wheels;
-    what stands where the YAML has a slip; keys that stand twice among wheels whose dashes are missing."""
-    slips = [error.mark for error in errors if error.code is Code.NOT_YAML]
+    """Return ``errors`` without uses of names whose declaration cannot be read."""
     parameters, others = _names_in_doubt(table, errors)
-    return [
-        error
-        for error in errors
-        if not (
-            error.code is Code.UNDECLARED
-            and (parameters if isinstance(error, UndeclaredParameter) else others)
-        )
-        and (error.code is Code.NOT_YAML or error.mark not in slips)
-        and not (error.code is Code.TWICE and _in_wheels(table, error))
-    ]
+    causes = []
+    for error in errors:
+        in_doubt = parameters if isinstance(error, UndeclaredParameter) else others
+        if error.code is not Code.UNDECLARED or not in_doubt:
+            causes.append(error)
+    return causes
 
 
 def _names_in_doubt(table: Table, errors: Sequence[WmrgenError]) -> tuple[bool, bool]:
-    """Whether some name of a parameter cannot be read, and of a wheel or what else bears one: where such names are used
-    nothing is to be told."""
+    """Return whether the name of a parameter cannot be read, and whether another name cannot be read.
+
+    Uses of such a name are not reported as undeclared.
+    """
     parameters = table.get("parameters")
     declared = [key.mark for key, _ in parameters.entries] if isinstance(parameters, MappingNode) else []
     unread = [error.mark in declared for error in errors if error.code is Code.NAME]
     no_mapping = parameters is not None and not isinstance(parameters, MappingNode)
     return no_mapping or any(unread), not every_wheel_is_named(table) or not all(unread)
-
-
-def _in_wheels(table: Table, error: WmrgenError) -> bool:
-    """The key stands in what should be a list of wheels and is a mapping."""
-    wheels, mark = table.get("wheels"), error.mark
-    if not isinstance(wheels, MappingNode) or not mark:
-        return False
-    after = [key.mark.line for key in table.keys.values() if key.mark.line > wheels.mark.line]
-    return wheels.mark.line < mark.line < min(after, default=mark.line + 1)

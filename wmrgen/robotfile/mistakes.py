@@ -1,4 +1,4 @@
-"""The kinds of mistakes in robot files, as `wmrgen explain` tells them; a message says the rest."""
+"""The codes of errors with title, explanation and examples, as `wmrgen explain` shows them."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from wmrgen.errors import Code
 
 
 class Mistake(NamedTuple):
-    """``title``: the mistake. ``text``: why it is one. ``wrong``, ``right``: robot files without their first two lines;
-    the first has this mistake and no other, the second none. ``form``: what the examples are instead."""
+    """A kind of mistake."""
 
     code: str
-    title: str
-    text: str
-    wrong: str
-    right: str
-    form: str = "yaml"
+    title: str  # the name of the mistake
+    text: str  # what it is, and why it is one
+    wrong: str  # an example with this mistake and no other: a robot file without its first two lines, unless `form`
+    right: str  # the same example without the mistake
+    form: str = "yaml"  # the language of the examples
 
 
 _WHEELS = "wheels:\n  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 50 mm}\n"
@@ -27,68 +26,68 @@ wheels:
   - {name: rear, type: steered, x: -0.3, y: 0, heading: 0, r: 50 mm}
 couplings: [{equal: [front.steer, rear.steer]}]
 """
-_KEYS = (
-    "The reference of robot files (`wmrgen schema --markdown`) lists the keys and what stands behind each."
-)
+_KEYS = "The reference of robot files (`wmrgen schema --markdown`) lists the keys and their values."
 
 MISTAKES = {
     mistake.code: mistake._replace(wrong=mistake.wrong + _SECOND, right=mistake.right + _SECOND)
     for mistake in (
         Mistake(
-            Code.NOT_YAML, "not the YAML of robot files",
-            "A robot file is a page of YAML in UTF-8: lines `key: value`, lists of lines that begin with `- `, or { } "
-            "and [ ] on one line, indented by spaces. Anchors, aliases, tags and characters that cannot be seen are "
-            "refused.",
+            Code.NOT_YAML, "invalid YAML",
+            "A robot file is a page of YAML in UTF-8: lines `key: value`, lists with lines that begin with `- `, or "
+            "{ } and [ ] on one line, indented by spaces. Anchors, aliases, tags and invisible characters are "
+            "refused. Reading stops at the first such mistake.",
             _WHEELS.replace("}", ""), _WHEELS,
         ),
         Mistake(
-            Code.UNKNOWN_KEY, "an unknown key",
-            f"A key that nothing reads is a key misspelt: it would have no effect and nobody would see it. {_KEYS}",
+            Code.UNKNOWN_KEY, "unknown key",
+            "The robot file has a key that wmrgen does not know. It may be misspelt, and would have no effect. "
+            f"{_KEYS}",
             _WHEELS.replace("r:", "radius:"), _WHEELS,
         ),
         Mistake(
-            Code.MISSING, "something that must be said is not",
-            f"Nothing is guessed that changes the motion: place, rolling direction and radius of every wheel. {_KEYS}",
+            Code.MISSING, "missing key",
+            "wmrgen does not guess what changes the motion: position, rolling direction and radius of each wheel. "
+            f"{_KEYS}",
             _WHEELS.replace(", heading: 0", ""), _WHEELS,
         ),
         Mistake(
-            Code.FORM, "a value of another form",
-            "A quantity is a number, a number with a unit of its kind, or an expression of parameters; other keys take "
-            f"a word, a list or keys of their own. {_KEYS}",
+            Code.FORM, "wrong type",
+            "The value of a key is not of the type that the key has. A quantity is a number, a number with a unit of "
+            f"its kind, or an expression of parameters. Other keys have a word, a list or a mapping. {_KEYS}",
             _WHEELS.replace("50 mm", "50 deg"), _WHEELS,
         ),
         Mistake(
-            Code.NAME, "a word that cannot be a name",
-            "Names of robots, wheels and parameters become identifiers of C, C++, Rust and Python, and file names, as "
-            "they are written: letters, digits and _, a letter first, at most 31, for C need compare "
-            "only the first 63 characters of a macro such as ROBOT_WHEEL_SPIN. Words that one of these languages or "
-            "its library keeps are no names, in whatever case, nor is a robot called as a namespace or library is that "
-            "its packages meet.",
+            Code.NAME, "invalid name",
+            "Names of robots, wheels and parameters become identifiers in C, C++, Rust and Python, and file names. "
+            "They have letters, digits and _, a letter first, and at most 31 characters, because C compilers need to "
+            "compare only the first 63 characters of a macro such as ROBOT_WHEEL_SPIN. Words that a language or its "
+            "library reserves are not names, in any case. A robot also cannot have the name of a namespace or "
+            "library that its packages use.",
             _WHEELS.replace("left", "rear-left"), _WHEELS.replace("left", "rearLeft"),
         ),
         Mistake(
-            Code.TWICE, "two that exclude each other",
-            "What is said twice could disagree: a key or a name that stands twice, a wheel placed by l, alpha and "
-            "by x, y, a key that contradicts the type of the wheel. Names that differ in case alone count as the same: "
-            "macros are in upper case, and many disks do not tell files apart by case.",
+            Code.TWICE, "conflicting keys",
+            "Two keys or names exclude each other: a key or a name that occurs twice, a wheel with l, alpha as well as "
+            "x, y, or a key that does not fit the type of the wheel. Names that differ only in case are equal, because "
+            "macros are in upper case and many file systems ignore case.",
             _WHEELS.replace("heading: 0", "heading: 0, beta: 0"), _WHEELS,
         ),
         Mistake(
-            Code.UNDECLARED, "a name that nothing declares",
-            "Expressions use parameters of the file and pi; couplings, virtual wheels and functions name wheels, "
-            "joints and functions that there are.",
+            Code.UNDECLARED, "undeclared name",
+            "Expressions may use pi and the parameters of the file. Couplings, virtual wheels and functions may name "
+            "only wheels, joints and functions that exist.",
             _WHEELS.replace("0.2", "track/2"), "parameters: {track: 0.4}\n" + _WHEELS.replace("0.2", "track/2"),
         ),
         Mistake(
-            Code.OPEN, "an open question",
-            "`wmrgen import` writes TODO where the description that it read does not say what decides the motion, such "
-            "as the direction of rollers. Nothing is derived until the answer stands there.",
+            Code.OPEN, "open question",
+            "`wmrgen import` writes TODO for a value that changes the motion and that the imported description does "
+            "not have, such as the direction of rollers. Write the value before deriving.",
             _WHEELS.replace("50 mm", "TODO"), _WHEELS,
         ),
         Mistake(
-            Code.VALUE, "a value that makes no sense",
-            "The value can be computed, or has a division by zero in it, and no wheel or robot can have it: a radius "
-            "of 0, a castor with d = 0 (it is a steered wheel), limits of which the lower is above the upper.",
+            Code.VALUE, "invalid value",
+            "The value has the right type, but no wheel or robot can have it: a radius of 0, a castor with d = 0 "
+            "(which is a steered wheel), a lower limit above the upper one, or a division by zero.",
             _WHEELS.replace("50 mm", "0"), _WHEELS,
         ),
     )
@@ -98,36 +97,35 @@ CALLS = {
     mistake.code: mistake
     for mistake in (
         Mistake(
-            Code.FILE, "a file that cannot be read",
-            "There is none of that name, it is a folder, it may not be read, it is too large or in another encoding."
-            " Nothing of it was read.",
+            Code.FILE, "unreadable file",
+            "The file does not exist, is a folder, may not be read, is too large, or has another encoding than UTF-8.",
             "wmrgen derive robots/\n", "wmrgen derive robots/my_robot.yaml\n", "sh",
         ),
         Mistake(
-            Code.DESCRIPTION, "a robot description that cannot be imported",
-            "It is no XML, its numbers are none, its joints go in a circle or to links that are not there, or it has "
-            "no wheel. Document types and entities are refused, and xacro that would read or run something else.",
+            Code.DESCRIPTION, "invalid robot description",
+            "The description is not XML, has an invalid number, has joints in a circle or to a missing link, or has no "
+            "wheel. Document types, entities, and xacro that would read another file or run code are refused.",
             "<robot name='my_robot'>\n  <link name='base_link'>\n</robot>\n",
             "<robot name='my_robot'>\n  <link name='base_link'/>\n</robot>\n", "xml",
         ),
         Mistake(
-            Code.USAGE, "a call with words that the command does not take",
-            "An option, a name or a value that it does not have, too many or too few. `wmrgen COMMAND --help` lists "
-            "its words, `wmrgen functions ROBOT.yaml` the functions of a robot.",
+            Code.USAGE, "invalid arguments",
+            "The command does not have an option, a name or a value, or has too many or too few of them. "
+            "`wmrgen COMMAND --help` lists the arguments, and `wmrgen functions ROBOT.yaml` the functions of a robot.",
             "wmrgen eval my_robot.yaml invers vx=1\n", "wmrgen eval my_robot.yaml inverse vx=1 vy=0 omega=0\n", "sh",
         ),
         Mistake(
-            Code.UNDERIVABLE, "a robot that cannot be derived, or not so",
-            "The robot file is in order, and what is asked for does not follow from it: a function that a robot of its "
-            "kind cannot have, a controller that does not fit its wheels, couplings through which steering alone would "
-            "move it. The exit code is 3. `wmrgen functions ROBOT.yaml` lists what a robot has, and says of the rest "
-            "why not.",
+            Code.UNDERIVABLE, "impossible derivation",
+            "The robot file is valid, but the requested result cannot be derived from it: a function that this type "
+            "of robot cannot have, a controller that does not fit its wheels, or couplings with which steering alone "
+            "would move the robot. The exit code is 3. `wmrgen functions ROBOT.yaml` lists the functions of a robot, "
+            "and why it does not have the others.",
             _TURNING.replace("rear, type: steered", "rear, type: castor, d: -0.04"), _TURNING,
         ),
         Mistake(
-            Code.ENVIRONMENT, "something outside is missing, or refuses",
-            "A compiler, a browser or a package that is not there, a folder that cannot be written, a full disk. The "
-            "exit code is 4, and nothing is wrong with the robot file. What was there stays as it was.",
+            Code.ENVIRONMENT, "missing program or permission",
+            "A compiler, a browser or a package is missing, a folder cannot be written, or the disk is full. The exit "
+            "code is 4. The robot file is not the cause, and existing files remain unchanged.",
             "wmrgen export my_robot.yaml --to urdf -o my_robot.yaml/out\n",
             "wmrgen export my_robot.yaml --to urdf -o out\n", "sh",
         ),

@@ -1,20 +1,20 @@
-"""Reading what a robot file says beside its wheels and joints: virtual wheels, trailers, centre of gravity, gains,
-parameters."""
+"""Read the parts of a robot file other than wheels: parameters, gyro, trailers, virtual wheels, centre of gravity and
+gains."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
 from wmrgen.errors import ErrorCollector, RobotFileError
 from wmrgen.robotfile.fields import Mapped
-from wmrgen.robotfile.keys import PARAMETER, ROBOT
+from wmrgen.robotfile.keys import CG, GAINS, GYRO, PARAMETER, ROBOT, TRAILER, VIRTUAL
 from wmrgen.robotfile.names import Names, parameter_name, wheel_name
-from wmrgen.robotfile.numbers import Facts, Kind, Scope, facts_of
-from wmrgen.robotfile.part_keys import CG, GAINS, GYRO, TRAILER, VIRTUAL
-from wmrgen.robotfile.quantities import of_one_kind, parse_value, read_quantity
+from wmrgen.robotfile.numbers import Kind
+from wmrgen.robotfile.quantities import Facts, Scope, check_same_kind, facts_of, parse_value, read_quantity
 from wmrgen.robotfile.records import (
+    Expr,
     GyroSpec,
     NoiseSpec,
     ParameterSpec,
@@ -24,7 +24,7 @@ from wmrgen.robotfile.records import (
     VirtualSpec,
     parameters_in,
 )
-from wmrgen.robotfile.tables import Table, mapping_of, read_number, severed, table_of
+from wmrgen.robotfile.tables import Table, cut_by_comma, mapping_of, read_number, table_of
 from wmrgen.robotfile.text import MappingNode, Node, Scalar, SequenceNode, quoted, scalar_of
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
 from wmrgen.robotfile.wheels import wheel_called
@@ -33,18 +33,17 @@ _ROLE, _POINT = VIRTUAL.choices
 
 
 class Reading(NamedTuple):
-    """What the parts of a robot file are read by: its keys, parameters, names, the types of its wheels, if known, and
-    what takes the mistakes."""
+    """What is needed to read a part of a robot file."""
 
-    table: Table
-    scope: Scope
-    names: Names
-    types: Mapping[str, WheelType | None]
-    collector: ErrorCollector
+    table: Table  # of the whole file
+    scope: Scope  # the parameters that expressions may use
+    names: Names  # that are taken
+    types: Mapping[str, WheelType | None]  # of each wheel; None if its type is unknown
+    collector: ErrorCollector  # receives the errors
 
 
 def read_gyro(reading: Reading) -> GyroSpec | None:
-    """The yaw-rate sensor, where the robot has one."""
+    """Read the yaw-rate sensor; return None if the robot has none."""
     node, what = reading.table.get("gyro"), "the gyro"
     if node is None:
         return None
@@ -59,7 +58,7 @@ def read_gyro(reading: Reading) -> GyroSpec | None:
 
 
 def read_trailers(reading: Reading) -> tuple[TrailerSpec, ...]:
-    """Trailers from the robot backwards; without a name they are trailer1, trailer2, …"""
+    """Read the trailers, from the robot backwards. Without a name they are called trailer1, trailer2, …"""
     trailers = []
     for number, item in enumerate(reading.table.items("trailers"), 1):
         collector, name = ErrorCollector(), f"trailer{number}"
@@ -78,14 +77,14 @@ def read_trailers(reading: Reading) -> tuple[TrailerSpec, ...]:
 
 
 def _amount(table: Table, key: str, of: str, scope: Scope, collector: ErrorCollector) -> Quantity | None:
-    """A quantity; ``several`` takes what is wrong with it."""
+    """Read the quantity of a key of ``of``; return None if it is absent or wrong."""
     with collector:
         return table.amount(key, of, scope)
     return None
 
 
 def read_virtual(reading: Reading) -> tuple[VirtualSpec, ...]:
-    """Virtual wheels: each steers or drives in place of real ones."""
+    """Read the virtual wheels, each of which steers or drives several real wheels."""
     virtual = []
     for item in reading.table.items("virtual"):
         collector, name, role = ErrorCollector(), "", ""
@@ -108,6 +107,7 @@ def read_virtual(reading: Reading) -> tuple[VirtualSpec, ...]:
 
 
 def _members(table: Table, role: str, types: Mapping[str, WheelType | None]) -> tuple[str, ...]:
+    """Return the names of the wheels that a virtual wheel ``steers`` or ``drives`` (its ``role``)."""
     collector = ErrorCollector()
     wanted = [k.name for k in WHEEL_TYPES.values() if (k.steers if role == "steers" else k.constrains)]
     scalars = table.scalars(role)
@@ -117,14 +117,15 @@ def _members(table: Table, role: str, types: Mapping[str, WheelType | None]) -> 
             if kind is not None and kind.name not in wanted:
                 raise scalar.error(
                     f"{scalar.text} is a {kind.name} wheel",
-                    f"A virtual wheel that {role} stands for {' or '.join(wanted)} wheels.",
+                    f"A virtual wheel that {role} represents {' or '.join(wanted)} wheels.",
+                    f"Write the names of {' or '.join(wanted)} wheels.",
                 )
     collector.end()
     return tuple(scalar.text for scalar in scalars)
 
 
 def read_point(node: Node | None, scope: Scope) -> PointSpec | None:
-    """``cg``: x, y from P in the robot frame, z above the ground."""
+    """Read the centre of gravity: x, y from P in the robot frame, z above the ground."""
     if node is None:
         return None
     collector = ErrorCollector()
@@ -136,7 +137,7 @@ def read_point(node: Node | None, scope: Scope) -> PointSpec | None:
 
 
 def read_gains(node: Node | None, scope: Scope) -> tuple[tuple[str, Quantity], ...]:
-    """Gains of the control laws, as expressions over parameters."""
+    """Read the gains of the control laws."""
     if node is None:
         return ()
     collector, gains = ErrorCollector(), []
@@ -148,7 +149,17 @@ def read_gains(node: Node | None, scope: Scope) -> tuple[tuple[str, Quantity], .
 
 
 def _own_name(table: Table, default: str, names: Names, what: str) -> str:
-    """The name of an entry, entered into ``names``."""
+    """Return the name of an entry and add it to ``names``.
+
+    Args:
+        table: The entry.
+        default: The name of an entry without one; "" if it needs none.
+        names: The names that are taken.
+        what: What the entry is, such as "a trailer".
+
+    Raises:
+        RobotFileError: The name is invalid or taken.
+    """
     node = table.get("name")
     name = default if node is None else wheel_name(scalar_of(node, "name"))
     if name:
@@ -156,13 +167,33 @@ def _own_name(table: Table, default: str, names: Names, what: str) -> str:
     return name
 
 
-# ---- parameters, in an order in which each stands after those it uses
+# ---- parameters
+
+
+class _Declared(NamedTuple):
+    """A parameter that has been parsed."""
+
+    node: Scalar  # of the value
+    tunable: bool
+    ends: SequenceNode | None  # of the range of a tunable parameter
+    tree: Expr
+    unit: Kind | None  # what the unit after the value measures
 
 
 def read_parameters(
     node: Node | None, scope: Scope, names: Names, collector: ErrorCollector
 ) -> tuple[tuple[ParameterSpec, ...], Scope]:
-    """Parameters that can be read, each after those it uses, and the scope that knows them."""
+    """Read the parameters.
+
+    Args:
+        node: The value of the key ``parameters``, or None if the key is absent.
+        scope: Tells whether angles without a unit are degrees.
+        names: Receives the names of the parameters.
+        collector: Receives the errors.
+
+    Returns:
+        The parameters that can be read, each after those that it uses, and the scope with all of them.
+    """
     if node is None:
         return (), scope
     mapping = mapping_of(node, "parameters", "parameters: and lines such as half_track: 0.1655")
@@ -170,67 +201,73 @@ def read_parameters(
     assert isinstance(value, Mapped)
     if len(mapping.entries) > value.most:
         what = f"{len(mapping.entries)} parameters"
-        collector.add(mapping.error(what, f"At most {value.most} are read."))
+        collector.add(mapping.error(what, f"At most {value.most} are allowed.", "Delete the others."))
     facts: dict[str, Facts | None] = dict.fromkeys(key.text for key, _ in mapping.entries)
     scope = replace(scope, facts=facts)
-    nodes: dict[str, Scalar] = {}
-    trees = {}
-    tunable: dict[str, bool] = {}
-    ends: dict[str, SequenceNode | None] = {}
-    rests = [severed(key, entry) for key, entry in mapping.entries]
-    for (key, entry), rest, behind in zip(mapping.entries, rests, [*rests, None][1:], strict=True):
+    declared: dict[str, _Declared] = {}
+    for key, entry in _uncut_entries(mapping, collector):
         name = key.text
-        if rest:
-            collector.add(key.error(f"{quoted(name)} stands where a key is expected", *rest))
-        if rest or behind:  # half of a value is not judged
-            facts[name] = None
-            continue
         with collector:
             names.add(parameter_name(key), "a parameter", key)
         with collector:
-            nodes[name], tunable[name], ends[name] = _entry(name, entry)
-            trees[name] = parse_value(nodes[name], scope.facts, Kind.ANY, f"parameter {name}")
+            value_node, tunable, ends = _entry(name, entry)
+            tree, unit = parse_value(value_node, scope.facts, Kind.ANY, f"parameter {name}")
+            declared[name] = _Declared(value_node, tunable, ends, tree, unit)
     parameters: list[ParameterSpec] = []
     order: list[str] = []
     with collector:
-        order = _dependency_order({name: parameters_in(tree) for name, (tree, _) in trees.items()}, nodes)
+        order = _dependency_order(declared)
     for name in order:
         with collector:
-            expr, unit = trees[name]
-            facts[name] = facts_of(expr, unit, scope, nodes[name])
-            quantity = Quantity(expr, nodes[name].text.strip(), nodes[name].mark)
-            parameters.append(ParameterSpec(name, quantity, tunable[name]))
+            own = declared[name]
+            facts[name] = facts_of(own.tree, own.unit, scope, own.node)
+            quantity = Quantity(own.tree, own.node.text.strip(), own.node.mark)
+            parameters.append(ParameterSpec(name, quantity, own.tunable))
+    # Ranges come last, because they may use any parameter.
     for k, p in enumerate(parameters):
         with collector:
-            parameters[k] = p._replace(range=_range(p.name, ends[p.name], scope))
+            parameters[k] = p._replace(range=_range(p.name, declared[p.name].ends, scope))
     return tuple(parameters), scope
 
 
+def _uncut_entries(mapping: MappingNode, collector: ErrorCollector) -> Iterator[tuple[Scalar, Node]]:
+    """Yield the entries whose values are complete. A value that a comma has cut is reported."""
+    cuts = [cut_by_comma(key, value) for key, value in mapping.entries]
+    for number, (key, value) in enumerate(mapping.entries):
+        cut = cuts[number]
+        if cut:
+            collector.add(key.error(f"{quoted(key.text)} is not a key", *cut))
+        elif not any(cuts[number + 1 : number + 2]):
+            yield key, value
+
+
 def _range(name: str, node: SequenceNode | None, scope: Scope) -> tuple[Quantity, Quantity] | None:
-    """The ends [low, high] of a tunable parameter; any parameter may stand in them, for all have been read."""
+    """Return the ends [low, high] of the range of a tunable parameter; None if the file has none."""
     if node is None:
         return None
     what = f"the range of parameter {name}"
     if len(node.items) != 2:
         raise node.error(
             f"{what} has {len(node.items)} value{'s' * (len(node.items) != 1)}",
-            "A range has two.",
+            "A range has two values.",
             "Write tunable: [low, high], or tunable: true for 10 % on either side.",
         )
     own = scope.facts[name]
     assert own is not None
     low, high = (read_quantity(item, Kind.ANY, what, scope) for item in node.items)
     for item in node.items:
-        of_one_kind(scalar_of(item, what), what, own, scope)
+        check_same_kind(scalar_of(item, what), what, own, scope)
     return low, high
 
 
-def _dependency_order(uses: Mapping[str, set[str]], nodes: Mapping[str, Scalar]) -> list[str]:
-    """Names ordered so that each stands after those it uses, in file order otherwise.
+def _dependency_order(declared: Mapping[str, _Declared]) -> list[str]:
+    """Return the names so that each comes after those that it uses, in the order of the file otherwise.
 
-    RobotFileError for a circle. Iterative: a chain of parameters may be long.
+    Raises:
+        RobotFileError: Parameters use each other in a circle.
     """
-    order: dict[str, None] = {}
+    uses = {name: parameters_in(own.tree) for name, own in declared.items()}
+    order: dict[str, None] = {}  # not recursive, because a chain of parameters may be long
     for root in uses:
         path = [root]
         while path:
@@ -240,13 +277,14 @@ def _dependency_order(uses: Mapping[str, set[str]], nodes: Mapping[str, Scalar])
                 order[name] = None
                 path.pop()
             elif missing[0] in path:
-                raise _circle(path[path.index(missing[0]) :], nodes[name])
+                raise _circle(path[path.index(missing[0]) :], declared[name].node)
             else:
                 path.append(missing[0])
     return list(order)
 
 
 def _circle(names: list[str], node: Scalar) -> RobotFileError:
+    """Return the error for parameters that use each other in a circle."""
     if len(names) == 1:
         return node.error(f"parameter {names[0]} refers to itself", "", "Give it a number.")
     chain = " -> ".join([*names[:6], *(["…"] if len(names) > 6 else []), names[0]])
@@ -256,7 +294,7 @@ def _circle(names: list[str], node: Scalar) -> RobotFileError:
 
 
 def _entry(name: str, node: Node) -> tuple[Scalar, bool, SequenceNode | None]:
-    """The value node of a parameter, whether it is tunable, and the list of the ends of its range."""
+    """Return the value of a parameter, whether it is tunable, and the list of the ends of its range."""
     what = f"parameter {name}"
     if not isinstance(node, MappingNode):
         return scalar_of(node, what), False, None

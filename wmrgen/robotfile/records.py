@@ -1,4 +1,4 @@
-"""What a robot file says, as frozen records. Nothing is evaluated here: quantities stay expressions.
+"""The content of a robot file as frozen records. Nothing is evaluated: quantities remain expressions.
 
 Expressions are trees of the classes below, with exact rational leaves. Units are already applied:
 ``150 mm`` is ``Num(3/20)``; ``45 deg`` is ``Binary("*", Num(1/4), Pi())``.
@@ -35,25 +35,25 @@ class Param:
 
 @dataclass(frozen=True, slots=True)
 class Binary:
-    """``op`` is one of + - * / ** ; the right side of ** is a whole Num from -4 to 4."""
+    """An operation on two values. The right side of ** is a whole Num from -4 to 4."""
 
-    op: str
+    op: str  # one of + - * / **
     left: Expr
     right: Expr
 
 
 @dataclass(frozen=True, slots=True)
 class Neg:
-    """``arg`` with the other sign."""
+    """The negative of a value."""
 
     arg: Expr
 
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """``function`` is one of sqrt sin cos tan atan2."""
+    """A call of a function."""
 
-    function: str
+    function: str  # one of sqrt sin cos tan atan2
     args: tuple[Expr, ...]
 
 
@@ -61,7 +61,7 @@ Expr = Num | Pi | Param | Binary | Neg | Call
 
 
 def children(expr: Expr) -> tuple[Expr, ...]:
-    """The trees of which a tree is made."""
+    """Return the direct subtrees of a tree."""
     match expr:
         case Neg(arg):
             return (arg,)
@@ -73,7 +73,7 @@ def children(expr: Expr) -> tuple[Expr, ...]:
 
 
 def parameters_in(expr: Expr) -> set[str]:
-    """Names of the parameters that occur in the tree."""
+    """Return the names of the parameters that occur in a tree."""
     if isinstance(expr, Param):
         return {expr.name}
     return set().union(*(parameters_in(child) for child in children(expr)))
@@ -81,76 +81,73 @@ def parameters_in(expr: Expr) -> set[str]:
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A length [m], angle [rad] or rate as written: tree, source text and place."""
+    """A quantity as written, in SI units and radians."""
 
     expr: Expr
-    text: str
+    text: str  # as in the file
     mark: Mark
 
 
 class ParameterSpec(NamedTuple):
-    """A named length or angle; one that is tunable stays an input of the generated code.
-
-    ``range``: the lowest and the highest value that a tunable one may have, where the file states them.
-    """
+    """A named length, angle or number."""
 
     name: str
     value: Quantity
-    tunable: bool
-    range: tuple[Quantity, Quantity] | None = None
+    tunable: bool  # whether it remains an input of the generated code
+    range: tuple[Quantity, Quantity] | None = (
+        None  # lowest and highest value of a tunable parameter, if given
+    )
 
 
 class Limit(NamedTuple):
-    """low <= value <= high, in SI units. ``name``: vx vy omega, their rates, spin steer steer_rate."""
+    """A range, low <= value <= high, in SI units."""
 
-    name: str
+    name: str  # a key of limits, such as vx, omega_rate or spin
     low: Quantity
     high: Quantity
     mark: Mark
 
 
 class NoiseSpec(NamedTuple):
-    """Standard deviations of what is measured of ``joint`` (spin, steer or steer_rate); None is 0."""
+    """Standard deviations of a measurement; None is 0."""
 
-    joint: str
-    proportional: Quantity | None
-    constant: Quantity | None
+    joint: str  # spin, steer, steer_rate or gyro
+    proportional: Quantity | None  # per value [1]
+    constant: Quantity | None  # [rad/s] or [rad]
 
 
 class EncoderSpec(NamedTuple):
-    """A counter of ``joint``, spin or steer: ``counts`` per turn of its shaft, which turns ``gear`` times as far.
+    """The encoder of a joint, a counter."""
 
-    It wraps at 2**``bits`` or at ``modulus``. ``offset``: reading of an absolute encoder where the joint is at 0.
-    """
-
-    joint: str
-    counts: Quantity
-    gear: Quantity | None
-    reversed: bool
-    bits: Quantity | None
-    modulus: Quantity | None = None
-    offset: Quantity | None = None
+    joint: str  # spin or steer
+    counts: Quantity  # per turn of the encoder's shaft
+    gear: Quantity | None  # turns of the shaft per turn of the joint; None is 1
+    reversed: bool  # whether it counts down when the joint turns in its positive direction
+    bits: Quantity | None  # the counter wraps at 2**bits; None is 32
+    modulus: Quantity | None = None  # the counter wraps here, in place of 2**bits
+    offset: Quantity | None = None  # reading of an absolute encoder when the joint is at 0; None: incremental
 
 
 class GyroSpec(NamedTuple):
-    """A yaw-rate sensor; ``weight``: None is 1."""
+    """A yaw-rate sensor."""
 
     noise: NoiseSpec
-    weight: Quantity | None
+    weight: Quantity | None  # in the least squares of forward; None is 1
 
 
 @dataclass(frozen=True, slots=True)
 class WheelSpec:
-    """One entry of ``wheels``, or one driven direction of a ball. Exactly one placement (l, alpha) or (x, y); beta or
-    heading, not both; a castor or spherical wheel may have neither."""
+    """One entry of ``wheels``, or one direction in which a ball is driven.
+
+    It has either l and alpha or x and y. It has either beta or heading; a castor or spherical wheel may have neither.
+    """
 
     name: str
     type: str  # a name of WHEEL_TYPES
     mark: Mark
-    ball: str = (
-        ""  # the name in the file of the ball whose driven direction this is; its heading is that direction
-    )
-    r: Quantity | None = None  # None where the type does not require it
+    # For a driven direction: the name of its ball in the file. The heading of this record is the direction.
+    ball: str = ""
+    r: Quantity | None = None  # None if the type does not require it
     l: Quantity | None = None
     alpha: Quantity | None = None
     x: Quantity | None = None
@@ -163,7 +160,7 @@ class WheelSpec:
     r_sw: Quantity | None = None
     per_steer: Quantity | None = None
     weight: Quantity | None = None
-    actuated: tuple[str, ...] = ()  # defaults already applied
+    actuated: tuple[str, ...] = ()  # joints; defaults are already applied
     sensed: tuple[str, ...] = ()
     limits: tuple[Limit, ...] = ()
     noise: tuple[NoiseSpec, ...] = ()
@@ -172,52 +169,50 @@ class WheelSpec:
 
     @property
     def kind(self) -> WheelType:
-        """What the wheel's type says of it."""
+        """The record of the wheel's type; for a driven ball, that of a driven direction."""
         kind = WHEEL_TYPES[self.type]
         return kind.powered if self.ball and kind.powered else kind
 
 
 class Coupling(NamedTuple):
-    """Joints of several wheels that a mechanism couples. ``joint``: spin or steer. ``ratios``: the turns of each joint
-    per turn of their shaft; none where they are equal."""
+    """Joints of several wheels that a mechanism couples."""
 
-    joint: str
+    joint: str  # spin or steer
     wheels: tuple[str, ...]
     mark: Mark
-    ratios: tuple[Quantity, ...] = ()
+    ratios: tuple[Quantity, ...] = ()  # turns of each joint per turn of their shaft; empty if all are equal
 
 
 class TrailerSpec(NamedTuple):
-    """One entry of ``trailers``. ``length``: from its hitch to its axle; ``hitch``: from the axle in front
-    back to its hitch."""
+    """One entry of ``trailers``."""
 
     name: str
-    length: Quantity
-    hitch: Quantity | None
+    length: Quantity  # from its hitch to its axle [m]
+    hitch: Quantity | None  # from the axle in front back to its hitch [m]; None is 0
     mark: Mark
 
 
 class VirtualSpec(NamedTuple):
-    """One entry of ``virtual``. ``role``: steers or drives."""
+    """One entry of ``virtual``."""
 
     name: str
-    role: str
-    wheels: tuple[str, ...]
-    x: Quantity | None
+    role: str  # steers or drives
+    wheels: tuple[str, ...]  # that it represents
+    x: Quantity | None  # position in the robot frame [m]; None: the centre of its wheels
     y: Quantity | None
     mark: Mark
 
 
 class PointSpec(NamedTuple):
-    """The centre of gravity, in the robot's frame."""
+    """The centre of gravity in the robot frame [m]."""
 
     x: Quantity
     y: Quantity
-    z: Quantity
+    z: Quantity  # above the ground
 
 
 class FunctionSpec(NamedTuple):
-    """A function that the file asks for; `wmrgen.functions.registry` knows which there are."""
+    """A function that the file requests; `wmrgen.functions.registry` knows all functions."""
 
     name: str
     mark: Mark
@@ -225,10 +220,10 @@ class FunctionSpec(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RobotSpec:
-    """A robot file, read and checked for form. Each parameter stands after those it uses."""
+    """A robot file whose keys and forms have been checked. The fields are the keys of the file."""
 
     name: str
-    parameters: tuple[ParameterSpec, ...]
+    parameters: tuple[ParameterSpec, ...]  # each after those that it uses
     wheels: tuple[WheelSpec, ...]
     description: str = ""
     source: str = ""

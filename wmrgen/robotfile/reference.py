@@ -1,4 +1,4 @@
-"""The reference of robot files in Markdown: from the field table."""
+"""Write the reference page of robot files, in Markdown, from the table of keys."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from wmrgen.robotfile.schema import SI
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
 from wmrgen.robotfile.wheels import takes
 
-# Of each kind of quantity one that is right and one that is wrong.
+# For each kind of quantity, a valid and an invalid value.
 _AMOUNTS = {
     Kind.LENGTH: ("150 mm", "45 deg"), Kind.ANGLE: ("45 deg", "150 mm"), Kind.SPEED: ("1.2 m/s", "1.2 m"),
     Kind.RATE: ("90 deg/s", "90 deg"), Kind.ACCELERATION: ("0.6", "0.6 m/s"),
@@ -35,16 +35,17 @@ _AMOUNTS = {
 _HEAD = """\
 # Robot files
 
-A robot file is a page of YAML (UTF-8, 256 KiB at most; no anchors, tags or directives) that is read, never executed.
-The frame: origin P, x forward, y left, angles counter-clockwise. `wmrgen schema` prints the JSON Schema of these keys,
-`wmrgen schema --markdown` this page; both are made from the table that reading goes by.
+A robot file is a page of YAML (UTF-8, at most 256 KiB; no anchors, tags or directives). It is data and is never
+executed. The robot frame has its origin at P, x forward and y left; angles are counter-clockwise.
+`wmrgen schema` prints the JSON Schema of these keys, and `wmrgen schema --markdown` prints this page. Both come from
+the table that the reader uses.
 
 A quantity is a number (`0.15`), a number with a unit (`150 mm`, `45 deg`) or an expression of `+ - * / **`,
-`sqrt sin cos tan atan2`, `pi` and parameters. Without a unit it is in SI units, angles as `angles` says. What is
-written as a fraction or a root stays exact.
+`sqrt sin cos tan atan2`, `pi` and parameters. Without a unit, it is in SI units; the key `angles` gives the unit of
+angles. Fractions and roots remain exact.
 
-Of each key the tables show a value that a file may have, and one that is refused, with the code that
-`wmrgen explain CODE` knows. A key that a section requires is missed as WMR103, one that it does not have is WMR102.
+For each key, the tables show a valid value, and an invalid value with the code of its error (`wmrgen explain CODE`).
+A missing required key is WMR103, an unknown key is WMR102.
 """
 _ONE_OF = {
     "joint": "joints: `spin`, `steer`", "wheel": "names of wheels", "wheel.joint": "joints, as `left.steer`",
@@ -53,10 +54,10 @@ _ONE_OF = {
 
 
 def reference() -> str:
-    """The page ``docs/robot_file.md``."""
+    """Return the page ``docs/robot_file.md``."""
     lines = [_HEAD, *_units(), ""]
     for title, section in SECTIONS.items():
-        lines += [f"## {title}", "", f"Such as `{section.example}`.", "", *_table(section), ""]
+        lines += [f"## {title}", "", f"Example: `{section.example}`", "", *_table(section), ""]
         if section is WHEEL:
             lines += [*_types(), ""]
         lines += [f"{' '.join(map(_sentence, section.choices))}\n"] if section.choices else []
@@ -64,6 +65,7 @@ def reference() -> str:
 
 
 def _units() -> Iterator[str]:
+    """Yield the table of quantities and units."""
     yield "| quantity | SI | units |"
     yield "|---|---|---|"
     for kind in Kind:
@@ -72,7 +74,8 @@ def _units() -> Iterator[str]:
 
 
 def _table(section: Section) -> Iterator[str]:
-    yield "| key | meaning | value | when not given | such as | refused |"
+    """Yield the table of the keys of a section."""
+    yield "| key | meaning | value | default | example | invalid |"
     yield "|---|---|---|---|---|---|"
     for f in section.fields:
         spelled = " or ".join(f"`{word}`" for word in f.spellings)
@@ -85,7 +88,7 @@ def _table(section: Section) -> Iterator[str]:
 
 
 def example(field: Field) -> str:
-    """``key: value`` as a robot file may have it."""
+    """Return a valid ``key: value``."""
     key = field.key
     if field.example:
         return f"{key}: {field.example}"
@@ -113,7 +116,7 @@ def example(field: Field) -> str:
 
 
 def mistake(field: Field) -> tuple[str, Code]:
-    """``key: value`` that is refused, and with which code."""
+    """Return an invalid ``key: value``, and the code of its error."""
     key = field.key
     match field.value:
         case Name():
@@ -136,6 +139,7 @@ def mistake(field: Field) -> tuple[str, Code]:
 
 
 def _default(section: Section, field: Field) -> str:
+    """Return the cell for the default of a key."""
     if field.required:
         return "**required**"
     if isinstance(field.value, Word):
@@ -146,13 +150,14 @@ def _default(section: Section, field: Field) -> str:
 
 
 def _in_words(value: Value) -> str:
+    """Return what a value is, in words."""
     match value:
         case Version(number):
             return f"`{number}`"
         case Name():
-            return "new name: a-z, A-Z, 0-9 and _, 31 characters at most"
+            return "new name: a-z, A-Z, 0-9 and _, at most 31 characters"
         case Text(longest):
-            return f"text, {longest} characters at most"
+            return f"text, at most {longest} characters"
         case Word(words, interval=interval):
             return " or ".join(f"`{word}`" for word in (*words, *(["[low, high]"] if interval else [])))
         case Amount(Kind.ANY, unit):
@@ -175,8 +180,8 @@ def _in_words(value: Value) -> str:
 
 
 def _types() -> Iterator[str]:
-    """Which keys each wheel type takes beyond those of all."""
-    yield "| type | what it is | required | may have besides | joints | driven |"
+    """Yield the table of wheel types, with the keys that not all types have."""
+    yield "| type | what it is | required | optional | joints | driven |"
     yield "|---|---|---|---|---|---|"
     for kind in WHEEL_TYPES.values():
         own = [f.key for f in WHEEL.fields if f.misfit and takes(kind, f.key) and f.key not in kind.required]
@@ -187,8 +192,8 @@ def _types() -> Iterator[str]:
 
 
 def _sentence(choice: Choice) -> str:
-    """Sets of keys that stand together or exclude each other."""
+    """Return a sentence about sets of keys that belong together or exclude each other."""
     sets = [" with ".join(f"`{key}`" for key in keys) for keys in choice.sets]
     if len(sets) == 1:
-        return f"{sets[0]}, or neither."
-    return f"{' or '.join(sets)}, not both." if choice.optional else f"Either {' or '.join(sets)}."
+        return f"Either {sets[0]}, or neither."
+    return f"{' or '.join(sets)}, but not both." if choice.optional else f"Either {' or '.join(sets)}."

@@ -1,4 +1,4 @@
-"""The words that languages and their libraries keep for themselves: no robot, wheel or parameter may bear one."""
+"""The words that languages, their libraries and operating systems reserve, which no name may be."""
 
 from __future__ import annotations
 
@@ -8,19 +8,25 @@ from typing import NamedTuple
 
 
 class Reserved(NamedTuple):
-    """Words, in lower case, and why no robot, wheel or parameter may bear one of them in any case; ``exact``: a pattern
-    of those that are kept as they are written alone, in upper case."""
+    """Words that one language or library reserves."""
 
-    words: frozenset[str]
-    why: str
-    exact: str = ""
+    words: frozenset[str]  # in lower case; no name may be one of them in any case
+    why: str  # in a sentence
+    exact: str = ""  # a pattern of further words, which are reserved in upper case only
 
     def keeps(self, name: str) -> bool:
+        """Return whether a name is one of the words."""
         return name.lower() in self.words or (name.isupper() and bool(re.fullmatch(self.exact, name)))
 
 
 def reserved(words: str, why: str, exact: str = "") -> Reserved:
-    """The words of a text, separated by white space."""
+    """Make a record of reserved words.
+
+    Args:
+        words: The words in lower case, separated by white space.
+        why: Why they are reserved, in a sentence.
+        exact: A pattern of further words, which are reserved in upper case only.
+    """
     return Reserved(frozenset(words.split()), why, exact)
 
 
@@ -61,11 +67,12 @@ math_errhandling null seek_cur seek_end seek_set
     r"([SU]?CHAR|U?SHRT|U?INT(_LEAST|_FAST)?(8|16|32|64)?|U?LL?ONG|U?INT(MAX|PTR)|PTRDIFF|SIZE|SSIZE|SIG_ATOMIC|WCHAR|"
     r"WINT)_(MIN|MAX|WIDTH)",
 )
-# Of the nine usual chips, what has up to three letters and what somebody may call a wheel or a parameter. Those names
-# are taken, and a header refuses to be read where such a macro is; no robot is called so, whose name stands alone.
+# Macros of the nine usual AVR chips that have at most three letters, or that could be the name of a wheel or parameter.
+# Wheels and parameters may have these names: the generated header reports an error where such a macro is defined. A
+# robot may not, because its name is used without a prefix.
 AVR_MACROS = Reserved(
     frozenset(),
-    "avr-libc or Arduino's core has a macro of that name.",
+    "avr-libc or the Arduino core has a macro of that name.",
     (
         "B[01]{1,8}|P[A-L][0-7]|DD[A-L]?[0-7]|(PORT|PIN)([0-7]|[A-L][0-7]?)|DDR[A-L]|[XYZ][HL]|SP[EHL]?|S[EM]|SM[0-2]|"
         "PE|PI|ID|AVR|AC[DIO]|ADC[HLW]?|AS[0-2]|BIN|OCT|DEC|HEX|NAN|EOF|DT[1-8]|IPR|ISR|JTD|LSM|PRR[0-2]?|PUD|RCE|SRE|"
@@ -75,15 +82,36 @@ AVR_MACROS = Reserved(
     ),
 )
 PYTHON = Reserved(frozenset(map(str.lower, kwlist)), "Python keeps that word for itself.")
-RUST = reserved("crate self super", "Rust keeps that word for itself.")  # other words may be names: r#box
+RUST = reserved(
+    "crate self super", "Rust keeps that word for itself."
+)  # Rust code can use its other words as r#box
 JAVASCRIPT = reserved(
     "constructor hasownproperty isprototypeof propertyisenumerable tolocalestring tostring valueof",
     "Every object of JavaScript has a property of that name.",
 )
 CASADI = reserved("null jac hess nan inf infinity", "CasADi keeps that word for itself.")
 
+# Names of Windows devices, which no file may have.
+DEVICES = {*"con prn aux nul clock".split(), *(f"com{i}" for i in range(10)), *(f"lpt{i}" for i in range(10))}
+# Headers and modules that the files of a robot of this name would hide.
+FILE_NAMES = {
+    *"math stdio stdint stdlib stdbool string stddef stdarg float limits tgmath fenv inttypes".split(),
+    *"numpy sympy casadi wmrgen".split(),
+}
+# C++ namespaces, functions of POSIX and Arduino, and Rust crates.
+NAMES_OF_LIBRARIES = {
+    *"std boost eigen ros rclcpp rcl rclpy rmw ament tf2 alloc core".split(),
+    *"accept access alarm bind brk chdir chmod chown close connect creat crypt daemon dup execl execv execve fcntl "
+    "fork fsync getpid ioctl kill link listen lockf lseek mkdir mount nice open pause pipe poll pread pwrite read "
+    "readlink reboot recv rmdir sbrk select send sleep socket stat swab symlink sync syscall truncate umask umount "
+    "unlink usleep vfork wait waitpid write delay loop micros millis setup".split(),
+}
+# Words of expressions, and inputs and outputs of models: no parameter may have them.
+EXPRESSION_WORDS = {*"pi sqrt sin cos tan atan2".split()}
+MODEL_WORDS = {*"vx vy omega slip x y theta dt".split()}
 
-LANGUAGES: dict[str, tuple[Reserved, ...]] = {  # by the name of the back end that writes the language
+
+LANGUAGES: dict[str, tuple[Reserved, ...]] = {  # by the name of the back end for the language
     "c99": (C, C_LIBRARY),
     "numpy": (PYTHON,),
     "casadi": (CASADI,),
@@ -94,4 +122,8 @@ LANGUAGES: dict[str, tuple[Reserved, ...]] = {  # by the name of the back end th
 
 def why_reserved(name: str) -> str:
     """Return why ``name`` may not be a name, for the first language that reserves it; empty if no language does."""
-    return next((kept.why for words in LANGUAGES.values() for kept in words if kept.keeps(name)), "")
+    for records in LANGUAGES.values():
+        for record in records:
+            if record.keeps(name):
+                return record.why
+    return ""

@@ -1,10 +1,10 @@
-"""Robot files as a JSON Schema, for editors and validators: from the field table."""
+"""Write the JSON Schema of robot files, for editors and validators, from the table of keys."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from itertools import combinations, permutations
+from itertools import chain, combinations, permutations
 from typing import Any
 
 from wmrgen.robotfile.expressions import MAX_CHARACTERS
@@ -23,17 +23,17 @@ from wmrgen.robotfile.fields import (
     Version,
     Word,
 )
-from wmrgen.robotfile.keys import ROBOT, WHEEL
+from wmrgen.robotfile.keys import ENCODER, LIMITS, NOISE, ROBOT, WHEEL
 from wmrgen.robotfile.load import OPEN
 from wmrgen.robotfile.names import NAME_PATTERN
 from wmrgen.robotfile.numbers import NUMBER, Kind, spellings_of, units_of
-from wmrgen.robotfile.part_keys import ENCODER, LIMITS, NOISE
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
 from wmrgen.robotfile.wheels import takes
 
 Schema = dict[str, Any]
-SCHEMA_FILE = "robot.schema.json"  # beside robot files
-MODELINE = f"# yaml-language-server: $schema={SCHEMA_FILE}"  # the first line of robot files: editors check and complete
+SCHEMA_FILE = "robot.schema.json"  # next to robot files
+# The first line of a robot file, by which editors find the schema.
+MODELINE = f"# yaml-language-server: $schema={SCHEMA_FILE}"
 SI = {
     Kind.LENGTH: "m", Kind.ANGLE: "rad", Kind.SPEED: "m/s", Kind.RATE: "rad/s", Kind.TIME: "s", Kind.ANY: "SI",
     Kind.ACCELERATION: "m/s^2", Kind.ANGULAR_ACCELERATION: "rad/s^2",
@@ -41,9 +41,10 @@ SI = {
 
 
 def json_schema(functions: Sequence[str] = ()) -> Schema:
-    """JSON Schema 2020-12 of a robot file. ``functions``: those that a file may ask for; any where none are listed.
+    """Return the JSON Schema (2020-12) of a robot file.
 
-    It admits a little more than reading does: names may be reserved or nowhere declared, expressions wrong.
+    ``functions`` are the functions that a file may request; if it is empty, any name is allowed. The schema accepts
+    more than the reader: it does not check reserved or undeclared names, or the grammar of expressions.
     """
     function = {"enum": list(functions)} if functions else _ref("name")
     return {
@@ -63,10 +64,12 @@ def json_schema(functions: Sequence[str] = ()) -> Schema:
 
 
 def _kind(kind: Kind) -> str:
+    """Return the name of the definition of a kind of quantity."""
     return kind.name.lower()
 
 
 def _quantity(kind: Kind, more: str = "") -> Schema:
+    """Return the schema of a quantity; ``more`` is what else its description says."""
     text = (
         f"[{SI[kind]}] a number, a number with a unit ({', '.join(units_of(kind))}), or an expression{more}"
     )
@@ -74,8 +77,10 @@ def _quantity(kind: Kind, more: str = "") -> Schema:
 
 
 def _written(text: str, units: Iterable[str]) -> Schema:
-    """What ``text`` says: no open question, behind a number no word but one of ``units``, at the end, and nothing that
-    no quantity has. Editors show the text of a value that is none."""
+    """Return the schema of a number, a number with one of ``units``, or an expression.
+
+    ``text`` describes it; editors also show it as the error message.
+    """
     number = rf"[+-]?{NUMBER}(?![0-9.]|[eE][+-]?[0-9])"
     other = rf"\s*{number}[ \t]*(?!(?:{'|'.join(map(re.escape, units))})\s*$)[A-Za-zµμ°π_]"
     return {
@@ -88,43 +93,59 @@ def _written(text: str, units: Iterable[str]) -> Schema:
 
 
 def _name(pattern: str, text: str) -> Schema:
+    """Return the schema of a name; editors show ``text`` if it does not match."""
     return {"type": "string", "pattern": pattern, "errorMessage": text}
 
 
 def _ref(name: str) -> Schema:
+    """Return a reference to a definition."""
     return {"$ref": f"#/$defs/{name}"}
 
 
 def _section(
     section: Section, fields: Iterable[Field] | None = None, choices: Iterable[Choice] | None = None
 ) -> Schema:
-    """A mapping with the keys of a section, or with those of ``fields``."""
+    """Return the schema of a mapping.
+
+    Args:
+        section: Describes the mapping.
+        fields: Its keys; by default those of the section.
+        choices: Its choices between keys; by default those of the section.
+    """
     fields = section.fields if fields is None else tuple(fields)
+    properties: Schema = {}
+    for field in fields:
+        properties |= dict.fromkeys(field.spellings, _property(field))
     schema: Schema = {
         "title": section.title,
         "type": "object",
         "additionalProperties": False,
-        "properties": {word: _property(f) for f in fields for word in f.spellings},
+        "properties": properties,
     }
     if section.required:
         schema["required"] = list(section.required)
-    choices = section.choices if choices is None else choices
-    rules = [rule for choice in choices for rule in _choice(section, choice)]
+    rules: list[Schema] = []
+    for choice in section.choices if choices is None else choices:
+        rules += _choice(section, choice)
     rules += [_spelled_once(f) for f in fields if f.greek]
     return {**schema, "allOf": rules} if rules else schema
 
 
 def _property(field: Field) -> Schema:
-    """A key's value with its meaning, its unit and what counts where it is not given."""
+    """Return the schema of the value of a key, described by its meaning, unit and default."""
     value = field.value
     unit = SI[value.kind] if isinstance(value, Amount | Interval) and value.kind is not Kind.ANY else ""
     default = value.default if isinstance(value, Word) else field.default
-    said = f"{field.meaning}{f' [{unit}]' if unit else ''}{f'; default: {default}' if default else ''}"
-    return {**_value(value), "description": said}
+    description = field.meaning
+    if unit:
+        description += f" [{unit}]"
+    if default:
+        description += f"; default: {default}"
+    return {**_value(value), "description": description}
 
 
 def _value(value: Value) -> Schema:
-    """What stands behind a key."""
+    """Return the schema of a value."""
     match value:
         case Version(number):
             return {"const": int(number)}
@@ -164,6 +185,7 @@ def _value(value: Value) -> Schema:
 
 
 def _one_of(what: str) -> Schema:
+    """Return the schema of a name that is declared elsewhere."""
     match what:
         case "wheel.joint":
             return _name(
@@ -177,6 +199,7 @@ def _one_of(what: str) -> Schema:
 
 
 def _list(value: ListOf) -> Schema:
+    """Return the schema of a list."""
     schema: Schema = {"type": "array", "items": _value(value.item)}
     if value.least:
         schema["minItems"] = value.least
@@ -188,7 +211,7 @@ def _list(value: ListOf) -> Schema:
 
 
 def _wheel(kind: WheelType) -> Schema:
-    """One wheel type: the keys that it takes, its joints and their limits."""
+    """Return the schema of the wheels of one type."""
     placement, orientation = WHEEL.choices
     choices = (placement, orientation._replace(optional=not kind.oriented))
     schema = _section(WHEEL, (f for f in WHEEL.fields if takes(kind, f.key)), choices)
@@ -208,38 +231,41 @@ def _wheel(kind: WheelType) -> Schema:
 
 
 def _driven(powered: WheelType) -> Schema:
-    """With driven directions a wheel has what each of them requires, and no orientation of its own."""
-    oriented = {word: False for key in ("beta", "heading") for word in WHEEL.field(key).spellings}
+    """Return the rule that a driven ball has the keys that its drives require, and no orientation of its own."""
+    spellings = (*WHEEL.field("beta").spellings, *WHEEL.field("heading").spellings)
+    oriented = dict.fromkeys(spellings, False)
     driven = {"required": ["driven"], "properties": {"driven": {"minItems": 1}}}
     return {"if": driven, "then": {"required": [*powered.required], "properties": oriented}}
 
 
 def _choice(section: Section, choice: Choice) -> list[Schema]:
-    """Exactly one of the sets of keys, whole; where optional, or none. A rule for each mistake, in its words."""
-    rules = [
-        {"if": _any_of(section, [other]), "then": _any_of(section, [key])}
-        for keys in choice.sets
-        for key, other in permutations(keys, 2)
-    ]
+    """Return the rules of a choice, one for each possible mistake, with its error message."""
+    rules: list[Schema] = []
+    for keys in choice.sets:
+        for key, other in permutations(keys, 2):
+            rules.append({"if": _any_of(section, [other]), "then": _any_of(section, [key])})
     for one, (key, *_) in combinations(choice.sets, 2):
-        twice = {"errorMessage": " ".join(choice.several[1:])}
+        twice = {"errorMessage": " ".join(choice.several)}
         refused = {"properties": dict.fromkeys(section.field(key).spellings, False), **twice}
         rules.append({"if": _any_of(section, one), "then": refused})
     if not choice.optional:
-        every = [key for keys in choice.sets for key in keys]
+        every = list(chain.from_iterable(choice.sets))
         words = {"errorMessage": f"{section.title} {choice.none[0]}. {choice.none[2]}"}
         rules.append({"if": {"not": _any_of(section, every)}, "then": {"required": every[:1], **words}})
     return rules
 
 
 def _any_of(section: Section, keys: Iterable[str]) -> Schema:
-    """One of the keys at least stands, in one of its spellings."""
-    alternatives = [{"required": [word]} for key in keys for word in section.field(key).spellings]
+    """Return the rule that at least one of the keys is present, in one of its spellings."""
+    alternatives: list[Schema] = []
+    for key in keys:
+        alternatives += ({"required": [word]} for word in section.field(key).spellings)
     return {"anyOf": alternatives} if len(alternatives) > 1 else alternatives[0]
 
 
 def _spelled_once(field: Field) -> Schema:
-    same = f"{field.greek} is {field.key}. Keep one of them."
+    """Return the rule that a key and its Greek letter are not both present."""
+    same = f"{field.greek} is the same key as {field.key}. Keep one of them."
     return {
         "if": {"required": [field.greek]},
         "then": {"properties": {field.key: False}, "errorMessage": same},

@@ -1,4 +1,4 @@
-"""What comes with the package and is no Python: in an installed wheel below it, in a checkout beside it."""
+"""Find the data folders of wmrgen: in an installed wheel below the package, in a checkout next to it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def shipped(name: str) -> Path:
-    """The folder ``templates`` or ``robots``. EnvironmentFailure where there is none."""
+    """Return the folder ``templates`` or ``robots``. Raise EnvironmentFailure if it is missing."""
     places = [_PACKAGE / name, _PACKAGE.parent / name]
     for folder in places:
         if folder.is_dir():

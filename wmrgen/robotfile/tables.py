@@ -1,4 +1,4 @@
-"""Mappings with known keys: their spelling, what stands behind them, what is missing."""
+"""Mappings with known keys: find unknown, missing and conflicting keys, and read the values of the others."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import re
 import unicodedata
 from collections.abc import Collection
 from dataclasses import dataclass, field
+from itertools import chain
 
 from wmrgen.errors import Code, ErrorCollector, Mark, RobotFileError
 from wmrgen.robotfile.fields import Amount, Choice, Field, ListOf, OneOf, Section, Word
 from wmrgen.robotfile.keys import ROBOT, WHEEL
-from wmrgen.robotfile.numbers import Kind, Scope, plain_number
-from wmrgen.robotfile.quantities import read_quantity
+from wmrgen.robotfile.numbers import Kind, plain_number
+from wmrgen.robotfile.quantities import Scope, read_quantity
 from wmrgen.robotfile.records import Quantity
 from wmrgen.robotfile.text import (
     MappingNode,
@@ -26,7 +27,7 @@ from wmrgen.robotfile.text import (
     suggestion,
 )
 
-_NONE = ("none", "no", "false", "off")
+_NO_ITEMS = ("none", "no", "false", "off")  # words that people write for an empty list
 _YES_AND_NO = {
     **dict.fromkeys(("yes", "y", "on", "1"), "Write true."),
     **dict.fromkeys(("no", "n", "off", "0"), "Write false."),
@@ -35,45 +36,51 @@ _YES_AND_NO = {
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The entries of a mapping by key, Greek letters spelled out, and the section that says what they are.
-
-    ``excused``: keys that something else may stand for, which has been told: nothing is said of them again.
-    """
+    """The entries of a mapping by key, with Greek letters spelled out."""
 
     node: MappingNode
-    section: Section
+    section: Section  # describes the keys
     keys: dict[str, Scalar] = field(default_factory=dict)
     values: dict[str, Node] = field(default_factory=dict)
+    # Keys that an unknown key probably means: as that key has been reported, they are not reported as missing.
     excused: set[str] = field(default_factory=set)
 
     @property
     def mark(self) -> Mark:
+        """The place where the mapping begins."""
         return self.node.mark
 
     def get(self, key: str) -> Node | None:
+        """Return the value of a key, or None if it is absent."""
         return self.values.get(key)
 
     def require(self, key: str, what: str) -> Node:
-        """The value of a key that must be there."""
+        """Return the value of a key; raise RobotFileError if it is missing. ``what`` names the mapping in messages."""
         if key not in self.values:
-            raise self.missing(
-                key, what, *self.section.field(key).missing or ("", f"Write {key}: and its value.")
-            )
+            reason = self.section.field(key).missing or ("", f"Write {key}: and its value.")
+            raise self.missing(key, what, *reason)
         return self.values[key]
 
     def missing(self, key: str, what: str, why: str, instead: str) -> RobotFileError:
-        """The error for a key that is not there."""
+        """Return the error for a missing key.
+
+        Args:
+            key: The key.
+            what: Names the mapping in messages.
+            why: Why the key is needed.
+            instead: What to write.
+        """
         code = Code.CONSEQUENCE if key in self.excused else Code.MISSING
         return self.node.error(f"{what} has no {key}", why, instead, code=code)
 
     def require_all(self, what: str, collector: ErrorCollector) -> None:
-        """Every key that the section requires must be there."""
+        """Report each missing key that the section requires."""
         for key in self.section.required:
             with collector:
                 self.require(key, what)
 
     def word(self, key: str) -> bool:
-        """What the word of a key means; its default where the key is not given."""
+        """Return the meaning of the word of a key, or of its default if the key is absent."""
         value = self.section.field(key).value
         assert isinstance(value, Word)
         if key not in self.values:
@@ -81,27 +88,21 @@ class Table:
         scalar = scalar_of(self.values[key], key)
         if scalar.text not in value.words:
             hint = suggestion(scalar.text, value.words, {**_YES_AND_NO, **value.aliases})
-            why = f"It is {' or '.join(value.words)}."
+            why = f"The value is {' or '.join(value.words)}."
             raise scalar.error(
                 f"{key}: {quoted(scalar.text)} is not known", why, "" if hint.startswith("Valid") else hint
             )
         return value.words[scalar.text]
 
     def items(self, key: str) -> tuple[Node, ...]:
-        """The items of a list, as many as there may be; none where the key is not given."""
+        """Return the items of a list, or none if the key is absent; raise RobotFileError for too few or too many."""
         value, node = self.section.field(key).value, self.values.get(key)
         assert isinstance(value, ListOf)
         if node is None:
             return ()
         if not isinstance(node, SequenceNode):
-            item = value.item.example if isinstance(value.item, Section) else ""
-            example = f"and a line for each, as - {item}" if item else value.example
-            said = node.text if isinstance(node, Scalar) and isinstance(value.item, OneOf) else ""
-            if said.lower() in _NONE:
-                example = "[]"
-            elif said.lower() != "true" and re.fullmatch(r"[A-Za-z][\w.]*( *, *[A-Za-z][\w.]*)*", said):
-                example = f"[{said}]"
-            raise node.error(f"{key} must be a list, not {kind_of(node)}", "", f"Write {key}: {example}.")
+            instead = f"Write {key}: {_list_for(node, value)}."
+            raise node.error(f"{key} must be a list, not {kind_of(node)}", "", instead)
         n = len(node.items)
         words = {"key": key, "n": n, "s": "s" * (n != 1), "most": value.most}
         if n < value.least:
@@ -113,42 +114,60 @@ class Table:
         return node.items
 
     def scalars(self, key: str) -> tuple[Scalar, ...]:
-        """The items of a list of words, which differ."""
+        """Return the items of a list of distinct words."""
         scalars: dict[str, Scalar] = {}
         for item in self.items(key):
             scalar = scalar_of(item, f"an item of {key}")
             if scalar.text in scalars:
-                what = f"{quoted(scalar.text)} stands twice in {key}"
+                what = f"{quoted(scalar.text)} is in {key} twice"
                 raise scalar.error(what, "", "Delete one of them.", code=Code.TWICE)
             scalars[scalar.text] = scalar
         return tuple(scalars.values())
 
     def amount(self, key: str, of: str, scope: Scope) -> Quantity | None:
-        """The quantity of a key of ``of``; None where it is not given."""
+        """Read the quantity of a key.
+
+        Args:
+            key: The key.
+            of: Names the mapping in messages.
+            scope: The parameters that expressions may use.
+
+        Returns:
+            The quantity, or None if the key is absent.
+        """
         value, node = self.section.field(key).value, self.values.get(key)
         assert isinstance(value, Amount)
         if node is None:
             return None
         what = f"{key} of {of}"
-        return (
-            read_number(node, what, scope)
-            if value.unit == "1"
-            else read_quantity(node, value.kind, what, scope)
-        )
+        if value.unit == "1":
+            return read_number(node, what, scope)
+        return read_quantity(node, value.kind, what, scope)
 
     def choose(self, choice: Choice, what: str, required: bool = False) -> tuple[str, ...]:
-        """The keys of the one alternative that stands, complete; none where there may be none."""
-        standing = [tuple(k for k in keys if k in self.keys) for keys in choice.sets]
-        chosen = [(keys, every) for keys, every in zip(standing, choice.sets, strict=True) if keys]
-        excused = not self.excused.isdisjoint(key for keys in choice.sets for key in keys)
+        """Find which alternative of a choice the mapping has, and check that it is complete.
+
+        Args:
+            choice: The alternatives.
+            what: Names the mapping in messages.
+            required: Whether one is needed even if the choice is optional.
+
+        Returns:
+            The keys of the alternative; empty if the mapping has none and needs none.
+        """
+        chosen = []  # the keys that are there of each alternative, and all its keys
+        for every in choice.sets:
+            present = [key for key in every if key in self.keys]
+            if present:
+                chosen.append((present, every))
+        excused = not self.excused.isdisjoint(chain.from_iterable(choice.sets))
         if len(chosen) > 1:
-            problem, why, instead = choice.several
             later = max((keys[0] for keys, _ in chosen), key=list(self.keys).index)
-            both = f"{' and by ' if 'by {keys}' in problem else ' and '}".join(
-                " and ".join(keys) for keys, _ in chosen
-            )
+            *others, last = chain.from_iterable(keys for keys, _ in chosen)
             code = Code.CONSEQUENCE if excused else Code.TWICE
-            raise self.keys[later].error(f"{what} {problem.format(keys=both)}", why, instead, code=code)
+            raise self.keys[later].error(
+                f"{what} has {', '.join(others)} and {last}", *choice.several, code=code
+            )
         if not chosen:
             if choice.optional and not required:
                 return ()
@@ -161,24 +180,51 @@ class Table:
         return chosen[0][1]
 
 
+def _list_for(node: Node, value: ListOf) -> str:
+    """Return the list to write in place of a node that is not a list: of its words, if it has words."""
+    if isinstance(value.item, Section):
+        return f"and one line for each, such as - {value.item.example}"
+    text = node.text if isinstance(node, Scalar) and isinstance(value.item, OneOf) else ""
+    if text.lower() in _NO_ITEMS:
+        return "[]"
+    if text.lower() != "true" and re.fullmatch(r"[A-Za-z][\w.]*( *, *[A-Za-z][\w.]*)*", text):
+        return f"[{text}]"
+    return value.example
+
+
 def read_number(node: Node, what: str, scope: Scope) -> Quantity:
-    """A quantity without a unit."""
+    """Read a quantity that has no unit.
+
+    Args:
+        node: The value.
+        what: Names the value in messages.
+        scope: The parameters that expressions may use.
+    """
     scalar = scalar_of(node, what)
     plain = plain_number(scalar)
     if plain and plain[1] is not None:
         raise scalar.error(
-            f"{what} is a number, and {quoted(scalar.text.strip())} has a unit", "", "Write the number alone."
+            f"{what} is a number, and {quoted(scalar.text.strip())} has a unit",
+            "",
+            "Write the number without a unit.",
         )
     return read_quantity(node, Kind.ANY, what, scope)
 
 
 def spelled(key: str, section: Section) -> str:
-    """``key`` with a Greek letter, in any of its Unicode forms, as the key that it stands for."""
+    """Return ``key``, or the key for which a Greek letter stands, in any of its Unicode forms."""
     letters = {f.greek: f.key for f in section.fields if f.greek}
     return letters.get(key) or letters.get(unicodedata.normalize("NFKC", key), key)
 
 
 def mapping_of(node: Node, what: str, example: str) -> MappingNode:
+    """Return the node if it is a mapping; raise RobotFileError otherwise.
+
+    Args:
+        node: The node.
+        what: Names it in messages.
+        example: What to write.
+    """
     if not isinstance(node, MappingNode):
         raise node.error(f"{what} must be a mapping, not {kind_of(node)}", "", f"Write {example}.")
     return node
@@ -191,9 +237,17 @@ def table_of(
     what: str = "",
     valid: Collection[str] | None = None,
 ) -> Table:
-    """The node as a table whose keys are those of ``section``, or of them the ``valid`` ones.
+    """Return the table of a mapping. A misspelt key is reported, and read as the key that it probably means.
 
-    ``collector`` takes what is wrong with keys. A misspelt key stands for the one that is meant.
+    Args:
+        node: The mapping.
+        section: Describes the keys.
+        collector: Receives errors about keys.
+        what: Names the mapping in messages; by default the title of the section.
+        valid: The keys that this mapping may have; by default all of the section.
+
+    Raises:
+        RobotFileError: The node is not a mapping.
     """
     what = what or section.title
     table = Table(mapping_of(node, what, section.example), section)
@@ -205,31 +259,28 @@ def table_of(
         name = spelled(key.text, section)
         if all(name != f.key for f in fields):
             unknown.append((key, value))
-            if severed(key, value) and last in table.values:  # so that half of a value is not judged
+            if cut_by_comma(key, value) and last in table.values:  # the value before it is incomplete
                 del table.keys[last], table.values[last]
                 table.excused.add(last)
         elif name in table.keys:
             both = f"{quoted(key.text)} and {quoted(table.keys[name].text)} are the same key"
-            why = "Only one of the two could count."
-            collector.add(key.error(both, why, "Delete one of them.", code=Code.TWICE))
+            collector.add(key.error(both, "", "Delete one of them.", code=Code.TWICE))
         else:
             table.keys[name], table.values[name] = key, value
             last = name
     for key, value in unknown:
         collector.add(unknown_key(key, value, fields, what))
-        if _one_level_too_deep(value, fields):
-            table.excused.update(section.keys)
-            continue
         meant, certain = _meant(key.text, fields)
         if meant and meant not in table.keys:
             table.excused.add(meant)
-            if certain and not (isinstance(value, Scalar) and not value.text):
+            empty = isinstance(value, Scalar) and not value.text
+            if certain and not empty:
                 table.keys[meant], table.values[meant] = key, value
     return table
 
 
 def _meant(word: str, fields: Collection[Field]) -> tuple[str, bool]:
-    """The key that an unknown word is likely to stand for, and whether its value can be that key's."""
+    """Return the key that an unknown word probably means, and whether its value is likely to be valid for that key."""
     for f in fields:
         if word.lower() in f.aliases:
             return f.key, not f.aliases[word.lower()]
@@ -238,60 +289,71 @@ def _meant(word: str, fields: Collection[Field]) -> tuple[str, bool]:
     return nearest(word, keys), bool(nearest(word, keys, 0.75))
 
 
-def severed(key: Scalar, value: Node) -> tuple[str, str] | None:
-    """Why, and what to write, where a key is what stood behind the comma of a value."""
+def cut_by_comma(key: Scalar, value: Node) -> tuple[str, str] | None:
+    """Return why and what to write if a "key" is the rest of a value that a comma has cut; else None."""
     if not isinstance(value, Scalar) or value.text or not key.plain:
         return None
     if re.fullmatch(r"[0-9]+( [a-z/]+)?", key.text):
-        return "Commas separate entries.", "Write a decimal point."
+        return "A comma separates entries.", "Write a decimal point."
     if key.text.count(")") > key.text.count("("):
-        why = "Inside { } a comma ends the value, also within parentheses."
-        return why, "Put an expression that contains a comma in quotes: 'atan2(1, 2)'."
+        why = "Inside { } a comma ends the value, even in parentheses."
+        return why, "Put an expression with a comma in quotes, such as 'atan2(1, 2)'."
     return None
 
 
-def _one_level_too_deep(value: Node, fields: Collection[Field]) -> bool:
-    """What stands behind a key has several keys of the table in which that key stands."""
-    valid = {f.key for f in fields}
-    return isinstance(value, MappingNode) and len(valid & {key.text for key, _ in value.entries}) > 1
-
-
 def unknown_key(key: Scalar, value: Node, fields: Collection[Field], what: str) -> RobotFileError:
-    """The error for a key that does not exist, with the nearest one that does."""
-    empty = isinstance(value, Scalar) and not value.text
-    valid = {f.key for f in fields}
-    if behind := severed(key, value):
-        return key.error(f"{quoted(key.text)} stands where a key is expected", *behind)
-    colon = re.search("[:\uff1a]", key.text)
-    if key.plain and colon and empty:
-        word, rest = key.text[: colon.start()], key.text[colon.end() :]
-        return key.error(
-            f"no {'space after the ' if colon[0] == ':' else ''}colon in {quoted(key.text)}",
-            lookalike(key.text) or "YAML needs one.",
-            f"Write {word}: {rest.strip()}",
-        )
-    word = re.split("[ =]", key.text, maxsplit=1)[0]
-    rest = key.text[len(word) :]
-    if key.plain and empty and word in valid:
-        return key.error(f"no colon in {quoted(key.text)}", "", f"Write {word}: {rest.lstrip(' =')}")
+    """Return the error for an unknown key.
+
+    Args:
+        key: The key.
+        value: Its value.
+        fields: The valid keys.
+        what: Names the mapping in messages.
+    """
+    cut = cut_by_comma(key, value)
+    if cut:
+        return key.error(f"{quoted(key.text)} is not a key", *cut)
+    if key.plain and isinstance(value, Scalar) and not value.text:
+        no_colon = _missing_colon(key, {f.key for f in fields})
+        if no_colon:
+            return no_colon
     if key.text == "<<":
-        return key.error("'<<' merges mappings in YAML", "Merge keys are refused.", "Write the keys out.")
+        return key.error("'<<' is a YAML merge key", "Robot files have no merge keys.", "Write the keys out.")
     unknown, why = f"unknown key {quoted(key.text)} in {what}", lookalike(key.text)
-    if _one_level_too_deep(value, fields):
-        return key.error(unknown, why, "Delete the line, and write what stands below it without indentation.")
-    aliases = {alias: text for f in fields for alias, text in f.hints.items()}
+    aliases: dict[str, str] = {}
+    for f in fields:
+        aliases |= f.hints
     instead = suggestion(key.text, [f.key for f in fields], aliases)
     inside = () if key.text.lower() in aliases else _inside(fields, key.text)
     if inside:
         instead = f"Write {inside[0]}."
     elif instead.startswith("Valid"):
-        whose = [f"It is a key of {section.title}." for section in (ROBOT, WHEEL) if key.text in section.keys]
-        why = whose[0] if whose else why
+        owners = [section.title for section in (ROBOT, WHEEL) if key.text in section.keys]
+        why = f"It is a key of {owners[0]}." if owners else why
     return key.error(unknown, why, instead, code=Code.UNKNOWN_KEY)
 
 
+def _missing_colon(key: Scalar, valid: Collection[str]) -> RobotFileError | None:
+    """Return the error for a key without a value that should be ``key: value``, such as x:0 or x = 0; else None."""
+    colon = re.search("[:\uff1a]", key.text)
+    if colon:
+        word, rest = key.text[: colon.start()], key.text[colon.end() :]
+        missing = "space after ':'" if colon[0] == ":" else "':'"
+        what = f"missing {missing} in {quoted(key.text)}"
+        return key.error(what, lookalike(key.text), f"Write {word}: {rest.strip()}")
+    word = re.split("[ =]", key.text, maxsplit=1)[0]
+    if word in valid:
+        rest = key.text[len(word) :].lstrip(" =")
+        return key.error(f"missing ':' in {quoted(key.text)}", "", f"Write {word}: {rest}")
+    return None
+
+
 def _inside(fields: Collection[Field], word: str) -> list[str]:
-    """Where in what stands under some of the fields a word is a key, the outermost places first."""
-    under = [(f.key, f.value.fields) for f in fields if isinstance(f.value, Section)]
-    own = [f"{key}: {{{s.key}: …}}" for key, inner in under for s in inner if word in (s.key, *s.aliases)]
-    return own + [f"{key}: {{{deeper}}}" for key, inner in under for deeper in _inside(inner, word)]
+    """Return the places below ``fields`` where a word is a key, as ``key: {word: …}``, the outermost first."""
+    own, deeper = [], []
+    for field_ in fields:
+        if isinstance(field_.value, Section):
+            inner = field_.value.fields
+            own += [f"{field_.key}: {{{f.key}: …}}" for f in inner if word in (f.key, *f.aliases)]
+            deeper += [f"{field_.key}: {{{place}}}" for place in _inside(inner, word)]
+    return own + deeper

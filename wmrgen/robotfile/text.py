@@ -1,4 +1,4 @@
-"""The text of a robot file: its bytes, characters and lines, and the tree of texts, lists and mappings it makes."""
+"""The text of a robot file: reading its bytes, refusing characters, marks, suggestions, and the nodes of its tree."""
 
 from __future__ import annotations
 
@@ -14,91 +14,93 @@ from typing import BinaryIO
 from wmrgen.errors import Code, Mark, RobotFileError
 from wmrgen.robotfile.shipped import shipped
 
-MAX_BYTES = 256 * 1024
+MAX_BYTES = 256 * 1024  # a robot file is a page; larger files are something else, and are not read
 
-# Controls other than tab and newline, surrogates, line and paragraph separators, bidirectional controls,
-# invisible operators, byte order marks inside the text, tag characters and non-characters.
+# Characters that a robot file must not contain: controls other than tab and newline, surrogates, line and paragraph
+# separators, bidirectional controls, invisible operators, byte order marks inside the text, tags and non-characters.
 _REFUSED = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff"
     "\ufdd0-\ufdef\ufeff\ufff0-\ufffb\ufffe\uffff\U000e0000-\U000e0fff\U0001fffe-\U0001ffff"
     "\U0010fffe-\U0010ffff]"
 )
-# Letters of Cyrillic that look like a e o p c y x i j s.
+# Cyrillic letters that look like a e o p c y x i j s.
 _CYRILLIC = "\u0430\u0435\u043e\u0440\u0441\u0443\u0445\u0456\u0458\u0455"
 _LATIN = str.maketrans(_CYRILLIC + _CYRILLIC.upper(), "aeopcyxijsAEOPCYXIJS")
 _BIDI = re.compile("[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 
 def printable(text: str) -> str:
-    """``text`` with every refused character shown as U+FFFD and tabs as one space."""
+    """Return ``text`` with refused characters replaced by U+FFFD and tabs by one space."""
     return _REFUSED.sub("\ufffd", text.replace("\t", " "))
 
 
 def quoted(text: str, limit: int = 60) -> str:
-    """``text`` in quotes for an error message: one line, printable, at most ``limit`` characters."""
+    """Return ``text`` in quotes for a message: one printable line of at most ``limit`` characters."""
     line = printable(text.replace("\n", " "))
     return f"'{line if len(line) <= limit else line[: limit - 1] + '…'}'"
 
 
 def refused_character(text: str) -> tuple[int, str, str] | None:
-    """Index, description and reason of the first character that no robot file may hold, or None."""
+    """Return index, description and reason of the first character that a robot file must not contain, or None."""
     match = _REFUSED.search(text)
     if not match:
         return None
     code = ord(match.group())
     if 0xD800 <= code <= 0xDFFF:
-        kind, why = "lone surrogate", "It is half a character and cannot be written out."
+        kind, why = "lone surrogate", "It is half of a character and cannot be written to a file."
     elif _BIDI.match(match.group()):
-        kind, why = "bidirectional control", "It makes text read differently from what it says."
+        kind, why = "bidirectional control", "It changes the order in which text is displayed."
     elif code < 0x20 or 0x7F <= code < 0xA0:
-        kind, why = "control character", "It cannot be seen and may end up in generated code."
+        kind, why = "control character", "It is invisible, and would get into generated code."
     else:
-        kind, why = "invisible character", "It cannot be seen and may end up in generated code."
+        kind, why = "invisible character", "It would get into generated code unseen."
     return match.start(), f"{kind} U+{code:04X}", why
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A file name and the lines of its text, to give marks."""
+    """A file name and the lines of the file, from which marks are made."""
 
     file: str
     lines: tuple[str, ...]
 
     @classmethod
     def of(cls, text: str, file: str) -> Source:
+        """Return the source of a text; ``file`` is shown in messages."""
         return cls(printable(file), tuple(printable(line) for line in text.split("\n")))
 
     def mark(self, line: int, column: int) -> Mark:
-        """The mark of a zero-based line and column."""
+        """Return the mark of a line and a column, both counted from 0."""
         line = max(0, min(line, len(self.lines) - 1))
         return Mark(self.file, line + 1, column + 1, self.lines[line])
 
     def mark_at(self, text: str, index: int) -> Mark:
-        """The mark of a character index into the whole text."""
+        """Return the mark of the character at ``index`` of the whole text."""
         start = text.rfind("\n", 0, index) + 1
         return self.mark(text.count("\n", 0, index), index - start)
 
 
-def too_large(file: str) -> RobotFileError:
+def _too_large(file: str) -> RobotFileError:
+    """Return the error for a file that is larger than MAX_BYTES."""
     return RobotFileError(
         f"{printable(file)}: the file is larger than {MAX_BYTES // 1024} KiB",
         None,
-        "A robot file is a page of text; larger input is refused unread.",
+        "A robot file is a page of text. Larger files are not read.",
         "Give the robot file itself, not a log, an image or a generated file.",
         Code.FILE,
     )
 
 
 def decode(data: bytes, file: str) -> str:
-    """UTF-8 bytes as text, the byte order mark dropped, line ends made ``\\n``."""
+    """Return the text of UTF-8 bytes without the byte order mark. Raise RobotFileError for other encodings."""
     if len(data) > MAX_BYTES:
-        raise too_large(file)
+        raise _too_large(file)
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise RobotFileError(
             f"{printable(file)}: the file is UTF-16",
             None,
             "Robot files are UTF-8.",
-            "Save it as UTF-8.",
+            "Save the file as UTF-8.",
             Code.FILE,
         )
     try:
@@ -110,16 +112,16 @@ def decode(data: bytes, file: str) -> str:
         raise RobotFileError(
             f"byte 0x{data[error.start]:02x} is not UTF-8",
             source.mark_at(before + line, len(before)),
-            "Robot files are UTF-8; this one was saved in another encoding or is not text.",
+            "Robot files are UTF-8. This file has another encoding, or is not text.",
             "Save the file as UTF-8.",
             Code.NOT_YAML,
         ) from None
 
 
 def normalise(text: str, file: str) -> str:
-    """``text`` with ``\\n`` line ends. Refuses over-long text and characters that must not appear."""
+    """Return ``text`` with ``\\n`` as line ends. Raise RobotFileError if it is too long or has a refused character."""
     if len(text) > MAX_BYTES:
-        raise too_large(file)
+        raise _too_large(file)
     text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     refused = refused_character(text)
     if refused:
@@ -135,28 +137,47 @@ def normalise(text: str, file: str) -> str:
 
 
 def latin(word: str) -> str:
-    """``word`` with letters of Latin in the place of those that look like them, and without accents."""
+    """Return ``word`` without accents, and with Latin letters in place of Cyrillic letters that look the same."""
     letters = unicodedata.normalize("NFKD", word.translate(_LATIN))
     return "".join(c for c in letters if not unicodedata.combining(c))
 
 
 def nearest(wrong: str, valid: Iterable[str], likeness: float = 0.6) -> str:
-    """The word that is most like ``wrong``, case aside, or a part of it as vx of max_vx; nothing where none is, and for
-    a letter that is no word."""
+    """Return the valid word that is most similar to a wrong one.
+
+    Args:
+        wrong: The word to replace. A single letter must match exactly, except for its case.
+        valid: The words to choose from.
+        likeness: The least similarity, from 0 to 1, as `difflib` computes it.
+
+    Returns:
+        The most similar word; else a word that is a part of ``wrong``, as vx is of max_vx; else "".
+    """
     words = {word.lower(): word for word in valid}
     wrong = latin(wrong).lower()[:40]
     near = get_close_matches(wrong, words, n=1, cutoff=likeness if len(wrong) > 1 else 1)
-    near = near or [part for part in wrong.split("_") if len(part) > 1 and part in words]
-    return words[near[0]] if near else ""
+    parts = [part for part in wrong.split("_") if len(part) > 1 and part in words]
+    found = [*near, *parts]
+    return words[found[0]] if found else ""
 
 
 def suggestion(wrong: str, valid: Iterable[str], aliases: Mapping[str, str] | None = None) -> str:
-    """What to write instead of ``wrong``: the nearest valid word, else all of them."""
+    """Return what to write in place of ``wrong``.
+
+    Args:
+        wrong: The word to replace.
+        valid: The words that are valid in its place.
+        aliases: Words in lower case that people also write, each with its hint.
+
+    Returns:
+        The hint of the alias, else the nearest valid word, else all valid words, as a sentence.
+    """
     words = list(valid)
     hint = (aliases or {}).get(wrong.lower())
     if hint:
         return hint
-    near, alias = nearest(wrong, words), nearest(wrong, aliases or (), 0.8)
+    near = nearest(wrong, words)
+    alias = nearest(wrong, aliases or (), 0.8)  # an alias that is misspelt slightly
     if near:
         return f"Did you mean {near}?"
     if alias and aliases:
@@ -165,40 +186,47 @@ def suggestion(wrong: str, valid: Iterable[str], aliases: Mapping[str, str] | No
 
 
 def lookalike(word: str) -> str:
-    """A sentence about a character that no keyword has; nothing where there is none."""
+    """Return a sentence that names the first character of a word that is not ASCII, or "" if there is none."""
     strange = next((c for c in word if not c.isascii()), "")
-    return (
-        f"Its {strange!r} is U+{ord(strange):04X} {unicodedata.name(strange, '')}".rstrip() + "."
-        if strange
-        else ""
-    )
+    if not strange:
+        return ""
+    return f"Its {strange!r} is U+{ord(strange):04X} {unicodedata.name(strange, '')}".rstrip() + "."
 
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A part of a robot file: a text, a list or a mapping, at its place. No type is guessed."""
+    """A part of a robot file with its place: a text, a list or a mapping."""
 
     mark: Mark
 
     def mark_at(self, offset: int) -> Mark:
-        """The place of character ``offset``."""
+        """Return the place of character ``offset``."""
         return self.mark
 
     def error(
         self, what: str, why: str = "", instead: str = "", offset: int = 0, code: Code = Code.FORM
     ) -> RobotFileError:
+        """Return an error at this node.
+
+        Args:
+            what: What is wrong.
+            why: Why it matters.
+            instead: What to write.
+            offset: The character of the text that is wrong.
+            code: The code of the error.
+        """
         return RobotFileError(what, self.mark_at(offset), why, instead, code)
 
 
 @dataclass(frozen=True, slots=True)
 class Scalar(Node):
-    """A text as written. ``plain`` when it stands without quotes."""
+    """A text as written."""
 
     text: str
-    plain: bool
+    plain: bool  # whether it is written without quotes
 
     def mark_at(self, offset: int) -> Mark:
-        """The place of character ``offset`` of the text, or of its start when escapes or folds hide it."""
+        """Return the place of character ``offset``, or of the start of a text with escapes or several lines."""
         column = self.mark.column - 1
         for start in (column, column + 1) if offset else ():  # plain, quoted
             if self.mark.text.startswith(self.text, start):
@@ -215,38 +243,37 @@ class SequenceNode(Node):
 
 @dataclass(frozen=True, slots=True)
 class MappingNode(Node):
-    """Keys are distinct and keep the order of the file. ``repeated``: one stood twice, which has been told."""
+    """A mapping. Keys are distinct and in the order of the file."""
 
     entries: tuple[tuple[Scalar, Node], ...]
-    repeated: bool = False
+    repeated: bool = False  # whether the file repeats a key, which the reader has reported
 
 
 def kind_of(node: Node) -> str:
-    """What a node is, for error messages."""
+    """Return what a node is, in words for messages."""
     if isinstance(node, Scalar):
         return "one value" if node.text or not node.plain else "nothing"
     return "a list" if isinstance(node, SequenceNode) else "a mapping"
 
 
 def scalar_of(node: Node, what: str) -> Scalar:
-    """The node, when it is a text with something in it."""
+    """Return the node if it is a text that is not empty; raise RobotFileError otherwise. ``what`` names it."""
     if isinstance(node, MappingNode) and any(key.text in ("value", "tunable") for key, _ in node.entries):
         raise node.error(
             f"{what} must be one value, not {kind_of(node)}",
-            "Parameters alone are tunable.",
-            "Write parameters: {size: {value: 0.1, tunable: true}}, with a name of your own, and that name here.",
+            "Only parameters can be tunable.",
+            "Write parameters: {size: {value: 0.1, tunable: true}}, with a name of your own, and use that name here.",
         )
     if not isinstance(node, Scalar):
-        instead = (
-            "Write one value in its place." if isinstance(node, MappingNode) else "Write it without [ ]."
-        )
+        in_brackets = isinstance(node, SequenceNode)
+        instead = "Write the value without [ ]." if in_brackets else "Write one value in its place."
         raise node.error(f"{what} must be one value, not {kind_of(node)}", "", instead)
     if not node.text.strip():
         raise node.error(f"{what} has no value", "", "Write a value after the colon, or delete the key.")
     return node
 
 
-_OPENED = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")  # names of what the caller has opened
+_OPENED = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")  # files that the caller has opened: pipes are welcome
 _KINDS = {
     stat.S_IFIFO: "a pipe",
     stat.S_IFCHR: "a device",
@@ -256,24 +283,29 @@ _KINDS = {
 
 
 def bytes_of(path: str | Path, limit: int) -> bytes:
-    """`read_at_most`; RobotFileError where the file cannot be read."""
+    """Return the first ``limit`` bytes of a file. Raise RobotFileError if the file cannot be read."""
     try:
         return read_at_most(path, limit)
     except FileNotFoundError:
         what, instead = "no such file", "Give the path of a file."
         name = Path(path).stem
         if (shipped("robots") / Path(path).name).is_file():
-            instead = f"`wmrgen new {name} --from {name} -o {printable(str(path))}` begins it as that of the gallery."
+            instead = f"`wmrgen new {name} --from {name} -o {printable(str(path))}` copies the robot of the gallery."
     except IsADirectoryError:
-        what, instead = "is a directory", "Give the file in it."
+        what, instead = "is a directory", "Give the path of a file in it."
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        what, instead = f"cannot be read: {printable(reason)}", ""
+        what, instead = f"cannot be read: {printable(reason)}", "Give the path of a file that you may read."
     raise RobotFileError(f"{printable(str(path))}: {what}", None, "", instead, Code.FILE)
 
 
 def read_at_most(path: str | Path, limit: int) -> bytes:
-    """The first ``limit`` bytes of a file. OSError where it cannot be read, ValueError where it is no regular file."""
+    """Return the first ``limit`` bytes of a file.
+
+    Raises:
+        OSError: The file cannot be read.
+        ValueError: It is not a regular file, and the caller has not opened it.
+    """
     kind = _KINDS.get(stat.S_IFMT(Path(path).stat().st_mode))
     if kind and not str(path).startswith(_OPENED):
         raise ValueError(f"it is {kind}, not a regular file")
@@ -282,7 +314,7 @@ def read_at_most(path: str | Path, limit: int) -> bytes:
 
 
 def read_stream(stream: BinaryIO, limit: int) -> bytes:
-    """What ``stream`` gives until its end, at most ``limit`` bytes; a pipe may give it in parts."""
+    """Return the bytes of ``stream`` up to its end, at most ``limit``. A pipe may deliver them in parts."""
     parts: list[bytes] = []
     rest = limit
     while rest and (part := stream.read(rest)):

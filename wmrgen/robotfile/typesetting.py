@@ -1,7 +1,7 @@
-"""How the text of a robot file is laid out: spaces and line ends, never a word. Comments keep their lines.
+"""Format the text of a robot file: change spaces and line ends, but no word. Comments keep their lines.
 
-Blocks are indented by two spaces, entries of mappings in braces that stand one below the other are aligned, brackets
-have no spaces inside, and a comment stands three spaces behind what it is about.
+Blocks are indented by two spaces. Mappings in braces on consecutive lines have their entries aligned. Brackets have no
+spaces inside. A comment is three spaces after the text that it follows.
 """
 
 from __future__ import annotations
@@ -14,16 +14,17 @@ from itertools import groupby
 from wmrgen.robotfile.reader import Token, read_tree, tokens
 from wmrgen.robotfile.text import MappingNode, Node, Scalar, SequenceNode, normalise
 
-_STEP = 2
+_STEP = 2  # spaces of indentation
 _GAP = "   "  # before a comment
 _OPENS, _CLOSES = ("{", "["), ("}", "]")
 _MAPPING, _LIST = "<block mapping start>", "<block sequence start>"
 
 
 def formatted(text: str, file: str) -> str:
-    """``text`` laid out; as it is where that would change what it says, which only texts over several lines can do.
+    """Return the formatted text of a robot file.
 
-    RobotFileError where it is not what a robot file is made of; names and values may be wrong.
+    If formatting would change the content, as it may with quoted texts over several lines, the text is returned
+    unchanged. Names and values may be wrong; a text that is not the YAML of robot files raises RobotFileError.
     """
     text = normalise(text, file)
     before = read_tree(text, file)
@@ -35,7 +36,7 @@ def formatted(text: str, file: str) -> str:
 
 
 def _content(node: Node | None) -> object:
-    """What a tree says, without its places."""
+    """Return the content of a tree without its marks."""
     if isinstance(node, Scalar):
         return node.text, node.plain
     if isinstance(node, SequenceNode):
@@ -45,11 +46,11 @@ def _content(node: Node | None) -> object:
 
 @dataclass(slots=True)
 class _Line:
-    """A line of the result: words, each behind its spaces. ``column``: where it begins; ``was``: where it began."""
+    """A line of the result."""
 
-    was: int = 0
-    column: int = 0
-    words: list[tuple[str, str]] = field(default_factory=list)
+    was: int = 0  # the column where it begins in the given text
+    column: int = 0  # the column where it begins in the result
+    words: list[tuple[str, str]] = field(default_factory=list)  # the spaces before each word, and the word
     comment: str = ""
 
     def __str__(self) -> str:
@@ -57,12 +58,15 @@ class _Line:
         return f"{self.shown(len(self.words))}{start if self.comment else ''}{self.comment}".rstrip(" ")
 
     def shown(self, count: int, start: int = 0) -> str:
-        """The words from ``start`` to before ``count``."""
+        """Return the text of the words from ``start`` up to ``count``."""
         return "".join(space + word for space, word in self.words[start:count])
 
     @property
     def cells(self) -> list[int]:
-        """Where the entries begin of the first mapping in braces, and its end; [] where it ends on another line."""
+        """The indices of the words that begin an entry of the first mapping in braces, and of its closing brace.
+
+        Empty if there is no mapping in braces, or if it ends on another line.
+        """
         starts, depth = [], 0
         for i, (_, word) in enumerate(self.words):
             if word in _OPENS and (depth or word == "{"):
@@ -79,20 +83,21 @@ class _Line:
 
 
 class _Layout:
-    """Takes tokens in order. ``_blocks``: kind and column of each block collection that is open, -1 before it is known;
-    ``_flows``: of each in brackets, the columns of what is inside and of its end."""
+    """Builds the result from the tokens, which `take` gets in order."""
 
     def __init__(self, text: str) -> None:
         self._text = text
         self._lines: list[_Line] = []
-        self._blocks: list[tuple[str, int]] = []
-        self._flows: list[tuple[int, int]] = []
+        self._blocks: list[
+            tuple[str, int]
+        ] = []  # kind and column of each open block; -1 before its first word
+        self._flows: list[tuple[int, int]] = []  # columns of the content and the end of each open bracket
         self._dash = 0  # the column of the last dash
         self._last = Token("", "", 0, 0)
-        self._line = _Line()  # the last that has words
+        self._line = _Line()  # the last line that has words
 
     def take(self, token: Token) -> None:
-        """Lay out one token, and the comments before it."""
+        """Write one token and the comments before it."""
         if token.kind in (_MAPPING, _LIST):
             self._blocks.append((token.kind, -1))
         elif token.kind == "<block end>":
@@ -111,7 +116,7 @@ class _Layout:
             self._last = token
 
     def finished(self) -> str:
-        """The whole text, entries aligned."""
+        """Return the whole text with aligned entries."""
         self._between(self._text[self._last.end :] + "\n", _Line())
         for _, table in groupby(
             self._lines, lambda line: bool(line.cells) and len(line.shown(line.cells[0]))
@@ -121,7 +126,7 @@ class _Layout:
         return f"{text}\n" if text else ""
 
     def _column(self, token: Token) -> int:
-        """Where a line goes that ``token`` begins."""
+        """Return the column of a line that begins with ``token``."""
         if self._flows:
             return self._flows[-1][token.kind in _CLOSES]
         if self._last.kind == "-":
@@ -132,7 +137,7 @@ class _Layout:
         return outer + _STEP if self._last.kind == ":" or inside_a_key or begins else max(outer, 0)
 
     def _between(self, gap: str, following: _Line) -> None:
-        """Comments and empty lines between the last word and the line ``following``."""
+        """Write the comments and empty lines between the last word and the line ``following``."""
         first, *others = gap.split("\n")
         if self._line.words:
             self._lines[-1].comment = _comment(first)
@@ -169,14 +174,15 @@ class _Layout:
 
 
 def _comment(text: str) -> str:
-    """A comment with a space behind its sign; "" for a line that has none."""
+    """Return a comment with a space after its sign; "" for a blank line."""
     return re.sub(r"^#(?=[^\s#!:])", "# ", text.strip())
 
 
 def _align(table: Sequence[_Line], k: int) -> None:
-    """Pad entry ``k`` of lines whose mappings begin in one column, where those up to the next have the same keys."""
+    """Align entry ``k`` + 1 of lines whose mappings begin in one column and have the same keys up to it."""
 
     def keys(line: _Line) -> tuple[str, ...]:
+        """The first words of the entries up to ``k`` + 1; empty if the line has too few entries."""
         cells = line.cells
         return tuple(line.words[i][1] for i in cells[:-1]) if len(cells) > k + 2 else ()
 

@@ -1,4 +1,4 @@
-"""Wheels and their joints: which are driven, measured, limited or coupled."""
+"""Read the wheels and couplings of a robot file: position, radius, type, and which joints are driven and measured."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from typing import Any
 from wmrgen.errors import Code, ErrorCollector, RobotFileError
 from wmrgen.robotfile.fields import Amount
 from wmrgen.robotfile.joints import read_of_joints
-from wmrgen.robotfile.keys import WHEEL
+from wmrgen.robotfile.keys import COUPLING, WHEEL
 from wmrgen.robotfile.names import Names, numbered_names, wheel_name
-from wmrgen.robotfile.numbers import Kind, Scope
-from wmrgen.robotfile.part_keys import COUPLING
-from wmrgen.robotfile.quantities import read_quantity
+from wmrgen.robotfile.numbers import Kind
+from wmrgen.robotfile.quantities import Scope, read_quantity
 from wmrgen.robotfile.records import Coupling, Quantity, WheelSpec
 from wmrgen.robotfile.tables import Table, read_number, table_of
 from wmrgen.robotfile.text import (
@@ -32,20 +31,22 @@ _QUANTITIES = tuple(f.key for f in WHEEL.fields if isinstance(f.value, Amount))
 
 
 def declared_types(robot: Table) -> dict[str, WheelType | None]:
-    """The names that joints are called by, readable or not, each with the type of its wheel if that is known."""
+    """Return the names that joints begin with, each with the type of its wheel; None if the type is unknown."""
     return {name: kind for _, name, kind in _declared(robot)}
 
 
 def every_wheel_is_named(robot: Table) -> bool:
-    """Whether each of ``wheels`` has a name of its own."""
+    """Return whether each wheel has a name of its own."""
     node = robot.get("wheels")
     named = {wheel for wheel, _, _ in _declared(robot)}
     return not isinstance(node, SequenceNode) or len(named) == len(node.items)
 
 
 def _declared(robot: Table) -> Iterator[tuple[str, str, WheelType | None]]:
-    """For each wheel its name, the name that its joints are called by, and its type. A ball that is driven in two
-    directions has two of the second."""
+    """Yield for each wheel its name, the name that its joints begin with, and its type.
+
+    A ball that is driven in two directions is yielded twice, with the names ``name_1`` and ``name_2`` of its joints.
+    """
     node = robot.get("wheels")
     for item in node.items if isinstance(node, SequenceNode) else ():
         entries = {key.text: value for key, value in item.entries} if isinstance(item, MappingNode) else {}
@@ -60,7 +61,17 @@ def _declared(robot: Table) -> Iterator[tuple[str, str, WheelType | None]]:
 
 
 def read_wheels(robot: Table, scope: Scope, names: Names, collector: ErrorCollector) -> tuple[WheelSpec, ...]:
-    """The wheels whose type can be read, with what else of them can; ``several`` takes the rest."""
+    """Read the wheels.
+
+    Args:
+        robot: The table of the robot file.
+        scope: The parameters that expressions may use.
+        names: Receives the names of the wheels.
+        collector: Receives the errors.
+
+    Returns:
+        The wheels whose type is valid, without the values that are wrong.
+    """
     wheels: list[WheelSpec] = []
     for item in robot.items("wheels"):
         with collector:
@@ -69,7 +80,7 @@ def read_wheels(robot: Table, scope: Scope, names: Names, collector: ErrorCollec
 
 
 def _wheel(item: Node, scope: Scope, names: Names, collector: ErrorCollector) -> list[WheelSpec]:
-    """One entry of ``wheels``: one record, or one for each driven direction of a ball."""
+    """Read one entry of ``wheels``: one record, or one for each direction in which a ball is driven."""
     name, table = "", table_of(item, WHEEL, collector)
     with collector:
         node = scalar_of(table.require("name", "the wheel"), "name")
@@ -88,7 +99,7 @@ def _wheel(item: Node, scope: Scope, names: Names, collector: ErrorCollector) ->
         return []
     what = f"the {kind.name} wheel {name}".rstrip()
     directions: list[Quantity] = []
-    if kind.powered and table.get("driven") is not None:
+    if kind.powered:
         with collector:
             of = f"driven of {name or 'the wheel'}"
             directions = [read_quantity(d, Kind.ANGLE, of, scope) for d in table.items("driven")]
@@ -106,25 +117,19 @@ def _wheel(item: Node, scope: Scope, names: Names, collector: ErrorCollector) ->
         for owner, direction in zip(owners, directions, strict=True):
             if owner != name:
                 names.add(owner, f"a drive of the ball {name}", node)
-            drives.append(
-                WheelSpec(
-                    name=owner,
-                    type=kind.name,
-                    mark=table.mark,
-                    ball=name or owner,
-                    **{**facts, "heading": direction},
-                )
-            )
+            facts["heading"] = direction
+            ball = name or owner
+            drives.append(WheelSpec(name=owner, type=kind.name, mark=table.mark, ball=ball, **facts))
     return drives
 
 
 def _check_driven(table: Table, powered: WheelType, what: str) -> None:
-    """A driven ball has the keys that its drives need, and no direction besides theirs."""
+    """Check that a driven ball has the keys that its drives need, and no orientation of its own."""
     for key in ("beta", "heading"):
         if key in table.keys:
             raise table.keys[key].error(
-                f"{what} has driven and {key}",
-                "The directions of driven are measured in the robot frame; the ball itself has no orientation.",
+                f"{what} has driven as well as {key}",
+                "The directions of driven are in the robot frame; the ball itself has no orientation.",
                 f"Delete {key}.",
                 code=Code.TWICE,
             )
@@ -133,9 +138,9 @@ def _check_driven(table: Table, powered: WheelType, what: str) -> None:
 
 
 def _check_keys(table: Table, kind: WheelType, what: str, collector: ErrorCollector) -> None:
-    """The keys that the wheel's type asks for and no others."""
+    """Check that a wheel has the keys that its type requires, and none that its type does not have."""
     if unknown := {*kind.keys, *kind.required} - {f.key for f in WHEEL.fields}:
-        raise ValueError(f"the wheel type {kind.name} has the key {min(unknown)}, which no wheel has")
+        raise ValueError(f"the wheel type {kind.name} has the unknown key {min(unknown)}")
     for key, node in table.keys.items():
         reason = WHEEL.field(key).misfit
         if reason and not kind.takes(key) and key not in table.excused:
@@ -151,7 +156,7 @@ def _check_keys(table: Table, kind: WheelType, what: str, collector: ErrorCollec
 def _joint_facts(
     table: Table, kind: WheelType, what: str, scope: Scope, collector: ErrorCollector
 ) -> dict[str, tuple[Any, ...]]:
-    """Which joints of a wheel are driven and measured, and what is said of them."""
+    """Return the fields of a WheelSpec that belong to joints: driven, measured, limits, noise, encoders and lag."""
     facts: dict[str, tuple[Any, ...]] = {"actuated": kind.actuated}
     for key in ("actuated", "sensed"):
         with collector:
@@ -163,6 +168,7 @@ def _joint_facts(
 
 
 def _type(table: Table, what: str) -> WheelType:
+    """Return the type of a wheel; raise RobotFileError if it is missing or unknown."""
     names = " ".join(WHEEL_TYPES)
     if "type" not in table.values:
         why, instead = WHEEL.field("type").missing or ("", "")
@@ -176,21 +182,31 @@ def _type(table: Table, what: str) -> WheelType:
 
 
 def _aliases() -> dict[str, str]:
-    """What people also call wheels, with the type that is meant."""
-    return {
-        alias: f"Did you mean {kind.name}? {hint}".rstrip()
-        for kind in WHEEL_TYPES.values()
-        for alias, hint in kind.aliases.items()
-    }
+    """Return other names of wheel types, each with a hint."""
+    hints = {}
+    for kind in WHEEL_TYPES.values():
+        for alias, hint in kind.aliases.items():
+            hints[alias] = f"Did you mean {kind.name}? {hint}".rstrip()
+    return hints
 
 
 def takes(kind: WheelType, key: str) -> bool:
-    """A wheel of this type has the key."""
+    """Return whether wheels of this type may have the key."""
     return WHEEL.field(key).misfit is None or kind.takes(key)
 
 
 def read_joints(table: Table, key: str, kind: WheelType, default: tuple[str, ...]) -> tuple[str, ...]:
-    """``actuated`` or ``sensed``, in the order spin, steer."""
+    """Read which joints of a wheel are driven or measured.
+
+    Args:
+        table: The wheel.
+        key: ``actuated`` or ``sensed``.
+        kind: The type of the wheel.
+        default: The joints if the key is absent.
+
+    Returns:
+        The joints in the order spin, steer.
+    """
     if table.get(key) is None:
         return default
     names = []
@@ -203,16 +219,23 @@ def read_joints(table: Table, key: str, kind: WheelType, default: tuple[str, ...
 
 
 def _no_joint(scalar: Scalar, what: str, joint: str, kind: WheelType, without: str) -> RobotFileError:
-    """The error for a joint that wheels of this type lack; ``without``: what to write where they have none."""
+    """Return the error for a joint that wheels of this type lack; ``without``: what to write if they have none."""
     if not kind.joints:
-        return scalar.error(what, "It has no joint.", without)
+        return scalar.error(what, "A wheel of this type has no joint.", without)
     return scalar.error(what, "", suggestion(joint, kind.joints))
 
 
 def read_couplings(
     robot: Table, types: Mapping[str, WheelType | None], scope: Scope, collector: ErrorCollector
 ) -> tuple[Coupling, ...]:
-    """Sets of joints that move alike: each names one joint of at least two wheels. ``types``: of the wheels."""
+    """Read the couplings, each of which couples one joint of at least two wheels.
+
+    Args:
+        robot: The table of the robot file.
+        types: The type of each wheel, None if it is unknown.
+        scope: The parameters that ratios may use.
+        collector: Receives the errors.
+    """
     couplings: dict[tuple[str, frozenset[str]], Coupling] = {}
     for item in robot.items("couplings"):
         with collector:
@@ -220,13 +243,14 @@ def read_couplings(
             coupling = _coupling(table, types, scope)
             key = coupling.joint, frozenset(coupling.wheels)
             if key in couplings:
-                what = f"this coupling stands on line {couplings[key].mark.line} already"
+                what = f"the same coupling is on line {couplings[key].mark.line}"
                 raise table.node.error(what, "", "Delete one of them.", code=Code.TWICE)
             couplings[key] = coupling
     return tuple(couplings.values())
 
 
 def _coupling(table: Table, types: Mapping[str, WheelType | None], scope: Scope) -> Coupling:
+    """Read one entry of ``couplings``."""
     table.require("equal", "a coupling")
     collector, joint, names = ErrorCollector(), "", list[str]()
     for scalar in table.scalars("equal"):
@@ -235,8 +259,8 @@ def _coupling(table: Table, types: Mapping[str, WheelType | None], scope: Scope)
             if joint and this != joint:
                 raise scalar.error(
                     f"{quoted(scalar.text)} is not a {joint} joint like the first",
-                    "A coupling makes angles of one kind equal.",
-                    f"Write {name}.{joint}, or a coupling of its own.",
+                    "A coupling has joints of one kind.",
+                    f"Write {name}.{joint}, or another coupling.",
                 )
             joint = this
             names.append(name)
@@ -247,12 +271,13 @@ def _coupling(table: Table, types: Mapping[str, WheelType | None], scope: Scope)
     if ratios and len(ratios) != len(names):
         raise table.values["ratios"].error(
             f"{len(ratios)} ratio{'s' * (len(ratios) != 1)} of {len(names)} joints", "Each joint has one.",
-            f"Write ratios: [{', '.join(['1'] * len(names))}], each the turns of that joint per turn of the shaft.",
+            f"Write ratios: [{', '.join(['1'] * len(names))}], the turns of each joint per turn of the shaft.",
         )  # fmt: skip
     return Coupling(joint, tuple(names), table.mark, tuple(ratios))
 
 
 def _joint(scalar: Scalar, types: Mapping[str, WheelType | None]) -> tuple[str, str]:
+    """Return the wheel and the joint of a text such as ``left.spin``."""
     name, dot, joint = scalar.text.strip().partition(".")
     if not dot:
         wheel = name if name in types else "wheel"
@@ -269,7 +294,16 @@ def _joint(scalar: Scalar, types: Mapping[str, WheelType | None]) -> tuple[str, 
 
 
 def wheel_called(name: str, scalar: Scalar, types: Mapping[str, WheelType | None]) -> WheelType | None:
-    """The type of a wheel that something names; None where it is not known, which has been told."""
+    """Return the type of the wheel with a name; None if its type is unknown, which has been reported.
+
+    Args:
+        name: The name of the wheel.
+        scalar: The text that has the name, for the place of errors.
+        types: The type of each wheel.
+
+    Raises:
+        RobotFileError: There is no wheel of this name.
+    """
     if name not in types:
         what = f"there is no wheel {quoted(name)}"
         raise scalar.error(what, "", suggestion(name, types), code=Code.UNDECLARED)

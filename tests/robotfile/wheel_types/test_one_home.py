@@ -1,4 +1,4 @@
-"""A wheel type has one home: outside `wmrgen.robotfile.wheel_types` nothing asks for its name."""
+"""Only `wmrgen.robotfile.wheel_types` uses the name of a wheel type."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def test_no_module_elsewhere_names_a_wheel_type() -> None:
     assert places == []
 
 
-# What Siegwart's table of wheels says of the five: (rolls about an axle, turns, swivels, has rollers,
-# constrains the twist, by an axle that stands fixed in the body).
+# The five types in Siegwart's table: (rolls about an axle, steers, swivels, has rollers, constrains the twist,
+# constrains it by an axle that is fixed in the body).
 SIEGWART = {
     "fixed": (True, False, False, False, True, True),
     "steered": (True, True, False, False, True, False),
@@ -48,7 +48,7 @@ SIEGWART = {
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_what_the_five_types_are(name: str) -> None:
+def test_properties_of_the_five_types(name: str) -> None:
     kind = WHEEL_TYPES[name]
     facts = (kind.has_spin, kind.turns, kind.swivels, kind.rollers, kind.constrains, kind.fixed_axle)
     assert facts == SIEGWART[name]
@@ -60,18 +60,18 @@ def test_what_the_five_types_are(name: str) -> None:
     [
         ({"name": "fixed"}, "there is a wheel type fixed already"),
         ({"joints": ("spin", "steer"), "sliding_row": False}, "needs a sliding row"),
-        ({"joints": ("steer",)}, "needs a spin"),
-        ({"actuated": ("steer",)}, "of the joints"),
+        ({"joints": ("steer",)}, "joint spin"),
+        ({"actuated": ("steer",)}, "joints are"),
         ({"required": ()}, "needs r among its required keys"),
         ({"joints": ("spin", "steer"), "keys": ("d",)}, "d among its required keys"),
-        ({"required": ("r", "d")}, "it has none"),
-        ({"keys": ("offset_y",)}, "it has none"),
+        ({"required": ("r", "d")}, "steering axis"),
+        ({"keys": ("offset_y",)}, "steering axis"),
         ({"keys": ("gamma",)}, "slides across them"),
         ({"required": ("r", "gamma")}, "slides across them"),
         ({"sliding_row": False}, "words.free must say"),
     ],
 )
-def test_a_type_that_is_none_is_refused(change: dict[str, object], words: str) -> None:
+def test_contradictory_types_are_refused(change: dict[str, object], words: str) -> None:
     before = tuple(WHEEL_TYPES)
     whole = {
         "name": "new", "meaning": "", "noun": "new wheel", "joints": ("spin",), "required": ("r",)

@@ -1,7 +1,8 @@
-"""What a wheel type is, everything that the stages ask of it; and the five of Siegwart's table.
+"""The record of a wheel type, and the five types of Siegwart's table.
 
-The rows themselves are the same for every type and stand in `wmrgen.geometry.constraints`: geometry that a type
-lacks is zero there. A type says which joints and which rows a wheel has, what the robot file may give, and its words.
+A type has the joints of a wheel, its constraint rows, its keys in the robot file, and its words in the report. The rows
+themselves are in `wmrgen.geometry.constraints`; they are the same for all types,
+because geometry that a type lacks is zero.
 """
 
 from __future__ import annotations
@@ -12,130 +13,116 @@ from typing import Any, NamedTuple
 
 
 class Check(NamedTuple):
-    """What the value of ``key`` must not be. ``bad`` sees the wheel's nominal `Geometry`.
-
-    ``problem`` has the placeholders {what} (the wheel) and {text} (the value as written). ``keeps_sign``: what must
-    not reach 0 wherever tunable parameters are, the ``value`` or its ``cosine``; empty where neither says it.
-    """
+    """A check of the value of a key."""
 
     key: str
-    bad: Callable[[Any], bool]
-    problem: str
+    bad: Callable[[Any], bool]  # takes the nominal `Geometry` of the wheel
+    problem: str  # the message, with {what} for the wheel and {text} for the value as written
     why: str = ""
-    instead: str = ""
-    keeps_sign: str = ""
+    instead: str = ""  # what to write
+    keeps_sign: str = (
+        ""  # must not reach 0 for any tunable parameter: the "value", its "cosine", or "" for neither
+    )
 
 
 class Words(NamedTuple):
-    """The report's words.
+    """The sentences of the report about a wheel type."""
 
-    ``intro`` comes before the equations of the type; ``offset_intro`` replaces it where a contact point stands off
-    its pivot along the axle. ``free``: why a wheel of the type puts no constraint on the twist. ``equations``:
-    numbers of the rolling and sliding equation in section 3.2 of Siegwart, Nourbakhsh and Scaramuzza. ``note``
-    follows the equations.
-    """
-
-    intro: str
-    free: str = ""
-    offset_intro: str = ""
+    intro: str  # before the equations
+    free: str = ""  # why a wheel of this type does not constrain the twist
+    offset_intro: str = ""  # in place of `intro` if the contact point is off its pivot along the axle
+    # Numbers of the rolling and sliding equations in section 3.2 of Siegwart, Nourbakhsh and Scaramuzza.
     equations: tuple[int, int] | None = None
-    note: str = ""
+    note: str = ""  # after the equations
 
 
 class Glyph(NamedTuple):
-    """How the drawing shows a wheel: ``fill`` is a colour, ``width`` the tyre's over its radius.
+    """How the drawing shows a wheel."""
 
-    ``sign``: half the width [px] of the tyre in the legend. ``ball``: a circle instead of a tyre.
-    """
-
-    fill: str
-    width: float = 0.42
-    sign: int = 3
-    ball: bool = False
+    fill: str  # a colour
+    width: float = 0.42  # of the tyre, divided by its radius
+    sign: int = 3  # half the width of the tyre in the legend [px]
+    ball: bool = False  # a circle in place of a tyre
 
 
 @dataclass(frozen=True, slots=True)
 class WheelType:
     """A wheel type.
 
-    ``meaning``: a line for the schema. ``noun``: "castor", "fixed wheel". ``joints``: of (spin, steer), in this
-    order; ``actuated``: those that are driven unless the robot file says otherwise. ``keys``: those that the robot
-    file may give beyond the common ones; ``required``: those that it must give, r of a wheel with a spin; a wheel that
-    turns and requires d is a castor, one with gamma has rollers. ``oriented``: beta or heading must be given.
-    ``powered``: what a wheel of this type is along each direction in which it is driven; only a type that has it takes
-    the key driven.
-    ``sliding_row``: the contact cannot move freely across the wheel. ``aliases``: what people also call it, with a
-    hint. ``misfits``: a key that exists but does not fit, with why and what to write instead.
+    A wheel that steers and requires d is a castor. A wheel with the key gamma has rollers.
     """
 
     name: str
-    meaning: str
-    noun: str
-    joints: tuple[str, ...]
+    meaning: str  # a phrase for the schema
+    noun: str  # such as "castor" or "fixed wheel"
+    joints: tuple[str, ...]  # of (spin, steer), in this order
     words: Words
     glyph: Glyph
-    actuated: tuple[str, ...] = ()
-    keys: tuple[str, ...] = ()
-    required: tuple[str, ...] = ()
-    oriented: bool = True
-    sliding_row: bool = True
-    aliases: Mapping[str, str] = field(default_factory=dict)
+    actuated: tuple[str, ...] = ()  # joints that are driven by default
+    keys: tuple[str, ...] = ()  # keys that a robot file may give, in addition to those of all wheels
+    required: tuple[str, ...] = ()  # keys that a robot file must give, among them r for a wheel with a spin
+    oriented: bool = True  # whether beta or heading is required
+    sliding_row: bool = True  # whether the contact point cannot move freely across the wheel
+    aliases: Mapping[str, str] = field(default_factory=dict)  # other names for the type, each with a hint
+    # Keys of other types that people might write for this one: why not, and what to write.
     misfits: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     checks: tuple[Check, ...] = ()
-    powered: WheelType | None = None
+    powered: WheelType | None = (
+        None  # the type along each direction of the key driven; None if it has no such key
+    )
 
     @property
     def label(self) -> str:
-        """The noun in a column that is called type."""
+        """The noun without "wheel", for a column of types."""
         return self.noun.removesuffix(" wheel")
 
     @property
     def has_spin(self) -> bool:
-        """It rolls about an axle, so it has a rolling row."""
+        """Whether the wheel rolls about an axle, so that it has a rolling row."""
         return "spin" in self.joints
 
     @property
     def directed(self) -> bool:
-        """It has a row, so its rolling direction counts."""
+        """Whether the wheel has a constraint row, so that its rolling direction matters."""
         return self.has_spin or self.sliding_row
 
     @property
     def rolls_across(self) -> bool:
-        """It rolls along one direction and moves freely across it, on rollers or as a driven ball."""
+        """Whether the wheel rolls along one direction and moves freely across it, on rollers or as a driven ball."""
         return self.has_spin and not self.sliding_row
 
     @property
     def turns(self) -> bool:
-        """Its rolling direction is a joint."""
+        """Whether the wheel has a steering joint."""
         return "steer" in self.joints
 
     def takes(self, key: str) -> bool:
-        """A robot file may give the key or must: of those that not every wheel type has."""
+        """Return whether wheels of this type have a key that is not common to all types."""
         return key in self.keys or key in self.required
 
     @property
     def rollers(self) -> bool:
-        """It has rollers on its rim, with their axes at gamma from the wheel plane."""
+        """Whether the wheel has rollers on its rim, with axes at the angle gamma from the wheel plane."""
         return self.takes("gamma")
 
     @property
     def swivels(self) -> bool:
-        """Its contact point trails its steering axis, so its steering rate takes up what moves across the wheel."""
+        """Whether the contact point trails the steering axis, so that the wheel follows any motion, like a castor."""
         return self.turns and "d" in self.required
 
     @property
     def constrains(self) -> bool:
-        """Its sliding row constrains the twist."""
+        """Whether the sliding row constrains the twist."""
         return self.sliding_row and not self.swivels
 
     @property
     def steers(self) -> bool:
-        """It constrains the twist, and its steering angle chooses how."""
+        """Whether the wheel constrains the twist in a direction that its steering angle chooses."""
         return self.constrains and self.turns
 
     @property
     def fixed_axle(self) -> bool:
-        """It constrains the twist by an axle that stands fixed in the body."""
+        """Whether the wheel constrains the twist by an axle that is fixed in the body."""
         return self.constrains and not self.turns
 
 
@@ -172,24 +159,24 @@ STEERED = WheelType(
     aliases=dict.fromkeys(("steerable", "swerve", "orientable", "centered"), ""),
     misfits={
         "d": (
-            "d moves the contact point behind the steering axis, which makes the wheel a castor.",
+            "A contact point at a distance d from the steering axis makes the wheel a castor.",
             "Write type: castor, or delete d (a lateral axle offset is offset_y).",
         )
     },
     words=Words(
-        f"{_OBEYS}Its contact point lies under the pivot, so ψ̇ does not occur:",
-        offset_intro=f"{_OBEYS}Here the contact point stands off the pivot by o along the axle, so steering rolls "
-        "the wheel; the book has no such term:",
+        f"{_OBEYS}Its contact point is below the pivot, so ψ̇ does not occur:",
+        offset_intro=f"{_OBEYS}Here the contact point is at a distance o from the pivot along the axle, so steering "
+        "rolls the wheel. The book does not have this term:",
         equations=(15, 16),
     ),
     glyph=Glyph("#56b4e9"),
 )
 
 
-# The castor: its contact point trails its steering axis, so it follows any motion (Siegwart (3.17), (3.18)).
+# The castor: its contact point trails its steering axis, so that it follows any motion (Siegwart (3.17), (3.18)).
 CASTOR = WheelType(
     name="castor",
-    meaning="a wheel whose contact point stands off its steering axis by d, along the rolling direction",
+    meaning="a wheel whose contact point is at a distance d from its steering axis, along the rolling direction",
     noun="castor",
     joints=("spin", "steer"),
     keys=("offset_y", "per_steer"),
@@ -197,9 +184,9 @@ CASTOR = WheelType(
     oriented=False,
     aliases=dict.fromkeys(("caster", "trailing"), ""),
     words=Words(
-        "A castor's contact point lies off its pivot. Its rolling equation is that of a steered wheel (3.17); "
-        "in the sliding equation (3.18) the swivel rate takes up whatever sideways motion the chassis has, so that "
-        "it does not constrain the robot:",
+        "The contact point of a castor is off its pivot. Its rolling equation is the one of a steered wheel (3.17). "
+        "In the sliding equation (3.18) the swivel rate follows any sideways motion of the chassis, so that the castor "
+        "does not constrain the robot:",
         free="a castor swivels into any motion",
         equations=(17, 18),
     ),
@@ -232,32 +219,33 @@ SWEDISH = WheelType(
             lambda g: g.r_sw.sign <= 0,
             "{what} has r_sw = {text}, which is not positive",
             "",
-            "r_sw is the radius of a roller: r_sw: 15 mm. Only the function contacts asks for it.",
+            "Write the radius of a roller, such as r_sw: 15 mm. Only the function contacts needs it.",
             "value",
         ),
         Check(
             "gamma",
             lambda g: abs(float(g.cg)) < 1e-9,
-            "{what} has gamma = {text}: the roller axis stands across the wheel plane",
-            "The wheel could not drive: its rim speed would turn the rollers only.",
-            "gamma is the angle from the wheel plane to the roller axis at the ground: "
+            "{what} has gamma = {text}: the roller axis is perpendicular to the wheel plane",
+            "Such a wheel cannot drive, because its rim speed turns only the rollers.",
+            "Write the angle from the wheel plane to the roller axis at the ground: "
             "0 for an omni wheel, 45 deg or -45 deg for a mecanum wheel.",
             "cosine",
         ),
     ),
     words=Words(
         "A Swedish wheel is driven along its wheel plane and moves freely across the axes of its rollers. Only the "
-        "component along the roller axis is enforced (3.19); the second line, (3.20), gives the rollers' own speed:",
+        "component along the roller axis is constrained (3.19). The second line, (3.20), gives the speed of the "
+        "rollers:",
         free="a Swedish wheel moves freely across the axes of its rollers",
         equations=(19, 20),
-        note="(The book prints (3.20) with −r φ̇ sin γ. With the rollers locked, (3.19) and (3.20) must together "
-        "give the velocity r φ̇ along the wheel, and only the plus sign does.)",
+        note="(The book prints (3.20) with −r φ̇ sin γ. With locked rollers, (3.19) and (3.20) together must give the "
+        "velocity r φ̇ along the wheel, which requires the plus sign.)",
     ),
     glyph=Glyph("#009e73", width=0.72, sign=4),
 )
 
 
-# A direction in which a ball is driven: it rolls along that direction (Siegwart (3.21)) and moves freely across it.
+# A direction in which a ball is driven: the ball rolls along it (Siegwart (3.21)) and moves freely across it.
 _POWERED = WheelType(
     name="spherical",
     meaning="a direction in which a ball is driven",
@@ -275,10 +263,10 @@ _POWERED = WheelType(
     glyph=Glyph("#cc79a7", width=2.0, ball=True),
 )
 
-# The spherical wheel: a ball that follows every motion and constrains none (Siegwart (3.21), (3.22)).
+# The spherical wheel: a ball that follows any motion (Siegwart (3.21), (3.22)).
 SPHERICAL = WheelType(
     name="spherical",
-    meaning="a ball that rolls every way, driven in none, one or two directions",
+    meaning="a ball that rolls in any direction, driven in none, one or two directions",
     noun="spherical wheel",
     joints=(),
     keys=("driven",),
@@ -286,9 +274,9 @@ SPHERICAL = WheelType(
     sliding_row=False,
     aliases=dict.fromkeys(("ball", "sphere", "slider"), ""),
     words=Words(
-        "A ball rolls any way. (3.21) gives its rate for the direction β that (3.22) picks; both follow the "
-        "motion, neither constrains it:",
-        free="a sphere rolls any way",
+        "A ball rolls in any direction. (3.22) gives the direction β and (3.21) the rate of its rolling; neither "
+        "constrains the motion:",
+        free="a sphere rolls in any direction",
         equations=(21, 22),
     ),
     glyph=Glyph("#cc79a7", width=2.0, ball=True),

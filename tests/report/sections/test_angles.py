@@ -15,8 +15,7 @@ from tests.robots import ROBOTS, of_gallery
 from wmrgen.geometry import notation
 from wmrgen.geometry.exact.evaluate import sqrt_poly
 from wmrgen.geometry.exact.poly import Poly
-from wmrgen.report.sections.angles import equation, gathered, readable, roots, upright
-from wmrgen.report.sections.latex import terms
+from wmrgen.report.sections.latex import equation, gathered, readable, roots, terms, upright
 from wmrgen.report.sections.rows import _quotient
 
 ANGLES = {"a": 0.7, "b": -1.3, "c": 2.9}

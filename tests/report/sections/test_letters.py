@@ -13,7 +13,8 @@ from tests.report.sections.common import between, numerics_of, page_of, page_wri
 from tests.report.sections.reading import formulas, read
 from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen.geometry import notation
-from wmrgen.report.sections.closed import closed_forward, closed_inverse
+from wmrgen.report.sections.forward import closed_forward
+from wmrgen.report.sections.inverse import closed_inverse
 
 
 def test_the_yaw_rate_of_a_mecanum_base() -> None:

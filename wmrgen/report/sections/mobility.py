@@ -19,9 +19,18 @@ from wmrgen.geometry.constraints import XI, symbolic_view
 from wmrgen.geometry.exact.evaluate import fix
 from wmrgen.geometry.exact.poly import Poly, Row, dot, has_angles
 from wmrgen.geometry.layout.records import Robot, Wheel
-from wmrgen.report.sections.angles import equation, gathered, roots, short
-from wmrgen.report.sections.closed import driven_twist, moves_as_partners
-from wmrgen.report.sections.latex import latex, summands, terms
+from wmrgen.report.sections.inverse import driven_twist, moves_as_partners
+from wmrgen.report.sections.latex import (
+    equation,
+    gathered,
+    latex,
+    roots,
+    short,
+    summands,
+    terms,
+    width,
+    wrapped,
+)
 from wmrgen.report.sections.markdown import (
     aligned,
     capitalised,
@@ -34,7 +43,6 @@ from wmrgen.report.sections.markdown import (
     some,
 )
 from wmrgen.report.sections.motion import jackknives
-from wmrgen.report.sections.terms import width, wrapped
 
 _RELATION = 150  # glyphs of a printed compatibility condition
 _PRODUCTS = 10_000  # of terms, in the brackets of trailers: half a second

@@ -20,10 +20,18 @@ from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.geometry.printing import size, symbol_names
 from wmrgen.geometry.symbolic import Expr, signal
-from wmrgen.report.sections.angles import gathered, with_tangents
-from wmrgen.report.sections.latex import latex, pieces, summands, terms, total
+from wmrgen.report.sections.latex import (
+    gathered,
+    latex,
+    pieces,
+    summands,
+    terms,
+    total,
+    width,
+    with_tangents,
+    wrapped,
+)
 from wmrgen.report.sections.markdown import aligned, code, listed, sentence
-from wmrgen.report.sections.terms import width, wrapped
 
 _WIDEST = 90  # glyphs of a line of the model in wheel speeds
 _SHORT = 45  # glyphs of v_x that is written twice

@@ -9,9 +9,10 @@ from itertools import chain, islice, product
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.ports import GYRO, TWIST_NAMES
-from wmrgen.report.sections.closed import closed_forward, closed_inverse
-from wmrgen.report.sections.further import wanted
+from wmrgen.report.sections.forward import closed_forward
+from wmrgen.report.sections.inverse import closed_inverse
 from wmrgen.report.sections.markdown import code, listed, pictures, table, written
+from wmrgen.report.sections.numerics import wanted
 from wmrgen.report.sections.overview import kind_of_robot
 from wmrgen.report.wiring import admissible
 

@@ -13,10 +13,22 @@ from wmrgen.geometry import notation
 from wmrgen.geometry.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.geometry.exact.poly import Poly, Row, dot, each, has_angles
 from wmrgen.geometry.layout.records import Wheel
-from wmrgen.report.sections.angles import gathered, over, readable, upright
-from wmrgen.report.sections.latex import alike, broken, latex, pieces, terms, total
+from wmrgen.report.sections.latex import (
+    WIDE,
+    alike,
+    broken,
+    gathered,
+    latex,
+    over,
+    pieces,
+    readable,
+    terms,
+    total,
+    upright,
+    width,
+    wrapped,
+)
 from wmrgen.report.sections.markdown import aligned, code, math, matrix, some
-from wmrgen.report.sections.terms import WIDE, width, wrapped
 from wmrgen.robotfile.wheel_types import WheelType
 
 _MATRIX = 12  # rows of a printed matrix

@@ -1,7 +1,9 @@
-"""Exact polynomials, and formulas of the program (sympy), as LaTeX sums of terms: a term is a number and factors.
+"""Write exact polynomials and sympy formulas as LaTeX.
 
-Sums collect what multiplies the same velocity and pull common factors out. Numbers are exact where they are short:
-fractions, roots and decimals; the rest is rounded."""
+Both are first split into terms; a term is a number times factors. The terms are then arranged as one would by hand:
+terms with the same velocity are collected, common factors are pulled out, addition theorems are applied, and long sums
+are broken into lines. Short numbers are exact (fractions, roots, decimals); other numbers are rounded to six digits.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,6 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from math import atan2, lcm, pi
 
 import sympy
@@ -18,7 +19,7 @@ from wmrgen.functions.models.polynomials import whole, without_lengths
 from wmrgen.geometry import notation
 from wmrgen.geometry.constraints import XI
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
-from wmrgen.geometry.exact.poly import Gen, Monomial, Poly, Row, each, triple
+from wmrgen.geometry.exact.poly import Gen, Poly, Row, each, triple
 from wmrgen.geometry.notation import Style
 from wmrgen.geometry.symbolic import Expr, Parameter, expression
 from wmrgen.ir.lower import number_of
@@ -26,16 +27,16 @@ from wmrgen.ir.lower import number_of
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """base**power. ``rank``: parameters 0, functions 1, velocities 2 (collected). ``order``: within a rank."""
+    """One factor of a term: base**power."""
 
-    base: str
+    base: str  # LaTeX
     power: int
-    rank: int
-    order: tuple[int, str]
-    compound: bool = False  # the base is a sum
+    rank: int  # 0: parameter, 1: function such as a sine, 2: velocity; sums collect velocities
+    order: tuple[int, str]  # sorts factors of one rank
+    compound: bool = False  # whether the base is a sum and needs brackets
 
     def shown(self) -> str:
-        """The factor with a positive power."""
+        """Return the factor as LaTeX, with the absolute value of its power."""
         n = abs(self.power)
         base = rf"\left({self.base}\right)" if self.compound else self.base
         if n == 1:
@@ -48,34 +49,35 @@ class Factor:
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """number * product of factors. ``style``: how the sum it stands in writes numbers, see `notation.magnitude`."""
+    """One summand: a number times factors."""
 
     number: Exact
     factors: tuple[Factor, ...]
-    style: Style = ""
+    style: Style = ""  # how all terms of this sum write their numbers, see `notation.magnitude`
 
 
 def merged(factors: Iterable[Factor]) -> tuple[Factor, ...]:
-    """Powers of one base together."""
+    """Combine factors with the same base by adding their powers."""
     by_base: dict[str, Factor] = {}
     for f in factors:
         by_base[f.base] = replace(f, power=f.power + by_base[f.base].power) if f.base in by_base else f
     return tuple(f for f in by_base.values() if f.power)
 
 
-# ---- how wide LaTeX is, and long sums on several lines
+# ---- The width of LaTeX, and line breaks in long sums.
 
 _COMMAND, _UNSEEN = re.compile(r"\\[A-Za-z]+"), re.compile(r"[{}^_ \\,]")
-WIDE = 80  # characters of a line before a sum is broken
+WIDE = 80  # visible characters of a line: a longer sum is broken
+PAGE = 112  # visible characters of a formula that is not broken: 900 px
 
 
 def width(text: str) -> int:
-    """Roughly how many characters a reader sees."""
+    """Estimate how many characters of the LaTeX are visible."""
     return len(_UNSEEN.sub("", _COMMAND.sub("x", text)))
 
 
 def wrapped(parts: Sequence[str], limit: int = WIDE) -> str:
-    """Signed summands on one line, or on several inside ``aligned``: each further line begins with a sign."""
+    """Join signed summands, inside ``aligned``, into lines of at most ``limit`` characters that begin with a sign."""
     texts, used = [""], 0
     for part in parts:
         size = width(part)
@@ -88,8 +90,8 @@ def wrapped(parts: Sequence[str], limit: int = WIDE) -> str:
     return "\\\\\n&\\qquad ".join(texts) or "0"
 
 
-COMMON = 12  # the largest denominator written once for a sum
-Ports = Mapping[str, str]  # name of a symbol -> contract name
+COMMON = 12  # largest denominator that is pulled out of a sum whose denominators differ: 1/6 in synchro_drive
+Ports = Mapping[str, str]  # name of a symbol -> name of its input or output
 _LEADS = {"vx": 0, "vy": 1, "omega": 2, "vx_driven": 0, "vy_driven": 1, "omega_driven": 2}
 _TWIST = {notation.port(n) for n in _LEADS}
 _SPACE = "\\;"
@@ -97,22 +99,22 @@ _FUNCTION = re.compile(r"\\(cos|sin|tan|cot|mathrm)")
 
 
 def latex(value: Poly | Expr, ports: Ports | None = None) -> str:
-    """A polynomial or a formula on one line."""
+    """Return a polynomial or a formula as LaTeX on one line."""
     return total(terms(value, ports))
 
 
 def broken(value: Poly | Expr, ports: Ports | None = None) -> str:
-    """A polynomial or a formula, on several lines where it is long."""
+    """Return a polynomial or a formula as LaTeX, on several lines if it is long."""
     return wrapped(summands(terms(value, ports)))
 
 
-# From polynomials and formulas to terms.
+# ---- From polynomials and formulas to terms.
 
 
 def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
-    """The summands of a polynomial, or of a formula whose symbols have these contract names."""
+    """Split a polynomial or a formula into terms. ``ports`` names the symbols of a formula."""
     if isinstance(value, Poly):
-        return [_term(c, m) for m, c in value.terms.items()]
+        return [Term(c, tuple(_generator(g, power) for g, power in m)) for m, c in value.terms.items()]
     summed: list[Term] = []
     for arg in sympy.Add.make_args(value):
         number, factors, inner = ONE, [], None
@@ -131,32 +133,13 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
     return [t for t in summed if t.number]
 
 
-def _term(number: Exact, monomial: Monomial) -> Term:
-    """A summand of a polynomial; a divisor such as 1 - 100 a / 11 as a - 0.11, its number before the fraction."""
-    factors = []
-    for g, power in monomial:
-        if g.kind == "inv":
-            scale = _leading(g.args[0]).inverse()
-            number *= scale**power
-            g = Gen("inv", "", (g.args[0].scale(scale),))
-        factors.append(_generator(g, power))
-    return Term(number, tuple(factors))
-
-
-def _leading(p: Poly) -> Exact:
-    """The least number before the products of most lengths; 1 where there are no lengths."""
-    lengths = {m: sum(e for g, e in m if g.kind == "param") for m in p.terms}
-    most = max(lengths.values())
-    return min((c for m, c in p.terms.items() if lengths[m] == most), key=abs) if most > 0 else ONE
-
-
 def _factors(expr: Expr) -> list[Expr]:
-    """The factors of a product, those of products in it among them."""
+    """Return the factors of a product; nested products are flattened."""
     return [factor for arg in expr.args for factor in _factors(arg)] if expr.is_Mul else [expr]
 
 
 def reduced(above: Poly, below: Poly) -> Expr:
-    """above / below in lowest terms, no root below the line, sums that are powers or products as such."""
+    """Return above / below in lowest terms: factored, and without a root in the denominator."""
     return sympy.factor(sympy.radsimp(expression(above) / expression(below)))
 
 
@@ -170,7 +153,7 @@ def _generator(gen: Gen, power: int) -> Factor:
             angle = notation.port(f"{gen.name}.steer")
             return Factor(rf"\{gen.kind}{angle}", power, 1, (0, gen.name + gen.kind))
         case "input" | "local":
-            late = 3 if gen.name.endswith(".spin") else 4  # joints in file order, spins before steering rates
+            late = 3 if gen.name.endswith(".spin") else 4  # after the twist, spins before steering rates
             return Factor(notation.port(gen.name), power, 2, (_LEADS.get(gen.name, late), ""))
         case "inv":
             return Factor(latex(gen.args[0]), -power, 0, (1, gen.key), True)
@@ -214,22 +197,22 @@ def _factor(expr: Expr, ports: Ports) -> Factor:
     return Factor(latex(base, ports), n, 0, (2, ""), True)
 
 
-# From terms to LaTeX.
+# ---- From terms to LaTeX.
 
 
 def total(terms: Sequence[Term]) -> str:
-    """The sum of terms."""
+    """Return the sum of terms as LaTeX."""
     return "".join(pieces(terms)).removeprefix("+").strip() or "0"
 
 
 def pieces(terms: Sequence[Term]) -> list[str]:
-    """The signed summands of a sum, each beginning with + or -."""
+    """Return the summands of a sum; each begins with + or -."""
     if len(terms) < 2:
         return [_product(t.number, t.factors, style=t.style) for t in terms]
     number, common, rest = pulled_out(terms)
     if common or number != 1:
         return [_product(number, common, total(rest), terms[0].style)]
-    terms = _alike(terms)
+    terms = _in_one_style(terms)
     groups: dict[str, list[Term]] = {}
     for t in sorted(terms, key=_key):
         groups.setdefault(_lead(t), []).append(t)
@@ -249,7 +232,8 @@ def pieces(terms: Sequence[Term]) -> list[str]:
 
 
 def _by_angles(terms: Sequence[Term]) -> list[str]:
-    """Summands without velocities; lengths before the same sines and cosines together, (a - 0.11) cos psi."""
+    """Return the summands of a sum without velocities. Terms with the same sines and cosines are collected:
+    (a - 0.11) cos psi."""
     groups: dict[tuple[Factor, ...], list[Term]] = {}
     for t in sorted(terms, key=_key):
         groups.setdefault(tuple(f for f in t.factors if f.rank == 1), []).append(t)
@@ -264,21 +248,14 @@ def _by_angles(terms: Sequence[Term]) -> list[str]:
     return signed
 
 
-def alike(values: Sequence[Poly]) -> list[str]:
-    """Polynomials of one formula, such as the entries of a matrix, with one style of numbers."""
-    every = [terms(value) for value in values]
-    styled = iter(_alike([t for own in every for t in own]))
-    return [total([next(styled) for _ in own]) for own in every]
-
-
-def _alike(terms: Sequence[Term]) -> Sequence[Term]:
-    """The terms with one style of numbers."""
+def _in_one_style(terms: Sequence[Term]) -> Sequence[Term]:
+    """Return the terms such that all write their numbers in the same style, fractions or decimals."""
     style = "" if any(t.style for t in terms) else notation.style_of([t.number for t in terms])
     return [replace(t, style=style) for t in terms] if style else terms
 
 
 def summands(terms: Sequence[Term]) -> list[str]:
-    """Like ``pieces``, for a formula that may be broken: a long sum in brackets stays a list."""
+    """Return the summands like `pieces`, but split a long bracket too, so that `wrapped` can break lines inside it."""
     parts = pieces(terms)
     if len(parts) != 1 or len(terms) < 2 or width(parts[0]) <= WIDE:
         return parts
@@ -302,14 +279,14 @@ def _key(t: Term) -> tuple[object, ...]:
 
 
 def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[Term]]:
-    """The number and the factors that all terms share, and the terms without them."""
+    """Return the number and the factors that all terms share, and the terms without them."""
     shared = []
     for f in terms[0].factors:
         powers = [next((g.power for g in t.factors if g.base == f.base), 0) for t in terms]
         if all(p > 0 for p in powers) or all(p < 0 for p in powers):
             shared.append(replace(f, power=min(powers, key=abs)))
     common = {f.base: f.power for f in shared}
-    # The common magnitude; negative when all terms are and nothing is collected.
+    # The common magnitude. It is negative if all terms are negative and none contains the twist.
     first = abs(terms[0].number)
     negative = all(t.number.sign < 0 for t in terms) and _TWIST.isdisjoint(map(_lead, terms))
     size = first if all(abs(t.number) == first for t in terms) else _over_common(terms)
@@ -324,8 +301,8 @@ def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[T
 
 
 def _over_common(terms: Sequence[Term]) -> Exact:
-    """1/6 of halves and thirds, where each number is written as a fraction of small numbers; a root that all numbers
-    have; else 1."""
+    """Return a common number to pull out: 1/6 if the terms have halves and thirds, a root if all terms have it,
+    else 1."""
     first = abs(terms[0].number)
     alike = all((t.number / first).is_rational for t in terms)
     if alike and not first.is_rational and not notation.magnitude(first)[2]:
@@ -336,7 +313,7 @@ def _over_common(terms: Sequence[Term]) -> Exact:
 
 
 def _product(number: Exact, factors: Iterable[Factor], inner: str = "", style: notation.Style = "") -> str:
-    """One signed summand; ``inner`` is a sum that is multiplied with it."""
+    """Return one signed summand as LaTeX. ``inner`` is a sum by which it is multiplied."""
     sign = "-" if number.sign < 0 else "+"
     ordered = sorted(factors, key=lambda f: (f.rank, f.order))
     head, divisor, is_sum = notation.magnitude(number, style)
@@ -349,7 +326,7 @@ def _product(number: Exact, factors: Iterable[Factor], inner: str = "", style: n
     else:
         bottom += [f.shown() for f in below]
     after = ""
-    if inner and not leads and not _FUNCTION.search(inner):  # (a + b) cos psi
+    if inner and not leads and not _FUNCTION.search(inner):  # (a + b) cos psi: "cos psi (a + b)" is ambiguous
         last = [f.shown() for f in ordered if f.power > 0 and f.rank == 1]
         above, after = above[: len(above) - len(last)], _times(last)
     if inner and bottom and not (above or head):
@@ -370,18 +347,21 @@ def _times(parts: Sequence[str]) -> str:
 
 
 def squares(forms: Iterable[Poly]) -> Counter[str]:
-    """How often each square occurs in a sum of squares."""
+    """Return how often each square occurs in a sum of squares."""
     return Counter(rf"{latex(p)}^2" if p in XI else rf"\left({latex(p)}\right)^2" for p in forms)
 
 
 def multiples(counts: Mapping[str, int], each: int = 1) -> list[str]:
-    """Summands with the numbers before them, ``each`` of them being one."""
+    """Return the summands with their counts divided by ``each`` as coefficients; a coefficient 1 is omitted."""
     return [text if n == each else rf"{n}\,{text}" for text, n in counts.items()]
 
 
 def upright(column: Row) -> Row:
-    """A column of N, which has no scale: it turns at 1 to the left, or by the sine of a sum of angles, where that
-    halves no named length; else no number is a fraction."""
+    """Scale a column of N, whose length is arbitrary, so that it reads well.
+
+    The third entry (yaw rate) becomes 1, or the sine of a sum of angles. If this puts a fraction before a named length
+    (agilex_ranger), the column is multiplied by the common denominator instead.
+    """
     turn = column[2]
     sizes = {abs(c) for c in turn.terms.values()}
     if len(sizes) == 1:
@@ -393,18 +373,18 @@ def upright(column: Row) -> Row:
 
 
 def _halves_a_length(column: Row) -> bool:
-    """Whether a fraction stands before a named length."""
+    """Return whether a named length has a fraction as coefficient."""
     numbers = (c for p in column for m, c in p.terms.items() if any(g.kind == "param" for g, _ in m))
     return any(c.den > 1 for c in numbers)
 
 
 def readable(p: Poly) -> str:
-    """A polynomial with sums of angles."""
+    """Return a polynomial as LaTeX, with addition theorems applied."""
     return total(gathered(terms(p)))
 
 
 def gathered(summed: Sequence[Term]) -> list[Term]:
-    """The sum with sin a cos b +- cos a sin b and cos a cos b +- sin a sin b as one sine or cosine."""
+    """Apply the addition theorems: sin a cos b ± cos a sin b and cos a cos b ± sin a sin b become one term."""
     rest = list(summed)
     done: list[Term] = []
     while rest:
@@ -420,19 +400,19 @@ def gathered(summed: Sequence[Term]) -> list[Term]:
 
 
 def over(above: Sequence[Term], below: Term) -> list[Term]:
-    """The sum divided by a term: what both have cancels, cos a / sin a is cot a."""
+    """Divide a sum by a term: common factors cancel, and cos a / sin a becomes cot a."""
     turned = [replace(f, power=-f.power) for f in below.factors]
     quotients = [Term(t.number / below.number, merged((*t.factors, *turned))) for t in above]
     return [Term(t.number, _by_one_name(t.factors, r"\cos", r"\sin", r"\cot")) for t in quotients]
 
 
 def with_tangents(summed: Sequence[Term]) -> list[Term]:
-    """The sum with sin a / cos a as tan a."""
+    """Write sin a / cos a as tan a."""
     return [Term(t.number, _by_one_name(t.factors, r"\sin", r"\cos", r"\tan")) for t in summed]
 
 
 def _by_one_name(factors: tuple[Factor, ...], above: str, below: str, name: str) -> tuple[Factor, ...]:
-    """The factors with above a / below a as name a."""
+    """Replace each quotient of functions, above(a) / below(a), by name(a)."""
     for top in (f for f in factors if f.power == 1 and f.base.startswith(above)):
         angle = top.base.removeprefix(above)
         bottom = next((f for f in factors if f.power == -1 and f.base == below + angle), None)
@@ -443,7 +423,7 @@ def _by_one_name(factors: tuple[Factor, ...], above: str, below: str, name: str)
 
 
 def _joined(s: Term, t: Term) -> Term | None:
-    """n (f a g b) +- n (f' a g' b), each function and its co-function, as one term."""
+    """Return the sum of two terms as one term if an addition theorem applies to them, else None."""
     if abs(s.number) != abs(t.number):
         return None
     own = [f for f in s.factors if f not in t.factors]
@@ -474,7 +454,7 @@ def _of_two(like: Factor, head: str, angles: Sequence[str], sign: str) -> Factor
 
 
 def equation(p: Poly) -> Poly:
-    """The left-hand side of ``p = 0`` without a common number or length; with the sign of most of its terms."""
+    """Normalise the left-hand side of p = 0: without a common number or length, and with mostly positive terms."""
     p = without_lengths(p)
     numbers = list(p.terms.values())
     least = min(map(abs, numbers))
@@ -484,15 +464,8 @@ def equation(p: Poly) -> Poly:
     return p.scale((-size if negative else size).inverse())
 
 
-def short(p: Poly) -> Poly:
-    """The left-hand side of ``p = 0`` in which 900 a - 4500 b is 0.9 a - 4.5 b: integers of three digits and more are
-    lengths without their point."""
-    digits = len(str(int(max(abs(float(c)) for c in p.terms.values())))) - 1
-    return p.scale(Exact(Fraction(1, 10**digits))) if digits > 1 else p
-
-
 def roots(p: Poly) -> str:
-    """Where a cos psi + b sin psi = 0, in degrees, as LaTeX; "" for what is not of that form."""
+    """Return the angles [deg] at which p = a cos psi + b sin psi is 0, as LaTeX; "" if p has another form."""
     numbers: dict[Gen, float] = {}
     for monomial, c in p.terms.items():
         if len(monomial) != 1 or monomial[0][0].kind not in ("cos", "sin") or monomial[0][1] != 1:

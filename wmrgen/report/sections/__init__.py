@@ -37,6 +37,6 @@ def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
     """Return ``report.md``, ``numerics.md`` and ``wiring.md``; the back end `drawing` writes their figures."""
     return {
         FILE: page([*blocks_of(derivation), *foot(facts)]).encode(),
-        numerics.FILE: numerics.numerics(derivation, facts).encode(),
-        wiring.FILE: wiring.wiring(derivation, facts).encode(),
+        numerics.FILE: page(numerics.numerics(derivation, facts)).encode(),
+        wiring.FILE: page(wiring.wiring(derivation, facts)).encode(),
     }

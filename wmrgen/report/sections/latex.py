@@ -19,7 +19,7 @@ from wmrgen.functions.models.polynomials import whole, without_lengths
 from wmrgen.geometry import notation
 from wmrgen.geometry.constraints import XI
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
-from wmrgen.geometry.exact.poly import Gen, Poly, Row, each, triple
+from wmrgen.geometry.exact.poly import Gen, Monomial, Poly, Row, each, triple
 from wmrgen.geometry.notation import Style
 from wmrgen.geometry.symbolic import Expr, Parameter, expression
 from wmrgen.ir.lower import number_of
@@ -114,7 +114,7 @@ def broken(value: Poly | Expr, ports: Ports | None = None) -> str:
 def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
     """Split a polynomial or a formula into terms. ``ports`` names the symbols of a formula."""
     if isinstance(value, Poly):
-        return [Term(c, tuple(_generator(g, power) for g, power in m)) for m, c in value.terms.items()]
+        return [_term(c, m) for m, c in value.terms.items()]
     summed: list[Term] = []
     for arg in sympy.Add.make_args(value):
         number, factors, inner = ONE, [], None
@@ -131,6 +131,25 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
         else:
             summed += [Term(t.number * number, merged((*t.factors, *factors))) for t in terms(inner, ports)]
     return [t for t in summed if t.number]
+
+
+def _term(number: Exact, monomial: Monomial) -> Term:
+    """Return a summand of a polynomial. A divisor 1 - 100 a / 11 is written as a - 0.11, with lengths as in the file."""
+    factors = []
+    for g, power in monomial:
+        if g.kind == "inv":
+            scale = _leading(g.args[0]).inverse()
+            number *= scale**power
+            g = Gen("inv", "", (g.args[0].scale(scale),))
+        factors.append(_generator(g, power))
+    return Term(number, tuple(factors))
+
+
+def _leading(p: Poly) -> Exact:
+    """Return the smallest coefficient of the products of most lengths; 1 if there are no lengths."""
+    lengths = {m: sum(e for g, e in m if g.kind == "param") for m in p.terms}
+    most = max(lengths.values())
+    return min((c for m, c in p.terms.items() if lengths[m] == most), key=abs) if most > 0 else ONE
 
 
 def _factors(expr: Expr) -> list[Expr]:

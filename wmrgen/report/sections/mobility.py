@@ -97,8 +97,8 @@ def _remark(m: Mobility) -> list[str]:
     """Say why (3.41) is not taken literally."""
     if _couplings_cut(m):
         return [
-            "With couplings, the ranks of (3.41) do not count the freedoms that steering adds. They are counted by the "
-            "dimension of the set of twists that are admissible at some steering angles, which is "
+            "With couplings, the ranks of (3.41) do not count the degrees of freedom that steering adds. They are "
+            "counted by the dimension of the set of twists that are admissible at some steering angles, which is "
             "δ<sub>m</sub> + δ<sub>s</sub>."
         ]
     return [
@@ -146,6 +146,7 @@ def _verdicts(d: Derivation) -> list[str]:
     rolling = "without slip, " if m.degenerate else ""
     velocities = ("one velocity", "two velocities", "three velocities")[m.ddof - 1]
     said = f"{rolling}{velocities} can be chosen at once".capitalize()
+    said = keyed("mobility.without_slip" if rolling else "mobility.velocities", said)
     counted = f", with {states} included" if states else ""
     return [
         f"{said} (DDOF = {m.ddof}), and poses of dimension {m.dof} can be reached "
@@ -167,7 +168,7 @@ def _called(m: Mobility) -> str:
 def _actuation(d: Derivation) -> list[str]:
     """Compare driven joints with degrees of freedom, and write the conditions between speeds of driven wheels."""
     balances = " ".join(capitalised(str(balance)) for balance in d.mobility.actuation)
-    blocks = [balances] if balances else []
+    blocks = [keyed("mobility.actuation", balances)] if balances else []
     spins = [Poly.gen("input", f"{w.name}.spin") for w in d.robot.wheels if "spin" in w.actuated]
     if len(spins) > _RELATIONS + 3:
         return blocks

@@ -74,7 +74,11 @@ def _posture(d: Derivation) -> list[str]:
     )
     general = [
         "The continuous model "
-        + ("of ideal rolling" if straight else "that a predictive controller integrates")
+        + (
+            keyed("motion.ideal_rolling", "of ideal rolling")
+            if straight
+            else keyed("motion.for_control", "that a predictive controller integrates")
+        )
         + " (`dynamics`) is d(x, y, θ)/dt = R(θ)ᵀ N η"
         + (f" and {rates_of}" if steering else "")
         + ". Its inputs are the coordinates η of the twist in the null space"

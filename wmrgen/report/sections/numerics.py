@@ -32,7 +32,6 @@ from wmrgen.report.sections.markdown import (
     listed,
     math,
     minus,
-    page,
     sentence,
     table,
     written,
@@ -46,15 +45,15 @@ _GIVES = {
 }  # fmt: skip
 
 
-def numerics(d: Derivation, facts: Facts) -> str:
-    """Return the page."""
+def numerics(d: Derivation, facts: Facts) -> list[str]:
+    """Return the blocks of the page."""
     name = d.robot.name
-    return page([
+    return [
         f"# Numerics of {code(name)}",
         "The derivation is in [report.md](report.md). This page has the numbers behind it and behind the code.",
         *_cost(d), *_ranges(d.bounds), *_ranks(d), *_series(), *further(d), *_places(name, facts), *_files(d),
         *foot(facts),
-    ])  # fmt: skip
+    ]  # fmt: skip
 
 
 def _cost(d: Derivation) -> list[str]:

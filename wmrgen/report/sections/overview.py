@@ -30,9 +30,10 @@ from wmrgen.report.sections.markdown import (
 )
 from wmrgen.robotfile.wheel_types import WheelType
 
-_SKIDDING = (
+_SKIDDING = keyed(
+    "type.skids",
     " In a curve its wheels skid, and it moves like a differential drive with the effective track: with two degrees "
-    "of freedom."
+    "of freedom.",
 )
 _BESIDE_STEERED = (
     " In a curve its fixed wheels skid. The robot moves like one with its fixed wheels on a single axle, the effective "

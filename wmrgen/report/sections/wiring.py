@@ -7,36 +7,31 @@ from math import degrees
 from wmrgen.codegen.registry import Facts
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry.layout.records import Robot
-from wmrgen.report.sections.markdown import code, foot, items, keyed, listed, page, pictures, some, table
+from wmrgen.report.sections.markdown import code, foot, items, keyed, listed, pictures, some, table
 from wmrgen.report.wiring import Motion, faults, motions
 
 FILE = "wiring.md"
 _STILL = 1e-9  # rad/s: rounding errors of a joint at rest
 
 
-def wiring(d: Derivation, facts: Facts) -> str:
-    """Return the page."""
+def wiring(d: Derivation, facts: Facts) -> list[str]:
+    """Return the blocks of the page."""
     name = code(d.robot.name)
     blocks = [f"# Wiring check of {name}"]
     every = motions(d)
     possible = [m for m in every if m.joints]
     if not possible:
-        return page(
-            [
-                *blocks,
-                keyed(
-                    "wiring.nothing_driven", "No joint of this robot is driven, so there is nothing to check."
-                ),
-                *foot(facts),
-            ]
+        nothing = keyed(
+            "wiring.nothing_driven", "No joint of this robot is driven, so there is nothing to check."
         )
+        return [*blocks, nothing, *foot(facts)]
     forbidden = [m.title.partition(",")[0] for m in every if m.joints is None]
     turns = any(w.turns and w.actuated for w in d.robot.wheels)
     start = "All steering and castor angles are 0 at the start. " if turns else ""
     forbids = ""
     if forbidden:
         forbids = keyed("wiring.forbidden", f" The wheels do not allow {' and '.join(forbidden)}.")
-    return page([
+    return [
         *blocks,
         "Lift the robot so that its wheels turn freely, and go through the list from the top. Arrows in the "
         "[top view](layout.svg) show the direction of positive rolling.",
@@ -46,7 +41,7 @@ def wiring(d: Derivation, facts: Facts) -> str:
         f"{start}Arrows show the rolling direction of each wheel.{forbids}",
         *_faults(d, possible),
         *foot(facts),
-    ])  # fmt: skip
+    ]  # fmt: skip
 
 
 def _steps(d: Derivation, last: Motion) -> list[str]:

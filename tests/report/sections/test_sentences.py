@@ -214,7 +214,7 @@ def test_a_robot_that_skids() -> None:
     drive = sentence(page, "skid.drive")
     assert "mobility.without_slip" in said and "DDOF = 2 " in drive and "DOF = 3" in drive
     assert said.count("mobility.actuation") == 1 and " 2 relations " in sentence(page, "mobility.actuation")
-    relations = page.partition("of compatibility")[2].partition("```math")[2].partition("```")[0]
+    relations = page.partition("\0mobility.compatible\0")[2].partition("```math")[2].partition("```")[0]
     assert relations.count("0 &= ") == 2 and "```math\nT_e = 0.8\n```" in page
     assert "type.skids" in keys(page.partition("## 1 ")[0])
     assert "motion.for_control" in said and "motion.ideal_rolling" not in said
@@ -482,7 +482,7 @@ def test_formulas_of_robots_that_few_have(robot: str, shown: str, absent: str) -
         (SIDES, "layout.couplings", ["`a` and `b`", "`c` and `e`"], "inverse.mean_rate"),
         (LIMITED, "slip.parts", ["`slip` [m/s]"], "forward.rigid_rule"),
         (LIMITED, "slip.across", ["`front`", "a limit"], "inverse.compromise_angle"),
-        (SHIFTED, "null_space.nominal_only", [], ""),
+        (SHIFTED, "column.rotation_about_p", ["nominal"], ""),
         (DRIVEN, "inverse.one_swivel_rate", ["`a` and `b`"], "inverse.compromise_angle"),
         (APART, "column.rotation_about_point", ["castors"], ""),
         (TANK, "mobility.compatible_while_sliding", [], "mobility.compatible"),

@@ -457,7 +457,7 @@ def closed_forward(d: Derivation) -> list[str]:
             return named
         numbers = _in_numbers(d)
         return [*_rule(d, numbers), *numbers]
-    weights = [_BY_WEIGHT] if measured.weighted else []
+    weights = [_BY_WEIGHT] if measured.weighted and len(measured.rows) != 3 else []  # three rows fit exactly
     if measured.rigid:
         return [*_rigid_motion(len(measured.contacts)), *(weights if len(measured.contacts) > 1 else [])]
     best = "The twist that fits all measurements best, with H and z of section 7, is"
@@ -575,10 +575,10 @@ def _from_three_rows(d: Derivation) -> list[str]:
 
 
 def _is_easy(polys: Sequence[Poly]) -> bool:
-    """Return whether sympy finds common factors at once: f1tenth has 7 terms. Roots take it a minute."""
+    """Return whether sympy finds common factors at once, as in f1tenth. With roots it takes a minute."""
     roots = any(g.kind == "sqrt" for p in polys for g in p.generators)
     rational = all(c.is_rational for p in polys for c in p.terms.values())
-    return rational and not roots and sum(len(p.terms) for p in polys) <= _ENTRY
+    return rational and not roots and sum(len(p.terms) for p in polys) <= 2 * _ENTRY
 
 
 def _written(sums: Sequence[Sequence[Term]], most: int) -> list[str]:

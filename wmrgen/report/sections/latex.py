@@ -134,7 +134,7 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
 
 
 def _term(number: Exact, monomial: Monomial) -> Term:
-    """Return a summand of a polynomial. A divisor 1 - 100 a / 11 is written as a - 0.11, with lengths as in the file."""
+    """Return a summand of a polynomial. A divisor 1 - 100 a / 11 is written as a - 0.11, as lengths in the file."""
     factors = []
     for g, power in monomial:
         if g.kind == "inv":

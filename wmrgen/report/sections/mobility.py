@@ -151,7 +151,8 @@ def _verdicts(d: Derivation) -> list[str]:
     return [
         f"{said} (DDOF = {m.ddof}), and poses of dimension {m.dof} can be reached "
         f"(DOF = {m.dof}). Holonomic means DDOF = DOF, omnidirectional means DDOF = 3: the robot is {_called(m)}. "
-        f"The growth vector is ({', '.join(map(str, vector))}){where}. It counts the dimensions that the inputs span, "
+        f"{keyed('growth.vector', 'The growth vector is')} ({', '.join(map(str, vector))}){where}. "
+        "It counts the dimensions that the inputs span, "
         f"then adds their Lie brackets, one order at a time{counted}. Its length is the degree of nonholonomy, "
         f"{len(vector)}."
     ]
@@ -223,9 +224,10 @@ def _together(m: Mobility) -> str:
     if m.ddof == 0:
         return "Together they do not allow any motion."
     if m.holonomic:
-        return (
+        return keyed(
+            "integrability.whole",
             "Together they can nevertheless be integrated: Lie brackets of the admissible motions give no new "
-            f"direction, DOF = DDOF = {m.dof}."
+            f"direction, DOF = DDOF = {m.dof}.",
         )
     if m.dof < 3:  # two dimensions that brackets reach are the translations
         return keyed(
@@ -287,7 +289,10 @@ def _none(d: Derivation) -> list[str]:
     castors = has_angles(p for column in d.mobility.null_space for p in column)
     if not trailers and not castors and not any(s.domain for s in d.forms.values()):
         return [
-            "No configuration is singular: ranks are constant and all angles are defined, whatever the robot does."
+            keyed(
+                "singular.nowhere",
+                "No configuration is singular: ranks are constant and all angles are defined, whatever the robot does.",
+            )
         ]
     layout = (
         "Castors turn the directions in which the robot can move. The ranks hold at generic castor angles."

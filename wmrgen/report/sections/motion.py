@@ -243,7 +243,9 @@ def regular(d: Derivation) -> list[str]:
             keyed("model.lag", f"Steering angles follow {listed(commands)} with a first-order lag (`lag`).")
         )
     if space.at_once:
-        intro.append(keyed("model.no_lag", f"{code(space.form)} omits the lag of {listed(space.at_once)}."))
+        intro.append(
+            keyed("model.no_lag", f"{code(space.form)} leaves out the lag of {listed(space.at_once)}.")
+        )
     if space.limits:
         intro.append(_limits_of_others(d.robot, space.form, [p.name for p in space.limits]))
     if space.limited.absent:

@@ -158,7 +158,9 @@ def _files(d: Derivation) -> list[str]:
     """Return the list of generated files."""
     names = [name for names, _ in written(d) for name in names]
     further = [f.name for f in wanted(d)]
-    more = f", together with formulas of the further functions {listed(further)}" if further else ""
+    more = ""
+    if further:
+        more = keyed("files.further", f", together with formulas of the further functions {listed(further)}")
     return [
         f"**Files** ([numerics.md](numerics.md) describes each{more}): {' · '.join([*map(_link, names)])}"
     ]

@@ -229,7 +229,7 @@ def _meaning(d: Derivation, columns: Sequence[Row]) -> list[str]:
     which = "angles of the castors give" if castors else "steering angles choose"
     centre = "the ICR" if len(columns) == 1 else "a point"
     only = [
-        "" if own == c else keyed("null_space.nominal_only", " at the nominal parameters")
+        "" if own == c else " where the parameters are nominal"
         for own, c in zip(general, columns, strict=True)
     ]
     words = (

@@ -27,7 +27,9 @@ def wiring(d: Derivation, facts: Facts) -> list[str]:
         return [*blocks, nothing, *foot(facts)]
     forbidden = [m.title.partition(",")[0] for m in every if m.joints is None]
     turns = any(w.turns and w.actuated for w in d.robot.wheels)
-    start = "All steering and castor angles are 0 at the start. " if turns else ""
+    start = (
+        keyed("wiring.angles_at_zero", "All steering and castor angles are 0 at the start. ") if turns else ""
+    )
     forbids = ""
     if forbidden:
         forbids = keyed("wiring.forbidden", f" The wheels do not allow {' and '.join(forbidden)}.")
@@ -80,9 +82,12 @@ def _coupled(robot: Robot) -> str:
     if not coupled:
         return ""
     against = any(robot.spin_ratio(w).sign < 0 for w in coupled)
-    opposite = ", against its arrow if the ratio is negative" if against else ""
-    return (
-        f" A coupled wheel ({some(coupled)}) turns together with the wheels to which it is coupled{opposite}."
+    opposite = ""
+    if against:
+        opposite = keyed("wiring.negative_ratio", ", against its arrow if the ratio is negative")
+    return keyed(
+        "wiring.coupled",
+        f" A coupled wheel ({some(coupled)}) turns together with the wheels to which it is coupled{opposite}.",
     )
 
 
@@ -91,9 +96,12 @@ def _counts(robot: Robot) -> str:
     counters = [w for w in robot.wheels if "spin" in w.sensed]
     down = [w for w in counters if (e := robot.encoder_of(w, "spin")) is not None and e.turn.sign < 0]
     if not down:
-        return "it must count up. If it counts down"
+        return keyed("wiring.counts_up", "it must count up. If it counts down")
     up = "" if down == counters else f"up, but the encoder of {listed([w.name for w in down])} must count "
-    return f"it must count {up}down (`reversed` in the robot file). If it counts in the other direction"
+    key = "wiring.some_count_down" if up else "wiring.counts_down"
+    return keyed(
+        key, f"it must count {up}down (`reversed` in the robot file). If it counts in the other direction"
+    )
 
 
 def _rows(possible: list[Motion]) -> list[list[str]]:

@@ -141,8 +141,8 @@ def _ranges(bounds: Bounds) -> list[str]:
     head = ["function", "output", "at least", "at most", "unit", "rounding error at most"]
     blocks = [
         title,
-        "For all inputs within the limits of the robot file, it is proved that no NaN, no infinity and no division by "
-        "zero occurs, and that outputs are within these bounds:",
+        "Proved for all inputs within the limits of the robot file: there is no NaN, no infinity and no division by "
+        "zero, and the outputs are within these bounds:",
         *table(head, rows, "llrrlr"),
         f"The limits are {listed_ranges(bounds.declared)}. Inputs without limits are assumed to be in "
         f"{listed_ranges(bounds.assumed)}. The rounding error is the difference from the exact formula, with the same "
@@ -158,7 +158,7 @@ def _ranges(bounds: Bounds) -> list[str]:
             why = "; ".join(f.alarms) or f"no range is known for {', '.join(code(n) for n in f.unknown)}"
             blocks += [f"Not proved: {code(f.name)} ({why})."]
         elif singular_outputs:
-            blocks += [f"There is no bound for {singular_outputs} of {code(f.name)}: {SINGULAR}."]
+            blocks += [f"No bound for {singular_outputs} of {code(f.name)}: {SINGULAR}."]
     return blocks
 
 

@@ -239,9 +239,7 @@ def regular(d: Derivation) -> list[str]:
         intro.append(f"{code('trailer')} includes the trailers (section 9 says where it is singular).")
     commands = [p.name for p in space.inputs if p.name.endswith(".steer_command")]
     if commands:
-        intro.append(
-            keyed("model.lag", f"Steering angles follow {listed(commands)} with a first-order lag (`lag`).")
-        )
+        intro.append(keyed("model.lag", f"Steering angles follow {listed(commands)} at first order (`lag`)."))
     if space.at_once:
         intro.append(
             keyed("model.no_lag", f"{code(space.form)} leaves out the lag of {listed(space.at_once)}.")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from importlib import import_module
 from math import atan2, cos, pi, sin
 
 import numpy as np
@@ -20,10 +19,13 @@ from tests.report.sections.common import (
 )
 from tests.report.sections.reading import formulas, read
 from tests.robots import ROBOTS, of_gallery, of_text
+from wmrgen.errors import NotDerivableError
+from wmrgen.functions.models.inputs import posture_motion
 from wmrgen.geometry import notation
 from wmrgen.report.sections.forward import closed_forward
 from wmrgen.report.sections.inverse import closed_inverse
 from wmrgen.report.sections.markdown import keys
+from wmrgen.report.sections.motion import motion
 
 
 def test_the_yaw_rate_of_a_mecanum_base() -> None:
@@ -199,16 +201,15 @@ def test_further_functions_without_names_of_the_code() -> None:
     assert "numerics.rest_in_code" in keys_of_numerics("car_with_trailers")
 
 
-def test_a_model_that_cannot_be_written_leaves_the_one_in_eta(monkeypatch: pytest.MonkeyPatch) -> None:
-    from wmrgen.errors import NotDerivableError
-
-    def refuse(*_: object, **__: object) -> None:
-        raise NotDerivableError("too many terms")
-
-    module = import_module("wmrgen.report.sections.motion")
-    monkeypatch.setattr(module, "posture_motion", refuse)
-    text = "\n".join(module.motion(of_gallery("pioneer3dx")))
-    assert "motion.in_wheel_speeds" not in keys(text) and r"\eta_{1}" in text
+@pytest.mark.parametrize("name", ["textbook_omni_steer", "unicycle"])
+def test_a_model_that_cannot_be_written_in_wheel_speeds_is_written_in_eta(name: str) -> None:
+    """Too few joints are driven to determine all rates."""
+    d = of_gallery(name)
+    with pytest.raises(NotDerivableError):
+        posture_motion(d.robot, d.mobility, symbolic=True)
+    text = "\n".join(motion(d))
+    assert "motion.in_wheel_speeds" not in keys(text)
+    assert "motion.twist_of_eta" in keys(text) and r"\eta_{1}" in text
 
 
 LONG = """wmrgen: 1

@@ -34,6 +34,7 @@ def test_math_is_what_github_renders(name: str) -> None:
     blocks = FENCE.findall(page)
     assert page.count("```") == 2 * len(blocks) > 10
     assert "\n\n\n" not in page, "an empty block"
+    assert all("\0" not in text for text in pages_of(name).values()), "a key of a sentence is left"
     assert not re.search(r"(?m)^\s*$\n^```$", page), "a blank line inside a math block ends it on GitHub"
     for block in blocks:
         assert set(re.findall(r"\\([A-Za-z]+)", block)) <= MACROS

@@ -239,14 +239,14 @@ def _meaning(d: Derivation, columns: Sequence[Row]) -> list[str]:
     blocks = [" ".join(words)]
     vx, vy, w = columns[0]
     if len(columns) == 1 and w and any(p.constant is None for p in columns[0]):
-        x, y = _quotient(-vy, w), _quotient(vx, w)
+        x, y = quotient(-vy, w), quotient(vx, w)
         blocks[0] += " The ICR is at (−N₂/N₃, N₁/N₃):"
         both = rf"x_{{ICR}} = {x}, \qquad y_{{ICR}} = {y}"
         blocks += math(both) if width(both) < PAGE else aligned([f"x_{{ICR}} &= {x}", f"y_{{ICR}} &= {y}"])
     return blocks
 
 
-def _quotient(above: Poly, below: Poly) -> str:
+def quotient(above: Poly, below: Poly) -> str:
     """Return above / below as LaTeX: without a fraction if the sines cancel, with a common sign before it."""
     top, bottom = gathered(terms(above)), gathered(terms(below))
     if len(bottom) == 1:

@@ -49,7 +49,6 @@ _SHOWN = 2  # contact points that are written out; the others follow in the same
 _STACK = 62  # visible characters of H and z side by side: 900 px; clearpath_do100 has more
 _ENTRY = 12  # terms of an entry of H^T H; determinants of longer entries take seconds to expand
 _SUM = 24  # summands of a printed sum; a robot with 64 wheels has more
-_SLIP = 140  # visible characters of a printed residual: kuka_youbot has 138, and its fractions make it fit on 900 px
 _TWIST = (
     900  # visible characters of the twist in named lengths: 4 lines for each component, as in agilex_ranger
 )
@@ -317,7 +316,7 @@ def _residual(d: Derivation, measured: Measurements) -> list[str]:
             "forward.residual",
             f"The residual `slip` is the norm of z − H ξ [m/s], the part that no twist explains. {_SIGNAL}",
         ),
-        *(math(rf"\mathrm{{slip}} = {slip}") if slip and width(slip) < _SLIP else []),
+        *(math(rf"\mathrm{{slip}} = {slip}") if slip and width(slip) <= PAGE else []),
     ]
 
 

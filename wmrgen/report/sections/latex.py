@@ -251,8 +251,8 @@ def pieces(terms: Sequence[Term]) -> list[str]:
 
 
 def _by_angles(terms: Sequence[Term]) -> list[str]:
-    """Return the summands of a sum without velocities. Terms with the same sines and cosines are collected:
-    (a - 0.11) cos psi."""
+    """Return the summands of a sum without velocities. Terms with the same sines and cosines are collected,
+    as (b_x² + b_y²) sin psi in tidybot2."""
     groups: dict[tuple[Factor, ...], list[Term]] = {}
     for t in sorted(terms, key=_key):
         groups.setdefault(tuple(f for f in t.factors if f.rank == 1), []).append(t)

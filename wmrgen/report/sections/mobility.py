@@ -21,6 +21,7 @@ from wmrgen.geometry.exact.poly import Poly, Row, dot, has_angles
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.report.sections.inverse import driven_twist, moves_as_partners
 from wmrgen.report.sections.latex import (
+    WIDE,
     equation,
     gathered,
     latex,
@@ -44,7 +45,6 @@ from wmrgen.report.sections.markdown import (
 )
 from wmrgen.report.sections.motion import jackknives
 
-_RELATION = 150  # visible characters of a printed compatibility condition: two lines
 _RELATIONS = 5  # printed compatibility conditions; conditions of more wheels say nothing new
 _PRODUCTS = 10_000  # products of terms in the Lie brackets of trailers: half a second
 
@@ -178,7 +178,7 @@ def _actuation(d: Derivation) -> list[str]:
         for row in relations(d.robot, d.mobility, symbolic_view)
     ]
     lines = [f"0 &= {wrapped(summands(gathered(terms(p))))}" for p in whole(sums)]
-    if not lines or max(map(width, lines)) > _RELATION or len(lines) > _RELATIONS:
+    if not lines or max(map(width, lines)) > 2 * WIDE or len(lines) > _RELATIONS:
         return blocks
     fixed = " at constant steering angles" if has_angles(sums) else ""
     if fixed and not d.mobility.degree_of_steerability:

@@ -19,6 +19,7 @@ from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.geometry.printing import size, symbol_names
 from wmrgen.geometry.symbolic import Expr, signal
 from wmrgen.report.sections.latex import (
+    PAGE,
     gathered,
     pieces,
     summands,
@@ -30,7 +31,6 @@ from wmrgen.report.sections.latex import (
 )
 from wmrgen.report.sections.markdown import aligned, code, keyed, listed, sentence
 
-_WIDEST = 90  # visible characters of a line of the model in wheel speeds, fractions included: 900 px
 _SHORT = (
     45  # visible characters of a v_x that is written twice; longer ones (ackermann_car, jpl_osr) get a line
 )
@@ -148,7 +148,7 @@ def _in_driven_speeds(d: Derivation) -> list[str]:
     if any(size(turn) > LONGEST for turn in towed):
         return []
     lines = [*_rates((vx, vy, omega), bool(towed)), *_trailers(d.robot, towed)]
-    if max(map(width, lines)) > _WIDEST:
+    if max(map(width, lines)) > PAGE:
         return []
     named = ("speed", "spin") if motion.followers else ("speed",)
     drives = [owner for owner, _, joint in (p.name.rpartition(".") for p in motion.inputs) if joint in named]

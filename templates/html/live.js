@@ -1,23 +1,23 @@
-// The live figures: each robot of the page, moved by its own generated functions alone.
+// The live figures: each robot of the page is moved by its own generated functions.
 //
-// `robots` are these functions, `data` what the robots look like (wmrgen/pages/live.py). What the sliders ask goes through
-// `inverse` to the joints, or is asked of the joints themselves; the joints go through `forward` to the twist that the
-// robot drives, and that through `odometry` to its pose. Metres, radians, seconds; x forward, y to the left.
+// `robots` are these functions, `data` the shapes of the robots (wmrgen/report/pages/live.py). Sliders set a twist, from
+// which `inverse` computes the joints, or the joints directly. `forward` computes the driven twist from the joints, and
+// `odometry` the pose. Units are metres, radians and seconds; x is forward, y to the left.
 
 const TWIST = { vx: "m/s", vy: "m/s", omega: "rad/s" };
 const UNITS = { spin: "rad/s", steer: "°", steer_rate: "rad/s" };
-const SLIDING = 1e-6; // m/s: less is rounding
-const SHOWN = 0.4; // s: a velocity is drawn as the way of that time
-const TICKS = 8; // on a tyre, all round
-const PULLED = 0.005; // s: a step of trailers
-const GROUND = [9, 6]; // width and height of what is seen, in sizes of the largest robot
+const SLIDING = 1e-6; // m/s: smaller speeds are rounding errors
+const SHOWN = 0.4; // s: the arrow of a velocity is the distance covered in this time
+const TICKS = 8; // marks on the circumference of a tyre
+const PULLED = 0.005; // s: time step of trailers
+const GROUND = [9, 6]; // width and height of the visible ground, in sizes of the largest robot
 
 const degrees = (angle) => (angle * 180) / Math.PI;
-// A number with so many digits; one that they make 0 has no sign.
+// A number with some digits; rounded zeros have no sign.
 const fixed = (value, digits) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1");
 const joint = (name) => name.slice(name.lastIndexOf(".") + 1);
 
-// An element in `parent`: of HTML, or with `svg` of SVG.
+// Add an element to `parent`: HTML, or SVG if `svg` is set.
 function add(parent, kind, attributes = {}, svg = false) {
   const element = svg ? document.createElementNS("http://www.w3.org/2000/svg", kind) : document.createElement(kind);
   set(element, attributes);
@@ -29,7 +29,7 @@ function set(element, attributes) {
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
 }
 
-// How far a robot reaches from P, its trailers half.
+// The distance from P to the farthest point of a robot; trailers count half.
 function reach(robot) {
   const towed = robot.trailers.reduce((sum, t) => sum + t.hitch + t.length, 0);
   return Math.max(0.05, towed / 2, ...robot.wheels.map((w) => Math.hypot(w.x, w.y) + w.r));
@@ -46,7 +46,7 @@ function hull(points) {
   return [...sorted.reduce(chain, []), ...sorted.reverse().reduce(chain, [])];
 }
 
-// ---- one wheel in the picture: a group at its pivot, turned by heading and steering angle
+// ---- One wheel in the picture: a group at its pivot, rotated by heading and steering angle.
 
 class WheelPicture {
   constructor(parent, wheel, size) {
@@ -70,12 +70,12 @@ class WheelPicture {
     this.sliding = add(this.group, "line", { class: "slipping", x1: d, y1: o, x2: d, y2: o }, true);
   }
 
-  // `turned`: how far it has rolled. `across`: the velocity of its contact point along its axle.
+  // `turned`: rolled angle. `across`: velocity of the contact point along the axle.
   draw(steer, turned, across) {
     const { x, y, heading, r, d, o, gamma } = this.wheel;
     set(this.group, { transform: `translate(${x} ${y}) rotate(${degrees(heading + steer)})` });
     if (!this.wheel.rolls) return;
-    // A roller that is seen lies on top and leans the other way than the one at the ground.
+    // The visible rollers are on top and lean the other way than the rollers at the ground.
     const [along, aside] = gamma === null ? [0, 1] : [Math.cos(gamma), -Math.sin(gamma)];
     const half = (0.5 * this.width) / Math.max(0.6, Math.abs(aside));
     this.treads.forEach((tread, k) => {
@@ -88,7 +88,7 @@ class WheelPicture {
   }
 }
 
-// ---- one trailer: a group at the middle of its axle, turned by its heading
+// ---- One trailer: a group at the middle of its axle, rotated by its heading.
 
 class TrailerPicture {
   constructor(parent, trailer, half) {
@@ -100,7 +100,7 @@ class TrailerPicture {
     for (const side of [-1, 1]) add(this.group, "rect", { class: "tyre", ...box, y: side * half - 0.1 * half }, true);
   }
 
-  // Behind `front`, the axle that pulls it, (x, y, heading) in the world; its own axle.
+  // `front`: the axle that pulls it, (x, y, heading) in the world. Returns the axle of the trailer.
   draw(front, heading) {
     const behind = ([x, y, angle], way) => [x - way * Math.cos(angle), y - way * Math.sin(angle)];
     const [x, y] = behind(front, this.trailer.hitch);
@@ -111,7 +111,7 @@ class TrailerPicture {
   }
 }
 
-// ---- one robot: what is asked of it, what it does, its picture and its controls
+// ---- One robot: its command, its motion, its picture and its controls.
 
 class Live {
   constructor(parent, robot, functions, size) {
@@ -121,12 +121,12 @@ class Live {
     this.reset();
   }
 
-  // How fast a path is followed.
+  // The speed along a path.
   get cruise() {
     return Math.min(0.5 * this.range("vx")[1], 2 * this.size);
   }
 
-  // The ends of a slider: the limits of the robot file, else what suits its size.
+  // The ends of a slider: the limits of the robot file, else values that suit the size of the robot.
   range(name) {
     if (this.robot.limits[name]) return this.robot.limits[name];
     const speed = Math.min(2, 3 * this.size);
@@ -157,14 +157,14 @@ class Live {
     this.ask({ vx: 0, vy: 0, omega: 0 });
   }
 
-  // A twist is asked for.
+  // Command a twist.
   ask(twist) {
     this.asked = { ...twist };
     this.byTwist = true;
     this.compute();
   }
 
-  // A joint is asked for, the others stay.
+  // Command one joint; the others keep their values.
   askJoint(name, value) {
     this.path = [];
     this.follows = false;
@@ -173,7 +173,7 @@ class Live {
     this.compute();
   }
 
-  // From what is asked to the joints, and from the joints to the twist that is driven.
+  // Compute the joints from the command, and the driven twist from the joints.
   compute() {
     const { inverse, forward } = this.functions;
     if (this.byTwist) {
@@ -182,7 +182,7 @@ class Live {
       this.slip = slip;
     }
     const { slip, ...twist } = forward(this.joints);
-    // What is asked without slip is driven, also where the joints alone do not tell of it: somebody pushes.
+    // A command without slip is driven even if the joints do not determine the twist: somebody pushes.
     this.twist = this.byTwist && !(this.slip > SLIDING) ? this.asked : twist;
     if (!this.byTwist) {
       this.slip = slip;
@@ -193,7 +193,7 @@ class Live {
     }
   }
 
-  // The motion of `dt` seconds.
+  // Move for `dt` seconds.
   step(dt) {
     if (this.follows) this.pursue();
     else this.compute();
@@ -209,7 +209,7 @@ class Live {
     }
   }
 
-  // The trailers follow for `dt` seconds, from the present pose.
+  // Let the trailers follow for `dt` seconds, from the present pose.
   tow(dt) {
     if (!this.robot.trailers.length) return;
     const steps = Math.ceil(dt / PULLED);
@@ -248,13 +248,13 @@ class Live {
     return this.follows || Object.values(this.twist).some((v) => Math.abs(v) > 1e-9);
   }
 
-  // The centre of rotation in the robot's frame; nothing where the robot stands or drives straight on.
+  // The ICR in the robot frame; null if the robot stands still or drives straight ahead.
   get icr() {
     const { vx, vy, omega } = this.twist;
     return Math.abs(omega) > 1e-6 * (1 + Math.hypot(vx, vy) / this.size) ? [-vy / omega, vx / omega] : null;
   }
 
-  // ---- the picture
+  // ---- The picture.
 
   build(parent) {
     const root = add(parent, "section", { class: "robot", "aria-label": `${this.robot.name}, to drive` });
@@ -289,7 +289,7 @@ class Live {
     this.drawable();
   }
 
-  // Work on this robot and those beside it.
+  // Apply a function to this robot and to the robots next to it.
   each(work) {
     for (const mate of this.mates) {
       work(mate);
@@ -314,7 +314,7 @@ class Live {
     return { name, unit, kind, input, output };
   }
 
-  // A path that is drawn with the pointer is followed once the pointer is lifted.
+  // A path drawn with the pointer is followed when the pointer is lifted.
   drawable() {
     let drawing = false;
     const place = (event) => {
@@ -362,7 +362,7 @@ class Live {
     this.tell();
   }
 
-  // How fast the contact point of a wheel that must not slide would move along its axle.
+  // The velocity along the axle of the contact point of a wheel that must not slide.
   across(wheel, steer) {
     if (!wheel.zero || wheel.swivels || !(this.slip > SLIDING)) return 0;
     const [c, s] = [Math.cos(wheel.heading + steer), Math.sin(wheel.heading + steer)];
@@ -371,7 +371,7 @@ class Live {
     return c * (vy + omega * x) - s * (vx - omega * y);
   }
 
-  // The ground keeps still until the robot comes near its edge.
+  // The ground does not move until the robot is near its edge.
   look() {
     const [width, height] = GROUND.map((n) => n * this.size);
     const at = [this.pose.x, this.pose.y];
@@ -400,15 +400,15 @@ class Live {
     this.state.classList.toggle("slips", slides);
     const slip = `slip ${this.slip.toFixed(3)} m/s. `;
     const why = !slides ? "" : this.byTwist
-      ? `The wheels cannot do all of what is asked: ${slip}`
-      : `The wheels contradict one another: ${slip}`;
+      ? `The wheels cannot follow this command completely: ${slip}`
+      : `The speeds of the wheels do not agree: ${slip}`;
     this.state.textContent =
       `${why}It drives vx ${fixed(vx, 3)} m/s, vy ${fixed(vy, 3)} m/s, ω ${fixed(omega, 3)} rad/s` +
       `${icr ? ` about the ICR (${icr}) m` : ""}. One square is ${+this.square.toPrecision(1)} m.`;
   }
 }
 
-// ---- all robots of the page, in step
+// ---- All robots of the page, in step.
 
 const parent = document.getElementById("live");
 if (parent) {

@@ -1,4 +1,5 @@
-"""Report: what people read and see about a robot: text, figures and pages.
+"""Write what people read about a robot: the report, its figures and pages for a browser.
 
-In comes a `Derivation`; out go Markdown, SVG and HTML. This room computes nothing that other rooms need.
+The input is a `Derivation`; the output is Markdown (`sections`), SVG (`figures`) and HTML (`pages`), by file name.
+This room computes nothing that other rooms need, and its pages load nothing from elsewhere.
 """

@@ -1,4 +1,4 @@
-"""What every driven joint does for the motions of a wiring check, and what a robot does that is wired wrongly."""
+"""Compute the joints for the motions of a wiring check, and the motions of a robot with wrong wiring."""
 
 from __future__ import annotations
 
@@ -16,33 +16,34 @@ from wmrgen.geometry.ports import TWIST_NAMES
 if TYPE_CHECKING:
     from wmrgen.derivation.facade import Derivation
 
-Joints = Mapping[str, float]  # spin [rad/s] and steer [rad] by contract name
-_SLOW = Exact(Fraction(1, 10))  # m/s, rad/s
-_NEGLIGIBLE = 1e-9
-_SHARE = 0.2  # of the largest part of a motion: what is smaller is not said
+Joints = Mapping[str, float]  # spin [rad/s] and steer [rad], by name
+_SLOW = Exact(Fraction(1, 10))  # m/s and rad/s: slow enough for a first test
+_NEGLIGIBLE = 1e-9  # m/s and rad/s: rounding errors
+_SHARE = 0.2  # of the largest component of a motion: smaller components are hard to see and are not mentioned
 _WORDS = (("forward", "backward"), ("to the left", "to the right"), ("turns left", "turns right"))
 
 
 class Motion(NamedTuple):
-    """``twist``: components by contract name, in m/s and rad/s. ``joints``: None where the wheels forbid the motion."""
+    """A motion of the wiring check."""
 
     title: str
-    twist: Mapping[str, Exact]
-    joints: Joints | None
+    twist: Mapping[str, Exact]  # components by name [m/s, rad/s]
+    joints: Joints | None  # None if the wheels do not allow the motion
 
 
 class Fault(NamedTuple):
-    """``seen``: what the robot does instead, a sentence's part for each motion that it can do."""
+    """A fault of the wiring, with its symptoms."""
 
     text: str
-    seen: tuple[str, ...]
+    seen: tuple[str, ...]  # how the robot moves instead, for each motion that it can do
 
 
-@lru_cache(maxsize=1)  # figure and page of a robot ask for the same
+@lru_cache(maxsize=1)  # the figure and the page of a robot have the same motions
 def motions(d: Derivation) -> tuple[Motion, ...]:
-    """Forward, to the left, counter-clockwise, each at a tenth of its unit; steering and castors at 0 before.
+    """Return three motions: forward, to the left and counter-clockwise, each at a tenth of its unit.
 
-    A robot that drives forward and cannot turn on the spot drives a curve to the left.
+    Steering and castor angles are 0 at the start. A robot that cannot turn on the spot drives a curve to the left
+    instead.
     """
     forward = _motion(d, "+x, forward", vx=_SLOW)
     left = _motion(d, "+y, to the left", vy=_SLOW)
@@ -59,7 +60,7 @@ def _motion(d: Derivation, title: str, **parts: Exact) -> Motion:
     twist = {name: parts.get(name, ZERO) for name in TWIST_NAMES}
     allowed = admissible(d, twist)
     if allowed["omega"] == twist["omega"] != ZERO:
-        twist = allowed  # turning about another point than P has its sideways velocity
+        twist = allowed  # the robot turns about another point than P, so P has a sideways velocity
     joints = {name: float(value) for name, value in d.evaluate("inverse", twist).items()}
     slides = joints.pop("slip") > _NEGLIGIBLE and not d.mobility.degenerate  # a degenerate robot skids
     driven = {f"{w.name}.{joint}" for w in d.robot.wheels for joint in (*w.actuated, *_rate(w.actuated))}
@@ -69,7 +70,7 @@ def _motion(d: Derivation, title: str, **parts: Exact) -> Motion:
 
 
 def admissible(d: Derivation, twist: Mapping[str, Exact]) -> dict[str, Exact]:
-    """The twist without what the wheels forbid."""
+    """Return the nearest twist that the wheels allow."""
     values = {name: Poly.of(value) for name, value in twist.items()}
 
     def value(g: Gen) -> Poly | None:
@@ -83,8 +84,15 @@ def _rate(actuated: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def faults(d: Derivation, possible: Sequence[Motion]) -> list[Fault]:
-    """One wheel that runs backwards, two that are exchanged: what `forward` makes of the ``possible`` motions. Nothing
-    where wheels turn."""
+    """Return how the robot moves if one wheel runs backwards or two wheels are exchanged.
+
+    Args:
+        d: the derivation.
+        possible: the motions that the robot can do.
+
+    Returns:
+        The faults; [] unless two to four wheels are driven, all measured, and none of them steers or is coupled.
+    """
     driven = [w for w in d.robot.wheels if w.actuated]
     if (
         any(w.turns or "spin" not in w.sensed for w in driven)
@@ -109,13 +117,13 @@ def faults(d: Derivation, possible: Sequence[Motion]) -> list[Fault]:
 
 
 def _swapped(joints: Joints, spins: Sequence[str], swaps: Mapping[str, tuple[str, int]]) -> Joints:
-    """The speeds of wheels of which some hear what another is told, or its opposite."""
-    heard = {s: swaps.get(s, (s, 1)) for s in spins}
-    return {s: joints[other] * sign for s, (other, sign) in heard.items()}
+    """Return the speeds of wheels if some of them get the command of another wheel, or its negative."""
+    sources = {s: swaps.get(s, (s, 1)) for s in spins}
+    return {s: joints[other] * sign for s, (other, sign) in sources.items()}
 
 
 def _seen(d: Derivation, joints: Joints, size: float) -> str:
-    """The motion of these wheel speeds in words."""
+    """Return the motion of these wheel speeds in words. ``size``: the distance [m] that makes yaw rates speeds."""
     exact = {name: Exact(Fraction(value).limit_denominator(10**9)) for name, value in joints.items()}
     twist = d.without_gyro.evaluate("forward", exact)
     parts = [float(twist[name]) * scale for name, scale in zip(TWIST_NAMES, (1.0, 1.0, size), strict=True)]

@@ -1,4 +1,4 @@
-"""Derivations of the gallery, each made once, and report pages."""
+"""Report pages of gallery robots and of robot files, each made once; and the keys of their sentences."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from functools import cache
 from tests.robots import of_gallery, of_text
 from wmrgen.codegen.registry import Facts
 from wmrgen.report import sections as report
+from wmrgen.report.sections import numerics, wiring
+from wmrgen.report.sections.markdown import keys
 
 FACTS = Facts(model_hash="0123456789abcdef", wmrgen_version="9.9")
 
@@ -26,8 +28,45 @@ def numerics_of(name: str) -> str:
 
 @cache
 def page_written(text: str) -> str:
-    """The report of a robot file given as text."""
+    """Return the report of a robot file given as text."""
     return report.emit(of_text(text), FACTS)[report.FILE].decode()
+
+
+@cache
+def keyed_page_of(name: str) -> str:
+    """Return the report of a gallery robot with the keys of its sentences still in it."""
+    return "\n\n".join(report.blocks_of(of_gallery(name)))
+
+
+@cache
+def keys_of(name: str) -> list[str]:
+    """Return the keys of the sentences in the report of a gallery robot, in their order."""
+    return keys(keyed_page_of(name))
+
+
+@cache
+def keyed_page_written(text: str) -> str:
+    """Return the report of a robot file given as text, with the keys of its sentences still in it."""
+    return "\n\n".join(report.blocks_of(of_text(text)))
+
+
+@cache
+def keys_written(text: str) -> list[str]:
+    """Return the keys of the sentences in the report of a robot file given as text."""
+    return keys(keyed_page_written(text))
+
+
+def keys_of_numerics(name: str) -> list[str]:
+    return keys("\n\n".join(numerics.numerics(of_gallery(name), FACTS)))
+
+
+def keys_of_wiring(name: str) -> list[str]:
+    return keys("\n\n".join(wiring.wiring(of_gallery(name), FACTS)))
+
+
+def sentence(keyed_page: str, key: str) -> str:
+    """Return the text from a key to the end of its paragraph; "" without the key."""
+    return keyed_page.partition(f"\0{key}\0")[2].partition("\n")[0]
 
 
 def result(name: str) -> str:

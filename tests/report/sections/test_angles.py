@@ -15,9 +15,8 @@ from tests.robots import ROBOTS, of_gallery
 from wmrgen.geometry import notation
 from wmrgen.geometry.exact.evaluate import sqrt_poly
 from wmrgen.geometry.exact.poly import Poly
-from wmrgen.report.sections.angles import equation, gathered, readable, roots, upright
-from wmrgen.report.sections.latex import terms
-from wmrgen.report.sections.rows import _quotient
+from wmrgen.report.sections.latex import equation, gathered, readable, roots, terms, upright
+from wmrgen.report.sections.rows import quotient
 
 ANGLES = {"a": 0.7, "b": -1.3, "c": 2.9}
 VALUES = {rf"\psi_{{\mathrm{{{n}}}}}": v for n, v in ANGLES.items()} | {"l": 0.37}
@@ -90,7 +89,7 @@ def test_a_quotient_keeps_its_value(above: list[Poly], below: list[Poly]) -> Non
     """Whatever cancels; its sign stands before the line where all above it is one product, and only there."""
     top, bottom = Poly.sum(above), Poly.sum(below)
     if bottom:
-        text = _quotient(top, bottom)
+        text = quotient(top, bottom)
         assert read(text, VALUES) * worth(bottom) == pytest.approx(worth(top), rel=1e-9, abs=1e-12)
 
 

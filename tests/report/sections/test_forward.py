@@ -8,18 +8,15 @@ from fractions import Fraction
 
 import pytest
 
-from tests.report.sections.common import page_of
+from tests.report.sections.common import page_of, sentence
 from tests.report.sections.reading import read
 from tests.robots import of_gallery, of_text
 from wmrgen.geometry import notation
 from wmrgen.geometry.exact.number import Exact
-from wmrgen.report.sections.forward import _solution, forward
+from wmrgen.report.sections.forward import forward, solution_by_rank
+from wmrgen.report.sections.markdown import keys
 
-UNSEEN, ENOUGH, MORE = (
-    "The rows leave a direction unseen",
-    "As many rows as unknowns",
-    "More rows than unknowns",
-)
+UNSEEN, ENOUGH, MORE = "forward.unseen", "forward.square", "forward.overdetermined"
 PSEUDO = "(H^T H)^{+}"
 
 
@@ -51,32 +48,33 @@ def omni(count: int, sensed: int, reach: str = "0.2") -> list[str]:
 )
 def test_how_many_rows_there_are(count: int, sensed: int, words: str) -> None:
     text = section(omni(count, sensed))
-    assert [w for w in (UNSEEN, ENOUGH, MORE) if w in text] == [words]
+    said = keys(text)
+    assert [key for key in (UNSEEN, ENOUGH, MORE) if key in said] == [words]
     assert (PSEUDO in text) == (words is UNSEEN)
     assert ("(H^T H)^{-1}" in text) == (
         words is MORE
     )  # no inverse of what has none, no least squares of three rows
-    assert ("full column rank 3" in text) == (words is not UNSEEN)
-    assert "the rolling row alone" in text and "both rows" not in text
+    assert ("forward.full_rank" in said) == (words is MORE)
+    assert "forward.rolling_only" in said and "forward.both_rows" not in said
 
 
 @pytest.mark.parametrize(
-    ("rank", "may_fall", "words"),
+    ("rank", "may_fall", "key"),
     [
-        (1, True, "see one direction only"),
-        (2, True, "leave one direction unseen. The"),
-        (3, False, "cannot vanish"),
-        (3, True, "needs H of full column rank 3"),
+        (1, True, "forward.rank_one"),
+        (2, True, "forward.rank_two"),
+        (3, False, "forward.always_regular"),
+        (3, True, "forward.may_be_singular"),
     ],
 )
-def test_what_is_inverted_goes_by_the_rank(rank: int, may_fall: bool, words: str) -> None:
-    assert words in "\n".join(_solution(rank, may_fall))
+def test_what_is_inverted_goes_by_the_rank(rank: int, may_fall: bool, key: str) -> None:
+    assert keys("\n".join(solution_by_rank(rank, may_fall))) == [key]
 
 
 @pytest.mark.parametrize("reach", ["1e-6", "1e-3", "0.2", "1e3", "2e4"])
 def test_a_direction_is_seen_whatever_the_size(reach: str) -> None:
-    assert ENOUGH in section(omni(3, 3, reach))
-    assert UNSEEN in section(omni(3, 2, reach))
+    assert ENOUGH in keys(section(omni(3, 3, reach)))
+    assert UNSEEN in keys(section(omni(3, 2, reach)))
 
 
 def test_three_parallel_rows_leave_a_direction_unseen() -> None:
@@ -84,11 +82,11 @@ def test_three_parallel_rows_leave_a_direction_unseen() -> None:
         f"name: w{k}, type: swedish, x: {0.2 * k}, y: {0.1 * k * k}, heading: 0, gamma: 0, r: 0.05"
         for k in range(3)
     ]
-    assert UNSEEN in section(wheels)
+    assert UNSEEN in keys(section(wheels))
 
 
 def test_nothing_sensed_is_said() -> None:
-    assert "No row of section 2 has joint rates that are all sensed." in section(omni(3, 0))
+    assert keys(section(omni(3, 0))) == ["forward.nothing_sensed"]
 
 
 @pytest.mark.parametrize(("sensed", "words"), [("spin, steer", "both"), ("steer", "one")])
@@ -98,8 +96,8 @@ def test_which_rows_are_known(sensed: str, words: str) -> None:
         for k in range(2)
     ]
     text = section(wheels)
-    assert ("`w0` and `w1` give both rows" in text) == (words == "both")
-    assert ("`w0` and `w1` give the sliding row alone" in text) == (words == "one")
+    assert ("`w0` and `w1` " in sentence(text, "forward.both_rows")) == (words == "both")
+    assert ("`w0` and `w1` " in sentence(text, "forward.sliding_only")) == (words == "one")
     assert r"v + ω ẑ × B = r φ̇ e, with" in text or words == "one"
 
 
@@ -131,5 +129,5 @@ def test_wheels_in_one_place() -> None:
         f"name: w{k}, type: fixed, x: 0, y: -0.6, heading: {k} * pi, r: {r}" for k, r in enumerate("12")
     ]
     text = section(wheels)
-    assert "rank 2" in text or "The rows leave a direction unseen" in text
+    assert "forward.unseen" in keys(text)
     assert r"\mathrm{slip} = \sqrt{" in text

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from tests.report.sections.common import sentence
 from tests.robots import of_text
 from wmrgen.report.sections.inverse import inverse
+from wmrgen.report.sections.markdown import keys
 
 PLACES = {"a": (0.4, 0.3), "b": (-0.5, 0.2), "c": (0.1, -0.6), "d": (-0.2, -0.3), "e": (0.2, 0.5)}
-CHOOSES = "the way the others do"
+CHOOSES = "inverse.same_direction"
 
 
 def section(names: str, *couplings: str, fixed: str = "") -> str:
@@ -31,9 +33,9 @@ def steers(names: str) -> str:
 
 @pytest.mark.parametrize("names", ["ab", "abc"])
 def test_a_chain_is_one_speed_and_a_choice_of_headings(names: str) -> None:
-    assert CHOOSES in section(names, spins(names))
-    assert "turn at one speed" in section(names, spins(names))
-    assert "turn at one speed" not in section(names)
+    chained = keys(section(names, spins(names)))
+    assert CHOOSES in chained and "inverse.one_speed" in chained
+    assert "inverse.one_speed" not in keys(section(names))
 
 
 @pytest.mark.parametrize(
@@ -48,28 +50,25 @@ def test_a_chain_is_one_speed_and_a_choice_of_headings(names: str) -> None:
 )
 def test_wheels_of_one_motor_have_no_choice_among_themselves(names: str, motor: str, chooses: bool) -> None:
     text = section(names, spins(names), steers(motor))
-    assert (CHOOSES in text) == chooses
-    assert "share one angle that need not suit all" in text
+    assert (CHOOSES in keys(text)) == chooses
+    assert "inverse.compromise_angle" in keys(text)
 
 
 @pytest.mark.parametrize(("names", "fixed"), [("ad", "d"), ("da", "d"), ("abd", "d")])
 def test_a_wheel_that_does_not_steer_is_one_of_the_others(names: str, fixed: str) -> None:
     text = section(names, spins(names), fixed=fixed)
-    one, two = (
-        "its two headings `a` takes the one that rolls",
-        "their two headings `a` and `b` take those that roll",
-    )
-    assert f"Of {one if len(names) == 2 else two} {CHOOSES}" in text
+    said = sentence(text, CHOOSES)
+    assert ("`a` and `b` " if len(names) == 3 else " `a` ") in said and "`d`" not in said
 
 
 def test_a_chain_of_wheels_that_do_not_steer_chooses_nothing() -> None:
     text = section("da", "d.spin, a.spin", fixed="da")
-    assert "turn at one speed" in text and CHOOSES not in text
+    assert "inverse.one_speed" in keys(text) and CHOOSES not in keys(text)
 
 
 def test_wheels_that_turn_and_roll_alike_share_nothing_that_differs() -> None:
     """A synchro drive: on one motor and one chain each wheel's own speed is the common one."""
-    shared = "the least-squares rate"
+    shared = "inverse.mean_rate"
     text = """wmrgen: 1
 name: sample
 wheels:
@@ -77,5 +76,5 @@ wheels:
   - {name: b, type: steered, x: -0.3, y: 0.2, heading: 0, r: RADIUS}
 couplings: [{equal: [a.steer, b.steer]}, {equal: [a.spin, b.spin]}]
 """
-    assert shared not in "\n".join(inverse(of_text(text.replace("RADIUS", "0.1"))))
-    assert shared in "\n".join(inverse(of_text(text.replace("RADIUS", "0.12"))))
+    assert shared not in keys("\n".join(inverse(of_text(text.replace("RADIUS", "0.1")))))
+    assert shared in keys("\n".join(inverse(of_text(text.replace("RADIUS", "0.12")))))

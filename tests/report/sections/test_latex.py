@@ -16,9 +16,8 @@ from wmrgen.geometry.exact.evaluate import cos_sin, sqrt_poly
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Poly
 from wmrgen.geometry.symbolic import Expr, expression, parameter, signal
-from wmrgen.report.sections.latex import broken, latex
+from wmrgen.report.sections.latex import WIDE, broken, latex, width
 from wmrgen.report.sections.markdown import matrix
-from wmrgen.report.sections.terms import WIDE, width
 
 A, B, R = (Poly.gen("param", name) for name in ("a", "half_track", "r_1"))
 PI = Poly.gen("pi")

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from tests.conftest import ROOT
-from tests.report.sections.common import page_of, page_written, pages_of
+from tests.report.sections.common import keyed_page_of, keys_of, page_of, page_written, pages_of, sentence
 from tests.robots import ROBOTS, of_gallery
 from wmrgen.report.sections.texts import citations
 
@@ -34,6 +34,7 @@ def test_math_is_what_github_renders(name: str) -> None:
     blocks = FENCE.findall(page)
     assert page.count("```") == 2 * len(blocks) > 10
     assert "\n\n\n" not in page, "an empty block"
+    assert all("\0" not in text for text in pages_of(name).values()), "a key of a sentence is left"
     assert not re.search(r"(?m)^\s*$\n^```$", page), "a blank line inside a math block ends it on GitHub"
     for block in blocks:
         assert set(re.findall(r"\\([A-Za-z]+)", block)) <= MACROS
@@ -65,19 +66,19 @@ def test_every_section_wheel_and_equation_number(name: str) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_verdict_is_the_analysis(name: str) -> None:
-    page, m = page_of(name), of_gallery(name).mobility
+    page, m = keyed_page_of(name), of_gallery(name).mobility
     pair = f"({m.degree_of_mobility}, {m.degree_of_steerability})"
     assert (f"a degenerate layout, {pair}" if m.degenerate else f"Campion's type {pair}") in page
     assert rf"\delta_M &= \delta_m + \delta_s = {m.degree_of_mobility} + {m.degree_of_steerability}" in page
     vector = ", ".join(map(str, of_gallery(name).growth.vector))
-    said = {
-        (True, True): "both",
-        (True, False): "holonomic, but not omnidirectional",
-        (False, False): "neither",
+    key = {
+        (True, True): "mobility.both",
+        (True, False): "mobility.holonomic_only",
+        (False, False): "mobility.neither",
     }
-    assert f"The growth vector ({vector}) counts" in page
-    assert f"omnidirectional DDOF = 3: the robot is {said[m.holonomic, m.omnidirectional]}." in page
-    assert f"at once (DDOF = {m.ddof})" in page and f"can be reached (DOF = {m.dof})" in page
+    assert f" ({vector})" in sentence(page, "growth.vector")
+    assert [k for k in keys_of(name) if k in key.values()] == [key[m.holonomic, m.omnidirectional]]
+    assert f"(DDOF = {m.ddof})" in page and f"(DOF = {m.dof})" in page
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -124,7 +125,7 @@ def test_the_words_on_steered_wheels_agree_with_their_equations(name: str, offse
 
 
 def test_the_roller_pattern_is_named() -> None:
-    assert "shows an X from above and an O at the ground" in page_of("kuka_youbot")
+    assert "layout.x_from_above" in keys_of("kuka_youbot")
 
 
 HOSTILE = r"<script>alert(1)</script> | `x` $a$ *b* _c_ #1 [l](javascript:u) & \ ! ~s~"

@@ -9,14 +9,24 @@ from math import atan, atan2, cos, sin
 import numpy as np
 import pytest
 
-from tests.report.sections.common import between, box, page_of, page_written, part
+from tests.report.sections.common import (
+    between,
+    box,
+    keyed_page_of,
+    keyed_page_written,
+    keys_of,
+    keys_written,
+    page_written,
+    part,
+    sentence,
+)
 from tests.report.sections.reading import formulas, read
 from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen.geometry import notation
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.layout.records import Robot, Wheel
 
-AGREE = "Where they agree (`slip` is 0), that is"
+AGREE = "forward.if_consistent"
 # Robots of which the twist is written out, not only the rule that gives it.
 WRITTEN = (
     "agilex_ranger", "andino", "bicycle", "care_o_bot_4", "clearpath_a200", "clearpath_do100", "clearpath_r100",
@@ -39,7 +49,7 @@ def place(w: Wheel) -> tuple[float, float, float]:
 @pytest.mark.slow
 def test_whose_twist_is_written_out() -> None:
     shown = {n: part(n, "Forward", "An example") for n in ROBOTS}
-    told = {n: AGREE in text for n, text in shown.items() if r"\omega &=" in text}
+    told = {n: AGREE in keys_of(n) for n, text in shown.items() if r"\omega &=" in text}
     assert tuple(n for n, agree in told.items() if not agree) == WRITTEN
     assert tuple(n for n, agree in told.items() if agree) == ("ackermann_car", "car_with_trailers")
 
@@ -85,7 +95,7 @@ wheels:
 def test_the_twist_of_measurements_that_agree(sensed: str, angle: bool) -> None:
     """A car: of both rear wheels, or of one and of a steering angle, with the other rows left out."""
     text = page_written(CAR.replace("SENSED", sensed)).partition("**Forward")[2].partition("**An ")[0]
-    assert AGREE in text and "(HᵀH)⁻¹ Hᵀz" in text
+    assert AGREE in keys_written(CAR.replace("SENSED", sensed)) and "(HᵀH)⁻¹ Hᵀz" in text
     shown = dict(formulas(text))
     for vx, omega in ((1.3, 0.4), (-0.8, 0.1)):
         values = {notation.parameter("half_track"): 0.7, notation.parameter("wheelbase"): 2.5}
@@ -100,7 +110,8 @@ def test_the_twist_of_measurements_that_agree(sensed: str, angle: bool) -> None:
 def test_the_rule_that_numbers_come_from() -> None:
     """Where named lengths make lines too long: the rigid motion nearest to the velocities of contacts."""
     text = part("jpl_osr", "Forward", "An example")
-    assert text.index("nearest to the velocities w = r φ̇ e") < text.index(r"\omega &=")
+    keyed_page = keyed_page_of("jpl_osr")
+    assert keyed_page.index("forward.rigid_rule") < keyed_page.index(r"\omega &=")
     values, points, velocities = {}, [], []
     for k, w in enumerate(of_gallery("jpl_osr").robot.wheels):
         x, y, r = place(w)
@@ -173,7 +184,7 @@ wheels:
   - {name: fl, type: steered, x: 1.1, y: 0.4, heading: 0, r: 0.15, actuated: [steer]}
   - {name: fr, type: steered, x: 1.1, y: -0.4, heading: 0, r: 0.15, actuated: [steer]}
 """
-ALONE, BENT = "Each steered wheel stands along the velocity", "Each steered wheel would by itself stand along"
+ALONE, BENT = "closed.steered", "closed.steered_without_couplings"
 
 
 @pytest.mark.parametrize(
@@ -198,9 +209,10 @@ def test_wheels_of_one_motor_have_one_rate(coupling: str) -> None:
      ("couplings: [{equal: [rl.spin, fl.spin]}]\n", True)],
 )  # fmt: skip
 def test_coupled_wheels_do_not_each_stand_along_their_velocity(more: str, bent: bool) -> None:
-    page = page_written(AXLE + more)
-    assert (BENT in page) == bent != (ALONE in page)
-    assert ("`rl` would turn so by itself" in page) == ("[rl.spin, fl.spin]" in more)
+    said = keys_written(AXLE + more)
+    assert (BENT in said) == bent != (ALONE in said)
+    alone = sentence(keyed_page_written(AXLE + more), "closed.rates_without_couplings")
+    assert ("`rl`" in alone) == ("[rl.spin, fl.spin]" in more)
 
 
 @pytest.mark.parametrize("turned", [0.0, 2.5])
@@ -292,9 +304,11 @@ def test_the_factors_as_numbers(name: str) -> None:
 def test_compatible_wheel_speeds(name: str) -> None:
     """Speeds of the driven wheels of an admissible twist satisfy every condition that is printed, steered wheels
     standing as they must."""
-    text = page_of(name).partition("of compatibility")[2].partition("## 6 ")[0]
+    text = re.split(r"\0mobility\.compatible\w*\0", keyed_page_of(name))[-1].partition("## 6 ")[0]
+    told = any(key.startswith("mobility.compatible") for key in keys_of(name))
+    text = text if told else ""
     lines = [right for left, right in formulas(text) if left == "0"]
-    assert ("of compatibility" in page_of(name)) == bool(lines)
+    assert told == bool(lines)
     d = of_gallery(name)
     robot, values = d.robot, parameters(d.robot)
     if not lines:
@@ -335,6 +349,5 @@ def test_the_rule_for_the_twist_says_that_wheels_count_by_weights(
 ) -> None:
     for weight in ("", ", weight: 4"):
         wheels = "".join(f"  - {w}\n" for w in (weighted % weight, other.replace("%s", "")))
-        page = page_written(f"wmrgen: 1\nname: robot\nwheels:\n{wheels}")
-        told = between(page, "Forward", "An example")
-        assert ("by their weights" in told) == (counts and bool(weight))
+        told = keys_written(f"wmrgen: 1\nname: robot\nwheels:\n{wheels}")
+        assert ("forward.weighted_result" in told) == (counts and bool(weight))

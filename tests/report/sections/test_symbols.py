@@ -8,11 +8,18 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from tests.report.sections.common import page_of, page_written
+from tests.report.sections.common import (
+    keyed_page_of,
+    keyed_page_written,
+    page_of,
+    page_written,
+    sentence,
+)
 from tests.report.sections.reading import formulas, read
 from tests.robots import ROBOTS, of_gallery
 from wmrgen.geometry import notation
 from wmrgen.geometry.exact.number import Exact
+from wmrgen.report.sections.markdown import keys
 
 
 def printed(page: str, name: str, values: dict[str, float]) -> np.ndarray:
@@ -70,19 +77,20 @@ def test_singular_configurations_have_names(name: str, condition: str, angles: t
 @pytest.mark.parametrize("name", ROBOTS)
 def test_where_a_form_does_not_hold(name: str) -> None:
     """G is introduced before it is unbounded, conditions are formulas, and each form is told of."""
-    page = page_of(name).partition("## 8 ")[2].partition("## 9 ")[0]
-    if "`wmrgen model` prints" not in page:
+    page = keyed_page_of(name).partition("## 8 ")[2].partition("## 9 ")[0]
+    if "model.forms" not in keys(page):
         return
     assert page.index("q̇ = G(q) u") < page.find("G is unbounded") or "G is unbounded" not in page
-    told = re.findall(r"(?m)^`(posture|twist|eta)` does not hold where", page)
-    for forms in re.findall(r"\. ((?:`\w+`(?:, | and )?)+) (?:holds?|do|does) ", page):
-        told += re.findall(r"\w+", forms.replace(" and ", " "))
-    head = page.partition("`wmrgen model` prints")[2].partition(". ")[0]
+    told = []
+    for key in ("model.singular", "model.singular_elsewhere", "model.always_holds", "model.while_sliding"):
+        for said in re.findall(rf"\0{key}\0([^\n\0]*)", page):  # the forms that a sentence begins with
+            told += re.findall(r"\w+", re.match(r"(?:`\w+`(?:, | and )?)+", said)[0].replace(" and ", " "))
+    head = page.partition("\0model.forms\0")[2].partition("\0model.state_space\0")[0]
     introduced = re.findall(r"`(posture|twist|eta)`", head)
     assert introduced and set(introduced) == set(told)
     shared = sum(s.kind == "shared_axle" for s in of_gallery(name).mobility.singularities)
-    assert page.count("(the form `twist` has these motions). Section 9 has the condition.\n") == shared
-    for formula in re.findall(r"does not hold where [^\n]*:\n\n```math\n(.*?)```", page, re.DOTALL):
+    assert keys(page).count("model.singular_elsewhere") == shared
+    for formula in re.findall(r"\0model\.singular\0[^\n]*:\n\n```math\n(.*?)```", page, re.DOTALL):
         assert (
             "\\psi" in formula and "0 &= " in formula and "_steer" not in formula and ".steer" not in formula
         )
@@ -98,18 +106,12 @@ def test_what_has_a_star_is_introduced(name: str) -> None:
 
 
 def test_virtual_wheels_are_introduced() -> None:
-    page = page_of("car_with_trailers")
-    layout, model = page.partition("## 1 ")[2].partition("## 2 ")[0], page.partition("## 8 ")[2]
-    assert (
-        "`front` at (1.4, 0), whose steering angle stands for those of `front_left` and `front_right`"
-        in layout
-    )
-    assert "`rear` at (0, 0), whose speed stands for those of `rear_left` and `rear_right`" in layout
-    assert "In the speed of the virtual wheel `rear` it is" in model
-    assert (
-        "where the steering angle of the virtual wheel `front` is part of the state; the steered wheels"
-        in model
-    )
+    page = keyed_page_of("car_with_trailers")
+    front, rear = sentence(page, "layout.virtual").split(";")
+    assert re.findall(r"`(\w+)`", front) == ["front", "front_left", "front_right"] and "(1.4, 0)" in front
+    assert re.findall(r"`(\w+)`", rear) == ["rear", "rear_left", "rear_right"] and "(0, 0)" in rear
+    assert "`rear`" in sentence(page, "motion.in_wheel_speeds")
+    assert "`front`" in sentence(page, "motion.steering_state")
     assert "irtual" not in page_of("tractor_off_axle")
 
 
@@ -155,8 +157,8 @@ def test_the_twist_of_eta_is_that_of_dynamics(name: str) -> None:
     """In named lengths, with sines of sums of angles."""
     d = of_gallery(name)
     text = (
-        page_of(name)
-        .partition("columns scaled as in `dynamics`")[2]
+        keyed_page_of(name)
+        .partition("\0motion.twist_of_eta\0")[2]
         .partition("```math")[2]
         .partition("```")[0]
     )
@@ -177,15 +179,13 @@ def test_the_twist_of_eta_is_that_of_dynamics(name: str) -> None:
 
 def test_angles_of_wheels_that_follow_are_symbols() -> None:
     """Of two wheels with one steering motor the model has one angle, and no condition that asks for two."""
-    page = page_written(
+    page = keyed_page_written(
         "wmrgen: 1\nname: sample\nwheels:\n"
         "  - {name: a, type: steered, x: 0.04, y: -0.49, heading: 0.08, r: 0.2, actuated: [steer]}\n"
         "  - {name: b, type: steered, x: 0.63, y: -0.63, heading: -1.56, r: 0.1}\n"
         "  - {name: o, type: swedish, x: 0.58, y: -0.76, heading: 0, gamma: -pi/4, r: 0.03}\n"
         "couplings: [{equal: [a.steer, b.steer]}]\n"
     )
-    assert (
-        "`twist` and `eta` hold in every motion." in page
-        and r"\psi_{\mathrm{b}}" not in page.partition("## 8 ")[2]
-    )
+    assert sentence(page, "model.always_holds").startswith("`twist` and `eta` ")
+    assert r"\psi_{\mathrm{b}}" not in page.partition("## 8 ")[2]
     assert not re.search(r"\\(?:cos|sin|tan)[a-z]", page)

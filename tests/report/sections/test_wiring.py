@@ -9,9 +9,10 @@ from math import atan2, cos, degrees, pi, remainder, sin
 import numpy as np
 import pytest
 
-from tests.report.sections.common import FACTS, pages_of
+from tests.report.sections.common import FACTS, keys_of_wiring, pages_of, sentence
 from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen.geometry.layout.records import Wheel
+from wmrgen.report.sections.markdown import keys
 from wmrgen.report.sections.wiring import wiring
 from wmrgen.report.wiring import motions
 
@@ -58,15 +59,18 @@ def test_every_sign(name: str) -> None:
 
 
 def test_what_cannot_be_driven_is_said() -> None:
-    assert "The wheels forbid +y." in pages_of("pioneer3dx")["wiring.md"]
-    assert "forbid" not in pages_of("kuka_youbot")["wiring.md"]
+    def forbidden(name: str) -> list[str]:
+        page = "\n\n".join(wiring(of_gallery(name), FACTS))
+        return re.findall(r"\+[xyω]", sentence(page, "wiring.forbidden"))
+
+    assert forbidden("pioneer3dx") == ["+y"] and forbidden("kuka_youbot") == []
     car = pages_of("ackermann_car")["wiring.md"]
-    assert "a curve to the left" in car and "The wheels forbid +y." in car
+    assert "a curve to the left" in car and forbidden("ackermann_car") == ["+y"]
     assert "+ω, counter-clockwise" in pages_of("clearpath_a200")["wiring.md"]  # it skids
     for name, turn in (("f1tenth", "+ω, a curve to the left"), ("andino", "+ω, counter-clockwise")):
         text = pages_of(name)["wiring.md"]  # P lies off the axle about whose points they turn
-        assert turn in text and "The wheels forbid +y." in text and " vy=" in text
-    assert "nothing to check" in pages_of("office_chair")["wiring.md"]
+        assert turn in text and forbidden(name) == ["+y"] and " vy=" in text
+    assert keys_of_wiring("office_chair") == ["wiring.nothing_driven"]
 
 
 WORDS = {"forward": (0, 1), "backward": (0, -1), "to the left": (1, 1), "to the right": (1, -1),
@@ -131,7 +135,7 @@ def test_large_wheels_do_not_hide_their_arrows() -> None:
 @pytest.mark.parametrize("name", ["lekiwi", "pioneer3dx", "f1tenth", "nomad_xr4000"])
 def test_angles_are_0_where_there_are_some(name: str) -> None:
     turns = any(w.turns and w.actuated for w in of_gallery(name).robot.wheels)
-    assert ("All angles are 0 before" in pages_of(name)["wiring.md"]) == turns
+    assert ("wiring.angles_at_zero" in keys_of_wiring(name)) == turns
 
 
 PAIR = """wmrgen: 1
@@ -147,14 +151,17 @@ UP = ", encoder: {spin: {counts: 48}}"
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        (PAIR % ("", "false"), "it counts up. If it counts down, exchange"),
-        (PAIR % ("", "true"), "it counts down (`reversed` in the robot file). If it counts the other way, exchange"),
-        (PAIR % (UP, "true"), "it counts up, that of `right` down (`reversed` in the robot file). If it counts the o"),
-        (PAIR % ("", "true") + "couplings: [{equal: [left.spin, right.spin]}]", "not both. Of the coupled wheels "
-         "(`left` and `right`) each turns with those that it is coupled to.\n"),
+        (PAIR % ("", "false"), ["wiring.counts_up"]),
+        (PAIR % ("", "true"), ["wiring.counts_down"]),
+        (PAIR % (UP, "true"), ["wiring.some_count_down"]),
+        (PAIR % ("", "true") + "couplings: [{equal: [left.spin, right.spin]}]",
+         ["wiring.coupled", "wiring.counts_down"]),
         (PAIR % ("", "true") + "couplings: [{equal: [left.spin, right.spin], ratios: [1, -1]}]",
-         "it is coupled to, against its arrow where the ratio is negative.\n"),
+         ["wiring.coupled", "wiring.negative_ratio", "wiring.counts_down"]),
     ],
 )  # fmt: skip
-def test_encoders_that_count_down_and_wheels_that_turn_together(text: str, told: str) -> None:
-    assert told in wiring(of_text(text), FACTS)
+def test_encoders_that_count_down_and_wheels_that_turn_together(text: str, told: list[str]) -> None:
+    page = "\n\n".join(wiring(of_text(text), FACTS))
+    assert [key for key in keys(page) if key != "wiring.forbidden"] == told
+    assert ("`right`" in sentence(page, "wiring.some_count_down")) == ("wiring.some_count_down" in told)
+    assert ("`left` and `right`" in sentence(page, "wiring.coupled")) == ("wiring.coupled" in told)

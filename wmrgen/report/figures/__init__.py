@@ -1,5 +1,4 @@
-"""The figures of a robot as SVG: the top view with its dimensions, the symbols at its wheels, a motion with the ICR and
-the arc of odometry, singular configurations, twists that the limits allow."""
+"""Draw the figures of a robot as SVG: top view, symbols, a motion, singular configurations, allowed twists, wiring."""
 
 from __future__ import annotations
 
@@ -18,12 +17,12 @@ __all__ = ["emit", "figures", "sketch"]
 
 
 def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
-    """The SVG files."""
+    """Return the SVG files, by name."""
     return {file: svg.encode() for file, (_, svg) in derivation.figures.items()}
 
 
 def figures(derivation: Derivation) -> list[Figure]:
-    """Those figures that say something about this robot."""
+    """Return the figures that apply to this robot."""
     drawn = (
         top_view(derivation), wheel_symbols(derivation.robot), motion(derivation), singular(derivation),
         reach(derivation), wiring(derivation),

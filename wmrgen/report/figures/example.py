@@ -1,4 +1,4 @@
-"""The motion that figures show: a twist that the robot can drive, off-centre, and the headings that let it roll."""
+"""Choose the motion that figures show: an admissible twist with a visible ICR, and headings at which wheels roll."""
 
 from __future__ import annotations
 
@@ -15,41 +15,42 @@ from wmrgen.report.figures.paper import Point, bounds, distance, middle
 
 Twist = tuple[float, float, float]
 
-_SLANT = radians(25)  # direction of travel shown when only translation is admissible
-_PLACES = (  # ICR candidates from the centre, in units of the robot's half extent
+_SLANT = radians(25)  # direction of travel if the robot can only translate: visibly off both axes
+_PLACES = (  # candidates for the ICR, from the centre, in units of half the size of the robot
     (-0.35, 1.35), (0.35, 1.35), (-0.6, 1.6), (0.6, 1.6), (-1.0, 2.0), (-0.35, -1.35), (0.0, 2.5), (0.0, 4.0),
 )  # fmt: skip
+# The same along the line on which the ICR of a robot with two degrees of freedom is.
 _DISTANCES = (1.3, 1.7, 2.2, 2.8, 3.6, 5.0, 8.0, -1.3, -2.2, -3.6, 12.0)
 
 
 class Example(NamedTuple):
-    """``twist`` of P [m/s, rad/s]. ``headings``: rolling direction by wheel [rad]. ``icr``: None without rotation."""
+    """A motion with the headings of all wheels."""
 
-    twist: Twist
-    headings: dict[str, float]
-    icr: Point | None
+    twist: Twist  # of P [m/s, rad/s]
+    headings: dict[str, float]  # rolling direction of each wheel [rad]
+    icr: Point | None  # [m]; None without rotation
 
 
 def extent(wheels: tuple[Wheel, ...]) -> tuple[Point, float]:
-    """Centre of the pivots' bounding box, and half its diagonal (at least two wheel radii) [m]."""
+    """Return the centre of the box around all pivots, and half its diagonal but at least two wheel radii [m]."""
     box = bounds([(float(w.nominal.x), float(w.nominal.y)) for w in wheels])
     size = distance(box[:2], box[2:]) / 2
     return middle(box), max(size, 2 * max(float(w.nominal.r) for w in wheels), 1e-3)
 
 
 def largest_radius(wheels: tuple[Wheel, ...]) -> float:
-    """Of the wheels that have one [m]."""
+    """Return the largest radius of the wheels [m]."""
     return max(*(float(w.nominal.r) for w in wheels), 1e-9)
 
 
 def example(robot: Robot, mobility: Mobility) -> Example | None:
-    """A motion that the steering limits allow if a candidate does; None where the robot cannot move."""
+    """Return a motion, within the steering limits if a candidate is; None if the robot cannot move."""
     twist = _twist(robot, mobility, [w for w in robot.wheels if w.kind.steers])
     return None if twist is None else moving(robot, twist)
 
 
 def moving(robot: Robot, twist: Twist) -> Example:
-    """What the wheels do under an admissible twist; castors stand as they trail when it lasts, on belts at 0."""
+    """Return the headings of wheels during an admissible twist. Castors trail; coupled castors are at angle 0."""
     headings = {}
     free = {m[0].index for m in robot.together("steer", robot.wheels) if len(m) == 1 and m[0].kind.swivels}
     for w in robot.wheels:
@@ -59,7 +60,7 @@ def moving(robot: Robot, twist: Twist) -> Example:
 
 
 def _twist(robot: Robot, mobility: Mobility, steered: list[Wheel]) -> Twist | None:
-    """The twist that the picture shows; None where the robot cannot move."""
+    """Return the twist of the figure; None if the robot cannot move."""
     admissible = mobility.admissible
     centre, size = extent(robot.wheels)
     if not admissible.dimension:
@@ -77,7 +78,7 @@ def _floats(values: Iterable[float]) -> Twist:
 
 
 def _centres(rows: list[Twist], centre: Point, size: float) -> list[Point]:
-    """ICR candidates inside the admissible twists; [] when they only translate."""
+    """Return admissible candidates for the ICR; [] if the robot can only translate."""
     if len(rows) == 3:
         return [(centre[0] + a * size, centre[1] + b * size) for a, b in _PLACES]
     p, q = rows
@@ -97,7 +98,7 @@ def _centres(rows: list[Twist], centre: Point, size: float) -> list[Point]:
 
 
 def _translation(rows: list[Twist]) -> Twist:
-    """A translation 25 degrees off the x axis when both directions are free, else the only one."""
+    """Return a translation, 25° off the x axis if all directions are admissible, else the only one."""
     p, q = rows
     if abs(p[0] * q[1] - p[1] * q[0]) > 1e-9:
         return cos(_SLANT), sin(_SLANT), 0.0
@@ -105,7 +106,17 @@ def _translation(rows: list[Twist]) -> Twist:
 
 
 def swung(robot: Robot, w: Wheel, t: Twist) -> float:
-    """The steering angle in [-pi/2, pi/2] that rolls, or the opposite one if only that is within limits."""
+    """Return the steering angle in [-pi/2, pi/2] at which a wheel rolls, or the opposite one if only that is within
+    limits.
+
+    Args:
+        robot: the robot.
+        w: the wheel.
+        t: the twist of P [m/s, rad/s].
+
+    Returns:
+        The angle [rad].
+    """
     velocity = pivot_velocity(w, t)
     if abs(velocity) < 1e-12:
         return 0.0
@@ -115,8 +126,10 @@ def swung(robot: Robot, w: Wheel, t: Twist) -> float:
 
 
 def _trail(w: Wheel, t: Twist) -> float:
-    """The steering angle of a castor that a lasting motion pulls: its axle runs through the ICR, its contact lies
-    behind its pivot. 0 where there is none: its pivot is closer to the ICR than its contact can be."""
+    """Return the steady steering angle of a castor: its axle passes through the ICR, its contact is behind its pivot.
+
+    It is 0 if there is no such angle, because the pivot is closer to the ICR than the castor offset.
+    """
     velocity = pivot_velocity(w, t)
     speed, d = abs(velocity), float(w.nominal.d)
     if speed < 1e-12 or speed <= abs(d * t[2]):
@@ -128,7 +141,16 @@ def _trail(w: Wheel, t: Twist) -> float:
 
 
 def inside(robot: Robot, w: Wheel, turn: float) -> bool:
-    """Whether the limits of a wheel allow a steering angle [rad]."""
+    """Return whether the limits of a wheel allow a steering angle [rad].
+
+    Args:
+        robot: the robot.
+        w: the wheel.
+        turn: the angle [rad].
+
+    Returns:
+        Whether it is within the limits.
+    """
     limit = robot.limit(w, "steer")
     return limit is None or float(limit.low) - 1e-9 <= turn <= float(limit.high) + 1e-9
 
@@ -139,7 +161,7 @@ def _allowed(robot: Robot, steered: list[Wheel], t: Twist, size: float) -> bool:
 
 
 def icr(t: Twist, size: float) -> Point | None:
-    """The instantaneous centre of rotation [m]; None where a robot of this size does not turn."""
+    """Return the instantaneous centre of rotation [m]; None if a robot of ``size`` [m] does not turn visibly."""
     if abs(t[2]) * size < 1e-6 * hypot(t[0], t[1]):
         return None
     return -t[1] / t[2] + 0.0, t[0] / t[2] + 0.0

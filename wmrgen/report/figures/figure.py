@@ -1,4 +1,4 @@
-"""A figure: its file, what is seen on it, the SVG text; and where its panels show the plane: scale, place and turn."""
+"""Assemble a figure: its file, a description and the SVG text; and the views that map the plane to paper."""
 
 from __future__ import annotations
 
@@ -11,33 +11,43 @@ from wmrgen.codegen.render import render
 from wmrgen.report.figures.paper import Box, Point, along, arc, bounds, middle, num, pair, polygon
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
 
-WIDTH, SHOWN = 480.0, 420.0  # of every figure, and how wide it is shown: two side by side, words 10.5 px high
-Group = tuple[str, Sequence[str]]  # attributes and elements
-UP, RIGHT = (0.0, -1.0), (1.0, 0.0)  # where the x axis points on paper: top views, the world
-Pose = tuple[float, float, float]
+WIDTH, SHOWN = 480.0, 420.0  # px: width of every figure, and its width on a page, where two fit side by side
+Group = tuple[str, Sequence[str]]  # attributes of an SVG group, and its elements
+UP, RIGHT = (0.0, -1.0), (1.0, 0.0)  # direction of the x axis on paper: in top views, in the world frame
+Pose = tuple[float, float, float]  # x, y [m], theta [rad]
 AT_ORIGIN: Pose = (0.0, 0.0, 0.0)
 
 
 class View(NamedTuple):
-    """``scale`` [px/m]; ``origin``: of the frame, on paper; ``x``: its x axis on paper. y points to the left of x."""
+    """A map from a frame to paper."""
 
-    scale: float
-    origin: Point
-    x: Point = UP
+    scale: float  # px/m
+    origin: Point  # origin of the frame, on paper
+    x: Point = UP  # direction of the x axis on paper; y points to its left
 
     def on(self, p: Point) -> Point:
-        """A point of the frame [m] on paper."""
+        """Return a point of the frame [m] on paper."""
         (a, b), k = self.x, self.scale
         return self.origin[0] + k * (p[0] * a + p[1] * b), self.origin[1] + k * (p[0] * b - p[1] * a)
 
     def way(self, angle: float) -> Point:
-        """A direction of the frame [rad] on paper."""
+        """Return a direction of the frame [rad] as a unit vector on paper."""
         (a, b), c, s = self.x, cos(angle), sin(angle)
         return c * a + s * b, c * b - s * a
 
     def around(self, centre: Point, radius: float, first: float, turn: float, cls: str) -> list[str]:
-        """An arc that sweeps ``turn`` [rad] from the direction ``first``, with a head; ``centre`` and ``radius`` on
-        paper."""
+        """Draw an arc with an arrow head.
+
+        Args:
+            centre: centre on paper [px].
+            radius: radius on paper [px].
+            first: direction of the start, in the frame [rad].
+            turn: angle that the arc sweeps [rad].
+            cls: class of the SVG elements.
+
+        Returns:
+            The SVG elements.
+        """
         start, end = (along(centre, self.way(first + k * turn), radius) for k in (0, 1))
         back = self.way(first + turn - (6.0 / radius if turn > 0 else -6.0 / radius))
         root, out = along(centre, back, radius), self.way(first + turn)
@@ -46,7 +56,17 @@ class View(NamedTuple):
 
 
 def fitted(points: Sequence[Point], area: Box, x: Point = UP, most: float = float("inf")) -> View:
-    """The view that shows all points [m] in the middle of ``area``, at most ``most`` px/m."""
+    """Return the view that shows all points in the middle of an area.
+
+    Args:
+        points: points of the frame [m].
+        area: area on paper [px].
+        x: direction of the x axis on paper.
+        most: largest scale [px/m].
+
+    Returns:
+        The view.
+    """
     raw = View(1.0, (0.0, 0.0), x)
     box = bounds([raw.on(p) for p in points])
     wide, high = max(box[2] - box[0], 1e-9), max(box[3] - box[1], 1e-9)
@@ -56,21 +76,31 @@ def fitted(points: Sequence[Point], area: Box, x: Point = UP, most: float = floa
 
 
 def moved(p: Point, pose: Pose) -> Point:
-    """A point of the robot frame in the frame that the pose is given in."""
+    """Transform a point of the robot frame to the frame of the pose."""
     x, y, theta = pose
     return x + cos(theta) * p[0] - sin(theta) * p[1], y + sin(theta) * p[0] + cos(theta) * p[1]
 
 
 class Figure(NamedTuple):
-    """``alt``: a sentence that says what is seen."""
+    """A finished figure."""
 
     file: str
-    alt: str
+    alt: str  # a sentence that describes the figure
     svg: str
 
 
 def figure(file: str, alt: str, height: float, groups: Iterable[Group]) -> Figure:
-    """The figure of finished elements."""
+    """Return the figure of finished elements.
+
+    Args:
+        file: file name.
+        alt: a sentence that describes the figure.
+        height: height [px].
+        groups: groups of SVG elements.
+
+    Returns:
+        The figure.
+    """
     svg = render(
         "drawing/figure.svg.j2", width=num(WIDTH), height=num(height), title=escape(alt),
         shown_width=num(SHOWN), shown_height=num(height * SHOWN / WIDTH), groups=list(groups),
@@ -80,10 +110,10 @@ def figure(file: str, alt: str, height: float, groups: Iterable[Group]) -> Figur
 
 
 def panel(view: View) -> str:
-    """Attributes of a group that say where it shows the plane: ``data-scale`` [px/m], ``data-origin`` [px]."""
+    """Return attributes that describe the view of a group: ``data-scale`` [px/m], ``data-origin`` [px]."""
     return f' data-scale="{view.scale:.6g}" data-origin="{pair(view.origin)}"'
 
 
 def attribute(name: str, value: str) -> str:
-    """An attribute, its value as text."""
+    """Return a data attribute with an escaped value."""
     return f' data-{name}="{escape(value)}"'

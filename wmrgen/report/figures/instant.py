@@ -1,4 +1,4 @@
-"""A motion in the robot frame: where every wheel goes, and about which point; and the motions that are singular."""
+"""Draw a motion in the robot frame, with the velocity of each wheel and the ICR; and singular configurations."""
 
 from __future__ import annotations
 
@@ -35,19 +35,30 @@ from wmrgen.report.figures.paper import (
     wrapped,
 )
 
-FAR = 3.3  # robot sizes from its centre: an ICR farther off is pointed at
-_FASTEST = 30.0  # the length of the longest velocity [px]
-_SKEW = 0.02  # of the way to the ICR: an axle that misses it by more leads elsewhere
-_MANY = 12  # wheels, from which on velocities and lines to the ICR are left out
+FAR = 3.3  # in sizes of the robot: an arrow points to an ICR that is farther from its centre
+_FASTEST = 30.0  # px: length of the arrow of the largest velocity
+_SKEW = 0.02  # of the distance to the ICR: the axle of a wheel that slides misses the ICR by more
+_MANY = 12  # robots with more wheels have no arrows of velocities and no lines to the ICR: they would overlap
 
 
 def number(value: float) -> str:
-    """Three significant digits."""
+    """Return a number with three significant digits."""
     return f"{float(f'{round(value, 12) + 0.0:.3g}'):.12g}".replace("-", "−")
 
 
 def instant(robot: Robot, shown: Example, area: Box, title: str, words: Sequence[str]) -> list[Group]:
-    """The robot from above in ``area``, x up: axle lines, velocities, the ICR or an arrow to it; words below."""
+    """Draw a robot from above during a motion, x up: axle lines, velocities, and the ICR or an arrow to it.
+
+    Args:
+        robot: the robot.
+        shown: the motion.
+        area: area on paper [px].
+        title: words above the area.
+        words: lines of words below the area.
+
+    Returns:
+        Groups of SVG elements.
+    """
     centre, size = extent(robot.wheels)
     near = shown.icr is not None and distance(shown.icr, centre) <= FAR * size
     points = [p for w in robot.wheels for p in extremes(w, shown.headings[w.name])] + [(0.0, 0.0)]
@@ -75,7 +86,7 @@ def instant(robot: Robot, shown: Example, area: Box, title: str, words: Sequence
 
 
 def _velocities(wheels: list[Placed], shown: Example, view: View) -> list[str]:
-    """The velocity of every contact, as long as it is fast."""
+    """Draw the velocity of each contact point, with a length proportional to it."""
     vx, vy, omega = shown.twist
     speeds = []
     for p in wheels:
@@ -96,10 +107,10 @@ def _velocities(wheels: list[Placed], shown: Example, view: View) -> list[str]:
 
 
 def _axles(wheels: list[Placed], icr: Point | None, area: Box) -> list[Segment]:
-    """Zero-motion lines of wheels that slide not across: to the ICR and a little beyond, or across the panel where
-    there is none and where a wheel must slide.
+    """Return the axle lines of wheels that cannot slide sideways: to the ICR and a little beyond.
 
-    Wheels on one line share it: the longest piece stays.
+    If there is no ICR, or if a wheel has to slide, its line crosses the panel. Wheels on one line share the longest
+    segment.
     """
     longest: dict[tuple[float, float], Segment] = {}
     for p in wheels:
@@ -117,18 +128,18 @@ def _axles(wheels: list[Placed], icr: Point | None, area: Box) -> list[Segment]:
 
 
 def line_of(p: Placed) -> tuple[float, float]:
-    """The zero-motion line of a wheel: direction [deg] and distance from the page's corner [px], rounded."""
+    """Return a key of the axle line of a wheel: direction [deg] and distance from the corner of the page [px]."""
     x, y = p.ahead if (p.ahead[1], p.ahead[0]) < (-1e-4, 0.0) else (-p.ahead[0], -p.ahead[1])
     return round(degrees(atan2(x, -y)) % 180, 1) % 180, round(abs(p.centre[0] * x + p.centre[1] * y), 0)
 
 
 def _off(p: Placed, icr: Point) -> float:
-    """How far the ICR lies off the axle line [px]."""
+    """Return the distance of the ICR from the axle line [px]."""
     return (icr[0] - p.centre[0]) * p.ahead[0] + (icr[1] - p.centre[1]) * p.ahead[1]
 
 
 def _slides(p: Placed, icr: Point) -> bool:
-    """Whether a wheel of which the ground forbids it slides across all the same: its axle leads past the ICR."""
+    """Return whether a wheel that should not slide sideways does, because its axle misses the ICR."""
     return p.wheel.kind.constrains and abs(_off(p, icr)) > max(1.0, _SKEW * distance(p.centre, icr))
 
 
@@ -138,7 +149,7 @@ def _icr(p: Point, paper: Paper) -> list[str]:
 
 
 def _pointed(shown: Example, view: View, paper: Paper) -> list[str]:
-    """Where the ICR lies that is not on the page: an arrow and its distance from P."""
+    """Draw an arrow to an ICR that is not on the page, with its distance from P."""
     area = paper.area
     if shown.icr is None:
         return [paper.write((area[2], area[1] + 4), "ICR at infinity", "words", "end")]
@@ -155,7 +166,7 @@ def _pointed(shown: Example, view: View, paper: Paper) -> list[str]:
 
 
 def _corner(words: str, paper: Paper) -> str:
-    """Words in the corner where they touch least."""
+    """Write words in the corner where they overlap least."""
     left, top, right, bottom = paper.area
     wide = width(words)
     corners = [(x, y) for y in (bottom - 6, top + 6) for x in (right - wide, left)]
@@ -164,10 +175,10 @@ def _corner(words: str, paper: Paper) -> str:
     return paper.write(corners[touched.index(min(touched))], words)
 
 
-# ---- singular configurations: one of each kind, the robot standing in it
+# ---- Singular configurations: one of each kind.
 
 FILE = "singular.svg"
-_WIDE, _DRAWN, _ROW = WIDTH / 2, 190.0, 15.0
+_WIDE, _DRAWN, _ROW = WIDTH / 2, 190.0, 15.0  # px: width and height of a panel, height of a line of words
 _TITLES = {
     "icr_on_pivot": "ICR on a pivot", "shared_axle": "axles on one line", "drive": "driven wheels stand still",
     "rolling_rank": "a motion turns no wheel",
@@ -175,7 +186,7 @@ _TITLES = {
 
 
 def singular(derivation: Derivation) -> Figure | None:
-    """``singular.svg``; None where there is nothing to draw: no singularity, or one only at standstill."""
+    """Return ``singular.svg``; None if no configuration is singular except at standstill."""
     robot, mobility = derivation.robot, derivation.mobility
     first: dict[str, tuple[Singularity, Twist]] = {}
     for s in mobility.singularities:
@@ -199,13 +210,23 @@ def singular(derivation: Derivation) -> Figure | None:
 
 
 def _words(s: Singularity, mobility: Mobility) -> list[str]:
+    """Return the meaning of a singularity, in lines."""
     others = " (likewise the others)" if sum(o.kind == s.kind for o in mobility.singularities) > 1 else ""
     words = s.meaning.partition(". ")[0]
     return wrapped(plain(words[0].upper() + words[1:] + others), _WIDE - 24)
 
 
 def _twist(s: Singularity, robot: Robot, mobility: Mobility) -> Twist | None:
-    """An admissible motion in the singular configuration; None where only standstill is."""
+    """Return an admissible motion in a singular configuration; None if only standstill is admissible.
+
+    Args:
+        s: the singularity.
+        robot: the robot.
+        mobility: its mobility.
+
+    Returns:
+        The twist of P [m/s, rad/s].
+    """
     wheels = [robot.wheel(name) for name in s.wheels]
     if not mobility.admissible.linear:
         return None
@@ -229,7 +250,16 @@ def _twist(s: Singularity, robot: Robot, mobility: Mobility) -> Twist | None:
 
 
 def _turning(icr: complex, forbidden: Array, size: float) -> Twist | None:
-    """1 rad/s about a point, where that is admissible."""
+    """Return a rotation of 1 rad/s about a point; None if it is not admissible.
+
+    Args:
+        icr: the point [m].
+        forbidden: rows that are 0 for admissible (vx, vy, size omega).
+        size: size of the robot [m].
+
+    Returns:
+        The twist of P [m/s, rad/s].
+    """
     twist = (icr.imag, -icr.real, 1.0)
     rest = forbidden @ np.array([twist[0], twist[1], size])
     return twist if np.abs(rest).max(initial=0.0) < 1e-9 * max(size, abs(icr)) else None

@@ -1,4 +1,4 @@
-"""What is drawn of a wheel seen from above, of frames and of the ICR, and the lines of symbols that explain it."""
+"""Draw wheels seen from above, frames and the ICR, and the legend that explains their symbols."""
 
 from __future__ import annotations
 
@@ -28,38 +28,42 @@ from wmrgen.report.figures.paper import (
 )
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
 
-_ARROW = 13.0  # length of the rolling-direction arrow
-_SYMBOL, _SPACE, _ROW = 22.0, 12.0, 18.0  # of an entry of the legend
+_ARROW = 13.0  # px: length of the arrow of the rolling direction
+_SYMBOL, _SPACE, _ROW = (
+    22.0,
+    12.0,
+    18.0,
+)  # px: width of a symbol in the legend, space after an entry, row height
 
 
 class Placed(NamedTuple):
-    """A wheel on paper. ``pivot``: A; ``centre``: contact B; ``ahead``: e; ``half``: half length, width."""
+    """A wheel on paper."""
 
     wheel: Wheel
-    pivot: Point
-    centre: Point
-    ahead: Point
-    half: Point
+    pivot: Point  # A
+    centre: Point  # contact point B
+    ahead: Point  # rolling direction e
+    half: Point  # half its length and half its width [px]
 
     @property
     def left(self) -> Point:
-        """The lateral direction n on paper."""
+        """Return the lateral direction n on paper."""
         return self.ahead[1], -self.ahead[0]
 
     @property
     def box(self) -> Box:
-        """The box around the outline."""
+        """Return the box around the outline."""
         ends = [along(self.centre, self.ahead, i * self.half[0]) for i in (1, -1)]
         return bounds([along(end, self.left, j * self.half[1]) for end in ends for j in (1, -1)])
 
     @property
     def nose(self) -> Point:
-        """Where the rolling-direction arrow ends."""
+        """Return the end of the arrow of the rolling direction."""
         return along(self.centre, self.ahead, self.half[0] + _ARROW)
 
     @property
     def reach(self) -> Box:
-        """The box of the wheel and of its pivot, of a castor with all that it swivels over."""
+        """Return the box around the wheel and its pivot; for a castor, around the area over which it swivels."""
         if not self.wheel.turns:
             return self.box
         arm = distance(self.centre, self.pivot) if self.wheel.kind.swivels else 3.0
@@ -68,13 +72,23 @@ class Placed(NamedTuple):
 
 
 def contact(w: Wheel, heading: float) -> Point:
-    """B = A + d e + o n [m]."""
+    """Return the contact point B = A + d e + o n [m] at a heading [rad]."""
     b = w.contact(complex(cos(heading), sin(heading)))
     return b.real, b.imag
 
 
 def placed(w: Wheel, heading: float, view: View, pose: Pose = AT_ORIGIN) -> Placed:
-    """The wheel on paper at a heading [rad] in the robot frame, the robot at a pose."""
+    """Place a wheel on paper.
+
+    Args:
+        w: the wheel.
+        heading: its heading in the robot frame [rad].
+        view: the view of the frame in which the pose is given.
+        pose: the pose of the robot.
+
+    Returns:
+        The wheel on paper.
+    """
     radius = max(float(w.nominal.r) * view.scale, 2.5)
     wide = max(w.kind.glyph.width * radius / 2, min(3.0, 0.9 * radius))
     pivot, centre = (view.on(moved(p, pose)) for p in ((w.pivot.real, w.pivot.imag), contact(w, heading)))
@@ -82,7 +96,7 @@ def placed(w: Wheel, heading: float, view: View, pose: Pose = AT_ORIGIN) -> Plac
 
 
 def extremes(w: Wheel, heading: float) -> list[Point]:
-    """Points [m] around what is drawn of a wheel."""
+    """Return points [m] whose box contains the drawing of a wheel."""
     (x, y), r = contact(w, heading), float(w.nominal.r)
     c, s = (r, r) if w.kind.glyph.ball else (r * cos(heading), r * sin(heading))
     a, b, arm = w.pivot.real, w.pivot.imag, hypot(float(w.nominal.d), float(w.nominal.o)) * w.kind.swivels
@@ -90,7 +104,7 @@ def extremes(w: Wheel, heading: float) -> list[Point]:
 
 
 def body(p: Placed, fine: bool = True) -> list[str]:
-    """Tyre or ball, the arm of a castor, the pivot; with what is fine, rollers and where a castor swivels."""
+    """Draw tyre or ball, the arm of a castor and the pivot; if ``fine``, also rollers and the circle of a castor."""
     w = p.wheel
     if w.kind.glyph.ball:
         return [circle(p.centre, p.half[0], f"wheel {w.type}"), circle(p.centre, 1.6, "dot")]
@@ -106,14 +120,14 @@ def body(p: Placed, fine: bool = True) -> list[str]:
 
 
 def direction(p: Placed) -> list[str]:
-    """The arrow of positive rolling."""
+    """Draw the arrow of positive rolling."""
     if not p.wheel.has_spin:
         return []
     return arrow(along(p.centre, p.ahead, p.half[0] + 2), p.nose, "roll", 4.0)
 
 
 def _rollers(p: Placed) -> Iterator[Segment]:
-    """Roller axes at the ground, cut at the tyre: parallel lines at gamma from the wheel plane."""
+    """Yield the roller axes at the ground: parallel lines at gamma from the wheel plane, cut at the tyre."""
     c, s = cos(p.wheel.gamma), sin(p.wheel.gamma)
     a, b = p.half[0] - 1.2, p.half[1] - 1.2
     gap = min(9.0, max(4.5, b / 2.5))
@@ -126,7 +140,7 @@ def _rollers(p: Placed) -> Iterator[Segment]:
 
 
 def chassis(pivots: Sequence[Point]) -> list[str]:
-    """A pale shape through all pivots: where the body is."""
+    """Draw the body as a pale shape through all pivots."""
     points = hull(list(pivots))
     if len(points) < 2:
         return []
@@ -134,7 +148,17 @@ def chassis(pivots: Sequence[Point]) -> list[str]:
 
 
 def frame(view: View, names: tuple[str, str, str], paper: Paper, size: float = 34.0) -> list[str]:
-    """The axes of a frame with their names and that of its origin."""
+    """Draw the axes of a frame.
+
+    Args:
+        view: the view of the frame.
+        names: names of the x axis, the y axis and the origin.
+        paper: the paper, on which the places are marked as taken.
+        size: length of the axes [px].
+
+    Returns:
+        The SVG elements.
+    """
     p = view.origin
     x, y = view.x, view.way(pi / 2)
     tips = along(p, x, size), along(p, y, size)
@@ -153,12 +177,21 @@ def frame(view: View, names: tuple[str, str, str], paper: Paper, size: float = 3
 
 
 def icr_mark(p: Point) -> list[str]:
-    """The sign of the ICR."""
+    """Draw the mark of the ICR."""
     return [circle(p, 5.0, "icr"), circle(p, 1.7, "icr-dot")]
 
 
 def legend(entries: Sequence[tuple[str, str]], top: float, paper: Paper) -> tuple[list[str], float]:
-    """Rows of symbols with their words, and their height."""
+    """Draw a legend.
+
+    Args:
+        entries: symbols with their words.
+        top: upper end of the legend [px].
+        paper: the paper.
+
+    Returns:
+        The SVG elements, and the height of the legend [px].
+    """
     x, y = 16.0, top + 8
     lines: list[str] = []
     for symbol, words in entries:
@@ -171,7 +204,7 @@ def legend(entries: Sequence[tuple[str, str]], top: float, paper: Paper) -> tupl
 
 
 def entries(kinds: list[WheelType], wheels: Sequence[Wheel]) -> list[tuple[str, str]]:
-    """What the legend says of wheels: each type with its radii, and their marks."""
+    """Return the entries of the legend: each wheel type with its radii, and the marks that occur."""
     return [
         *((kind.name, kind.noun + _radii([w for w in wheels if w.kind is kind])) for kind in kinds),
         *(

@@ -1,4 +1,4 @@
-"""An example motion: in the robot frame its ICR and velocities, in the world frame the arc of odometry."""
+"""Draw an example motion: in the robot frame with its ICR and velocities, in the world frame with its path."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ _RIGHT: Box = (248.0, 24.0, 472.0, 268.0)
 
 
 def motion(derivation: Derivation) -> Figure | None:
-    """``motion.svg``; None where the robot cannot move. One with an effective track turns, and its wheels slide."""
+    """Return ``motion.svg``; None if the robot cannot move. A robot with an effective track turns while sliding."""
     shown = example(derivation.robot, derivation.driven.mobility)
     return None if shown is None else drawn(derivation.robot, shown)
 
 
 def drawn(robot: Robot, shown: Example) -> Figure:
-    """The figure of a motion."""
+    """Return the figure of a motion."""
     where, path = "at infinity: the robot translates", "a straight line"
     if shown.icr:
         where, path = f"at ({number(shown.icr[0])}, {number(shown.icr[1])}) m", "an arc about it"
@@ -47,23 +47,32 @@ def drawn(robot: Robot, shown: Example) -> Figure:
     )
     words = ", ".join(f"{name}{FIRM}{value}" for name, value in zip(("vx", "vy", "ω"), values, strict=True))
     alt = (
-        f"{robot.name} moving: left the instantaneous centre of rotation {where}, right the same motion in the world, "
-        f"{path}."
+        f"{robot.name} moving. Left: the instantaneous centre of rotation {where}. Right: the same motion in the "
+        f"world, {path}."
     )
     below = wrapped(f"{words}{', wheels slide' if robot.effective_track else ''}", 222)
     groups = [*instant(robot, shown, _LEFT, "robot frame", below), *world(robot, shown, _RIGHT)]
     return figure(FILE, alt, _LEFT[3] + 6 + 15 * len(below), groups)
 
 
-# ---- the world frame
+# ---- The world frame.
 
-START, TURN = 0.4, 1.75  # heading at the start of the arc, and its largest turn [rad]
-_WAY = 2.4  # length of the arc, in robot sizes
-_PIECES = 24  # of the path as it is drawn
+START, TURN = 0.4, 1.75  # rad: heading at the start of the arc, and its largest rotation
+_PATH = 2.4  # largest length of the arc, in sizes of the robot
+_PIECES = 24  # segments of the path; more are not visible
 
 
 def world(robot: Robot, shown: Example, area: Box) -> list[Group]:
-    """Two poses in the world frame, x to the right, and the path of P between them."""
+    """Draw two poses in the world frame, x to the right, and the path of P between them.
+
+    Args:
+        robot: the robot.
+        shown: the motion.
+        area: area on paper [px].
+
+    Returns:
+        Groups of SVG elements.
+    """
     _, size = extent(robot.wheels)
     omega, time = shown.twist[2], _time(shown, size)
     poses = [_after(shown.twist, k * time / _PIECES) for k in range(_PIECES + 1)]
@@ -92,7 +101,7 @@ def world(robot: Robot, shown: Example, area: Box) -> list[Group]:
 
 
 def _path(path: list[Point], icr: Point | None, view: View, paper: Paper) -> list[str]:
-    """The path with its ends, the heading at its start and the ICR."""
+    """Draw the path with its ends, the heading at its start and the ICR."""
     first, last = path[0], path[-1]
     paper.boxes += [bounds([p], 4) for p in (first, last)]
     elements = [line(first, along(first, view.way(k * START), 40.0), "help") for k in (0, 1)]
@@ -110,14 +119,14 @@ def _path(path: list[Point], icr: Point | None, view: View, paper: Paper) -> lis
 
 
 def _time(shown: Example, size: float) -> float:
-    """How long the motion lasts [s]: so many robot sizes or radians, what comes first."""
+    """Return the duration of the motion [s], limited by the length of its path and by its rotation."""
     vx, vy, omega = shown.twist
-    most = [_WAY * size / hypot(vx, vy)] if vx or vy else []
+    most = [_PATH * size / hypot(vx, vy)] if vx or vy else []
     return min([*most, TURN / abs(omega)] if shown.icr else most)
 
 
 def _after(twist: Twist, time: float) -> Pose:
-    """The pose after ``time`` [s] at a constant twist, from (0, 0, START): the chord points along half the turn."""
+    """Return the pose after ``time`` [s] at a constant twist, from (0, 0, START)."""
     vx, vy, omega = twist
     half = omega * time / 2
     k = time * (sin(half) / half if abs(half) > 1e-6 else 1.0)
@@ -130,7 +139,7 @@ def _body(robot: Robot, shown: Example, view: View, pose: Pose) -> list[str]:
 
 
 def _wheels(robot: Robot, shown: Example, view: View, pose: Pose) -> list[str]:
-    """The wheels, and the axes of the robot frame."""
+    """Draw the wheels, and the axes of the robot frame."""
     p = view.on((pose[0], pose[1]))
     tips = [along(p, view.way(pose[2] + k * pi / 2), 20.0) for k in (0, 1)]
     wheels = [

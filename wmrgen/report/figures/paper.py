@@ -1,6 +1,6 @@
-"""The page: points and boxes on it, finished SVG elements, and free places for names.
+"""Compute points and boxes on paper, write SVG elements, and find free places for names.
 
-Coordinates are pixels, x to the right and y down, printed with at most two decimals whatever the locale.
+Coordinates are pixels, x to the right and y down, printed with at most two decimals in any locale.
 """
 
 from __future__ import annotations
@@ -15,17 +15,20 @@ Segment = tuple[Point, Point]
 Box = tuple[float, float, float, float]  # left, top, right, bottom
 
 FIRM = "\u00a0"
-SIZE, LETTER = 12.0, 14.0  # of words and of letters in formulas [px]
-HEIGHT = 14.0  # of a line of words
+SIZE, LETTER = 12.0, 14.0  # px: font size of words, and of letters in formulas
+HEIGHT = 14.0  # px: height of a line of words
 _NARROW, _WIDE = frozenset(" iljft.,:;'|!()[]°/\""), frozenset("mwMW@%=+<>±×→ω−—")
-_GAPS = (4.0, 12.0, 22.0, 36.0, 54.0)  # between a name and its wheel
-_LEADER = 14.0  # from this gap on a line leads from the name to the wheel
-_DIRECTIONS = 24
-_CROSSED, _MOST_CROSSED = 14.0, 400.0  # what a name costs for each line that it crosses, and for all of them
+_GAPS = (4.0, 12.0, 22.0, 36.0, 54.0)  # px: distances between a name and its wheel that are tried
+_LEADER = 14.0  # px: from this distance on, a line connects the name and the wheel
+_DIRECTIONS = 24  # directions that are tried, every 15°
+_CROSSED, _MOST_CROSSED = (
+    14.0,
+    400.0,
+)  # cost of each line that a name crosses, in px of distance, and of all lines
 
 
 def width(words: str, size: float = SIZE) -> float:
-    """How wide words are at most, in the sans-serif fonts that browsers have, or an italic letter [px]."""
+    """Estimate the largest width [px] of words in sans-serif fonts, or of an italic letter."""
     if len(words) == 1:
         return 0.87 * size
     return size * sum(
@@ -34,7 +37,7 @@ def width(words: str, size: float = SIZE) -> float:
 
 
 def wrapped(words: str, wide: float) -> list[str]:
-    """Words in lines of at most ``wide`` px; a longer word has a line of its own. No line ends at a `FIRM` space."""
+    """Break words into lines of at most ``wide`` px; a longer word gets its own line. `FIRM` spaces are not broken."""
     lines = [""]
     for word in words.split(" "):
         longer = f"{lines[-1]} {word}".strip()
@@ -46,46 +49,46 @@ def wrapped(words: str, wide: float) -> list[str]:
 
 
 def along(p: Point, direction: Point, reach: float) -> Point:
-    """The point ``reach`` steps from p in a direction."""
+    """Return the point at distance ``reach`` from p in a direction."""
     return p[0] + reach * direction[0], p[1] + reach * direction[1]
 
 
 def distance(a: Point, b: Point) -> float:
-    """How far two points are apart."""
+    """Return the distance of two points."""
     return hypot(b[0] - a[0], b[1] - a[1])
 
 
 def unit(a: Point, b: Point) -> Point:
-    """The direction from a to b; up when they coincide."""
+    """Return the direction from a to b; up if they coincide."""
     size = distance(a, b)
     return ((b[0] - a[0]) / size, (b[1] - a[1]) / size) if size > 1e-9 else (0.0, -1.0)
 
 
 def middle(box: Box) -> Point:
-    """The middle of a box."""
+    """Return the middle of a box."""
     return (box[0] + box[2]) / 2, (box[1] + box[3]) / 2
 
 
 def bounds(points: list[Point], grow: float = 0.0) -> Box:
-    """The box around points, ``grow`` wider on every side."""
+    """Return the box around points, enlarged by ``grow`` on every side."""
     xs, ys = zip(*points, strict=True)
     return min(xs) - grow, min(ys) - grow, max(xs) + grow, max(ys) + grow
 
 
 def _meet(a: Box, b: Box) -> bool:
-    """Whether two boxes have an area in common."""
+    """Return whether two boxes overlap."""
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 def overlap(a: Box, b: Box) -> float:
-    """The common area of two boxes."""
+    """Return the common area of two boxes."""
     if not _meet(a, b):
         return 0.0
     return (min(a[2], b[2]) - max(a[0], b[0])) * (min(a[3], b[3]) - max(a[1], b[1]))
 
 
 def clip(p: Point, direction: Point, area: Box) -> Segment | None:
-    """The part of the line through p that lies in the box (Liang-Barsky); None when it misses it."""
+    """Return the part of the line through p inside a box (Liang-Barsky); None if the line misses the box."""
     low, high = -1e9, 1e9
     for at, step, lower, upper in zip(p, direction, area[:2], area[2:], strict=True):
         if abs(step) < 1e-12:
@@ -98,7 +101,7 @@ def clip(p: Point, direction: Point, area: Box) -> Segment | None:
 
 
 def hull(points: list[Point]) -> list[Point]:
-    """Convex hull (monotone chain)."""
+    """Return the convex hull (monotone chain)."""
     ordered = sorted({(round(x, 3), round(y, 3)) for x, y in points})
     if len(ordered) < 3:
         return ordered
@@ -118,39 +121,50 @@ def hull(points: list[Point]) -> list[Point]:
 
 
 def metres(length: float) -> str:
-    """Four significant digits, in metres; from 10 km on in kilometres, below 10 mm in millimetres."""
+    """Return a length with four significant digits: in m, from 10 km on in km, below 10 mm in mm."""
     unit, size = ("km", 1e3) if length >= 1e4 else ("mm", 1e-3) if 0 < length < 0.01 else ("m", 1.0)
     return f"{float(f'{length / size:.4g}'):.12g} {unit}"
 
 
 def num(value: float) -> str:
-    """At most two decimals, no negative zero: ``12.5``, ``-3``."""
+    """Return a number with at most two decimals and without negative zero: ``12.5``, ``-3``."""
     shown = f"{round(value, 2) + 0.0:.2f}".rstrip("0").rstrip(".")
     return "0" if shown == "-0" else shown
 
 
 def pair(p: Point) -> str:
-    """``x,y``"""
+    """Return the coordinates as ``x,y``."""
     return f"{num(p[0])},{num(p[1])}"
 
 
 def line(a: Point, b: Point, cls: str) -> str:
-    """A straight line."""
+    """Return a straight line."""
     return f'<line x1="{num(a[0])}" y1="{num(a[1])}" x2="{num(b[0])}" y2="{num(b[1])}" class="{cls}"/>'
 
 
 def circle(c: Point, r: float, cls: str) -> str:
-    """A circle about c."""
+    """Return a circle with centre c."""
     return f'<circle cx="{num(c[0])}" cy="{num(c[1])}" r="{num(r)}" class="{cls}"/>'
 
 
 def polygon(points: Iterable[Point], cls: str) -> str:
-    """A filled shape."""
+    """Return a filled polygon."""
     return f'<polygon points="{" ".join(pair(p) for p in points)}" class="{cls}"/>'
 
 
 def bar(centre: Point, half: Point, radius: float, degrees: float, cls: str) -> str:
-    """A rounded rectangle, turned clockwise by ``degrees`` on paper."""
+    """Return a rectangle with rounded corners.
+
+    Args:
+        centre: its centre.
+        half: half its width and half its height.
+        radius: radius of the corners.
+        degrees: clockwise rotation on paper.
+        cls: class of the SVG element.
+
+    Returns:
+        The SVG element.
+    """
     rotate = f' transform="rotate({num(degrees)} {num(centre[0])} {num(centre[1])})"'
     turn = rotate if num(degrees) != "0" else ""
     return (
@@ -160,17 +174,28 @@ def bar(centre: Point, half: Point, radius: float, degrees: float, cls: str) -> 
 
 
 def text(p: Point, words: str, cls: str) -> str:
-    """Words about p."""
+    """Return words at p."""
     return f'<text x="{num(p[0])}" y="{num(p[1])}" class="{cls}">{escape(words)}</text>'
 
 
 def lines(points: Iterable[Point], cls: str) -> str:
-    """An open line through points."""
+    """Return an open line through points."""
     return f'<polyline points="{" ".join(pair(p) for p in points)}" class="{cls}"/>'
 
 
 def arc(centre: Point, start: Point, end: Point, turn: float, cls: str) -> str:
-    """The arc about ``centre`` from ``start`` to ``end``, that sweeps ``turn`` [rad], counter-clockwise as seen."""
+    """Return an arc about ``centre``.
+
+    Args:
+        centre: its centre.
+        start: its first point.
+        end: its last point.
+        turn: angle that it sweeps [rad], counter-clockwise as seen.
+        cls: class of the SVG element.
+
+    Returns:
+        The SVG element.
+    """
     radius, large = num(distance(centre, start)), int(abs(turn) > pi)
     return (
         f'<path d="M{pair(start)} A{radius},{radius} 0 {large} {int(turn < 0)} {pair(end)}" class="{cls}"/>'
@@ -178,7 +203,7 @@ def arc(centre: Point, start: Point, end: Point, turn: float, cls: str) -> str:
 
 
 def arrow(a: Point, b: Point, cls: str, head: float = 5.0) -> list[str]:
-    """A shaft from a towards b with a filled head that ends in b."""
+    """Return an arrow from a to b: a line and a filled head of length 1.5 ``head``."""
     ux, uy = unit(a, b)
     root = along(b, (ux, uy), -1.5 * head)
     tip = (b, along(root, (-uy, ux), 0.62 * head), along(root, (uy, -ux), 0.62 * head))
@@ -187,24 +212,40 @@ def arrow(a: Point, b: Point, cls: str, head: float = 5.0) -> list[str]:
 
 @dataclass(slots=True)
 class Paper:
-    """What is already drawn: boxes that words must not touch, segments that they had better not cross."""
+    """An area with the places that are already taken."""
 
     area: Box
-    boxes: list[Box] = field(default_factory=list)
-    segments: list[Segment] = field(default_factory=list)
+    boxes: list[Box] = field(default_factory=list)  # words must not touch these
+    segments: list[Segment] = field(default_factory=list)  # words avoid crossing these
 
     def write(self, p: Point, words: str, cls: str = "words", anchor: str = "start") -> str:
-        """Words on the base line through p, which is where they start, their middle or their end."""
+        """Write words with their base line through p, and mark their place as taken.
+
+        Args:
+            p: a point of the base line.
+            words: the words.
+            cls: class of the SVG element.
+            anchor: whether p is the start, the middle or the end of the words.
+
+        Returns:
+            The SVG element.
+        """
         size = width(words, LETTER if cls == "letter" else SIZE) * (1.1 if cls == "title" else 1.0)
         left = p[0] - {"start": 0.0, "middle": size / 2, "end": size}[anchor]
         self.boxes.append((left, p[1] - 10.5, left + size, p[1] + 3.5))
         return text(p, words, f"{cls} {anchor}")
 
     def put(self, words: str, target: Box, away: Point, cls: str = "words") -> list[str]:
-        """``words`` at the best place beside the box ``target``, seen from ``away``; with a line to it where they
-        stand apart.
+        """Write words at the best free place near a box, and mark this place as taken.
 
-        Greedy: the next words keep clear of these. Words that find no free place are left out.
+        Args:
+            words: the words.
+            target: the box that the words name.
+            away: a point; places on the far side of the box are preferred.
+            cls: class of the SVG element.
+
+        Returns:
+            The words, with a line to the box if they are far from it; [] if there is no free place.
         """
         half = (width(words, LETTER if cls == "letter" else SIZE) / 2 + 1, HEIGHT / 2)
         outward = unit(away, middle(target)) if distance(middle(target), away) > 2 else (1.0, 0.0)
@@ -238,11 +279,11 @@ class Paper:
         return [line(*leader, "leader"), name] if leader else [name]
 
     def _inside(self, box: Box) -> bool:
-        """Whether words in ``box`` stand on the paper."""
+        """Return whether a box is inside the area."""
         return (box[2] - box[0]) * (box[3] - box[1]) - overlap(box, self.area) <= 1e-6
 
     def _crossed(self, box: Box) -> float:
-        """What the lines cost that words in ``box`` cross."""
+        """Return the cost of the lines that words in a box would cross."""
         return min(_CROSSED * sum(_crosses(a, b, box) for a, b in self.segments), _MOST_CROSSED)
 
 
@@ -252,7 +293,7 @@ def _box(centre: Point, half: Point, grow: float = 0.0) -> Box:
 
 
 def _clear_of(target: Box, half: Point, direction: Point, gap: float) -> Point:
-    """The centre of a name that clears ``target`` by ``gap`` in a direction."""
+    """Return the centre of a name at distance ``gap`` from ``target`` in a direction; ``half``: half its size."""
     c, s = direction
     reach_x = (target[2] - target[0]) / 2 + half[0] + gap
     reach_y = (target[3] - target[1]) / 2 + half[1] + gap

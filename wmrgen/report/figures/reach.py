@@ -1,4 +1,4 @@
-"""The twists that the limits allow: the sections of their set that a joystick has."""
+"""Draw the set of twists that the limits allow, in the planes of a joystick."""
 
 from __future__ import annotations
 
@@ -17,17 +17,22 @@ from wmrgen.report.figures.paper import Paper, Point, along, arrow, num, pair, p
 
 FILE = "reach.svg"
 NAMES, UNITS, SHOWN = ("vx", "vy", "omega"), ("m/s", "m/s", "rad/s"), ("vx", "vy", "ω")
-_DIRECTIONS = 144
-_HALVINGS = 20
-_SIZE, _ROW = 140.0, 15.0
-Plane = tuple[int, int]  # components that point up and to the left
-Measure = Callable[[Twist], float]  # by how much a twist may grow
-End = tuple[int, Point]  # the number of the limit that decides in a direction, and the corner there
+_DIRECTIONS = 144  # directions in which the boundary is computed, every 2.5°
+_HALVINGS = 20  # bisections that find a corner to a millionth of a direction step
+_SIZE, _ROW = 140.0, 15.0  # px: size of a panel, height of a line of words
+Plane = tuple[int, int]  # components of the twist that point up and to the left
+Measure = Callable[
+    [Twist], float
+]  # returns the factor by which a twist may be multiplied until it reaches a limit
+End = tuple[int, Point]  # number of the limit that is reached in a direction, and the point of the boundary
 
 
 def reach(derivation: Derivation) -> Figure | None:
-    """``reach.svg``; None where the limits leave a direction open, one motion alone is free, or no limit of a wheel
-    decides anything: then the set is a box."""
+    """Return ``reach.svg``.
+
+    It is None if the set is unbounded, if the robot has only one admissible motion, or if no limit of a wheel is
+    reached, because the set is a box then.
+    """
     robot, free = derivation.driven.robot, derivation.driven.mobility.admissible
     if not free.linear or free.dimension < 2 or _one_sided(robot) or not _limited(robot):
         return None
@@ -51,14 +56,14 @@ def reach(derivation: Derivation) -> Figure | None:
 
 
 def _one_sided(robot: Robot) -> bool:
-    """Whether a limit forbids standstill."""
+    """Return whether a limit does not allow standstill."""
     limits = [limit for name in NAMES if (limit := robot.limits.get(name))]
     limits += [limit for w in robot.wheels if (limit := robot.limit(w, "spin"))]
     return any(float(limit.low) > 0 or float(limit.high) < 0 for limit in limits)
 
 
 def _plane(basis: Array) -> Plane:
-    """Two components that tell admissible twists apart, vx and omega first."""
+    """Return two components that determine an admissible twist; vx and omega are preferred."""
     minors = {
         (a, b): abs(float(basis[0, a] * basis[1, b] - basis[0, b] * basis[1, a]))
         for a, b in ((0, 2), (1, 2), (0, 1))
@@ -67,7 +72,7 @@ def _plane(basis: Array) -> Plane:
 
 
 def lift(basis: Array, plane: Plane) -> Callable[[float, float], Twist]:
-    """The admissible twist with two components given; with three freedoms the third is 0."""
+    """Return the function from two components to the admissible twist; a third free component is 0."""
     a, b = plane
     if len(basis) == 3:
         return lambda p, q: (p, q if b == 1 else 0.0, q if b == 2 else 0.0)
@@ -80,14 +85,15 @@ def lift(basis: Array, plane: Plane) -> Callable[[float, float], Twist]:
     return lifted
 
 
-# ---- the set
+# ---- The set.
 
 
 def outline(robot: Robot, twist: Callable[[float, float], Twist]) -> tuple[list[Point], set[int]]:
-    """Corners of the set in its plane, counter-clockwise, and the numbers of the limits that decide: from 3 on those of
-    wheels. It is star-shaped: what is allowed is so more slowly.
+    """Return the boundary of the set in its plane, counter-clockwise, and the numbers of the limits that are reached.
 
-    Where the limit that decides changes from one direction to the next, the corner between is found by halving.
+    The set is star-shaped, because an allowed motion is also allowed at lower speed. The boundary is computed in many
+    directions. If different limits are reached in two neighbouring directions, the corner between is found by
+    bisection. Limits from number 3 on are limits of wheels.
     """
     measures = _measures(robot)
     ends = [_most(measures, twist(*way)) for way in ((1.0, 0.0), (0.0, 1.0))]
@@ -124,13 +130,13 @@ def _corner(at: Callable[[float], End], first: tuple[float, End], last: tuple[fl
 
 
 def _most(measures: Sequence[Measure], twist: Twist) -> tuple[float, int]:
-    """By how much a twist may grow, and the number of the limit that says so; 0 where no speed is allowed."""
+    """Return the factor by which a twist may be multiplied, and the number of the limit that is reached then."""
     factors = ((measure(twist), number) for number, measure in enumerate(measures))
     return min(factors, default=(inf, -1))
 
 
 def _measures(robot: Robot) -> list[Measure]:
-    """Of each limit by how much a twist may grow until it is reached; three of the twist, then those of wheels."""
+    """Return a measure for each limit: three limits of the twist, then the limits of wheels."""
     limits = [robot.limits.get(name) for name in NAMES]
     limits[1] = limits[1] or limits[0]  # as in limit_twist
     measures = [_linear([float(k == i) for i in range(3)], limit) for k, limit in enumerate(limits)]
@@ -147,7 +153,7 @@ def _measures(robot: Robot) -> list[Measure]:
 
 
 def _limited(robot: Robot) -> list[Wheel]:
-    """The wheels that have limits."""
+    """Return the wheels that have limits."""
     return [w for w in robot.wheels if any(robot.limit(w, q) for q in ("spin", "steer", "steer_rate"))]
 
 
@@ -162,7 +168,7 @@ def _factor(value: float, low: float, high: float) -> float:
 
 
 def _steered(robot: Robot, w: Wheel, limit: Interval | None) -> Measure:
-    """Spin and steering angle of a steered wheel while a motion lasts."""
+    """Return the measure of the limits of a steered wheel."""
     low, high = (float(limit.low), float(limit.high)) if limit else (-inf, inf)
     x, y, r, o = w.pivot.real, w.pivot.imag, float(w.nominal.r), float(w.nominal.o)
 
@@ -177,7 +183,18 @@ def _steered(robot: Robot, w: Wheel, limit: Interval | None) -> Measure:
 
 
 def _castor(w: Wheel, spin: Interval | None, rate: Interval | None) -> list[Measure]:
-    """The largest rates of a castor, whatever its angle: r spin = e.v + (o/d) n.v and -d steer_rate = n.v + d omega."""
+    """Return measures of the limits of a castor, from its largest rates at any angle.
+
+    The rates are r spin = e.v + (o/d) n.v and -d steer_rate = n.v + d omega.
+
+    Args:
+        w: the castor.
+        spin: limits of its spin [rad/s].
+        rate: limits of its steering rate [rad/s].
+
+    Returns:
+        A measure for each limit.
+    """
     x, y, r = w.pivot.real, w.pivot.imag, float(w.nominal.r)
     d, o = abs(float(w.nominal.d)), float(w.nominal.steer_arm)
 
@@ -192,7 +209,7 @@ def _castor(w: Wheel, spin: Interval | None, rate: Interval | None) -> list[Meas
     return [measure(limit, joint) for limit, joint in ((spin, "spin"), (rate, "steer_rate")) if limit]
 
 
-# ---- the picture
+# ---- The picture.
 
 
 def _panel(plane: Plane, points: list[Point], centre: Point, section: bool) -> Group:
@@ -227,7 +244,7 @@ def _panel(plane: Plane, points: list[Point], centre: Point, section: bool) -> G
 
 
 def simplified(points: list[Point]) -> list[Point]:
-    """Without points on a straight line between their neighbours."""
+    """Remove points that are on a straight line between their neighbours."""
     kept: list[Point] = []
     for p in points:
         p = (round(p[0], 2) + 0.0, round(p[1], 2) + 0.0)
@@ -244,7 +261,7 @@ def simplified(points: list[Point]) -> list[Point]:
 
 
 def _bend(a: Point, b: Point, c: Point) -> float:
-    """How far b lies off the segment from a to c [px]; far where it is beyond its ends."""
+    """Return the distance [px] of b from the segment from a to c; infinity if it is beyond its ends."""
     x, y = c[0] - a[0], c[1] - a[1]
     size = hypot(x, y)
     if (b[0] - a[0]) * x + (b[1] - a[1]) * y < 0 or (b[0] - c[0]) * x + (b[1] - c[1]) * y > 0 or not size:
@@ -253,7 +270,7 @@ def _bend(a: Point, b: Point, c: Point) -> float:
 
 
 def _limits(robot: Robot) -> str:
-    """The limits that bound twists, in words."""
+    """Return the limits of twists and wheels in words."""
     words = [
         f"{SHOWN[k]} {_interval(robot.limits[name])} {UNITS[k]}"
         for k, name in enumerate(NAMES)

@@ -1,4 +1,4 @@
-"""A small top view in plain characters, for a terminal: x forward is up, a character is twice as high as wide."""
+"""Draw a small top view in characters, for a terminal: x is up, and a character is twice as high as wide."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from math import cos, pi, sin
 
 from wmrgen.geometry.layout.records import Robot, Wheel
 
-_WIDE, _HIGH = 26.0, 9.0  # characters between the outermost wheels
-_LONGEST = 20  # characters of a name
+_WIDE, _HIGH = 26.0, 9.0  # characters between the outermost wheels, so that names fit beside them
+_LONGEST = 20  # characters of a name; longer names are cut
 _STROKES = "|\\-/"  # a wheel that rolls up, to the upper left, to the left, to the lower left
 _BALL, _P = "o", "+"
 Cell = tuple[int, int]  # row, column
 
 
 def sketch(robot: Robot) -> list[str]:
-    """Lines of at most 80 characters: wheels by their rolling direction, P and the names that find a free place."""
+    """Return lines of at most 80 characters: wheels as strokes along their rolling direction, P, and names."""
     pivots = [w.pivot for w in robot.wheels] + [0j]
     spans = [max(values) - min(values) for values in ([p.imag for p in pivots], [p.real for p in pivots])]
     step = max(
@@ -34,7 +34,7 @@ def sketch(robot: Robot) -> list[str]:
 
 
 def _body(w: Wheel, step: float) -> list[Cell]:
-    """The cells of a tyre, one to three."""
+    """Return the cells of a tyre, one or three. ``step``: width of a character [m]."""
     b = w.contact(w.zero_heading)
     row, column = round(-b.real / (2 * step)), round(-b.imag / step)
     if w.kind.glyph.ball:
@@ -49,7 +49,7 @@ def _stroke(w: Wheel) -> str:
 
 
 def _name(w: Wheel, body: list[Cell], cells: dict[Cell, str]) -> dict[Cell, str]:
-    """The name beside the wheel, on the outer side first, else above or below it; none where no place is free."""
+    """Place a name beside the wheel, on its outer side if possible, else above or below; {} if no place is free."""
     text = w.name if len(w.name) <= _LONGEST else f"{w.name[: _LONGEST - 3]}..."
     rows, columns = zip(*body, strict=True)
     row, column = body[len(body) // 2]

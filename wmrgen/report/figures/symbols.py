@@ -1,5 +1,7 @@
-"""What l, alpha, beta, heading, psi, gamma, d and the offset mean, at one wheel of each type. Angles are true, lengths
-are not to scale."""
+"""Draw the meaning of l, alpha, beta, heading, psi, gamma, d and the offset, at one wheel of each type.
+
+Angles are true; lengths are not to scale.
+"""
 
 from __future__ import annotations
 
@@ -27,23 +29,32 @@ from wmrgen.report.figures.paper import (
 )
 
 FILE = "symbols.svg"
-_PANEL, _DRAWN, _ROW = WIDTH / 2, 206.0, 15.0
-# l, d, offset, half a tyre, lines from the pivot [px].
-_L, _D, _O, _TYRE, _AXLE = 88.0, 34.0, 26.0, 30.0, 56.0
-_PSI = radians(28)  # the steering angle that is shown
-_FLAT = radians(3)  # an angle below has no arc
+_PANEL, _DRAWN, _ROW = WIDTH / 2, 206.0, 15.0  # px: width and height of a panel, height of a line of words
+_L, _D, _O, _TYRE, _AXLE = 88.0, 34.0, 26.0, 30.0, 56.0  # px: l, d, offset, half a tyre, lines from the pivot
+_PSI = radians(28)  # the steering angle that is drawn
+_FLAT = radians(3)  # smaller angles have no arc, because it would be shorter than its arrow head
 
 
 def wheel_symbols(robot: Robot) -> Figure:
-    """``symbols.svg``"""
+    """Return ``symbols.svg``."""
     kinds = dict.fromkeys(w.type for w in robot.wheels)
-    chosen = [max((w for w in robot.wheels if w.type == kind), key=_telling) for kind in kinds]
+    chosen = [max((w for w in robot.wheels if w.type == kind), key=_visible_quantities) for kind in kinds]
     names = ", ".join(f"{w.name} ({w.kind.noun})" for w in chosen)
     return drawn(FILE, f"The symbols of {robot.name} at {names}.", chosen)
 
 
 def drawn(file: str, alt: str, wheels: Sequence[Wheel], values: bool = True) -> Figure:
-    """A panel of each wheel, with or without the values."""
+    """Return the figure with a panel for each wheel.
+
+    Args:
+        file: file name.
+        alt: a sentence that describes the figure.
+        wheels: the wheels.
+        values: whether to print their values.
+
+    Returns:
+        The figure.
+    """
     groups: list[Group] = []
     height = 0.0
     for k in range(0, len(wheels), 2):
@@ -56,14 +67,14 @@ def drawn(file: str, alt: str, wheels: Sequence[Wheel], values: bool = True) -> 
     return figure(file, alt, height + 6, groups)
 
 
-def _telling(w: Wheel) -> int:
-    """How many of its quantities can be seen."""
+def _visible_quantities(w: Wheel) -> int:
+    """Return how many quantities of a wheel are visible in a drawing."""
     angles = abs(sin(w.alpha)), abs(remainder(w.beta, 2 * pi)), abs(w.gamma)
     return sum((w.l > 0, *(angle > _FLAT for angle in angles), bool(w.nominal.d), bool(w.nominal.o)))
 
 
 def _values(w: Wheel) -> list[str]:
-    """Lines of what the robot file says of a wheel."""
+    """Return the values of a wheel, in lines."""
     g, kind = w.nominal, w.kind
     parts = (
         (True, f"l = {metres(w.l)}"),
@@ -93,7 +104,7 @@ def _degrees(angle: float) -> str:
 
 
 def _panel(w: Wheel, words: list[str], area: Box) -> Group:
-    """The wheel with its symbols in ``area``, and lines of words below it."""
+    """Draw a wheel with its symbols in ``area``, and lines of words below it."""
     turned = _PSI if w.turns else 0.0
     view = _view(w, turned, area)
     wheel = _wheel(w, view, turned)
@@ -123,7 +134,7 @@ def _panel(w: Wheel, words: list[str], area: Box) -> Group:
 
 
 def _view(w: Wheel, turned: float, area: Box) -> View:
-    """Pixels, with P where the figure comes to stand in the middle of ``area``."""
+    """Return the view that puts the drawing into the middle of ``area``; its unit is px."""
     raw = View(1.0, (0.0, 0.0))
     wheel = _wheel(w, raw, turned)
     reach = _AXLE if w.kind.directed else 0.0
@@ -140,7 +151,7 @@ def _view(w: Wheel, turned: float, area: Box) -> View:
 
 
 def _wheel(w: Wheel, view: View, turned: float) -> Placed:
-    """The wheel with lengths that can be seen."""
+    """Place the wheel, with all lengths replaced by visible ones."""
     g, heading = w.nominal, w.heading + turned
     pivot = along(view.origin, view.way(w.alpha), _L if w.l else 0.0)
     ahead, left = view.way(heading), view.way(heading + pi / 2)
@@ -153,11 +164,11 @@ def _sized(length: float, shown: float) -> float:
     return shown * ((length > 0) - (length < 0))
 
 
-Label = tuple[str, Point, Point]  # what stands at a point, on the side away from another
+Label = tuple[str, Point, Point]  # words, the point they name, and a point from which they are kept away
 
 
 def _place(w: Wheel, view: View) -> tuple[list[str], list[Label]]:
-    """P with the x axis, l and alpha."""
+    """Draw P with the x axis, l and alpha."""
     p = view.origin
     a, up = along(p, view.way(w.alpha), _L), along(p, view.x, 46.0)
     elements = [line(p, up, "help"), *arrow(p, along(p, view.x, 30.0), "frame", 4.0), circle(p, 2.4, "dot")]
@@ -172,7 +183,17 @@ def _place(w: Wheel, view: View) -> tuple[list[str], list[Label]]:
 
 
 def _directions(w: Wheel, wheel: Placed, view: View, turned: float) -> tuple[list[str], list[Label]]:
-    """Axle and heading with beta, psi, gamma, d and the offset."""
+    """Draw axle and heading with beta, psi, gamma, d and the offset.
+
+    Args:
+        w: the wheel.
+        wheel: the wheel on paper.
+        view: the view.
+        turned: the steering angle that is drawn [rad].
+
+    Returns:
+        The SVG elements, and the labels.
+    """
     a, b, away = wheel.pivot, wheel.centre, view.origin
     axle = w.alpha + w.beta
     elements = [line(a, along(a, view.way(w.alpha), _AXLE), "help")] if w.l else []
@@ -206,7 +227,7 @@ def _angle(view: View, centre: Point, radius: float, first: float, turn: float) 
 
 
 def _named(view: View, centre: Point, radius: float, first: float, turn: float, name: str) -> Label:
-    """The name of an angle at the middle of its arc; with its value where it is too small for one."""
+    """Return the label of an angle, at the middle of its arc. An angle without an arc gets its value."""
     turn = remainder(turn, 2 * pi)
     return (
         name if abs(turn) > _FLAT else f"{name} = {_degrees(turn)}",

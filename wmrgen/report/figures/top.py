@@ -1,4 +1,4 @@
-"""The top view: wheels to scale at steering angle 0, their names, dimensions, trailers in line behind the robot."""
+"""Draw the top view: wheels to scale at steering angle 0, names, dimensions, and trailers in line with the robot."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ from wmrgen.report.figures.paper import (
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
 
 FILE = "layout.svg"
-_TALL, _SIDE, _EDGE, _TYRE = 290.0, 84.0, 36.0, 48.0
+_TALL, _SIDE, _EDGE, _TYRE = 290.0, 84.0, 36.0, 48.0  # px: height, side margin, upper margin, largest radius
 
 
 def top_view(derivation: Derivation) -> Figure:
-    """``layout.svg``"""
+    """Return ``layout.svg``."""
     robot = derivation.robot
     trailers = _train(derivation)
     points = [p for w in robot.wheels for p in extremes(w, w.heading)] + [(0.0, 0.0)]
@@ -90,7 +90,7 @@ def _group(p: Placed) -> Group:
 
 
 def _occupy(wheels: list[Placed], paper: Paper) -> None:
-    """Keep words off what is drawn of wheels."""
+    """Mark the places of wheels as taken, so that words keep clear of them."""
     for p in wheels:
         paper.boxes.append(p.box)
         if p.wheel.has_spin:
@@ -100,23 +100,32 @@ def _occupy(wheels: list[Placed], paper: Paper) -> None:
 
 
 def _names(wheels: list[Placed], paper: Paper) -> list[str]:
-    """Names of all wheels, clear of what is drawn."""
+    """Write the names of all wheels at free places."""
     away = middle(bounds([p.centre for p in wheels]))
     return [e for p in wheels for e in paper.put(p.wheel.name, p.reach, away)]
 
 
-# ---- dimension lines: distances between wheels, or from P to all of them
+# ---- Dimension lines: distances between wheels, or from P to all of them.
 
-_SAME = 1e-6  # of the robot's size: places that a dimension does not tell apart
-_GAP = 17.0  # between two numbers one above the other [px]
+_SAME = 1e-6  # of the size of the robot: positions closer than this are equal
+_GAP = 17.0  # px: least distance of two numbers above each other
 
 
 def _dimensions(
     robot: Robot, wheels: list[Placed], view: View, paper: Paper, base: float, frame: float
 ) -> list[str]:
-    """Distances between wheels: along x on the left side, along y on the line ``base``; or that from P to all.
+    """Draw distances between wheels along x (on the left) and along y (below), or the distance from P to all wheels.
 
-    ``frame``: how long the axes of the frame are drawn [px].
+    Args:
+        robot: the robot.
+        wheels: its wheels on paper.
+        view: the view.
+        paper: the paper.
+        base: height of the line with the distances along y [px].
+        frame: length of the axes of the frame [px].
+
+    Returns:
+        The SVG elements.
     """
     bearing = [
         w for w in robot.wheels if w.kind.constrains or w.kind.rolls_across or w.actuated
@@ -129,7 +138,7 @@ def _dimensions(
     elements: list[str] = []
     xs = _places([w.pivot.real for w in bearing], size)
     if len(xs) == 2 and xs[0] * xs[1] < 0 and abs(xs[0] + xs[1]) > _SAME * size:
-        xs = [xs[0], 0.0, xs[1]]  # P stands between its axles, nearer to one
+        xs = [xs[0], 0.0, xs[1]]  # P is between its axles, nearer to one
     if any((b - a) * view.scale < _GAP for a, b in pairwise(xs)) or len(xs) > 4:
         xs = [xs[0], xs[-1]]
     widest = max((width(metres(b - a)) for a, b in pairwise(xs)), default=0.0)
@@ -152,7 +161,7 @@ def _dimensions(
 
 
 def _places(values: Sequence[float], size: float) -> list[float]:
-    """Distinct values in ascending order."""
+    """Return the distinct values in ascending order. ``size``: size of the robot [m]."""
     distinct: list[float] = []
     for value in sorted(values):
         if not distinct or value - distinct[-1] > _SAME * size:
@@ -161,21 +170,30 @@ def _places(values: Sequence[float], size: float) -> list[float]:
 
 
 def _track(wheels: Sequence[Wheel], ys: list[float], size: float) -> bool:
-    """Whether the outermost wheels stand side by side and roll forward."""
+    """Return whether the outermost wheels are side by side and roll forward.
+
+    Args:
+        wheels: the wheels.
+        ys: their distinct y positions [m], ascending.
+        size: size of the robot [m].
+
+    Returns:
+        Whether the distance of the outermost wheels is a track.
+    """
     sides = [[w for w in wheels if abs(w.pivot.imag - y) <= _SAME * size] for y in (ys[0], ys[-1])]
     ahead = all(abs(w.zero_heading.imag) < _SAME for side in sides for w in side)
     return ahead and len({tuple(_places([w.pivot.real for w in side], size)) for side in sides}) == 1
 
 
 def _round(wheels: Sequence[Wheel], size: float) -> bool:
-    """Whether the wheels stand on a circle about P and not in the corners of a rectangle."""
+    """Return whether the wheels are on a circle about P, but not in the corners of a rectangle."""
     sides = zip(*((abs(w.pivot.real), abs(w.pivot.imag)) for w in wheels), strict=True)
     corners = all(len(_places(side, size)) == 1 for side in sides)
     return len(wheels) > 2 and not corners and len(_places([abs(w.pivot) for w in wheels], size)) == 1
 
 
 def _radius(wheels: Sequence[Wheel], view: View, paper: Paper) -> list[str]:
-    """The circle on which the pivots stand, and its radius."""
+    """Draw the circle through all pivots, and its radius."""
     w = wheels[0]
     tip = view.on((w.pivot.real, w.pivot.imag))
     length = distance(view.origin, tip)
@@ -190,19 +208,19 @@ def _tick(p: Point, way: Point) -> str:
 
 
 def _measured(a: Point, b: Point) -> list[str]:
-    """A dimension line with heads at both ends."""
+    """Draw a dimension line with arrow heads at both ends."""
     centre = middle(bounds([a, b]))
     return [*arrow(centre, a, "size", 4), *arrow(centre, b, "size", 4)]
 
 
-# ---- trailers
+# ---- Trailers.
 
-# Name; where the axle in front, the coupling and the own axle are [m].
+# Name, and positions of the axle in front, the coupling and the own axle [m].
 _Train = list[tuple[str, Point, Point, Point]]
 
 
 def _train(derivation: Derivation) -> _Train:
-    """The trailers, all in line behind the fixed axle, or behind P where there is none."""
+    """Place the trailers in line behind the fixed axle, or behind P if there is none."""
     robot = derivation.driven.robot
     ex, ey, x, y = leading_axle(robot, derivation.driven.mobility, nominal_view).nominal
     places: _Train = []
@@ -215,7 +233,17 @@ def _train(derivation: Derivation) -> _Train:
 
 
 def _towed(places: _Train, half: float, view: View, paper: Paper) -> tuple[list[str], list[str]]:
-    """Bars, couplings and axles with wheels ``half`` [px] to either side; names with lengths."""
+    """Draw the trailers: bars, couplings and axles, and their names with lengths.
+
+    Args:
+        places: the trailers.
+        half: half the length of an axle [px].
+        view: the view.
+        paper: the paper.
+
+    Returns:
+        The SVG elements of the trailers, and of their names.
+    """
     elements: list[str] = []
     for _, front, coupling, axle in places:
         a, b, c = view.on(front), view.on(coupling), view.on(axle)

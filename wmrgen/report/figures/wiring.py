@@ -1,4 +1,4 @@
-"""The motions of a wiring check: which way every driven wheel must turn."""
+"""Draw the motions of a wiring check: the direction in which each driven wheel must roll."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from wmrgen.report.figures.paper import Box, Paper, along, arrow
 from wmrgen.report.wiring import Joints, motions
 
 FILE = "wiring.svg"
-_HEIGHT, _SLOWEST = 190.0, 1e-9
-_ARROW, _BEYOND = 26.0, 14.0  # an arrow at least, and what of it a large wheel does not hide
+_HEIGHT = 190.0  # px
+_SLOWEST = 1e-9  # rad/s: rounding errors of a joint at rest
+_ARROW, _BEYOND = 26.0, 14.0  # px: least length of an arrow, and least part beyond a large wheel
 
 
 def wiring(derivation: Derivation) -> Figure | None:
-    """``wiring.svg``: a panel for each motion; None where the robot drives none of them."""
+    """Return ``wiring.svg``, a panel for each motion; None if the robot can drive none of them."""
     possible = [(m.title, m.joints) for m in motions(derivation) if m.joints]
     if not possible:
         return None
@@ -27,11 +28,13 @@ def wiring(derivation: Derivation) -> Figure | None:
             derivation.robot, joints, (k * wide + 8, 24.0, (k + 1) * wide - 8, _HEIGHT - 8), title
         )
     titles = "; ".join(title for title, _ in possible)
-    return figure(FILE, f"{derivation.robot.name}: which way wheels turn for {titles}.", _HEIGHT, groups)
+    return figure(
+        FILE, f"{derivation.robot.name}: rolling directions of wheels for {titles}.", _HEIGHT, groups
+    )
 
 
 def _panel(robot: Robot, joints: Joints, area: Box, title: str) -> list[Group]:
-    """The robot from above, steered wheels where they must stand, with an arrow along each wheel that turns."""
+    """Draw the robot from above, steered wheels at their angles, with an arrow along each wheel that rolls."""
     headings = {w.name: w.heading + joints.get(f"{w.name}.steer", 0.0) for w in robot.wheels}
     points = [p for w in robot.wheels for p in extremes(w, headings[w.name])] + [(0.0, 0.0)]
     inner = (area[0] + 24, area[1] + 26, area[2] - 24, area[3] - 26)

@@ -1,1 +1,1 @@
-"""Pages of a robot for a browser: its report as one HTML file, with figures, formulas and the robot itself to drive."""
+"""Write pages for a browser: the report as one HTML file, with figures, formulas and the robot to drive."""

@@ -1,6 +1,6 @@
-"""One HTML file that needs no other: styles, KaTeX with its fonts, figures, and the robot to drive.
+"""Write a self-contained HTML file: styles, KaTeX with its fonts, figures, and a robot to drive.
 
-Its policy lets a browser run the scripts that stand in it, by their digests, and load nothing.
+Its content security policy allows only the scripts in the file, by their digests. The file loads nothing else.
 """
 
 from __future__ import annotations
@@ -29,18 +29,19 @@ _FACE = re.compile(r"@font-face\{[^}]*?url\(fonts/([\w-]+)\.woff2\)[^}]*\}")
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What a page shows of a robot: the ``files`` that backends wrote (name -> content), and for the live figure what
-    the robot looks like, as JSON has it, and its ``code``, a JavaScript expression of its functions."""
+    """The contents of a page about one robot."""
 
     name: str
-    files: Mapping[str, bytes]
-    robot: Mapping[str, Any] = field(default_factory=dict)
-    code: str = "{}"
+    files: Mapping[str, bytes]  # files of the back ends, by name
+    robot: Mapping[str, Any] = field(default_factory=dict)  # the robot of the live figure, as JSON
+    code: str = "{}"  # its functions, as a JavaScript expression
 
 
 def page(reports: Sequence[Report], version: str = "") -> str:
-    """The page of some robots, the live figures side by side. ``version``: it is loaded again when the script
-    ``version.js`` beside it says another."""
+    """Return the page of some robots, with their live figures side by side.
+
+    A page with a ``version`` reloads when the script ``version.js`` next to it has another version.
+    """
     ids = {"live"}
     return _document(
         " and ".join(report.name for report in reports),
@@ -51,7 +52,7 @@ def page(reports: Sequence[Report], version: str = "") -> str:
 
 
 def _live(reports: Sequence[Report]) -> str:
-    """The script of the live figures; nothing where there is none."""
+    """Return the script of the live figures; "" if there are none."""
     if not reports:
         return ""
     code = ", ".join(report.code for report in reports)
@@ -60,7 +61,7 @@ def _live(reports: Sequence[Report]) -> str:
 
 
 def broken(text: str, version: str = "") -> str:
-    """The page of a robot file that cannot be derived: why."""
+    """Return the page of a robot file that has an error. ``text``: the error."""
     return _document("error", [f"<pre class='error'>{escape(text)}</pre>"], "", version)
 
 
@@ -80,7 +81,7 @@ def _body(report: Report, ids: set[str]) -> str:
 
 
 def chapters(files: Iterable[str]) -> list[str]:
-    """The pages among ``files``, the report first."""
+    """Return the Markdown pages among ``files``, the report first."""
     return sorted((name for name in files if name.endswith(".md")), key=lambda name: name != REPORT)
 
 
@@ -114,7 +115,7 @@ def _asset(name: str) -> str:
 
 @cache
 def _style() -> str:
-    """Our styles and those of KaTeX, with the fonts that are shipped."""
+    """Return the styles of KaTeX, with its fonts embedded, and our own styles."""
 
     def face(match: re.Match[str]) -> str:
         font = _path(f"katex/fonts/{match[1]}.woff2")
@@ -133,15 +134,22 @@ def _katex_script() -> str:
     return licence + _asset("katex/katex.min.js").rstrip("\n") + "\n" + _asset("formulas.js")
 
 
-# ---- Markdown of reports as HTML: formulas for KaTeX, figures in place, tags of ours and no others
+# ---- Markdown of reports as HTML.
 
 _OURS = re.compile(r"(</?(?:sub|sup|details|summary)>|<br>)")
 
 
 def html(text: str, figures: Mapping[str, str], ids: set[str] | None = None) -> str:
-    """``text`` as HTML; an image that ``figures`` has (name -> SVG) stands in it, any other is its description.
+    """Convert Markdown to HTML.
 
-    ``ids``: those that the page has, to which those of the headings are added."""
+    Args:
+        text: the Markdown. Only HTML tags that reports use are kept; other tags become text.
+        figures: SVG by file name. These images are embedded; other images become their descriptions.
+        ids: ids that the page has; those of the headings are added.
+
+    Returns:
+        The HTML.
+    """
     markdown = MarkdownIt("commonmark", {"html": True}).enable("table")
     for name, rule in _RULES.items():
         markdown.add_render_rule(name, rule)
@@ -149,7 +157,7 @@ def html(text: str, figures: Mapping[str, str], ids: set[str] | None = None) -> 
 
 
 def _tags(_: Any, tokens: Sequence[Token], index: int, *rest: Any) -> str:
-    """Of HTML only what reports write; the rest is text."""
+    """Keep the HTML tags that reports use; escape all others."""
     parts = _OURS.split(tokens[index].content)
     return "".join(part if _OURS.fullmatch(part) else escape(part) for part in parts)
 
@@ -168,13 +176,13 @@ def _image(_: Any, tokens: Sequence[Token], index: int, options: Any, env: Any) 
 
 
 def _heading(_: Any, tokens: Sequence[Token], index: int, options: Any, env: Any) -> str:
-    """An anchor as GitHub calls it."""
+    """Return a heading with the anchor that GitHub would give it."""
     words = "".join(c for c in tokens[index + 1].content.lower() if c.isalnum() or c in " -_")
     return f'<{tokens[index].tag} id="{free(words.replace(" ", "-"), env["ids"])}">'
 
 
 def free(name: str, ids: set[str]) -> str:
-    """``name``, with a number where it is among ``ids``, to which it is added."""
+    """Return ``name``, with a number if it is among ``ids``, and add the result to ``ids``."""
     numbered = (f"{name}-{number}" if number else name for number in count())
     first = next(word for word in numbered if word not in ids)
     ids.add(first)

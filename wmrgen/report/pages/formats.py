@@ -1,4 +1,4 @@
-"""What `wmrgen derive` writes beside the rest where it is asked for: the report for a browser, and on paper."""
+"""Write the report as HTML and PDF, if the user asks `wmrgen derive` for them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,26 @@ HTML, PDF = "report.html", "report.pdf"
 
 
 def report(derivation: Derivation, files: Mapping[str, bytes]) -> Report:
-    """The report of a robot, ``files`` being its `wmrgen.derivation.emit.artifacts`, and the robot to drive."""
+    """Return the contents of a page: ``files`` from `wmrgen.derivation.emit.artifacts`, and the robot to drive."""
     return Report(derivation.robot.name, files, live.robot(derivation), live.code(derivation))
 
 
 def formatted(
     derivation: Derivation, files: Mapping[str, bytes], formats: Collection[str]
 ) -> dict[str, bytes]:
-    """The report in ``formats`` (html, pdf), by file name. EnvironmentFailure where nothing prints the PDF."""
+    """Return the report in some formats.
+
+    Args:
+        derivation: the derivation.
+        files: its files, from `wmrgen.derivation.emit.artifacts`.
+        formats: "html" or "pdf", or both.
+
+    Returns:
+        The reports, by file name.
+
+    Raises:
+        EnvironmentFailure: if no program that prints a PDF is installed.
+    """
     if not formats:
         return {}
     text = page([report(derivation, files)])
@@ -30,7 +42,7 @@ def formatted(
 
 
 def _printed(text: str, files: Mapping[str, bytes]) -> bytes:
-    """The PDF of a page, or of the ``files`` that are on it."""
+    """Return the PDF of a page, which a browser prints, or of its ``files``, which pandoc prints."""
     texts = {name: content.decode() for name, content in files.items() if name.endswith((".md", ".svg"))}
     texts["paper.lua"] = (shipped("templates") / "paper" / "paper.lua").read_text(encoding="utf-8")
     return print_pages(text, texts, chapters(texts))

@@ -1,4 +1,4 @@
-"""The robot that a page drives: what it looks like, and its functions in JavaScript."""
+"""Describe the robot that a page drives: its shape, and its functions in JavaScript."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _JOINTS = ("spin", "steer", "steer_rate")
 
 
 def robot(derivation: Derivation) -> dict[str, Any]:
-    """Wheels, limits and sensed joints, as `templates/html/live.js` draws and drives them; metres and radians."""
+    """Return wheels, limits and sensed joints for `templates/html/live.js`, in metres and radians."""
     sensed = derivation.module.function("forward").inputs
     return {
         "name": derivation.robot.name,
@@ -45,15 +45,14 @@ def robot(derivation: Derivation) -> dict[str, Any]:
 
 
 def _axle(derivation: Derivation) -> dict[str, float]:
-    """Where trailers follow: the centre of the fixed axle, and which way it drives."""
+    """Return the centre and the heading of the fixed axle, which trailers follow."""
     driven = derivation.driven
     ex, ey, x, y = leading_axle(driven.robot, driven.mobility, nominal_view).nominal
     return {"x": x, "y": y, "heading": atan2(ey, ex)}
 
 
 def _wheel(wheel: Wheel) -> dict[str, Any]:
-    """``turns``: its heading, that of steer 0, is a joint. ``zero``: it cannot move across its rolling direction.
-    ``ball``: it is round, or one driven direction of what is round."""
+    """Return a wheel as `templates/html/live.js` draws it."""
     g, kind = wheel.nominal, wheel.kind
     lengths = {name: float(getattr(g, name)) for name in ("x", "y", "r", "d", "o")}
     return {
@@ -61,16 +60,16 @@ def _wheel(wheel: Wheel) -> dict[str, Any]:
         **lengths,
         "heading": wheel.heading,
         "gamma": wheel.gamma if kind.rollers else None,
-        "turns": kind.turns,
-        "zero": kind.sliding_row,
+        "turns": kind.turns,  # whether its heading is a joint; `heading` is that at angle 0
+        "zero": kind.sliding_row,  # whether it cannot slide sideways
         "swivels": kind.swivels,
         "rolls": kind.has_spin,
-        "ball": kind.glyph.ball,
+        "ball": kind.glyph.ball,  # whether it is a ball, or one driven direction of a ball
     }
 
 
 def _towing(derivation: Derivation) -> Motion | None:
-    """The motion in which the page tows trailers; None without trailers and where the robot has no model of motion."""
+    """Return the motion that tows the trailers; None without trailers, or if the robot has no model of motion."""
     if not derivation.robot.trailers:
         return None
     try:
@@ -80,7 +79,7 @@ def _towing(derivation: Derivation) -> Motion | None:
 
 
 def _towed(derivation: Derivation, motion: Motion) -> Function:
-    """The yaw rates of the trailers, ``towed``: of the twist of P and all headings (Tzafestas (2.70))."""
+    """Return ``towed``, the yaw rates of trailers from the twist of P and all headings (Tzafestas (2.70))."""
     robot, headings = motion.robot, state_ports(motion.robot.trailers)
     rates = turns(motion, derivation.driven.mobility)
     formula = Locals().formula(
@@ -92,7 +91,7 @@ def _towed(derivation: Derivation, motion: Motion) -> Function:
 
 
 def code(derivation: Derivation) -> str:
-    """A JavaScript expression of the functions that drive it."""
+    """Return the functions that drive the robot, as a JavaScript expression."""
     module = select(derivation.without_gyro.module, {name: name for name in FUNCTIONS})
     if motion := _towing(derivation):
         module = replace(module, functions=(*module.functions, _towed(derivation, motion)))

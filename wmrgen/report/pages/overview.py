@@ -1,5 +1,7 @@
-"""Pages of all robots that stand in an output directory, each with its top view, type and costs: ``README.md`` for
-GitHub and ``index.html`` for a browser. They are made of the model.json of each, and derive nothing."""
+"""Write the overview of all robots in an output directory, with top view, type and costs of each.
+
+``README.md`` is for GitHub and ``index.html`` for a browser. Both are made from model.json files; nothing is derived.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,7 @@ _COUNTED = ("inverse", "forward", "odometry")
 
 
 def overview(directory: Path) -> dict[str, bytes]:
-    """Name -> content of both pages. Without robots there is none."""
+    """Return both pages by file name; {} without robots."""
     models = [model for path in sorted(directory.glob("*/model.json")) if (model := _model(path))]
     if not models:
         return {}
@@ -31,7 +33,7 @@ def overview(directory: Path) -> dict[str, bytes]:
 
 
 def _model(path: Path) -> dict[str, Any]:
-    """The model of a robot, nothing of what is none."""
+    """Return the model of a robot; {} if the file is not such a model."""
     try:
         model = json.loads(path.read_bytes())
     except (OSError, ValueError):
@@ -41,7 +43,16 @@ def _model(path: Path) -> dict[str, Any]:
 
 
 def _row(model: Mapping[str, Any], quoted: Any, directory: Path) -> dict[str, Any]:
-    """What the pages show of a robot, texts ``quoted`` for their language."""
+    """Return the contents of one row.
+
+    Args:
+        model: the contents of model.json.
+        quoted: function that escapes text for the language of the page.
+        directory: the output directory.
+
+    Returns:
+        The values that the template uses.
+    """
     kind: Sequence[int] | None = model["robot_type"]
     holonomic = "holonomic" if model["holonomic"] else "nonholonomic"
     costs, folder = model["operations"], directory / model["name"]

@@ -1,7 +1,7 @@
-"""The derivation report: one robot as a worked textbook example, in Markdown that GitHub renders.
+"""Write the derivation report: one robot as a worked textbook example, in Markdown that GitHub renders.
 
-Each section is a function from the derivation to blocks of Markdown; the result stands first. What computing it costs,
-and how exact that is, is a page of its own, `numerics.md`.
+Each section is a function from the derivation to blocks of Markdown. The result is the first section. Costs and
+accuracy of the code have a page of their own, `numerics.md`, and so has the wiring check, `wiring.md`.
 """
 
 from __future__ import annotations
@@ -21,17 +21,22 @@ from wmrgen.report.sections.texts import texts
 
 FILE = "report.md"
 _LAYOUT = (opening, result, layout, wheel_rows, matrices, null_space, analysis, skid)
-_MOTION = (inverse, forward, motion)  # of the drive that turns as the robot does, where it skids
+_MOTION = (inverse, forward, motion)  # of the drive that models the robot, if it skids
 _WHOLE = (regular, singular, texts)
 
 
-def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
-    """``report.md``, whose pictures are another backend's, ``numerics.md`` and ``wiring.md``."""
+def blocks_of(derivation: Derivation) -> list[str]:
+    """Return the blocks of ``report.md``, with the keys of their sentences (`markdown.keys`)."""
     blocks = [block for section in _LAYOUT for block in section(derivation)]
     blocks += [block for section in _MOTION for block in section(derivation.driven)]
     blocks += [block for section in _WHOLE for block in section(derivation)]
+    return blocks
+
+
+def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
+    """Return ``report.md``, ``numerics.md`` and ``wiring.md``; the back end `drawing` writes their figures."""
     return {
-        FILE: page([*blocks, *foot(facts)]).encode(),
-        numerics.FILE: numerics.numerics(derivation, facts).encode(),
-        wiring.FILE: wiring.wiring(derivation, facts).encode(),
+        FILE: page([*blocks_of(derivation), *foot(facts)]).encode(),
+        numerics.FILE: page(numerics.numerics(derivation, facts)).encode(),
+        wiring.FILE: page(wiring.wiring(derivation, facts)).encode(),
     }

@@ -1,9 +1,14 @@
-"""Section 7: from sensed joints to the twist, by least squares."""
+"""Write section 7 and the forward kinematics of the result: from measured joints to the twist, by least squares.
+
+Section 7 explains the measurements H ξ = z and their solution. The result shows the twist itself: in the named lengths
+of the robot file if that is short, else with the numbers of this robot, else as the rule that gives it.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import combinations
 
 from wmrgen.analysis.kinematics.least_squares import Measured, normal_equations
 from wmrgen.analysis.kinematics.records import substituted
@@ -12,67 +17,118 @@ from wmrgen.analysis.kinematics.sensing import Contact, Measurements, generic_ra
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry import notation
 from wmrgen.geometry.constraints import XI
-from wmrgen.geometry.exact.linalg import Matrix, determinant
-from wmrgen.geometry.exact.lowest import shorter, unrelated
-from wmrgen.geometry.exact.poly import dot, triple
-from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.exact.evaluate import number, parameters_in, sqrt_poly
+from wmrgen.geometry.exact.linalg import Matrix, adjugate, determinant
+from wmrgen.geometry.exact.lowest import related, shorter, unrelated
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.exact.poly import Poly, dot, has_angles, triple
+from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.geometry.printing import symbol_names
-from wmrgen.geometry.symbolic import Expr, Local
-from wmrgen.report.sections.latex import alike, latex, summands, terms
-from wmrgen.report.sections.letters import factored, pair, residual, square
-from wmrgen.report.sections.markdown import aligned, cut_note, math, matrix, some
-from wmrgen.report.sections.terms import width, wrapped
-
-_ROWS = 14  # rows of a printed H
-_STACK = 62  # glyphs of H and z in one line
-_SHOWN = 2  # contact points that are written out
-_ENTRY = 12  # terms of an entry of H^T H: a determinant of longer ones is not worth expanding
-_NORMAL = 50  # glyphs of a row of a printed H^T H
-_DET = 70  # glyphs of a printed determinant
-_SLIP = 140  # glyphs of a printed residual
-_RANK_2 = r"\xi = \frac{1}{c_2}\left(c_1\left(I - \frac{\mathrm{adj}\,M}{c_2}\right) - M\right) H^T z"
-_WEIGHTS = (
-    "Below, a row counts as often as its weight over the largest weight says: HᵀH and Hᵀz are Hᵀ W H and Hᵀ W z, means "
-    "and sums over wheels are weighted, and so is the norm of the residual, W being the diagonal matrix of the weights."
+from wmrgen.geometry.symbolic import Expr, Local, expression, times
+from wmrgen.report.sections.latex import (
+    PAGE,
+    WIDE,
+    Term,
+    latex,
+    multiples,
+    pulled_out,
+    reduced,
+    squares,
+    summands,
+    terms,
+    total,
+    width,
+    with_tangents,
+    wrapped,
 )
+from wmrgen.report.sections.markdown import aligned, cut_note, keyed, math, matrix, some
+
+_ROWS = 12  # rows of a printed H; a matrix of more rows does not fit on a screen
+_SHOWN = 2  # contact points that are written out; the others follow in the same way
+_STACK = 62  # visible characters of H and z side by side: 900 px; clearpath_do100 has more
+_ENTRY = 12  # terms of an entry of H^T H; determinants of longer entries take seconds to expand
+_SUM = 24  # summands of a printed sum; a robot with 64 wheels has more
+_TWIST = (
+    900  # visible characters of the twist in named lengths: 4 lines for each component, as in agilex_ranger
+)
+_MOST = 150  # terms of the twist; more than that never fit into `_TWIST` characters
+_SHORT = 300  # visible characters of the twist that follows a rule, as in ackermann_car
+_DIGITS = 10**6  # numerators and denominators above this are sines of general angles: no help to a reader
+
+_RANK_2 = r"\xi = \frac{1}{c_2}\left(c_1\left(I - \frac{\mathrm{adj}\,M}{c_2}\right) - M\right) H^T z"
 _INVARIANTS = r"M = H^T H,\quad c_1 = \mathrm{tr}\,M,\quad c_2 = \mathrm{tr}\,\mathrm{adj}\,M"
+_NEAREST = (
+    r"\omega = \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}, \qquad "
+    r"v = \bar{w} - \omega\,\hat{z}\times\bar{B}"
+)
+_WEIGHTS = keyed(
+    "forward.weights",
+    "The wheels have weights. A row counts in proportion to its weight divided by the largest weight. With W the "
+    "diagonal matrix of these weights, HᵀH and Hᵀz below stand for Hᵀ W H and Hᵀ W z; means and sums over wheels and "
+    "the norm of the residual are weighted, too.",
+)
+_BY_WEIGHT = keyed(
+    "forward.weighted_result",
+    "Wheels count by their weights: means, sums, HᵀH and Hᵀz are weighted, as in section 7.",
+)
+_SIGNAL = "It signals slip, a dead encoder or crossed wires."
+
+
+# ---- Section 7.
 
 
 def forward(d: Derivation) -> list[str]:
-    """Section 7."""
-    measured = _stacking(d.measured, d.robot)
-    blocks = ["## 7 Forward kinematics"]
+    """Return section 7."""
+    measured = _in_order_of_the_book(d.measured, d.robot)
+    title = "## 7 Forward kinematics"
     if not measured.rows:
-        return [*blocks, "No row of section 2 has joint rates that are all sensed."]
-    blocks += _sources(measured)
+        return [
+            title,
+            keyed(
+                "forward.nothing_sensed",
+                "Sensors measure all joint rates of no row of section 2, so no row is known.",
+            ),
+        ]
+    blocks = [title, *_sources(measured)]
     if not measured.constant_normal and measured.rigid:
         return [*blocks, *_rigid(d, measured.contacts)]
     rows = distinct(measured)
-    once = ", the same equation of several wheels once" if len(rows) < len(measured.rows) else ""
+    once = " (an equation that several wheels give is listed once)" if len(rows) < len(measured.rows) else ""
     if measured.constant_normal or any(c.wheel.turns for c in measured.contacts):
-        blocks += [f"Stacked{once}, they are", *_stacked(rows)]
+        blocks += [f"Stacked{once}, the rows are", *_stacked(rows)]
     else:
-        blocks[-1] += " H has these rows of section 3, and z has r φ̇ for a rolling row, 0 for a sliding row."
+        blocks[-1] += (
+            " H consists of these rows of section 3. In z, a rolling row has r φ̇ and a sliding row has 0."
+        )
     if measured.constant_normal:
         return [*blocks, *_constant(d, measured, rows), *_residual(d, measured), *cut_note(d.robot.wheels)]
     locals_ = {symbol.name for symbol, _ in d.formula("forward").locals}
     return [
         *blocks,
-        *_solution(generic_rank(measured), "over_c2" in locals_),
+        *solution_by_rank(generic_rank(measured), "over_c2" in locals_),
         *_three(measured),
-        "The residual `slip`, the norm of z − H ξ [m/s], is a signal for slip, a dead encoder or crossed wires.",
+        f"The residual `slip` is the norm of z − H ξ [m/s]. {_SIGNAL}",
     ]
 
 
-def _stacking(measured: Measurements, robot: Robot) -> Measurements:
-    """The measurements, of a differential drive in the order of the book."""
+def pair(robot: Robot) -> list[Wheel]:
+    """Return the wheels of a differential drive, the right one first as in Siegwart (3.29); [] for other robots."""
+    wheels = [w for w in robot.wheels if w.kind.directed and not w.kind.swivels]
+    if len(wheels) != 2 or not all(w.kind.fixed_axle for w in wheels):
+        return []
+    return sorted(wheels, key=lambda w: (w.pivot / wheels[0].zero_heading).imag)
+
+
+def _in_order_of_the_book(measured: Measurements, robot: Robot) -> Measurements:
+    """Return the measurements; those of a differential drive in the order of Siegwart (3.29)."""
     first = {w.index: k for k, w in enumerate(pair(robot))}
     contacts = sorted(measured.contacts, key=lambda c: first.get(c.wheel.index, 0))
     return measured._replace(contacts=tuple(contacts))
 
 
 def distinct(measured: Measurements) -> list[Measured]:
-    """The rows, equal ones once where three that can be solved are left: they give what least squares gives."""
+    """Return the rows. Equal rows are merged if that leaves three rows, whose solution is the least-squares one."""
     rows = measured.rows
     if measured.weighted or not measured.constant_normal:
         return rows
@@ -88,59 +144,68 @@ def distinct(measured: Measurements) -> list[Measured]:
 
 
 def _sources(measured: Measurements) -> list[str]:
-    """Which rows are known of which wheels."""
+    """Say which wheels give which rows."""
     sources = []
     if measured.contacts:
         wheels = [c.wheel for c in measured.contacts]
         offset, geared, trail = (
             any(getattr(w.nominal, key) for w in wheels) for key in ("steer_arm", "per_steer", "d")
         )
+        rate = f"(r φ̇ + {'(o − r k)' if geared else 'o'} ψ̇) e" if offset else "r φ̇ e"
+        direction = "with e the rolling direction"
         sources.append(
-            f"{some(wheels)} give{'' if len(wheels) > 1 else 's'} both rows. Turned into the robot's axes they say "
-            "how fast the contact point B moves: v + ω ẑ × B = "
-            + (f"(r φ̇ + {'(o − r k)' if geared else 'o'} ψ̇) e" if offset else "r φ̇ e")
-            + (" − d ψ̇ n" if trail else "")
-            + ", with e the rolling direction"
-            + (" and n = ẑ × e." if trail else ".")
+            keyed(
+                "forward.both_rows",
+                f"{some(wheels)} give{'' if len(wheels) > 1 else 's'} both rows. Rotated into the axes of the robot, "
+                f"they are the velocity of the contact point B: v + ω ẑ × B = {rate}{' − d ψ̇ n' if trail else ''}, "
+                f"{direction}{' and n = ẑ × e' if trail else ''}.",
+            )
         )
     for kind in ("rolling", "sliding"):
         alone = [c.wheel for c in measured.components if c.wheel.kind.sliding_row == (kind == "sliding")]
         if alone:
-            sources.append(f"{some(alone)} give{'' if len(alone) > 1 else 's'} the {kind} row alone.")
+            verb = "give" if len(alone) > 1 else "gives"
+            sources.append(keyed(f"forward.{kind}_only", f"{some(alone)} {verb} only the {kind} row."))
     if measured.gyro is not None:
         sources.append(
-            "The gyro gives the row [0 0 1]. Its residual in rad/s is a velocity at the mean distance of the sensed "
-            f"wheels from their middle, so that it has the weight {float(measured.gyro.weight):.4g} m²."
+            "The gyro gives the row [0 0 1]. To compare its residual in rad/s with the other residuals, it is taken as "
+            "a velocity at the mean distance of the sensed wheels from their centre: its weight is "
+            f"{float(measured.gyro.weight):.4g} m²."
         )
+    weight = (
+        "The weight of a row is that of its wheel." if measured.weighted else "All rows have equal weight."
+    )
     return [
-        "Each row of section 2 whose joint rates are all sensed is a measurement of ξ, in m/s, with "
-        f"{'the weight of its wheel' if measured.weighted else 'equal weight'}. {' '.join(sources)}",
+        "Each row of section 2 whose joint rates are all sensed is a measurement of ξ, in m/s. "
+        f"{weight} {' '.join(sources)}",
         *([_WEIGHTS] if measured.weighted else []),
     ]
 
 
 def _stacked(rows: list[Measured]) -> list[str]:
-    """H xi = z, as matrices where they fit on a line, else equation by equation."""
+    """Return H ξ = z: as matrices if they fit on a line, else equation by equation."""
     shown = rows[:_ROWS]
     dots = [r"\vdots"] if len(rows) > _ROWS else []
-    entries = iter(alike([p for row, _, _ in shown for p in row]))
-    h = [[next(entries) for _ in row] for row, _, _ in shown]
-    z = [[text] for text in alike([value for _, value, _ in shown])]
-    if sum(max(map(width, column)) for m in (h, z) for column in zip(*m, strict=True)) <= _STACK:
+    h = [[latex(p) for p in row] for row, _, _ in shown]
+    z = [[latex(value)] for _, value, _ in shown]
+    columns = [*zip(*h, strict=True), *zip(*z, strict=True)]
+    if sum(max(map(width, column)) for column in columns) <= _STACK:
         both = matrix([*h, *([dots * 3] * len(dots))]), matrix([*z, *([dots] * len(dots))])
         return math(rf"H\,\xi = z, \qquad H = {both[0]}, \qquad z = {both[1]}")
     lines = [f"{wrapped(summands(terms(dot(row, XI))))} &= {latex(value)}" for row, value, _ in shown]
-    if any("\n" in line for line in lines):
+    if any("\n" in line for line in lines):  # a broken sum has to be on the right side
         lines = [f"{latex(value)} &= {wrapped(summands(terms(dot(row, XI))))}" for row, value, _ in shown]
-    times = {n: rf" && (\times {n})" if n > 1 else "" for n in range(len(lines) + 1)}
-    return aligned([*(line + times[n] for line, n in Counter(lines).items()), *(rf"& {d}" for d in dots)])
+    counted = [
+        line + (rf" && (\times {count})" if count > 1 else "") for line, count in Counter(lines).items()
+    ]
+    return aligned([*counted, *(rf"& {d}" for d in dots)])
 
 
 def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> list[str]:
-    """Everything but z is known at derivation time."""
+    """Write the solution if everything except z is known at derivation time."""
     numbers = d.measured_at_nominal
     if len(rows) == 3 and d.determined:
-        return square(d, rows)
+        return _square(d, rows)
     plain = [(triple(map(unrelated, row)), value, weight) for row, value, weight in rows]
     entries = [[shorter(p) for p in row] for row in normal_equations(plain)[0]]
     normal, named = _normal(entries, numbers)
@@ -148,46 +213,87 @@ def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> li
     why = "The matrix does not depend on any joint angle."
     if any(c.wheel.turns for c in measured.contacts):
         why = (
-            "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x], and a rotation drops out of HᵀH: the "
-            "matrix is constant whatever the steering does."
+            "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x]. A rotation cancels in HᵀH, so the matrix is "
+            "constant at all steering angles."
         )
     if not d.determined:
         return [
-            "The rows leave a direction unseen, so that HᵀH is singular. Of all twists that explain the rates best the "
-            f"smallest is, with the Moore-Penrose inverse of HᵀH{at_values},",
+            keyed(
+                "forward.unseen",
+                "The rows do not determine one direction of the twist, so HᵀH is singular. Several twists explain the "
+                "rates equally well. The smallest of them is, with the Moore-Penrose inverse of "
+                f"HᵀH{at_values},",
+            ),
             *math(r"\xi = (H^T H)^{+} H^T z, \qquad H^T H =", normal),
             f"{why} Its Moore-Penrose inverse was computed once, for this page.",
         ]
     return [
-        f"More rows than unknowns: the least-squares solution is{at_values}",
+        keyed(
+            "forward.overdetermined",
+            f"There are more rows than unknowns. The least-squares solution is{at_values}",
+        ),
         *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", normal),
         f"{why} It was inverted once, for this page.",
         *_condition(entries),
     ]
 
 
+def _square(d: Derivation, rows: list[Measured]) -> list[str]:
+    """Write the solution of three rows: Siegwart (3.29) and (3.30), or (3.31) if all rows are rolling rows."""
+    own = (
+        len(d.constraints.rolling) == 3
+        and not d.constraints.sliding
+        and all(w.sensed for w in d.robot.wheels)
+    )
+    book = r" = J_1^{-1} J_2\,\dot{\varphi}\;\;(3.31)" if own else ""
+    book = book or (r"\;\;(3.30)" if pair(d.robot) else "")
+    det = factored(shorter(determinant([[unrelated(p) for p in row] for row, _, _ in rows])))
+    shown = rf", \qquad \det H = {det}" if width(det) <= PAGE else ""
+    return [
+        keyed(
+            "forward.square",
+            "There are as many rows as unknowns. H has full column rank 3 (Tzafestas (2.7)), that is det H ≠ 0, so the "
+            "solution is",
+        ),
+        *math(rf"\xi = H^{{-1}} z{book}{shown}"),
+    ]
+
+
 def _normal(normal: Matrix, numbers: list[Measured]) -> tuple[str, bool]:
-    """H^T H in the named parameters where that is short, else in their values; and whether no name is lost."""
+    """Return HᵀH, in the named parameters if that is short, and whether no name was replaced by its value."""
     named = any(p.constant is None for row in normal for p in row if p)
     if named and max(len(p.terms) for row in normal for p in row) <= _ENTRY:
-        entries = [[factored(p) for p in row] for row in normal]
-        if max(map(width, map("".join, entries))) <= _NORMAL:
-            return matrix(entries), True
+        return matrix([[factored(p) for p in row] for row in normal]), True
     return matrix(normal_equations(numbers)[0]), not named
 
 
 def _condition(normal: Matrix) -> list[str]:
-    """The condition on the rank, and the determinant that it is about where that is short."""
-    words = "The condition is that H has full column rank 3 (Tzafestas (2.8a)), det(HᵀH) ≠ 0"
+    """Write the condition on the rank, with its determinant if that is short."""
+    words = keyed(
+        "forward.full_rank", "This needs an H of full column rank 3 (Tzafestas (2.8a)): det(HᵀH) ≠ 0"
+    )
     long = max(len(p.terms) for row in normal for p in row) > _ENTRY
     det = "" if long else factored(shorter(determinant(normal)))
-    if long or width(det) > _DET:
+    if long or width(det) > WIDE:
         return [f"{words}."]
-    return [f"{words}:", *math(rf"\det(H^T H) = {det}")]
+    return [f"{words}, with", *math(rf"\det(H^T H) = {det}")]
+
+
+def factored(p: Poly) -> str:
+    """Return a determinant as LaTeX, in factors if its numbers are short. ``p`` may be `unrelated`."""
+    p = related(p)
+    return total(terms(reduced(p, Poly.of(1)))) if _has_short_numbers([p]) else latex(p)
+
+
+def _has_short_numbers(polys: Sequence[Poly]) -> bool:
+    return all(max(map(abs, (*c.num, c.den))) <= _DIGITS for p in polys for c in p.terms.values())
 
 
 def fits_of(d: Derivation, *names: str) -> tuple[list[Expr], dict[str, str]]:
-    """Results of ``forward``, of the twist before the residual is taken, and the names of its symbols."""
+    """Return results of ``forward`` as formulas, and the names of their symbols.
+
+    The twist is the one from which the residual is computed.
+    """
     formula = d.formula("forward")
     results = {result for call in formula.calls for result in call.results}
     vectors = {symbol: e for symbol, e in formula.locals if symbol in results}
@@ -197,95 +303,327 @@ def fits_of(d: Derivation, *names: str) -> tuple[list[Expr], dict[str, str]]:
 
 
 def _residual(d: Derivation, measured: Measurements) -> list[str]:
-    """What no twist can explain."""
+    """Write the residual of the measurements."""
     if not any(value for port, value in d.formula("forward").outputs if port.name == "slip"):
-        return ["The rates can never contradict each other, so the residual `slip` is 0."]
+        return ["The measured rates never contradict each other, so the residual `slip` is 0."]
     if measured.weighted:
         (value,), ports = fits_of(d.in_symbols, "slip")
         slip = "" if value.has(Local) else latex(value, ports)
     else:
         slip = residual(measured.rows)
     return [
-        "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed wires: `slip` is "
-        "the norm of z − H ξ [m/s].",
-        *(math(rf"\mathrm{{slip}} = {slip}") if slip and width(slip) < _SLIP else []),
+        keyed(
+            "forward.residual",
+            f"The residual `slip` is the norm of z − H ξ [m/s], the part that no twist explains. {_SIGNAL}",
+        ),
+        *(math(rf"\mathrm{{slip}} = {slip}") if slip and width(slip) <= PAGE else []),
     ]
 
 
+def residual(rows: Sequence[Measured]) -> str:
+    """Return the norm of z − H ξ as LaTeX.
+
+    Four rows of rank 3 have one relation nᵀH = 0. If n is a multiple of numbers, the norm is |nᵀz| / |n|. Otherwise it
+    is written as the root of a sum of squares.
+    """
+    if normal := _relation(rows):
+        length = sqrt_poly(Poly.of(sum((c * c for c in normal), ZERO)))
+        gap = Poly.sum(value.scale(c) for c, (_, value, _) in zip(normal, rows, strict=True))
+        return rf"\left|{latex(gap * length.inverse())}\right|"
+    gaps = [value - dot(row, XI) for row, value, _ in rows]
+    forms = (-p if all(c.sign < 0 for c in p.terms.values()) else p for p in gaps)
+    return rf"\sqrt{{{' + '.join(multiples(squares(forms)))}}}"
+
+
+def _relation(rows: Sequence[Measured]) -> list[Exact]:
+    """Return numbers n with nᵀH = 0 for four rows of rank 3; [] otherwise, or if n is no multiple of numbers."""
+    h = [list(row) for row, _, _ in rows]
+    minors = [determinant([*h[:k], *h[k + 1 :]]).scale((-1) ** k) for k in range(4)] if len(h) == 4 else []
+    first = next((p for p in minors if p), None)
+    if first is None:
+        return []
+    normal = [p.ordered[0][1] / first.ordered[0][1] if p else ZERO for p in minors]
+    return normal if all(p == first.scale(c) for p, c in zip(minors, normal, strict=True)) else []
+
+
 def _rigid(d: Derivation, contacts: Sequence[Contact]) -> list[str]:
-    """Rigid motion through measured contact velocities."""
-    blocks = ["Contact point B and measured velocity w of each of these wheels, in the robot frame:"]
+    """Write the rigid motion that is nearest to the measured contact velocities."""
+    blocks = ["In the robot frame, these wheels have the contact point B and the measured velocity w:"]
     for c in contacts[:_SHOWN]:
         index = f"_{{{notation.wheel(c.wheel.name)}}}"
         b, w = matrix([[c.bx], [c.by]]), matrix([[c.wx], [c.wy]])
-        wide = sum(max(width(latex(p)) for p in pair) for pair in ((c.bx, c.by), (c.wx, c.wy))) > 55
+        wide = sum(max(width(latex(p)) for p in pair) for pair in ((c.bx, c.by), (c.wx, c.wy))) > _STACK
         both = [f"B{index} &= {b}", f"w{index} &= {w}"]
         blocks += aligned(both if wide else [", & ".join(both)])
     if len(contacts) > _SHOWN:
-        blocks += [f"Those of {some([c.wheel for c in contacts[_SHOWN:]])} follow in the same way."]
+        blocks += [f"B and w of {some([c.wheel for c in contacts[_SHOWN:]])} follow in the same way."]
     if len(contacts) == 1:
         return [
             *blocks,
-            "Two rows cannot determine three unknowns: the result is the smallest twist that explains them, and the "
-            "residual `slip` is 0.",
+            "Two rows cannot determine three unknowns. The result is the smallest twist that explains both rows, and "
+            "the residual `slip` is 0.",
         ]
     divisor = (
-        "its denominator cannot vanish, for the pivots stand far enough apart. The code has both sums multiplied "
-        "out, with the pivots measured from their mean: B<sub>i</sub> × w<sub>i</sub> and |B<sub>i</sub>|² then "
-        "lose their products of sines."
+        "The denominator cannot vanish, because the pivots are far enough apart. In the code both sums are multiplied "
+        "out and the pivots are measured from their mean: products of sines cancel in B<sub>i</sub> × w<sub>i</sub> "
+        "and |B<sub>i</sub>|²."
     )
     if spread(measurements(d.robot).contacts) is None:
-        divisor = "its denominator is kept above 10⁻¹² m²."
+        divisor = "The code keeps the denominator above 10⁻¹² m²."
     return [
         *blocks,
-        "The rigid motion nearest to them is found as one would by hand: take the means away, fit the rotation to what "
-        "is left, then the translation to the means.",
-        "This needs two contact points apart from each other, H of rank 3 (Kelly Box 4.2). Here "
-        f"p × q = pₓ q<sub>y</sub> − p<sub>y</sub> qₓ. One division is all that is left for run time; {divisor} "
-        "The residual `slip`, the norm of all w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> [m/s], is a signal for slip, a "
-        "dead encoder or crossed wires.",
+        "The rigid motion nearest to these velocities is found in three steps: subtract the means, fit the rotation to "
+        "the differences, then fit the translation to the means.",
+        "This needs two contact points that are apart: H has rank 3 then (Kelly Box 4.2). Here "
+        "p × q = pₓ q<sub>y</sub> − p<sub>y</sub> qₓ. "
+        f"Only one division is left for run time. {divisor} The residual `slip` is the norm of all "
+        f"w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> [m/s]. {_SIGNAL}",
     ]  # fmt: skip
 
 
 def _three(measured: Measurements) -> list[str]:
-    """The determinant of three rows, where it is short."""
+    """Write the determinant of three rows if it is short, as in bicycle and f1tenth."""
     if len(measured.rows) != 3 or measured.weighted:
         return []
     det = latex(determinant([list(row) for row, _, _ in measured.rows]))
-    if width(det) > _DET:
+    if width(det) > WIDE:
         return []
     return ["Three rows make H square, and det(HᵀH) = (det H)²:", *math(rf"\det H = {det}")]
 
 
-def _solution(rank: int, may_fall: bool) -> list[str]:
-    """The least-squares twist from the rank that the rows have in general."""
+def solution_by_rank(rank: int, may_be_singular: bool) -> list[str]:
+    """Write the least-squares twist of rows with joint angles, which is solved at run time.
+
+    Args:
+        rank: rank of H at generic joint angles.
+        may_be_singular: whether the rank may be lower at some joint angles.
+
+    Returns:
+        The blocks of Markdown.
+    """
+    smallest = math(_RANK_2 + r",\qquad " + _INVARIANTS)
     if rank == 1:
         return [
-            "The rows see one direction only. The smallest twist that explains them is",
+            keyed(
+                "forward.rank_one",
+                "The rows measure one direction of the twist only. The smallest twist that explains them is",
+            ),
             *math(r"\xi = \frac{H^T z}{\mathrm{tr}\, H^T H}"),
         ]
-    smallest = math(_RANK_2 + r",\qquad " + _INVARIANTS)
     if rank == 2:
         return [
-            "The rows leave one direction unseen. The smallest twist that explains them follows from the "
-            "Moore-Penrose inverse of HᵀH,",
+            keyed(
+                "forward.rank_two",
+                "The rows do not determine one direction of the twist. The smallest twist that explains them follows "
+                "from the Moore-Penrose inverse of HᵀH:",
+            ),
             *smallest,
-            "and is Hᵀz / c₁ where a second direction is lost.",
+            "If a second direction is lost, it is Hᵀz / c₁.",
         ]
-    blocks = [
-        "HᵀH depends on the steering angles, so it is inverted at run time, by cofactors.",
-    ]
-    if not may_fall:
+    inverted = "HᵀH depends on the steering angles, so it is inverted at run time, by cofactors."
+    if not may_be_singular:
         return [
-            *blocks,
-            "The rows that do not steer have rank 3 by themselves, so H keeps the full column rank 3 that this "
-            "needs (Tzafestas (2.8a)): det(HᵀH) cannot vanish.",
+            inverted,
+            keyed(
+                "forward.always_regular",
+                "The rows without steering angles already have rank 3. Hence H always has the full column rank 3 that "
+                "this needs (Tzafestas (2.8a)), and det(HᵀH) cannot vanish.",
+            ),
         ]
     return [
-        *blocks,
-        "This needs H of full column rank 3 (Tzafestas (2.8a)). Where the rows leave a direction unseen, det(HᵀH) "
-        "vanishes (a singular value under a thousandth of the largest counts as none). There the smallest twist "
-        "is taken, by the Moore-Penrose inverse",
+        inverted,
+        keyed(
+            "forward.may_be_singular",
+            "This needs an H of full column rank 3 (Tzafestas (2.8a)). At joint angles at which the rows do not "
+            "determine one direction, det(HᵀH) vanishes; a singular value below a thousandth of the largest counts as "
+            "0. There the smallest twist is taken, by the Moore-Penrose inverse:",
+        ),
         *smallest,
-        "and Hᵀz / c₁ where a second direction is lost.",
+        "If a second direction is lost, it is Hᵀz / c₁.",
     ]
+
+
+# ---- Forward kinematics in the result.
+
+
+def closed_forward(d: Derivation) -> list[str]:
+    """Return the twist of measured joints: written out if the matrix is constant, else the rule that gives it."""
+    measured = d.measured
+    if not measured.rows:
+        return ["No joint is sensed, so nothing is known about the twist: `forward` returns 0."]
+    if measured.constant_normal:
+        if named := in_named_lengths(d):
+            return named
+        numbers = _in_numbers(d)
+        return [*_rule(d, numbers), *numbers]
+    weights = [_BY_WEIGHT] if measured.weighted and len(measured.rows) != 3 else []  # three rows fit exactly
+    if measured.rigid:
+        return [*_rigid_motion(len(measured.contacts)), *(weights if len(measured.contacts) > 1 else [])]
+    best = "The twist that fits all measurements best, with H and z of section 7, is"
+    if generic_rank(measured) < 3:
+        return [best, *math(r"\xi = (H^T H)^{+} H^T z"), *weights]
+    three = _from_three_rows(d)
+    if not three:
+        return [best, *math(r"\xi = (H^T H)^{-1} H^T z"), *weights]
+    if len(measured.rows) == 3:
+        return three
+    return [
+        keyed(
+            "forward.if_consistent",
+            "The twist that fits all measurements best is ξ = (HᵀH)⁻¹ Hᵀz, with H and z of section 7. If the "
+            "measurements agree with each other (`slip` is 0), this is",
+        ),
+        *three,
+        *weights,
+    ]
+
+
+def in_named_lengths(d: Derivation) -> list[str]:
+    """Return the twist in the named lengths and angles if that is short, and the values of its factors."""
+    products = d.twist_in_symbols
+    if products is None or sum(len(p.rest.terms) for p in products) > _MOST:
+        return []
+    ports = symbol_names(d.formula("forward").inputs)
+    sums = [terms(times(expression(p.factor), expression(p.rest)), ports) for p in products]
+    shown = _written(sums, _TWIST)
+    if not shown:
+        return []
+    values = [number(p.factor, {q.name: q.value for q in d.robot.parameters}) for p in products]
+    heading = (latex(expression(p.factor)).removeprefix("-") for p in products)
+    factors = {head: abs(value) for head, value in zip(heading, values, strict=True)}
+    return [*shown, *values_of_factors(d, list(zip(TWIST_NAMES, sums, strict=True)), factors)]
+
+
+def _in_numbers(d: Derivation) -> list[str]:
+    """Return the twist as the code computes it; [] if the code does so in several steps."""
+    fits, ports = fits_of(d, *TWIST_NAMES)
+    if any(fit.has(Local) for fit in fits):
+        return []
+    lines, sums = [], []
+    for name, fit in zip(TWIST_NAMES, fits, strict=True):
+        sums.append((name, terms(fit, ports)))
+        parts = summands(sums[-1][1])
+        shown = [*parts[:_SUM], r"+\cdots"] if len(parts) > _SUM else parts
+        lines.append(f"{notation.port(name)} &= {wrapped(shown)}")
+    return [*aligned(lines), *values_of_factors(d, sums)]
+
+
+def _rigid_motion(contacts: int) -> list[str]:
+    """Write the rule for the rigid motion that is nearest to the velocities of contact points."""
+    if contacts == 1:
+        return [
+            "The smallest twist (v, ω) that explains the velocity w of the contact point B (both in section 7) is",
+            *math(r"\omega = \frac{B \times w}{1 + |B|^2}, \qquad v = w - \omega\,\hat{z}\times B"),
+        ]
+    return [
+        "The result is the rigid motion (v, ω) nearest to the velocities w that the wheels measure at their contact "
+        "points B. A bar denotes the mean over the wheels; section 7 has B and w.",
+        *math(_NEAREST),
+    ]
+
+
+def _rule(d: Derivation, numbers: list[str]) -> list[str]:
+    """Write the rule behind ``numbers`` if these hide named lengths (jpl_osr), or if there are no numbers."""
+    measured = d.measured
+    named = {name for row, value, _ in measured.rows for p in (*row, value) for name in parameters_in(p)}
+    if numbers and not (d.determined and named):
+        return []
+    below = " Below it is the same with the numbers of this robot." if numbers else ""
+    if not d.determined:
+        return [
+            "The smallest twist that fits all measurements best, with H and z of section 7, is",
+            *math(r"\xi = (H^T H)^{+} H^T z"),
+        ]
+    if not measured.rigid or measured.weighted:
+        square = len(distinct(measured)) == 3
+        return [
+            f"The twist that fits all measurements best is computed from H and z of section 7.{below}",
+            *math(r"\xi = H^{-1} z" if square else r"\xi = (H^T H)^{-1} H^T z"),
+        ]
+    return [
+        keyed(
+            "forward.rigid_rule",
+            "The result is the rigid motion (v, ω) nearest to the velocities w = r φ̇ e that the wheels measure at "
+            f"their contact points B. Here e is the rolling direction, and a bar denotes the mean over the wheels."
+            f"{below}",
+        ),
+        *math(_NEAREST),
+    ]
+
+
+def _from_three_rows(d: Derivation) -> list[str]:
+    """Return the twist that three rows determine, by Cramer's rule, if it is short, as in ackermann_car.
+
+    Rows without joint angles are preferred. If all rows agree, the other rows add nothing.
+    """
+    rows, nominal = d.measured.rows, d.measured_at_nominal
+    order = sorted(range(min(len(rows), _ROWS)), key=lambda k: has_angles((*rows[k][0], rows[k][1])))
+    three = next((t for t in combinations(order, 3) if determinant([list(nominal[k][0]) for k in t])), ())
+    chosen = [rows[k] for k in three]
+    h, z = [list(row) for row, _, _ in chosen], [value for _, value, _ in chosen]
+    below = determinant(h)
+    if not three or not below or not _has_short_numbers([*z, *(p for row in h for p in row)]):
+        return []
+    above = [Poly.sum(a * b for a, b in zip(row, z, strict=True)) for row in adjugate(h)]
+    ports = symbol_names(d.formula("forward").inputs)
+    if len(below.terms) == 1:
+        return _written([with_tangents(terms(p * below.inverse())) for p in above], _SHORT)
+    if not _is_easy([*above, below]):
+        return []
+    return _written([with_tangents(terms(reduced(p, below), ports)) for p in above], _SHORT)
+
+
+def _is_easy(polys: Sequence[Poly]) -> bool:
+    """Return whether sympy finds common factors at once, as in f1tenth. With roots it takes a minute."""
+    roots = any(g.kind == "sqrt" for p in polys for g in p.generators)
+    rational = all(c.is_rational for p in polys for c in p.terms.values())
+    return rational and not roots and sum(len(p.terms) for p in polys) <= 2 * _ENTRY
+
+
+def _written(sums: Sequence[Sequence[Term]], most: int) -> list[str]:
+    """Return the components of the twist; [] if they have more than ``most`` visible characters."""
+    texts = [wrapped(summands(summed)) for summed in sums]
+    if width("".join(texts)) > most:
+        return []
+    return aligned(f"{notation.port(n)} &= {t}" for n, t in zip(TWIST_NAMES, texts, strict=True))
+
+
+def values_of_factors(
+    d: Derivation, sums: Sequence[tuple[str, Sequence[Term]]], known: Mapping[str, Exact] | None = None
+) -> list[str]:
+    """Write the common factors of sums of wheel speeds as numbers: r / (4 (a + b)) = 125/4954 ≈ 0.02523.
+
+    Args:
+        d: the derivation.
+        sums: component of the twist, by its name, and its terms.
+        known: values of factors, by their LaTeX. Other values are evaluated.
+
+    Returns:
+        A formula with one equation for each factor, or [] if there is none.
+    """
+    ports = {notation.port(p.name): p.name for p in d.formula("forward").inputs}
+    equal: dict[str, str] = {}
+    for name, summed in sums:
+        size, common, rest = pulled_out(summed) if len(summed) > 1 else (ONE, (), ())
+        lone = [t for t in rest if len(t.factors) == 1 and t.factors[0].base in ports and abs(t.number) == 1]
+        head = total([Term(abs(size), common)])
+        value = (known or {}).get(head)
+        if head == "1" or not (lone or value):
+            continue
+        value = value or abs(d.evaluate("forward", {ports[lone[0].factors[0].base]: ONE})[name])
+        shown = _equal_to(value, head)
+        if shown:
+            equal[head] = shown
+    return math(r", \qquad ".join(f"{head} {value}" for head, value in equal.items())) if equal else []
+
+
+def _equal_to(value: Exact, head: str) -> str:
+    """Return ``= 0.25`` or ``= 125/4954 ≈ 0.0252321``, to be written after ``head``; "" if it repeats ``head``."""
+    above, below, _ = notation.magnitude(value)
+    fraction = rf"\frac{{{above or 1}}}{{{below}}}" if below else ""
+    exact = notation.terminating(value.parts[0]) if value.is_rational else None
+    if exact:
+        return f"= {exact}" if head not in (exact, fraction) else ""
+    equal = f"= {fraction} " if value.is_rational and fraction not in ("", head) else ""
+    decimal = notation.decimal(float(value))
+    return rf"{equal}\approx {decimal}" if decimal != head else ""

@@ -1,27 +1,97 @@
-"""Exact polynomials, and formulas of the program (sympy), as LaTeX sums of terms: a term is a number and factors.
+"""Write exact polynomials and sympy formulas as LaTeX.
 
-Sums collect what multiplies the same velocity and pull common factors out. Numbers are exact where they are short:
-fractions, roots and decimals; the rest is rounded.
+Both are first split into terms; a term is a number times factors. The terms are then arranged as one would by hand:
+terms with the same velocity are collected, common factors are pulled out, addition theorems are applied, and long sums
+are broken into lines. Short numbers are exact (fractions, roots, decimals); other numbers are rounded to six digits.
 """
 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
-from math import lcm
+from dataclasses import dataclass, replace
+from math import atan2, lcm, pi
 
 import sympy
 
+from wmrgen.functions.models.polynomials import whole, without_lengths
 from wmrgen.geometry import notation
-from wmrgen.geometry.exact.number import ONE, Exact
-from wmrgen.geometry.exact.poly import Gen, Monomial, Poly
+from wmrgen.geometry.constraints import XI
+from wmrgen.geometry.exact.number import ONE, ZERO, Exact
+from wmrgen.geometry.exact.poly import Gen, Monomial, Poly, Row, each, triple
+from wmrgen.geometry.notation import Style
 from wmrgen.geometry.symbolic import Expr, Parameter, expression
 from wmrgen.ir.lower import number_of
-from wmrgen.report.sections.terms import WIDE, Factor, Term, merged, width, wrapped
 
-COMMON = 12  # the largest denominator written once for a sum
-Ports = Mapping[str, str]  # name of a symbol -> contract name
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """One factor of a term: base**power."""
+
+    base: str  # LaTeX
+    power: int
+    rank: int  # 0: parameter, 1: function such as a sine, 2: velocity; sums collect velocities
+    order: tuple[int, str]  # sorts factors of one rank
+    compound: bool = False  # whether the base is a sum and needs brackets
+
+    def shown(self) -> str:
+        """Return the factor as LaTeX, with the absolute value of its power."""
+        n = abs(self.power)
+        base = rf"\left({self.base}\right)" if self.compound else self.base
+        if n == 1:
+            return base
+        for f in (r"\cos", r"\sin"):
+            if base.startswith(f) and not base.startswith(f + "("):
+                return f"{f}^{{{n}}}{base.removeprefix(f)}"
+        return f"{{{base}}}^{{{n}}}"
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """One summand: a number times factors."""
+
+    number: Exact
+    factors: tuple[Factor, ...]
+    style: Style = ""  # how all terms of this sum write their numbers, see `notation.magnitude`
+
+
+def merged(factors: Iterable[Factor]) -> tuple[Factor, ...]:
+    """Combine factors with the same base by adding their powers."""
+    by_base: dict[str, Factor] = {}
+    for f in factors:
+        by_base[f.base] = replace(f, power=f.power + by_base[f.base].power) if f.base in by_base else f
+    return tuple(f for f in by_base.values() if f.power)
+
+
+# ---- The width of LaTeX, and line breaks in long sums.
+
+_COMMAND, _UNSEEN = re.compile(r"\\[A-Za-z]+"), re.compile(r"[{}^_ \\,]")
+WIDE = 80  # visible characters of a line: a longer sum is broken
+PAGE = 112  # visible characters of a formula that is not broken: 900 px
+
+
+def width(text: str) -> int:
+    """Estimate how many characters of the LaTeX are visible."""
+    return len(_UNSEEN.sub("", _COMMAND.sub("x", text)))
+
+
+def wrapped(parts: Sequence[str], limit: int = WIDE) -> str:
+    """Join signed summands, inside ``aligned``, into lines of at most ``limit`` characters that begin with a sign."""
+    texts, used = [""], 0
+    for part in parts:
+        size = width(part)
+        if used and used + size > limit:
+            texts.append("")
+            used = 0
+        texts[-1] += part
+        used += size
+    texts[0] = texts[0].removeprefix("+")
+    return "\\\\\n&\\qquad ".join(texts) or "0"
+
+
+COMMON = 12  # largest denominator that is pulled out of a sum whose denominators differ: 1/6 in synchro_drive
+Ports = Mapping[str, str]  # name of a symbol -> name of its input or output
 _LEADS = {"vx": 0, "vy": 1, "omega": 2, "vx_driven": 0, "vy_driven": 1, "omega_driven": 2}
 _TWIST = {notation.port(n) for n in _LEADS}
 _SPACE = "\\;"
@@ -29,20 +99,20 @@ _FUNCTION = re.compile(r"\\(cos|sin|tan|cot|mathrm)")
 
 
 def latex(value: Poly | Expr, ports: Ports | None = None) -> str:
-    """A polynomial or a formula on one line."""
+    """Return a polynomial or a formula as LaTeX on one line."""
     return total(terms(value, ports))
 
 
 def broken(value: Poly | Expr, ports: Ports | None = None) -> str:
-    """A polynomial or a formula, on several lines where it is long."""
+    """Return a polynomial or a formula as LaTeX, on several lines if it is long."""
     return wrapped(summands(terms(value, ports)))
 
 
-# From polynomials and formulas to terms.
+# ---- From polynomials and formulas to terms.
 
 
 def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
-    """The summands of a polynomial, or of a formula whose symbols have these contract names."""
+    """Split a polynomial or a formula into terms. ``ports`` names the symbols of a formula."""
     if isinstance(value, Poly):
         return [_term(c, m) for m, c in value.terms.items()]
     summed: list[Term] = []
@@ -64,7 +134,7 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
 
 
 def _term(number: Exact, monomial: Monomial) -> Term:
-    """A summand of a polynomial; a divisor such as 1 - 100 a / 11 as a - 0.11, its number before the fraction."""
+    """Return a summand of a polynomial. A divisor 1 - 100 a / 11 is written as a - 0.11, as lengths in the file."""
     factors = []
     for g, power in monomial:
         if g.kind == "inv":
@@ -76,19 +146,19 @@ def _term(number: Exact, monomial: Monomial) -> Term:
 
 
 def _leading(p: Poly) -> Exact:
-    """The least number before the products of most lengths; 1 where there are no lengths."""
+    """Return the smallest coefficient of the products of most lengths; 1 if there are no lengths."""
     lengths = {m: sum(e for g, e in m if g.kind == "param") for m in p.terms}
     most = max(lengths.values())
     return min((c for m, c in p.terms.items() if lengths[m] == most), key=abs) if most > 0 else ONE
 
 
 def _factors(expr: Expr) -> list[Expr]:
-    """The factors of a product, those of products in it among them."""
+    """Return the factors of a product; nested products are flattened."""
     return [factor for arg in expr.args for factor in _factors(arg)] if expr.is_Mul else [expr]
 
 
 def reduced(above: Poly, below: Poly) -> Expr:
-    """above / below in lowest terms, no root below the line, sums that are powers or products as such."""
+    """Return above / below in lowest terms: factored, and without a root in the denominator."""
     return sympy.factor(sympy.radsimp(expression(above) / expression(below)))
 
 
@@ -102,7 +172,7 @@ def _generator(gen: Gen, power: int) -> Factor:
             angle = notation.port(f"{gen.name}.steer")
             return Factor(rf"\{gen.kind}{angle}", power, 1, (0, gen.name + gen.kind))
         case "input" | "local":
-            late = 3 if gen.name.endswith(".spin") else 4  # joints in file order, spins before steering rates
+            late = 3 if gen.name.endswith(".spin") else 4  # after the twist, spins before steering rates
             return Factor(notation.port(gen.name), power, 2, (_LEADS.get(gen.name, late), ""))
         case "inv":
             return Factor(latex(gen.args[0]), -power, 0, (1, gen.key), True)
@@ -146,22 +216,22 @@ def _factor(expr: Expr, ports: Ports) -> Factor:
     return Factor(latex(base, ports), n, 0, (2, ""), True)
 
 
-# From terms to LaTeX.
+# ---- From terms to LaTeX.
 
 
 def total(terms: Sequence[Term]) -> str:
-    """The sum of terms."""
+    """Return the sum of terms as LaTeX."""
     return "".join(pieces(terms)).removeprefix("+").strip() or "0"
 
 
 def pieces(terms: Sequence[Term]) -> list[str]:
-    """The signed summands of a sum, each beginning with + or -."""
+    """Return the summands of a sum; each begins with + or -."""
     if len(terms) < 2:
         return [_product(t.number, t.factors, style=t.style) for t in terms]
     number, common, rest = pulled_out(terms)
     if common or number != 1:
         return [_product(number, common, total(rest), terms[0].style)]
-    terms = _alike(terms)
+    terms = _in_one_style(terms)
     groups: dict[str, list[Term]] = {}
     for t in sorted(terms, key=_key):
         groups.setdefault(_lead(t), []).append(t)
@@ -181,7 +251,8 @@ def pieces(terms: Sequence[Term]) -> list[str]:
 
 
 def _by_angles(terms: Sequence[Term]) -> list[str]:
-    """Summands without velocities; lengths before the same sines and cosines together, (a - 0.11) cos psi."""
+    """Return the summands of a sum without velocities. Terms with the same sines and cosines are collected,
+    as (b_x² + b_y²) sin psi in tidybot2."""
     groups: dict[tuple[Factor, ...], list[Term]] = {}
     for t in sorted(terms, key=_key):
         groups.setdefault(tuple(f for f in t.factors if f.rank == 1), []).append(t)
@@ -196,21 +267,14 @@ def _by_angles(terms: Sequence[Term]) -> list[str]:
     return signed
 
 
-def alike(values: Sequence[Poly]) -> list[str]:
-    """Polynomials of one formula, such as the entries of a matrix, with one style of numbers."""
-    every = [terms(value) for value in values]
-    styled = iter(_alike([t for own in every for t in own]))
-    return [total([next(styled) for _ in own]) for own in every]
-
-
-def _alike(terms: Sequence[Term]) -> Sequence[Term]:
-    """The terms with one style of numbers."""
+def _in_one_style(terms: Sequence[Term]) -> Sequence[Term]:
+    """Return the terms such that all write their numbers in the same style, fractions or decimals."""
     style = "" if any(t.style for t in terms) else notation.style_of([t.number for t in terms])
     return [replace(t, style=style) for t in terms] if style else terms
 
 
 def summands(terms: Sequence[Term]) -> list[str]:
-    """Like ``pieces``, for a formula that may be broken: a long sum in brackets stays a list."""
+    """Return the summands like `pieces`, but split a long bracket too, so that `wrapped` can break lines inside it."""
     parts = pieces(terms)
     if len(parts) != 1 or len(terms) < 2 or width(parts[0]) <= WIDE:
         return parts
@@ -234,14 +298,14 @@ def _key(t: Term) -> tuple[object, ...]:
 
 
 def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[Term]]:
-    """The number and the factors that all terms share, and the terms without them."""
+    """Return the number and the factors that all terms share, and the terms without them."""
     shared = []
     for f in terms[0].factors:
         powers = [next((g.power for g in t.factors if g.base == f.base), 0) for t in terms]
         if all(p > 0 for p in powers) or all(p < 0 for p in powers):
             shared.append(replace(f, power=min(powers, key=abs)))
     common = {f.base: f.power for f in shared}
-    # The common magnitude; negative when all terms are and nothing is collected.
+    # The common magnitude. It is negative if all terms are negative and none contains the twist.
     first = abs(terms[0].number)
     negative = all(t.number.sign < 0 for t in terms) and _TWIST.isdisjoint(map(_lead, terms))
     size = first if all(abs(t.number) == first for t in terms) else _over_common(terms)
@@ -256,8 +320,8 @@ def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[T
 
 
 def _over_common(terms: Sequence[Term]) -> Exact:
-    """1/6 of halves and thirds, where each number is written as a fraction of small numbers; a root that all numbers
-    have; else 1."""
+    """Return a common number to pull out: 1/6 if the terms have halves and thirds, a root if all terms have it,
+    else 1."""
     first = abs(terms[0].number)
     alike = all((t.number / first).is_rational for t in terms)
     if alike and not first.is_rational and not notation.magnitude(first)[2]:
@@ -268,7 +332,7 @@ def _over_common(terms: Sequence[Term]) -> Exact:
 
 
 def _product(number: Exact, factors: Iterable[Factor], inner: str = "", style: notation.Style = "") -> str:
-    """One signed summand; ``inner`` is a sum that is multiplied with it."""
+    """Return one signed summand as LaTeX. ``inner`` is a sum by which it is multiplied."""
     sign = "-" if number.sign < 0 else "+"
     ordered = sorted(factors, key=lambda f: (f.rank, f.order))
     head, divisor, is_sum = notation.magnitude(number, style)
@@ -281,7 +345,7 @@ def _product(number: Exact, factors: Iterable[Factor], inner: str = "", style: n
     else:
         bottom += [f.shown() for f in below]
     after = ""
-    if inner and not leads and not _FUNCTION.search(inner):  # (a + b) cos psi
+    if inner and not leads and not _FUNCTION.search(inner):  # (a + b) cos psi: "cos psi (a + b)" is ambiguous
         last = [f.shown() for f in ordered if f.power > 0 and f.rank == 1]
         above, after = above[: len(above) - len(last)], _times(last)
     if inner and bottom and not (above or head):
@@ -299,3 +363,143 @@ def _product(number: Exact, factors: Iterable[Factor], inner: str = "", style: n
 
 def _times(parts: Sequence[str]) -> str:
     return r"\,".join(parts)
+
+
+def squares(forms: Iterable[Poly]) -> Counter[str]:
+    """Return how often each square occurs in a sum of squares."""
+    return Counter(rf"{latex(p)}^2" if p in XI else rf"\left({latex(p)}\right)^2" for p in forms)
+
+
+def multiples(counts: Mapping[str, int], each: int = 1) -> list[str]:
+    """Return the summands with their counts divided by ``each`` as coefficients; a coefficient 1 is omitted."""
+    return [text if n == each else rf"{n}\,{text}" for text, n in counts.items()]
+
+
+def upright(column: Row) -> Row:
+    """Scale a column of N, whose length is arbitrary, so that it reads well.
+
+    The third entry (yaw rate) becomes 1, or the sine of a sum of angles. If this puts a fraction before a named length
+    (agilex_ranger), the column is multiplied by the common denominator instead.
+    """
+    turn = column[2]
+    sizes = {abs(c) for c in turn.terms.values()}
+    if len(sizes) == 1:
+        rate = next(iter(turn.terms.values())) if len(turn.terms) == 1 else sizes.pop()
+        once = each(column, lambda p: p.scale(rate.inverse()))
+        if not _halves_a_length(once):
+            return once
+    return triple(whole(column))
+
+
+def _halves_a_length(column: Row) -> bool:
+    """Return whether a named length has a fraction as coefficient."""
+    numbers = (c for p in column for m, c in p.terms.items() if any(g.kind == "param" for g, _ in m))
+    return any(c.den > 1 for c in numbers)
+
+
+def readable(p: Poly) -> str:
+    """Return a polynomial as LaTeX, with addition theorems applied."""
+    return total(gathered(terms(p)))
+
+
+def gathered(summed: Sequence[Term]) -> list[Term]:
+    """Apply the addition theorems: sin a cos b ± cos a sin b and cos a cos b ± sin a sin b become one term."""
+    rest = list(summed)
+    done: list[Term] = []
+    while rest:
+        first = rest.pop(0)
+        for other in rest:
+            joined = _joined(first, other)
+            if joined is not None:
+                rest.remove(other)
+                first = joined
+                break
+        done.append(first)
+    return done
+
+
+def over(above: Sequence[Term], below: Term) -> list[Term]:
+    """Divide a sum by a term: common factors cancel, and cos a / sin a becomes cot a."""
+    turned = [replace(f, power=-f.power) for f in below.factors]
+    quotients = [Term(t.number / below.number, merged((*t.factors, *turned))) for t in above]
+    return [Term(t.number, _by_one_name(t.factors, r"\cos", r"\sin", r"\cot")) for t in quotients]
+
+
+def with_tangents(summed: Sequence[Term]) -> list[Term]:
+    """Write sin a / cos a as tan a."""
+    return [Term(t.number, _by_one_name(t.factors, r"\sin", r"\cos", r"\tan")) for t in summed]
+
+
+def _by_one_name(factors: tuple[Factor, ...], above: str, below: str, name: str) -> tuple[Factor, ...]:
+    """Replace each quotient of functions, above(a) / below(a), by name(a)."""
+    for top in (f for f in factors if f.power == 1 and f.base.startswith(above)):
+        angle = top.base.removeprefix(above)
+        bottom = next((f for f in factors if f.power == -1 and f.base == below + angle), None)
+        if bottom:
+            rest = tuple(f for f in factors if f not in (top, bottom))
+            return _by_one_name((*rest, replace(top, base=name + angle)), above, below, name)
+    return factors
+
+
+def _joined(s: Term, t: Term) -> Term | None:
+    """Return the sum of two terms as one term if an addition theorem applies to them, else None."""
+    if abs(s.number) != abs(t.number):
+        return None
+    own = [f for f in s.factors if f not in t.factors]
+    others = [f for f in t.factors if f not in s.factors]
+    if len(own) != 2 or len(others) != 2 or any(f.power != 1 or f.rank != 1 for f in (*own, *others)):
+        return None
+    heads, angles = zip(*((f.base[:4], f.base[4:]) for f in own), strict=True)
+    if angles[0] == angles[1] or {f.base for f in others} != {
+        (r"\sin" if h == r"\cos" else r"\cos") + a for h, a in zip(heads, angles, strict=True)
+    }:
+        return None
+    rest = tuple(f for f in s.factors if f not in own)
+    alike = s.number == t.number
+    if heads[0] == heads[1]:  # cos a cos b + sin a sin b = cos(a - b)
+        number = s.number if heads[0] == r"\cos" or alike else -s.number
+        return Term(number, (*rest, _of_two(own[0], r"\cos", angles, "-" if alike else "+")))
+    if alike:
+        return Term(s.number, (*rest, _of_two(own[0], r"\sin", angles, "+")))
+    if heads[0] == r"\cos":  # sin b cos a - cos b sin a = sin(b - a)
+        angles = angles[::-1]
+    if s.number.sign < 0:
+        return Term(-s.number, (*rest, _of_two(own[0], r"\sin", angles[::-1], "-")))
+    return Term(s.number, (*rest, _of_two(own[0], r"\sin", angles, "-")))
+
+
+def _of_two(like: Factor, head: str, angles: Sequence[str], sign: str) -> Factor:
+    return replace(like, base=rf"{head}\left({angles[0]}{sign}{angles[1]}\right)")
+
+
+def equation(p: Poly) -> Poly:
+    """Normalise the left-hand side of p = 0: without a common number or length, and with mostly positive terms."""
+    p = without_lengths(p)
+    numbers = list(p.terms.values())
+    least = min(map(abs, numbers))
+    simple = all(max(map(abs, (*q.num, q.den))) <= COMMON for q in (c / least for c in numbers))
+    size = least if simple else Exact(1)
+    negative = sum(c.sign for c in numbers) < 0 or (numbers[0].sign < 0 and sum(c.sign for c in numbers) == 0)
+    return p.scale((-size if negative else size).inverse())
+
+
+def roots(p: Poly) -> str:
+    """Return the angles [deg] at which p = a cos psi + b sin psi is 0, as LaTeX; "" if p has another form."""
+    numbers: dict[Gen, float] = {}
+    for monomial, c in p.terms.items():
+        if len(monomial) != 1 or monomial[0][0].kind not in ("cos", "sin") or monomial[0][1] != 1:
+            return ""
+        numbers[monomial[0][0]] = float(c)
+    joints = {g.name for g in numbers}
+    if len(joints) != 1:
+        return ""
+    (joint,) = joints
+    a, b = (numbers.get(Gen(kind, joint), float(ZERO)) for kind in ("cos", "sin"))
+    angle = atan2(-a, b) * 180 / pi
+    low, high = sorted((angle % 180 - 180, angle % 180)) if angle % 180 else (0.0, 180.0)
+    psi = notation.port(f"{joint}.steer")
+    return rf"{psi} = {_degrees(low)}\;\mathrm{{or}}\;{_degrees(high)}"
+
+
+def _degrees(angle: float) -> str:
+    return rf"{round(angle, 4) + 0.0:.7g}^{{\circ}}"

@@ -1,6 +1,7 @@
-"""Markdown that GitHub renders: escaping of free text, tables, math fences, names and numbers in words and cells.
+"""Write Markdown that GitHub renders: escaped text, tables, formulas, names and numbers.
 
-A page is a list of blocks, which `page` parts by blank lines: a heading, a paragraph, a list, a table, a formula.
+A page is a list of blocks: headings, paragraphs, lists, tables and formulas. `page` joins them with blank lines.
+Sentences that tests look for have a key (`keyed`), which `page` removes.
 """
 
 from __future__ import annotations
@@ -17,10 +18,11 @@ from wmrgen.geometry import notation
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Poly
 from wmrgen.geometry.layout.records import Wheel
-from wmrgen.report.sections.latex import alike
+from wmrgen.report.sections.latex import latex
 
-CAP = 16  # wheels whose equations are written out
-_BELOW, _APART = " \\\\\n", " \\\\[4pt]\n"  # from row to row of a formula, and where fractions would touch
+CAP = 16  # number of wheels whose equations are written out; more would fill pages with the same equation
+_BELOW, _APART = " \\\\\n", " \\\\[4pt]\n"  # between rows of a formula; the second one keeps fractions apart
+_KEY = re.compile(r"\0([a-z_.]+)\0")  # NUL marks a key; no sentence contains it
 _ENTITY = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "$": "&#36;"}
 _LOW = str.maketrans("12", "₁₂")
 _NEGATIVE = re.compile(r"(?<![\w.)])-(?=\d)")
@@ -30,19 +32,29 @@ _INDEX = re.compile(r"\b(delta|rank C1|C1|J1|J2)(\\_)?(m|s|M|f)?\b")
 
 
 def page(blocks: Iterable[str]) -> str:
-    """The text of a page."""
-    return "\n\n".join(blocks) + "\n"
+    """Return the text of a page, without the keys of its sentences."""
+    return _KEY.sub("", "\n\n".join(blocks)) + "\n"
+
+
+def keyed(key: str, text: str) -> str:
+    """Return a sentence with its key: lower-case letters, low lines and dots."""
+    return f"\0{key}\0{text}"
+
+
+def keys(text: str) -> list[str]:
+    """Return the keys of the sentences in blocks that `page` has not joined yet, in their order."""
+    return _KEY.findall(text)
 
 
 def escape(text: str) -> str:
-    """Free text for Markdown and HTML, on one line: nothing in it is markup."""
+    """Return free text for Markdown and HTML on one line, escaped so that nothing in it is markup."""
     flat = " ".join(text.split())
     done = "".join(_ENTITY.get(c, f"\\{c}" if c in "\\`*_[]{}#|~!" else c) for c in flat)
     return f"&#{ord(done[0])};{done[1:]}" if done[:1] in tuple("+-=0123456789:") else done
 
 
 def sentence(text: str) -> str:
-    """A finding in words: escaped, with joints and what stands in backticks as code, the rest with symbols."""
+    """Return a finding as Markdown: joints and words in backticks as code, names such as delta_m as symbols."""
     parts = _CODE.split(escape(text))
     return "".join(
         code(part.replace("\\", "").strip("`")) if k % 2 else _with_symbols(part)
@@ -51,13 +63,13 @@ def sentence(text: str) -> str:
 
 
 def _with_symbols(words: str) -> str:
-    """delta_m, C1f, eta1 and omega as formulas have them."""
+    """Write delta_m, C1f, eta1 and omega as formulas write them."""
     shown = minus(_INDEX.sub(_symbol, words)).replace("omega = 0", "ω = 0")
     return _ETA.sub(r"η<sub>\1</sub>", shown)
 
 
 def minus(text: str) -> str:
-    """Words and numbers, these with a minus sign in place of a hyphen."""
+    """Replace the hyphen of negative numbers by a minus sign."""
     return _NEGATIVE.sub("−", text)
 
 
@@ -71,39 +83,39 @@ def _symbol(match: re.Match[str]) -> str:
 
 
 def capitalised(text: str) -> str:
-    """A finding as a sentence of its own; code that it begins with stays as it is."""
+    """Return a finding as a sentence: with a capital letter, unless it begins with code, and a full stop."""
     return sentence(text[:1].upper() + text[1:]).removesuffix(".") + "."
 
 
 def pictures(figures: Mapping[str, tuple[str, str]], *files: str) -> list[str]:
-    """Those figures that there are, beside each other where the page is wide enough."""
+    """Return the images of those ``files`` that are among the figures, side by side on a wide page."""
     lines = [f"![{escape(figures[file][0])}]({file})" for file in files if file in figures]
     return ["\n".join(lines)] if lines else []
 
 
 def code(name: str) -> str:
-    """An identifier."""
+    """Return an identifier as code."""
     return f"`{name}`"
 
 
 def listed(names: Sequence[str]) -> str:
-    """`a`, `b` and `c`"""
+    """Return names as a list in words: `a`, `b` and `c`."""
     return notation.in_code(names)
 
 
 def some(wheels: Sequence[Wheel]) -> str:
-    """The names of wheels, of many the first ones."""
+    """Return the names of wheels as a list in words, cut after the first `CAP`."""
     return listed([w.name for w in wheels[:CAP]]) + (" and others" if len(wheels) > CAP else "")
 
 
 def cut_note(wheels: Sequence[Wheel]) -> list[str]:
-    """Says that the equations of some of the wheels were left out, where they were."""
+    """Return a note if the equations of some wheels were left out."""
     more = len(wheels) - CAP
-    return [f"({more} more wheels follow the same pattern; they stand in `model.json`.)"] if more > 0 else []
+    return [f"({more} more wheels follow the same pattern; `model.json` has them.)"] if more > 0 else []
 
 
 def grouped(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
-    """Each text once, with the names of all wheels that have it."""
+    """Return each text once, with the names of all wheels that have it."""
     names: dict[str, list[str]] = {}
     for text, name in pairs:
         names.setdefault(text, []).append(name)
@@ -111,67 +123,65 @@ def grouped(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], align: str) -> list[str]:
-    """A table; ``align`` has a letter per column, l for words, r for numbers; its last letter repeats."""
+    """Return a table. ``align`` has a letter per column, l for words and r for numbers; its last letter repeats."""
     rule = [":--" if align[min(i, len(align) - 1)] == "l" else "--:" for i in range(len(head))]
     return ["\n".join(f"| {' | '.join(row)} |" for row in (head, rule, *rows))]
 
 
 def items(texts: Iterable[str], marks: Callable[[int], str] = lambda _: "*") -> list[str]:
-    """A list; ``marks`` gives what stands before the k-th item, counted from 1."""
+    """Return a list. ``marks`` gives the mark of the k-th item, counted from 1."""
     lines = [f"{marks(k)} {text}" for k, text in enumerate(texts, 1)]
     return ["\n".join(lines)] if lines else []
 
 
 def math(*blocks: str) -> list[str]:
-    """A displayed formula."""
+    """Return a displayed formula."""
     return ["\n".join(("```math", *blocks, "```"))]
 
 
 def matrix(rows: Iterable[Iterable[Poly | str]]) -> str:
-    """A bracketed matrix of polynomials or finished entries."""
-    listed_rows = [list(row) for row in rows]
-    shown = iter(alike([e for row in listed_rows for e in row if isinstance(e, Poly)]))
-    entries = [[next(shown) if isinstance(e, Poly) else e for e in row] for row in listed_rows]
+    """Return a matrix in brackets. Its entries are polynomials or LaTeX."""
+    entries = [[latex(e) if isinstance(e, Poly) else e for e in row] for row in rows]
     end = _APART if any("\\frac" in entry for row in entries for entry in row) else _BELOW
     body = end.join(" & ".join(row) for row in entries)
     return f"\\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"
 
 
 def aligned(lines: Iterable[str]) -> list[str]:
-    """Formulas one below the other, aligned at their &; further apart where fractions would touch."""
+    """Return formulas below each other, aligned at their &; lines with fractions get more space between them."""
     rows = list(lines)
     further = [(_APART if "\\frac" in a and "\\frac" in b else _BELOW) + b for a, b in pairwise(rows)]
     return math("\\begin{aligned}", "".join([*rows[:1], *further]), "\\end{aligned}")
 
 
 def written(d: Derivation) -> list[tuple[list[str], str]]:
-    """The files that stand beside a page, and what they are; an example only where it has a joint."""
+    """Return the generated files next to a page, each with its purpose; the C example only if the robot has a joint."""
     every = (files for entry in BACKENDS.values() for files in entry.files if files.what)
     rows = [
         ([name.format(robot=d.robot.name) for name in files.names], files.what)
         for files in every
         if d.c_module.joints or "example/main.c" not in files.names
     ]
-    return [*rows, (["model.json"], "what the report says, as data")]
+    return [*rows, (["model.json"], "the contents of the report, as data")]
 
 
 def foot(facts: Facts) -> list[str]:
-    """What made a page."""
+    """Return the last lines of a page: the version of wmrgen and the hash of the model."""
     return ["---", f"wmrgen {facts.wmrgen_version} · model {facts.model_hash or 'unhashed'}"]
 
 
 def rounded(value: float) -> str:
-    """Six significant digits, dust of 1e-12 gone."""
+    """Return a number with six significant digits; rounding errors below 1e-12 are removed."""
     return f"{round(value, 12) + 0.0:.6g}".replace("-", "−")
 
 
 def in_degrees(angle: SupportsFloat) -> str:
-    """An angle [rad] in degrees."""
+    """Return an angle [rad] as text in degrees."""
     return f"{round(degrees(float(angle)), 9) + 0.0:.6g}°".replace("-", "−")
 
 
 def plain(value: Exact) -> str:
-    """A number: exact when short, else six significant digits."""
+    """Return a number as text: exact if it is short, else with six significant digits."""
     sign = "−" if value.sign < 0 else ""
     if value.is_rational:
         f = abs(value.parts[0])

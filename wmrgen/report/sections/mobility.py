@@ -1,4 +1,4 @@
-"""Sections 5 and 9: the mobility argument in words and ranks, whether rows can be integrated, and singular cases."""
+"""Write sections 5 and 9: the degrees of mobility, whether constraints can be integrated, and singular cases."""
 
 from __future__ import annotations
 
@@ -19,13 +19,23 @@ from wmrgen.geometry.constraints import XI, symbolic_view
 from wmrgen.geometry.exact.evaluate import fix
 from wmrgen.geometry.exact.poly import Poly, Row, dot, has_angles
 from wmrgen.geometry.layout.records import Robot, Wheel
-from wmrgen.report.sections.angles import equation, gathered, roots, short
-from wmrgen.report.sections.closed import driven_twist, moves_as_partners
-from wmrgen.report.sections.latex import latex, summands, terms
+from wmrgen.report.sections.inverse import driven_twist, moves_as_partners
+from wmrgen.report.sections.latex import (
+    WIDE,
+    equation,
+    gathered,
+    latex,
+    roots,
+    summands,
+    terms,
+    width,
+    wrapped,
+)
 from wmrgen.report.sections.markdown import (
     aligned,
     capitalised,
     items,
+    keyed,
     math,
     pictures,
     plain,
@@ -34,25 +44,28 @@ from wmrgen.report.sections.markdown import (
     some,
 )
 from wmrgen.report.sections.motion import jackknives
-from wmrgen.report.sections.terms import width, wrapped
 
-_RELATION = 150  # glyphs of a printed compatibility condition
-_PRODUCTS = 10_000  # of terms, in the brackets of trailers: half a second
-_RELATIONS = 5  # of them
+_RELATIONS = 5  # printed compatibility conditions; conditions of more wheels say nothing new
+_PRODUCTS = 10_000  # products of terms in the Lie brackets of trailers: half a second
 
 
 def analysis(d: Derivation) -> list[str]:
-    """Section 5."""
+    """Return section 5."""
     m = d.mobility
     steered = any(w.kind.steers for w in d.robot.wheels)
-    meet = "meet in one ICR" if any(turn for _, _, turn in m.null_space_symbolic) else "are parallel"
     several = sum(w.kind.constrains for w in d.robot.wheels) > 1
-    meet = "are one line" if m.degree_of_mobility > 1 else meet
+    if m.degree_of_mobility > 1:
+        meet = "axles_on_one_line", "are on one line"
+    elif any(turn for _, _, turn in m.null_space_symbolic):
+        meet = "axles_meet", "meet in one ICR"
+    else:
+        meet = "axles_parallel", "are parallel"
+    key, words = meet
+    at = keyed(f"mobility.{key}", f", at steering angles for which all axles {words},")
     return [
         "## 5 Mobility",
         *items(map(sentence, m.argument), lambda k: f"{k}."),
-        "So the degrees of mobility, steerability and maneuverability are"
-        + f", at steering angles for which all axles {meet}," * (steered and several),
+        "So the degrees of mobility, steerability and maneuverability are" + at * (steered and several),
         *_degrees(m),
         *(_remark(m) if steered else []),
         *_verdicts(d),
@@ -75,41 +88,41 @@ def _degrees(m: Mobility) -> list[str]:
 
 
 def _couplings_cut(m: Mobility) -> bool:
-    """True when couplings cut the set of admissible twists."""
+    """Return whether couplings restrict the set of admissible twists."""
     a = m.admissible
     return not a.linear or a.normal is not None or a.dimension != 3 - m.rank_C1f.value
 
 
 def _remark(m: Mobility) -> list[str]:
-    """Why (3.41) is not taken literally."""
+    """Say why (3.41) is not taken literally."""
     if _couplings_cut(m):
         return [
-            "With couplings the ranks of (3.41) do not count what steering adds: the dimension of the set of twists "
-            "that are admissible at some angles, δ<sub>m</sub> + δ<sub>s</sub>, does."
+            "With couplings, the ranks of (3.41) do not count the degrees of freedom that steering adds. They are "
+            "counted by the dimension of the set of twists that are admissible at some steering angles, which is "
+            "δ<sub>m</sub> + δ<sub>s</sub>."
         ]
     return [
-        "The book writes rank C<sub>1s</sub> in (3.41). Wheels whose axles are bound to meet in one point "
-        "must not be counted twice, so the rank that steering adds to C<sub>1f</sub> is what counts."
+        "The book writes rank C<sub>1s</sub> in (3.41). Wheels whose axles always meet in one point must not be "
+        "counted twice. Therefore the rank that steering adds to C<sub>1f</sub> is used here."
     ]
 
 
 class _Counted(NamedTuple):
-    """A growth vector, what it counts, and where it holds."""
+    """A growth vector with words that describe it."""
 
     vector: tuple[int, ...]
-    states: str
-    where: str
+    states: str  # which states besides the pose are counted
+    where: str  # at which configurations the vector holds
 
 
 def _growth(d: Derivation) -> _Counted:
-    """Without steering, trailers or coupled castors the inputs are the same twists everywhere, and so is the vector."""
+    """Return the growth vector. Without steering, trailers and coupled castors it is the same everywhere."""
     own = d.mobility.growth_vector
-    steered = "steering angles" if d.mobility.degree_of_steerability else ""
-    included = f", {steered} included" if steered else ""
+    steered = keyed("growth.steering", "steering angles") if d.mobility.degree_of_steerability else ""
     generic = has_angles(p for column in d.mobility.null_space for p in column)
-    where = ", at generic configurations," if generic else ""
+    where = " at generic configurations" if generic else ""
     if not d.robot.trailers:
-        return _Counted(own, included, where)
+        return _Counted(own, steered, where)
     from wmrgen.functions.models.exceptional import exceptional
     from wmrgen.functions.models.growth import growing, growth
 
@@ -117,40 +130,46 @@ def _growth(d: Derivation) -> _Counted:
         system = growing(d.robot, d.mobility)
         found = growth(system, most=_PRODUCTS)
     except NotDerivableError:
-        return _Counted(own, f"{included}, trailers left out", where)
-    states = f", {f'{steered} and ' if steered else ''}trailers included"
+        return _Counted(own, steered, f" without its trailers{where}")
+    states = " and ".join(filter(None, (steered, keyed("growth.trailers", "trailers"))))
     return _Counted(
-        found.vector, states, "" if exceptional(system, found) == () else ", at generic configurations,"
+        found.vector, states, "" if exceptional(system, found) == () else " at generic configurations"
     )
 
 
 def _verdicts(d: Derivation) -> list[str]:
-    """What follows for the motions: how many at once, how many poses, and by how many brackets."""
+    """Say how many velocities are free, which poses can be reached, and with how many Lie brackets."""
     m = d.mobility
     if not m.ddof:
-        return ["Without slip nothing moves: DDOF = DOF = 0."]
+        return ["Without slip the robot cannot move: DDOF = DOF = 0."]
     vector, states, where = _growth(d)
     rolling = "without slip, " if m.degenerate else ""
     velocities = ("one velocity", "two velocities", "three velocities")[m.ddof - 1]
     said = f"{rolling}{velocities} can be chosen at once".capitalize()
+    said = keyed("mobility.without_slip" if rolling else "mobility.velocities", said)
+    counted = f", with {states} included" if states else ""
     return [
         f"{said} (DDOF = {m.ddof}), and poses of dimension {m.dof} can be reached "
-        f"(DOF = {m.dof}). Holonomic means DDOF = DOF, omnidirectional DDOF = 3: the robot is {_called(m)}. "
-        f"The growth vector ({', '.join(map(str, vector))}) counts{where} the dimensions that the inputs span, then "
-        f"those with their Lie brackets, one order at a time{states}: the degree of nonholonomy is {len(vector)}."
+        f"(DOF = {m.dof}). Holonomic means DDOF = DOF, omnidirectional means DDOF = 3: the robot is {_called(m)}. "
+        f"{keyed('growth.vector', 'The growth vector is')} ({', '.join(map(str, vector))}){where}. "
+        "It counts the dimensions that the inputs span, "
+        f"then adds their Lie brackets, one order at a time{counted}. Its length is the degree of nonholonomy, "
+        f"{len(vector)}."
     ]
 
 
 def _called(m: Mobility) -> str:
     if m.omnidirectional:
-        return "both"
-    return "holonomic, but not omnidirectional" if m.holonomic else "neither"
+        return keyed("mobility.both", "both")
+    if m.holonomic:
+        return keyed("mobility.holonomic_only", "holonomic, but not omnidirectional")
+    return keyed("mobility.neither", "neither")
 
 
 def _actuation(d: Derivation) -> list[str]:
-    """How many joints are driven for how many freedoms, and what the speeds of driven wheels have in common."""
-    told = " ".join(capitalised(str(balance)) for balance in d.mobility.actuation)
-    blocks = [told] if told else []
+    """Compare driven joints with degrees of freedom, and write the conditions between speeds of driven wheels."""
+    balances = " ".join(capitalised(str(balance)) for balance in d.mobility.actuation)
+    blocks = [keyed("mobility.actuation", balances)] if balances else []
     spins = [Poly.gen("input", f"{w.name}.spin") for w in d.robot.wheels if "spin" in w.actuated]
     if len(spins) > _RELATIONS + 3:
         return blocks
@@ -158,88 +177,97 @@ def _actuation(d: Derivation) -> list[str]:
         Poly.sum(led(d.robot, p) * spin for p, spin in zip(row, spins, strict=True))
         for row in relations(d.robot, d.mobility, symbolic_view)
     ]
-    lines = [f"0 &= {wrapped(summands(gathered(terms(short(p)))))}" for p in whole(sums)]
-    if not lines or max(map(width, lines)) > _RELATION or len(lines) > _RELATIONS:
+    lines = [f"0 &= {wrapped(summands(gathered(terms(p))))}" for p in whole(sums)]
+    if not lines or max(map(width, lines)) > 2 * WIDE or len(lines) > _RELATIONS:
         return blocks
-    held = ", the steering held," if has_angles(sums) else ""
-    if held and not d.mobility.degree_of_steerability:  # one angle alone is admissible, where less is asked
-        return blocks
-    speeds = f"peeds of driven wheels that fit each other{held}"
-    satisfy = f"Where wheels may slide sideways, s{speeds} still" if d.mobility.degenerate else f"S{speeds}"
-    return [
-        *blocks,
-        f"{satisfy} satisfy the condition{'s' * (len(lines) > 1)} of compatibility",
-        *aligned(lines),
-    ]
+    fixed = " at constant steering angles" if has_angles(sums) else ""
+    if fixed and not d.mobility.degree_of_steerability:
+        return blocks  # the steering angle is fixed, and fewer conditions hold at this angle
+    conditions = f"the condition{'s' * (len(lines) > 1)} of compatibility{fixed}"
+    if d.mobility.degenerate:
+        words = keyed(
+            "mobility.compatible_while_sliding",
+            f"Wheels of this robot may slide sideways. The speeds of driven wheels still have to satisfy {conditions}",
+        )
+    else:
+        words = keyed("mobility.compatible", f"The speeds of driven wheels have to satisfy {conditions}")
+    return [*blocks, words, *aligned(lines)]
 
 
 def integrability(d: Derivation) -> list[str]:
-    """c . curl c of the sliding rows in world coordinates, and what all rows do together.
+    """Write c · curl c of the sliding rows in world coordinates, and say whether all rows together can be integrated.
 
-    c = (-sin chi, cos chi, k), chi being theta plus a constant heading, so the product is -sin^2 chi - cos^2 chi.
+    c = (-sin chi, cos chi, k), where chi is theta plus a constant heading: the product is -sin^2 chi - cos^2 chi.
     """
     wheels = [w for w in d.robot.wheels if w.kind.constrains]
     if not wheels:
         return []
-    held = ", the steering angle held" if any(w.kind.steers for w in wheels) else ""
+    fixed = ", at a constant steering angle" if any(w.kind.steers for w in wheels) else ""
     products = {-(w.nominal.ch * w.nominal.ch + w.nominal.sh * w.nominal.sh) for w in wheels}
     value = " or ".join(f"{float(v):g}" for v in sorted(products, key=float))
     return [
-        f"Can the constraints be integrated? A wheel's sliding row is c(q) q̇ = 0 in the coordinates "
-        f"q = (x, y, θ) of the world{held}; χ is the direction in which it rolls, seen from the world, and k the third "
-        "entry. Frobenius asks for c · curl c:",
+        "Can the constraints be integrated? In the world coordinates q = (x, y, θ), the sliding row of a wheel is "
+        f"c(q) q̇ = 0{fixed}. χ is its rolling direction in the world, and k the third entry. By the theorem of "
+        "Frobenius, the row can be integrated only if c · curl c = 0:",
         *math(
             r"c = \begin{bmatrix} -\sin\chi & \cos\chi & k \end{bmatrix}, \qquad "
             r"c\cdot\mathrm{curl}\,c = c\cdot\begin{bmatrix} \sin\chi & -\cos\chi & 0 \end{bmatrix}"
             rf" = -\sin^2\chi - \cos^2\chi = {value}"
         ),
-        f"It is not zero, so {'none of these equations alone' if len(wheels) > 1 else 'this equation by itself'} is "
-        f"{'' if len(wheels) > 1 else 'not '}the derivative of a condition on the pose (Tzafestas (2.25)). "
-        + _together(d.mobility),
+        f"It is not zero, so {'none of these equations alone is' if len(wheels) > 1 else 'this equation is not'} the "
+        f"derivative of a condition on the pose (Tzafestas (2.25)). {_together(d.mobility)}",
     ]  # fmt: skip
 
 
 def _together(m: Mobility) -> str:
+    """Say whether all constraints together can be integrated."""
     if m.ddof == 0:
-        return "Together they forbid all motion."
+        return "Together they do not allow any motion."
     if m.holonomic:
-        return (
-            "Together they can be integrated all the same: the brackets of the motions left over give nothing "
-            f"new, DOF = DDOF = {m.dof}."
+        return keyed(
+            "integrability.whole",
+            "Together they can nevertheless be integrated: Lie brackets of the admissible motions give no new "
+            f"direction, DOF = DDOF = {m.dof}.",
         )
     if m.dof < 3:  # two dimensions that brackets reach are the translations
-        return (
-            "Together they can in part: no admissible twist turns the robot, ω = 0, which integrates to θ = const. The "
-            f"rest cannot: brackets of the motions left over reach {m.dof} dimensions, x and y, while DDOF is {m.ddof}."
+        return keyed(
+            "integrability.in_part",
+            "Together they can be integrated in part: no admissible twist turns the robot, so ω = 0 integrates to "
+            "θ = const. The rest cannot be integrated: Lie brackets of the admissible motions span "
+            f"{m.dof} dimensions, x and y, while DDOF is {m.ddof}.",
         )
-    return (
-        "Nor can all constraints together be integrated: brackets of the motions left over reach all "
-        f"{m.dof} dimensions, while DDOF is {m.ddof}."
+    return keyed(
+        "integrability.none",
+        "All constraints together cannot be integrated either: Lie brackets of the admissible motions span all "
+        f"{m.dof} dimensions, while DDOF is {m.ddof}.",
     )
 
 
 def skid(d: Derivation) -> list[str]:
-    """What stands for a robot that turns by skidding, in the sections that follow."""
+    """Describe the drive that replaces a robot that turns by skidding in the sections that follow."""
     track = d.robot.effective_track
     if track is None:
         return []
     pivots = [w.pivot for w in d.driven.robot.wheels if w.kind.fixed_axle]
     x, y = ((min(p) + max(p)) / 2 for p in zip(*((z.real, z.imag) for z in pivots), strict=True))
     steered = any(w.kind.steers for w in d.robot.wheels)
-    turning = "one does whose fixed wheels" if steered else "a differential drive does whose wheels"
+    model = "a robot with its fixed wheels" if steered else "a differential drive"
     return [
-        f"In a curve these wheels cannot all roll. On even ground the robot turns as {turning} stand the effective "
-        "track apart on one axle, a measured length,",
+        f"In a curve, these wheels cannot all roll. On even ground the robot moves like {model} on a single axle. The "
+        "track of this axle is the effective track, a measured length:",
         *math(" = ".join(dict.fromkeys(["T_e", latex(track.symbolic), plain(track.nominal)]))),
-        f"That drive has DDOF = {d.driven.mobility.ddof} and DOF = {d.driven.mobility.dof}: it is not holonomic.",
+        keyed(
+            "skid.drive",
+            f"This model has DDOF = {d.driven.mobility.ddof} and DOF = {d.driven.mobility.dof}: it is not holonomic.",
+        ),
         *_actuation(d.driven),
-        f"Sections 6 to 8 are about that drive: its axle passes through ({rounded(x)}, {rounded(y)}), and the wheels "
-        "of a side count as one. What the wheels slide in a curve is no part of `slip` there.",
+        f"Sections 6 to 8 are about this model. Its axle passes through ({rounded(x)}, {rounded(y)}), and the wheels "
+        "of a side count as one wheel. `slip` does not include the sliding of wheels in a curve.",
     ]
 
 
 def singular(d: Derivation) -> list[str]:
-    """Section 9."""
+    """Return section 9."""
     title = "## 9 Singular configurations" + (" and reachable twists" if "reach.svg" in d.figures else "")
     blocks = [title, *pictures(d.figures, "singular.svg", "reach.svg")]
     if not d.mobility.singularities:
@@ -248,7 +276,7 @@ def singular(d: Derivation) -> list[str]:
     blocks += _pivots(d, pivots) if pivots else []
     for s in d.mobility.singularities:
         if s.kind != "icr_on_pivot":
-            where = " This happens where" + (", at the same time," if len(s.conditions) > 1 else "")
+            where = " This happens if" + (", at the same time," if len(s.conditions) > 1 else "")
             said = capitalised(s.meaning)
             blocks += [said + (where if s.conditions else "")]
             blocks += _conditions(s.conditions, d.robot) if s.conditions else []
@@ -256,16 +284,21 @@ def singular(d: Derivation) -> list[str]:
 
 
 def _none(d: Derivation) -> list[str]:
-    """What is said of a robot whose layout has no singular set, and of its forms of the model that have one."""
+    """Return section 9 of a robot whose layout is never singular, although forms of its model may be."""
     trailers = jackknives(d)
     castors = has_angles(p for column in d.mobility.null_space for p in column)
     if not trailers and not castors and not any(s.domain for s in d.forms.values()):
         return [
-            "No configuration is singular: no rank drops and no angle is undefined, whatever the robot does."
+            keyed(
+                "singular.nowhere",
+                "No configuration is singular: ranks are constant and all angles are defined, whatever the robot does.",
+            )
         ]
-    layout = "Castors turn the directions in which the robot can move: ranks are those of generic angles of theirs."
+    layout = (
+        "Castors turn the directions in which the robot can move. The ranks hold at generic castor angles."
+    )
     if not castors:
-        layout = "No rank of the wheels' constraints drops and no steering angle is undefined, whatever the body does."
+        layout = "The ranks of the constraints are constant and all steering angles defined, whatever the body does."
     return (
         [layout, *trailers]
         if trailers
@@ -274,27 +307,31 @@ def _none(d: Derivation) -> list[str]:
 
 
 def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
-    """Steered wheels whose pivot is the ICR."""
+    """Say where the heading of steered wheels is undefined, because the pivot is the ICR."""
     wheels = [d.robot.wheel(s.wheels[0]) for s in pivots]
     turns = any(_turns_about(w, d.mobility) for w in wheels)
-    when = (
-        "where it is the ICR or the robot stands still"
-        if turns
-        else "only where the whole robot stands still"
-    )
+    if turns:
+        when = keyed("singular.on_pivot", "if it is the ICR or the robot stands still")
+    else:
+        when = keyed("singular.at_standstill", "only if the whole robot stands still")
     robot = d.in_symbols.robot
     twist = driven_twist(project(robot, d.in_symbols.mobility))
     unlike = any(not moves_as_partners(robot, w, twist) for w in robot.wheels if w.kind.steers)
-    shared = "; a shared angle also where Σ u w and Σ (u² − w²) of its wheels vanish together" * unlike
+    shared = ""
+    if unlike:
+        shared = keyed(
+            "singular.shared_angle",
+            " A shared angle is also undefined where Σ u w and Σ (u² − w²) of its wheels are both 0.",
+        )
     return [
-        f"The heading of a steered wheel ({some(wheels)}) is undefined where its pivot (x, y) stands still, "
-        f"v<sub>x</sub> − y ω = 0 and v<sub>y</sub> + x ω = 0: {when}{shared}. Close by, a small change "
-        "of the twist asks for a large change of the angle (section 6)."
+        f"The heading of a steered wheel ({some(wheels)}) is undefined if its pivot (x, y) stands still, "
+        f"v<sub>x</sub> − y ω = 0 and v<sub>y</sub> + x ω = 0: {when}.{shared} Near such twists, a small change "
+        "of the twist needs a large change of the angle (section 6)."
     ]
 
 
 def _turns_about(w: Wheel, m: Mobility) -> bool:
-    """Whether an admissible twist turns the robot about the pivot of a wheel."""
+    """Return whether an admissible twist turns the robot about the pivot of a wheel."""
     if not m.admissible.linear:
         return True
     turn = np.array([w.pivot.imag, -w.pivot.real, 1.0])
@@ -302,7 +339,7 @@ def _turns_about(w: Wheel, m: Mobility) -> bool:
 
 
 def _conditions(conditions: Sequence[Poly | Row], robot: Robot) -> list[str]:
-    """Each condition as a sum that is 0, without a common factor, and the steering angles where that is so."""
+    """Return each condition as a sum that is 0, with the steering angles that satisfy it."""
     lines = []
     for c in conditions:
         p = equation(c if isinstance(c, Poly) else dot(c, XI))

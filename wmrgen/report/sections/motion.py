@@ -1,9 +1,8 @@
-"""Section 8: odometry along an arc, the posture model, and its forms."""
+"""Write section 8: odometry along an arc, the posture model, and its forms."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
@@ -14,35 +13,43 @@ from wmrgen.functions.models.twist import goes_straight, where_it_slides
 from wmrgen.functions.system import System
 from wmrgen.functions.trailers.trailer import state_ports, turns
 from wmrgen.geometry import notation
-from wmrgen.geometry.exact.number import ONE
 from wmrgen.geometry.exact.poly import Poly, Row
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.geometry.printing import size, symbol_names
 from wmrgen.geometry.symbolic import Expr, signal
-from wmrgen.report.sections.angles import gathered, with_tangents
-from wmrgen.report.sections.latex import latex, pieces, summands, terms, total
-from wmrgen.report.sections.markdown import aligned, code, listed, sentence
-from wmrgen.report.sections.terms import width, wrapped
+from wmrgen.report.sections.latex import (
+    PAGE,
+    gathered,
+    pieces,
+    summands,
+    terms,
+    total,
+    width,
+    with_tangents,
+    wrapped,
+)
+from wmrgen.report.sections.markdown import aligned, code, keyed, listed, sentence
 
-_WIDEST = 90  # glyphs of a line of the model in wheel speeds
-_SHORT = 45  # glyphs of v_x that is written twice
+_SHORT = (
+    45  # visible characters of a v_x that is written twice; longer ones (ackermann_car, jpl_osr) get a line
+)
+_CONDITION = 200  # operations and symbols of a singularity that is written out; longer ones are named only
 
 _INPUTS = {
     "posture": "the rates of driven joints",
     "twist": "components of the twist",
     "eta": "the coordinates η",
 }
-_CONDITION = 200  # operations and symbols of an expression that vanishes
 
 
 def motion(d: Derivation) -> list[str]:
-    """Section 8."""
+    """Return section 8."""
     return [
         "## 8 Odometry and the posture model",
-        "A constant twist moves P along an arc (`odometry`). Its chord has the direction in which P moves half-way "
-        "through, and is shorter than the arc by the factor sinc σ, for which near σ = 0 the code has a series "
-        "([numerics.md](numerics.md)). The pose after Δt is exactly, θ' less whole turns,",
+        "A constant twist moves P along an arc (`odometry`). The chord of the arc has the direction in which P moves "
+        "half-way, and it is shorter than the arc by the factor sinc σ. Near σ = 0 the code evaluates this factor by a "
+        "series ([numerics.md](numerics.md)). The exact pose after Δt is, with θ' wrapped to one turn,",
         *aligned([
             r"x' &= x + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\cos(\theta+\sigma) - v_y\sin(\theta+\sigma)\right)",
             r"y' &= y + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\sin(\theta+\sigma) + v_y\cos(\theta+\sigma)\right)",
@@ -56,41 +63,51 @@ def motion(d: Derivation) -> list[str]:
 def _posture(d: Derivation) -> list[str]:
     columns = d.mobility.scaled_symbolic
     if not columns:
-        return ["Nothing can move without sliding, so the posture model is empty: all rates are 0."]
+        return ["The robot cannot move without sliding, so the posture model is empty: all rates are 0."]
     etas = [Poly.gen("input", f"eta{k}") for k in range(1, len(columns) + 1)]
     rates = [Poly.sum(c[i] * eta for c, eta in zip(columns, etas, strict=True)) for i in range(3)]
     steering = bool(d.mobility.basis_wheels)
     rates_of = "dψ<sub>i</sub>/dt = ψ̇<sub>i</sub>"
-    turned = d.mobility.skids or any(w.kind.steers for w in d.robot.wheels)  # by sliding wheels
+    turned = d.mobility.skids or any(w.kind.steers for w in d.robot.wheels)  # the robot turns if wheels slide
     straight = (
         d.mobility.degenerate and goes_straight(d.mobility) and turned and d.robot.effective_track is None
     )
     general = [
         "The continuous model "
-        + ("of ideal rolling" if straight else "that a predictive controller integrates")
+        + (
+            keyed("motion.ideal_rolling", "of ideal rolling")
+            if straight
+            else keyed("motion.for_control", "that a predictive controller integrates")
+        )
         + " (`dynamics`) is d(x, y, θ)/dt = R(θ)ᵀ N η"
         + (f" and {rates_of}" if steering else "")
         + ". Its inputs are the coordinates η of the twist in the null space"
         + (" and the steering rates." if steering else ".")
-        + " In this model no wheel slides, so the robot cannot turn: a controller integrates `twist`, below."
+        + keyed(
+            "motion.cannot_turn",
+            " In this model no wheel slides, so the robot cannot turn: a controller integrates `twist`, below.",
+        )
         * straight
     ]
     in_eta = [
-        "With the columns scaled as in `dynamics` each η is a speed, [m/s], or, where its column turns at a rate that "
-        "no angle changes, a yaw rate, [rad/s]. The twist is",
+        keyed(
+            "motion.twist_of_eta",
+            "The columns of N are scaled as in `dynamics`. Each η is a speed [m/s], or a yaw rate [rad/s] if the yaw "
+            "rate of its column does not depend on angles. The twist is",
+        ),
         *aligned(
             f"{notation.port(n)} &= {wrapped(summands(gathered(terms(p))))}"
             for n, p in zip(TWIST_NAMES, rates, strict=True)
         ),
     ]
     if rates == etas:
-        in_eta = ["As N = I, these are the twist itself, η = ξ."]
+        in_eta = [keyed("motion.eta_is_twist", "Since N = I, η is the twist itself, η = ξ.")]
     driven = _in_driven_speeds(d)
     return [*general, *(driven or [*in_eta, *_angles(d.robot, d.mobility.basis_wheels)])]
 
 
 def _angles(robot: Robot, names: Sequence[str]) -> list[str]:
-    """Which steering angles are part of the state, of wheels or of virtual wheels, and what the others do."""
+    """Say which steering angles, of wheels or of virtual wheels, are part of the state, and which follow."""
     if not names:
         return []
     virtual = _virtual(robot, names)
@@ -101,22 +118,21 @@ def _angles(robot: Robot, names: Sequence[str]) -> list[str]:
         if len(names) == 1
         else f"angles of {virtual}{listed(names)} are"
     )
-    return [
-        f"where the steering {angles} part of the state"
-        + (f"; the {rest} through `inverse`." if others else ".")
-    ]
+    follows = f" The {rest} from `inverse`." if others else ""
+    return [keyed("motion.steering_state", f"The steering {angles} part of the state.{follows}")]
 
 
 def _virtual(robot: Robot, names: Sequence[str]) -> str:
-    """What stands before the names of virtual wheels."""
+    """Return the words before names of virtual wheels; "" for the names of other wheels."""
     virtual = {v.name for v in robot.virtual}
     return f"the virtual wheel{'s' * (len(names) > 1)} " if virtual.issuperset(names) else ""
 
 
 def _in_driven_speeds(d: Derivation) -> list[str]:
-    """The posture model, with trailers, in the speeds of driven wheels: Tzafestas (2.36), (2.46), (2.53).
+    """Write the posture model, with trailers, in the speeds of driven wheels: Tzafestas (2.36), (2.46), (2.53).
 
-    Nothing where they do not drive all of it, where it depends on more than one angle, and where it is long.
+    The result is [] if these speeds do not determine all rates, and if the model depends on more than one angle or is
+    long.
     """
     try:
         motion = posture_motion(d.robot, d.mobility, symbolic=True)
@@ -132,23 +148,25 @@ def _in_driven_speeds(d: Derivation) -> list[str]:
     if any(size(turn) > LONGEST for turn in towed):
         return []
     lines = [*_rates((vx, vy, omega), bool(towed)), *_trailers(d.robot, towed)]
-    if max(map(width, lines)) > _WIDEST:
+    if max(map(width, lines)) > PAGE:
         return []
-    told = ("speed", "spin") if motion.followers else ("speed",)
-    drives = [owner for owner, _, joint in (p.name.rpartition(".") for p in motion.inputs) if joint in told]
+    named = ("speed", "spin") if motion.followers else ("speed",)
+    drives = [owner for owner, _, joint in (p.name.rpartition(".") for p in motion.inputs) if joint in named]
     speeds = "speeds of driven wheels"
     if drives:
         speeds = f"speed{'s' * (len(drives) > 1)} of {_virtual(d.robot, drives)}{listed(drives)}"
-    agree = f", with which {listed(motion.followers)} must agree," if motion.followers else ""
+    agree = ""
+    if motion.followers:
+        agree = keyed("motion.followers", f", with which {listed(motion.followers)} must agree,")
     return [
-        f"In the {speeds}{agree} it is (`wmrgen model`)",
+        keyed("motion.in_wheel_speeds", f"In the {speeds}{agree} the model is (`wmrgen model`)"),
         *aligned(lines),
         *_angles(d.robot, [w.name for w in motion.frame.wheels]),
     ]
 
 
 def _rates(twist: Row, towing: bool) -> list[str]:
-    """The rates of the pose; v_x and v_y by themselves where both move P or trailers follow them."""
+    """Return the rates of the pose. v_x and v_y get their own lines if both move P, or if trailers follow."""
     vx, vy, omega = (with_tangents(terms(p)) for p in twist)
     turn = (r"\dot{\theta} &= \omega = " if towing else r"\dot{\theta} &= ") + total(omega)
     ahead = total(vx) if len(pieces(vx)) == 1 else rf"\left({total(vx)}\right)"
@@ -168,9 +186,10 @@ def _rates(twist: Row, towing: bool) -> list[str]:
 
 
 def _trailers(robot: Robot, towed: Sequence[Expr]) -> list[str]:
-    """The yaw rates of trailers from the twist of P (Tzafestas (2.70)).
+    """Return the yaw rates of trailers from the twist of P (Tzafestas (2.70)).
 
-    sympy writes sin(a - b) with the name first that comes first by the alphabet: the trailers', last, in their order.
+    sympy sorts the names in sin(a - b) by the alphabet. The headings are renamed so that a trailer comes after the
+    vehicle that pulls it.
     """
     headings = {signal(p.name): f"~{k:02}" for k, p in enumerate(state_ports(robot.trailers))}
     last = {theta: signal(name) for theta, name in headings.items()}
@@ -178,15 +197,13 @@ def _trailers(robot: Robot, towed: Sequence[Expr]) -> list[str]:
     ports = {name: p.name for name, p in zip(headings.values(), state_ports(robot.trailers), strict=True)}
     lines = []
     for trailer, turn in zip(robot.trailers, towed, strict=True):
-        length = trailer.length.symbolic.constant or ONE  # a name is a divisor already
-        pulled = total([replace(t, number=t.number * length) for t in terms(tidy(turn), ports)])
-        over = pulled if length == ONE else rf"\frac{{{pulled}}}{{{latex(Poly.of(length))}}}"
-        lines.append(rf"\dot{{\theta}}_{{{notation.wheel(trailer.name)}}} &= {over}")
+        rate = total(terms(tidy(turn), ports))
+        lines.append(rf"\dot{{\theta}}_{{{notation.wheel(trailer.name)}}} &= {rate}")
     return lines
 
 
 def regular(d: Derivation) -> list[str]:
-    """The forms of the model, which one is the state space, and which holds where."""
+    """Describe the forms of the model: their inputs, which one is the state space, and where each holds."""
     space = d.default_state_space
     if space is None:
         return []
@@ -199,46 +216,64 @@ def regular(d: Derivation) -> list[str]:
     same = [form for form, s in systems.items() if eta and form != "eta" and s.inputs == eta.inputs]
     words = {form: f"{_INPUTS[form]} ({code(form)})" for form in systems if form not in same}
     if same:
-        words["eta"] = (
-            f"{_INPUTS['eta']} ({listed(['eta', *same])}: too few joints are driven for their rates to do)"
+        words["eta"] = keyed(
+            "model.eta_for_few_drives",
+            f"{_INPUTS['eta']} ({listed(['eta', *same])}; too few joints are driven to use their rates)",
         )
-    intro = (
-        "`wmrgen model` prints the model q̇ = G(q) u, whose inputs u are "
-        f"{notation.listed([*words.values()], 'or')}. {code(space.form)} is the state space ({files})."
-    )
+    intro = [
+        keyed(
+            "model.forms",
+            f"`wmrgen model` prints the model q̇ = G(q) u. Its inputs u are {notation.listed([*words.values()], 'or')}.",
+        ),
+        keyed("model.state_space", f"{code(space.form)} is the state space ({files})."),
+    ]
     if always:
-        intro += f" {listed(always)} hold{'s' * (len(always) == 1)} in every motion."
+        intro.append(
+            keyed("model.always_holds", f"{listed(always)} hold{'s' * (len(always) == 1)} in every motion.")
+        )
     if sliding:
         does = "does" if len(sliding) == 1 else "do"
-        intro += f" {listed(sliding)} {does} not hold where {where_it_slides(d.driven.mobility)}."
+        where = where_it_slides(d.driven.mobility)
+        intro.append(keyed("model.while_sliding", f"{listed(sliding)} {does} not hold where {where}."))
     if trailers:
-        intro += f" {code('trailer')} has trailers, too (section 9: where it is singular)."
+        intro.append(f"{code('trailer')} includes the trailers (section 9 says where it is singular).")
     commands = [p.name for p in space.inputs if p.name.endswith(".steer_command")]
     if commands:
-        intro += f" Steering angles follow {listed(commands)} at first order (`lag`)."
+        intro.append(keyed("model.lag", f"Steering angles follow {listed(commands)} at first order (`lag`)."))
     if space.at_once:
-        intro += f" {code(space.form)} leaves out the lag of {listed(space.at_once)}."
+        intro.append(
+            keyed("model.no_lag", f"{code(space.form)} leaves out the lag of {listed(space.at_once)}.")
+        )
     if space.limits:
-        limits = (
-            f"{code(f'{d.robot.name}_limits.casadi')} and {code('limits')} in {code(f'{d.robot.name}.py')}"
-        )
-        one = len(space.limits) == 1
-        intro += (
-            f" The robot file limits {listed([p.name for p in space.limits])}, too, which "
-            f"{'is neither a state nor an input' if one else 'are neither states nor inputs'} of {code(space.form)}: "
-            f"{limits} give {'it' if one else 'them'} in states and inputs, and {code('model.json')} has the bounds."
-        )
+        intro.append(_limits_of_others(d.robot, space.form, [p.name for p in space.limits]))
     if space.limited.absent:
-        intro += f" For the limits of {listed(space.limited.absent)} {code(space.form)} has no variable."
+        intro.append(
+            keyed(
+                "model.limits_without_variable",
+                f"{code(space.form)} has no variable for the limits of {listed(space.limited.absent)}.",
+            )
+        )
     shared = sum(s.kind == "shared_axle" for s in d.mobility.singularities)
     return [
-        intro,
+        " ".join(intro),
         *(block for form, system in systems.items() for block in _exceptions(form, system, shared)),
     ]
 
 
+def _limits_of_others(robot: Robot, form: str, names: Sequence[str]) -> str:
+    """Say how the state space has limits of quantities that are neither its states nor its inputs."""
+    one = len(names) == 1
+    files = f"{code(f'{robot.name}_limits.casadi')} and {code('limits')} in {code(f'{robot.name}.py')}"
+    kind = "is neither a state nor an input" if one else "are neither states nor inputs"
+    return keyed(
+        "model.limits_of_others",
+        f"The robot file also limits {listed(names)}, which {kind} of {code(form)}. {files} express "
+        f"{'it' if one else 'them'} in states and inputs; {code('model.json')} has the bounds.",
+    )
+
+
 def jackknives(d: Derivation) -> list[str]:
-    """Where the form with trailers is singular and the others are not."""
+    """Say where the form with trailers is singular and the other forms are not."""
     if "trailer" not in d.forms:
         return []
     of_the_body = {domain.text for domain in d.forms["posture"].domain}
@@ -248,15 +283,29 @@ def jackknives(d: Derivation) -> list[str]:
 
 
 def _exceptions(form: str, system: System, shared: int) -> list[str]:
-    """Where a form does not hold, and why; of eta the first ``shared`` conditions stand elsewhere."""
+    """Say where a form does not hold, and why.
+
+    Args:
+        form: the name of the form.
+        system: the form.
+        shared: number of conditions, from the first, that section 9 has for the form eta.
+
+    Returns:
+        The blocks of Markdown.
+    """
     names = symbol_names((*system.state, *system.inputs, *system.geometry))
     blocks, reasons, equations = [], [], []
     for k, domain in enumerate(system.domain):
         why = sentence(domain.text.replace(": ", ", because ", 1))
         if form == "eta" and k < shared:
-            blocks += [f"{code(form)} does not hold where {why}. Section 9 has the condition."]
+            blocks += [
+                keyed(
+                    "model.singular_elsewhere",
+                    f"{code(form)} does not hold where {why}. Section 9 has the condition.",
+                )
+            ]
         elif size(domain.expression) > _CONDITION:
-            blocks += [f"{code(form)} does not hold where a long expression vanishes: {why}."]
+            blocks += [f"{code(form)} does not hold where a long expression is 0: {why}."]
         else:
             parts = summands(gathered(terms(tidy(domain.expression), names)))
             reasons.append(why)
@@ -264,7 +313,7 @@ def _exceptions(form: str, system: System, shared: int) -> list[str]:
     if equations:
         each = " (one equation each)" if len(equations) > 1 else ""
         blocks += [
-            f"{code(form)} does not hold where {'; or where '.join(reasons)}{each}:",
+            keyed("model.singular", f"{code(form)} does not hold where {'; or where '.join(reasons)}{each}:"),
             *aligned(equations),
         ]
     return blocks

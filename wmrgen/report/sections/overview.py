@@ -1,4 +1,4 @@
-"""Opening and section 1: what the robot is, its picture, its layout, its parameters."""
+"""Write the opening and section 1: the type of the robot, its layout, parameters, couplings and trailers."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from wmrgen.report.sections.markdown import (
     grouped,
     in_degrees,
     items,
+    keyed,
     listed,
     minus,
     pictures,
@@ -29,20 +30,21 @@ from wmrgen.report.sections.markdown import (
 )
 from wmrgen.robotfile.wheel_types import WheelType
 
-_SKIDDING = (
-    " In a curve its wheels skid, and it turns as a differential drive of its effective track does: with two degrees "
-    "of freedom."
+_SKIDDING = keyed(
+    "type.skids",
+    " In a curve its wheels skid, and it moves like a differential drive with the effective track: with two degrees "
+    "of freedom.",
 )
 _BESIDE_STEERED = (
-    " In a curve its fixed wheels skid. The robot moves as one whose fixed wheels are on one axle, the effective track "
-    "apart, type ({m}, {s})."
+    " In a curve its fixed wheels skid. The robot moves like one with its fixed wheels on a single axle, the effective "
+    "track apart, of type ({m}, {s})."
 )
-_LENGTHS = ("d", "l", "r")  # of wheels, in the notation of the book
+_LENGTHS = ("d", "l", "r")  # letters of the book for lengths of wheels
 _NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".split()
 
 
 def opening(d: Derivation) -> list[str]:
-    """Title and description."""
+    """Return the title and the description."""
     robot = d.robot
     blocks = [f"# {code(robot.name)}"]
     if robot.description:
@@ -51,23 +53,26 @@ def opening(d: Derivation) -> list[str]:
 
 
 def kind_of_robot(d: Derivation) -> str:
-    """The type in a sentence."""
+    """Return the type of the robot in a sentence."""
     robot, m = d.robot, d.mobility
     kind = "Campion's type" if m.robot_type else "a degenerate layout,"
     when = "at any instant" if m.robot_type else "without slip"  # a skid-steer robot turns, but slips
     wheels = Counter(w.kind.noun for w in robot.bodies)
     adds = _word(m.degree_of_steerability) if m.degree_of_steerability else "none"
-    adds = f", and steering adds {adds}" * any(w.kind.steers for w in robot.wheels)
-    moves = f"moves with {_count(m.degree_of_mobility, 'degree')} of freedom{adds}"
+    steering = ""
+    if any(w.kind.steers for w in robot.wheels):
+        steering = keyed("type.steering_adds", f", and steering adds {adds}")
+    moves = f"moves with {_count(m.degree_of_mobility, 'degree')} of freedom{steering}"
+    if not m.degree_of_mobility:
+        moves = keyed("type.cannot_move", "cannot move")
     return (
         f"This robot has {notation.listed([_count(n, noun) for noun, n in wheels.items()])}. It is {kind} "
-        f"({m.degree_of_mobility}, {m.degree_of_steerability}): {when} it "
-        f"{moves if m.degree_of_mobility else 'cannot move'}."
+        f"({m.degree_of_mobility}, {m.degree_of_steerability}): {when} it {moves}."
     ) + _skidding(d)
 
 
 def _skidding(d: Derivation) -> str:
-    """How a robot with an effective track moves in a curve."""
+    """Say how a robot with an effective track moves in a curve."""
     if not d.robot.effective_track:
         return ""
     if not any(w.kind.steers for w in d.robot.wheels):
@@ -81,19 +86,20 @@ def _word(n: int) -> str:
 
 
 def _count(n: int, noun: str) -> str:
-    """two fixed wheels"""
+    """Return a count in words: two fixed wheels."""
     return f"{_word(n)} {noun}{'' if n == 1 else 's'}"
 
 
 def layout(d: Derivation) -> list[str]:
-    """Section 1."""
+    """Return section 1."""
     robot = d.robot
     blocks = [
         "## 1 The layout",
         "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to "
-        "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left; "
-        "ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in it, the book's R(θ) ξ̇<sub>I</sub>. Lengths are "
-        "in metres, angles counter-clockwise, in radians unless marked °; decimals with six digits are rounded.",
+        "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward and y to the left. The "
+        "twist ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in this frame, R(θ) ξ̇<sub>I</sub> in the "
+        "book. Lengths are in metres. Angles are counter-clockwise, in radians unless marked with °. Decimals with six "
+        "digits are rounded.",
         *pictures(d.figures, "symbols.svg"),
         *_wheels(robot.wheels),
         _legend(robot),
@@ -103,27 +109,22 @@ def layout(d: Derivation) -> list[str]:
         texts = [f"{notation.listed(who)}, {what}" for what, who in named.items()]
         blocks += [" ".join([f"Named parameters: {'; '.join(texts)}.", *_letters(robot)])]
     if robot.couplings:
-        couplings = (
-            f"{listed(names)} "
-            + (
-                minus(
-                    (notation.turning if joint == "spin" else notation.steering)(robot.ratios(joint, names))
-                )
-            )
-            for joint, names in robot.couplings
-        )
-        blocks += [f"Mechanical couplings: {'; '.join(couplings)}."]
+        couplings = []
+        for joint, names in robot.couplings:
+            words = notation.turning if joint == "spin" else notation.steering
+            couplings.append(f"{listed(names)} {minus(words(robot.ratios(joint, names)))}")
+        blocks += [keyed("layout.couplings", f"Mechanical couplings: {'; '.join(couplings)}.")]
     blocks += _virtual(robot)
     if robot.trailers:
         rows = [[code(t.name), plain(t.length.nominal), plain(t.hitch.nominal)] for t in robot.trailers]
         head = ["trailer", "length from hitch to axle", "hitch behind the axle in front"]
-        blocks += ["It tows, from the robot backwards:", *table(head, rows, "lr")]
+        blocks += ["The robot tows these trailers, from front to back:", *table(head, rows, "lr")]
     notes = [*map(capitalised, robot.notes), *_remarks(robot)]
     return [*blocks, *items(notes)]
 
 
 def _letters(robot: Robot) -> list[str]:
-    """Which letters in formulas are parameters, though they look like lengths of wheels or other symbols."""
+    """Say which letters in formulas are parameters although they look like lengths of wheels or other symbols."""
     names = [p.name for p in robot.parameters]
     sentences = []
     if own := [name for name in names if name in _LENGTHS and not _is_length(robot, name)]:
@@ -131,17 +132,22 @@ def _letters(robot: Robot) -> list[str]:
             ("are these parameters", "are lengths") if len(own) > 1 else ("is this parameter", "is a length")
         )
         sentences.append(
-            f"In formulas of this robot {listed(own)} {these}; in equations for any wheel, such as the book's, "
-            f"{notation.listed(own)} {lengths} of the table above."
+            keyed(
+                "layout.letters_of_parameters",
+                f"In formulas of this robot, {listed(own)} {these}. In general equations of a wheel, as in the book, "
+                f"{notation.listed(own)} {lengths} of the table above.",
+            )
         )
     if marked := [name for name in names if notation.parameter(name).startswith(r"\mathtt")]:
         parameters = "parameters" if len(marked) > 1 else "a parameter"
-        sentences.append(f"In formulas typewriter marks {listed(marked)} as {parameters}.")
+        sentences.append(
+            keyed("layout.typewriter", f"Typewriter type marks {listed(marked)} in formulas as {parameters}.")
+        )
     return sentences
 
 
 def _is_length(robot: Robot, name: str) -> bool:
-    """Whether each wheel that the parameter r, d or l is for has it as its radius, castor offset or distance from P."""
+    """Return whether the parameter r, d or l is, wherever it is used, the radius, castor offset or distance from P."""
     parameter = Poly.gen("param", name)
     towed = (length for trailer in robot.trailers for length in (trailer.length, trailer.hitch))
     others = [length.symbolic for length in (*towed, robot.effective_track) if length]
@@ -153,17 +159,19 @@ def _is_length(robot: Robot, name: str) -> bool:
 
 
 def _virtual(robot: Robot) -> list[str]:
-    """Wheels that are not there."""
-    wheels = [
-        f"{code(v.name)} at ({plain(v.x.nominal)}, {plain(v.y.nominal)}), whose "
-        f"{'steering angle' if v.role == 'steers' else 'speed'} stands for those of {listed(v.wheels)}"
-        for v in robot.virtual
-    ]
-    return [f"Models describe the robot by virtual wheels: {'; '.join(wheels)}."] if wheels else []
+    """Say which virtual wheels models use."""
+    wheels = []
+    for v in robot.virtual:
+        plural = "steering angles" if v.role == "steers" else "speeds"
+        wheels.append(
+            f"{code(v.name)} at ({plain(v.x.nominal)}, {plain(v.y.nominal)}), whose {plural[:-1]} represents the "
+            f"{plural} of {listed(v.wheels)}"
+        )
+    return [keyed("layout.virtual", f"Models use virtual wheels: {'; '.join(wheels)}.")] if wheels else []
 
 
 def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
-    """The layout table, with the columns that occur: head, cell of a wheel (— where it has none)."""
+    """Return the layout table. Only columns that occur are shown; — marks a wheel without the quantity."""
     columns: tuple[tuple[str, bool, Callable[[Wheel], str | None]], ...] = (
         ("wheel", True, lambda w: code(w.name)),
         ("type", True, lambda w: w.kind.label),
@@ -191,31 +199,31 @@ def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
 def _legend(robot: Robot) -> str:
     kinds = [w.kind for w in robot.wheels]
     remarks = (
-        (True, "(x, y) is the wheel's pivot A, in polar coordinates (l, α)"),
-        (any(k.directed for k in kinds), "heading is the direction of positive rolling, α + β − 90°"),
-        (any(k.turns for k in kinds), f"for {_turning(kinds)} β and heading hold at steering angle ψ = 0, so that the "
-         "book's β(t) is β + ψ"),
+        (True, "(x, y) is the pivot A of the wheel, in polar coordinates (l, α)."),
+        (any(k.directed for k in kinds), "The heading is the direction of positive rolling, α + β − 90°."),
+        (any(k.turns for k in kinds), f"For {_turning(kinds)}, β and heading hold at steering angle ψ = 0; β(t) in the "
+         "book is β + ψ."),
         (any(k.swivels for k in kinds), "d is the distance from the pivot to the contact point, along the rolling "
-         "direction"),
-        (any(w.nominal.o for w in robot.wheels), "o is the lateral offset of the contact point along the axle, which "
-         "the book does not have"),
-        (any(w.nominal.per_steer for w in robot.wheels), "per steer, k, is the turn of the drive joint for 1 rad of "
-         "steering while the wheel does not roll: the gears of the module couple them"),
-        (len(robot.bodies) < len(kinds), "a ball that is driven in two directions has two rows, _1 and _2"),
+         "direction."),
+        (any(w.nominal.o for w in robot.wheels), "o is the lateral offset of the contact point along the axle; the "
+         "book does not have it."),
+        (any(w.nominal.per_steer for w in robot.wheels), "Per steer, k, is the rotation of the drive joint for 1 rad "
+         "of steering while the wheel does not roll, because the gears of the module couple them."),
+        (len(robot.bodies) < len(kinds), "A ball that is driven in two directions has two rows, _1 and _2."),
         (any(k.rollers for k in kinds), "γ is the angle from the wheel plane to the axis of the roller that touches "
-         "the ground"),
+         "the ground."),
     )  # fmt: skip
-    return "; ".join(text for concerns, text in remarks if concerns) + "."
+    return " ".join(text for concerns, text in remarks if concerns)
 
 
 def _turning(kinds: list[WheelType]) -> str:
-    """steered wheels and castors"""
+    """Return the wheel types that turn about a vertical axis: steered wheels and castors."""
     nouns = [f"{noun}s" for noun in dict.fromkeys(k.noun for k in kinds if k.turns)]
     return notation.listed(nouns) if nouns else ""
 
 
 def _in_code(p: Parameter) -> str:
-    """What the generated code makes of a parameter."""
+    """Say how the generated code treats a parameter."""
     if p.tunable:
         return f"tunable from {float(p.low):.6g} to {float(p.high):.6g}: passed to the generated code"
     names = ", ".join(code(name) for name in sorted(parameters_in(p.working)))
@@ -223,26 +231,29 @@ def _in_code(p: Parameter) -> str:
 
 
 def _remarks(robot: Robot) -> list[str]:
-    """The three things that are most often confused: half-track, rollers on top, X and O."""
+    """Explain what is most often confused: track and half-track, rollers on top and at the ground, X and O."""
     remarks = []
     if pairs := _pairs(robot):
-        apart = [f"{code(a.name)} and {code(b.name)} stand {track} m" for track, (a, b) in pairs.items()]
+        apart = [f"{track} m between {code(a.name)} and {code(b.name)}" for track, (a, b) in pairs.items()]
+        tracks = "tracks are" if len(pairs) > 1 else "track is"
         remarks.append(
-            f"{notation.listed(apart)} apart (the track{'s' * (len(pairs) > 1)}); their y is the half-track."
+            keyed(
+                "layout.track", f"The {tracks} {notation.listed(apart)}; y of these wheels is the half-track."
+            )
         )
     swedish = [w for w in robot.wheels if w.kind.rollers]
     if any(w.nominal.sg for w in swedish):
         text = "Roller axes are given, and drawn, at the ground. Seen from above, the rollers on top lean the other way"
         patterns = {
-            "O": ": this base shows an X from above and an O at the ground.",
-            "X": ": this base shows an O from above and an X at the ground.",
+            "O": keyed("layout.x_from_above", ": this base shows an X from above and an O at the ground."),
+            "X": keyed("layout.o_from_above", ": this base shows an O from above and an X at the ground."),
         }
-        remarks.append(text + patterns.get(_pattern(swedish), "."))
+        remarks.append(keyed("layout.rollers_lean", text + patterns.get(_pattern(swedish), ".")))
     return remarks
 
 
 def _pairs(robot: Robot) -> dict[str, tuple[Wheel, Wheel]]:
-    """Wheels that roll forward and mirror each other beside P, the first of each distance [m]."""
+    """Return pairs of wheels that roll forward and mirror each other beside P, one pair for each distance [m]."""
     pairs: dict[str, tuple[Wheel, Wheel]] = {}
     wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rolls_across]
     for a, b in combinations(wheels, 2):
@@ -253,7 +264,7 @@ def _pairs(robot: Robot) -> dict[str, tuple[Wheel, Wheel]]:
 
 
 def _pattern(wheels: list[Wheel]) -> str:
-    """The pattern of four corner wheels: X when their roller axes run towards the middle, O when around it, or ""."""
+    """Return the pattern of four corner wheels: X if their roller axes point to the middle, O if around it, or ""."""
     signs = set()
     for w in wheels:
         g = w.nominal

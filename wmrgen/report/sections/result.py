@@ -1,4 +1,4 @@
-"""The result on top: top view, type, inverse and forward in closed form, an example with numbers, the files."""
+"""Write the result on top of a report: type, inverse and forward in closed form, an example, the files."""
 
 from __future__ import annotations
 
@@ -9,43 +9,45 @@ from itertools import chain, islice, product
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.ports import GYRO, TWIST_NAMES
-from wmrgen.report.sections.closed import closed_forward, closed_inverse
-from wmrgen.report.sections.further import wanted
-from wmrgen.report.sections.markdown import code, listed, pictures, table, written
+from wmrgen.report.sections.forward import closed_forward
+from wmrgen.report.sections.inverse import closed_inverse
+from wmrgen.report.sections.markdown import code, keyed, listed, pictures, table, written
+from wmrgen.report.sections.numerics import wanted
 from wmrgen.report.sections.overview import kind_of_robot
 from wmrgen.report.wiring import admissible
 
 Values = Mapping[str, Exact]
 Texts = Mapping[str, str]
-_NO_SLIP = 1e-5  # m/s; of numbers with six digits
-_TRIED = 4  # twists
-_FEW, _EVERY = 6, 12  # digits of joints
-_DIGITS = 5  # of a round number, with its point
-_MANY = 24  # values of one step of an example
+_NO_SLIP = 1e-5  # m/s: rounding of a twist with six digits causes less than this
+_TRIED = 4  # number of twists that are tried until one is recovered exactly from its printed joints
+_FEW, _EVERY = 6, 12  # significant digits of printed joints: as few as recover the twist
+_DIGITS = 5  # characters of a round number, with its decimal point
+_MANY = 24  # values in one step of an example; more do not fit on its line
+# Twists that are tried, in tenths of a unit: (vx, vy, omega).
 _SPEEDS: tuple[tuple[Fraction | int, ...], ...] = (
     (5, 2, 4), (5, 0, 4), (5, 0, 2), (5, 0, 1), (5, 0, Fraction(1, 2)), (5, 0, Fraction(1, 10)), (0, 0, 4), (5, 2, 0),
     (5, 0, 0), (0, 5, 0),
-)  # tenths  # fmt: skip
+)  # fmt: skip
 _SCALES = (Fraction(1, 10), Fraction(1, 20), Fraction(1, 50), Fraction(1, 100), Fraction(1, 1000))
 
 
 def result(d: Derivation) -> list[str]:
-    """The section before the first one."""
+    """Return the section before section 1."""
     return [
         "## The result",
         *pictures(d.figures, "layout.svg", "motion.svg"),
         kind_of_robot(d),
-        "**Inverse kinematics** (`inverse`), from the twist ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) to the joints "
-        "(section 6):",
+        "**Inverse kinematics** (`inverse`, section 6), from the twist ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) to the "
+        "joints:",
         *closed_inverse(d.driven),
-        "**Forward kinematics** (`forward`), from measured joints to the twist (section 7):",
+        "**Forward kinematics** (`forward`, section 7), from measured joints to the twist:",
         *closed_forward(d.driven),
         *_example(d), *_files(d),
     ]  # fmt: skip
 
 
 def _example(d: Derivation) -> list[str]:
-    """A twist, its wheel speeds, the twist of these, the pose after a second, and the commands that say so."""
+    """Return a twist, its joints, the twist of these joints and the pose after a second, each with its command."""
     steps = example(d)
     if not steps:
         return []
@@ -55,16 +57,18 @@ def _example(d: Derivation) -> list[str]:
         shown = ", ".join(f"{n} = {v} {units[n]}".rstrip() for n, v in outputs.items())
         words = " ".join(f"{n}={v}" for n, v in inputs.items() if v != "0")
         rows.append([shown, code(f"wmrgen eval {d.robot.name}.yaml {function} {words}")])
-    again = "the same twist again"
+    again = keyed("example.same_twist", "the same twist again")
     if len(steps) > 2 and any(steps[1][2][n] != v for n, v in steps[0][1].items()):
-        again = "the part of the twist that is measured"
+        again = keyed("example.measured_part", "the part of the twist that is measured")
     head = f"**An example**: twist, joints, {f'{again}, ' if len(steps) > 2 else ''}and the pose after one second."
     return [head, *table(["result", "command"], rows, "l")]
 
 
 def example(d: Derivation) -> list[tuple[str, Texts, Texts]]:
-    """Function, inputs and outputs of each step, as they are printed; nothing where the robot has no joint to command
-    or cannot move."""
+    """Return the function, inputs and outputs of each step, as they are printed.
+
+    The result is [] if the robot has no joint to command, or cannot move.
+    """
     if not any(w.actuated for w in d.robot.wheels):
         return []
     tried = ((twist, joints, _again(d, twist, joints)) for twist, joints in islice(_driven(d), _TRIED))
@@ -83,25 +87,25 @@ def example(d: Derivation) -> list[tuple[str, Texts, Texts]]:
 
 
 def _measured(d: Derivation, twist: Values, joints: Values) -> Values:
-    """What sensors show `forward` of a twist and its joints; nothing where that is too much for a line."""
+    """Return the inputs of `forward` for a twist and its joints; {} if they do not fit on a line."""
     sensed = [p.name for p in d.formula("forward").inputs if p.default is None]
     shown = {**joints, GYRO.name: twist["omega"]}
     return {n: shown.get(n, ZERO) for n in sensed} if len(sensed) <= _MANY else {}
 
 
 def _again(d: Derivation, driven: Values, joints: Values, digits: int = _EVERY) -> Texts:
-    """The twist of the measurements that joints give, where these are printed with so many digits."""
+    """Return the twist that `forward` gives for joints printed with ``digits`` digits."""
     measured = _measured(d, driven, joints)
     twist = measured and d.evaluate("forward", {n: _read(_short(v, digits)) for n, v in measured.items()})
     return {n: _six(twist[n]) for n in TWIST_NAMES if twist}
 
 
 def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
-    """Round twists, without what the wheels forbid, that the robot can drive inside its limits, with their joints."""
+    """Yield admissible twists of round numbers that are within the limits of the robot, with their joints."""
     sample = [float(v) for v in d.mobility.admissible.sample] if d.mobility.degree_of_mobility else [0.0]
     size = 2 * max(map(abs, sample))
     rounded = [tuple(Fraction(round(10**7 * v / size), 10**6) for v in sample)] if size else []
-    for goes, scale in product((True, False), _SCALES):  # what drives and turns tells most
+    for goes, scale in product((True, False), _SCALES):  # twists that drive and turn first
         asked = (
             {n: Exact(k * scale) for n, k in zip(TWIST_NAMES, s, strict=True)} for s in (*_SPEEDS, *rounded)
         )
@@ -118,12 +122,12 @@ def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
 
 
 def _goes(twist: Values) -> bool:
-    """Whether P moves and the robot turns."""
+    """Return whether P moves and the robot turns."""
     return bool(twist["omega"]) and any(twist[n] for n in ("vx", "vy"))
 
 
 def _plain(twist: Values) -> tuple[bool, bool]:
-    """What turns comes first, of that what has few digits."""
+    """Return the sort key of a twist: twists that turn first, then twists of few digits."""
     return not twist["omega"], any(len(_six(v)) > _DIGITS for v in twist.values())
 
 
@@ -132,7 +136,7 @@ def _each(shown: Callable[..., str], values: Values, *digits: int) -> Texts:
 
 
 def _six(value: Exact) -> str:
-    """Six decimals, as a command has the twist."""
+    """Return a component of the twist with six decimals."""
     return f"{round(float(value), 6) + 0.0:.{_EVERY}g}"
 
 
@@ -142,7 +146,7 @@ def _inside(d: Derivation, name: str, value: Exact) -> bool:
 
 
 def _short(value: Exact, digits: int = _FEW) -> str:
-    """As `wmrgen eval` reads it."""
+    """Return a number as `wmrgen eval` reads it."""
     return f"{round(float(value), 12) + 0.0:.{digits}g}"
 
 
@@ -151,12 +155,14 @@ def _read(text: str) -> Exact:
 
 
 def _files(d: Derivation) -> list[str]:
-    """What the backends write beside this page, numerics.md saying what each is."""
+    """Return the list of generated files."""
     names = [name for names, _ in written(d) for name in names]
     further = [f.name for f in wanted(d)]
-    asked = f", with formulas of {listed(further)}, which the robot file asks for, too" if further else ""
+    more = ""
+    if further:
+        more = keyed("files.further", f", together with formulas of the further functions {listed(further)}")
     return [
-        f"**Files** (what each is{asked}: [numerics.md](numerics.md)): {' · '.join([*map(_link, names)])}"
+        f"**Files** ([numerics.md](numerics.md) describes each{more}): {' · '.join([*map(_link, names)])}"
     ]
 
 

@@ -1,10 +1,9 @@
-"""Sections 2 to 4: each wheel's equations from the book's formula to numbers, their matrices, the null space of C1."""
+"""Write sections 2 to 4: the equations of each wheel type, the matrices of all wheels, and the null space of C1."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
-from itertools import accumulate
+from dataclasses import replace
 
 from wmrgen.analysis.mobility.ranks import generic, nominal_at
 from wmrgen.derivation.facade import Derivation
@@ -13,19 +12,30 @@ from wmrgen.geometry import notation
 from wmrgen.geometry.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.geometry.exact.poly import Poly, Row, dot, each, has_angles
 from wmrgen.geometry.layout.records import Wheel
-from wmrgen.report.sections.angles import gathered, over, readable, upright
-from wmrgen.report.sections.latex import alike, broken, latex, pieces, terms, total
-from wmrgen.report.sections.markdown import aligned, code, math, matrix, some
-from wmrgen.report.sections.terms import WIDE, width, wrapped
+from wmrgen.report.sections.latex import (
+    PAGE,
+    WIDE,
+    broken,
+    gathered,
+    latex,
+    over,
+    pieces,
+    readable,
+    terms,
+    total,
+    upright,
+    width,
+    wrapped,
+)
+from wmrgen.report.sections.markdown import aligned, code, keyed, math, matrix, some
 from wmrgen.robotfile.wheel_types import WheelType
 
-_MATRIX = 12  # rows of a printed matrix
-_ICR = 120  # glyphs of two fractions side by side
-_LINE = 70  # glyphs of matrices side by side
+_MATRIX = 12  # rows of a printed matrix; one of more rows does not fit on a screen
+_LINE = 70  # visible characters of matrices side by side, whose columns have space between them: 900 px
 
 
 def wheel_rows(d: Derivation) -> list[str]:
-    """Section 2: all wheel types that occur, in file order."""
+    """Return section 2: all wheel types that occur, in the order of the robot file."""
     blocks = ["## 2 What each wheel demands"]
     for noun in dict.fromkeys(w.kind.noun for w in d.robot.wheels):
         wheels = [w for w in d.robot.wheels if w.kind.noun == noun]
@@ -37,14 +47,14 @@ def wheel_rows(d: Derivation) -> list[str]:
         blocks += [kind.words.note] if kind.words.note else []
         if any(w.nominal.per_steer for w in wheels):
             blocks.append(
-                "Steering turns the drive joint by k for 1 rad, so that the wheel rolls r (φ̇ − k ψ̇)."
+                "Steering by 1 rad turns the drive joint by k, so that the wheel rolls at r (φ̇ − k ψ̇)."
             )
         blocks += _worked(d, wheels) if kind.directed else []
     return blocks
 
 
 def general_rows(kind: WheelType, offset: bool) -> list[str]:
-    """The book's equations, the lateral offset added where it occurs."""
+    """Return the equations of the book for a wheel type. ``offset`` adds the lateral offset of the contact point."""
     first, second = (rf" && (3.{n})" for n in kind.words.equations) if kind.words.equations else ("", "")
     if kind.rollers:
         a, turned = r"\alpha+\beta+\gamma", r"(\beta+\gamma)"
@@ -58,7 +68,7 @@ def general_rows(kind: WheelType, offset: bool) -> list[str]:
     rolling = _row(rf"\sin({a})", rf"-\cos({a})", rf"-l\cos{b}{third}")
     sliding = _row(rf"\cos({a})", rf"\sin({a})", rf"{slide}l\sin{b}")
     both = [rf"{rolling} &= r\,\dot{{\varphi}}{rate}{first}", rf"{sliding}{swivel} &= 0{second}"]
-    if kind.has_spin != kind.sliding_row:  # a ball has neither; its equations give what it does
+    if kind.has_spin != kind.sliding_row:  # a ball has neither; its equations give its motion
         return aligned(both[:1] if kind.has_spin else both[1:])
     return aligned(both)
 
@@ -68,17 +78,17 @@ def _row(*entries: str) -> str:
 
 
 def _worked(d: Derivation, wheels: list[Wheel]) -> list[str]:
-    """The first wheel step by step; the matrices of section 3 have all of them."""
+    """Return the equations of the first wheel step by step; section 3 has the matrices of all wheels."""
     first = wheels[0]
     own = [c for c in (*d.constraints.rolling, *d.constraints.sliding) if c.wheel.index == first.index]
     return [
-        f"For {code(first.name)}, with x = l cos α and y = l sin α, that is",
+        f"For {code(first.name)}, with x = l cos α and y = l sin α, these are",
         *_plugged(first, [*_equations(own), *(_rollers(first) if first.kind.rollers else [])]),
     ]
 
 
 def _plugged(w: Wheel, equations: list[str]) -> list[str]:
-    """sin and cos of alpha + beta (+ gamma), e = (sin, -cos), above the equations that follow."""
+    """Return the sine and cosine of alpha + beta (+ gamma) above the equations that follow from them."""
     ex, ey = rolling_direction(w, symbolic_view(w))
     angle = r"\alpha+\beta" + (r"+\gamma" if w.kind.rollers else "") + ("(t)" if w.turns else "")
     sine, cosine = rf"\sin({angle}) &= {latex(ex)}", rf"\cos({angle}) = {latex(-ey)}"
@@ -89,7 +99,7 @@ def _plugged(w: Wheel, equations: list[str]) -> list[str]:
 
 
 def _equations(rows: list[ConstraintRow]) -> list[str]:
-    """A wheel's equations; long ones turned round, to be broken."""
+    """Return the equations of a wheel. Long ones have their sides exchanged, because only a right side is broken."""
     sides = [_sides(c) for c in rows]
     if any(sum(map(width, left)) > WIDE for left, _ in sides):
         return [f"{right} &= {wrapped(left)}" for left, right in sides]
@@ -97,7 +107,7 @@ def _equations(rows: list[ConstraintRow]) -> list[str]:
 
 
 def _sides(c: ConstraintRow) -> tuple[list[str], str]:
-    """``v_x - l omega`` and ``r phi``; a sliding row's own rate stays on the left."""
+    """Return both sides of a row, such as v_x - l omega and r phi. The rate of a sliding row stays on the left."""
     ports = {"spin": f"{c.wheel.name}.spin", "steer": f"{c.wheel.name}.steer_rate"}
     rates = Poly.sum(k * Poly.gen("input", ports[joint]) for (_, joint), k in c.rates)
     left = pieces(terms(dot(c.row, XI)))
@@ -107,7 +117,7 @@ def _sides(c: ConstraintRow) -> tuple[list[str], str]:
 
 
 def _rollers(w: Wheel) -> list[str]:
-    """(3.20) of one wheel: how its rollers turn."""
+    """Return (3.20) of one wheel: the rate of its rollers."""
     g = symbolic_view(w)
     c, s = rolling_direction(w, g)
     across = dot(along((-s, c), g), XI) + g.r * g.sg * Poly.gen("input", f"{w.name}.spin")
@@ -117,33 +127,35 @@ def _rollers(w: Wheel) -> list[str]:
 
 
 def matrices(d: Derivation) -> list[str]:
-    """Section 3."""
+    """Return section 3."""
     c = d.constraints
     shown = {"1f": [r.row for r in c.sliding_fixed], "1s": [r.row for r in c.sliding_steered]}
-    words = (" There is no fixed wheel", " There is no steered wheel")
-    absent = [
-        f"{none}, so C<sub>{name}</sub> has no rows."
-        for (name, rows), none in zip(shown.items(), words, strict=True)
-        if not rows
-    ]
-    if len(absent) == 2:
-        absent = [" There is neither a fixed nor a steered wheel, so C₁ has no rows."]
+    if not any(shown.values()):
+        absent = keyed(
+            "matrices.no_rows", " There is neither a fixed nor a steered wheel, so C₁ has no rows."
+        )
+    elif not shown["1f"]:
+        absent = keyed("matrices.no_fixed", " There is no fixed wheel, so C<sub>1f</sub> has no rows.")
+    elif not shown["1s"]:
+        absent = keyed("matrices.no_steered", " There is no steered wheel, so C<sub>1s</sub> has no rows.")
+    else:
+        absent = ""
     own = [f"C_{{{name}}} = {_capped(rows)}" for name, rows in shown.items() if rows]
     if c.rolling:
-        diagonal = _diagonal(alike([-dict(r.rates)[r.wheel.index, "spin"] for r in c.rolling]))
+        diagonal = _diagonal([latex(-dict(r.rates)[r.wheel.index, "spin"]) for r in c.rolling])
         own = [f"J_1 = {_capped([r.row for r in c.rolling])}", diagonal, *own]
     return [
         "## 3 The matrices",
-        "The rolling equations stacked are J₁ ξ = J₂ φ̇ (3.24), the sliding equations of fixed and steered wheels "
-        "are C₁ ξ = 0 with C<sub>1f</sub> above C<sub>1s</sub> (3.26). Rows follow the order of the layout table."
-        + "".join(absent),
+        "The rolling equations of all wheels are J₁ ξ = J₂ φ̇ (3.24). The sliding equations of fixed and steered wheels "
+        "are C₁ ξ = 0, with C<sub>1f</sub> above C<sub>1s</sub> (3.26). Rows are in the order of the layout table."
+        + absent,
         *_packed(own),
         *_pfaffian(d),
     ]
 
 
 def _packed(matrices: list[str]) -> list[str]:
-    """As many in a line as fit."""
+    """Return matrices, as many side by side as fit on a line."""
     lines: list[list[str]] = []
     used = 0
     for m in matrices:
@@ -157,7 +169,7 @@ def _packed(matrices: list[str]) -> list[str]:
 
 
 def _diagonal(spins: list[str]) -> str:
-    """J2 = diag(r cos gamma), as a multiple of the identity where all are equal."""
+    """Return J2 = diag(r cos gamma), as a multiple of the identity if all entries are equal."""
     if len(spins) > 1 and len(set(spins)) == 1:
         return rf"J_2 = {spins[0]}\,I_{{{len(spins)}}}"
     more = [r"\ldots"] if len(spins) > _MATRIX else []
@@ -169,7 +181,7 @@ def _capped(rows: list[Row]) -> str:
 
 
 def _pfaffian(d: Derivation) -> list[str]:
-    """All velocities in one vector: A(q) q' = 0, by blocks."""
+    """Write the Pfaffian form A(q) q' = 0 of all velocities, by blocks."""
     c = d.constraints
     if not c.joints:
         return []
@@ -180,25 +192,25 @@ def _pfaffian(d: Derivation) -> list[str]:
     rows = [f"J₁ −J₂{last[0]}" if c.rolling else "", f"C₁ 0{last[1]}" if c.sliding_fixed or c.sliding_steered else "",
             f"C<sub>c</sub> 0{last[2]}" if castors else ""]  # fmt: skip
     words = (
-        f"With q̇ = (ξ, φ̇{', ψ̇' if turning else ''}) the same equations are the Pfaffian form A(q) q̇ = 0, "
+        f"With q̇ = (ξ, φ̇{', ψ̇' if turning else ''}), the same equations are the Pfaffian form A(q) q̇ = 0, "
         f"A = [{'; '.join(filter(None, rows))}]"
     )
     if castors:
-        words += ", with the sliding rows of the castors, C<sub>c</sub> ξ + D ψ̇ = 0, and D = diag(d)"
+        words += ". The sliding rows of the castors are C<sub>c</sub> ξ + D ψ̇ = 0, with D = diag(d)"
     return [words + (f", O = diag({'o − r k' if geared else 'o'})." if offset else ".")]
 
 
 def null_space(d: Derivation) -> list[str]:
-    """Section 4."""
+    """Return section 4."""
     columns = [upright(c) for c in d.mobility.null_space_symbolic]
     blocks = ["## 4 The null space: the motions that are left"]
     if not columns:
-        return [*blocks, "C₁ has rank 3: no twist but ξ = 0 keeps every wheel from sliding."]
+        return [*blocks, "C₁ has rank 3: only at ξ = 0 does no wheel slide."]
     if len(columns) == 3:
-        blocks += ["No row constrains ξ: every twist lies in the null space of C₁, N = I."]
+        blocks += ["No row constrains ξ: every twist is in the null space of C₁, and N = I."]
         return [*blocks, *_meaning(d, columns)]
     blocks += [
-        "A motion is admissible when C₁ ξ = 0. The columns of N span these motions, cleared of common factors; every "
+        "A motion is admissible if C₁ ξ = 0. The columns of N, without common factors, span these motions. Every "
         "admissible twist is ξ = N η, with one number η per column:",
         *math(f"N = {matrix(zip(*(map(readable, column) for column in columns), strict=True))}"),
     ]
@@ -206,7 +218,7 @@ def null_space(d: Derivation) -> list[str]:
 
 
 def _meaning(d: Derivation, columns: Sequence[Row]) -> list[str]:
-    """Which motion each column is, by what does not vanish at nominal parameters."""
+    """Say which motion each column is, from the entries that do not vanish at nominal parameters."""
     angles, zero = generic(d.robot), Poly({})
     general = columns
     columns = [
@@ -221,20 +233,21 @@ def _meaning(d: Derivation, columns: Sequence[Row]) -> list[str]:
         for own, c in zip(general, columns, strict=True)
     ]
     words = (
-        f"{head} {_motion(c, which, centre)}{at}." for head, c, at in zip(heads, columns, only, strict=True)
+        f"{head} is {_motion(c, which, centre)}{at}."
+        for head, c, at in zip(heads, columns, only, strict=True)
     )
     blocks = [" ".join(words)]
     vx, vy, w = columns[0]
     if len(columns) == 1 and w and any(p.constant is None for p in columns[0]):
-        x, y = _quotient(-vy, w), _quotient(vx, w)
-        blocks[0] += " The ICR lies at (−N₂/N₃, N₁/N₃):"
+        x, y = quotient(-vy, w), quotient(vx, w)
+        blocks[0] += " The ICR is at (−N₂/N₃, N₁/N₃):"
         both = rf"x_{{ICR}} = {x}, \qquad y_{{ICR}} = {y}"
-        blocks += math(both) if width(both) < _ICR else aligned([f"x_{{ICR}} &= {x}", f"y_{{ICR}} &= {y}"])
+        blocks += math(both) if width(both) < PAGE else aligned([f"x_{{ICR}} &= {x}", f"y_{{ICR}} &= {y}"])
     return blocks
 
 
-def _quotient(above: Poly, below: Poly) -> str:
-    """above / below, without a line where the sines cancel."""
+def quotient(above: Poly, below: Poly) -> str:
+    """Return above / below as LaTeX: without a fraction if the sines cancel, with a common sign before it."""
     top, bottom = gathered(terms(above)), gathered(terms(below))
     if len(bottom) == 1:
         quotient = over(top, bottom[0])
@@ -242,31 +255,35 @@ def _quotient(above: Poly, below: Poly) -> str:
             return total(quotient)
     if not top:
         return "0"
-    shown = total(top)
-    sign = "-" if shown.startswith("-") else ""  # of a product: a sum begins with what is added
-    shown = shown.removeprefix(sign)
-    if sign and _is_bracket(shown):
-        shown = shown.removeprefix(r"\left(").removesuffix(r"\right)")
-    return rf"{sign}\frac{{{shown}}}{{{total(bottom)}}}"
-
-
-def _is_bracket(text: str) -> bool:
-    """Whether one pair of brackets has all of it."""
-    marks = re.split(r"(?=\\left|\\right)", text)
-    depths = list(accumulate(mark.startswith(r"\left") - mark.startswith(r"\right") for mark in marks[1:]))
-    return not marks[0] and text.endswith(r"\right)") and 0 not in depths[:-1]
+    sign = ""
+    if total(top).startswith("-"):  # all terms are negative: a sum begins with a positive term
+        sign, top = "-", [replace(t, number=-t.number) for t in top]
+    return rf"{sign}\frac{{{total(top)}}}{{{total(bottom)}}}"
 
 
 def _motion(c: Row, which: str, centre: str) -> str:
-    """A column in words. ``which``: what angles do; ``centre``: of a rotation."""
+    """Return the motion of a column in words.
+
+    Args:
+        c: the column.
+        which: what the joint angles do, "steering angles choose".
+        centre: the centre of a rotation that depends on joint angles.
+
+    Returns:
+        A noun phrase with the key of the kind of motion.
+    """
     vx, vy, w = c
     if not w and not vy and vx.constant is not None:
-        return "is motion straight ahead"
+        return keyed("column.ahead", "motion straight ahead")
     if not w and not vx and vy.constant is not None:
-        return "is motion to the left"
+        return keyed("column.left", "motion to the left")
     turned = has_angles(c)
     if not w:
-        return f"is a translation in {f'the direction that the {which}' if turned else 'a fixed direction'}"
+        direction = f"the direction that the {which}" if turned else "a fixed direction"
+        return keyed("column.translation", f"a translation in {direction}")
     if not vx and not vy:
-        return "is a rotation about P"
-    return f"is a rotation about {f'{centre} that the {which}' if turned else 'a fixed point'}"
+        return keyed("column.rotation_about_p", "a rotation about P")
+    if not turned:
+        return keyed("column.rotation_about_fixed_point", "a rotation about a fixed point")
+    key = "column.rotation_about_icr" if "ICR" in centre else "column.rotation_about_point"
+    return keyed(key, f"a rotation about {centre} that the {which}")

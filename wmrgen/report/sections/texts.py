@@ -1,7 +1,7 @@
-"""Section 10: which equations of the textbooks this robot reproduces; the turning circle of a car.
+"""Write section 10: the equations of textbooks that hold for a robot; and the turning circle of a car.
 
-An equation is cited where the robot's rows are those of the text, with the text's letters put in, to 1e-9 of their
-size: robot files hold rounded numbers.
+An equation is cited if its rows, with the letters of the text replaced by their values, equal those of the robot to
+1e-9 of their size. Exact equality would be too strict, because robot files have rounded numbers.
 """
 
 from __future__ import annotations
@@ -17,41 +17,41 @@ from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.exact.poly import Poly
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.report.sections.latex import latex
-from wmrgen.report.sections.markdown import aligned, items, listed, plain
+from wmrgen.report.sections.markdown import aligned, items, keyed, listed, plain
 
-_ROUNDING = 1e-9
+_ROUNDING = 1e-9  # of the size of a number: rounding in robot files
 Letters = dict[str, Exact]
 Wheels = Sequence[Wheel]
 Rows = tuple[tuple[Exact, Exact, Exact], ...]
 
 
 class Citation(NamedTuple):
-    """``equation`` of a text gives ``what``; ``letters``: the text's symbols and their values here.
+    """An equation of a textbook that holds for the robot."""
 
-    ``wheels``: in the order of the text.
-    """
-
-    equation: str
-    what: str
-    letters: Letters
-    wheels: Wheels = ()
+    equation: str  # text and number of the equation
+    what: str  # what it gives
+    letters: Letters  # symbols of the text, with their values for this robot
+    wheels: Wheels = ()  # in the order of the text
 
 
 def texts(d: Derivation) -> list[str]:
-    """Section 10, of a layout that a text has."""
+    """Return section 10; [] if no text has this layout."""
     lines = []
     for c in citations(d.robot):
         letters = ", ".join(f"{name} = {plain(value)}" for name, value in c.letters.items())
         order = f"wheels in the order {listed([w.name for w in c.wheels])}" if len(c.wheels) > 1 else ""
         details = "; ".join(part for part in (letters, order) if part)
         lines.append(f"{c.equation}: {c.what}" + (f" ({details})" if details else ""))
-    return ["## 10 In the textbooks", "The rows of this robot are those of", *items(lines)] if lines else []
+    if not lines:
+        return []
+    return ["## 10 In the textbooks", "These equations have the same rows as this robot:", *items(lines)]
 
 
 def citations(robot: Robot) -> list[Citation]:
-    """Every citation that holds for the robot; none where a wheel slides along itself as no wheel of the texts does.
+    """Return every citation that holds for the robot.
 
-    Couplings occur in the texts only where all wheels steer.
+    The result is [] if a wheel can slide along its rolling direction, because no wheel of the texts does. Robots with
+    couplings occur in the texts only if all their wheels steer.
     """
     wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rolls_across]
     if not all(w.has_spin for w in wheels):
@@ -61,7 +61,7 @@ def citations(robot: Robot) -> list[Citation]:
 
 
 def _driven(wheels: Wheels) -> bool:
-    """Every wheel is driven and measured, so that `inverse` and `forward` are those of the texts."""
+    """Return whether every wheel is driven and measured, as `inverse` and `forward` of the texts assume."""
     return all("spin" in w.actuated and "spin" in w.sensed for w in wheels)
 
 
@@ -74,7 +74,7 @@ def _ahead(w: Wheel) -> bool:
 
 
 def _rows(wheels: Wheels) -> Rows:
-    """Spin per twist of each wheel: J2^-1 J1, exact."""
+    """Return the exact rows of J2^-1 J1: the spin of each wheel per twist."""
     rows = []
     for w in wheels:
         g = nominal_view(w)
@@ -89,7 +89,7 @@ def _alike(rows: Rows, expected: Rows) -> bool:
 
 
 def _unicycle(robot: Robot, wheels: Wheels) -> list[Citation]:
-    """One fixed wheel, under P."""
+    """Cite the unicycle: one fixed wheel, under P."""
     if len(wheels) != 1 or not wheels[0].kind.fixed_axle or not _ahead(wheels[0]):
         return []
     g = wheels[0].nominal
@@ -102,7 +102,7 @@ def _unicycle(robot: Robot, wheels: Wheels) -> list[Citation]:
 
 
 def _differential(robot: Robot, wheels: Wheels) -> list[Citation]:
-    """Two fixed wheels on one axle, the same on both sides of x."""
+    """Cite the differential drive: two fixed wheels on one axle, symmetric about the x axis."""
     if len(wheels) != 2 or any(not w.kind.fixed_axle or not _ahead(w) for w in wheels) or not _driven(wheels):
         return []
     pair = right, left = sorted(wheels, key=lambda w: float(w.nominal.y))
@@ -122,7 +122,7 @@ def _differential(robot: Robot, wheels: Wheels) -> list[Citation]:
 
 
 def _locked_bicycle(robot: Robot, wheels: Wheels) -> list[Citation]:
-    """Two fixed wheels in line, one behind the other."""
+    """Cite the bicycle with locked steering: two fixed wheels, one behind the other."""
     in_line = [
         w for w in wheels if w.kind.fixed_axle and _same(w.nominal.y, ZERO) and _same(w.nominal.sh, ZERO)
     ]
@@ -136,7 +136,7 @@ def _locked_bicycle(robot: Robot, wheels: Wheels) -> list[Citation]:
 
 
 def car(robot: Robot, wheels: Wheels) -> list[Citation]:
-    """Fixed wheels on the axle through P, steered wheels in front."""
+    """Cite the car: fixed wheels on the axle through P, steered wheels in front."""
     fixed, steered = [w for w in wheels if w.kind.fixed_axle], [w for w in wheels if w.kind.steers]
     if not fixed or not steered or len(fixed) + len(steered) < len(wheels):
         return []
@@ -164,8 +164,10 @@ def car(robot: Robot, wheels: Wheels) -> list[Citation]:
 
 
 def turning_circle(robot: Robot) -> list[str]:
-    """Steering and turning circle of a robot with a fixed axle through P and one or two wheels in front that steer:
-    Ackermann's rule, the radius (Tzafestas (2.49)-(2.51))."""
+    """Write the steering angle and the turning circle of a car (Tzafestas (2.49)-(2.51)).
+
+    The result is [] unless the robot has a fixed axle through P and one or two steered wheels in front of it.
+    """
     steered = [w for w in robot.wheels if w.kind.steers]
     wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rolls_across]
     if (
@@ -183,10 +185,12 @@ def turning_circle(robot: Robot) -> list[str]:
     base, track = left.nominal.x, left.nominal.y - right.nominal.y
     length = " = ".join(dict.fromkeys(["L", latex(symbolic_view(left).x), plain(base)]))
     radius = rf"&= \frac{{\omega\,L}}{{v_x}} = \frac{{L}}{{R}}, \qquad {length}"
-    words = "P turns on a circle of radius R, to the left where R > 0, with v<sub>x</sub> = ω R"
-    behind = ", and L is negative, for it steers behind P" if base.sign < 0 else ""
+    words = "P moves on a circle of radius R, to the left if R > 0, with v<sub>x</sub> = ω R."
+    behind = ""
+    if base.sign < 0:
+        behind = keyed("car.steers_behind", " L is negative, because the steered wheel is behind P.")
     if len(steered) == 1:
-        return [f"{words}{behind}:", *aligned([rf"\tan{psi_l} {radius}"])]
+        return [f"{words}{behind}", *aligned([rf"\tan{psi_l} {radius}"])]
     named = (symbolic_view(left).y - symbolic_view(right).y) * symbolic_view(left).x.inverse()
     equal = [
         r"\frac{\mathrm{track}}{\mathrm{wheelbase}}",
@@ -194,14 +198,17 @@ def turning_circle(robot: Robot) -> list[str]:
     ]
     ratio = " = ".join([*equal, notation.decimal(float(track / base))])
     return [
-        f"{words}. The axles of both steered wheels pass through its centre (Ackermann); ψ is the angle of the virtual "
-        f"wheel midway{behind}:",
+        keyed(
+            "car.ackermann",
+            f"{words} The axles of both steered wheels pass through the centre of this circle (Ackermann). ψ is the "
+            f"angle of a virtual wheel midway between them.{behind}",
+        ),
         *aligned([rf"\tan\psi {radius}", rf"\cot{psi_r} - \cot{psi_l} &= {ratio}"]),
     ]
 
 
 def _omni(robot: Robot, wheels: Wheels) -> list[Citation]:
-    """Omni wheels that drive along the tangent of one circle."""
+    """Cite the omnidirectional robot: omni wheels that drive along the tangents of a circle."""
     if len(wheels) < 3 or not _driven(wheels):
         return []
     if any(not w.kind.rolls_across or not _same(w.nominal.sg, ZERO) for w in wheels):
@@ -225,7 +232,7 @@ def _omni(robot: Robot, wheels: Wheels) -> list[Citation]:
 
 
 def _ring(wheels: Wheels, twelfths: tuple[int, ...], equation: str, letters: Letters) -> list[Citation]:
-    """Three wheels whose headings are these multiples of pi/12, in any order."""
+    """Return a citation if three wheels have these headings, as multiples of pi/12, in any order."""
     order = []
     for k in twelfths:
         c, s = (p.constant for p in cos_sin(Poly.gen("pi") * Poly.of(k) * Poly.of(12).inverse()))
@@ -235,7 +242,7 @@ def _ring(wheels: Wheels, twelfths: tuple[int, ...], equation: str, letters: Let
 
 
 def _mecanum(robot: Robot, wheels: Wheels) -> list[Citation]:
-    """Four Swedish 45 degree wheels in a rectangle, roller axes at the ground through its middle lines."""
+    """Cite the mecanum robot: four Swedish 45° wheels in a rectangle."""
     if len(wheels) != 4 or not _driven(wheels):
         return []
     if any(not w.kind.rollers or not _ahead(w) or not w.nominal.sg for w in wheels):
@@ -252,7 +259,7 @@ def _mecanum(robot: Robot, wheels: Wheels) -> list[Citation]:
 
 
 def _all_steered(robot: Robot, wheels: Wheels) -> list[Citation]:
-    """Steered wheels alone, coupled or not."""
+    """Cite robots with steered wheels only, coupled or not."""
     if len(wheels) < 2 or any(not w.kind.steers for w in wheels):
         return []
     if robot.couplings:
@@ -272,7 +279,7 @@ def _all_steered(robot: Robot, wheels: Wheels) -> list[Citation]:
 
 
 def _castors(robot: Robot, wheels: Wheels) -> list[Citation]:
-    """Powered castors, whatever else the robot has."""
+    """Cite powered castors; the robot may have other wheels."""
     powered = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
     what = "both rates of a powered castor from the twist"
     return [Citation("Siegwart (3.17), (3.18)", what, {}, powered)] if powered else []

@@ -37,9 +37,8 @@ class ConstraintRow(NamedTuple):
     wheel: Wheel
     kind: str  # rolling or sliding
     row: Row  # coefficients of vx, vy and omega
-    rates: tuple[
-        tuple[tuple[int, str], Poly], ...
-    ]  # (wheel index, joint) and the coefficient of that joint's rate
+    # (wheel index, joint) and the coefficient of the rate of that joint.
+    rates: tuple[tuple[tuple[int, str], Poly], ...]
 
 
 class Constraints(NamedTuple):

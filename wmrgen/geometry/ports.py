@@ -34,9 +34,8 @@ class Reading(NamedTuple):
     """The reading of an encoder: a whole number of counts."""
 
     modulus: int  # readings run from 0 to modulus - 1 and then wrap
-    offset: int | None = (
-        None  # reading of an absolute encoder when its joint is at 0; None for an incremental one
-    )
+    # Reading of an absolute encoder when its joint is at 0; None for an incremental one.
+    offset: int | None = None
 
     @property
     def width(self) -> int:
@@ -126,9 +125,8 @@ def usual_range(nominal: Exact) -> tuple[Exact, Exact]:
     return nominal - spread, nominal + spread
 
 
-OVERSHOOT = (
-    1.25  # factor on the limits of measured joints: a joint slightly beyond its limit must not stop the robot
-)
+# Factor on the limits of measured joints: a joint slightly beyond its limit must not stop the robot.
+OVERSHOOT = 1.25
 
 
 def overshot(low: float, high: float) -> tuple[float, float]:

@@ -72,7 +72,7 @@ def test_a_crossing_is_refused(parameters: str, x: str, r: str) -> None:
         laid_out(parameters, x, r)
     (error,) = caught.value.parts
     assert error.mark and error.mark.line == (3 if "c:" in parameters and r == "0.1" else 5)
-    assert re.search(r"\ba\b|\bb\b", error.what) and "WMR109" in str(error)
+    assert re.search(r"\ba\b|\bb\b", error.what) and error.code == "WMR109"
     suggested = dict(re.findall(r"(\w): \{value: [^,]*, tunable: (\[[^]]*\])", error.instead))
     assert suggested, error.instead
     for name, ends in suggested.items():
@@ -120,9 +120,10 @@ def test_every_place_counts() -> None:
         "gains: {k_rho: 1/(a - 0.95)}\n",
         "virtual: [{name: v, drives: [w], x: 1/(a - 0.95), y: 0}]\n",
     ):
-        with pytest.raises(RobotFileError, match=r"\ba\b") as caught:
+        with pytest.raises(RobotFileError) as caught:
             build(read(head + more))
         assert caught.value.mark and caught.value.mark.line == 6, more
+        assert caught.value.code == "WMR109" and re.search(r"\ba\b", caught.value.what), more
 
 
 def test_one_line_for_one_cause() -> None:
@@ -133,7 +134,8 @@ def test_one_line_for_one_cause() -> None:
     with pytest.raises(RobotFileError) as caught:
         build(read(text))
     (error,) = caught.value.parts
-    assert "square root" in error.what and len(error.again) == 1
+    assert error.code == "WMR109" and len(error.again) == 1
+    assert error.mark and error.mark.line == 5 and [mark.line for mark in error.again] == [6]
 
 
 @pytest.mark.parametrize("path", GALLERY, ids=lambda p: p.stem)
@@ -266,7 +268,7 @@ NARROW = (
 @pytest.mark.parametrize("backend", everyday(["exact", "casadi", "c"], ["exact", "c"]))
 @pytest.mark.parametrize(
     ("given", "problem"),
-    [("b=2.1", "with b = 2.1: square root"), ("a=0.95", "with a = 0.95: the radius"), ("a=0.9", "a = 0.9")],
+    [("b=2.1", "b = 2.1"), ("a=0.95", "a = 0.95"), ("a=0.9", "a = 0.9")],
 )
 def test_eval_refuses_parameters_without_geometry(
     given: str, problem: str, backend: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
@@ -288,15 +290,17 @@ def test_what_is_only_beyond_the_range_is_told(tmp_path: Path, wmrgen_cli: Calla
     path = tmp_path / "probed.yaml"
     path.write_text(ROBOT.format(*NARROW))
     done = wmrgen_cli("eval", path, "inverse", "vx=1", "vy=0", "omega=0", "a=1.2", "--json")
-    assert done.code == 0 and "a is beyond its range, 0.96 to 1.1" in done.err and "beyond" not in done.out
+    assert done.code == 0 and json.loads(done.out)
+    assert re.search(r"\ba\b.*\b0\.96\b.*\b1\.1\b", done.err)
 
 
 def test_python_refuses_them_too() -> None:
     derivation = wmrgen.derive(laid_out(*NARROW))
     one = Exact(1)
     derivation.evaluate("inverse", {"vx": one})
-    with pytest.raises(UsageError, match=r"with b = 3: square root of a negative number"):
+    with pytest.raises(UsageError) as caught:
         derivation.evaluate("inverse", {"vx": one, "b": one * 3})
+    assert "b = 3" in caught.value.what and ":5:" in caught.value.what
 
 
 BODY = """
@@ -381,9 +385,9 @@ limits: {vx: 1, omega: 1, spin: 20}
 
 def test_derive_says_in_a_line_what_is_not_proved(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
     path = tmp_path / "probed.yaml"
-    for x, told in (("0.3 + 0.1*sqrt(a*a - a*b + b*b/4)", True), ("sqrt(2.5 - b)", False)):
+    for x, proved in (("0.3 + 0.1*sqrt(a*a - a*b + b*b/4)", False), ("sqrt(2.5 - b)", True)):
         path.write_text(ROBOT.format(NARROW[0], x, "0.1"))
         done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
-        lines = [line for line in done.err.splitlines() if "not proved" in line]
-        assert done.code == 0 and len(lines) == told
-        assert not told or ("inverse" in lines[0] and "numerics.md" in lines[0])
+        lines = [line for line in done.err.splitlines() if "numerics.md" in line]
+        assert done.code == 0 and len(lines) == (not proved)
+        assert proved or "inverse" in lines[0]

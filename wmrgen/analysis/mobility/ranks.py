@@ -29,9 +29,8 @@ Angles = Callable[[str], tuple[Exact, Exact]]  # wheel -> cosine and sine of its
 NEAR = 32  # units: the centre lies on a grid this wide, so that it is P of a robot that stands about P
 GRID = 1e12  # singular values are kept to this fraction of the largest
 _SPAN_TOLERANCE = 1e-8
-_PRIME = (
-    1009  # generic angles have tan(angle/2) in parts of it: no triangle of lengths that people write has them
-)
+# Generic angles have tan(angle/2) in parts of it: no triangle of lengths that people write has them.
+_PRIME = 1009
 
 
 class Unit(NamedTuple):

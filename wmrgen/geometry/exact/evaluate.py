@@ -26,9 +26,7 @@ _HALF_ANGLE_DIGITS = 20  # digits of tan(angle/2): cosine and sine are quadratic
 _TIMES = range(
     -4, 5
 )  # multiples of an angle that the addition theorem expands; more would give too many terms
-_ROUNDED = (
-    1e-18  # relative: a smaller difference of rounded numbers is zero, because a root halves the 40 digits
-)
+_ROUNDED = 1e-18  # relative: a smaller difference of rounded numbers is 0; a root halves the 40 digits
 
 _TANGENTS = {Fraction(k, 12): _SIN[k] / _SIN[6 - k] for k in range(6)}
 _TANGENTS |= {
@@ -269,15 +267,15 @@ def _function_value(gen: Gen, args: tuple[Fraction, ...]) -> Exact:
             case "sqrt" if values[0] < 0:
                 raise ValueError("square root of a negative number")
             case "sqrt":
-                return _rounded(mpmath.sqrt(values[0]))
+                return rounded(mpmath.sqrt(values[0]))
             case "atan2":
-                return _rounded(mpmath.atan2(*values))
+                return rounded(mpmath.atan2(*values))
             case "tan":
-                return _rounded(mpmath.tan(values[0]))
+                return rounded(mpmath.tan(values[0]))
     raise ValueError(f"no value for {gen.kind}")
 
 
-def _rounded(value: mpmath.mpf) -> Exact:
+def rounded(value: mpmath.mpf) -> Exact:
     """Return a real number rounded to a fraction of 40 digits."""
     with mpmath.workdps(PRECISION):
         if not value:

@@ -60,12 +60,13 @@ class Merged(NamedTuple):
     ]  # difference between the values of two proportional rows, and its weight
 
 
-def solve_symbolic(rows: Sequence[Measured], names: Locals) -> Solution:
+def solve_symbolic(rows: Sequence[Measured], names: Locals, most_terms: int = MOST_TERMS) -> Solution:
     """Return the least-squares twist of rows that have rank 3 for nominal parameters.
 
     Args:
         rows: Measured rows [m/s over m/s, m/s, rad/s], geometry in symbols, no joint angle.
         names: Intermediate results that the values of the rows refer to.
+        most_terms: The most terms of a component that is written out.
 
     Returns:
         The exact form with the fewest operations.
@@ -73,7 +74,7 @@ def solve_symbolic(rows: Sequence[Measured], names: Locals) -> Solution:
     merged = merge(rows)
     solve, own = _square_steps if len(merged.rows) == 3 else _steps, names.copy()
     twists = [(solve(merged.rows, own), own)]
-    products = written_out(rows)
+    products = written_out(rows, most_terms)
     if products is not None:
         twists.append(([_expression(p) for p in products], names.copy()))
     forms = [form for form, _ in merged.differences]
@@ -122,14 +123,15 @@ def _proportion(row: Row, other: Row) -> Exact | None:
 # ---- the twist
 
 
-def written_out(rows: Sequence[Measured]) -> list[Product] | None:
+def written_out(rows: Sequence[Measured], most_terms: int = MOST_TERMS) -> list[Product] | None:
     """Return the least-squares twist of rows of rank 3, each component as one product in lowest terms.
 
     Args:
         rows: Measured rows [m/s over m/s, m/s, rad/s], geometry in symbols, no joint angle in a row.
+        most_terms: The most terms of a component.
 
     Returns:
-        vx, vy [m/s] and omega [rad/s]; None if a component has more than `MOST_TERMS` terms.
+        vx, vy [m/s] and omega [rad/s]; None if a component has more terms.
     """
     plain = [(triple(map(unrelated, row)), unrelated(z), weight) for row, z, weight in merge(rows).rows]
     if len(plain) == 3:
@@ -139,7 +141,7 @@ def written_out(rows: Sequence[Measured]) -> list[Product] | None:
         matrix = [[shorter(p) for p in row] for row in normal]
     # An entry of the adjugate has T**2 terms for T terms in an entry of the matrix.
     entry, value = (max(len(p.terms) for p in entries) for entries in (chain(*matrix), values))
-    return _by_cramer(matrix, values) if entry**2 * value <= MOST_TERMS else None
+    return _by_cramer(matrix, values) if entry**2 * value <= most_terms else None
 
 
 def _by_cramer(matrix: Sequence[Sequence[Poly]], values: Sequence[Poly]) -> list[Product]:

@@ -76,7 +76,7 @@ def fit_rigid(contacts: Sequence[Contact], names: Locals) -> tuple[Twist, Expr]:
     if len(contacts) == 1:
         return _single(contacts[0], names)
     pivots = spread(contacts)
-    return _centred(contacts, names) if pivots is None else _collapsed(contacts, pivots, names)
+    return fit_centred(contacts, names) if pivots is None else _collapsed(contacts, pivots, names)
 
 
 def _single(contact: Contact, names: Locals) -> tuple[Twist, Expr]:
@@ -88,8 +88,8 @@ def _single(contact: Contact, names: Locals) -> tuple[Twist, Expr]:
     return (expression(vx), expression(vy), expression(omega)), sympy.S.Zero
 
 
-def _centred(contacts: Sequence[Contact], names: Locals) -> tuple[Twist, Expr]:
-    """Return twist and residual norm with the contact points relative to their mean."""
+def fit_centred(contacts: Sequence[Contact], names: Locals) -> tuple[Twist, Expr]:
+    """Return twist and residual norm from contact points relative to their mean, for two contacts or more."""
     points = named_contacts(contacts, names)
     weights = [c.weight for c in contacts]
     share = ONE / _total(weights)
@@ -135,7 +135,7 @@ def _collapsed(contacts: Sequence[Contact], pivots: Spread, names: Locals) -> tu
     wx, wy = (_named(names, f"sum_w{k}", _sum(weights, (w[i] for w in speeds))) for i, k in enumerate("xy"))
     # The linear parts of inertia and moment get names, because they share sums with those of f and w.
     below = expression(names.poly("inertia", inertia) - fx * fx - fy * fy)
-    if not _stays_positive(inertia, sums):
+    if not surely_positive(inertia, sums):
         below = maximum(below, number(pivots.least * n / 2))
     omega = names.poly("omega_fit", expression(names.poly("moment", moment) - fx * wy + fy * wx) / below)
     share = pivots.unit / n
@@ -149,7 +149,7 @@ def _collapsed(contacts: Sequence[Contact], pivots: Spread, names: Locals) -> tu
     return (expression(vx), expression(vy), expression(omega)), _norm(errors, contacts, names, pivots.unit)
 
 
-def _stays_positive(inertia: Poly, sums: list[Poly]) -> bool:
+def surely_positive(inertia: Poly, sums: list[Poly]) -> bool:
     """Return whether interval arithmetic proves that ``inertia`` minus the squares of ``sums`` is positive.
 
     The factor 2 leaves room for any grouping of the terms.

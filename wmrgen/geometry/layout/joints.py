@@ -81,7 +81,7 @@ def weight_of(name: str, weight: Quantity, scope: Scope) -> Exact:
             f"weight of {name} is {weight.text}, not between 1/{MOST_WEIGHT} and {MOST_WEIGHT}", weight.mark,
             "A weight is about (noise of other wheels / noise of this wheel)**2. Rounding would hide rows with a much "
             "smaller weight.",
-            "Write a number such as 0.25, or sensed: [] to ignore the wheel.",
+            "Write a number such as 0.25; to ignore a wheel, write sensed: [].",
         )  # fmt: skip
     return value
 

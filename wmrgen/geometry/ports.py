@@ -62,7 +62,16 @@ class Port:
 
 
 def output(name: str, unit: str, text: str) -> Port:
-    """Return the port of a result of a function."""
+    """Return the port of a result of a function.
+
+    Args:
+        name: The contract name.
+        unit: The unit.
+        text: One line of description.
+
+    Returns:
+        The port.
+    """
     return Port(name, Role.COMMAND, unit, text)
 
 

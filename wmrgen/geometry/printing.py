@@ -104,9 +104,13 @@ class Latex(LatexPrinter):  # type: ignore[misc]
             return [first.removeprefix("+ "), *rest]
         if not isinstance(expr, sympy.Max | sympy.Min):
             return [str(self.doprint(expr))]
-        *before, (*last, end) = map(self.parts, _flat_arguments(expr))
-        first, *rest = [text for own in before for text in (*own[:-1], f"{own[-1]},")]
-        return [rf"\{expr.func.__name__.lower()}\Bigl({first}", *rest, *last, rf"{end}\Bigr)"]
+        texts: list[str] = []
+        for argument in _flat_arguments(expr):
+            *before, last = self.parts(argument)
+            texts += (*before, f"{last},")
+        texts[0] = rf"\{expr.func.__name__.lower()}\Bigl({texts[0]}"
+        texts[-1] = rf"{texts[-1].removesuffix(',')}\Bigr)"
+        return texts
 
     def _print_Piecewise(self, expr: Expr) -> str:
         (then, condition), (otherwise, _) = expr.args

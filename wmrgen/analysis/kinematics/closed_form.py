@@ -140,7 +140,8 @@ def written_out(rows: Sequence[Measured], most_terms: int = MOST_TERMS) -> list[
         normal, values = normal_equations(plain)
         matrix = [[shorter(p) for p in row] for row in normal]
     # An entry of the adjugate has T**2 terms for T terms in an entry of the matrix.
-    entry, value = (max(len(p.terms) for p in entries) for entries in (chain(*matrix), values))
+    entry = max(len(p.terms) for p in chain(*matrix))
+    value = max(len(p.terms) for p in values)
     return _by_cramer(matrix, values) if entry**2 * value <= most_terms else None
 
 

@@ -77,7 +77,9 @@ def readable_twist(robot: Robot) -> list[Product] | None:
     """
     measured = measurements(robot)
     rows = measured.rows
-    entries = [p for row, value, _ in rows for p in (*row, value)]
+    entries: list[Poly] = []
+    for row, value, _ in rows:
+        entries += (*row, value)
     named = any(parameters_in(p) for p in entries)
     if not (named and measured.constant_normal) or any(map(_has_long_numbers, entries)):
         return None

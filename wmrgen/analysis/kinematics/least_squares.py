@@ -69,8 +69,13 @@ def _blocks(m: Matrix) -> list[list[int]]:
     """Return the sets of indices that are connected by non-zero entries."""
     blocks: list[list[int]] = []
     for i in range(3):
-        linked = [b for b in blocks if any(m[i][j] for j in b)]
-        blocks = [b for b in blocks if b not in linked] + [sorted([*(j for b in linked for j in b), i])]
+        merged, others = [i], []
+        for block in blocks:
+            if any(m[i][j] for j in block):
+                merged += block
+            else:
+                others.append(block)
+        blocks = [*others, sorted(merged)]
     return sorted(blocks)
 
 
@@ -87,12 +92,17 @@ def _invert(part: Matrix, numbers: Numbers | None) -> Matrix:
         return [[Poly({}) for _ in part] for _ in part]
     rows = [part[i] for i in independent(padded, rank)]  # m = m^T: rows span its range
     columns = [list(column) for column in zip(*rows, strict=True)]
-    core = [[_sum(a, [_sum(row, b) for row in part]) for b in rows] for a in rows]
-    middle = inverse(core)
-    return [[_sum(a, [_sum(row, b) for row in middle]) for b in columns] for a in columns]
+    middle = inverse(_congruent(rows, part))
+    return _congruent(columns, middle)
 
 
-def _sum(a: list[Poly], b: list[Poly]) -> Poly:
+def _congruent(rows: list[list[Poly]], m: Matrix) -> Matrix:
+    """Return R m R^T for the rows R."""
+    products = [[_dot(row, b) for row in m] for b in rows]  # the columns of m R^T
+    return [[_dot(a, column) for column in products] for a in rows]
+
+
+def _dot(a: Sequence[Poly], b: Sequence[Poly]) -> Poly:
     return Poly.sum(x * y for x, y in zip(a, b, strict=True))
 
 
@@ -133,12 +143,15 @@ def norm(forms: Sequence[Poly], weight: Exact = ONE, weights: Sequence[Exact] | 
 
 
 def ratio_of(a: Poly, b: Poly, negligible: float = 0.0) -> Exact | None:
-    """Return a / b if it is a number, else None.
+    """Divide two proportional polynomials.
 
     Args:
         a: The numerator, not 0.
         b: The denominator, not 0.
         negligible: The largest relative error of a coefficient that is ignored.
+
+    Returns:
+        The number a / b, or None if they are not proportional.
     """
     if a.terms.keys() != b.terms.keys():
         return None

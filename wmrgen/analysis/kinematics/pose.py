@@ -97,8 +97,11 @@ def dynamics(robot: Robot, mobility: Mobility) -> Formula:
 
 def _swivelling(robot: Robot, columns: tuple[Row, ...]) -> list[Wheel]:
     """Return the castors whose angles the null space depends on. Their angles are states; they have couplings."""
-    seen = {g.name for column in columns for p in column for g in p.generators if g.kind in ("cos", "sin")}
-    return [w for w in robot.wheels if w.kind.swivels and w.name in seen]
+    names: set[str] = set()
+    for column in columns:
+        for p in column:
+            names |= {g.name for g in p.generators if g.kind in ("cos", "sin")}
+    return [w for w in robot.wheels if w.kind.swivels and w.name in names]
 
 
 def _nested(q: Expr) -> Expr:

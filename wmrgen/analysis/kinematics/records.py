@@ -201,11 +201,29 @@ class Locals:
         return rotated(c, s, *vector)
 
     def poly(self, name: str, value: Expr | Poly, quantity: str = "") -> Poly:
-        """Add an intermediate result, see `define`, and return it as a polynomial."""
+        """Add an intermediate result.
+
+        Args:
+            name: Its name.
+            value: Its value.
+            quantity: What reports call it, see `define`.
+
+        Returns:
+            Its symbol as a polynomial.
+        """
         return Poly.gen("local", self.define(name, value, quantity).name)
 
     def short(self, name: str, value: Poly, quantity: str = "") -> Poly:
-        """Return a sum as a new intermediate result, see `define`, and a single term as it is."""
+        """Add an intermediate result if its value is a sum.
+
+        Args:
+            name: Its name.
+            value: Its value.
+            quantity: What reports call it, see `define`.
+
+        Returns:
+            Its symbol as a polynomial, or the value itself if it is a single term.
+        """
         return self.poly(name, value, quantity) if len(value.terms) > 1 else value
 
     def formula(
@@ -218,6 +236,9 @@ class Locals:
             inputs: Its inputs.
             outputs: Its outputs, with their values.
             text: Its description.
+
+        Returns:
+            A formula with all intermediate results that were added.
         """
         return Formula(
             name,
@@ -247,7 +268,16 @@ class Locals:
 
 
 def joint_port(wheel: Wheel, joint: str, role: Role) -> Port:
-    """Return the port ``<wheel>.<joint>`` of a joint (spin, steer or steer_rate) with the given role."""
+    """Return the port ``<wheel>.<joint>`` of a joint.
+
+    Args:
+        wheel: The wheel.
+        joint: spin, steer or steer_rate.
+        role: The role of the port.
+
+    Returns:
+        The port, with the unit and the description of the joint.
+    """
     return replace(JOINTS[joint], name=f"{wheel.name}.{joint}", role=role)
 
 

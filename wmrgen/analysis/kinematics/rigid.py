@@ -130,9 +130,10 @@ def _collapsed(contacts: Sequence[Contact], pivots: Spread, names: Locals) -> tu
         offsets.append((fx, fy))
         speeds.append((u, v))
     weights = [c.weight for c in contacts]
-    sums = [_sum(weights, (f[i] for f in offsets)) for i in (0, 1)]
-    fx, fy = (_named(names, f"sum_f{k}", p) for k, p in zip("xy", sums, strict=True))
-    wx, wy = (_named(names, f"sum_w{k}", _sum(weights, (w[i] for w in speeds))) for i, k in enumerate("xy"))
+    sums = [_sum(weights, (x for x, _ in offsets)), _sum(weights, (y for _, y in offsets))]
+    fx, fy = _named(names, "sum_fx", sums[0]), _named(names, "sum_fy", sums[1])
+    wx = _named(names, "sum_wx", _sum(weights, (u for u, _ in speeds)))
+    wy = _named(names, "sum_wy", _sum(weights, (v for _, v in speeds)))
     # The linear parts of inertia and moment get names, because they share sums with those of f and w.
     below = expression(names.poly("inertia", inertia) - fx * fx - fy * fy)
     if not surely_positive(inertia, sums):
@@ -173,6 +174,8 @@ def _sum(weights: Iterable[Exact], values: Iterable[Poly]) -> Poly:
 
 def _norm(errors: list[Poly], contacts: Sequence[Contact], names: Locals, unit: Exact = ONE) -> Expr:
     """Return the norm of errors [m/s], of which each contact has two, in ``unit`` per second."""
-    squares = (square(names.define(f"error_{i}", e.scale(unit))) for i, e in enumerate(errors))
-    weights = (number(c.weight) for c in contacts for _ in (0, 1))
-    return root(add(*(times(weight, s) for weight, s in zip(weights, squares, strict=True))))
+    terms = []
+    for i, error in enumerate(errors):
+        weight = number(contacts[i // 2].weight)
+        terms.append(times(weight, square(names.define(f"error_{i}", error.scale(unit)))))
+    return root(add(*terms))

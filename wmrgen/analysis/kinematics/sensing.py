@@ -222,7 +222,8 @@ def _spread(wheels: Sequence[Wheel]) -> Exact:
     shapes = [w.nominal for w in wheels]
     if not shapes:
         return ONE
-    x, y = (sum((getattr(g, k) for g in shapes), Exact(0)) / len(shapes) for k in ("x", "y"))
+    x = sum((g.x for g in shapes), Exact(0)) / len(shapes)
+    y = sum((g.y for g in shapes), Exact(0)) / len(shapes)
     total = sum(((g.x - x) ** 2 + (g.y - y) ** 2 + g.d * g.d + g.o * g.o for g in shapes), Exact(0))
     return total / len(shapes) if total else ONE
 
@@ -323,11 +324,15 @@ def _rank(rows: list[list[float]], wheels: Sequence[Wheel]) -> int:
 
 def lower_bound(measured: Measurements) -> float:
     """Return a lower bound of det N from the constant rows; 0 if they do not have rank 3 for all parameters."""
-    numbers = [([p.constant for p in row], math.sqrt(float(weight))) for row, _, weight in measured.rows]
-    rows = [[size * float(v) for v in row if v is not None] for row, size in numbers if None not in row]
+    rows = []
+    for row, _, weight in measured.rows:
+        values = [v for v in (p.constant for p in row) if v is not None]
+        if len(values) == 3:
+            size = math.sqrt(float(weight))
+            rows.append([size * float(v) for v in values])
     if _rank(rows, measured.wheels) < 3:
         return _bound_of_three(measured)
-    a, b, c = ([sum(r[i] * r[j] for r in rows) for j in range(3)] for i in range(3))
+    a, b, c = [[sum(r[i] * r[j] for r in rows) for j in range(3)] for i in range(3)]  # N
     return float(sum(x * y for x, y in zip(a, np.cross(b, c), strict=True)))
 
 

@@ -61,7 +61,8 @@ def constant_rows(c: Constraints) -> list[tuple[Row, int | None]]:
     for s in sets:
         members = [r for r in (*c.rolling, *c.sliding) if r.wheel.index in s]
         rows += [(r.row, r.wheel.index) for r in members if _without_rates(r)]
-        rows += [(row, None) for row in _eliminate(c.robot, [r for r in members if not _without_rates(r)])]
+        with_rates = [r for r in members if not _without_rates(r)]
+        rows += [(row, None) for row in _eliminate(c.robot, with_rates)]
     inside = frozenset[int]().union(*sets)
     rows += [(r.row, r.wheel.index) for r in c.sliding_fixed if r.wheel.index not in inside]
     return [(row, wheel) for row, wheel in rows if any(row)]
@@ -183,10 +184,14 @@ def components(rows: Array, forms: Sequence[Array], tolerance: float = SMALL) ->
         if other is None:
             return _conic(first, space)
         # The common zeros of two forms are zeros of the degenerate forms in their pencil.
-        roots = np.roots(np.poly(np.linalg.solve(first, other)))
-        pencil = [_normals(other - r.real * first) for r in roots if abs(r.imag) < 1e-9]
-        normals = [n for normals in pencil for n in normals or []]
-    return [c for n in normals for c in components(np.vstack([rows, n @ space]), forms, 10 * tolerance)]
+        normals = []
+        for value in np.roots(np.poly(np.linalg.solve(first, other))):
+            if abs(value.imag) < 1e-9:
+                normals += _normals(other - value.real * first) or []
+    found: list[Admissible] = []
+    for n in normals:
+        found += components(np.vstack([rows, n @ space]), forms, 10 * tolerance)
+    return found
 
 
 def _normals(form: Array) -> list[Array] | None:

@@ -236,7 +236,9 @@ def _exact_rank(robot: Robot, numbers: list[ExactRow]) -> int:
     basis = null_space(numbers or [(ZERO, ZERO, ZERO)], 3)
     best = 0
     for weights in _WEIGHTS:
-        twist = [sum((b[k] * weights[i] for i, b in enumerate(basis)), ZERO) for k in range(3)]
+        twist = [ZERO, ZERO, ZERO]
+        for weight, vector in zip(weights, basis, strict=False):  # the basis may be smaller
+            twist = [t + v * weight for t, v in zip(twist, vector, strict=True)]
         rows: list[ExactRow] = list(numbers)
         for w in robot.wheels:
             if w.kind.steers:

@@ -58,8 +58,8 @@ def growth_vector(at: Configuration) -> tuple[int, ...]:
 def _growth_of_twists(now: Array, tangent: Array, steering: int) -> tuple[int, ...]:
     """Return the growth vector for twists that depend on steering alone.
 
-    ``now`` is a basis of the null space, ``tangent`` spans the twists that are reachable with one steering rate, and
-    ``steering`` is the number of independent steering rates, each a state of its own.
+    ``now`` is a basis of the null space. ``tangent`` spans the twists that are reachable with one steering rate.
+    ``steering`` is the number of independent steering rates; each steering angle is a state.
     """
     dims = [steering + len(span(now))]
     reached = span(np.vstack([tangent, grown(now, now)]))
@@ -92,7 +92,11 @@ def _growth_of_fields(robot: Robot, columns: tuple[Row, ...], steering: int) -> 
 
     There are two columns, functions of the castor angles. Either both are inputs, or steering determines their ratio.
     """
-    castors = sorted({g.name for column in columns for p in column for g in p.generators})
+    names: set[str] = set()
+    for column in columns:
+        for p in column:
+            names |= {g.name for g in p.generators}
+    castors = sorted(names)
     state, turn = (*castors, *(_SHARE.name,) * steering), (_ZERO,) * len(castors)
     if steering:
         first, second = columns

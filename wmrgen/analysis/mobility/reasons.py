@@ -12,7 +12,7 @@ from wmrgen.analysis.mobility.admissible import along, coupled_sets
 from wmrgen.analysis.mobility.configure import Configuration
 from wmrgen.analysis.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
 from wmrgen.analysis.mobility.records import TOLERANCE, Array, Reason
-from wmrgen.geometry.constraints import constrain, nominal_view
+from wmrgen.geometry.constraints import Constraints, constrain, nominal_view
 from wmrgen.geometry.exact.evaluate import fix
 from wmrgen.geometry.exact.poly import Poly, Row
 from wmrgen.geometry.layout.records import Geometry, Robot, Wheel
@@ -95,7 +95,8 @@ def apart(at: Configuration) -> tuple[str, ...]:
     """Return three fixed wheels whose axles meet in no common point, or () if rank C1f is less than 3."""
     if at.rank_fixed.value < 3:
         return ()
-    wheels = [line[0] for line in _axle_lines([w for w in at.robot.wheels if w.kind.fixed_axle])]
+    fixed = [w for w in at.robot.wheels if w.kind.fixed_axle]
+    wheels = [line[0] for line in _axle_lines(fixed)]
     rows = unit_rows(np.array([_axle(w) for w in wheels]))
     three = next(t for t in combinations(range(len(wheels)), 3) if numeric_rank(rows[list(t)])[0] == 3)
     return tuple(wheels[i].name for i in three)
@@ -187,8 +188,10 @@ def _steering(at: Configuration, deciding: tuple[Wheel, ...]) -> list[Reason]:
 
 def _unconstrained_wheels(at: Configuration) -> list[Reason]:
     """Return the sentence about wheels without a sliding constraint."""
-    together = at.robot.together("steer", (w for w in at.robot.wheels if w.kind.swivels))
-    bound = [w for wheels in together if len(wheels) > 1 for w in wheels]  # castors of one motor do constrain
+    bound: list[Wheel] = []  # castors that one motor turns together do constrain the robot
+    for wheels in at.robot.together("steer", (w for w in at.robot.wheels if w.kind.swivels)):
+        if len(wheels) > 1:
+            bound += wheels
     free = [w for w in at.robot.wheels if not w.kind.constrains and w not in bound]
     if not free:
         return []
@@ -302,16 +305,24 @@ def _coincidences(at: Configuration) -> list[Reason]:
     at_nominal = constrain(at.robot, nominal_view)
     at_general = constrain(at.robot, at.unit.view(lambda w: general[w.index]))
     nominal = ", ".join(f"{p.name} = {float(p.nominal):.6g}" for p in parameters)
-    fixed_sliding = [_rank([r.row for r in c.sliding_fixed]) for c in (at_nominal, at_general)]
-    rolling = [_rank([r.row for r in c.rolling if not r.wheel.turns]) for c in (at_nominal, at_general)]
     found = []
-    for name, (own, usual) in (("C1f", fixed_sliding), ("J1", rolling)):
+    for name, rows_of in (("C1f", _rows_of_C1f), ("J1", _rows_of_J1)):
+        own, usual = _rank(rows_of(at_nominal)), _rank(rows_of(at_general))
         if own < usual:
             text = (
                 f"The rank of {name} is {own} at the given values ({nominal}) and {usual} for general ones."
             )
             found.append(Reason("coincidence", text))
     return found
+
+
+def _rows_of_C1f(c: Constraints) -> list[Row]:
+    return [r.row for r in c.sliding_fixed]
+
+
+def _rows_of_J1(c: Constraints) -> list[Row]:
+    """Return the rolling rows that do not depend on joint angles."""
+    return [r.row for r in c.rolling if not r.wheel.turns]
 
 
 def _general(robot: Robot, step: int) -> list[Geometry[Poly]] | None:

@@ -75,7 +75,16 @@ def determinant(m: Matrix) -> Poly:
 
 
 def cofactor(m: Matrix, i: int, j: int) -> Poly:
-    """Return (-1)^(i + j) times the determinant of ``m`` without row i and column j."""
+    """Return a cofactor of a matrix.
+
+    Args:
+        m: A square matrix.
+        i: The row to remove.
+        j: The column to remove.
+
+    Returns:
+        (-1)^(i + j) times the determinant of the rest.
+    """
     minor = determinant([[*row[:j], *row[j + 1 :]] for k, row in enumerate(m) if k != i])
     return -minor if (i + j) % 2 else minor
 

@@ -279,7 +279,16 @@ def has_angles(row: Iterable[Poly]) -> bool:
 
 
 def at_angle(p: Poly, c: Poly, s: Poly) -> Poly:
-    """Return ``p`` with every joint at the angle whose cosine and sine are ``c`` and ``s``."""
+    """Return a polynomial with all joints at the same angle.
+
+    Args:
+        p: The polynomial.
+        c: The cosine of the angle.
+        s: The sine of the angle.
+
+    Returns:
+        The polynomial without joint angles.
+    """
     return p.substitute(lambda g: {"cos": c, "sin": s}.get(g.kind))
 
 

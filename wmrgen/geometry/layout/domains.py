@@ -155,6 +155,9 @@ class _Parameters(NamedTuple):
             expr: The expression.
             point: Values of tunable parameters; the others are nominal.
             mark: The place of the expression in the robot file.
+
+        Returns:
+            The value, or None for example for a division by zero.
         """
         values: dict[str, Poly] = {}
         try:

@@ -203,7 +203,8 @@ def turn_ratios(spec: RobotSpec, joint: str, leaders: Sequence[int], scope: Scop
     turns = dict.fromkeys(leaders, ONE)
     rest = [c for c in spec.couplings if c.joint == joint]
     while rest:
-        coupling = next(c for c in rest if any(names.index(n) in turns for n in c.wheels))
+        known = [c for c in rest if any(names.index(n) in turns for n in c.wheels)]
+        coupling = known[0]
         rest.remove(coupling)
         ratios = [_ratio(q, scope) for q in coupling.ratios] or [ONE] * len(coupling.wheels)
         if joint == "steer" and coupling.ratios:

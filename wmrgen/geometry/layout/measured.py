@@ -172,7 +172,8 @@ def _common_line(places: list[tuple[Wheel, Exact]], tolerance: Tolerance) -> Exa
 
 def _align_steering_axes(wheels: list[Wheel], tolerance: Tolerance) -> Aligned:
     """Move wheels that steer about nearly the same axis to their mean position."""
-    x, y = (sum((getattr(w.nominal, k) for w in wheels), ZERO) / len(wheels) for k in "xy")
+    x = sum((w.nominal.x for w in wheels), ZERO) / len(wheels)
+    y = sum((w.nominal.y for w in wheels), ZERO) / len(wheels)
     moved = [_moved(w, x - w.nominal.x, y - w.nominal.y) for w in wheels]
     steps = {w.name: abs(m.pivot - w.pivot) for w, m in zip(wheels, moved, strict=True)}
     apart = max(abs(a.pivot - b.pivot) for a, b in combinations(wheels, 2))
@@ -239,7 +240,8 @@ def _angle(a: Wheel, b: Wheel) -> float:
 
 def _side_by_side(one: list[Wheel], other: list[Wheel]) -> bool:
     """Return whether the wheels of one axle line are all to the left, or all to the right, of the other's wheels."""
-    a, b = ([(w.pivot / one[0].zero_heading).imag for w in line] for line in (one, other))
+    a = [(w.pivot / one[0].zero_heading).imag for w in one]
+    b = [(w.pivot / one[0].zero_heading).imag for w in other]
     return min(a) > max(b) or min(b) > max(a)
 
 

@@ -67,7 +67,7 @@ def no_track(wheels: Sequence[Wheel]) -> tuple[str, str]:
         what = "effective_track of a robot whose fixed wheels are not parallel"
         return what, "The wheels have no left and right side."
     if not fixed or not {*sides([w.pivot for w in fixed], fixed[0].zero_heading)} >= {_LEFT, _RIGHT}:
-        what = "effective_track of a robot without fixed wheels on both sides"
+        what = "effective_track of a robot with fixed wheels on one side at most"
         return what, "It is the distance between left and right wheels."
     return "", ""
 

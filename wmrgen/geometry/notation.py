@@ -16,9 +16,8 @@ from wmrgen.geometry.exact.number import Exact
 _GREEK = frozenset(
     "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu xi rho sigma tau phi psi omega".split()
 )
-_LETTERS = frozenset(
-    "abdfgjlrs"
-)  # letters that the reports do not use themselves, except d, l and r of wheels
+# Letters that the reports do not use themselves, except d, l and r of wheels.
+_LETTERS = frozenset("abdfgjlrs")
 _INDEXED = frozenset("v_x v_y c1 c2 c_1 c_2".split())  # indexed letters that the reports use themselves
 _JOINTS = {
     "spin": r"\dot{\varphi}", "spin_rate": r"\ddot{\varphi}",

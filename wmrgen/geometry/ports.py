@@ -122,9 +122,8 @@ def timeless(name: str) -> str:
     return plain if time in TIMES else name
 
 
-SPREAD = Fraction(
-    1, 10
-)  # default half-range of a tunable parameter, relative to its nominal value: build tolerances
+# Default half-range of a tunable parameter, relative to its nominal value: build tolerances.
+SPREAD = Fraction(1, 10)
 SPAN = Fraction(1, 100)  # default half-range [m or rad] of a tunable parameter that is nominally zero
 
 
@@ -148,9 +147,8 @@ def overshot(low: float, high: float) -> tuple[float, float]:
 class Site:
     """Numbers from a robot file that generated functions are checked and tested with."""
 
-    limits: Mapping[str, tuple[float, float]] = field(
-        default_factory=dict
-    )  # contract name -> (low, high), SI units
+    # Contract name -> (low, high), SI units.
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     pivots: tuple[tuple[str, float, float], ...] = ()  # wheel name, x [m], y [m]
     # Twist component -> range of the result of `forward` while every joint is inside its `overshot` limits. Unbounded
     # components are absent.

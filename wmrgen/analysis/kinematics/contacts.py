@@ -31,9 +31,8 @@ from wmrgen.geometry.symbolic import (
 )
 
 Outputs = list[tuple[Port, Expr]]
-TINY = number(
-    Exact(Fraction(1, 10**12))
-)  # divisors of `quotient` (numbers and sines) below this are treated as 0
+# Divisors of `quotient` (numbers and sines) below this are treated as 0.
+TINY = number(Exact(Fraction(1, 10**12)))
 
 
 def contacts(robot: Robot) -> Formula | None:

@@ -45,9 +45,8 @@ SWITCH = sympy.Rational(3, 64)
 WORST_ERROR = (
     float(SWITCH) ** 8 / 362880
 )  # of sinc, relative: the first omitted term of the series, 9! = 362880
-SHORTEST = sympy.Rational(
-    1, 10**9
-)  # [s] shorter durations are replaced by this; [m] shorter chords are treated as 0
+# [s] shorter durations are replaced by this; [m] shorter chords are treated as 0.
+SHORTEST = sympy.Rational(1, 10**9)
 
 
 def rate_per_change(dt: Expr) -> Expr:

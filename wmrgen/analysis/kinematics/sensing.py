@@ -54,9 +54,8 @@ from wmrgen.geometry.symbolic import (
 )
 
 FLOOR = Exact(Fraction(1, 10**12))  # least divisor, SI units: far below the invariants of any robot
-EDGE = Exact(
-    Fraction(1, 10**6)
-)  # relative invariant at which the rank drops: the square of a singular value of 1/1000
+# Relative invariant at which the rank drops: the square of a singular value of 1/1000.
+EDGE = Exact(Fraction(1, 10**6))
 JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
 Twist = tuple[Expr, Expr, Expr]
 

@@ -47,9 +47,8 @@ from wmrgen.geometry.symbolic import (
     with_sign_of,
 )
 
-STILL = Exact(
-    Fraction(1, 10**20)
-)  # [m/s] a slower pivot stands still: a float still represents it, no motor does
+# [m/s] a slower pivot stands still: a float still represents it, no motor does.
+STILL = Exact(Fraction(1, 10**20))
 # [1/rad] 1/pi, rounded down by 3e-11 relative, so that a change of 90 degrees keeps its branch in every arithmetic.
 PER_HALF_TURN = Exact(Fraction(31830988617, 10**11))
 QUARTER = Exact(Fraction(1570796326794896619, 10**18))  # [rad] a quarter turn

@@ -23,9 +23,8 @@ _SIN = (  # of k pi/12, k = 0..6
 )  # fmt: skip
 _DIGITS = 40  # significant decimal digits of roots, directions and tangents that are not in the field
 _HALF_ANGLE_DIGITS = 20  # digits of tan(angle/2): cosine and sine are quadratic in it, so they have 40
-_TIMES = range(
-    -4, 5
-)  # multiples of an angle that the addition theorem expands; more would give too many terms
+# Multiples of an angle that the addition theorem expands; more would give too many terms.
+_TIMES = range(-4, 5)
 _ROUNDED = 1e-18  # relative: a smaller difference of rounded numbers is 0; a root halves the 40 digits
 
 _TANGENTS = {Fraction(k, 12): _SIN[k] / _SIN[6 - k] for k in range(6)}

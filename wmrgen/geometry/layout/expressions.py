@@ -31,9 +31,8 @@ from wmrgen.robotfile.records import Binary, Call, Expr, Neg, Num, Param, Pi, Qu
 
 PI = Poly.gen("pi")
 TOLERANCE = Fraction(1, 500)  # [rad] covers angles that are written with three decimals
-SUSPICIOUS = Fraction(
-    1, 200
-)  # [rad] a note reports that an angle this close to a multiple of pi/12 is not snapped
+# [rad] a note reports that an angle this close to a multiple of pi/12 is not snapped.
+SUSPICIOUS = Fraction(1, 200)
 _SAME = Fraction(1, 10**35)  # [rad] differences below the 40 digits of rounded angles, which need no note
 LARGEST = 10**36  # SI units: above the largest number that the file format allows, in its largest unit
 _OPERATORS: dict[str, Callable[[Poly, Poly], Poly]] = {"+": add, "-": sub, "*": mul}

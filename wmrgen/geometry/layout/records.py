@@ -328,12 +328,10 @@ class Robot:
     effective_track: Length | None = None  # see `layout.skid`
     functions: tuple[str, ...] = ()
     noise: Mapping[str, Noise] = field(default_factory=dict)  # joint -> noise of wheels without their own
-    encoders: Mapping[str, Encoder] = field(
-        default_factory=dict
-    )  # joint -> encoder of wheels without their own
-    lag: Mapping[str, Exact] = field(
-        default_factory=dict
-    )  # joint -> time constant [s] of wheels without their own
+    # Joint -> encoder of wheels without their own.
+    encoders: Mapping[str, Encoder] = field(default_factory=dict)
+    # Joint -> time constant [s] of wheels without their own.
+    lag: Mapping[str, Exact] = field(default_factory=dict)
     gyro: Gyro | None = None
     tolerance: Tolerance = EXACT
     near: tuple[Near, ...] = ()  # axles that nearly coincide, within the tolerance or not

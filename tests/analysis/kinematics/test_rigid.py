@@ -1,4 +1,4 @@
-"""The rigid fit in collapsed sums is the one about the means; castors see what the constraint rows say."""
+"""The rigid fit from sums over pivots equals the fit about the mean of the contacts."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ wheels:
         assert case.least == Exact(x * x / 2)
 
 
-def test_what_intervals_see() -> None:
+def test_intervals_prove_a_positive_inertia() -> None:
     cosine = Poly.gen("cos", "a")
     assert rigid.surely_positive(10 - cosine * 3, [cosine, cosine])
     assert not rigid.surely_positive(10 - cosine * 5, [cosine, cosine])

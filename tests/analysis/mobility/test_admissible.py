@@ -1,4 +1,4 @@
-"""Twists that a robot admits where wheels agree on a line or at a point alone."""
+"""Admissible twists of robots whose couplings leave a line or a cone of twists."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Mechanical couplings: what the left null space of the joint-rate columns takes from the robot's freedom."""
+"""Mechanical couplings: how the left null space of the joint-rate columns reduces the robot's mobility."""
 
 from __future__ import annotations
 

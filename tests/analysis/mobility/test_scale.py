@@ -1,4 +1,4 @@
-"""Neither the unit of length nor the place of P matters."""
+"""Degrees do not depend on the unit of length or on the position of P."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the model is singular, in symbols: the conditions vanish there and nowhere beside."""
+"""Singularities in symbols: the conditions vanish in singular states and nowhere else."""
 
 from __future__ import annotations
 

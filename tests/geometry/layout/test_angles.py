@@ -1,4 +1,4 @@
-"""Angles that are any expression, tunable or not; angles of two decimals, as URDFs have them, that are snapped."""
+"""Angles given by expressions, tunable or not, and snapping of angles with two decimals, as in URDF files."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_an_angle_divided_by_a_parameter_that_holds_pi(a: str, tmp_path: Path) -
 def test_an_angle_of_tunable_parameters(
     text: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
 ) -> None:
-    """In all backends, at values that are not nominal, what the angle computed in advance gives."""
+    """All back ends agree, at values that are not nominal, with a file that has the angle as a number."""
     tunable = written(tmp_path, "{value: 0.5, tunable: true}", "{value: 0.7, tunable: true}", text)
     assert wmrgen_cli("derive", tunable, "-o", tmp_path / "out").code == 0
     a, b = 0.625, 0.5625
@@ -127,7 +127,7 @@ ROOTS = {
 def test_the_root_of_a_tunable_parameter_that_is_zero(
     name: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
 ) -> None:
-    """At its nominal value and beside it, what the numbers give."""
+    """At its nominal value and near it, the results equal those of a file with numbers."""
 
     def robot(a: str, root: str) -> Path:
         place = ROOTS[name].replace("sqrt(a)", root)

@@ -1,5 +1,8 @@
-"""Geometry over the ranges of tunable parameters: what crosses is refused with a point where it does, what holds is
-accepted, against dense sampling by exact rationals; C at the corners of the box."""
+"""Conditions on geometry over the ranges of tunable parameters.
+
+A violated condition is reported with a point that violates it. Verdicts are compared with dense sampling by exact
+rationals, and generated C is run at the corners of the box.
+"""
 
 from __future__ import annotations
 
@@ -67,7 +70,7 @@ def laid_out(parameters: str, x: str = "0.3", r: str = "0.1") -> Robot:
     ],
 )
 def test_a_crossing_is_refused(parameters: str, x: str, r: str) -> None:
-    """At the value, with the parameter that causes it, and with a range that will do."""
+    """The error has the place, the parameter that causes it, and a range that satisfies the condition."""
     with pytest.raises(RobotFileError) as caught:
         laid_out(parameters, x, r)
     (error,) = caught.value.parts
@@ -127,7 +130,7 @@ def test_every_place_counts() -> None:
 
 
 def test_one_line_for_one_cause() -> None:
-    """What follows from a part of a value, or stands in several wheels, is not said again."""
+    """An error that follows from a part of a value, or that occurs in several wheels, is reported once."""
     text = ROBOT.format(A, "0.3", "1/sqrt(a - 0.95)").replace(
         "x: 0.3, y: -0.2", "x: 1/sqrt(a - 0.95), y: -0.2"
     )
@@ -234,8 +237,8 @@ def grid(low: Fraction, high: Fraction, count: int = 20) -> Iterator[Fraction]:
 @settings(max_examples=examples(120), deadline=None)
 @given(st.recursive(_LEAVES, _grown, max_leaves=6))
 def test_verdicts_are_those_of_dense_sampling(text: str) -> None:
-    """c = a - b/2 is 0 nominally. A point of the grid that is wrong is refused; what is refused is wrong near the point
-    that the message names."""
+    """c = a - b/2 is 0 nominally. A file with a wrong point on the grid is rejected, and a rejected file is wrong near
+    the point in the message."""
     parameters = f"{BOTH}, c: a - b/2"
     try:
         laid_out("a: 1, b: 2, c: a - b/2", text)
@@ -286,7 +289,7 @@ def test_eval_refuses_parameters_without_geometry(
     assert done.code == 2 and "case 1" in done.err and problem in done.err
 
 
-def test_what_is_only_beyond_the_range_is_told(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
+def test_a_value_outside_its_range_is_a_warning(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
     path = tmp_path / "probed.yaml"
     path.write_text(ROBOT.format(*NARROW))
     done = wmrgen_cli("eval", path, "inverse", "vx=1", "vy=0", "omega=0", "a=1.2", "--json")
@@ -383,7 +386,7 @@ limits: {vx: 1, omega: 1, spin: 20}
     assert printed(tmp_path, text, body) == ""
 
 
-def test_derive_says_in_a_line_what_is_not_proved(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
+def test_derive_reports_what_is_not_proved(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
     path = tmp_path / "probed.yaml"
     for x, proved in (("0.3 + 0.1*sqrt(a*a - a*b + b*b/4)", False), ("sqrt(2.5 - b)", True)):
         path.write_text(ROBOT.format(NARROW[0], x, "0.1"))

@@ -1,4 +1,4 @@
-"""Angles that were meant to be special: what is snapped, what is kept, and how a note names the multiple of pi/12."""
+"""Snapping of angles: which angles are snapped, which are kept, and how a note names the multiple of pi/12."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def near(k: int, error: str) -> Poly:
 
 @pytest.mark.parametrize("k", TEXTS)
 @pytest.mark.parametrize("side", ["", "-"])
-def test_an_angle_is_taken_as_what_it_stands_for(k: int, side: str) -> None:
+def test_an_angle_near_a_multiple_is_snapped(k: int, side: str) -> None:
     angle, note = snap(near(k, f"{side}0.0005"), {}, NONE, "left: heading")
     assert angle == PI.scale(Fraction(k, 12))
     assert note is not None and note.startswith("left: heading: ")

@@ -1,4 +1,4 @@
-"""Limits of a robot file: low stands below high, whatever the two are made of."""
+"""Limits of a robot file: the lower end must not be above the upper end, also for expressions."""
 
 from __future__ import annotations
 

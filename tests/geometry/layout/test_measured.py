@@ -102,7 +102,7 @@ def test_opposite_headings_are_one_axle() -> None:
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e4])
 @pytest.mark.parametrize("turn", [0.0, 0.3, 1.7])
 @pytest.mark.parametrize(("gap", "shared"), [(0.99, True), (1.01, False)])
-def test_what_is_shared_depends_on_neither_frame_nor_unit(
+def test_alignment_does_not_depend_on_frame_or_unit(
     scale: float, turn: float, gap: float, shared: bool
 ) -> None:
     """A robot of 1 m from rim to rim; P lies 3 m and more from it."""
@@ -117,7 +117,7 @@ def test_what_is_shared_depends_on_neither_frame_nor_unit(
     assert kind(robot(*wheels[::-1], head="snap: false\n")) == kind(d)
 
 
-def test_kinematics_are_those_of_the_exact_robot_but_for_the_tolerance() -> None:
+def test_kinematics_equal_those_of_the_exact_robot() -> None:
     measured, exact = pair(0.0004, head="snap: false\n"), pair(0)
     twist = {"vx": 0.7, "vy": 0.0, "omega": -1.3}
     for name, outputs in exact.casadi()["inverse"](**twist).items():
@@ -270,8 +270,8 @@ def line(places: Sequence[float], head: str, headings: Sequence[float] = ()) -> 
 
 
 @pytest.mark.parametrize("places", [(0, 0.6, 1.2), (1.2, 0, 0.6), (0, 0.6, 1.2, 1.8, 2.4), (0, 1, 1.1, 2.05)])
-def test_of_a_chain_of_axles_the_span_is_told(places: tuple[float, ...]) -> None:
-    """The distance that makes them one axle, though each is nearer to its neighbour."""
+def test_the_span_of_a_chain_of_axles_is_reported(places: tuple[float, ...]) -> None:
+    """The message has the tolerance for one axle, although each axle is nearer to its neighbour."""
     (first, *_) = [near for near in line(places, "tolerance: 1 mm\n").robot.near if not near.moves]
     (told,) = re.findall(r"([0-9.]+) mm", first.text)
     assert float(told) > 1 and f"tolerance: {told} mm" in first.remedies
@@ -309,7 +309,7 @@ def test_headings_above_the_tolerance_name_what_helps() -> None:
     assert kind(pair("0", "0.5 deg", head=f"{remedy}\n")) == (2, 0)
 
 
-def test_two_axles_that_are_no_one_are_not_warned_of() -> None:
+def test_two_distinct_axles_are_not_reported() -> None:
     husky = [
         wheel(n, x, y)
         for n, x, y in (("fl", 0.25, 0.3), ("fr", 0.25, -0.3), ("bl", -0.25, 0.3), ("br", -0.25, -0.3))
@@ -318,7 +318,7 @@ def test_two_axles_that_are_no_one_are_not_warned_of() -> None:
     assert robot(wheel("front", 0.5, 0), wheel("rear", -0.5, 0)).robot.near == ()
 
 
-def test_lint_tells_of_what_is_taken_for_one_unless_the_file_names_its_tolerance(tmp_path: Path) -> None:
+def test_lint_reports_aligned_axles_unless_the_file_has_a_tolerance(tmp_path: Path) -> None:
     text = "wheels:\n" + wheel("left", 0, 0.2) + wheel("right", "0.0004", -0.2)
     assert codes(tmp_path / "robot.yaml", text) == ["WMR034"]
     assert codes(tmp_path / "robot.yaml", f"tolerance: 1 mm\n{text}") == []

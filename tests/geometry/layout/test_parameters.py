@@ -1,4 +1,4 @@
-"""Parameters that are computed from tunable ones: they follow it in every backend."""
+"""Parameters that are computed from a tunable one: they follow it in every back end."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def written(folder: Path, text: str) -> Path:
 
 
 @pytest.mark.parametrize("layout", everyday([PAIR, MECANUM], [PAIR]), ids=["pair", "four"])
-def test_a_tunable_gives_what_the_number_gives(
+def test_a_tunable_parameter_has_the_results_of_a_number(
     layout: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
 ) -> None:
     """All backends at track = 0.7, through chains, roots and angles, against the file with 0.7 in it."""

@@ -55,9 +55,8 @@ class Merged(NamedTuple):
     """Rows without proportional pairs."""
 
     rows: list[Measured]
-    differences: list[
-        tuple[Poly, Exact]
-    ]  # difference between the values of two proportional rows, and its weight
+    # Differences between the values of proportional rows, and their weights.
+    differences: list[tuple[Poly, Exact]]
 
 
 def solve_symbolic(rows: Sequence[Measured], names: Locals, most_terms: int = MOST_TERMS) -> Solution:
@@ -270,9 +269,8 @@ def operations(names: Locals, results: Sequence[Expr]) -> int:
             moves[e] = visit(sympy.Mul(*e.args[1:], evaluate=False) if len(e.args) > 2 else e.args[1])
             count += (abs(e.args[0]) != 1) * (1 + moves[e])
         else:
-            moves[e] = sum(visit(a) for a in e.args) > 0 or isinstance(
-                e, Input
-            )  # sum visits all, any would not
+            # A sum visits all arguments; any() would stop at the first one.
+            moves[e] = sum(visit(a) for a in e.args) > 0 or isinstance(e, Input)
             if e.args and not e.is_Number:
                 count += max(1, len(e.args) - 1) * (1 + moves[e])
         return moves[e]

@@ -96,9 +96,9 @@ def _has_long_numbers(p: Poly) -> bool:
 def disagreement(robot: Robot) -> Formula | None:
     """Return the function from sensed joint rates to the residual of each measured row.
 
-    A residual is z - H xi [m/s] for the twist xi of `forward`, times the root of the weight. Return None if the joints
-    measure no more than a twist. Errors of joints are angles, so that a larger tunable radius must not make residuals
-    larger: each row is scaled to the nominal radius of its wheel.
+    A residual is z - H xi [m/s] for the twist xi of `forward`, times the root of the weight. Each row is scaled to the
+    nominal radius of its wheel, so that a calibration cannot reduce the residuals by smaller radii. Return None if the
+    joints measure no more than a twist.
     """
     names, twist = Locals(), forward(robot)
     if {port.name: value for port, value in twist.outputs}["slip"] is sympy.S.Zero:

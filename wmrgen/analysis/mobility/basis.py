@@ -175,8 +175,9 @@ def scaled(columns: tuple[Row, ...], steered: tuple[Wheel, ...], robot: Robot) -
     """Scale null space columns so that their coordinates eta are speeds.
 
     eta is a yaw rate [rad/s] if the column has a yaw rate that does not depend on steering. Otherwise it is a speed
-    [m/s]: at eta = 1 the pivots of the steered wheels move at 1 m/s on average when all steering angles are 0, or 90
-    degrees if the motion at 0 has no speed. If only one angle is steered, its pivot has that speed at any angle.
+    [m/s]. At eta = 1 and steering angles of 0, the pivots of the steered wheels then move at 1 m/s on average. If their
+    speed is 0 there, steering angles of 90 degrees are used. If only one angle is steered, its pivot has that speed at
+    any angle.
 
     Args:
         columns: The columns of the null space.

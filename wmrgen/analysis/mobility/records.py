@@ -124,9 +124,8 @@ class Mobility:
     apart: tuple[str, ...]  # three fixed wheels whose axles meet in no common point, if there are any
     skids: bool  # the robot is degenerate and turns only by skidding
     verdict: str  # the sentence why the robot is degenerate; "" if it is not
-    growth_vector: tuple[
-        int, ...
-    ]  # dimensions of pose and steering that inputs and Lie brackets span, by order
+    # Dimensions of pose and steering that inputs and Lie brackets span, by order of the brackets.
+    growth_vector: tuple[int, ...]
     singularities: tuple[Singularity, ...]
     admissible: Admissible
     basis_rows: tuple[Row, ...]  # independent rows of C1 (working view), steering symbolic
